@@ -1,0 +1,48 @@
+//! Physics of a brake pad pressed on a rotating disc: parameters, friction law, steady sliding, its stability,
+//! the modes of the disc and the stick-slip motion.
+//!
+//! The model is the pad-on-disc system of X. Sui and Q. Ding, "Instability and stochastic analyses of a
+//! pad-on-disc frictional system in moving interactions", Nonlinear Dynamics (2018),
+//! doi 10.1007/s11071-018-4280-4, called "the paper" below. Its Table 1 (the parameter values) did not survive in
+//! the copy that this crate was written from: the preset [`Parameters::sui_ding_2018`] is a reconstruction.
+//!
+//! # Notation
+//!
+//! Lengths are scaled by the disc thickness `h`, time by `tau = sqrt(rho h^4 / D)`, speeds by
+//! `sqrt(D / (rho h^2)) = h / tau`, with the flexural rigidity `D = E h^3 / (12 (1 - nu^2))` and
+//! `eta0 = D / (rho h^4) = 1 / tau^2`. In SI units these scales are numbers rather than true dimensionless groups
+//! (`tau` carries a stray square root of a metre); the paper uses them so, and so does this crate. Forces of
+//! the scaled equations are divided by `h` and therefore carry N/m. The rotating speed `Omega` is in rad/s
+//! everywhere; the disc passes under the pad at `V = b Omega`, scaled `v`.
+//!
+//! | paper | here | meaning |
+//! |---|---|---|
+//! | Delta | `preload` | displacement that the calliper imposes on the pad, divided by `h` |
+//! | f_s, f_c | `static_coefficient`, `kinetic_coefficient` | friction at rest and at high sliding speed |
+//! | v_s, delta | `stribeck_velocity`, `stribeck_exponent` | speed scale and shape of the falling friction curve |
+//! | Omega | `rotating_speed` | of the disc, rad/s |
+//! | x, y, phi | `tangential`, `normal`, `angle` | pad motion, scaled by `h` (angle in rad) |
+//! | N, P | `normal_force` | contact force between pad and disc |
+//! | m1 / 2 | `growth_rate` | real part of the tangential eigenvalue pair, per unit of scaled time |
+//!
+//! Modules are declared in reading order. Nothing here knows of random numbers, threads or files, and no
+//! result depends on the processor: every transcendental function is `libm`'s.
+
+pub mod parameters;
+
+pub mod friction;
+
+pub mod pad_on_disc;
+
+pub mod stability;
+
+pub mod eigenvalues;
+
+pub mod verdict;
+
+pub use eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
+pub use friction::StribeckLaw;
+pub use pad_on_disc::{PadOnDisc, Scales, SlidingEquilibrium};
+pub use parameters::{ParameterError, Parameters, Scalar};
+pub use stability::{SpeedRange, StabilityBoundary};
+pub use verdict::{Verdict, VerdictCounts};

@@ -1,0 +1,62 @@
+//! What can be said of one sample, and how often it was said.
+
+use std::ops::{Add, AddAssign};
+
+/// The verdict on one sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// Steady sliding persists.
+    Stable,
+    /// Steady sliding does not persist: the pad sticks and slips.
+    Unstable,
+    /// The motion was followed as far as the job allows without a certain answer.
+    Undecided,
+    /// The computation broke down, for example by overflow or without convergence.
+    Failed,
+}
+
+/// How many samples received each verdict. Integers, so that no sum depends on its order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct VerdictCounts {
+    /// Samples judged [`Verdict::Stable`].
+    pub stable: u64,
+    /// Samples judged [`Verdict::Unstable`].
+    pub unstable: u64,
+    /// Samples judged [`Verdict::Undecided`].
+    pub undecided: u64,
+    /// Samples judged [`Verdict::Failed`].
+    pub failed: u64,
+}
+
+impl VerdictCounts {
+    /// All samples, whatever their verdict.
+    #[must_use]
+    pub fn total(&self) -> u64 {
+        self.stable + self.unstable + self.undecided + self.failed
+    }
+
+    /// Samples with a verdict that counts towards a probability.
+    #[must_use]
+    pub fn decided(&self) -> u64 {
+        self.stable + self.unstable
+    }
+}
+
+impl Add for VerdictCounts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            stable: self.stable + other.stable,
+            unstable: self.unstable + other.unstable,
+            undecided: self.undecided + other.undecided,
+            failed: self.failed + other.failed,
+        }
+    }
+}
+
+impl AddAssign for VerdictCounts {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}

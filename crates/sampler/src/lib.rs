@@ -1,0 +1,27 @@
+//! Statistics of the stability of a brake: which cells a job has, which deviates each sample receives, and what the
+//! counted verdicts say of a probability.
+//!
+//! A job is a grid of [`Cell`]s, each an expected preload and static friction coefficient with relative standard
+//! deviations, at one rotating speed. Sample `j` of a cell is a pure function of the seed, the cell, `j` and
+//! [`RESULTS_VERSION`] ([`identity`]); its verdict comes from `stickslip-core`. Verdicts are counted in integers
+//! and turned into an [`Estimate`] ([`interval`]); where the boundary is known in closed form, [`exact`] gives
+//! the probability itself.
+//!
+//! Modules are declared in reading order. Nothing here knows of threads, files or the terminal.
+
+pub mod grid;
+
+pub mod identity;
+
+pub mod samples;
+
+pub mod normal;
+
+pub mod interval;
+
+pub mod exact;
+
+pub use grid::{Axis, AxisError, Cell, Grid, RelativeStd};
+pub use identity::{BLOCK_SAMPLES, Purpose, RESULTS_VERSION};
+pub use interval::{Estimate, WilsonInterval};
+pub use samples::{SampleStream, Samples};
