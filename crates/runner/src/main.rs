@@ -1,1 +1,68 @@
-fn main() {}
+//! `stickslip`: the command line of the engine. Reads job specs, runs them on all cores, keeps run directories, and
+//! reproduces the tables and figures of Sui & Ding (2018).
+//!
+//! Modules are declared in reading order; physics is in `stickslip-core`, statistics in `stickslip-sampler`.
+
+mod failure;
+
+mod output;
+
+mod interrupt;
+
+mod job;
+
+mod run;
+
+mod picture;
+
+mod commands;
+
+mod reproduce;
+
+mod cli;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use clap::error::ErrorKind;
+
+use crate::cli::{Cli, Command};
+use crate::failure::Failure;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let wanted = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
+            return match (error.print(), wanted) {
+                (Ok(()), true) => ExitCode::SUCCESS,
+                (Err(error), true) => fail(&Failure::output(&error)),
+                (_, false) => ExitCode::from(64),
+            };
+        }
+    };
+    match dispatch(cli.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => fail(&failure),
+    }
+}
+
+fn dispatch(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Submit(arguments) => commands::submit(&arguments),
+        Command::Resume(arguments) => commands::resume(&arguments),
+        Command::Status(arguments) => commands::status(&arguments),
+        Command::Check(arguments) => commands::check(&arguments),
+        Command::Analyse(arguments) => commands::analyse(&arguments),
+        Command::Reproduce(arguments) => reproduce::reproduce(&arguments),
+        Command::Merge(arguments) => commands::merge(&arguments),
+        Command::Schema => commands::schema(),
+        Command::Completions(arguments) => commands::completions(&arguments),
+        Command::Man => commands::man(),
+    }
+}
+
+fn fail(failure: &Failure) -> ExitCode {
+    output::note(format_args!("{failure}"));
+    ExitCode::from(failure.exit_code())
+}

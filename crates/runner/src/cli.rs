@@ -1,0 +1,157 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
+
+use crate::reproduce::Target;
+use crate::run::Shard;
+
+/// Probability that a brake pad sticks and slips, by parallel Monte Carlo.
+#[derive(Debug, Parser)]
+#[command(name = "stickslip", version, about, max_term_width = 110)]
+#[command(after_help = "Exit codes: 0 done; 64 usage; 65 bad job spec, or a job that differs from the run's; \
+    73 cannot create output; 74 I/O error; 75 the run directory is in use; 130 and 143 interrupted (what was \
+    finished is kept).")]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a job and write its probability surface
+    Submit(SubmitArguments),
+    /// Continue a run that was interrupted
+    Resume(ResumeArguments),
+    /// Show how far a run is
+    Status(StatusArguments),
+    /// Validate a job: show it normalised, with its cells, samples and expected cost
+    Check(CheckArguments),
+    /// Analyse one parameter point: equilibrium, eigenvalues, critical speed
+    Analyse(AnalyseArguments),
+    /// Reproduce a table or figure of Sui & Ding (2018)
+    Reproduce(ReproduceArguments),
+    /// Join the pieces of finished shards into the surface
+    Merge(MergeArguments),
+    /// Print the JSON schema of job specs
+    Schema,
+    /// Print a completion script for a shell
+    Completions(CompletionsArguments),
+    /// Print the manual page
+    Man,
+}
+
+/// Arguments of `submit`.
+#[derive(Debug, Args)]
+pub struct SubmitArguments {
+    /// The job spec
+    #[arg(value_name = "JOB.toml")]
+    pub job: PathBuf,
+    /// Run directory [default: runs/NAME]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
+    /// Seed of the random numbers, instead of the job's
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// Samples in each cell, instead of the job's; more than a finished run has extends it
+    #[arg(long, value_name = "N")]
+    pub samples: Option<u64>,
+    /// Compute only one of N parts, to be merged later; I counts from 1 to N or from 0 to N-1
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+}
+
+/// How many threads.
+#[derive(Debug, Args)]
+pub struct ThreadsArgument {
+    /// Threads [default: all processors]; the result does not depend on them
+    #[arg(long = "threads", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl ThreadsArgument {
+    /// As told, or one for each processor.
+    pub fn count(&self) -> usize {
+        self.threads.map_or_else(
+            || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+            usize::from,
+        )
+    }
+}
+
+/// Arguments of `resume`.
+#[derive(Debug, Args)]
+pub struct ResumeArguments {
+    /// The run directory
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
+}
+
+/// Arguments of `status`.
+#[derive(Debug, Args)]
+pub struct StatusArguments {
+    /// The run directory
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+    /// As JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// The job spec
+    #[arg(value_name = "JOB.toml")]
+    pub job: PathBuf,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
+}
+
+/// Arguments of `analyse`.
+#[derive(Debug, Args)]
+pub struct AnalyseArguments {
+    /// Change a value of the preset, for example friction.static_coefficient=0.45; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// As JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `reproduce`.
+#[derive(Debug, Args)]
+pub struct ReproduceArguments {
+    /// Which table or figure
+    #[arg(value_name = "NAME", value_enum)]
+    pub target: Target,
+    /// Directory for the runs; each goes to DIR/NAME
+    #[arg(long, value_name = "DIR", default_value = "runs")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
+}
+
+/// Arguments of `merge`.
+#[derive(Debug, Args)]
+pub struct MergeArguments {
+    /// The run directory that the shards were submitted to
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+}
+
+/// Arguments of `completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArguments {
+    /// bash, elvish, fish, powershell or zsh
+    #[arg(value_name = "SHELL", value_enum)]
+    pub shell: Shell,
+}

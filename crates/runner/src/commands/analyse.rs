@@ -1,0 +1,107 @@
+//! `analyse`: one parameter point.
+
+use serde_json::{Value, json};
+use stickslip_core::parameters::SCALARS;
+use stickslip_core::{PadOnDisc, Parameters};
+
+use crate::cli::AnalyseArguments;
+use crate::failure::Failure;
+use crate::job::unknown_parameter;
+use crate::output::result;
+
+/// `stickslip analyse`.
+pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
+    let brake = brake(&arguments.set)?;
+    let eigenvalues = stickslip_core::eigenvalues(&brake.jacobian())
+        .map_err(|error| Failure::InputOutput(format!("eigenvalues of steady sliding: {error}")))?;
+    let equilibrium = brake.sliding_equilibrium();
+    let boundary = brake.stability_boundary();
+    let parameters = brake.parameters();
+    let operating_point = &parameters.operating_point;
+    let speeds = brake.unstable_speeds();
+    let stable = brake.growth_rate() <= 0.0;
+    let critical_static_friction = boundary.critical_static_friction(operating_point.preload);
+    let critical_preload = boundary.critical_preload(parameters.friction.static_coefficient);
+    if arguments.json {
+        let values: serde_json::Map<String, Value> =
+            SCALARS.iter().map(|scalar| (scalar.key.to_owned(), json!(scalar.value(parameters)))).collect();
+        // JSON has no infinity; serde_json writes null, which reads as "there is none".
+        let analysis = json!({
+            "equilibrium": { "x": equilibrium.tangential, "y": equilibrium.normal, "phi": equilibrium.angle },
+            "normal_force_n": equilibrium.normal_force * brake.scales().length,
+            "friction_coefficient": equilibrium.friction_coefficient,
+            "eigenvalues": eigenvalues.iter().map(|value| [value.re, value.im]).collect::<Vec<_>>(),
+            "growth_rate": brake.growth_rate(),
+            "stable": stable,
+            "critical_speed_rad_s": speeds.map(|speeds| speeds.to),
+            "lower_critical_speed_rad_s": speeds.map(|speeds| speeds.from).filter(|from| *from > 0.0),
+            "critical_static_friction": critical_static_friction,
+            "critical_preload": critical_preload,
+            "time_scale_s": brake.scales().time,
+            "parameters": values,
+        });
+        return result(&format!("{analysis:#}\n"));
+    }
+    let mut text = format!(
+        "Steady sliding at {} rad/s, preload {}, static friction {}: {}\n\n",
+        operating_point.rotating_speed,
+        operating_point.preload,
+        parameters.friction.static_coefficient,
+        if stable { "stable" } else { "UNSTABLE" }
+    );
+    text += &format!(
+        "equilibrium        x0 = {:.6e}, y0 = {:.6e} (times h = {} m), phi0 = {:.6e} rad\n",
+        equilibrium.tangential, equilibrium.normal, brake.scales().length, equilibrium.angle
+    );
+    text += &format!(
+        "contact            N = {:.1} N, friction coefficient {:.5}\n",
+        equilibrium.normal_force * brake.scales().length,
+        equilibrium.friction_coefficient
+    );
+    text += "eigenvalues        of scaled time (frequency in Hz of scaled time)\n";
+    for value in eigenvalues.iter().filter(|value| value.im >= 0.0) {
+        text += &format!(
+            "                   {:+.6} +- {:.6} i   ({:.4} Hz)\n",
+            value.re,
+            value.im,
+            value.im / std::f64::consts::TAU
+        );
+    }
+    text += &format!("growth rate        {:+.6} (tangential motion)\n", brake.growth_rate());
+    text += &match speeds {
+        None => "critical speed     none: steady sliding is stable at every speed\n".to_owned(),
+        Some(speeds) if speeds.to.is_infinite() => "critical speed     none: unstable at every speed\n".to_owned(),
+        Some(speeds) if speeds.from > 0.0 => {
+            format!("critical speed     {:.4} rad/s, unstable down to {:.4} rad/s\n", speeds.to, speeds.from)
+        }
+        Some(speeds) => format!("critical speed     {:.4} rad/s, unstable below\n", speeds.to),
+    };
+    text += &format!("critical friction  {} at this preload and speed\n", finite(critical_static_friction));
+    text += &format!("critical preload   {} at this friction and speed\n", finite(critical_preload));
+    result(&text)
+}
+
+fn finite(value: f64) -> String {
+    if value.is_finite() { format!("{value:.5}") } else { "none".to_owned() }
+}
+
+/// The preset with `KEY=VALUE` changes.
+fn brake(changes: &[String]) -> Result<PadOnDisc, Failure> {
+    let mut parameters = Parameters::sui_ding_2018();
+    for change in changes {
+        let Some((key, value)) = change.split_once('=') else {
+            let message = format!("--set {change}: write KEY=VALUE, for example friction.static_coefficient=0.45");
+            return Err(Failure::Usage(message));
+        };
+        let (key, value) = (key.trim(), value.trim());
+        let number: f64 =
+            value.parse().map_err(|_| Failure::Usage(format!("--set {key}={value}: {value:?} is not a number")))?;
+        parameters.set(key, number).map_err(|error| match error {
+            stickslip_core::ParameterError::Unknown { .. } => {
+                Failure::Usage(format!("--set {change}: {}", unknown_parameter(key)))
+            }
+            other => Failure::Usage(format!("--set {change}: {other}")),
+        })?;
+    }
+    PadOnDisc::new(parameters).map_err(|error| Failure::Usage(format!("--set: {error}")))
+}

@@ -1,0 +1,13 @@
+//! The commands, one file each.
+
+mod analyse;
+mod check;
+mod describe;
+mod status;
+mod submit;
+
+pub use analyse::analyse;
+pub use check::check;
+pub use describe::{completions, man, schema};
+pub use status::status;
+pub use submit::{FinishedRun, complete_run, merge, resume, submit};

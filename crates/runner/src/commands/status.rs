@@ -1,0 +1,53 @@
+//! `status`: how far a run is.
+
+use serde_json::json;
+
+use crate::cli::StatusArguments;
+use crate::failure::Failure;
+use crate::output::result;
+use crate::run::RunDirectory;
+
+/// `stickslip status`.
+pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
+    let directory = RunDirectory::view(&arguments.run)?;
+    let job = directory.job()?;
+    let tally = directory.tally(&job)?;
+    let complete_cells = tally.complete_cells(job.samples);
+    let in_use = directory.in_use();
+    let state = match (complete_cells == job.cells(), directory.surface().is_file()) {
+        _ if in_use => "running",
+        (true, true) => "finished",
+        (true, false) => "complete, not merged",
+        (false, _) => "unfinished",
+    };
+    let (counted, total) = (tally.counted(), job.total_samples());
+    let share = counted as f64 / total as f64;
+    if arguments.json {
+        let status = json!({
+            "run": arguments.run.display().to_string(),
+            "name": job.name,
+            "state": state,
+            "in_use": in_use,
+            "cells": job.cells(),
+            "cells_complete": complete_cells,
+            "samples_per_cell": job.samples,
+            "samples_done": counted as f64,
+            "samples_total": total as f64,
+            "share_done": share,
+            "surface": directory.surface().is_file().then(|| directory.surface().display().to_string()),
+            "job_hash": job.hash(),
+        });
+        return result(&format!("{status:#}\n"));
+    }
+    let next = match state {
+        "unfinished" => format!("\ncontinue with `stickslip resume {}`", arguments.run.display()),
+        "complete, not merged" => format!("\nwrite the surface with `stickslip merge {}`", arguments.run.display()),
+        _ => String::new(),
+    };
+    result(&format!(
+        "{}: {state}, {:.1} % ({counted} of {total} samples, {complete_cells} of {} cells complete){next}\n",
+        job.name,
+        100.0 * share,
+        job.cells()
+    ))
+}

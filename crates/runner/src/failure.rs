@@ -1,0 +1,88 @@
+//! Why a command ended without its result, and the exit code that says so.
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+use thiserror::Error;
+
+/// The signal that ended a run early.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Signal {
+    /// Ctrl-C.
+    Interrupt,
+    /// `kill`, a batch system at its time limit.
+    Terminate,
+}
+
+impl fmt::Display for Signal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Interrupt => "interrupted",
+            Self::Terminate => "terminated",
+        })
+    }
+}
+
+/// Every way in which a command can fail. The text is the whole message to the user.
+#[derive(Debug, Error)]
+pub enum Failure {
+    /// The command line asks for something that does not exist.
+    #[error("{0}")]
+    Usage(String),
+    /// The job spec is not valid, or differs from the run's.
+    #[error("{0}")]
+    Job(String),
+    /// A file or directory cannot be created.
+    #[error("{0}")]
+    CannotCreate(String),
+    /// Reading or writing failed.
+    #[error("{0}")]
+    InputOutput(String),
+    /// Another process works in the run directory.
+    #[error("{0}")]
+    Busy(String),
+    /// A signal ended the run; what was finished is kept.
+    #[error("{signal}; {message}")]
+    Stopped {
+        /// Which signal.
+        signal: Signal,
+        /// What is kept, and how to go on.
+        message: String,
+    },
+}
+
+impl Failure {
+    /// The exit code of the process.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Usage(_) => 64,
+            Self::Job(_) => 65,
+            Self::CannotCreate(_) => 73,
+            Self::InputOutput(_) => 74,
+            Self::Busy(_) => 75,
+            Self::Stopped { signal: Signal::Interrupt, .. } => 130,
+            Self::Stopped { signal: Signal::Terminate, .. } => 143,
+        }
+    }
+
+    /// A file could not be read.
+    pub fn reading(path: &Path, error: impl fmt::Display) -> Self {
+        Self::InputOutput(format!("cannot read {}: {error}", path.display()))
+    }
+
+    /// A file could not be written.
+    pub fn writing(path: &Path, error: impl fmt::Display) -> Self {
+        Self::InputOutput(format!("cannot write {}: {error}", path.display()))
+    }
+
+    /// A file or directory could not be made.
+    pub fn creating(path: &Path, error: impl fmt::Display) -> Self {
+        Self::CannotCreate(format!("cannot create {}: {error}", path.display()))
+    }
+
+    /// Standard output did not take a result.
+    pub fn output(error: &io::Error) -> Self {
+        Self::InputOutput(format!("cannot write to standard output: {error}"))
+    }
+}

@@ -1,0 +1,103 @@
+//! A small picture of a surface for the terminal.
+
+use crate::run::Surface;
+
+/// Rows and columns of a picture at the most; larger grids are thinned out.
+const MOST_ROWS: usize = 15;
+const MOST_COLUMNS: usize = 60;
+
+/// Slices (speeds and standard deviations) shown at the most.
+const MOST_SLICES: usize = 4;
+
+/// Widest bar.
+const BAR: usize = 40;
+
+/// Shades with the probability from which they hold.
+const SHADES: [(f64, char); 6] = [(0.8, '█'), (0.6, '▓'), (0.4, '▒'), (0.2, '░'), (0.01, '·'), (0.0, ' ')];
+
+/// The probability of instability over preload and static friction, a slice for each speed and standard deviation;
+/// bars where only one of the two varies.
+pub fn picture(surface: &Surface<'_>) -> String {
+    let [speeds, stds, preloads, frictions] = surface.job().grid.lengths().map(|length| length as usize);
+    let slices = speeds * stds;
+    let mut text = String::new();
+    for slice in 0..slices.min(MOST_SLICES) {
+        let first = (slice * preloads * frictions) as u64;
+        text += &slice_title(surface, first);
+        if preloads > 1 && frictions > 1 {
+            text += &heat_map(surface, first, preloads, frictions);
+        } else {
+            text += &bars(surface, first, preloads, frictions);
+        }
+    }
+    if slices > MOST_SLICES {
+        text += &format!("... and {} more slices in the file\n", slices - MOST_SLICES);
+    }
+    text
+}
+
+fn slice_title(surface: &Surface<'_>, first: u64) -> String {
+    let cell = surface.row(first).cell;
+    let mut scatter = Vec::new();
+    for (name, std) in [("preload", cell.relative_std.preload), ("friction", cell.relative_std.static_friction)] {
+        if std > 0.0 {
+            scatter.push(format!("{name} {std}"));
+        }
+    }
+    let scatter = if scatter.is_empty() { "none".to_owned() } else { scatter.join(", ") };
+    format!("Probability of instability at {} rad/s; relative std: {scatter}\n\n", cell.rotating_speed)
+}
+
+/// Indices of at most `most` of `length` evenly spread entries, both ends included.
+fn thinned(length: usize, most: usize) -> Vec<usize> {
+    if length <= most {
+        return (0..length).collect();
+    }
+    (0..most).map(|i| (i * (length - 1) + (most - 1) / 2) / (most - 1)).collect()
+}
+
+fn heat_map(surface: &Surface<'_>, first: u64, preloads: usize, frictions: usize) -> String {
+    let columns = thinned(frictions, MOST_COLUMNS);
+    let width = if columns.len() <= MOST_COLUMNS / 2 { 2 } else { 1 };
+    let row_at = |preload: usize, friction: usize| surface.row(first + (preload * frictions + friction) as u64);
+    let mut text = " preload\n".to_owned();
+    for preload in thinned(preloads, MOST_ROWS).into_iter().rev() {
+        text += &format!("{:>8.4} |", row_at(preload, 0).cell.preload);
+        for &friction in &columns {
+            let shade = row_at(preload, friction).estimate.probability.map_or('?', shade);
+            text.extend(std::iter::repeat_n(shade, width));
+        }
+        text += "|\n";
+    }
+    let (from, to) = (row_at(0, 0).cell.static_friction, row_at(0, frictions - 1).cell.static_friction);
+    let (from, to) = (format!("{from}"), format!("{to}"));
+    let inside = columns.len() * width;
+    let gap = inside.saturating_sub(from.len() + to.len()).max(1);
+    text += &format!("{:9}+{}+\n{:10}{from}{:gap$}{to}  static friction\n", "", "-".repeat(inside), "", "");
+    text += "          ' ' below 1 %, · 1 to 20, ░ 20 to 40, ▒ 40 to 60, ▓ 60 to 80, █ 80 % and more\n\n";
+    text
+}
+
+fn shade(probability: f64) -> char {
+    SHADES.iter().find(|(from, _)| probability >= *from).map_or(' ', |(_, shade)| *shade)
+}
+
+fn bars(surface: &Surface<'_>, first: u64, preloads: usize, frictions: usize) -> String {
+    let along_preload = preloads > 1;
+    let mut text = format!(" {}\n", if along_preload { "preload" } else { "static friction" });
+    for index in thinned(preloads.max(frictions), 2 * MOST_ROWS) {
+        let row = surface.row(first + index as u64);
+        let value = if along_preload { row.cell.preload } else { row.cell.static_friction };
+        let line = match row.estimate.probability {
+            None => "no sample was decided".to_owned(),
+            Some(p) => {
+                let filled = (p * BAR as f64).round() as usize;
+                let bar = format!("{}{}", "█".repeat(filled), " ".repeat(BAR - filled));
+                format!("{bar}| {p:.4}  ({:.4} to {:.4})", row.estimate.low, row.estimate.high)
+            }
+        };
+        text += &format!("{value:>8.4} |{line}\n");
+    }
+    text.push('\n');
+    text
+}

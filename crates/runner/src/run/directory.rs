@@ -1,0 +1,177 @@
+//! The run directory: who may write in it, and what job it belongs to.
+
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
+
+use super::piece;
+use super::tally::Tally;
+use crate::failure::Failure;
+use crate::job::{Job, JobSource};
+use crate::output::note;
+
+/// How a process works in a run directory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// Alone: it may tidy up and write the surface.
+    Alone,
+    /// Beside others: a shard, which only adds pieces.
+    Shared,
+}
+
+/// A run directory that this process may work in.
+#[derive(Debug)]
+pub struct RunDirectory {
+    path: PathBuf,
+    /// Holds the lock on the directory as long as it is open.
+    _lock: Option<File>,
+}
+
+impl RunDirectory {
+    /// Opens `path` for a job, creating it if there is nothing yet.
+    pub fn create(path: &Path, access: Access) -> Result<Self, Failure> {
+        if path.exists() && !path.is_dir() {
+            let message = format!("{} is a file; a run needs a directory. Choose another with --out", path.display());
+            return Err(Failure::CannotCreate(message));
+        }
+        if path.is_dir() && !path.join("job.toml").exists() && !looks_empty(path)? {
+            let message =
+                format!("{} is not empty and not a run directory. Choose another with --out", path.display());
+            return Err(Failure::CannotCreate(message));
+        }
+        let shards = path.join("shards");
+        fs::create_dir_all(&shards).map_err(|error| Failure::creating(path, error))?;
+        Self::lock(path, access)
+    }
+
+    /// Opens an existing run.
+    pub fn open(path: &Path, access: Access) -> Result<Self, Failure> {
+        Self::require_run(path)?;
+        Self::lock(path, access)
+    }
+
+    /// Opens an existing run to look at it, whoever works in it.
+    pub fn view(path: &Path) -> Result<Self, Failure> {
+        Self::require_run(path)?;
+        Ok(Self { path: path.to_owned(), _lock: None })
+    }
+
+    fn require_run(path: &Path) -> Result<(), Failure> {
+        let why = if !path.exists() {
+            "it does not exist"
+        } else if !path.is_dir() {
+            "it is a file"
+        } else if !path.join("job.toml").is_file() || !path.join("shards").is_dir() {
+            "it has no job.toml and shards/"
+        } else {
+            return Ok(());
+        };
+        Err(Failure::InputOutput(format!("{} is not a run directory: {why}", path.display())))
+    }
+
+    fn lock(path: &Path, access: Access) -> Result<Self, Failure> {
+        let directory = File::open(path).map_err(|error| Failure::reading(path, error))?;
+        let try_lock = || match access {
+            Access::Alone => directory.try_lock(),
+            Access::Shared => directory.try_lock_shared(),
+        };
+        // `status` holds the lock for an instant; that must not look like a run.
+        let mut locked = try_lock();
+        for _ in 0..10 {
+            if !matches!(locked, Err(TryLockError::WouldBlock)) {
+                break;
+            }
+            thread::sleep(Duration::from_millis(20));
+            locked = try_lock();
+        }
+        match locked {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let message = format!("{} is in use by another stickslip; wait for it, or stop it first", path.display());
+                return Err(Failure::Busy(message));
+            }
+            // Some network file systems have no locks. Pieces are safe without (whole files under names of their
+            // own, counted once), so a missing lock costs at worst work done twice.
+            Err(TryLockError::Error(error)) => {
+                note(format_args!("note: {} cannot be locked ({error}); make sure that nothing else runs in it", path.display()));
+            }
+        }
+        Ok(Self { path: path.to_owned(), _lock: Some(directory) })
+    }
+
+    /// Whether another process works in this run now.
+    pub fn in_use(&self) -> bool {
+        File::open(&self.path).is_ok_and(|directory| matches!(directory.try_lock(), Err(TryLockError::WouldBlock)))
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The finished pieces.
+    pub fn shards(&self) -> PathBuf {
+        self.path.join("shards")
+    }
+
+    /// The result.
+    pub fn surface(&self) -> PathBuf {
+        self.path.join("surface.parquet")
+    }
+
+    /// The frozen job, if one is there yet.
+    pub fn job_source(&self) -> Result<Option<JobSource>, Failure> {
+        let path = self.path.join("job.toml");
+        if path.exists() { JobSource::read(&path).map(Some) } else { Ok(None) }
+    }
+
+    /// The frozen job of an existing run.
+    pub fn job(&self) -> Result<Job, Failure> {
+        match self.job_source()? {
+            Some(source) => source.job(),
+            None => Err(Failure::InputOutput(format!("{} has no job.toml", self.path.display()))),
+        }
+    }
+
+    /// Freezes the job.
+    pub fn freeze(&self, source: &JobSource) -> Result<(), Failure> {
+        piece::publish(&self.path, "job.toml", source.text.as_bytes())
+    }
+
+    /// Removes what killed processes left behind.
+    pub fn tidy(&self) -> Result<(), Failure> {
+        piece::remove_unfinished(&self.path)?;
+        piece::remove_unfinished(&self.shards())
+    }
+
+    /// Everything counted so far. Pieces that cannot be trusted are named on standard error and left out.
+    pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
+        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), job.cells())?;
+        for complaint in &pieces.complaints {
+            note(format_args!("warning: {complaint}"));
+        }
+        let mut tally = Tally::new(job.cells());
+        tally.add_all(pieces.segments).map_err(|message| {
+            Failure::InputOutput(format!(
+                "{}: {message}. One of them is wrong; move shards/ aside and compute again",
+                self.path.display()
+            ))
+        })?;
+        Ok(tally)
+    }
+}
+
+fn looks_empty(path: &Path) -> Result<bool, Failure> {
+    let entries = fs::read_dir(path).map_err(|error| Failure::reading(path, error))?;
+    for entry in entries {
+        let entry = entry.map_err(|error| Failure::reading(path, error))?;
+        // What a submit killed in its first moment leaves.
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name != "shards" && !name.starts_with(".unfinished-") {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}

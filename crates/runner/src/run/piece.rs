@@ -1,0 +1,243 @@
+//! Pieces: files of finished work, the only state that a resumed run trusts.
+//!
+//! A piece is a small Parquet file of segments, named by the hash of its own bytes, written under a temporary name
+//! and renamed when it is on disk. A piece that is torn, altered or from another job is never read as good.
+
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use arrow::array::{ArrayRef, Int64Array, RecordBatch};
+use arrow::datatypes::{DataType, Field, Schema};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use stickslip_core::VerdictCounts;
+
+use super::tally::Segment;
+use crate::failure::Failure;
+
+const COLUMNS: [&str; 7] =
+    ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
+
+const EXPERIMENT_KEY: &str = "stickslip:experiment";
+
+const TEMPORARY_PREFIX: &str = ".unfinished-";
+
+/// Writes segments as a new piece in `directory`.
+pub fn write(directory: &Path, experiment: &str, segments: &[Segment]) -> Result<(), Failure> {
+    let bytes = encode(experiment, segments).map_err(|error| Failure::writing(directory, error))?;
+    let name = format!("{}.parquet", digest(&bytes));
+    publish(directory, &name, &bytes)
+}
+
+/// Puts `bytes` into `directory` under `name`, whole or not at all.
+pub fn publish(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+    let temporary = directory.join(format!("{TEMPORARY_PREFIX}{}-{name}", std::process::id()));
+    let target = directory.join(name);
+    let written = (|| {
+        let mut file = File::create(&temporary)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        fs::rename(&temporary, &target)?;
+        // The rename itself must survive a power cut.
+        File::open(directory)?.sync_all()
+    })();
+    written.map_err(|error| {
+        let _ = fs::remove_file(&temporary);
+        Failure::writing(&target, error)
+    })
+}
+
+/// What the pieces of a directory hold, and what was wrong with those that were left out.
+#[derive(Debug, Default)]
+pub struct Pieces {
+    /// Segments of every sound piece.
+    pub segments: Vec<Segment>,
+    /// One line for each piece that was not.
+    pub complaints: Vec<String>,
+}
+
+/// Reads every piece in `directory`.
+///
+/// # Errors
+/// A directory that cannot be read, or a sound piece of another experiment: these runs must not be mixed.
+pub fn read_all(directory: &Path, experiment: &str, cells: u64) -> Result<Pieces, Failure> {
+    let mut pieces = Pieces::default();
+    for path in files(directory)? {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        if name.starts_with(TEMPORARY_PREFIX) {
+            continue;
+        }
+        let damaged = |why: &str| format!("{} is ignored, its samples will be computed again: {why}", path.display());
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                pieces.complaints.push(damaged(&error.to_string()));
+                continue;
+            }
+        };
+        if name != format!("{}.parquet", digest(&bytes)) {
+            pieces.complaints.push(damaged("its content does not match the checksum in its name"));
+            continue;
+        }
+        match decode(bytes) {
+            Ok((owner, _)) if owner != experiment => {
+                let message = format!("{} belongs to another job or another version of stickslip", path.display());
+                return Err(Failure::Job(message));
+            }
+            Ok((_, segments)) if segments.iter().all(|s| s.cell < cells && s.is_consistent()) => {
+                pieces.segments.extend(segments);
+            }
+            Ok(_) => pieces.complaints.push(damaged("its counts do not add up")),
+            Err(error) => pieces.complaints.push(damaged(&error)),
+        }
+    }
+    Ok(pieces)
+}
+
+/// Removes what interrupted writers left behind. Only for the one process that owns the directory.
+pub fn remove_unfinished(directory: &Path) -> Result<(), Failure> {
+    for path in files(directory)? {
+        if path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(TEMPORARY_PREFIX)) {
+            fs::remove_file(&path).map_err(|error| Failure::writing(&path, error))?;
+        }
+    }
+    Ok(())
+}
+
+fn files(directory: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let entries = fs::read_dir(directory).map_err(|error| Failure::reading(directory, error))?;
+    let mut paths = Vec::new();
+    for entry in entries {
+        paths.push(entry.map_err(|error| Failure::reading(directory, error))?.path());
+    }
+    paths.sort();
+    Ok(paths)
+}
+
+fn digest(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex()[..32].to_owned()
+}
+
+fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
+    let column = |value: fn(&Segment) -> u64| -> ArrayRef {
+        // Counts stay far below 2^63, see the limit on samples.
+        Arc::new(segments.iter().map(|segment| value(segment) as i64).collect::<Int64Array>())
+    };
+    let columns = vec![
+        column(|s| s.cell),
+        column(|s| s.samples.start),
+        column(Segment::len),
+        column(|s| s.counts.stable),
+        column(|s| s.counts.unstable),
+        column(|s| s.counts.undecided),
+        column(|s| s.counts.failed),
+    ];
+    let schema = Arc::new(Schema::new(COLUMNS.map(|name| Field::new(name, DataType::Int64, false)).to_vec()));
+    let owner = KeyValue::new(EXPERIMENT_KEY.to_owned(), experiment.to_owned());
+    let properties = WriterProperties::builder().set_key_value_metadata(Some(vec![owner])).build();
+    let mut writer = ArrowWriter::try_new(Vec::new(), schema.clone(), Some(properties))?;
+    writer.write(&RecordBatch::try_new(schema, columns)?)?;
+    writer.into_inner()
+}
+
+fn decode(bytes: Vec<u8>) -> Result<(String, Vec<Segment>), String> {
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let builder = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes)).map_err(|e| text(&e))?;
+    let metadata = builder.metadata().file_metadata().key_value_metadata();
+    let owner = metadata.and_then(|pairs| pairs.iter().find(|pair| pair.key == EXPERIMENT_KEY));
+    let owner = owner.and_then(|pair| pair.value.clone()).ok_or("it does not say which job it belongs to")?;
+    let mut segments = Vec::new();
+    for batch in builder.build().map_err(|e| text(&e))? {
+        let batch = batch.map_err(|e| text(&e))?;
+        let mut columns = Vec::new();
+        for name in COLUMNS {
+            let column = batch.column_by_name(name).and_then(|column| column.as_any().downcast_ref::<Int64Array>());
+            columns.push(column.ok_or_else(|| format!("column {name} is missing"))?);
+        }
+        for row in 0..batch.num_rows() {
+            let value = |column: usize| u64::try_from(columns[column].value(row)).map_err(|_| "a count is negative");
+            let start = value(1)?;
+            let end = start.checked_add(value(2)?).ok_or("a range of samples overflows")?;
+            let counts = VerdictCounts { stable: value(3)?, unstable: value(4)?, undecided: value(5)?, failed: value(6)? };
+            segments.push(Segment { cell: value(0)?, samples: start..end, counts });
+        }
+    }
+    Ok((owner, segments))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn some_segments() -> Vec<Segment> {
+        (0..50)
+            .map(|cell| Segment {
+                cell,
+                samples: 1000 * cell..1000 * cell + 10,
+                counts: VerdictCounts { stable: 4, unstable: 3, undecided: 2, failed: 1 },
+            })
+            .collect()
+    }
+
+    fn written() -> (tempfile::TempDir, PathBuf) {
+        let directory = tempfile::tempdir().unwrap();
+        write(directory.path(), "experiment", &some_segments()).unwrap();
+        let piece = files(directory.path()).unwrap().remove(0);
+        (directory, piece)
+    }
+
+    #[test]
+    fn a_piece_reads_back_as_written() {
+        let (directory, _) = written();
+        let pieces = read_all(directory.path(), "experiment", 50).unwrap();
+        assert_eq!(pieces.segments, some_segments());
+        assert!(pieces.complaints.is_empty());
+    }
+
+    #[test]
+    fn any_damaged_byte_is_noticed() {
+        let (directory, piece) = written();
+        let sound = fs::read(&piece).unwrap();
+        for position in (0..sound.len()).step_by(7) {
+            let mut bytes = sound.clone();
+            bytes[position] ^= 0x10;
+            fs::write(&piece, &bytes).unwrap();
+            let pieces = read_all(directory.path(), "experiment", 50).unwrap();
+            assert!(pieces.segments.is_empty() && pieces.complaints.len() == 1, "byte {position}");
+        }
+        for length in [0, 1, sound.len() / 2, sound.len() - 1] {
+            fs::write(&piece, &sound[..length]).unwrap();
+            let pieces = read_all(directory.path(), "experiment", 50).unwrap();
+            assert!(pieces.segments.is_empty() && pieces.complaints.len() == 1, "length {length}");
+        }
+    }
+
+    #[test]
+    fn counts_that_do_not_add_up_are_refused_even_with_a_good_checksum() {
+        let directory = tempfile::tempdir().unwrap();
+        let mut segments = some_segments();
+        segments[7].counts.stable += 1;
+        write(directory.path(), "experiment", &segments).unwrap();
+        let pieces = read_all(directory.path(), "experiment", 50).unwrap();
+        assert!(pieces.segments.is_empty() && pieces.complaints[0].contains("do not add up"));
+    }
+
+    #[test]
+    fn a_piece_of_another_job_is_an_error() {
+        let (directory, _) = written();
+        assert!(matches!(read_all(directory.path(), "other", 50), Err(Failure::Job(_))));
+    }
+
+    #[test]
+    fn unfinished_files_are_not_read() {
+        let (directory, _) = written();
+        fs::write(directory.path().join(".unfinished-123-x.parquet"), "half").unwrap();
+        assert_eq!(read_all(directory.path(), "experiment", 50).unwrap().segments.len(), 50);
+        remove_unfinished(directory.path()).unwrap();
+        assert_eq!(files(directory.path()).unwrap().len(), 1);
+    }
+}

@@ -1,0 +1,195 @@
+//! `surface.parquet`: one row for each cell, sorted by cell.
+
+use std::collections::HashMap;
+use std::fs::{self, File};
+use std::io::{BufWriter, Read, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+use arrow::array::{ArrayRef, Float64Array, Int64Array, RecordBatch};
+use arrow::datatypes::{DataType, Field, Schema};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::Compression;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use stickslip_core::VerdictCounts;
+use stickslip_sampler::{Cell, Estimate, RESULTS_VERSION, WilsonInterval};
+
+use super::tally::Tally;
+use crate::failure::Failure;
+use crate::job::Job;
+
+/// Rows that are held in memory at once; also the size of a row group.
+const BATCH_ROWS: u64 = 65_536;
+
+/// One row of the result.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceRow {
+    /// Expected values and scatter.
+    pub cell: Cell,
+    /// Verdicts.
+    pub counts: VerdictCounts,
+    /// Probability and interval.
+    pub estimate: Estimate,
+}
+
+/// The result of a job.
+#[derive(Debug)]
+pub struct Surface<'a> {
+    job: &'a Job,
+    tally: &'a Tally,
+    interval: WilsonInterval,
+}
+
+/// A column: name, unit, meaning, and its values.
+struct Column {
+    name: &'static str,
+    unit: &'static str,
+    long_name: &'static str,
+    values: Values,
+}
+
+enum Values {
+    Integer(fn(&SurfaceRow) -> u64),
+    Real(fn(&SurfaceRow) -> f64),
+    OptionalReal(fn(&SurfaceRow) -> Option<f64>),
+}
+
+#[rustfmt::skip]
+const COLUMNS: [Column; 14] = [
+    Column { name: "cell", unit: "1", long_name: "0-based index of the cell", values: Values::Integer(|row| row.cell.index) },
+    Column { name: "rotating_speed_rad_s", unit: "rad/s", long_name: "rotating speed of the disc", values: Values::Real(|row| row.cell.rotating_speed) },
+    Column { name: "std_preload", unit: "1", long_name: "standard deviation of the preload over its expected value", values: Values::Real(|row| row.cell.relative_std.preload) },
+    Column { name: "std_static_friction", unit: "1", long_name: "standard deviation of the static friction coefficient over its expected value", values: Values::Real(|row| row.cell.relative_std.static_friction) },
+    Column { name: "preload", unit: "1", long_name: "expected preload, calliper displacement over disc thickness", values: Values::Real(|row| row.cell.preload) },
+    Column { name: "static_friction", unit: "1", long_name: "expected static friction coefficient", values: Values::Real(|row| row.cell.static_friction) },
+    Column { name: "n_samples", unit: "1", long_name: "samples", values: Values::Integer(|row| row.counts.total()) },
+    Column { name: "n_stable", unit: "1", long_name: "samples judged stable", values: Values::Integer(|row| row.counts.stable) },
+    Column { name: "n_unstable", unit: "1", long_name: "samples judged unstable", values: Values::Integer(|row| row.counts.unstable) },
+    Column { name: "n_undecided", unit: "1", long_name: "samples without a certain verdict", values: Values::Integer(|row| row.counts.undecided) },
+    Column { name: "n_failed", unit: "1", long_name: "samples whose computation broke down", values: Values::Integer(|row| row.counts.failed) },
+    Column { name: "p_unstable", unit: "1", long_name: "probability of instability, unstable over decided samples", values: Values::OptionalReal(|row| row.estimate.probability) },
+    Column { name: "p_low", unit: "1", long_name: "lower end of the confidence interval of the probability", values: Values::Real(|row| row.estimate.low) },
+    Column { name: "p_high", unit: "1", long_name: "upper end of the confidence interval of the probability", values: Values::Real(|row| row.estimate.high) },
+];
+
+impl Column {
+    fn field(&self) -> Field {
+        let (data_type, nullable) = match self.values {
+            Values::Integer(_) => (DataType::Int64, false),
+            Values::Real(_) => (DataType::Float64, false),
+            Values::OptionalReal(_) => (DataType::Float64, true),
+        };
+        let pairs = [("unit", self.unit), ("long_name", self.long_name)];
+        let metadata: HashMap<String, String> = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).into();
+        Field::new(self.name, data_type, nullable).with_metadata(metadata)
+    }
+
+    fn array(&self, rows: &[SurfaceRow]) -> ArrayRef {
+        match self.values {
+            // Counts stay far below 2^63, see the limit on samples.
+            Values::Integer(value) => Arc::new(rows.iter().map(|row| value(row) as i64).collect::<Int64Array>()),
+            Values::Real(value) => Arc::new(rows.iter().map(|row| Some(value(row))).collect::<Float64Array>()),
+            Values::OptionalReal(value) => Arc::new(rows.iter().map(value).collect::<Float64Array>()),
+        }
+    }
+}
+
+impl<'a> Surface<'a> {
+    /// The surface of a run in its present state.
+    pub fn new(job: &'a Job, tally: &'a Tally) -> Self {
+        Self { job, tally, interval: job.interval() }
+    }
+
+    /// The job behind it.
+    pub fn job(&self) -> &Job {
+        self.job
+    }
+
+    /// The row of one cell.
+    pub fn row(&self, cell: u64) -> SurfaceRow {
+        let counts = self.tally.counts(cell);
+        SurfaceRow { cell: self.job.grid.cell(cell), counts, estimate: self.interval.estimate(&counts) }
+    }
+
+    /// All rows, in order.
+    pub fn rows(&self) -> impl Iterator<Item = SurfaceRow> + '_ {
+        (0..self.job.cells()).map(|cell| self.row(cell))
+    }
+
+    /// Writes `surface.parquet` into `directory`, whole or not at all. Returns false if the same bytes are there
+    /// already.
+    pub fn publish(&self, directory: &Path) -> Result<bool, Failure> {
+        let target = directory.join("surface.parquet");
+        let temporary = directory.join(format!(".unfinished-{}-surface.parquet", std::process::id()));
+        let written = (|| -> Result<bool, Box<dyn std::error::Error>> {
+            let file = File::create(&temporary)?;
+            let mut out = self.encode(BufWriter::new(file))?;
+            out.flush()?;
+            out.get_ref().sync_all()?;
+            if same_content(&temporary, &target)? {
+                fs::remove_file(&temporary)?;
+                return Ok(false);
+            }
+            fs::rename(&temporary, &target)?;
+            File::open(directory)?.sync_all()?;
+            Ok(true)
+        })();
+        written.map_err(|error| {
+            let _ = fs::remove_file(&temporary);
+            Failure::writing(&target, error)
+        })
+    }
+
+    fn encode<W: Write + Send>(&self, out: W) -> Result<W, ParquetError> {
+        let schema = Arc::new(Schema::new(COLUMNS.iter().map(Column::field).collect::<Vec<_>>()));
+        let mut writer = ArrowWriter::try_new(out, schema.clone(), Some(self.properties()))?;
+        let cells = self.job.cells();
+        let mut first = 0;
+        while first < cells {
+            let end = cells.min(first + BATCH_ROWS);
+            let rows: Vec<SurfaceRow> = (first..end).map(|cell| self.row(cell)).collect();
+            let columns = COLUMNS.iter().map(|column| column.array(&rows)).collect();
+            writer.write(&RecordBatch::try_new(schema.clone(), columns)?)?;
+            writer.flush()?;
+            first = end;
+        }
+        writer.into_inner()
+    }
+
+    /// The footer: the job and what makes its values, and nothing that differs between two runs of one job.
+    fn properties(&self) -> WriterProperties {
+        let footer = [
+            ("stickslip:job", self.job.normalised()),
+            ("stickslip:job_hash", self.job.hash()),
+            ("stickslip:seed", self.job.seed.to_string()),
+            ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("stickslip:results_version", RESULTS_VERSION.to_string()),
+        ];
+        let pairs = footer.map(|(key, value)| KeyValue::new(key.to_owned(), value)).to_vec();
+        WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .set_key_value_metadata(Some(pairs))
+            .build()
+    }
+}
+
+/// Whether both files exist and hold the same bytes.
+fn same_content(one: &Path, other: &Path) -> std::io::Result<bool> {
+    if !other.is_file() || fs::metadata(one)?.len() != fs::metadata(other)?.len() {
+        return Ok(false);
+    }
+    let (mut one, mut other) = (File::open(one)?, File::open(other)?);
+    let (mut a, mut b) = (vec![0; 1 << 16], vec![0; 1 << 16]);
+    loop {
+        let length = one.read(&mut a)?;
+        if length == 0 {
+            return Ok(true);
+        }
+        other.read_exact(&mut b[..length])?;
+        if a[..length] != b[..length] {
+            return Ok(false);
+        }
+    }
+}
