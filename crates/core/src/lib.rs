@@ -28,6 +28,9 @@
 //! Modules are declared in reading order. Nothing here knows of random numbers, threads or files, and no
 //! result depends on the processor: every transcendental function is `libm`'s.
 
+// Tests compare with formulas as a textbook writes them.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
 pub mod parameters;
 
 pub mod friction;
@@ -40,9 +43,15 @@ pub mod eigenvalues;
 
 pub mod verdict;
 
+pub mod stick_slip;
+
+pub mod disc_modes;
+
+pub use disc_modes::AnnularPlate;
 pub use eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 pub use friction::StribeckLaw;
 pub use pad_on_disc::{PadOnDisc, Scales, SlidingEquilibrium};
 pub use parameters::{ParameterError, Parameters, Scalar};
 pub use stability::{SpeedRange, StabilityBoundary};
+pub use stick_slip::LimitCycle;
 pub use verdict::{Verdict, VerdictCounts};

@@ -295,7 +295,7 @@ mod tests {
             let mut closed = brake.sliding_eigenvalues().to_vec();
             closed.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
             let general = eigenvalues(&brake.jacobian()).unwrap();
-            let largest = closed.iter().map(|value| value.norm()).fold(0.0, f64::max);
+            let largest = closed.iter().map(Normed::norm).fold(0.0, f64::max);
             for value in &closed {
                 let nearest = general.iter().map(|other| (other - value).norm()).fold(f64::INFINITY, f64::min);
                 // Two nearly equal roots of an oscillator split like the square root of the rounding error.
@@ -308,7 +308,7 @@ mod tests {
             let p = brake.parameters();
             let general = eigenvalues(&brake.jacobian()).unwrap();
             let largest = general[0].re;
-            prop_assume!(largest.abs() > 1e-11 * general.iter().map(|value| value.norm()).fold(0.0, f64::max));
+            prop_assume!(largest.abs() > 1e-11 * general.iter().map(Normed::norm).fold(0.0, f64::max));
             let verdict = brake.stability_boundary().verdict(p.operating_point.preload, p.friction.static_coefficient);
             prop_assert_eq!(verdict == Verdict::Unstable, largest > 0.0);
             prop_assert_eq!(brake.growth_rate() > 0.0, largest > 0.0);

@@ -78,10 +78,7 @@ pub struct ThreadsArgument {
 impl ThreadsArgument {
     /// As told, or one for each processor.
     pub fn count(&self) -> usize {
-        self.threads.map_or_else(
-            || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
-            usize::from,
-        )
+        self.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, std::num::NonZero::get), usize::from)
     }
 }
 

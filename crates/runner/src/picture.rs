@@ -101,3 +101,37 @@ fn bars(surface: &Surface<'_>, first: u64, preloads: usize, frictions: usize) ->
     text.push('\n');
     text
 }
+
+/// Size of the plot area of [`curves`].
+const PLOT_ROWS: usize = 20;
+const PLOT_COLUMNS: usize = 72;
+
+/// Curves over a common abscissa, the n-th drawn with the digit n, and the zero line.
+pub fn curves(lines: &[Vec<(f64, f64)>]) -> String {
+    let points = || lines.iter().flatten().copied();
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+    };
+    let (left, right) = range(&mut points().map(|point| point.0));
+    let (bottom, top) = range(&mut points().map(|point| point.1));
+    let row_of = |y: f64| ((top - y) / (top - bottom) * (PLOT_ROWS - 1) as f64).round() as usize;
+    let column_of = |x: f64| ((x - left) / (right - left) * (PLOT_COLUMNS - 1) as f64).round() as usize;
+    let mut area = vec![[' '; PLOT_COLUMNS]; PLOT_ROWS];
+    if bottom < 0.0 && top > 0.0 {
+        area[row_of(0.0)] = ['-'; PLOT_COLUMNS];
+    }
+    for (line, symbol) in lines.iter().zip("123456789".chars()) {
+        for &(x, y) in line {
+            area[row_of(y)][column_of(x)] = symbol;
+        }
+    }
+    let mut text = String::new();
+    for (row, cells) in area.iter().enumerate() {
+        let label = top - (top - bottom) * row as f64 / (PLOT_ROWS - 1) as f64;
+        text += &format!("{label:>9.4} |{}\n", cells.iter().collect::<String>().trim_end());
+    }
+    let (left, right) = (format!("{left}"), format!("{right}"));
+    let gap = PLOT_COLUMNS.saturating_sub(left.len() + right.len());
+    text += &format!("{:10}+{}\n{:11}{left}{:gap$}{right}\n\n", "", "-".repeat(PLOT_COLUMNS), "", "");
+    text
+}

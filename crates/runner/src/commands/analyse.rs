@@ -20,6 +20,7 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     let operating_point = &parameters.operating_point;
     let speeds = brake.unstable_speeds();
     let stable = brake.growth_rate() <= 0.0;
+    let (limit_cycle, saddle_node) = (brake.limit_cycle(), brake.saddle_node_speed());
     let critical_static_friction = boundary.critical_static_friction(operating_point.preload);
     let critical_preload = boundary.critical_preload(parameters.friction.static_coefficient);
     if arguments.json {
@@ -35,6 +36,13 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
             "stable": stable,
             "critical_speed_rad_s": speeds.map(|speeds| speeds.to),
             "lower_critical_speed_rad_s": speeds.map(|speeds| speeds.from).filter(|from| *from > 0.0),
+            "saddle_node_speed_rad_s": saddle_node,
+            "limit_cycle": limit_cycle.map(|cycle| json!({
+                "period": cycle.period,
+                "x_max": cycle.tangential_max,
+                "x_min": cycle.tangential_min,
+                "stick_fraction": cycle.stick_fraction,
+            })),
             "critical_static_friction": critical_static_friction,
             "critical_preload": critical_preload,
             "time_scale_s": brake.scales().time,
@@ -51,7 +59,10 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     );
     text += &format!(
         "equilibrium        x0 = {:.6e}, y0 = {:.6e} (times h = {} m), phi0 = {:.6e} rad\n",
-        equilibrium.tangential, equilibrium.normal, brake.scales().length, equilibrium.angle
+        equilibrium.tangential,
+        equilibrium.normal,
+        brake.scales().length,
+        equilibrium.angle
     );
     text += &format!(
         "contact            N = {:.1} N, friction coefficient {:.5}\n",
@@ -75,6 +86,20 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
             format!("critical speed     {:.4} rad/s, unstable down to {:.4} rad/s\n", speeds.to, speeds.from)
         }
         Some(speeds) => format!("critical speed     {:.4} rad/s, unstable below\n", speeds.to),
+    };
+    text += &match saddle_node {
+        None => "saddle-node        none: no stick-slip limit cycle, or one at every speed\n".to_owned(),
+        Some(speed) => format!("saddle-node        {speed:.4} rad/s, no stick-slip limit cycle above\n"),
+    };
+    text += &match limit_cycle {
+        None => "limit cycle        none at this speed\n".to_owned(),
+        Some(cycle) => format!(
+            "limit cycle        x from {:.6} to {:.6}, period {:.5} (scaled time), {:.1} % of it in stick\n",
+            cycle.tangential_min,
+            cycle.tangential_max,
+            cycle.period,
+            100.0 * cycle.stick_fraction
+        ),
     };
     text += &format!("critical friction  {} at this preload and speed\n", finite(critical_static_friction));
     text += &format!("critical preload   {} at this friction and speed\n", finite(critical_preload));

@@ -1,6 +1,6 @@
 //! `submit`, `resume` and `merge`: from a job to its surface.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use indicatif::HumanCount;
@@ -25,17 +25,15 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     match adopt(&directory, &source, &job)? {
         Standing::Finished(tally) if arguments.shard.is_none() => {
             note(format_args!("{} is finished already; nothing to do", out.display()));
-            return report(&directory, &job, &tally);
+            report(&directory, &job, &tally)
         }
-        Standing::Unfinished(tally) if arguments.shard.is_none() => {
-            return Err(Failure::CannotCreate(format!(
-                "{} holds an unfinished run of this job ({} of {} samples); continue it with `stickslip resume {}`",
-                out.display(),
-                HumanCount128(tally.counted()),
-                HumanCount128(job.total_samples()),
-                out.display()
-            )));
-        }
+        Standing::Unfinished(tally) if arguments.shard.is_none() => Err(Failure::CannotCreate(format!(
+            "{} holds an unfinished run of this job ({} of {} samples); continue it with `stickslip resume {}`",
+            out.display(),
+            HumanCount128(tally.counted()),
+            HumanCount128(job.total_samples()),
+            out.display()
+        ))),
         Standing::Finished(tally) | Standing::Unfinished(tally) | Standing::Fresh(tally) => {
             let run = compute(directory, job, tally, threads, arguments.shard, "submit")?;
             match arguments.shard {
@@ -139,7 +137,10 @@ fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Stan
         return refuse(first_difference(&existing.normalised(), &job.normalised()));
     }
     if job.samples < existing.samples {
-        return refuse(format!("it has {} samples in each cell, and {} are asked for now", existing.samples, job.samples));
+        return refuse(format!(
+            "it has {} samples in each cell, and {} are asked for now",
+            existing.samples, job.samples
+        ));
     }
     let tally = directory.tally(&existing)?;
     let finished = tally.complete_cells(existing.samples) == existing.cells();
@@ -147,7 +148,12 @@ fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Stan
         if !finished && tally.counted() > 0 {
             return Ok(Standing::Unfinished(tally));
         }
-        note(format_args!("{}: from {} to {} samples in each cell", directory.path().display(), existing.samples, job.samples));
+        note(format_args!(
+            "{}: from {} to {} samples in each cell",
+            directory.path().display(),
+            existing.samples,
+            job.samples
+        ));
         directory.freeze(source)?;
         return Ok(Standing::Fresh(tally));
     }
@@ -156,7 +162,9 @@ fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Stan
 
 /// The first line in which two normalised jobs differ.
 fn first_difference(existing: &str, new: &str) -> String {
-    let ignored = |line: &&str| !line.starts_with("name = ") && !line.starts_with("description = ") && !line.starts_with("samples = ");
+    let ignored = |line: &&str| {
+        !line.starts_with("name = ") && !line.starts_with("description = ") && !line.starts_with("samples = ")
+    };
     let (mut a, mut b) = (existing.lines().filter(ignored), new.lines().filter(ignored));
     loop {
         match (a.next(), b.next()) {
@@ -236,7 +244,7 @@ fn report(directory: &RunDirectory, job: &Job, tally: &Tally) -> Result<(), Fail
     result(&format!("{}\n{}", picture(&surface), closing_line(&directory.surface(), job)))
 }
 
-fn closing_line(surface: &PathBuf, job: &Job) -> String {
+fn closing_line(surface: &Path, job: &Job) -> String {
     format!(
         "{}: {} cells, {} samples each, seed {}\n",
         surface.display(),

@@ -58,13 +58,16 @@ impl JobSource {
         let Ok(mut document) = self.text.parse::<toml_edit::DocumentMut>() else { return Ok(self) };
         for (key, value) in changes {
             let Some(value) = value else { continue };
-            let value = i64::try_from(value)
-                .map_err(|_| Failure::Usage(format!("--{key} {value} is too large: it must be at most {}", i64::MAX)))?;
+            let value = i64::try_from(value).map_err(|_| {
+                Failure::Usage(format!("--{key} {value} is too large: it must be at most {}", i64::MAX))
+            })?;
             let sampling = document.entry("sampling").or_insert_with(toml_edit::table);
-            match sampling.as_table_like_mut() {
-                Some(table) => table.insert(key, toml_edit::value(value)),
-                None => return Ok(self),
-            };
+            let Some(table) = sampling.as_table_like_mut() else { return Ok(self) };
+            let mut new = toml_edit::Value::from(value);
+            if let Some(old) = table.get(key).and_then(toml_edit::Item::as_value) {
+                *new.decor_mut() = old.decor().clone();
+            }
+            table.insert(key, toml_edit::Item::Value(new));
         }
         self.text = document.to_string();
         Ok(self)
@@ -130,7 +133,10 @@ impl Job {
             Some(cells) if cells <= MOST_CELLS => {}
             cells => {
                 let cells = cells.map_or("more than 2^64".to_owned(), |cells| cells.to_string());
-                return Err(Complaint { span: None, message: format!("the axes make {cells} cells; the limit is {MOST_CELLS}") });
+                return Err(Complaint {
+                    span: None,
+                    message: format!("the axes make {cells} cells; the limit is {MOST_CELLS}"),
+                });
             }
         }
 
@@ -138,14 +144,18 @@ impl Job {
         let samples = sampling.samples.as_ref().map_or(10_000, |samples| *samples.get_ref());
         if samples == 0 || samples > MOST_SAMPLES {
             let span = sampling.samples.as_ref().map_or(span.clone(), Spanned::span);
-            let message = format!("sampling.samples = {samples} is out of range: it must be at least 1 and at most {MOST_SAMPLES}");
+            let message = format!(
+                "sampling.samples = {samples} is out of range: it must be at least 1 and at most {MOST_SAMPLES}"
+            );
             return Err(Complaint::at(span, message));
         }
         let confidence = sampling.confidence.as_ref().map_or(0.95, |confidence| *confidence.get_ref());
         // The bounds keep the quantile of the interval finite and its definition meaningful.
         if !(0.0 < confidence && confidence <= 1.0 - 1e-12) {
             let span = sampling.confidence.as_ref().map_or(span, Spanned::span);
-            let message = format!("sampling.confidence = {confidence} is out of range: it must be greater than 0 and less than 1, for example 0.95");
+            let message = format!(
+                "sampling.confidence = {confidence} is out of range: it must be greater than 0 and less than 1, for example 0.95"
+            );
             return Err(Complaint::at(span, message));
         }
         Ok(Self {
@@ -359,7 +369,8 @@ pub fn unknown_parameter(key: &str) -> String {
     if names.is_empty() {
         let known = SCALARS.iter().map(|scalar| scalar.key);
         let by_name = SCALARS.iter().find(|scalar| scalar.name() == name).map(|scalar| scalar.key);
-        let hint = by_name.or_else(|| nearest(key, known)).map_or(String::new(), |key| format!("; did you mean `{key}`?"));
+        let hint =
+            by_name.or_else(|| nearest(key, known)).map_or(String::new(), |key| format!("; did you mean `{key}`?"));
         return format!("unknown parameter `{key}`{hint} (sections: {})", SECTIONS.join(", "));
     }
     let hint = nearest(name, names.iter().copied()).map_or(String::new(), |name| format!("; did you mean `{name}`?"));
@@ -404,7 +415,10 @@ fn validate_axis(name: &str, axis: Option<&Spanned<AxisSpec>>, defaults: &Parame
         Some(AxisSpec::Range(range)) => {
             // Refused before it is filled: a slipped digit must not fill the memory.
             if u64::from(range.points) > MOST_CELLS {
-                return Err(complain(format!("axes.{name}: {} points are too many; the limit is {MOST_CELLS}", range.points)));
+                return Err(complain(format!(
+                    "axes.{name}: {} points are too many; the limit is {MOST_CELLS}",
+                    range.points
+                )));
             }
             Axis::evenly_spaced(range.from, range.to, range.points as usize)
         }
@@ -439,7 +453,9 @@ fn validate_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<Rela
     };
     let complain = |message: String| Complaint::at(spec.span(), message);
     if inputs.is_empty() {
-        return Err(complain("random.relative_std is given, but random.inputs names no input that scatters".to_owned()));
+        return Err(complain(
+            "random.relative_std is given, but random.inputs names no input that scatters".to_owned(),
+        ));
     }
     let mut stds = Vec::new();
     for entry in &spec.get_ref().0 {
@@ -456,12 +472,19 @@ fn validate_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<Rela
                 (Some(std), true) => Err(complain(format!(
                     "random.relative_std = {std} is out of range: it must be at least 0 and at most 1 (standard deviation over expected value)"
                 ))),
-                (Some(_), false) => Err(complain(format!("random.relative_std gives a value for {0}, but random.inputs does not list {0}", input.name()))),
-                (None, true) => Err(complain(format!("random.relative_std has no value for {}, which random.inputs lists", input.name()))),
+                (Some(_), false) => Err(complain(format!(
+                    "random.relative_std gives a value for {0}, but random.inputs does not list {0}",
+                    input.name()
+                ))),
+                (None, true) => Err(complain(format!(
+                    "random.relative_std has no value for {}, which random.inputs lists",
+                    input.name()
+                ))),
                 (None, false) => Ok(0.0),
             }
         };
-        let std = RelativeStd { preload: value(RandomInput::Preload)?, static_friction: value(RandomInput::StaticFriction)? };
+        let std =
+            RelativeStd { preload: value(RandomInput::Preload)?, static_friction: value(RandomInput::StaticFriction)? };
         if stds.contains(&std) {
             return Err(complain("random.relative_std lists the same value twice".to_owned()));
         }

@@ -6,6 +6,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::piece;
+use super::publish::{is_temporary, publish, remove_temporary};
 use super::tally::Tally;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
@@ -36,8 +37,7 @@ impl RunDirectory {
             return Err(Failure::CannotCreate(message));
         }
         if path.is_dir() && !path.join("job.toml").exists() && !looks_empty(path)? {
-            let message =
-                format!("{} is not empty and not a run directory. Choose another with --out", path.display());
+            let message = format!("{} is not empty and not a run directory. Choose another with --out", path.display());
             return Err(Failure::CannotCreate(message));
         }
         let shards = path.join("shards");
@@ -88,13 +88,17 @@ impl RunDirectory {
         match locked {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                let message = format!("{} is in use by another stickslip; wait for it, or stop it first", path.display());
+                let message =
+                    format!("{} is in use by another stickslip; wait for it, or stop it first", path.display());
                 return Err(Failure::Busy(message));
             }
             // Some network file systems have no locks. Pieces are safe without (whole files under names of their
             // own, counted once), so a missing lock costs at worst work done twice.
             Err(TryLockError::Error(error)) => {
-                note(format_args!("note: {} cannot be locked ({error}); make sure that nothing else runs in it", path.display()));
+                note(format_args!(
+                    "note: {} cannot be locked ({error}); make sure that nothing else runs in it",
+                    path.display()
+                ));
             }
         }
         Ok(Self { path: path.to_owned(), _lock: Some(directory) })
@@ -136,13 +140,13 @@ impl RunDirectory {
 
     /// Freezes the job.
     pub fn freeze(&self, source: &JobSource) -> Result<(), Failure> {
-        piece::publish(&self.path, "job.toml", source.text.as_bytes())
+        publish(&self.path, "job.toml", source.text.as_bytes())
     }
 
     /// Removes what killed processes left behind.
     pub fn tidy(&self) -> Result<(), Failure> {
-        piece::remove_unfinished(&self.path)?;
-        piece::remove_unfinished(&self.shards())
+        remove_temporary(&self.path)?;
+        remove_temporary(&self.shards())
     }
 
     /// Everything counted so far. Pieces that cannot be trusted are named on standard error and left out.
@@ -167,9 +171,7 @@ fn looks_empty(path: &Path) -> Result<bool, Failure> {
     for entry in entries {
         let entry = entry.map_err(|error| Failure::reading(path, error))?;
         // What a submit killed in its first moment leaves.
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        if name != "shards" && !name.starts_with(".unfinished-") {
+        if entry.file_name() != "shards" && !is_temporary(&entry.path()) {
             return Ok(false);
         }
     }

@@ -7,6 +7,7 @@ mod piece;
 mod plan;
 mod progress;
 mod provenance;
+mod publish;
 mod surface;
 mod tally;
 
@@ -15,5 +16,5 @@ pub use engine::{Engine, Outcome};
 pub use plan::{Plan, Shard};
 pub use progress::Progress;
 pub use provenance::Session;
-pub use surface::{Surface, SurfaceRow};
+pub use surface::{DescribedColumn, Surface, SurfaceRow, write_columns};
 pub use tally::Tally;

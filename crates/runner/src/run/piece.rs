@@ -3,9 +3,8 @@
 //! A piece is a small Parquet file of segments, named by the hash of its own bytes, written under a temporary name
 //! and renamed when it is on disk. A piece that is torn, altered or from another job is never read as good.
 
-use std::fs::{self, File};
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::Path;
 use std::sync::Arc;
 
 use arrow::array::{ArrayRef, Int64Array, RecordBatch};
@@ -16,39 +15,19 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use stickslip_core::VerdictCounts;
 
+use super::publish::{files, is_temporary, publish};
 use super::tally::Segment;
 use crate::failure::Failure;
 
-const COLUMNS: [&str; 7] =
-    ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
+const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
 
 const EXPERIMENT_KEY: &str = "stickslip:experiment";
-
-const TEMPORARY_PREFIX: &str = ".unfinished-";
 
 /// Writes segments as a new piece in `directory`.
 pub fn write(directory: &Path, experiment: &str, segments: &[Segment]) -> Result<(), Failure> {
     let bytes = encode(experiment, segments).map_err(|error| Failure::writing(directory, error))?;
     let name = format!("{}.parquet", digest(&bytes));
     publish(directory, &name, &bytes)
-}
-
-/// Puts `bytes` into `directory` under `name`, whole or not at all.
-pub fn publish(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {
-    let temporary = directory.join(format!("{TEMPORARY_PREFIX}{}-{name}", std::process::id()));
-    let target = directory.join(name);
-    let written = (|| {
-        let mut file = File::create(&temporary)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        fs::rename(&temporary, &target)?;
-        // The rename itself must survive a power cut.
-        File::open(directory)?.sync_all()
-    })();
-    written.map_err(|error| {
-        let _ = fs::remove_file(&temporary);
-        Failure::writing(&target, error)
-    })
 }
 
 /// What the pieces of a directory hold, and what was wrong with those that were left out.
@@ -68,7 +47,7 @@ pub fn read_all(directory: &Path, experiment: &str, cells: u64) -> Result<Pieces
     let mut pieces = Pieces::default();
     for path in files(directory)? {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        if name.starts_with(TEMPORARY_PREFIX) {
+        if is_temporary(&path) {
             continue;
         }
         let damaged = |why: &str| format!("{} is ignored, its samples will be computed again: {why}", path.display());
@@ -98,26 +77,6 @@ pub fn read_all(directory: &Path, experiment: &str, cells: u64) -> Result<Pieces
     Ok(pieces)
 }
 
-/// Removes what interrupted writers left behind. Only for the one process that owns the directory.
-pub fn remove_unfinished(directory: &Path) -> Result<(), Failure> {
-    for path in files(directory)? {
-        if path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(TEMPORARY_PREFIX)) {
-            fs::remove_file(&path).map_err(|error| Failure::writing(&path, error))?;
-        }
-    }
-    Ok(())
-}
-
-fn files(directory: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let entries = fs::read_dir(directory).map_err(|error| Failure::reading(directory, error))?;
-    let mut paths = Vec::new();
-    for entry in entries {
-        paths.push(entry.map_err(|error| Failure::reading(directory, error))?.path());
-    }
-    paths.sort();
-    Ok(paths)
-}
-
 fn digest(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex()[..32].to_owned()
 }
@@ -125,7 +84,7 @@ fn digest(bytes: &[u8]) -> String {
 fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
     let column = |value: fn(&Segment) -> u64| -> ArrayRef {
         // Counts stay far below 2^63, see the limit on samples.
-        Arc::new(segments.iter().map(|segment| value(segment) as i64).collect::<Int64Array>())
+        Arc::new(segments.iter().map(|segment| value(segment).cast_signed()).collect::<Int64Array>())
     };
     let columns = vec![
         column(|s| s.cell),
@@ -162,7 +121,8 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<Segment>), String> {
             let value = |column: usize| u64::try_from(columns[column].value(row)).map_err(|_| "a count is negative");
             let start = value(1)?;
             let end = start.checked_add(value(2)?).ok_or("a range of samples overflows")?;
-            let counts = VerdictCounts { stable: value(3)?, unstable: value(4)?, undecided: value(5)?, failed: value(6)? };
+            let counts =
+                VerdictCounts { stable: value(3)?, unstable: value(4)?, undecided: value(5)?, failed: value(6)? };
             segments.push(Segment { cell: value(0)?, samples: start..end, counts });
         }
     }
@@ -172,6 +132,7 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<Segment>), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::PathBuf;
 
     fn some_segments() -> Vec<Segment> {
         (0..50)
@@ -237,7 +198,7 @@ mod tests {
         let (directory, _) = written();
         fs::write(directory.path().join(".unfinished-123-x.parquet"), "half").unwrap();
         assert_eq!(read_all(directory.path(), "experiment", 50).unwrap().segments.len(), 50);
-        remove_unfinished(directory.path()).unwrap();
+        crate::run::publish::remove_temporary(directory.path()).unwrap();
         assert_eq!(files(directory.path()).unwrap().len(), 1);
     }
 }

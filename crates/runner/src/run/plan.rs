@@ -25,7 +25,8 @@ impl FromStr for Shard {
 
     /// `I/N`. Both counts from 0 to N - 1 and from 1 to N reach every shard: N is taken for 0.
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || format!("{text:?} is not a shard; write I/N, for example 1/16, with I from 1 to N (or from 0 to N-1)");
+        let wrong =
+            || format!("{text:?} is not a shard; write I/N, for example 1/16, with I from 1 to N (or from 0 to N-1)");
         let (index, count) = text.split_once('/').ok_or_else(wrong)?;
         let index: u64 = index.parse().map_err(|_| wrong())?;
         let count: u64 = count.parse().map_err(|_| wrong())?;
@@ -66,7 +67,8 @@ impl Plan {
         let mut gaps = tally.gaps(samples);
         if let Some(shard) = shard {
             let units_per_cell = samples.div_ceil(UNIT_SAMPLES);
-            let pieces = gaps.into_iter().flat_map(|(cell, gap)| units_of(&gap).map(move |unit| (cell, cut(&gap, unit))));
+            let pieces =
+                gaps.into_iter().flat_map(|(cell, gap)| units_of(&gap).map(move |unit| (cell, cut(&gap, unit))));
             gaps = pieces.filter(|(cell, samples)| shard.owns(*cell, samples.start, units_per_cell)).collect();
         }
         let mut units_before = Vec::with_capacity(gaps.len() + 1);

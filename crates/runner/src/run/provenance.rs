@@ -6,7 +6,7 @@ use std::time::{Instant, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
-use super::piece;
+use super::publish::publish;
 use crate::failure::Failure;
 
 /// One stretch of work on a run.
@@ -61,6 +61,6 @@ impl Session {
             fs::read(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default();
         record.sessions.push(self);
         let text = serde_json::to_string_pretty(&record).map_err(|error| Failure::writing(&path, error))?;
-        piece::publish(directory, "run.json", (text + "\n").as_bytes())
+        publish(directory, "run.json", (text + "\n").as_bytes())
     }
 }

@@ -1,8 +1,8 @@
 //! `surface.parquet`: one row for each cell, sorted by cell.
 
 use std::collections::HashMap;
-use std::fs::{self, File};
-use std::io::{BufWriter, Read, Write};
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -16,6 +16,7 @@ use parquet::file::properties::WriterProperties;
 use stickslip_core::VerdictCounts;
 use stickslip_sampler::{Cell, Estimate, RESULTS_VERSION, WilsonInterval};
 
+use super::publish::{publish, publish_with};
 use super::tally::Tally;
 use crate::failure::Failure;
 use crate::job::Job;
@@ -81,15 +82,13 @@ impl Column {
             Values::Real(_) => (DataType::Float64, false),
             Values::OptionalReal(_) => (DataType::Float64, true),
         };
-        let pairs = [("unit", self.unit), ("long_name", self.long_name)];
-        let metadata: HashMap<String, String> = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).into();
-        Field::new(self.name, data_type, nullable).with_metadata(metadata)
+        described_field(self.name, self.unit, self.long_name, data_type, nullable)
     }
 
     fn array(&self, rows: &[SurfaceRow]) -> ArrayRef {
         match self.values {
             // Counts stay far below 2^63, see the limit on samples.
-            Values::Integer(value) => Arc::new(rows.iter().map(|row| value(row) as i64).collect::<Int64Array>()),
+            Values::Integer(value) => Arc::new(rows.iter().map(|row| value(row).cast_signed()).collect::<Int64Array>()),
             Values::Real(value) => Arc::new(rows.iter().map(|row| Some(value(row))).collect::<Float64Array>()),
             Values::OptionalReal(value) => Arc::new(rows.iter().map(value).collect::<Float64Array>()),
         }
@@ -122,24 +121,19 @@ impl<'a> Surface<'a> {
     /// already.
     pub fn publish(&self, directory: &Path) -> Result<bool, Failure> {
         let target = directory.join("surface.parquet");
-        let temporary = directory.join(format!(".unfinished-{}-surface.parquet", std::process::id()));
-        let written = (|| -> Result<bool, Box<dyn std::error::Error>> {
-            let file = File::create(&temporary)?;
-            let mut out = self.encode(BufWriter::new(file))?;
-            out.flush()?;
-            out.get_ref().sync_all()?;
-            if same_content(&temporary, &target)? {
-                fs::remove_file(&temporary)?;
+        let written = || -> Result<bool, ParquetError> {
+            // The same bytes may be there already; a hash tells without holding them.
+            let hash = self.encode(blake3::Hasher::new())?.finalize();
+            if hash_of_file(&target)? == Some(hash) {
                 return Ok(false);
             }
-            fs::rename(&temporary, &target)?;
-            File::open(directory)?.sync_all()?;
+            publish_with(directory, "surface.parquet", |file| -> Result<(), ParquetError> {
+                self.encode(BufWriter::new(file))?.flush()?;
+                Ok(())
+            })?;
             Ok(true)
-        })();
-        written.map_err(|error| {
-            let _ = fs::remove_file(&temporary);
-            Failure::writing(&target, error)
-        })
+        };
+        written().map_err(|error| Failure::writing(&target, error))
     }
 
     fn encode<W: Write + Send>(&self, out: W) -> Result<W, ParquetError> {
@@ -168,28 +162,51 @@ impl<'a> Surface<'a> {
             ("stickslip:results_version", RESULTS_VERSION.to_string()),
         ];
         let pairs = footer.map(|(key, value)| KeyValue::new(key.to_owned(), value)).to_vec();
-        WriterProperties::builder()
-            .set_compression(Compression::SNAPPY)
-            .set_key_value_metadata(Some(pairs))
-            .build()
+        WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(Some(pairs)).build()
     }
 }
 
-/// Whether both files exist and hold the same bytes.
-fn same_content(one: &Path, other: &Path) -> std::io::Result<bool> {
-    if !other.is_file() || fs::metadata(one)?.len() != fs::metadata(other)?.len() {
-        return Ok(false);
+/// A field that says its unit and meaning.
+fn described_field(name: &str, unit: &str, long_name: &str, data_type: DataType, nullable: bool) -> Field {
+    let pairs = [("unit", unit), ("long_name", long_name)];
+    let metadata: HashMap<String, String> = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).into();
+    Field::new(name, data_type, nullable).with_metadata(metadata)
+}
+
+/// A column of real numbers beside the surface, for figures.
+pub struct DescribedColumn {
+    /// Name.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Meaning.
+    pub long_name: &'static str,
+    /// Values.
+    pub values: Vec<f64>,
+}
+
+/// Writes columns of equal length as `name` into `directory`, whole or not at all.
+pub fn write_columns(directory: &Path, name: &str, columns: &[DescribedColumn]) -> Result<(), Failure> {
+    let encoded = (|| {
+        let field = |c: &DescribedColumn| described_field(c.name, c.unit, c.long_name, DataType::Float64, false);
+        let schema = Arc::new(Schema::new(columns.iter().map(field).collect::<Vec<_>>()));
+        let array = |c: &DescribedColumn| -> ArrayRef { Arc::new(Float64Array::from(c.values.clone())) };
+        let batch = RecordBatch::try_new(schema.clone(), columns.iter().map(array).collect())?;
+        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties))?;
+        writer.write(&batch)?;
+        writer.into_inner()
+    })();
+    let bytes = encoded.map_err(|error: ParquetError| Failure::writing(&directory.join(name), error))?;
+    publish(directory, name, &bytes)
+}
+
+/// The hash of a file's content, if there is one.
+fn hash_of_file(path: &Path) -> io::Result<Option<blake3::Hash>> {
+    if !path.is_file() {
+        return Ok(None);
     }
-    let (mut one, mut other) = (File::open(one)?, File::open(other)?);
-    let (mut a, mut b) = (vec![0; 1 << 16], vec![0; 1 << 16]);
-    loop {
-        let length = one.read(&mut a)?;
-        if length == 0 {
-            return Ok(true);
-        }
-        other.read_exact(&mut b[..length])?;
-        if a[..length] != b[..length] {
-            return Ok(false);
-        }
-    }
+    let mut hasher = blake3::Hasher::new();
+    io::copy(&mut File::open(path)?, &mut hasher)?;
+    Ok(Some(hasher.finalize()))
 }

@@ -116,11 +116,6 @@ impl Tally {
         }
     }
 
-    /// The number of cells.
-    pub fn cells(&self) -> u64 {
-        self.cells.len() as u64
-    }
-
     /// The verdicts of one cell.
     pub fn counts(&self, cell: u64) -> VerdictCounts {
         self.cells[cell as usize].counts
@@ -131,14 +126,10 @@ impl Tally {
         self.cells.iter().map(|cell| u128::from(cell.counts.total())).sum()
     }
 
-    /// The largest number of samples that any cell has reached.
-    pub fn furthest(&self) -> u64 {
-        self.cells.iter().filter_map(|cell| cell.covered.last()).map(|range| range.end).max().unwrap_or(0)
-    }
-
     /// Cells whose first `samples` samples are all counted.
     pub fn complete_cells(&self, samples: u64) -> u64 {
-        let complete = |cell: &&CellTally| cell.covered.first().is_some_and(|first| first.start == 0 && first.end >= samples);
+        let complete =
+            |cell: &&CellTally| cell.covered.first().is_some_and(|first| first.start == 0 && first.end >= samples);
         self.cells.iter().filter(complete).count() as u64
     }
 
@@ -195,7 +186,6 @@ mod tests {
         tally.add(&segment(0, 40..50));
         tally.add(&segment(2, 0..100));
         assert_eq!(tally.gaps(60), [(0, 0..10), (0, 20..40), (0, 50..60), (1, 0..60)]);
-        assert_eq!(tally.furthest(), 100);
     }
 
     #[test]

@@ -1,0 +1,67 @@
+//! A Monte Carlo surface against the exact probabilities.
+
+use stickslip_sampler::exact;
+
+use crate::commands::FinishedRun;
+use crate::failure::Failure;
+use crate::run::{Surface, SurfaceRow};
+
+/// Unstable (or stable) samples that a cell must be expected to have before its deviation is called normal.
+const ENOUGH: f64 = 10.0;
+
+/// One cell with its exact probability.
+pub struct ComparedRow {
+    /// The cell as computed.
+    pub row: SurfaceRow,
+    /// Estimated probability.
+    pub estimate: f64,
+    /// Exact probability.
+    pub exact: f64,
+    /// Deviation of the estimate over its binomial standard error; `None` where the exact value leaves no error.
+    pub z: Option<f64>,
+}
+
+impl ComparedRow {
+    /// Whether the deviation can be judged by the normal distribution.
+    pub fn is_normal(&self) -> bool {
+        let n = self.row.counts.decided() as f64;
+        n * self.exact.min(1.0 - self.exact) >= ENOUGH
+    }
+}
+
+/// Every cell of a run with its exact probability.
+pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
+    let boundaries = run.job.boundaries().map_err(|error| Failure::Job(error.to_string()))?;
+    let surface = Surface::new(&run.job, &run.tally);
+    let cells_per_speed = run.job.cells() / boundaries.len() as u64;
+    let compared = surface.rows().map(|row| {
+        let exact = exact::probability(&boundaries[(row.cell.index / cells_per_speed) as usize], &row.cell).value;
+        let estimate = row.estimate.probability.unwrap_or(f64::NAN);
+        let error = (exact * (1.0 - exact) / row.counts.decided() as f64).sqrt();
+        ComparedRow { row, estimate, exact, z: (error > 0.0).then(|| (estimate - exact) / error) }
+    });
+    Ok(compared.collect())
+}
+
+/// A sentence on how well all cells agree.
+pub fn summary(rows: &[ComparedRow]) -> String {
+    let normal: Vec<f64> = rows.iter().filter(|row| row.is_normal()).filter_map(|row| row.z).collect();
+    let rare = rows.iter().filter(|row| !row.is_normal());
+    let largest_rare = rare.clone().map(|row| (row.estimate - row.exact).abs()).fold(0.0, f64::max);
+    let mut text = String::new();
+    if !normal.is_empty() {
+        let largest = normal.iter().map(|z| z.abs()).fold(0.0, f64::max);
+        let mean_square = normal.iter().map(|z| z * z).sum::<f64>() / normal.len() as f64;
+        text += &format!(
+            "against the exact probabilities: max |z| = {largest:.2}, mean z^2 = {mean_square:.3} over {} cells\n",
+            normal.len()
+        );
+    }
+    let rare = rare.count();
+    if rare > 0 {
+        text += &format!(
+            "in {rare} cells fewer than {ENOUGH} samples are expected on one side; there max |p - exact| = {largest_rare:.5}\n"
+        );
+    }
+    text
+}

@@ -1,0 +1,61 @@
+//! Files that appear whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use crate::failure::Failure;
+
+/// Names of files that are not finished begin so; a killed process leaves them behind.
+const PREFIX: &str = ".unfinished-";
+
+/// Puts `bytes` into `directory` under `name`, whole or not at all.
+pub fn publish(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+    publish_with(directory, name, |file| file.write_all(bytes))
+        .map_err(|error| Failure::writing(&directory.join(name), error))
+}
+
+/// Lets `write` fill a temporary file in `directory`, and gives it its `name` when it is on disk.
+pub fn publish_with<E: From<io::Error>>(
+    directory: &Path,
+    name: &str,
+    write: impl FnOnce(&mut File) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut temporary = tempfile::Builder::new().prefix(PREFIX).tempfile_in(directory)?;
+    // Like any other file of the user: readable for whom the umask allows, not only for its owner.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        let visible = fs::metadata(directory)?.permissions().mode() & 0o666;
+        temporary.as_file().set_permissions(fs::Permissions::from_mode(visible))?;
+    }
+    write(temporary.as_file_mut())?;
+    temporary.as_file().sync_all()?;
+    temporary.persist(directory.join(name)).map_err(|error| error.error)?;
+    // The rename itself must survive a power cut.
+    Ok(File::open(directory)?.sync_all()?)
+}
+
+/// Whether a path is that of an unfinished file.
+pub fn is_temporary(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(PREFIX))
+}
+
+/// Removes what killed processes left behind. Only for the one process that owns the directory.
+pub fn remove_temporary(directory: &Path) -> Result<(), Failure> {
+    for path in files(directory)?.iter().filter(|path| is_temporary(path)) {
+        fs::remove_file(path).map_err(|error| Failure::writing(path, error))?;
+    }
+    Ok(())
+}
+
+/// Everything in a directory, sorted.
+pub fn files(directory: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let entries = fs::read_dir(directory).map_err(|error| Failure::reading(directory, error))?;
+    let mut paths = Vec::new();
+    for entry in entries {
+        paths.push(entry.map_err(|error| Failure::reading(directory, error))?.path());
+    }
+    paths.sort();
+    Ok(paths)
+}

@@ -1,0 +1,170 @@
+//! Running stickslip as a user does, and reading what it wrote.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use arrow::array::{Array as _, Float64Array, Int64Array};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use tempfile::TempDir;
+
+/// The repository.
+pub fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+}
+
+/// A directory of its own for one test.
+pub struct Place {
+    directory: TempDir,
+    program: PathBuf,
+    environment: Vec<(String, String)>,
+}
+
+/// What a command did.
+#[derive(Debug)]
+pub struct Outcome {
+    pub code: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Outcome {
+    /// Asserts success and hands back the output.
+    #[track_caller]
+    pub fn done(self) -> Self {
+        assert_eq!(self.code, Some(0), "{}\n{}", self.stdout, self.stderr);
+        self
+    }
+
+    /// Asserts the exit code and that the one message contains every given text.
+    #[track_caller]
+    pub fn refused(self, code: i32, texts: &[&str]) -> Self {
+        assert_eq!(self.code, Some(code), "{}\n{}", self.stdout, self.stderr);
+        for text in texts {
+            assert!(self.stderr.contains(text), "{text:?} is not in: {}", self.stderr);
+        }
+        assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
+        self
+    }
+}
+
+impl Place {
+    pub fn new() -> Self {
+        Self {
+            directory: tempfile::tempdir().unwrap(),
+            program: env!("CARGO_BIN_EXE_stickslip").into(),
+            environment: Vec::new(),
+        }
+    }
+
+    /// The same place, visited with another build of stickslip.
+    pub fn with_program(mut self, program: &Path) -> Self {
+        self.program = program.to_owned();
+        self
+    }
+
+    pub fn with_environment(mut self, key: &str, value: &str) -> Self {
+        self.environment.push((key.to_owned(), value.to_owned()));
+        self
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.directory.path().join(name)
+    }
+
+    /// Writes a file.
+    pub fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, text).unwrap();
+        path
+    }
+
+    /// A command that has not run yet; words separated by spaces.
+    pub fn command(&self, words: &str) -> Command {
+        let mut command = Command::new(&self.program);
+        command.args(words.split_whitespace()).current_dir(self.directory.path()).stdin(Stdio::null());
+        command.envs(self.environment.iter().map(|(key, value)| (key, value)));
+        command
+    }
+
+    /// Runs a command to its end.
+    pub fn run(&self, words: &str) -> Outcome {
+        let output = self.command(words).output().unwrap();
+        Outcome {
+            code: output.status.code(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// The bytes of a run's surface.
+    pub fn surface(&self, run: &str) -> Vec<u8> {
+        fs::read(self.path(run).join("surface.parquet")).unwrap()
+    }
+}
+
+/// A job over `points` by `points` cells around Figure 14a.
+pub fn surface_job(name: &str, points: usize, samples: u64, seed: u64) -> String {
+    format!(
+        "name = \"{name}\"\n\n[axes]\nrotating_speed = 15.0\npreload = {{ from = 0.03, to = 0.30, points = {points} }}\n\
+         static_friction = {{ from = 0.27, to = 0.50, points = {points} }}\n\n[random]\ninputs = [\"preload\", \
+         \"static_friction\"]\nrelative_std = 0.2\n\n[criterion]\nkind = \"eigenvalue\"\n\n[sampling]\nsamples = {samples}\nseed = {seed}\n"
+    )
+}
+
+/// The columns of a Parquet file as numbers; integers are exact up to 2^53, nulls are NaN.
+pub struct Table {
+    names: Vec<String>,
+    columns: Vec<Vec<f64>>,
+    /// The key-value pairs of the footer that are stickslip's.
+    pub footer: Vec<(String, String)>,
+}
+
+impl Table {
+    pub fn read(path: &Path) -> Self {
+        let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
+        let pairs = builder.metadata().file_metadata().key_value_metadata().cloned().unwrap_or_default();
+        let footer = pairs
+            .into_iter()
+            .filter(|pair| pair.key.starts_with("stickslip:"))
+            .map(|pair| (pair.key, pair.value.unwrap_or_default()))
+            .collect();
+        let names: Vec<String> = builder.schema().fields().iter().map(|field| field.name().clone()).collect();
+        let mut columns = vec![Vec::new(); names.len()];
+        for batch in builder.build().unwrap() {
+            for (column, array) in columns.iter_mut().zip(batch.unwrap().columns()) {
+                if let Some(integers) = array.as_any().downcast_ref::<Int64Array>() {
+                    column.extend(integers.values().iter().map(|&value| value as f64));
+                } else {
+                    let reals = array.as_any().downcast_ref::<Float64Array>().unwrap();
+                    column.extend(reals.iter().map(|value| value.unwrap_or(f64::NAN)));
+                }
+            }
+        }
+        Self { names, columns, footer }
+    }
+
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    #[track_caller]
+    pub fn column(&self, name: &str) -> &[f64] {
+        let index = self.names.iter().position(|other| other == name);
+        &self.columns[index.unwrap_or_else(|| panic!("no column {name}"))]
+    }
+
+    /// A hash of every value of every column, bit by bit: the same on every machine for the same release.
+    pub fn digest(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        for (name, column) in self.names.iter().zip(&self.columns) {
+            hasher.update(name.as_bytes());
+            for value in column {
+                hasher.update(&value.to_bits().to_le_bytes());
+            }
+        }
+        hasher.finalize().to_hex()[..32].to_owned()
+    }
+}

@@ -1,0 +1,216 @@
+//! The promises: one job, one result, whatever the threads, shards, interruptions, builds and processors.
+
+mod common;
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use common::{Place, Table, repository, surface_job};
+
+/// Job specs whose columns are pinned, with the digest of every value. Regression values of results version 1: they
+/// change only together with `RESULTS_VERSION`.
+const GOLDEN: [(&str, &str); 3] = [("fig14a", "GOLDEN_fig14a"), ("table3", "GOLDEN_table3"), ("fig12", "GOLDEN_fig12")];
+
+#[test]
+fn result_columns_are_pinned() {
+    let place = Place::new();
+    for (name, digest) in GOLDEN {
+        place.run(&format!("submit {}", repository().join(format!("jobs/{name}.toml")).display())).done();
+        let table = Table::read(&place.path(&format!("runs/{name}/surface.parquet")));
+        assert_eq!(table.digest(), digest, "{name}");
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("threads", 12, 30_500, 3));
+    for threads in [1, 2, 3, 8] {
+        place.run(&format!("submit job.toml --threads {threads} --out {threads}")).done();
+        assert!(place.surface("1") == place.surface(&threads.to_string()), "{threads} threads");
+    }
+}
+
+#[test]
+fn repeated_runs_write_the_same_bytes() {
+    // Hash maps with random order, time stamps and the like would show here.
+    let place = Place::new();
+    place.write("job.toml", &surface_job("repeated", 4, 1000, 3));
+    place.run("submit job.toml --out 0").done();
+    for run in 1..20 {
+        place.run(&format!("submit job.toml --out {run}")).done();
+        assert!(place.surface("0") == place.surface(&run.to_string()), "run {run}");
+    }
+}
+
+#[test]
+fn shards_merged_in_any_order_do_not_change_a_byte() {
+    let place = Place::new();
+    // Cells of several units, so that shards part cells too.
+    let job = surface_job("shards", 4, 2_500_000, 3);
+    place.write("job.toml", &job);
+    place.run("submit job.toml --out whole").done();
+    for (count, stride) in [(1, 1), (4, 3), (16, 5), (16, 11)] {
+        let run = format!("in-{count}-by-{stride}");
+        let missing = place.run(&format!("merge {run}"));
+        assert_eq!(missing.code, Some(74));
+        for step in 0..count {
+            let index = (step * stride) % count + 1;
+            place.run(&format!("submit job.toml --out {run} --shard {index}/{count}")).done();
+            if step == 0 && count > 1 {
+                place.run(&format!("merge {run}")).refused(65, &["is not complete", "stickslip resume"]);
+            }
+        }
+        place.run(&format!("merge {run}")).done();
+        assert!(place.surface("whole") == place.surface(&run), "{run}");
+        // Shards that a batch system starts a second time change nothing.
+        place.run(&format!("submit job.toml --out {run} --shard 1/{count}")).done();
+        place.run(&format!("merge {run}")).done();
+        assert!(place.surface("whole") == place.surface(&run), "{run}, twice");
+    }
+}
+
+#[test]
+fn shards_at_the_same_time_share_a_directory() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("together", 4, 2_500_000, 3));
+    place.run("submit job.toml --out whole").done();
+    let children: Vec<_> = (0..4)
+        .map(|index| {
+            let mut command = place.command(&format!("submit job.toml --out together --threads 1 --shard {index}/4"));
+            command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+        })
+        .collect();
+    for mut child in children {
+        assert!(child.wait().unwrap().success());
+    }
+    place.run("merge together").done();
+    assert!(place.surface("whole") == place.surface("together"));
+}
+
+#[test]
+fn fifty_kills_at_random_times_do_not_change_a_byte() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("killed", 20, 2_500_000, 3));
+    place.run("submit job.toml --out whole").done();
+    let mut random = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut was_alive = 0;
+    for _ in 0..50 {
+        // A job.toml appears whole or not at all, so one of the two always applies.
+        let submitted = place.path("killed/job.toml").exists();
+        let words = if submitted { "resume killed" } else { "submit job.toml --out killed" };
+        let mut child = place.command(words).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        thread::sleep(Duration::from_millis(5 + (random >> 33) % 245));
+        was_alive += u32::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert!(was_alive >= 40, "the job is too short for this test: only {was_alive} kills hit it running");
+    let status: serde_json::Value = serde_json::from_str(&place.run("status killed --json").done().stdout).unwrap();
+    assert!(status["share_done"].as_f64().unwrap() > 0.0, "killed runs keep what they had finished: {status}");
+    place.run("resume killed").done();
+    assert!(place.surface("whole") == place.surface("killed"));
+    let left_behind = |directory: &str| {
+        let entries = fs::read_dir(place.path(directory)).unwrap();
+        entries.filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().starts_with(".unfinished")).count()
+    };
+    assert_eq!(left_behind("killed") + left_behind("killed/shards"), 0, "the last run tidies up");
+}
+
+#[test]
+fn signals_keep_what_is_finished_and_print_how_to_go_on() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("signalled", 20, 2_500_000, 3));
+    place.run("submit job.toml --out whole").done();
+    for (signal, code, word) in [("INT", 130, "interrupted"), ("TERM", 143, "terminated")] {
+        let words = if signal == "INT" { "submit job.toml" } else { "resume runs/signalled" };
+        let child = place.command(words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        thread::sleep(Duration::from_millis(400));
+        let sent = Command::new("sh").args(["-c", &format!("kill -{signal} {}", child.id())]).status().unwrap();
+        assert!(sent.success());
+        let output = child.wait_with_output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{stderr}");
+        assert!(stderr.contains(word) && stderr.contains("stickslip resume runs/signalled"), "{stderr}");
+        assert!(!place.path("runs/signalled/surface.parquet").exists());
+    }
+    assert!(place.run("status runs/signalled").done().stdout.contains("unfinished"));
+    place.run("resume runs/signalled").done();
+    assert!(place.surface("whole") == place.surface("runs/signalled"));
+}
+
+#[test]
+fn more_samples_extend_a_run_and_keep_the_first_ones() {
+    let place = Place::new();
+    place.write("few.toml", &surface_job("extended", 6, 10_000, 3));
+    place.write("many.toml", &surface_job("extended", 6, 100_000, 3));
+    place.run("submit few.toml").done();
+    let outcome = place.run("submit many.toml").done();
+    assert!(outcome.stderr.contains("from 10000 to 100000 samples"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("3,240,000 samples in"), "only the missing ones are drawn: {}", outcome.stderr);
+    place.run("submit many.toml --out anew").done();
+    assert!(place.surface("anew") == place.surface("runs/extended"));
+    // A number of samples inside a block is as good.
+    for samples in [10_001, 54_321, 100_000] {
+        place.run(&format!("submit few.toml --out odd --samples {samples}")).done();
+    }
+    assert!(place.surface("anew") == place.surface("odd"));
+}
+
+#[test]
+fn the_processor_does_not_change_a_byte() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("processor", 12, 100_000, 3));
+    place.run("submit job.toml --out all").done();
+    let before = place.surface("all");
+    for tunables in ["glibc.cpu.hwcaps=-FMA,-AVX2", "glibc.cpu.hwcaps=-FMA,-AVX2,-AVX512F,-SSE4_2"] {
+        let place = Place::new().with_environment("GLIBC_TUNABLES", tunables);
+        place.write("job.toml", &surface_job("processor", 12, 100_000, 3));
+        place.run("submit job.toml --out less").done();
+        assert!(before == place.surface("less"), "{tunables}");
+    }
+}
+
+#[test]
+fn debug_and_release_builds_write_the_same_bytes() {
+    // The other profile than this test's own, built here if it is not there yet.
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--locked", "--quiet", "-p", "stickslip"]).current_dir(repository());
+    let profile = if cfg!(debug_assertions) {
+        build.arg("--release");
+        "release"
+    } else {
+        "debug"
+    };
+    assert!(build.status().unwrap().success());
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| repository().join("target"), PathBuf::from);
+    let job = surface_job("builds", 8, 20_500, 3);
+    let (here, there) = (Place::new(), Place::new().with_program(&target.join(profile).join("stickslip")));
+    for place in [&here, &there] {
+        place.write("job.toml", &job);
+        place.run("submit job.toml").done();
+    }
+    assert!(here.surface("runs/builds") == there.surface("runs/builds"));
+    let analyses = [&here, &there].map(|place| place.run("analyse --json").done().stdout);
+    assert_eq!(analyses[0], analyses[1]);
+}
+
+#[test]
+fn common_random_numbers_share_deviates_between_cells() {
+    let place = Place::new();
+    let job = surface_job("common", 12, 2_000, 3);
+    place.write("own.toml", &job);
+    place.write("common.toml", &job.replace("seed = 3", "seed = 3\ncommon_random_numbers = true"));
+    place.run("submit own.toml --out own").done();
+    place.run("submit common.toml --out common").done();
+    // With the same deviates everywhere the probability cannot fall when an expected value rises.
+    let rises = |run: &str| {
+        let table = Table::read(&place.path(run).join("surface.parquet"));
+        table.column("p_unstable").chunks(12).all(|row| row.windows(2).all(|pair| pair[0] <= pair[1]))
+    };
+    assert!(rises("common") && !rises("own"));
+}

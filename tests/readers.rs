@@ -1,0 +1,32 @@
+//! The files as their readers see them: pandas, polars, DuckDB, pyarrow.
+//!
+//! `make test` sets up a Python environment and names it in STICKSLIP_PYTHON. Where that is missing, as on a machine
+//! without Python, there is nothing to read with; continuous integration insists on it.
+
+mod common;
+
+use std::process::Command;
+
+use common::{Place, repository};
+
+#[test]
+fn python_readers_see_what_the_readme_says() {
+    let Some(python) = std::env::var_os("STICKSLIP_PYTHON") else {
+        assert!(std::env::var_os("CI").is_none(), "STICKSLIP_PYTHON is not set; run `make test`");
+        return;
+    };
+    let place = Place::new();
+    place.run(&format!("submit {}", repository().join("jobs/fig14a.toml").display())).done();
+    let output = Command::new(python)
+        .arg(repository().join("tests/readers.py"))
+        .arg(place.path("runs/fig14a/surface.parquet"))
+        .arg(repository().join("README.md"))
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
