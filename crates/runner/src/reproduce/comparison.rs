@@ -33,9 +33,8 @@ impl ComparedRow {
 pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
     let boundaries = run.job.boundaries().map_err(|error| Failure::Job(error.to_string()))?;
     let surface = Surface::new(&run.job, &run.tally);
-    let cells_per_speed = run.job.cells() / boundaries.len() as u64;
     let compared = surface.rows().map(|row| {
-        let exact = exact::probability(&boundaries[(row.cell.index / cells_per_speed) as usize], &row.cell).value;
+        let exact = exact::probability(&boundaries[run.job.grid.rotating_speed_index(row.cell.index)], &row.cell).value;
         let estimate = row.estimate.probability.unwrap_or(f64::NAN);
         let error = (exact * (1.0 - exact) / row.counts.decided() as f64).sqrt();
         ComparedRow { row, estimate, exact, z: (error > 0.0).then(|| (estimate - exact) / error) }

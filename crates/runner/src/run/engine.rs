@@ -52,8 +52,7 @@ impl<'a> Engine<'a> {
 
     /// Computes one unit. A pure function of its arguments and the job.
     pub fn compute(&self, cell: u64, samples: std::ops::Range<u64>) -> Segment {
-        let cells_per_speed = self.job.cells() / self.boundaries.len() as u64;
-        let boundary = &self.boundaries[(cell / cells_per_speed) as usize];
+        let boundary = &self.boundaries[self.job.grid.rotating_speed_index(cell)];
         let mut counts = VerdictCounts::default();
         self.stream.for_each(&self.job.grid.cell(cell), samples.clone(), |samples| {
             counts += boundary.count(samples.preloads, samples.static_frictions);

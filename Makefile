@@ -1,0 +1,55 @@
+# What a user types: `make run` and `make test`. Everything else is for developers.
+
+CARGO  ?= cargo
+PYTHON ?= python3
+STICKSLIP = target/release/stickslip
+
+.PHONY: run test check bench bench-peers clean
+.DEFAULT_GOAL := run
+
+# Build, and run the main job: Figure 14a.
+run:
+	$(CARGO) build --locked --release
+	$(STICKSLIP) submit jobs/fig14a.toml
+
+# The tests. Those of the Python readers need Python with venv; without it they are left out, with a word about it.
+test: target/readers/ready
+	$(CARGO) build --locked
+	if [ -x target/readers/bin/python ]; then \
+	    export STICKSLIP_PYTHON="$(CURDIR)/target/readers/bin/python"; \
+	else \
+	    echo "note: no Python environment, the tests of pandas, polars and DuckDB are left out" >&2; \
+	fi; \
+	$(CARGO) test --locked --release --workspace
+
+target/readers/ready: tests/requirements.txt
+	mkdir -p target/readers
+	if $(PYTHON) -m venv target/readers; then \
+	    target/readers/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt; \
+	else \
+	    rm -f target/readers/bin/python; test -z "$$CI"; \
+	fi
+	touch $@
+
+# Formatting, lints and documentation, all warnings errors.
+check:
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
+
+# One line for each figure: name, value, unit.
+bench:
+	$(CARGO) bench --locked -p stickslip --bench figures
+
+# The same job by NumPy and OpenTURNS beside it.
+bench-peers: target/peers/ready
+	$(CARGO) build --locked --release
+	target/peers/bin/python benches/peers.py $(STICKSLIP)
+
+target/peers/ready: benches/peers-requirements.txt
+	$(PYTHON) -m venv target/peers
+	target/peers/bin/python -m pip install --quiet --disable-pip-version-check -r benches/peers-requirements.txt
+	touch $@
+
+clean:
+	$(CARGO) clean
