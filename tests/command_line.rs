@@ -1,5 +1,7 @@
 //! The command line as a user types it: what it says, its exit codes, and what it does with silly input.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
+
 mod common;
 
 use std::fs;

@@ -1,5 +1,7 @@
 //! The promises: one job, one result, whatever the threads, shards, interruptions, builds and processors.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
+
 mod common;
 
 use std::fs;

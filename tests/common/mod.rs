@@ -1,6 +1,7 @@
 //! Running stickslip as a user does, and reading what it wrote.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
