@@ -24,12 +24,12 @@ test: target/readers/ready
 
 target/readers/ready: tests/requirements.txt
 	mkdir -p target/readers
-	if $(PYTHON) -m venv target/readers; then \
-	    target/readers/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt; \
+	if $(PYTHON) -m venv target/readers \
+	    && target/readers/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt; then \
+	    touch $@; \
 	else \
-	    rm -f target/readers/bin/python; test -z "$$CI"; \
+	    rm -rf target/readers; test -z "$$CI"; \
 	fi
-	touch $@
 
 # Formatting, lints and documentation, all warnings errors.
 check:

@@ -132,7 +132,9 @@ fn a_run_of_another_job_is_refused_and_untouched() {
     place.run("submit job.toml").done();
     let before = place.surface("runs/mine");
     place.run("submit job.toml --seed 8").refused(65, &["run of another job", "`seed = 7`", "`seed = 8`", "--out"]);
-    place.run("submit job.toml --samples 50").refused(65, &["run of another job", "100", "50"]);
+    place
+        .run("submit job.toml --samples 50")
+        .refused(65, &["100 samples in each cell, more than the 50 asked for", "--out"]);
     place.write("job.toml", &surface_job("mine", 3, 100, 7).replace("15.0", "16.0"));
     place.run("submit job.toml").refused(65, &["rotating_speed = [15.0]", "rotating_speed = [16.0]"]);
     assert_eq!(place.surface("runs/mine"), before);
@@ -159,7 +161,7 @@ fn bad_job_specs_are_refused_with_place_value_and_remedy() {
         (
             "rotating_speed = 15.0",
             "rotating_speed = 0",
-            &["axes.rotating_speed: 0 is out of range", "greater than 0", "rad/s"],
+            &["axes.rotating_speed: 0 is out of range", "at least 0.000001", "rad/s"],
         ),
         ("rotating_speed = 15.0", "rotating_speed = [10, 15, 10]", &["10 appears twice"]),
         ("from = 0.03", "from = \"low\"", &["string \"low\"", "a number"]),
@@ -392,5 +394,81 @@ fn completions_and_manual_cover_every_command() {
             assert!(script.contains(command), "{shell} {command}");
             assert!(manual.contains(&format!("stickslip\\-{command}")), "{command}");
         }
+    }
+}
+
+#[test]
+fn parameters_beyond_the_range_of_numbers_are_refused_not_called_stable() {
+    let place = Place::new();
+    for change in
+        ["disc.thickness=1e-200", "disc.density=1e-320", "pad.mass=1e-320", "stiffness.contact_tangential_1=1e-310"]
+    {
+        place.run(&format!("analyse --set {change}")).refused(64, &["too small or too large to compute with"]);
+    }
+    let job = surface_job("tiny", 3, 100, 7).replace("[axes]", "[model.disc]\nthickness = 1e-200\n\n[axes]");
+    place.write("job.toml", &job);
+    place.run("submit job.toml").refused(65, &["too small or too large to compute with"]);
+}
+
+#[test]
+fn status_does_not_call_the_surface_of_a_smaller_run_finished() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("grown", 3, 100, 7));
+    place.run("submit job.toml").done();
+    for index in [1, 2] {
+        place.run(&format!("submit job.toml --samples 2000 --shard {index}/2")).done();
+    }
+    let status = place.run("status runs/grown --json").done().stdout;
+    assert!(status.contains("\"complete, not merged\"") && status.contains("\"surface\": null"), "{status}");
+    place.run("merge runs/grown").done();
+    assert!(place.run("status runs/grown").done().stdout.contains("finished"));
+    assert_eq!(Table::read(&place.path("runs/grown/surface.parquet")).column("n_samples"), [2000.0; 9]);
+}
+
+#[test]
+fn samples_that_the_job_does_not_ask_for_are_never_counted() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("odd", 3, 1000, 7));
+    place.run("submit job.toml --shard 1/2").done();
+    // Another number of samples cannot join an unfinished run, as a shard or otherwise.
+    for words in ["submit job.toml --samples 2000 --shard 2/2", "submit job.toml --samples 2000"] {
+        place.run(words).refused(73, &["unfinished run", "stickslip resume runs/odd"]);
+    }
+    place.run("submit job.toml --samples 500 --shard 2/2").refused(65, &["more than the 500 asked for"]);
+    place.run("resume runs/odd").done();
+    // Nor can a job be shrunk by hand.
+    place.write("runs/odd/job.toml", &surface_job("odd", 3, 500, 7));
+    for words in ["status runs/odd", "resume runs/odd", "merge runs/odd"] {
+        place.run(words).refused(65, &["its pieces hold sample 999", "asks for 500 samples only"]);
+    }
+    // Files of other programs are nobody's pieces.
+    place.write("runs/odd/job.toml", &surface_job("odd", 3, 1000, 7));
+    place.write("runs/odd/shards/.DS_Store", "finder");
+    assert!(place.run("status runs/odd").done().stderr.is_empty());
+}
+
+#[test]
+fn absurdly_large_jobs_start_and_stop_at_once() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("huge", 30, 1_000_000_000_000_000, 7));
+    for words in ["submit job.toml --shard 1/4", "submit job.toml"] {
+        let words = format!("{words} --out {}", if words.contains("shard") { "shards" } else { "whole" });
+        let mut child = place.command(&words).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        let stopped = std::time::Instant::now();
+        std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(143));
+        assert!(stopped.elapsed().as_secs() < 10, "{words}: {:?}", stopped.elapsed());
+    }
+}
+
+#[test]
+fn the_readme_has_no_gaps() {
+    let readme = fs::read_to_string(repository().join("README.md")).unwrap();
+    assert!(!readme.contains("SPEED_LINE") && !readme.contains("TODO"));
+    for target in
+        ["table2", "table3", "fig4", "fig12", "fig13", "fig14a", "fig14c", "fig14d", "fig15a", "fig15b", "scoreboard"]
+    {
+        assert!(readme.contains(&format!("`{target}`")), "{target}");
     }
 }

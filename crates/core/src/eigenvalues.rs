@@ -40,7 +40,7 @@ pub enum EigenvalueError {
 /// then reduced to real Schur form.
 ///
 /// # Errors
-/// [`EigenvalueError::NotFinite`] and [`EigenvalueError::NotConverged`]; callers count them as failed samples.
+/// [`EigenvalueError::NotFinite`] and [`EigenvalueError::NotConverged`].
 ///
 /// # Panics
 /// If the matrix is not square.

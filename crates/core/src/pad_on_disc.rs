@@ -91,7 +91,38 @@ impl PadOnDisc {
             stribeck_velocity: law.stribeck_velocity / scales.speed,
             exponent: law.stribeck_exponent,
         };
-        Ok(Self { parameters, scales, friction })
+        let brake = Self { parameters, scales, friction };
+        brake.check_derived_values()?;
+        Ok(brake)
+    }
+
+    /// Everything derived must be an ordinary positive number, or verdicts would rest on infinities.
+    fn check_derived_values(&self) -> Result<(), ParameterError> {
+        let derived = [
+            ("the flexural rigidity of the disc", self.scales.flexural_rigidity),
+            ("the time scale", self.scales.time),
+            ("the speed scale", self.scales.speed),
+            ("eta0", self.scales.eta0),
+            ("the scaled speed of the disc", self.disc_speed()),
+            ("the scaled Stribeck velocity", self.friction.stribeck_velocity),
+            ("the contact force for one unit of preload", self.normal_force_per_preload()),
+            ("k_t2 / k_t1", self.friction_transmission()),
+            ("the tangential stiffness over the mass", self.tangential_oscillator().stiffness),
+            ("the normal stiffness over the mass", self.normal_oscillator().stiffness),
+            ("the angular stiffness over the inertia", self.angular_oscillator().stiffness),
+        ];
+        if let Some(&(quantity, value)) = derived.iter().find(|(_, value)| !(value.is_normal() && *value > 0.0)) {
+            return Err(ParameterError::NotComputable { quantity, value });
+        }
+        let damping = [
+            ("the tangential damping over the mass", self.tangential_oscillator().damping),
+            ("the normal damping over the mass", self.normal_oscillator().damping),
+            ("the angular damping over the inertia", self.angular_oscillator().damping),
+        ];
+        match damping.iter().find(|(_, value)| !value.is_finite()) {
+            Some(&(quantity, value)) => Err(ParameterError::NotComputable { quantity, value }),
+            None => Ok(()),
+        }
     }
 
     /// The parameters as validated.

@@ -248,7 +248,7 @@ pub static SCALARS: [Scalar; 27] = [
     scalar!(friction.stribeck_velocity, "v_s", "m/s", Limits::above(0.0, 1e3), "Stribeck velocity"),
     scalar!(friction.stribeck_exponent, "delta", "1", Limits::above(0.0, 10.0), "Stribeck exponent, 1 = Tustin"),
     scalar!(operating_point.preload, "Delta", "1", Limits::from(0.0, 10.0), "preload, calliper displacement over disc thickness"),
-    scalar!(operating_point.rotating_speed, "Omega", "rad/s", Limits::above(0.0, 1e5), "rotating speed of the disc"),
+    scalar!(operating_point.rotating_speed, "Omega", "rad/s", Limits::from(1e-6, 1e5), "rotating speed of the disc"),
 ];
 
 /// The parameter known by `key`.
@@ -278,6 +278,14 @@ pub enum ParameterError {
         unit: &'static str,
         /// Admissible values.
         limits: Limits,
+    },
+    /// Values, each admissible alone, that together lead out of the range of numbers.
+    #[error("the parameters give {quantity} = {value}: some value is too small or too large to compute with")]
+    NotComputable {
+        /// What could not be computed.
+        quantity: &'static str,
+        /// What came out.
+        value: f64,
     },
     /// Two values, each admissible alone, contradict each other.
     #[error("{key} = {value} must be {relation} {other_key} = {other_value}")]

@@ -15,8 +15,13 @@ use crate::pad_on_disc::PadOnDisc;
 /// Local error allowed in one step, relative to the size of the motion.
 const TOLERANCE: f64 = 1e-12;
 
-/// Steps of one slip phase at the most; a few hundred are usual.
-const MOST_STEPS: usize = 1_000_000;
+/// Steps of one slip phase at the most; a few hundred are usual. Only a pad so light or so damped that its motion is
+/// stiff needs more; an explicit method is the wrong one for it.
+const MOST_STEPS: usize = 20_000;
+
+/// The highest admissible rotating speed, see `operating_point.rotating_speed`; the search for the saddle-node ends
+/// there.
+const HIGHEST_SPEED: f64 = 1e5;
 
 /// A stick-slip limit cycle, in scaled time and length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -186,7 +191,8 @@ impl PadOnDisc {
     /// operating point.
     ///
     /// The cycle is followed from the release from stick: all motions that stick leave it at the same point, by the
-    /// same slip phase. Accuracy some 1e-10 (Dormand-Prince 5(4), located ends).
+    /// same slip phase. Accuracy some 1e-10 (Dormand-Prince 5(4), located ends). A slip phase that takes more than
+    /// 20 000 steps, of a pad far lighter or more damped than any brake's, counts as not recaptured.
     #[must_use]
     pub fn limit_cycle(&self) -> Option<LimitCycle> {
         let motion = SlipMotion::new(self);
@@ -208,7 +214,9 @@ impl PadOnDisc {
     /// released from stick just fails to reach the disc's speed again, and the limit cycle vanishes in a saddle-node
     /// bifurcation. `None` if there is no limit cycle at any speed, or up to any speed.
     ///
-    /// Bisection to 1e-10 of the speed between neighbours of a logarithmic scan over six decades.
+    /// Bisection to 1e-10 of the speed between neighbours of a logarithmic scan, from the highest admissible speed
+    /// to far below both speeds that matter: the Stribeck velocity, and that of an oscillation as wide as the drop in
+    /// friction.
     #[must_use]
     pub fn saddle_node_speed(&self) -> Option<f64> {
         let cycles = |speed: f64| {
@@ -216,10 +224,21 @@ impl PadOnDisc {
             parameters.operating_point.rotating_speed = speed;
             PadOnDisc::new(parameters).is_ok_and(|brake| brake.limit_cycle().is_some())
         };
-        let stribeck = self.rotating_speed(self.friction_law().stribeck_velocity);
-        let scan: Vec<f64> = (-15..=45).map(|i| stribeck * libm::pow(10.0, f64::from(i) / 15.0)).collect();
-        let last = scan.iter().rposition(|&speed| cycles(speed))?;
-        let (mut with, mut without) = (scan[last], *scan.get(last + 1)?);
+        let motion = SlipMotion::new(self);
+        let drop = motion.friction_gain * (motion.law.static_coefficient - motion.law.kinetic_coefficient);
+        let oscillation = self.rotating_speed(drop / motion.stiffness.sqrt());
+        let stribeck = self.rotating_speed(motion.law.stribeck_velocity);
+        if oscillation <= 0.0 {
+            return None;
+        }
+        let lowest = (1e-4 * oscillation.min(stribeck)).clamp(1e-5, HIGHEST_SPEED);
+        let points = 1 + (15.0 * libm::log10(HIGHEST_SPEED / lowest)).ceil() as u32;
+        let ratio = libm::pow(HIGHEST_SPEED / lowest, 1.0 / f64::from(points));
+        let scan: Vec<f64> =
+            (0..points).scan(HIGHEST_SPEED, |speed, _| Some(std::mem::replace(speed, *speed / ratio))).collect();
+        // Falling speeds: the first one with a limit cycle lies below the saddle-node, the one before it above.
+        let first = scan.iter().position(|&speed| cycles(speed))?;
+        let (mut with, mut without) = (scan[first], scan[first.checked_sub(1)?]);
         while without - with > 1e-10 * with {
             let middle = 0.5 * (with + without);
             if cycles(middle) {
@@ -283,6 +302,35 @@ mod tests {
         let undamped = brake(&[("damping.tangential", 0.0)]);
         assert!(undamped.limit_cycle().is_some());
         assert_eq!(undamped.saddle_node_speed(), None);
+    }
+
+    #[test]
+    fn with_constant_slip_friction_the_saddle_node_is_that_of_a_damped_oscillator() {
+        // Friction that drops at once: the slip phase is x_c + exp(-beta t) (A cos + B sin), and the saddle-node is the
+        // disc speed that its return just reaches.
+        let sharp = brake(&[("friction.stribeck_velocity", 1e-6)]);
+        let motion = SlipMotion::new(&sharp);
+        let (beta, centre) = (0.5 * motion.damping, motion.friction_gain * 0.25 / motion.stiffness);
+        let omega = (motion.stiffness - beta * beta).sqrt();
+        let fastest_return = |speed: f64| {
+            let release = (motion.friction_gain * 0.39 - motion.damping * speed) / motion.stiffness;
+            let a = release - centre;
+            let b = (speed + beta * a) / omega;
+            let velocity = |t: f64| {
+                (-beta * t).exp()
+                    * ((b * omega - beta * a) * (omega * t).cos() - (a * omega + beta * b) * (omega * t).sin())
+            };
+            let period = std::f64::consts::TAU / omega;
+            (0..200_000).map(|i| velocity(period * (0.4 + 0.8e-5 * f64::from(i)))).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let (mut slow, mut fast) = (1e-6, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (slow + fast);
+            if fastest_return(middle) > middle { slow = middle } else { fast = middle }
+        }
+        let expected = sharp.rotating_speed(slow);
+        let speed = sharp.saddle_node_speed().unwrap();
+        assert!((speed / expected - 1.0).abs() < 1e-3, "{speed} {expected}");
     }
 
     #[test]

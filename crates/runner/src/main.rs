@@ -28,6 +28,7 @@ use clap::error::ErrorKind;
 
 use crate::cli::{Cli, Command};
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -49,12 +50,12 @@ fn main() -> ExitCode {
 
 fn dispatch(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Submit(arguments) => commands::submit(&arguments),
-        Command::Resume(arguments) => commands::resume(&arguments),
+        Command::Submit(arguments) => commands::submit(&arguments, &Interrupt::watch()?),
+        Command::Resume(arguments) => commands::resume(&arguments, &Interrupt::watch()?),
         Command::Status(arguments) => commands::status(&arguments),
         Command::Check(arguments) => commands::check(&arguments),
         Command::Analyse(arguments) => commands::analyse(&arguments),
-        Command::Reproduce(arguments) => reproduce::reproduce(&arguments),
+        Command::Reproduce(arguments) => reproduce::reproduce(&arguments, &Interrupt::watch()?),
         Command::Merge(arguments) => commands::merge(&arguments),
         Command::Schema => commands::schema(),
         Command::Completions(arguments) => commands::completions(&arguments),

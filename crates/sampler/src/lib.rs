@@ -20,6 +20,8 @@ pub mod samples;
 
 pub mod normal;
 
+pub mod poisson;
+
 pub mod interval;
 
 pub mod exact;

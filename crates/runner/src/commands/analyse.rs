@@ -34,6 +34,11 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
             "eigenvalues": eigenvalues.iter().map(|value| [value.re, value.im]).collect::<Vec<_>>(),
             "growth_rate": brake.growth_rate(),
             "stable": stable,
+            "unstable_speeds": match speeds {
+                None => json!("none"),
+                Some(speeds) if speeds.to.is_infinite() => json!("all"),
+                Some(speeds) => json!([speeds.from, speeds.to]),
+            },
             "critical_speed_rad_s": speeds.map(|speeds| speeds.to),
             "lower_critical_speed_rad_s": speeds.map(|speeds| speeds.from).filter(|from| *from > 0.0),
             "saddle_node_speed_rad_s": saddle_node,
@@ -88,7 +93,8 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
         Some(speeds) => format!("critical speed     {:.4} rad/s, unstable below\n", speeds.to),
     };
     text += &match saddle_node {
-        None => "saddle-node        none: no stick-slip limit cycle, or one at every speed\n".to_owned(),
+        None if limit_cycle.is_some() => "saddle-node        none: stick-slip at every speed\n".to_owned(),
+        None => "saddle-node        none: no stick-slip limit cycle at any speed\n".to_owned(),
         Some(speed) => format!("saddle-node        {speed:.4} rad/s, no stick-slip limit cycle above\n"),
     };
     text += &match limit_cycle {
@@ -107,7 +113,11 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
 }
 
 fn finite(value: f64) -> String {
-    if value.is_finite() { format!("{value:.5}") } else { "none".to_owned() }
+    match value {
+        _ if !value.is_finite() => "none".to_owned(),
+        _ if value < 1e6 => format!("{value:.5}"),
+        _ => format!("{value:.5e}"),
+    }
 }
 
 /// The preset with `KEY=VALUE` changes.

@@ -5,7 +5,7 @@ use serde_json::json;
 use crate::cli::StatusArguments;
 use crate::failure::Failure;
 use crate::output::result;
-use crate::run::RunDirectory;
+use crate::run::{RunDirectory, job_hash_of_file};
 
 /// `stickslip status`.
 pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
@@ -14,7 +14,10 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     let tally = directory.tally(&job)?;
     let complete_cells = tally.complete_cells(job.samples);
     let in_use = directory.in_use();
-    let state = match (complete_cells == job.cells(), directory.surface().is_file()) {
+    // A surface of the run before it was extended does not count.
+    let surface = directory.surface();
+    let is_written = job_hash_of_file(&surface) == Some(job.hash());
+    let state = match (complete_cells == job.cells(), is_written) {
         _ if in_use => "running",
         (true, true) => "finished",
         (true, false) => "complete, not merged",
@@ -34,7 +37,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
             "samples_done": u64::try_from(counted).unwrap_or(u64::MAX),
             "samples_total": u64::try_from(total).unwrap_or(u64::MAX),
             "share_done": share,
-            "surface": directory.surface().is_file().then(|| directory.surface().display().to_string()),
+            "surface": is_written.then(|| surface.display().to_string()),
             "job_hash": job.hash(),
         });
         return result(&format!("{status:#}\n"));

@@ -14,7 +14,7 @@ use crate::picture::picture;
 use crate::run::{Access, Engine, Outcome, Plan, Progress, RunDirectory, Session, Shard, Surface, Tally};
 
 /// `stickslip submit`.
-pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
+pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
@@ -35,7 +35,7 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
             out.display()
         ))),
         Standing::Finished(tally) | Standing::Unfinished(tally) | Standing::Fresh(tally) => {
-            let run = compute(directory, job, tally, threads, arguments.shard, "submit")?;
+            let run = compute(directory, job, tally, threads, arguments.shard, "submit", interrupt)?;
             match arguments.shard {
                 None => report(&run.directory, &run.job, &run.tally),
                 Some(shard) => {
@@ -51,14 +51,14 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
 }
 
 /// `stickslip resume`.
-pub fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
+pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let directory = RunDirectory::open(&arguments.run, Access::Alone)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
     if tally.complete_cells(job.samples) == job.cells() {
         note(format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
     }
-    let run = compute(directory, job, tally, arguments.threads.count(), None, "resume")?;
+    let run = compute(directory, job, tally, arguments.threads.count(), None, "resume", interrupt)?;
     report(&run.directory, &run.job, &run.tally)
 }
 
@@ -97,16 +97,21 @@ pub struct FinishedRun {
 }
 
 /// Brings a run of `source` to its end, whatever of it is there already.
-pub fn complete_run(source: &JobSource, out: &Path, threads: usize) -> Result<FinishedRun, Failure> {
+pub fn complete_run(
+    source: &JobSource,
+    out: &Path,
+    threads: usize,
+    interrupt: &Interrupt,
+) -> Result<FinishedRun, Failure> {
     let job = source.job()?;
     let directory = RunDirectory::create(out, Access::Alone)?;
     let tally = adopt(&directory, source, &job)?.into_tally();
-    compute(directory, job, tally, threads, None, "reproduce")
+    compute(directory, job, tally, threads, None, "reproduce", interrupt)
 }
 
 /// What a directory holds of a job that is submitted to it.
 enum Standing {
-    /// Nothing, or fewer samples in each cell than the job asks for.
+    /// Nothing, or a finished run with fewer samples in each cell.
     Fresh(Tally),
     /// Some of the samples.
     Unfinished(Tally),
@@ -124,40 +129,37 @@ impl Standing {
 
 /// Makes the directory one of this job, or refuses if it belongs to another.
 fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Standing, Failure> {
-    let Some(frozen) = directory.job_source()? else {
-        directory.freeze(source)?;
+    if directory.job_source()?.is_none() && directory.freeze_first(source)? {
         return Ok(Standing::Fresh(Tally::new(job.cells())));
-    };
-    let existing = frozen.job()?;
-    let refuse = |why: String| {
-        let path = directory.path().display();
-        Err(Failure::Job(format!("{path} holds a run of another job: {why}. Choose another directory with --out")))
-    };
+    }
+    let existing = directory.job()?;
+    let path = directory.path().display();
     if existing.experiment_hash() != job.experiment_hash() {
-        return refuse(first_difference(&existing.normalised(), &job.normalised()));
+        return Err(Failure::Job(format!(
+            "{path} holds a run of another job: {}. Choose another directory with --out",
+            first_difference(&existing.normalised(), &job.normalised())
+        )));
     }
     if job.samples < existing.samples {
-        return refuse(format!(
-            "it has {} samples in each cell, and {} are asked for now",
+        return Err(Failure::Job(format!(
+            "{path} holds a run of this job with {} samples in each cell, more than the {} asked for. Choose another directory with --out",
             existing.samples, job.samples
-        ));
+        )));
     }
     let tally = directory.tally(&existing)?;
     let finished = tally.complete_cells(existing.samples) == existing.cells();
-    if job.samples > existing.samples {
-        if !finished && tally.counted() > 0 {
-            return Ok(Standing::Unfinished(tally));
-        }
-        note(format_args!(
-            "{}: from {} to {} samples in each cell",
-            directory.path().display(),
-            existing.samples,
-            job.samples
-        ));
-        directory.freeze(source)?;
-        return Ok(Standing::Fresh(tally));
+    if job.samples == existing.samples {
+        return Ok(if finished { Standing::Finished(tally) } else { Standing::Unfinished(tally) });
     }
-    Ok(if finished { Standing::Finished(tally) } else { Standing::Unfinished(tally) })
+    if !finished {
+        return Err(Failure::CannotCreate(format!(
+            "{path} holds an unfinished run of this job with {} samples in each cell; finish it with `stickslip resume {path}`, then ask for {}",
+            existing.samples, job.samples
+        )));
+    }
+    note(format_args!("{path}: from {} to {} samples in each cell", existing.samples, job.samples));
+    directory.freeze(source)?;
+    Ok(Standing::Fresh(tally))
 }
 
 /// The first line in which two normalised jobs differ.
@@ -185,8 +187,8 @@ fn compute(
     threads: usize,
     shard: Option<Shard>,
     command: &str,
+    interrupt: &Interrupt,
 ) -> Result<FinishedRun, Failure> {
-    let interrupt = Interrupt::watch()?;
     if shard.is_none() {
         directory.tidy()?;
     }
@@ -195,7 +197,7 @@ fn compute(
     let started = Instant::now();
     let before = tally.counted();
     let mut progress = Progress::new(plan.samples());
-    let outcome = Engine::new(&job, threads)?.run(&plan, &mut tally, &directory, &mut progress, &interrupt);
+    let outcome = Engine::new(&job, threads)?.run(&plan, &mut tally, &directory, &mut progress, interrupt);
     progress.finish();
     let outcome = outcome?;
     let computed = u64::try_from(tally.counted() - before).unwrap_or(u64::MAX);
@@ -241,7 +243,7 @@ fn report(directory: &RunDirectory, job: &Job, tally: &Tally) -> Result<(), Fail
     if surface.publish(directory.path())? {
         note(format_args!("{} was missing or differed; it is written anew", directory.surface().display()));
     }
-    result(&format!("{}\n{}", picture(&surface), closing_line(&directory.surface(), job)))
+    result(&format!("{}{}", picture(&surface), closing_line(&directory.surface(), job)))
 }
 
 fn closing_line(surface: &Path, job: &Job) -> String {

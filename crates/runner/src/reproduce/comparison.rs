@@ -1,6 +1,6 @@
 //! A Monte Carlo surface against the exact probabilities.
 
-use stickslip_sampler::exact;
+use stickslip_sampler::{exact, normal, poisson};
 
 use crate::commands::FinishedRun;
 use crate::failure::Failure;
@@ -22,10 +22,26 @@ pub struct ComparedRow {
 }
 
 impl ComparedRow {
+    /// Samples expected on the rarer side.
+    fn expected(&self) -> f64 {
+        self.row.counts.decided() as f64 * self.exact.min(1.0 - self.exact)
+    }
+
     /// Whether the deviation can be judged by the normal distribution.
     pub fn is_normal(&self) -> bool {
-        let n = self.row.counts.decided() as f64;
-        n * self.exact.min(1.0 - self.exact) >= ENOUGH
+        self.expected() >= ENOUGH
+    }
+
+    /// Whether the estimate is within its binomial error of the exact value, for the largest of several cells at once:
+    /// `limit` standard errors, and where samples on one side are rare, a count that chance exceeds no more often.
+    pub fn agrees(&self, limit: f64) -> bool {
+        if self.is_normal() {
+            return self.z.is_some_and(|z| z.abs() <= limit);
+        }
+        let counts = &self.row.counts;
+        let rare = if self.exact < 0.5 { counts.unstable } else { counts.stable };
+        let tail = poisson::at_least(rare, self.expected()).min(poisson::at_most(rare, self.expected()));
+        counts.decided() > 0 && tail >= normal::upper_tail(limit)
     }
 }
 

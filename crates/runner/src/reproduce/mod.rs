@@ -12,6 +12,7 @@ use clap::ValueEnum;
 use crate::cli::ReproduceArguments;
 use crate::commands::{FinishedRun, complete_run};
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::job::JobSource;
 use crate::output::result;
 
@@ -68,20 +69,24 @@ impl Target {
 }
 
 /// `stickslip reproduce`.
-pub fn reproduce(arguments: &ReproduceArguments) -> Result<(), Failure> {
+pub fn reproduce(arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     if arguments.target != Target::All {
-        return one(arguments.target, arguments);
+        return one(arguments.target, arguments, interrupt);
     }
     for (index, &target) in Target::value_variants().iter().filter(|target| **target != Target::All).enumerate() {
         let gap = if index == 0 { "" } else { "\n" };
         result(&format!("{gap}==== {} ====\n\n", target.name()))?;
-        one(target, arguments)?;
+        one(target, arguments, interrupt)?;
+        if let Some(signal) = interrupt.signal() {
+            let message = format!("finished up to {}; the same command goes on from there", target.name());
+            return Err(Failure::Stopped { signal, message });
+        }
     }
     Ok(())
 }
 
-fn one(target: Target, arguments: &ReproduceArguments) -> Result<(), Failure> {
-    let text = match run(target, arguments)? {
+fn one(target: Target, arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let text = match run(target, arguments, interrupt)? {
         None => scoreboard::scoreboard()?,
         Some(run) => match target {
             Target::Table2 => tables::table2(&run)?,
@@ -95,9 +100,9 @@ fn one(target: Target, arguments: &ReproduceArguments) -> Result<(), Failure> {
 }
 
 /// The finished run of a target's job, computed now or before.
-fn run(target: Target, arguments: &ReproduceArguments) -> Result<Option<FinishedRun>, Failure> {
+fn run(target: Target, arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<Option<FinishedRun>, Failure> {
     let Some(text) = target.job() else { return Ok(None) };
     let name = target.name();
     let source = JobSource { path: PathBuf::from(format!("jobs/{name}.toml")), text: text.to_owned() };
-    complete_run(&source, &arguments.out.join(name), arguments.threads.count()).map(Some)
+    complete_run(&source, &arguments.out.join(name), arguments.threads.count(), interrupt).map(Some)
 }

@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::piece;
-use super::publish::{is_temporary, publish, remove_temporary};
+use super::publish::{is_temporary, publish, publish_first, remove_temporary};
 use super::tally::Tally;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
@@ -138,7 +138,12 @@ impl RunDirectory {
         }
     }
 
-    /// Freezes the job.
+    /// Freezes the job, unless another process has just frozen one; false then.
+    pub fn freeze_first(&self, source: &JobSource) -> Result<bool, Failure> {
+        publish_first(&self.path, "job.toml", source.text.as_bytes())
+    }
+
+    /// Freezes the job in place of the one that is there.
     pub fn freeze(&self, source: &JobSource) -> Result<(), Failure> {
         publish(&self.path, "job.toml", source.text.as_bytes())
     }
@@ -154,6 +159,15 @@ impl RunDirectory {
         let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), job.cells())?;
         for complaint in &pieces.complaints {
             note(format_args!("warning: {complaint}"));
+        }
+        if let Some(beyond) = pieces.segments.iter().find(|segment| segment.samples.end > job.samples) {
+            return Err(Failure::Job(format!(
+                "{}: its pieces hold sample {} of cell {}, but its job.toml asks for {} samples only; was it edited?",
+                self.path.display(),
+                beyond.samples.end - 1,
+                beyond.cell,
+                job.samples
+            )));
         }
         let mut tally = Tally::new(job.cells());
         tally.add_all(pieces.segments).map_err(|message| {
@@ -171,7 +185,9 @@ fn looks_empty(path: &Path) -> Result<bool, Failure> {
     for entry in entries {
         let entry = entry.map_err(|error| Failure::reading(path, error))?;
         // What a submit killed in its first moment leaves.
-        if entry.file_name() != "shards" && !is_temporary(&entry.path()) {
+        let name = entry.file_name();
+        // A job.toml that another shard has just put there makes it a run.
+        if name != "shards" && name != "job.toml" && !is_temporary(&entry.path()) {
             return Ok(false);
         }
     }

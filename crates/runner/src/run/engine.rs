@@ -1,6 +1,5 @@
 //! The computation: units of work on all cores, finished pieces on disk.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -14,7 +13,7 @@ use super::directory::RunDirectory;
 use super::piece;
 use super::plan::Plan;
 use super::progress::Progress;
-use super::tally::{Segment, Tally, join_adjacent};
+use super::tally::{Segment, Tally};
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
 use crate::job::Job;
@@ -72,23 +71,19 @@ impl<'a> Engine<'a> {
         progress: &mut Progress,
         interrupt: &Interrupt,
     ) -> Result<Outcome, Failure> {
-        let give_up = AtomicBool::new(false);
         let (sender, receiver) = mpsc::sync_channel::<Segment>(4096);
         thread::scope(|scope| {
-            let give_up = &give_up;
             let worker = scope.spawn(move || {
                 self.pool.install(|| {
-                    (0..plan.units()).into_par_iter().for_each(|index| {
-                        if interrupt.signal().is_none() && !give_up.load(Ordering::Relaxed) {
-                            let (cell, samples) = plan.unit(index);
-                            // The receiver is gone only when writing failed; then nothing is left to do.
-                            let _ = sender.send(self.compute(cell, samples));
-                        }
-                    });
-                });
+                    // The first unit that finds a signal, or nobody to send to because writing failed, ends them all.
+                    (0..plan.units()).into_par_iter().try_for_each(|index| {
+                        let (cell, samples) = plan.unit(index);
+                        let go_on = interrupt.signal().is_none();
+                        go_on.then(|| sender.send(self.compute(cell, samples)).ok()).flatten()
+                    })
+                })
             });
             let collected = self.collect(&receiver, tally, directory, progress);
-            give_up.store(collected.is_err(), Ordering::Relaxed);
             drop(receiver);
             let panicked = worker.join().is_err();
             collected?;
@@ -123,7 +118,8 @@ impl<'a> Engine<'a> {
             let interval = (started.elapsed() / 10).clamp(Duration::from_millis(100), Duration::from_secs(10));
             let due = done || written.elapsed() >= interval || pending.len() >= MOST_PENDING;
             if due && !pending.is_empty() {
-                join_adjacent(&mut pending);
+                // Units stay apart in a piece: two processes that do the same work write the same segments.
+                pending.sort_by_key(|segment| (segment.cell, segment.samples.start));
                 piece::write(&shards, &experiment, &pending)?;
                 pending.clear();
                 written = Instant::now();

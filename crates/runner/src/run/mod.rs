@@ -16,5 +16,5 @@ pub use engine::{Engine, Outcome};
 pub use plan::{Plan, Shard};
 pub use progress::Progress;
 pub use provenance::Session;
-pub use surface::{DescribedColumn, Surface, SurfaceRow, write_columns};
+pub use surface::{DescribedColumn, Surface, SurfaceRow, job_hash_of_file, write_columns};
 pub use tally::Tally;

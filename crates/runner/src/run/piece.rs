@@ -47,7 +47,8 @@ pub fn read_all(directory: &Path, experiment: &str, cells: u64) -> Result<Pieces
     let mut pieces = Pieces::default();
     for path in files(directory)? {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        if is_temporary(&path) {
+        // Whatever else lies there (.DS_Store, say) is none of our business.
+        if is_temporary(&path) || path.extension().is_none_or(|extension| extension != "parquet") {
             continue;
         }
         let damaged = |why: &str| format!("{} is ignored, its samples will be computed again: {why}", path.display());

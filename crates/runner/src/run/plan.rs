@@ -44,38 +44,64 @@ impl fmt::Display for Shard {
     }
 }
 
-impl Shard {
-    /// Whether this shard computes the unit that starts at `first` of `cell`. Consecutive units go to different
-    /// shards, so that jobs of one cell and jobs of many are shared alike.
-    fn owns(&self, cell: u64, first: u64, units_per_cell: u64) -> bool {
-        let unit = u128::from(cell) * u128::from(units_per_cell) + u128::from(first / UNIT_SAMPLES);
-        unit % u128::from(self.count) == u128::from(self.index)
-    }
-}
-
 /// The units of work of one process, without a list of them: 10^10 samples take no more memory than 10^4.
 #[derive(Debug)]
 pub struct Plan {
-    gaps: Vec<(u64, Range<u64>)>,
+    gaps: Vec<Gap>,
     /// For each gap the number of units before it; one more entry at the end.
     units_before: Vec<u64>,
+}
+
+/// Missing samples of one cell, and the units among them that this process computes.
+#[derive(Debug)]
+struct Gap {
+    cell: u64,
+    samples: Range<u64>,
+    /// Number of the first unit in the cell, and the distance to the next.
+    first: u64,
+    step: u64,
+    units: u64,
+}
+
+impl Gap {
+    /// Consecutive units, counted over all cells, go to different shards, so that jobs of one cell and jobs of many are
+    /// shared alike.
+    fn new(cell: u64, samples: Range<u64>, units_per_cell: u64, shard: Option<Shard>) -> Self {
+        let Shard { index, count } = shard.unwrap_or(Shard { index: 0, count: 1 });
+        let (from, to) = (samples.start / UNIT_SAMPLES, samples.end.div_ceil(UNIT_SAMPLES));
+        let number = (u128::from(cell) * u128::from(units_per_cell) + u128::from(from)) % u128::from(count);
+        let first = from + (index + count - number as u64) % count;
+        Self { cell, samples, first, step: count, units: to.saturating_sub(first).div_ceil(count) }
+    }
+
+    /// The samples of the i-th unit.
+    fn unit(&self, i: u64) -> Range<u64> {
+        let start = (self.first + i * self.step) * UNIT_SAMPLES;
+        self.samples.start.max(start)..self.samples.end.min(start + UNIT_SAMPLES)
+    }
+
+    /// Samples over all units: only the outer ones may be cut.
+    fn total(&self) -> u128 {
+        let length = |i: u64| u128::from(self.unit(i).end - self.unit(i).start);
+        match self.units {
+            0 => 0,
+            1 => length(0),
+            units => length(0) + length(units - 1) + u128::from(units - 2) * u128::from(UNIT_SAMPLES),
+        }
+    }
 }
 
 impl Plan {
     /// The units that are missing for `samples` samples in each cell.
     pub fn new(tally: &Tally, samples: u64, shard: Option<Shard>) -> Self {
-        let mut gaps = tally.gaps(samples);
-        if let Some(shard) = shard {
-            let units_per_cell = samples.div_ceil(UNIT_SAMPLES);
-            let pieces =
-                gaps.into_iter().flat_map(|(cell, gap)| units_of(&gap).map(move |unit| (cell, cut(&gap, unit))));
-            gaps = pieces.filter(|(cell, samples)| shard.owns(*cell, samples.start, units_per_cell)).collect();
-        }
+        let units_per_cell = samples.div_ceil(UNIT_SAMPLES);
+        let gaps = tally.gaps(samples).into_iter().map(|(cell, gap)| Gap::new(cell, gap, units_per_cell, shard));
+        let gaps: Vec<Gap> = gaps.filter(|gap| gap.units > 0).collect();
         let mut units_before = Vec::with_capacity(gaps.len() + 1);
         let mut units = 0;
-        for (_, gap) in &gaps {
+        for gap in &gaps {
             units_before.push(units);
-            units += units_of(gap).count() as u64;
+            units += gap.units;
         }
         units_before.push(units);
         Self { gaps, units_before }
@@ -88,26 +114,15 @@ impl Plan {
 
     /// Samples over all units.
     pub fn samples(&self) -> u128 {
-        self.gaps.iter().map(|(_, gap)| u128::from(gap.end - gap.start)).sum()
+        self.gaps.iter().map(Gap::total).sum()
     }
 
     /// The unit at `index`: its cell and samples.
     pub fn unit(&self, index: u64) -> (u64, Range<u64>) {
-        let gap_index = self.units_before.partition_point(|&before| before <= index) - 1;
-        let (cell, gap) = &self.gaps[gap_index];
-        let first_unit = gap.start / UNIT_SAMPLES;
-        (*cell, cut(gap, first_unit + index - self.units_before[gap_index]))
+        let position = self.units_before.partition_point(|&before| before <= index) - 1;
+        let gap = &self.gaps[position];
+        (gap.cell, gap.unit(index - self.units_before[position]))
     }
-}
-
-/// The numbers of the units that a gap touches.
-fn units_of(gap: &Range<u64>) -> Range<u64> {
-    gap.start / UNIT_SAMPLES..gap.end.div_ceil(UNIT_SAMPLES)
-}
-
-/// The part of a unit that lies in a gap.
-fn cut(gap: &Range<u64>, unit: u64) -> Range<u64> {
-    gap.start.max(unit * UNIT_SAMPLES)..gap.end.min((unit + 1) * UNIT_SAMPLES)
 }
 
 #[cfg(test)]

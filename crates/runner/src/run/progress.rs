@@ -1,9 +1,10 @@
 //! How far a run is: a bar on a terminal, plain lines elsewhere.
 
+use std::fmt::Write;
 use std::io::{self, IsTerminal as _};
 use std::time::{Duration, Instant};
 
-use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::output::note;
 
@@ -28,8 +29,13 @@ impl Progress {
         let total = u64::try_from(total).unwrap_or(u64::MAX);
         let bar = io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-            let template = "{bar:30} {percent:>3} %  {human_pos} of {human_len} samples  {per_sec}  {eta} left";
-            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+            let template = "{bar:30} {percent:>3} %  {human_pos} of {human_len} samples  {rate} samples/s  {eta} left";
+            let rate = |state: &ProgressState, out: &mut dyn Write| {
+                // Nothing to be done about a terminal that takes no text.
+                let _ = write!(out, "{}", HumanCount(state.per_sec() as u64));
+            };
+            let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+            bar.set_style(style.with_key("rate", rate));
             bar
         });
         let now = Instant::now();

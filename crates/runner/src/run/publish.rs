@@ -4,6 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 use crate::failure::Failure;
 
 /// Names of files that are not finished begin so; a killed process leaves them behind.
@@ -15,25 +17,49 @@ pub fn publish(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure
         .map_err(|error| Failure::writing(&directory.join(name), error))
 }
 
+/// Puts `bytes` into `directory` under `name`, unless that name is taken; false then.
+pub fn publish_first(directory: &Path, name: &str, bytes: &[u8]) -> Result<bool, Failure> {
+    let written = (|| {
+        let mut temporary = temporary(directory)?;
+        temporary.write_all(bytes)?;
+        temporary.as_file().sync_all()?;
+        match temporary.persist_noclobber(directory.join(name)) {
+            Ok(_) => sync(directory).map(|()| true),
+            Err(taken) if taken.error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
+            Err(error) => Err(error.error),
+        }
+    })();
+    written.map_err(|error| Failure::writing(&directory.join(name), error))
+}
+
 /// Lets `write` fill a temporary file in `directory`, and gives it its `name` when it is on disk.
 pub fn publish_with<E: From<io::Error>>(
     directory: &Path,
     name: &str,
     write: impl FnOnce(&mut File) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut temporary = tempfile::Builder::new().prefix(PREFIX).tempfile_in(directory)?;
-    // Like any other file of the user: readable for whom the umask allows, not only for its owner.
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        let visible = fs::metadata(directory)?.permissions().mode() & 0o666;
-        temporary.as_file().set_permissions(fs::Permissions::from_mode(visible))?;
-    }
+    let mut temporary = temporary(directory)?;
     write(temporary.as_file_mut())?;
     temporary.as_file().sync_all()?;
     temporary.persist(directory.join(name)).map_err(|error| error.error)?;
-    // The rename itself must survive a power cut.
-    Ok(File::open(directory)?.sync_all()?)
+    Ok(sync(directory)?)
+}
+
+fn temporary(directory: &Path) -> io::Result<NamedTempFile> {
+    let temporary = tempfile::Builder::new().prefix(PREFIX).tempfile_in(directory)?;
+    // Like any other file of the user: readable for whom the directory is, not only for its owner.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        let mode = fs::metadata(directory)?.permissions().mode() & 0o666;
+        temporary.as_file().set_permissions(fs::Permissions::from_mode(mode))?;
+    }
+    Ok(temporary)
+}
+
+/// The rename itself must survive a power cut.
+fn sync(directory: &Path) -> io::Result<()> {
+    File::open(directory)?.sync_all()
 }
 
 /// Whether a path is that of an unfinished file.

@@ -13,6 +13,8 @@ use parquet::basic::Compression;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use parquet::file::reader::FileReader as _;
+use parquet::file::serialized_reader::SerializedFileReader;
 use stickslip_core::VerdictCounts;
 use stickslip_sampler::{Cell, Estimate, RESULTS_VERSION, WilsonInterval};
 
@@ -23,6 +25,8 @@ use crate::job::Job;
 
 /// Rows that are held in memory at once; also the size of a row group.
 const BATCH_ROWS: u64 = 65_536;
+
+const JOB_HASH_KEY: &str = "stickslip:job_hash";
 
 /// One row of the result.
 #[derive(Debug, Clone, Copy)]
@@ -156,7 +160,7 @@ impl<'a> Surface<'a> {
     fn properties(&self) -> WriterProperties {
         let footer = [
             ("stickslip:job", self.job.normalised()),
-            ("stickslip:job_hash", self.job.hash()),
+            (JOB_HASH_KEY, self.job.hash()),
             ("stickslip:seed", self.job.seed.to_string()),
             ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
             ("stickslip:results_version", RESULTS_VERSION.to_string()),
@@ -199,6 +203,13 @@ pub fn write_columns(directory: &Path, name: &str, columns: &[DescribedColumn]) 
     })();
     let bytes = encoded.map_err(|error: ParquetError| Failure::writing(&directory.join(name), error))?;
     publish(directory, name, &bytes)
+}
+
+/// The job that a surface on disk says it is of; `None` if there is none, or none that can be read.
+pub fn job_hash_of_file(path: &Path) -> Option<String> {
+    let reader = SerializedFileReader::new(File::open(path).ok()?).ok()?;
+    let pairs = reader.metadata().file_metadata().key_value_metadata()?;
+    pairs.iter().find(|pair| pair.key == JOB_HASH_KEY)?.value.clone()
 }
 
 /// The hash of a file's content, if there is one.

@@ -28,19 +28,6 @@ impl Segment {
     }
 }
 
-/// Joins segments that touch, so that a piece holds as few of them as possible.
-pub fn join_adjacent(segments: &mut Vec<Segment>) {
-    segments.sort_by_key(|segment| (segment.cell, segment.samples.start));
-    segments.dedup_by(|next, previous| {
-        let touches = previous.cell == next.cell && previous.samples.end == next.samples.start;
-        if touches {
-            previous.samples.end = next.samples.end;
-            previous.counts += next.counts;
-        }
-        touches
-    });
-}
-
 /// The state of a run: for each cell the samples counted so far and their verdicts.
 #[derive(Debug, Clone)]
 pub struct Tally {
@@ -201,12 +188,5 @@ mod tests {
         let wrong = Segment { counts: VerdictCounts { stable: 10, ..Default::default() }, ..segment(0, 0..10) };
         let error = Tally::new(1).add_all(vec![segment(0, 0..10), wrong]).unwrap_err();
         assert_eq!(error, "two pieces disagree on samples 0 to 9 of cell 0");
-    }
-
-    #[test]
-    fn adjacent_segments_are_joined() {
-        let mut segments = vec![segment(0, 10..20), segment(1, 20..30), segment(0, 0..10), segment(0, 30..40)];
-        join_adjacent(&mut segments);
-        assert_eq!(segments, [segment(0, 0..20), segment(0, 30..40), segment(1, 20..30)]);
     }
 }
