@@ -36,6 +36,8 @@ EIGENVALUE_SAMPLES = 200
 # Both libraries are faster in batches that stay in the cache than with a whole cell in one array.
 BATCH = 10_000
 LARGEST_Z = 6.0
+# Some 700 cells: the mean of their squares scatters by 0.05 about 1.
+LARGEST_MEAN_SQUARE = 1.4
 
 # The parameters that decide linear stability: the preset "sui-ding-2018" of the job file, typed in again from
 # Parameters::sui_ding_2018 in crates/core/src/parameters.rs. SI units.
@@ -295,9 +297,10 @@ def check_agreement(one: Contender, every: Contender, peers: list[Contender]) ->
         z = two_proportions(one, peer)
         largest = float(np.abs(z).max())
         figure(f"largest |z| against {peer.name} (limit {LARGEST_Z:g})", largest, f"over {len(z)} cells")
-        figure(f"mean z^2 against {peer.name}", float(np.mean(z**2)), "(1 expected)")
-        if largest > LARGEST_Z:
-            disagreements.append(f"stickslip and {peer.name} disagree: largest |z| {largest:.1f}, limit {LARGEST_Z:g}")
+        mean_square = float(np.mean(z**2))
+        figure(f"mean z^2 against {peer.name} (limit {LARGEST_MEAN_SQUARE:g})", mean_square, "(1 expected)")
+        if largest > LARGEST_Z or mean_square > LARGEST_MEAN_SQUARE:
+            disagreements.append(f"stickslip and {peer.name} disagree: max |z| {largest:.1f}, mean z^2 {mean_square:.2f}")
     if disagreements:
         sys.exit("\n".join(disagreements))
 

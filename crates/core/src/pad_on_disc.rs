@@ -96,6 +96,16 @@ impl PadOnDisc {
         Ok(brake)
     }
 
+    /// The preset with some values changed, for tests.
+    #[cfg(test)]
+    pub(crate) fn preset_with(changes: &[(&str, f64)]) -> Self {
+        let mut parameters = Parameters::sui_ding_2018();
+        for (key, value) in changes {
+            parameters.set(key, *value).unwrap();
+        }
+        Self::new(parameters).unwrap()
+    }
+
     /// Everything derived must be an ordinary positive number, or verdicts would rest on infinities.
     fn check_derived_values(&self) -> Result<(), ParameterError> {
         let derived = [
@@ -296,15 +306,15 @@ mod tests {
     }
 
     fn brakes() -> Vec<PadOnDisc> {
-        let mut brakes = Vec::new();
-        for (speed, preload, exponent) in [(16.0, 0.1, 1.0), (35.0, 0.1, 1.0), (4.0, 0.3, 2.0), (12.0, 0.05, 0.6)] {
-            let mut parameters = Parameters::sui_ding_2018();
-            parameters.set("operating_point.rotating_speed", speed).unwrap();
-            parameters.set("operating_point.preload", preload).unwrap();
-            parameters.set("friction.stribeck_exponent", exponent).unwrap();
-            brakes.push(PadOnDisc::new(parameters).unwrap());
-        }
-        brakes
+        let points = [(16.0, 0.1, 1.0), (35.0, 0.1, 1.0), (4.0, 0.3, 2.0), (12.0, 0.05, 0.6)];
+        let brake = |(speed, preload, exponent)| {
+            PadOnDisc::preset_with(&[
+                ("operating_point.rotating_speed", speed),
+                ("operating_point.preload", preload),
+                ("friction.stribeck_exponent", exponent),
+            ])
+        };
+        points.map(brake).to_vec()
     }
 
     #[test]

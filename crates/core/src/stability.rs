@@ -205,19 +205,11 @@ mod tests {
     use nalgebra::Normed;
     use proptest::prelude::*;
 
-    fn brake(values: &[(&str, f64)]) -> PadOnDisc {
-        let mut parameters = Parameters::sui_ding_2018();
-        for (key, value) in values {
-            parameters.set(key, *value).unwrap();
-        }
-        PadOnDisc::new(parameters).unwrap()
-    }
-
     #[test]
     fn eigenvalues_at_the_critical_speed_are_the_printed_ones() {
         // The paper, section 3.3: +-2.0904i; -0.0478 +- 2.3934i; -0.02 +- 1.0012i.
-        let critical = brake(&[]).unstable_speeds().unwrap().to;
-        let at_critical = brake(&[("operating_point.rotating_speed", critical)]);
+        let critical = PadOnDisc::preset_with(&[]).unstable_speeds().unwrap().to;
+        let at_critical = PadOnDisc::preset_with(&[("operating_point.rotating_speed", critical)]);
         let [x, _, y, _, phi, _] = at_critical.sliding_eigenvalues();
         let as_printed = |value: f64, expected: f64| (value - expected).abs() <= 0.5e-4;
         assert!(x.re.abs() < 1e-12);
@@ -233,13 +225,13 @@ mod tests {
     #[test]
     fn critical_speed_and_threshold_of_the_preset() {
         // The paper prints 15.56; physics notes give 15.560 and, from Table 3, f_s,crit = 0.402 at 16 rad/s.
-        assert!((brake(&[]).unstable_speeds().unwrap().to - 15.560).abs() < 5e-4);
-        assert!((brake(&[]).stability_boundary().critical_static_friction(0.1) - 0.4020).abs() < 5e-5);
+        assert!((PadOnDisc::preset_with(&[]).unstable_speeds().unwrap().to - 15.560).abs() < 5e-4);
+        assert!((PadOnDisc::preset_with(&[]).stability_boundary().critical_static_friction(0.1) - 0.4020).abs() < 5e-5);
     }
 
     #[test]
     fn samples_outside_physics_are_stable() {
-        let boundary = brake(&[]).stability_boundary();
+        let boundary = PadOnDisc::preset_with(&[]).stability_boundary();
         assert_eq!(boundary.verdict(10.0, 5.0), Verdict::Unstable);
         for (preload, friction) in
             [(-10.0, -5.0), (-10.0, 5.0), (10.0, -5.0), (0.0, 5.0), (10.0, 0.25), (f64::NAN, 5.0)]
@@ -250,11 +242,11 @@ mod tests {
 
     #[test]
     fn without_damping_every_falling_curve_is_unstable() {
-        let undamped = brake(&[("damping.tangential", 0.0)]);
+        let undamped = PadOnDisc::preset_with(&[("damping.tangential", 0.0)]);
         assert_eq!(undamped.unstable_speeds(), Some(SpeedRange { from: 0.0, to: f64::INFINITY }));
         assert_eq!(undamped.stability_boundary().verdict(1e-9, 0.2500001), Verdict::Unstable);
         assert_eq!(undamped.stability_boundary().verdict(-1e-9, 0.2), Verdict::Stable);
-        let far = brake(&[("damping.tangential", 0.0), ("operating_point.rotating_speed", 9e4)]);
+        let far = PadOnDisc::preset_with(&[("damping.tangential", 0.0), ("operating_point.rotating_speed", 9e4)]);
         assert_eq!(far.stability_boundary().verdict(1.0, 0.5), Verdict::Stable, "the weakening underflows");
     }
 

@@ -254,15 +254,6 @@ impl PadOnDisc {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Parameters;
-
-    fn brake(values: &[(&str, f64)]) -> PadOnDisc {
-        let mut parameters = Parameters::sui_ding_2018();
-        for (key, value) in values {
-            parameters.set(key, *value).unwrap();
-        }
-        PadOnDisc::new(parameters).unwrap()
-    }
 
     #[test]
     fn limit_cycles_agree_with_an_independent_integration() {
@@ -273,7 +264,7 @@ mod tests {
             (15.56, 3.21741, 0.015334, 0.002579, 0.2556),
             (20.0, 3.10909, 0.016207, 0.001879, 0.1873),
         ] {
-            let cycle = brake(&[("operating_point.rotating_speed", speed)]).limit_cycle().unwrap();
+            let cycle = PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]).limit_cycle().unwrap();
             assert!((cycle.period - period).abs() < 1e-5, "{cycle:?}");
             assert!((cycle.tangential_max - max).abs() < 1e-6, "{cycle:?}");
             assert!((cycle.tangential_min - min).abs() < 1e-6, "{cycle:?}");
@@ -283,23 +274,23 @@ mod tests {
 
     #[test]
     fn the_saddle_node_is_where_an_independent_integration_finds_it() {
-        let speed = brake(&[]).saddle_node_speed().unwrap();
+        let speed = PadOnDisc::preset_with(&[]).saddle_node_speed().unwrap();
         assert!((speed - 30.197).abs() < 0.01, "{speed}");
-        assert!(brake(&[("operating_point.rotating_speed", speed * 0.999)]).limit_cycle().is_some());
-        assert!(brake(&[("operating_point.rotating_speed", speed * 1.001)]).limit_cycle().is_none());
+        assert!(PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed * 0.999)]).limit_cycle().is_some());
+        assert!(PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed * 1.001)]).limit_cycle().is_none());
     }
 
     #[test]
     fn without_falling_friction_nothing_sticks_and_slips() {
-        let flat = brake(&[("friction.kinetic_coefficient", 0.39)]);
+        let flat = PadOnDisc::preset_with(&[("friction.kinetic_coefficient", 0.39)]);
         assert_eq!(flat.limit_cycle(), None);
         assert_eq!(flat.saddle_node_speed(), None);
-        assert_eq!(brake(&[("operating_point.preload", 0.0)]).limit_cycle(), None);
+        assert_eq!(PadOnDisc::preset_with(&[("operating_point.preload", 0.0)]).limit_cycle(), None);
     }
 
     #[test]
     fn an_undamped_pad_sticks_and_slips_at_every_speed() {
-        let undamped = brake(&[("damping.tangential", 0.0)]);
+        let undamped = PadOnDisc::preset_with(&[("damping.tangential", 0.0)]);
         assert!(undamped.limit_cycle().is_some());
         assert_eq!(undamped.saddle_node_speed(), None);
     }
@@ -308,7 +299,7 @@ mod tests {
     fn with_constant_slip_friction_the_saddle_node_is_that_of_a_damped_oscillator() {
         // Friction that drops at once: the slip phase is x_c + exp(-beta t) (A cos + B sin), and the saddle-node is the
         // disc speed that its return just reaches.
-        let sharp = brake(&[("friction.stribeck_velocity", 1e-6)]);
+        let sharp = PadOnDisc::preset_with(&[("friction.stribeck_velocity", 1e-6)]);
         let motion = SlipMotion::new(&sharp);
         let (beta, centre) = (0.5 * motion.damping, motion.friction_gain * 0.25 / motion.stiffness);
         let omega = (motion.stiffness - beta * beta).sqrt();
@@ -337,7 +328,7 @@ mod tests {
     fn with_constant_slip_friction_the_slip_phase_is_a_harmonic_arc() {
         // A Stribeck velocity far below all speeds: friction drops at once from f_s to f_c, and without damping the
         // slip phase is an arc about x_c with amplitude sqrt((x_r - x_c)^2 + (v / omega)^2).
-        let sharp = brake(&[
+        let sharp = PadOnDisc::preset_with(&[
             ("damping.tangential", 0.0),
             ("friction.stribeck_velocity", 1e-7),
             ("operating_point.rotating_speed", 10.0),

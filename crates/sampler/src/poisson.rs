@@ -32,8 +32,8 @@ mod tests {
 
     #[test]
     fn tails_agree_with_direct_sums() {
-        for mean in [0.0, 1e-3, 0.7, 3.0, 9.5] {
-            let mass = |k: u64| (1..=k).fold((-mean as f64).exp(), |mass, i| mass * mean / i as f64);
+        for mean in [0.0_f64, 1e-3, 0.7, 3.0, 9.5] {
+            let mass = |k: u64| (1..=k).fold((-mean).exp(), |mass, i| mass * mean / i as f64);
             for count in 0..30 {
                 let upper: f64 = (count..200).map(mass).sum();
                 assert!((at_least(count, mean) - upper).abs() < 1e-14, "{mean} {count}");

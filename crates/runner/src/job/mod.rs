@@ -4,5 +4,9 @@ mod diagnosis;
 mod spec;
 mod validated;
 
+mod normalised;
+mod source;
+
+pub use source::{JobSource, Overrides};
 pub use spec::JobSpec;
-pub use validated::{Job, JobSource, Overrides, unknown_parameter};
+pub use validated::{Job, unknown_parameter};

@@ -1,13 +1,8 @@
 //! The validated job: every value resolved and within its limits.
 
-use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
-
-use serde::Serialize;
 use stickslip_core::parameters::{self, SCALARS};
 use stickslip_core::{PadOnDisc, ParameterError, Parameters, StabilityBoundary};
-use stickslip_sampler::{Axis, Grid, RESULTS_VERSION, RelativeStd, SampleStream, WilsonInterval};
+use stickslip_sampler::{Axis, Grid, RelativeStd, SampleStream, WilsonInterval};
 use toml::Spanned;
 
 use super::diagnosis::{Complaint, nearest};
@@ -15,71 +10,12 @@ use super::spec::{
     AxisSpec, CriterionKind, EvaluateMode, JobSpec, ModelSpec, RandomInput, RandomSpec, SECTIONS, SamplingMethod,
     StdSpec,
 };
-use crate::failure::Failure;
 
 /// Cells at the most; their results are held in memory.
 const MOST_CELLS: u64 = 1_000_000;
 
 /// Samples in one cell at the most.
 const MOST_SAMPLES: u64 = 1_000_000_000_000_000;
-
-/// The text of a job spec and where it came from.
-#[derive(Debug, Clone)]
-pub struct JobSource {
-    /// For messages.
-    pub path: PathBuf,
-    /// TOML.
-    pub text: String,
-}
-
-/// What the command line changes in a job spec.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Overrides {
-    /// `--seed`.
-    pub seed: Option<u64>,
-    /// `--samples`.
-    pub samples: Option<u64>,
-}
-
-impl JobSource {
-    /// Reads a job spec from a file.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
-        let text = fs::read_to_string(path).map_err(|error| Failure::reading(path, error))?;
-        Ok(Self { path: path.to_owned(), text })
-    }
-
-    /// Writes the command line's changes into the text, comments and layout kept.
-    pub fn with(mut self, overrides: Overrides) -> Result<Self, Failure> {
-        let changes = [("seed", overrides.seed), ("samples", overrides.samples)];
-        if changes.iter().all(|(_, value)| value.is_none()) {
-            return Ok(self);
-        }
-        // A text that does not parse is left to `job`, which says where and why.
-        let Ok(mut document) = self.text.parse::<toml_edit::DocumentMut>() else { return Ok(self) };
-        for (key, value) in changes {
-            let Some(value) = value else { continue };
-            let value = i64::try_from(value).map_err(|_| {
-                Failure::Usage(format!("--{key} {value} is too large: it must be at most {}", i64::MAX))
-            })?;
-            let sampling = document.entry("sampling").or_insert_with(toml_edit::table);
-            let Some(table) = sampling.as_table_like_mut() else { return Ok(self) };
-            let mut new = toml_edit::Value::from(value);
-            if let Some(old) = table.get(key).and_then(toml_edit::Item::as_value) {
-                *new.decor_mut() = old.decor().clone();
-            }
-            table.insert(key, toml_edit::Item::Value(new));
-        }
-        self.text = document.to_string();
-        Ok(self)
-    }
-
-    /// Parses and validates the spec.
-    pub fn job(&self) -> Result<Job, Failure> {
-        let complain = |complaint: Complaint| Failure::Job(complaint.render(&self.path, &self.text));
-        let spec: JobSpec = toml::from_str(&self.text).map_err(|error| complain(Complaint::from_parser(&error)))?;
-        Job::validate(spec).map_err(complain)
-    }
-}
 
 /// A job that can be run: everything resolved, nothing left to check.
 #[derive(Debug, Clone)]
@@ -111,7 +47,8 @@ pub struct Job {
 }
 
 impl Job {
-    fn validate(spec: JobSpec) -> Result<Self, Complaint> {
+    /// Resolves a spec and checks every value of it.
+    pub fn validate(spec: JobSpec) -> Result<Self, Complaint> {
         let name = validate_name(&spec.name)?;
         let mut parameters = validate_model(&spec.model)?;
         let axes = &spec.axes;
@@ -207,125 +144,6 @@ impl Job {
             PadOnDisc::new(parameters).map(|brake| brake.stability_boundary())
         };
         self.grid.rotating_speed.values().iter().map(boundary).collect()
-    }
-
-    /// The job with everything written out, as TOML that can itself be submitted.
-    pub fn normalised(&self) -> String {
-        self.to_toml(&NormalisedSampling::of(self), &self.name, &self.description)
-    }
-
-    /// Identifies the job: everything that its result depends on.
-    pub fn hash(&self) -> String {
-        hash_text(&self.to_toml(&NormalisedSampling::of(self), "", ""))
-    }
-
-    /// Identifies the job but for the number of samples: runs that agree in it share their samples.
-    pub fn experiment_hash(&self) -> String {
-        let sampling = NormalisedSampling { samples: 0, ..NormalisedSampling::of(self) };
-        hash_text(&self.to_toml(&sampling, "", ""))
-    }
-
-    fn to_toml(&self, sampling: &NormalisedSampling, name: &str, description: &str) -> String {
-        let mut model = BTreeMap::new();
-        for scalar in &SCALARS {
-            // These are the axes' business.
-            let is_axis = scalar.section() == "operating_point" || scalar.key == "friction.static_coefficient";
-            if !is_axis {
-                let section: &mut BTreeMap<_, _> = model.entry(scalar.section()).or_default();
-                section.insert(scalar.name(), scalar.value(&self.parameters));
-            }
-        }
-        let normalised = NormalisedJob {
-            name,
-            description,
-            model,
-            axes: NormalisedAxes {
-                rotating_speed: self.grid.rotating_speed.values(),
-                preload: self.grid.preload.values(),
-                static_friction: self.grid.static_friction.values(),
-            },
-            random: NormalisedRandom {
-                inputs: &self.inputs,
-                relative_std: self
-                    .grid
-                    .relative_std
-                    .iter()
-                    .filter(|_| !self.inputs.is_empty())
-                    .map(|std| self.inputs.iter().map(|&input| (input.name(), std_of(std, input))).collect())
-                    .collect(),
-            },
-            criterion: NormalisedCriterion { kind: self.criterion },
-            sampling,
-        };
-        // Strings, numbers, lists and tables only: there is nothing in it that TOML cannot hold.
-        toml::to_string(&normalised).unwrap_or_else(|error| format!("# not representable: {error}\n"))
-    }
-}
-
-fn hash_text(text: &str) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&RESULTS_VERSION.to_le_bytes());
-    hasher.update(text.as_bytes());
-    hasher.finalize().to_hex().to_string()
-}
-
-#[derive(Serialize)]
-struct NormalisedJob<'a> {
-    name: &'a str,
-    description: &'a str,
-    model: BTreeMap<&'static str, BTreeMap<&'static str, f64>>,
-    axes: NormalisedAxes<'a>,
-    random: NormalisedRandom<'a>,
-    criterion: NormalisedCriterion,
-    sampling: &'a NormalisedSampling,
-}
-
-#[derive(Serialize)]
-struct NormalisedAxes<'a> {
-    rotating_speed: &'a [f64],
-    preload: &'a [f64],
-    static_friction: &'a [f64],
-}
-
-#[derive(Serialize)]
-struct NormalisedRandom<'a> {
-    inputs: &'a [RandomInput],
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    relative_std: Vec<BTreeMap<&'static str, f64>>,
-}
-
-#[derive(Serialize)]
-struct NormalisedCriterion {
-    kind: CriterionKind,
-}
-
-#[derive(Serialize)]
-struct NormalisedSampling {
-    method: SamplingMethod,
-    samples: u64,
-    seed: u64,
-    evaluate: EvaluateMode,
-    common_random_numbers: bool,
-    confidence: f64,
-}
-
-impl NormalisedSampling {
-    fn of(job: &Job) -> Self {
-        Self {
-            method: job.method,
-            samples: job.samples,
-            seed: job.seed,
-            evaluate: job.evaluate,
-            common_random_numbers: job.common_random_numbers,
-            confidence: job.confidence,
-        }
-    }
-}
-
-fn std_of(std: &RelativeStd, input: RandomInput) -> f64 {
-    match input {
-        RandomInput::Preload => std.preload,
-        RandomInput::StaticFriction => std.static_friction,
     }
 }
 

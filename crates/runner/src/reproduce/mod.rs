@@ -4,6 +4,7 @@ mod comparison;
 mod figures;
 mod scoreboard;
 mod tables;
+mod target;
 
 use std::path::PathBuf;
 
@@ -16,57 +17,7 @@ use crate::interrupt::Interrupt;
 use crate::job::JobSource;
 use crate::output::result;
 
-/// What can be reproduced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Target {
-    /// Ten preloads (the paper's numbers are lost, its range is not)
-    Table2,
-    /// Ten static friction coefficients, four scatters
-    Table3,
-    /// Growth rate against rotating speed for three preloads
-    Fig4,
-    /// Random preload: distribution of input and instability
-    Fig12,
-    /// Random static friction, four scatters
-    Fig13,
-    /// Surface at 15 rad/s
-    Fig14a,
-    /// Surface at 10 rad/s
-    Fig14c,
-    /// Surface at 20 rad/s
-    Fig14d,
-    /// Surface at 15 rad/s, standard deviation 0.1
-    Fig15a,
-    /// Surface at 15 rad/s, standard deviation 0.3
-    Fig15b,
-    /// Every number printed in the paper against ours
-    Scoreboard,
-    /// All of the above
-    All,
-}
-
-impl Target {
-    fn name(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-    }
-
-    /// The job spec behind a target, if it has one.
-    fn job(self) -> Option<&'static str> {
-        match self {
-            Self::Table2 => Some(include_str!("../../../../jobs/table2.toml")),
-            Self::Table3 => Some(include_str!("../../../../jobs/table3.toml")),
-            Self::Fig4 => Some(include_str!("../../../../jobs/fig4.toml")),
-            Self::Fig12 => Some(include_str!("../../../../jobs/fig12.toml")),
-            Self::Fig13 => Some(include_str!("../../../../jobs/fig13.toml")),
-            Self::Fig14a => Some(include_str!("../../../../jobs/fig14a.toml")),
-            Self::Fig14c => Some(include_str!("../../../../jobs/fig14c.toml")),
-            Self::Fig14d => Some(include_str!("../../../../jobs/fig14d.toml")),
-            Self::Fig15a => Some(include_str!("../../../../jobs/fig15a.toml")),
-            Self::Fig15b => Some(include_str!("../../../../jobs/fig15b.toml")),
-            Self::Scoreboard | Self::All => None,
-        }
-    }
-}
+pub use target::Target;
 
 /// `stickslip reproduce`.
 pub fn reproduce(arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<(), Failure> {
