@@ -161,19 +161,19 @@ impl SlipMotion {
                 continue;
             }
             let slips = |state: [f64; 2]| self.disc_speed - state[1];
-            // Released with no acceleration, the pad falls behind the disc only after a moment.
-            if slips(state) > 0.0 && slips(next) <= 0.0 && has_returned {
-                let (part, caught) = self.locate(state, h, slips);
-                arc.duration += part;
-                arc.recaptured_at = caught[0];
-                return Some(arc);
-            }
             if state[1] > 0.0 && next[1] <= 0.0 {
                 arc.largest = arc.largest.max(self.locate(state, h, |state| state[1]).1[0]);
             }
             if state[1] < 0.0 && next[1] >= 0.0 {
                 arc.smallest = arc.smallest.min(self.locate(state, h, |state| -state[1]).1[0]);
                 has_returned = true;
+            }
+            // After the extremes: on a slow disc one step may pass both zero and the disc's speed.
+            if slips(state) > 0.0 && slips(next) <= 0.0 && has_returned {
+                let (part, caught) = self.locate(state, h, slips);
+                arc.duration += part;
+                arc.recaptured_at = caught[0];
+                return Some(arc);
             }
             if has_returned && self.rate(next)[1] < 0.0 {
                 return None;
@@ -278,6 +278,19 @@ mod tests {
         assert!((speed - 30.197).abs() < 0.01, "{speed}");
         assert!(PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed * 0.999)]).limit_cycle().is_some());
         assert!(PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed * 1.001)]).limit_cycle().is_none());
+    }
+
+    #[test]
+    fn on_a_very_slow_disc_the_cycle_is_nearly_all_stick() {
+        // The slip phase no longer depends on the disc's speed, so the stick phase lasts its width over the speed.
+        let slow =
+            |speed: f64| PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]).limit_cycle().unwrap();
+        let reference = slow(1e-4);
+        for speed in [1e-5, 1e-6] {
+            let cycle = slow(speed);
+            assert!((cycle.tangential_min / reference.tangential_min - 1.0).abs() < 1e-3, "{speed}: {cycle:?}");
+            assert!((cycle.period * speed / (reference.period * 1e-4) - 1.0).abs() < 1e-2, "{speed}: {cycle:?}");
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
-use crate::reproduce::Target;
+use crate::reproduce::target::Target;
 use crate::run::Shard;
 
 /// Probability that a brake pad sticks and slips, by parallel Monte Carlo.

@@ -4,7 +4,7 @@ mod comparison;
 mod figures;
 mod scoreboard;
 mod tables;
-mod target;
+pub mod target;
 
 use std::path::PathBuf;
 
@@ -16,8 +16,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::JobSource;
 use crate::output::result;
-
-pub use target::Target;
+use target::Target;
 
 /// `stickslip reproduce`.
 pub fn reproduce(arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<(), Failure> {
