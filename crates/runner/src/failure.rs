@@ -66,6 +66,14 @@ impl Failure {
         }
     }
 
+    /// The same failure with a word on how to go on, where something that was computed is kept.
+    pub fn with_remedy(self, remedy: &str) -> Self {
+        match self {
+            Self::InputOutput(message) => Self::InputOutput(format!("{message}; {remedy}")),
+            other => other,
+        }
+    }
+
     /// A file could not be read.
     pub fn reading(path: &Path, error: impl fmt::Display) -> Self {
         Self::InputOutput(format!("cannot read {}: {error}", path.display()))

@@ -199,7 +199,13 @@ fn compute(
     let mut progress = Progress::new(plan.samples());
     let outcome = Engine::new(&job, threads)?.run(&plan, &mut tally, &directory, &mut progress, interrupt);
     progress.finish();
-    let outcome = outcome?;
+    let path = directory.path().display();
+    let how = match shard {
+        None => format!("stickslip resume {path}"),
+        Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
+    };
+    let outcome = outcome
+        .map_err(|failure| failure.with_remedy(&format!("what was written before is kept; continue with `{how}`")))?;
     let computed = u64::try_from(tally.counted() - before).unwrap_or(u64::MAX);
     let seconds = started.elapsed().as_secs_f64();
     if computed > 0 {
@@ -213,11 +219,6 @@ fn compute(
         if shard.is_none() {
             session.record(directory.path(), &signal.to_string(), computed)?;
         }
-        let path = directory.path().display();
-        let how = match shard {
-            None => format!("stickslip resume {path}"),
-            Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
-        };
         return Err(Failure::Stopped {
             signal,
             message: format!(
