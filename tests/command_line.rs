@@ -448,6 +448,50 @@ fn samples_that_the_job_does_not_ask_for_are_never_counted() {
 }
 
 #[test]
+fn pieces_without_their_job_are_used_if_they_are_of_this_one_and_refused_otherwise() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("bare", 3, 1000, 7));
+    place.run("submit job.toml").done();
+    let before = place.surface("runs/bare");
+    let strip = || {
+        for name in ["job.toml", "surface.parquet", "run.json"] {
+            let _ = fs::remove_file(place.path("runs/bare").join(name));
+        }
+    };
+    strip();
+    place.run("submit job.toml --seed 8").refused(65, &["belongs to another job", "--out"]);
+    assert!(!place.path("runs/bare/job.toml").exists(), "nothing is written into a refused directory");
+    place.run("submit job.toml --samples 500").refused(65, &["asks for 500 samples only"]);
+    let outcome = place.run("submit job.toml").done();
+    assert!(!outcome.stderr.contains("samples in"), "nothing is computed twice: {}", outcome.stderr);
+    assert_eq!(place.surface("runs/bare"), before);
+}
+
+#[test]
+fn an_extended_run_serves_its_reproduction() {
+    let place = Place::new();
+    let job = repository().join("jobs/table3.toml");
+    place.run(&format!("submit {} --samples 20_000", job.display())).done();
+    place.run(&format!("submit {}", job.display())).refused(65, &["with 20000 samples", "--samples 20000"]);
+    assert!(place.run("reproduce table3").done().stdout.contains("cells of 20000 samples"));
+}
+
+#[test]
+fn suggested_commands_can_be_pasted() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("spaces", 10, 1_000_000_000, 7));
+    let mut child = place.command("submit job.toml --out");
+    let mut child = child.arg("my runs").stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while !place.path("my runs/job.toml").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let output = place.command("status").arg("my runs").output().unwrap();
+    assert!(String::from_utf8(output.stdout).unwrap().contains("`stickslip resume 'my runs'`"));
+}
+
+#[test]
 fn absurdly_large_jobs_start_and_stop_at_once() {
     let place = Place::new();
     place.write("job.toml", &surface_job("huge", 30, 1_000_000_000_000_000, 7));

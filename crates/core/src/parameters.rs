@@ -247,7 +247,7 @@ pub static SCALARS: [Scalar; 27] = [
     scalar!(friction.kinetic_coefficient, "f_c", "1", Limits::from(0.0, 5.0), "kinetic friction coefficient"),
     scalar!(friction.stribeck_velocity, "v_s", "m/s", Limits::above(0.0, 1e3), "Stribeck velocity"),
     scalar!(friction.stribeck_exponent, "delta", "1", Limits::above(0.0, 10.0), "Stribeck exponent, 1 = Tustin"),
-    scalar!(operating_point.preload, "Delta", "1", Limits::from(0.0, 10.0), "preload, calliper displacement over disc thickness"),
+    scalar!(operating_point.preload, "Delta", "1", Limits::from(0.0, 1.0), "preload, calliper displacement over disc thickness"),
     scalar!(operating_point.rotating_speed, "Omega", "rad/s", Limits::from(1e-6, 1e5), "rotating speed of the disc"),
 ];
 

@@ -57,14 +57,19 @@ pub struct SubmitArguments {
     #[command(flatten)]
     pub threads: ThreadsArgument,
     /// Seed of the random numbers, instead of the job's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = whole_number)]
     pub seed: Option<u64>,
     /// Samples in each cell, instead of the job's; more than a finished run has extends it
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole_number)]
     pub samples: Option<u64>,
     /// Compute only one of N parts, to be merged later; I counts from 1 to N or from 0 to N-1
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
+}
+
+/// A whole number as a job spec writes it, 10000 or 10_000.
+fn whole_number(text: &str) -> Result<u64, String> {
+    text.replace('_', "").parse().map_err(|_| "write a whole number, for example 10000 or 10_000".to_owned())
 }
 
 /// How many threads.

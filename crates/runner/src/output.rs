@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::io::{self, Write as _};
+use std::path::Path;
 
 use crate::failure::Failure;
 
@@ -17,4 +18,11 @@ pub fn result(text: &str) -> Result<(), Failure> {
 /// Says something on standard error. If that is closed, nobody wants to hear it.
 pub fn note(text: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "stickslip: {text}");
+}
+
+/// A path as a shell takes it back, for commands that a message suggests.
+pub fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = |c: char| c.is_alphanumeric() || "._-/+=:@".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }

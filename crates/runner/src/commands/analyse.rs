@@ -94,10 +94,12 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     };
     text += &match saddle_node {
         None if limit_cycle.is_some() => "saddle-node        none: stick-slip at every speed\n".to_owned(),
+        None if !stable => "saddle-node        not found: the motion is too stiff for the method\n".to_owned(),
         None => "saddle-node        none: no stick-slip limit cycle at any speed\n".to_owned(),
         Some(speed) => format!("saddle-node        {speed:.4} rad/s, no stick-slip limit cycle above\n"),
     };
     text += &match limit_cycle {
+        None if !stable => "limit cycle        not found: the motion is too stiff for the method\n".to_owned(),
         None => "limit cycle        none at this speed\n".to_owned(),
         Some(cycle) => format!(
             "limit cycle        x from {:.6} to {:.6}, period {:.5} (scaled time), {:.1} % of it in stick\n",

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use crate::cli::StatusArguments;
 use crate::failure::Failure;
-use crate::output::result;
+use crate::output::{quoted, result};
 use crate::run::{RunDirectory, job_hash_of_file};
 
 /// `stickslip status`.
@@ -43,8 +43,8 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
         return result(&format!("{status:#}\n"));
     }
     let next = match state {
-        "unfinished" => format!("\ncontinue with `stickslip resume {}`", arguments.run.display()),
-        "complete, not merged" => format!("\nwrite the surface with `stickslip merge {}`", arguments.run.display()),
+        "unfinished" => format!("\ncontinue with `stickslip resume {}`", quoted(&arguments.run)),
+        "complete, not merged" => format!("\nwrite the surface with `stickslip merge {}`", quoted(&arguments.run)),
         _ => String::new(),
     };
     result(&format!(

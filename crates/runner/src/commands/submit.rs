@@ -9,7 +9,7 @@ use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
-use crate::output::{note, result};
+use crate::output::{note, quoted, result};
 use crate::picture::picture;
 use crate::run::{Access, Engine, Outcome, Plan, Progress, RunDirectory, Session, Shard, Surface, Tally};
 
@@ -32,7 +32,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             out.display(),
             HumanCount128(tally.counted()),
             HumanCount128(job.total_samples()),
-            out.display()
+            quoted(&out)
         ))),
         Standing::Finished(tally) | Standing::Unfinished(tally) | Standing::Fresh(tally) => {
             let run = compute(directory, job, tally, threads, arguments.shard, "submit", interrupt)?;
@@ -41,7 +41,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
                 Some(shard) => {
                     note(format_args!(
                         "shard {shard} is done; when all are, `stickslip merge {}` writes the surface",
-                        out.display()
+                        quoted(&out)
                     ));
                     Ok(())
                 }
@@ -76,7 +76,7 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
             job.cells(),
             HumanCount128(tally.counted()),
             HumanCount128(job.total_samples()),
-            arguments.run.display()
+            quoted(&arguments.run)
         )));
     }
     directory.tidy()?;
@@ -105,6 +105,14 @@ pub fn complete_run(
 ) -> Result<FinishedRun, Failure> {
     let job = source.job()?;
     let directory = RunDirectory::create(out, Access::Alone)?;
+    // A run that was extended answers as well, and better.
+    if let Some(existing) = directory.job_source()?.map(|frozen| frozen.job()).transpose()?
+        && existing.experiment_hash() == job.experiment_hash()
+        && existing.samples > job.samples
+    {
+        let tally = directory.tally(&existing)?;
+        return compute(directory, existing, tally, threads, None, "reproduce", interrupt);
+    }
     let tally = adopt(&directory, source, &job)?.into_tally();
     compute(directory, job, tally, threads, None, "reproduce", interrupt)
 }
@@ -129,11 +137,19 @@ impl Standing {
 
 /// Makes the directory one of this job, or refuses if it belongs to another.
 fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Standing, Failure> {
-    if directory.job_source()?.is_none() && directory.freeze_first(source)? {
-        return Ok(Standing::Fresh(Tally::new(job.cells())));
+    if directory.job_source()?.is_none() {
+        // Pieces may be there without a job (a job.toml removed by hand): those of this job count, others are refused
+        // before anything is written. Unless another shard has frozen the job in the meantime.
+        let tally = directory.tally(job);
+        if directory.job_source()?.is_none() {
+            let tally = tally?;
+            if directory.freeze_first(source)? {
+                return Ok(Standing::Fresh(tally));
+            }
+        }
     }
     let existing = directory.job()?;
-    let path = directory.path().display();
+    let path = quoted(directory.path());
     if existing.experiment_hash() != job.experiment_hash() {
         return Err(Failure::Job(format!(
             "{path} holds a run of another job: {}. Choose another directory with --out",
@@ -142,7 +158,7 @@ fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Stan
     }
     if job.samples < existing.samples {
         return Err(Failure::Job(format!(
-            "{path} holds a run of this job with {} samples in each cell, more than the {} asked for. Choose another directory with --out",
+            "{path} holds a run of this job with {0} samples in each cell, more than the {1} asked for. Ask for them with --samples {0}, or choose another directory with --out",
             existing.samples, job.samples
         )));
     }
@@ -199,7 +215,7 @@ fn compute(
     let mut progress = Progress::new(plan.samples());
     let outcome = Engine::new(&job, threads)?.run(&plan, &mut tally, &directory, &mut progress, interrupt);
     progress.finish();
-    let path = directory.path().display();
+    let path = quoted(directory.path());
     let how = match shard {
         None => format!("stickslip resume {path}"),
         Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),

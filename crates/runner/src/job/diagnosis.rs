@@ -66,8 +66,8 @@ fn floor_char_boundary(text: &str, mut index: usize) -> usize {
 fn plain_words(message: &str) -> String {
     message
         .replace("expected f64", "expected a number")
-        .replace("expected u64", "expected a whole number from 0 up")
-        .replace("expected u32", "expected a whole number from 0 up")
+        .replace("expected u64", "expected a whole number, for example 10_000")
+        .replace("expected u32", "expected a whole number, for example 30")
         .replace("expected a sequence", "expected a list")
         .replace("unknown field", "unknown key")
         .replace("missing field", "missing key")

@@ -68,8 +68,9 @@ pub fn summary(rows: &[ComparedRow]) -> String {
         let largest = normal.iter().map(|z| z.abs()).fold(0.0, f64::max);
         let mean_square = normal.iter().map(|z| z * z).sum::<f64>() / normal.len() as f64;
         text += &format!(
-            "against the exact probabilities: max |z| = {largest:.2}, mean z^2 = {mean_square:.3} over {} cells\n",
-            normal.len()
+            "against the exact probabilities: max |z| = {largest:.2}, mean z^2 = {mean_square:.3} over {} cells of {} samples\n",
+            normal.len(),
+            rows[0].row.counts.decided()
         );
     }
     let rare = rare.count();

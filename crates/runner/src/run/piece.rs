@@ -65,7 +65,10 @@ pub fn read_all(directory: &Path, experiment: &str, cells: u64) -> Result<Pieces
         }
         match decode(bytes) {
             Ok((owner, _)) if owner != experiment => {
-                let message = format!("{} belongs to another job or another version of stickslip", path.display());
+                let message = format!(
+                    "{} belongs to another job or another version of stickslip. Was the run's job.toml edited or removed? Restore it, or choose another directory with --out",
+                    path.display()
+                );
                 return Err(Failure::Job(message));
             }
             Ok((_, segments)) if segments.iter().all(|s| s.cell < cells && s.is_consistent()) => {
