@@ -25,6 +25,10 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     match adopt(&directory, &source, &job)? {
         Standing::Finished(tally) if arguments.shard.is_none() => {
             note(format_args!("{} is finished already; nothing to do", out.display()));
+            // A surface that was lost or damaged comes back from the pieces.
+            if Surface::new(&job, &tally).publish(directory.path())? {
+                note(format_args!("{} was missing or differed; it is written anew", directory.surface().display()));
+            }
             report(&directory, &job, &tally)
         }
         Standing::Unfinished(tally) if arguments.shard.is_none() => Err(Failure::CannotCreate(format!(
@@ -256,10 +260,6 @@ fn compute(
 /// Where the result is and what it looks like.
 fn report(directory: &RunDirectory, job: &Job, tally: &Tally) -> Result<(), Failure> {
     let surface = Surface::new(job, tally);
-    // A finished run whose surface was lost or damaged gets it back from its pieces.
-    if surface.publish(directory.path())? {
-        note(format_args!("{} was missing or differed; it is written anew", directory.surface().display()));
-    }
     result(&format!("{}{}", picture(&surface), closing_line(&directory.surface(), job)))
 }
 

@@ -127,8 +127,9 @@ impl<'a> Surface<'a> {
         let target = directory.join("surface.parquet");
         let written = || -> Result<bool, ParquetError> {
             // The same bytes may be there already; a hash tells without holding them.
-            let hash = self.encode(blake3::Hasher::new())?.finalize();
-            if hash_of_file(&target)? == Some(hash) {
+            if let Some(present) = hash_of_file(&target)?
+                && present == self.encode(blake3::Hasher::new())?.finalize()
+            {
                 return Ok(false);
             }
             publish_with(directory, "surface.parquet", |file| -> Result<(), ParquetError> {
