@@ -1,4 +1,4 @@
-//! Natural frequencies of the disc: a thin annular plate, clamped at the inner and free at the outer radius.
+//! Modes of the disc: a thin annular plate, clamped at the inner and free at the outer radius.
 //!
 //! With `w = R(r) cos(n theta)` the strain and kinetic energies of Kirchhoff's plate are, up to common factors,
 //!
@@ -22,6 +22,9 @@ const RADIAL_FUNCTIONS: usize = 16;
 /// Points of the Gauss-Legendre rule, exact for the polynomial part of the integrands and far beyond it.
 const QUADRATURE_POINTS: usize = 48;
 
+/// Modes of the disc that a model may keep, and the largest number of nodal diameters that is looked through for them.
+pub const MOST_DISC_MODES: usize = 16;
+
 /// A clamped-free annular plate, by its two ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnnularPlate {
@@ -31,32 +34,67 @@ pub struct AnnularPlate {
     pub poissons_ratio: f64,
 }
 
+/// One mode of the plate, `w = R(r) cos(n theta)` (and, for n > 0, its twin with the sine).
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlateMode {
+    /// n, the number of nodal diameters.
+    pub nodal_diameters: u32,
+    /// lambda^2 = omega b^2 sqrt(rho h / D).
+    pub frequency_parameter: f64,
+    /// a / b.
+    radius_ratio: f64,
+    /// Of the expansion; the integral of `R^2 r dr` from a to b is 1 with b as unit of length, and `R(b) > 0`.
+    coefficients: Vec<f64>,
+}
+
+impl PlateMode {
+    /// The radial shape `R` at radius `r`, `a/b <= r <= 1`, with b as unit of length.
+    #[must_use]
+    pub fn shape(&self, r: f64) -> f64 {
+        let s = (r - self.radius_ratio) / (1.0 - self.radius_ratio);
+        let terms = self.coefficients.iter().enumerate();
+        s * s * terms.map(|(degree, c)| c * legendre(degree, 2.0 * s - 1.0).0).sum::<f64>()
+    }
+}
+
 impl AnnularPlate {
-    /// The first `count` frequency parameters `lambda^2 = omega b^2 sqrt(rho h / D)` of modes with
-    /// `nodal_diameters` nodal diameters, rising.
+    /// The first `count` modes with `nodal_diameters` nodal diameters, in the order of their frequencies.
     ///
     /// # Errors
     /// [`EigenvalueError`] if the matrices degenerate, as they do when the annulus is almost closed.
     ///
     /// # Panics
     /// If more than eight are asked for: the expansion does not resolve them.
-    pub fn frequency_parameters(&self, nodal_diameters: u32, count: usize) -> Result<Vec<f64>, EigenvalueError> {
+    pub fn modes(&self, nodal_diameters: u32, count: usize) -> Result<Vec<PlateMode>, EigenvalueError> {
         assert!(count <= RADIAL_FUNCTIONS / 2, "at most {} radial modes are resolved", RADIAL_FUNCTIONS / 2);
         let (stiffness, mass) = self.energies(f64::from(nodal_diameters));
-        let not_finite = EigenvalueError::NotFinite { row: 0, column: 0 };
-        let cholesky = Cholesky::new(mass).ok_or(not_finite)?;
+        let not_finite = || EigenvalueError::NotFinite { row: 0, column: 0 };
+        let cholesky = Cholesky::new(mass).ok_or_else(not_finite)?;
         let lower = cholesky.l();
         // L^-1 K L^-T, symmetric by construction but for rounding.
-        let half = lower.solve_lower_triangular(&stiffness).unwrap_or(stiffness);
-        let reduced = lower.solve_lower_triangular(&half.transpose()).unwrap_or(half);
+        let half = lower.solve_lower_triangular(&stiffness).ok_or_else(not_finite)?;
+        let reduced = lower.solve_lower_triangular(&half.transpose()).ok_or_else(not_finite)?;
         let symmetric = (&reduced + reduced.transpose()) * 0.5;
         let sweeps = 1000 * RADIAL_FUNCTIONS;
         let eigen =
             SymmetricEigen::try_new(symmetric, f64::EPSILON, sweeps).ok_or(EigenvalueError::NotConverged { sweeps })?;
-        let mut parameters: Vec<f64> = eigen.eigenvalues.iter().map(|value| value.max(0.0).sqrt()).collect();
-        parameters.sort_by(f64::total_cmp);
-        parameters.truncate(count);
-        Ok(parameters)
+        // The eigenvectors of the reduced problem are orthonormal, so L^-T of them are so with respect to the mass.
+        let shapes = lower.tr_solve_lower_triangular(&eigen.eigenvectors).ok_or_else(not_finite)?;
+        let mode = |column: usize| {
+            let coefficients: Vec<f64> = shapes.column(column).iter().copied().collect();
+            // P_k(1) = 1 for every k: the sum is R(b).
+            let sign = if coefficients.iter().sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
+            PlateMode {
+                nodal_diameters,
+                frequency_parameter: eigen.eigenvalues[column].max(0.0).sqrt(),
+                radius_ratio: self.radius_ratio,
+                coefficients: coefficients.into_iter().map(|c| sign * c).collect(),
+            }
+        };
+        let mut modes: Vec<PlateMode> = (0..RADIAL_FUNCTIONS).map(mode).collect();
+        modes.sort_by(|a, b| a.frequency_parameter.total_cmp(&b.frequency_parameter));
+        modes.truncate(count);
+        Ok(modes)
     }
 
     /// Stiffness and mass matrix of the expansion, with b as unit of length.
@@ -119,7 +157,7 @@ fn legendre(degree: usize, x: f64) -> (f64, f64, f64) {
 }
 
 /// Nodes and weights of the Gauss-Legendre rule on [-1, 1], by Newton's iteration from Tricomi's estimate.
-fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
     let rule = |i: usize| {
         let angle = std::f64::consts::PI * (i as f64 + 0.75) / (points as f64 + 0.5);
         let mut x = libm::cos(angle);
@@ -145,17 +183,14 @@ impl PadOnDisc {
         AnnularPlate { radius_ratio: disc.inner_radius / disc.outer_radius, poissons_ratio: disc.poissons_ratio }
     }
 
-    /// The first `count` natural angular frequencies of the disc with `nodal_diameters` nodal diameters, per unit of
-    /// scaled time: `lambda^2 h^(3/2) / b^2` (see the notation for the stray root of a length).
-    ///
-    /// # Errors
-    /// As [`AnnularPlate::frequency_parameters`].
-    pub fn disc_frequencies(&self, nodal_diameters: u32, count: usize) -> Result<Vec<f64>, EigenvalueError> {
+    /// Angular frequency, per unit of scaled time, of a disc mode: `lambda^2 h^(3/2) / b^2` (see the notation for the
+    /// stray root of a length).
+    #[must_use]
+    pub fn disc_frequency(&self, mode: &PlateMode) -> f64 {
         let disc = &self.parameters().disc;
         let rigidity_over_density = self.scales().flexural_rigidity / (disc.density * disc.thickness);
         let per_parameter = rigidity_over_density.sqrt() * self.scales().time / (disc.outer_radius * disc.outer_radius);
-        let parameters = self.annular_plate().frequency_parameters(nodal_diameters, count)?;
-        Ok(parameters.into_iter().map(|parameter| parameter * per_parameter).collect())
+        mode.frequency_parameter * per_parameter
     }
 }
 
@@ -163,6 +198,36 @@ impl PadOnDisc {
 mod tests {
     use super::*;
     use crate::parameters::Parameters;
+
+    fn parameters(plate: &AnnularPlate, n: u32) -> Vec<f64> {
+        plate.modes(n, 3).unwrap().iter().map(|mode| mode.frequency_parameter).collect()
+    }
+
+    #[test]
+    fn modes_are_orthonormal_clamped_and_free() {
+        let plate = AnnularPlate { radius_ratio: 0.064 / 0.135, poissons_ratio: 0.3 };
+        let modes = plate.modes(3, 4).unwrap();
+        // Midpoint rule, independent of the quadrature inside.
+        let (points, width) = (20_000, 1.0 - plate.radius_ratio);
+        let radius = |i: usize| plate.radius_ratio + width * (i as f64 + 0.5) / points as f64;
+        for (i, a) in modes.iter().enumerate() {
+            assert_eq!(a.shape(plate.radius_ratio), 0.0);
+            assert!(a.shape(1.0) > 0.0);
+            for (j, b) in modes.iter().enumerate() {
+                let product: f64 = (0..points).map(radius).map(|r| a.shape(r) * b.shape(r) * r).sum();
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert!((product * width / points as f64 - expected).abs() < 1e-6, "{i} {j} {product}");
+            }
+            // Free edge, R'' + nu (R'/r - n^2 R/r^2) = 0 at r = 1, by one-sided differences of fourth order.
+            let h = 1e-3;
+            let at: Vec<f64> = (0..6).map(|k| a.shape(1.0 - h * f64::from(k))).collect();
+            let first = (25.0 * at[0] - 48.0 * at[1] + 36.0 * at[2] - 16.0 * at[3] + 3.0 * at[4]) / (12.0 * h);
+            let second = (45.0 * at[0] - 154.0 * at[1] + 214.0 * at[2] - 156.0 * at[3] + 61.0 * at[4] - 10.0 * at[5])
+                / (12.0 * h * h);
+            let moment = second + 0.3 * (first - 9.0 * at[0]);
+            assert!(moment.abs() < 1e-4 * a.frequency_parameter, "{moment}");
+        }
+    }
 
     #[test]
     fn frequencies_agree_with_the_bessel_determinant() {
@@ -177,7 +242,7 @@ mod tests {
         ];
         let plate = AnnularPlate { radius_ratio: 0.064 / 0.135, poissons_ratio: 0.3 };
         for (n, row) in table.iter().enumerate() {
-            let computed = plate.frequency_parameters(n as u32, 3).unwrap();
+            let computed = parameters(&plate, n as u32);
             for (value, expected) in computed.iter().zip(row) {
                 assert!((value - expected).abs() < 1e-4, "n = {n}: {value} {expected}");
             }
@@ -199,7 +264,7 @@ mod tests {
         ];
         for (radius_ratio, poissons_ratio, n, expected) in table {
             let plate = AnnularPlate { radius_ratio, poissons_ratio };
-            for (value, expected) in plate.frequency_parameters(n, 3).unwrap().iter().zip(expected) {
+            for (value, expected) in parameters(&plate, n).iter().zip(expected) {
                 assert!((value - expected).abs() < 2e-6, "{plate:?}, n = {n}: {value} {expected}");
             }
         }
@@ -210,7 +275,7 @@ mod tests {
         // Physics notes: 0.290, 1.894, 5.436 Hz of scaled time for the modes without nodal diameters.
         let brake = PadOnDisc::new(Parameters::sui_ding_2018()).unwrap();
         let hertz: Vec<f64> =
-            brake.disc_frequencies(0, 3).unwrap().iter().map(|omega| omega / std::f64::consts::TAU).collect();
+            brake.annular_plate().modes(0, 3).unwrap().iter().map(|m| brake.disc_frequency(m) / std::f64::consts::TAU).collect();
         for (value, expected) in hertz.iter().zip([0.290, 1.894, 5.436]) {
             assert!((value - expected).abs() < 5e-4, "{value} {expected}");
         }

@@ -1,5 +1,7 @@
 //! The Stribeck friction law.
 
+use crate::exponential::exp;
+
 /// Friction that falls with sliding speed:
 ///
 /// ```text
@@ -61,6 +63,20 @@ impl StribeckLaw {
         let power = if self.exponent == 1.0 { ratio } else { libm::pow(ratio, self.exponent) };
         (power, libm::exp(-power))
     }
+}
+
+/// `exp(-r^delta)` for integration steps, `r` the sliding speed over the Stribeck velocity.
+///
+/// A step may look a little beyond the moment at which the sliding speed vanishes; for Tustin's law the curve is
+/// continued smoothly to `r = -1`, so that the step keeps its order, and is constant below.
+#[inline(always)]
+pub(crate) fn decay(r: f64, exponent: f64) -> f64 {
+    let power = if exponent == 1.0 {
+        if r < -1.0 { -1.0 } else { r }
+    } else {
+        libm::pow(r.abs(), exponent)
+    };
+    exp(-power)
 }
 
 #[cfg(test)]

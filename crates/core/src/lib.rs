@@ -33,6 +33,8 @@
 
 pub mod parameters;
 
+pub mod exponential;
+
 pub mod friction;
 
 pub mod pad_on_disc;
@@ -47,7 +49,21 @@ pub mod stick_slip;
 
 pub mod disc_modes;
 
-pub use disc_modes::AnnularPlate;
+mod contact;
+
+pub mod flexible;
+
+mod motion;
+
+mod rigid;
+
+mod flexible_motion;
+
+mod judgement;
+
+pub mod time_domain;
+
+pub use disc_modes::{AnnularPlate, PlateMode};
 pub use eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 pub use friction::StribeckLaw;
 pub use pad_on_disc::{PadOnDisc, Scales, SlidingEquilibrium};

@@ -88,7 +88,7 @@ fn scores() -> Result<Vec<Score>, Failure> {
     let slow = brake_at(10.0)?.limit_cycle().ok_or_else(|| missing("limit cycle at 10 rad/s"))?;
     let born = at_critical.limit_cycle().ok_or_else(|| missing("limit cycle at the critical speed"))?;
     let saddle_node = preset.saddle_node_speed().ok_or_else(|| missing("saddle-node"))?;
-    let disc = preset.disc_frequencies(0, 3).map_err(|error| Failure::InputOutput(error.to_string()))?;
+    let disc = preset.annular_plate().modes(0, 3).map_err(|error| Failure::InputOutput(error.to_string()))?;
     let mut scores = Vec::new();
     let mut add = |quantity: &str, printed, decimals, ours, role| {
         scores.push(Score { quantity: quantity.to_owned(), printed, decimals, ours, role });
@@ -104,7 +104,7 @@ fn scores() -> Result<Vec<Score>, Failure> {
     add("saddle-node of the limit cycle, rad/s", 30.0, 0, saddle_node, "constrains v_s and f_s");
     for (index, printed) in [0.29, 1.87, 5.03].into_iter().enumerate() {
         let quantity = format!("disc frequency {}, Hz of scaled time", index + 1);
-        add(&quantity, printed, 2, disc[index] / TAU, "constrain a, b, h together");
+        add(&quantity, printed, 2, preset.disc_frequency(&disc[index]) / TAU, "constrain a, b, h together");
     }
     add("pad frequency at 10 rad/s, Hz of scaled time", 0.23, 2, 1.0 / slow.period, "compromise on b");
     add("limit-cycle amplitude, about (peak x)", 0.02, 2, born.tangential_max, "compromise on b");

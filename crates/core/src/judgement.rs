@@ -1,0 +1,206 @@
+//! When a motion has shown what it will do.
+//!
+//! A verdict rests on what is told of the motion while it is followed: its turning points, whose distances are twice its
+//! amplitude swing by swing, and the moments of sticking and release.
+//!
+//! * **Unstable**: the amplitude grows from swing to swing, by more than transients of the other degrees of freedom could
+//!   feign; or stick-slip is reached and kept for several cycles.
+//! * **Stable**: the amplitude shrinks from swing to swing, by more than transients could feign, and is no larger than
+//!   the stated displacement from the equilibrium.
+//! * **Undecided** when the horizon comes first, **failed** when the computation breaks down.
+//!
+//! On a rigid disc the tangential motion is a plane autonomous system: orbits do not cross, so once a swing is longer
+//! than the one before, all later ones are longer still, and the first few swings decide for ever. With a flexible disc
+//! the other degrees of freedom disturb the amplitude, but only as long as they ring: what they could feign is assumed to
+//! be half of the amplitude at first, and to die away at the slowest of their damping rates.
+
+use crate::verdict::Verdict;
+use crate::motion::Observer;
+
+/// What can be feigned at any time: rounding and the interpolation of turning points.
+const LEAST_CHANGE: f64 = 1e-4;
+
+/// What transients can feign at first, relative to the amplitude.
+const FEIGNED: f64 = 0.5;
+
+/// The reference amplitude is taken anew when time has doubled, at first after this many units of scaled time.
+const FIRST_REFERENCE: f64 = 20.0;
+
+/// Stick-slip cycles in a row that count as kept: on a flexible disc, where the share of stick is large, and where it is
+/// so small that a small disturbance could end it. On a rigid disc every release is the same, and one return suffices.
+const KEPT: u32 = 6;
+const KEPT_BARELY: u32 = 60;
+const LARGE_SHARE: f64 = 0.05;
+
+/// Cycles in a row whose amplitudes agree to [`SETTLED_CHANGE`] before the amplitude counts as settled.
+const SETTLED_CYCLES: u32 = 3;
+const SETTLED_CHANGE: f64 = 1e-4;
+
+/// Swings of constant amplitude after which a motion without stick counts as settled.
+const SETTLED_SWINGS: u32 = 100;
+
+/// How a motion is judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Rules {
+    /// Scaled time after which a sample is undecided.
+    pub horizon: f64,
+    /// Slowest damping rate of the degrees of freedom that disturb the tangential motion; `None` if there are none.
+    pub slowest_transient: Option<f64>,
+    /// Whether an unstable motion is followed until its amplitude has settled.
+    pub until_settled: bool,
+}
+
+/// What is known of one motion so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Judge {
+    rules: Rules,
+    /// Amplitude below which a shrinking motion has come home: the stated displacement.
+    basin: f64,
+    verdict: Option<Verdict>,
+    /// Known to be unstable, but followed further.
+    grows: bool,
+    last_turn: Option<f64>,
+    amplitude: f64,
+    reference: Option<Reference>,
+    settled_swings: u32,
+    /// Stick-slip cycles in a row.
+    cycles: u32,
+    swings_since_stick: u32,
+    last_stick: f64,
+    last_release: Option<f64>,
+    stick_share: f64,
+    cycle_amplitude: f64,
+    settled_cycles: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Reference {
+    amplitude: f64,
+    time: f64,
+    /// Relative change of the amplitude that is certainly none of the transients.
+    change: f64,
+}
+
+impl Judge {
+    /// For a motion that starts at a turning point `x` if it starts without speed.
+    pub fn new(rules: Rules, basin: f64, starts_turning_at: Option<f64>) -> Self {
+        Self {
+            rules,
+            basin,
+            verdict: None,
+            grows: false,
+            last_turn: starts_turning_at,
+            amplitude: 0.0,
+            reference: None,
+            settled_swings: 0,
+            cycles: 0,
+            swings_since_stick: 0,
+            last_stick: 0.0,
+            last_release: None,
+            stick_share: 0.0,
+            cycle_amplitude: 0.0,
+            settled_cycles: 0,
+        }
+    }
+
+    /// The verdict, once it is certain.
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.verdict
+    }
+
+    /// The verdict at the horizon: a motion that is known to grow but has not settled is undecided only where the
+    /// settled amplitude is what was asked for.
+    pub fn at_horizon(&self) -> Verdict {
+        self.verdict.unwrap_or(Verdict::Undecided)
+    }
+
+    /// Half of the distance between the last two turning points.
+    pub fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+
+    fn reference(&self, amplitude: f64, time: f64) -> Reference {
+        let feigned = self.rules.slowest_transient.map_or(0.0, |rate| FEIGNED * libm::exp(-rate * time));
+        Reference { amplitude, time, change: LEAST_CHANGE + feigned }
+    }
+
+    fn becomes_unstable(&mut self) {
+        if self.rules.until_settled {
+            self.grows = true;
+        } else {
+            self.verdict = Some(Verdict::Unstable);
+        }
+    }
+
+    /// A swing of a motion that does not stick.
+    fn judge_swing(&mut self, time: f64) {
+        let amplitude = self.amplitude;
+        let Some(reference) = self.reference else {
+            self.reference = Some(self.reference(amplitude, time));
+            return;
+        };
+        let grown = amplitude > reference.amplitude * (1.0 + reference.change);
+        let shrunk = amplitude * (1.0 + reference.change) < reference.amplitude;
+        if shrunk && !self.grows && amplitude <= self.basin {
+            self.verdict = Some(Verdict::Stable);
+        } else if grown {
+            self.becomes_unstable();
+        }
+        if grown || shrunk || (!self.grows && time > 2.0 * reference.time + FIRST_REFERENCE) {
+            self.reference = Some(self.reference(amplitude, time));
+            self.settled_swings = 0;
+        } else {
+            self.settled_swings += 1;
+            if self.grows && self.settled_swings >= SETTLED_SWINGS {
+                self.verdict = Some(Verdict::Unstable);
+            }
+        }
+    }
+}
+
+impl Observer for Judge {
+    fn turns(&mut self, time: f64, x: f64) {
+        let Some(before) = self.last_turn.replace(x) else { return };
+        self.amplitude = 0.5 * (x - before).abs();
+        if self.cycles > 0 {
+            // Two turning points lie between two sticks; more of them mean that the motion has come free.
+            self.swings_since_stick += 1;
+            if self.swings_since_stick <= 3 {
+                return;
+            }
+            self.cycles = 0;
+            self.settled_cycles = 0;
+            self.reference = None;
+        }
+        self.judge_swing(time);
+    }
+
+    fn sticks(&mut self, time: f64) {
+        self.last_stick = time;
+        self.swings_since_stick = 0;
+        self.cycles += 1;
+        let change = (self.amplitude - self.cycle_amplitude).abs();
+        let settled = self.cycles > 1 && change <= SETTLED_CHANGE * self.amplitude;
+        self.settled_cycles = if settled { self.settled_cycles + 1 } else { 0 };
+        self.cycle_amplitude = self.amplitude;
+        let kept = match self.rules.slowest_transient {
+            None => self.cycles > 1,
+            Some(_) if self.stick_share >= LARGE_SHARE => self.cycles > KEPT,
+            Some(_) => self.cycles > KEPT_BARELY,
+        };
+        if kept {
+            if self.rules.until_settled && self.settled_cycles < SETTLED_CYCLES {
+                self.grows = true;
+            } else {
+                self.verdict = Some(Verdict::Unstable);
+            }
+        }
+    }
+
+    fn slips(&mut self, time: f64) {
+        if let Some(before) = self.last_release {
+            self.stick_share = (time - self.last_stick) / (time - before);
+        }
+        self.last_release = Some(time);
+    }
+}

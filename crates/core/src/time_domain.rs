@@ -1,0 +1,439 @@
+//! The time-domain criterion: a sample is followed in time until its motion has shown what it will do.
+
+use thiserror::Error;
+
+use crate::flexible::{ContactState, FlexibleBrake, FlexibleError, RandomInputs};
+use crate::flexible_motion::FlexibleSample;
+use crate::judgement::{Judge, Rules};
+use crate::motion::{Equations, Motion, Observer, advance};
+use crate::pad_on_disc::PadOnDisc;
+use crate::rigid::{RigidBrake, RigidSample, RigidState};
+use crate::verdict::Verdict;
+
+/// Horizon unless told otherwise, in scaled time.
+pub const HORIZON: f64 = 10_000.0;
+
+/// Displacement of a start near the equilibrium unless told otherwise, relative to x0.
+pub const DISPLACEMENT: f64 = 0.01;
+
+/// Where a motion starts. All but the tangential motion starts from steady sliding of the model in use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Start {
+    /// At the sliding equilibrium, x displaced outwards by a stated fraction of x0: does steady sliding hold?
+    NearEquilibrium,
+    /// x = x' = 0, a brake that has just been applied: does it squeal?
+    Rest,
+    /// At the release from stick: does stick-slip keep itself going?
+    LimitCycle,
+}
+
+/// How the motion of a sample is followed and judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimeDomainSettings {
+    /// Where it starts.
+    pub start: Start,
+    /// Displacement over x0, greater than 0. Where a motion does not start there, it is the distance from the
+    /// equilibrium at which a shrinking motion counts as having come home.
+    pub displacement: f64,
+    /// Scaled time after which a sample is undecided, greater than 0.
+    pub horizon: f64,
+    /// Unstable where the settled amplitude (half peak to peak of x) exceeds this, the paper's own index; `None` for
+    /// the motion itself: unstable where it grows or keeps to stick-slip.
+    pub amplitude_index: Option<f64>,
+    /// Whether unstable motions are followed until their amplitude has settled.
+    pub record_amplitude: bool,
+}
+
+impl Default for TimeDomainSettings {
+    fn default() -> Self {
+        Self {
+            start: Start::NearEquilibrium,
+            displacement: DISPLACEMENT,
+            horizon: HORIZON,
+            amplitude_index: None,
+            record_amplitude: false,
+        }
+    }
+}
+
+/// A setting that makes no sense.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SettingsError {
+    /// Out of range or not a number.
+    #[error("{key} = {value} is out of range: it must be greater than 0 and at most {largest}")]
+    OutOfRange {
+        /// Which setting.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// The limit.
+        largest: f64,
+    },
+}
+
+impl TimeDomainSettings {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`SettingsError`] with the first one that is out of range.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let check = |key, value: f64, largest| {
+            if value > 0.0 && value <= largest { Ok(()) } else { Err(SettingsError::OutOfRange { key, value, largest }) }
+        };
+        check("displacement", self.displacement, 1e3)?;
+        check("horizon", self.horizon, 1e9)?;
+        self.amplitude_index.map_or(Ok(()), |amplitude| check("index.amplitude", amplitude, 1e3))
+    }
+
+    fn until_settled(&self) -> bool {
+        self.record_amplitude || self.amplitude_index.is_some()
+    }
+}
+
+/// The disc that a motion is followed on.
+#[derive(Debug, Clone)]
+pub enum DiscModel {
+    /// The pad alone: no disc, `sin(phi) = 0`, `cos(phi) = 1`.
+    Rigid,
+    /// All of the equations, with this many modes of the disc.
+    Flexible {
+        /// See [`FlexibleBrake::with_modes`].
+        modes: usize,
+    },
+}
+
+/// What became of a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JudgedMotion {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Settled amplitude of an unstable motion, where settings ask for it.
+    pub amplitude: Option<f64>,
+    /// Scaled time that was followed.
+    pub time: f64,
+}
+
+impl JudgedMotion {
+    const OUTSIDE_PHYSICS: Self = Self { verdict: Verdict::Stable, amplitude: None, time: 0.0 };
+    const FAILED: Self = Self { verdict: Verdict::Failed, amplitude: None, time: 0.0 };
+}
+
+/// The time-domain criterion at one rotating speed.
+#[derive(Debug, Clone)]
+pub struct TimeDomain {
+    pub(crate) settings: TimeDomainSettings,
+    pub(crate) system: System,
+    kinetic_friction: f64,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) enum System {
+    Rigid(RigidBrake),
+    Flexible(Box<FlexibleBrake>),
+}
+
+impl TimeDomain {
+    /// Prepares the criterion.
+    ///
+    /// # Errors
+    /// As [`FlexibleBrake::with_modes`].
+    pub fn new(brake: &PadOnDisc, disc: &DiscModel, settings: TimeDomainSettings) -> Result<Self, FlexibleError> {
+        let system = match disc {
+            DiscModel::Rigid => System::Rigid(RigidBrake::new(brake)),
+            DiscModel::Flexible { modes } => {
+                System::Flexible(Box::new(FlexibleBrake::with_modes(brake.clone(), *modes)?))
+            }
+        };
+        let kinetic_friction = brake.parameters().friction.kinetic_coefficient;
+        Ok(Self { settings, system, kinetic_friction })
+    }
+
+    /// Follows one sample until it is decided. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable by
+    /// definition and not followed.
+    #[must_use]
+    pub fn judge(&self, inputs: RandomInputs) -> JudgedMotion {
+        if self.is_outside_physics(inputs) {
+            return JudgedMotion::OUTSIDE_PHYSICS;
+        }
+        match &self.system {
+            System::Rigid(brake) => {
+                let sample = brake.sample(inputs);
+                let (motion, judge) = self.start_rigid(&sample);
+                self.follow(&sample, motion, judge, brake.step)
+            }
+            System::Flexible(brake) => {
+                let sample = FlexibleSample::new(brake, inputs);
+                match self.start_flexible(&sample) {
+                    Ok((motion, judge)) => self.follow(&sample, motion, judge, brake.step_length()),
+                    Err(_) => JudgedMotion::FAILED,
+                }
+            }
+        }
+    }
+
+    pub(crate) fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
+        inputs.preload <= 0.0 || inputs.static_friction < self.kinetic_friction
+    }
+
+    pub(crate) fn rules(&self) -> Rules {
+        let slowest_transient = match &self.system {
+            System::Rigid(_) => None,
+            System::Flexible(brake) => Some(brake.slowest_transient()),
+        };
+        Rules { horizon: self.settings.horizon, slowest_transient, until_settled: self.settings.until_settled() }
+    }
+
+    /// The motion that a sample starts with, and its judge.
+    pub(crate) fn start_rigid(&self, sample: &RigidSample<'_>) -> (Motion<RigidState>, Judge) {
+        let equilibrium = sample.equilibrium();
+        let (x, u, contact) = self.tangential_start(equilibrium, sample.release(), sample.brake.disc_speed);
+        (Motion { state: RigidState { x, u }, contact }, self.judge_of(equilibrium, x, u))
+    }
+
+    pub(crate) fn start_flexible(
+        &self,
+        sample: &FlexibleSample<'_>,
+    ) -> Result<(Motion<crate::flexible_motion::FlexibleState>, Judge), FlexibleError> {
+        let mut state = sample.equilibrium()?;
+        let equilibrium = state.q[0];
+        let release = sample.release(&state);
+        let (x, u, contact) = self.tangential_start(equilibrium, release, sample.brake.pad.disc_speed);
+        state.q[0] = x;
+        state.u[0] = u;
+        Ok((Motion { state, contact }, self.judge_of(equilibrium, x, u)))
+    }
+
+    fn tangential_start(&self, equilibrium: f64, release: f64, disc_speed: f64) -> (f64, f64, ContactState) {
+        match self.settings.start {
+            Start::NearEquilibrium => (equilibrium * (1.0 + self.settings.displacement), 0.0, ContactState::Slip),
+            Start::Rest => (0.0, 0.0, ContactState::Slip),
+            Start::LimitCycle => (release, disc_speed, ContactState::Stick),
+        }
+    }
+
+    fn judge_of(&self, equilibrium: f64, x: f64, u: f64) -> Judge {
+        let basin = self.settings.displacement * equilibrium.abs();
+        Judge::new(self.rules(), basin, (u == 0.0).then_some(x))
+    }
+
+    fn follow<E: Equations>(&self, equations: &E, mut motion: Motion<E::State>, mut judge: Judge, h: f64) -> JudgedMotion {
+        let steps = self.steps_to_horizon(h);
+        for step in 0..steps {
+            let time = step as f64 * h;
+            if advance(equations, &mut motion, time, h, &mut judge).is_err() {
+                return JudgedMotion { time, ..JudgedMotion::FAILED };
+            }
+            if let Some(verdict) = judge.verdict() {
+                return self.conclude(verdict, &judge, time + h);
+            }
+        }
+        self.conclude(judge.at_horizon(), &judge, steps as f64 * h)
+    }
+
+    pub(crate) fn steps_to_horizon(&self, h: f64) -> u64 {
+        (self.settings.horizon / h).ceil() as u64
+    }
+
+    /// The outcome of a motion with this verdict; with the paper's index the settled amplitude has the last word.
+    pub(crate) fn conclude(&self, verdict: Verdict, judge: &Judge, time: f64) -> JudgedMotion {
+        let amplitude = (verdict == Verdict::Unstable && self.settings.until_settled()).then(|| judge.amplitude());
+        let verdict = match (self.settings.amplitude_index, amplitude) {
+            (Some(limit), Some(amplitude)) if amplitude <= limit => Verdict::Stable,
+            _ => verdict,
+        };
+        JudgedMotion { verdict, amplitude: amplitude.filter(|_| verdict == Verdict::Unstable), time }
+    }
+}
+
+impl FlexibleBrake {
+    /// The slowest damping rate of the normal, angular and disc motion, taken apart.
+    fn slowest_transient(&self) -> f64 {
+        0.5 * self.disc_damping.min(self.pad.normal_damping).min(self.pad.angular_damping)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOMINAL: RandomInputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
+
+    fn criterion(speed: f64, disc: &DiscModel, settings: TimeDomainSettings) -> TimeDomain {
+        TimeDomain::new(&PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]), disc, settings).unwrap()
+    }
+
+    const FLEXIBLE: DiscModel = DiscModel::Flexible { modes: 5 };
+
+    /// The last amplitudes of a motion, and when it last stuck.
+    struct Aftermath {
+        judge: Judge,
+        last_stick: f64,
+    }
+
+    impl Observer for Aftermath {
+        fn turns(&mut self, time: f64, x: f64) {
+            self.judge.turns(time, x);
+        }
+        fn sticks(&mut self, time: f64) {
+            self.last_stick = time;
+        }
+        fn slips(&mut self, _: f64) {}
+    }
+
+    /// Follows a sample for `time`, whatever a judge might think of it.
+    fn aftermath(criterion: &TimeDomain, inputs: RandomInputs, time: f64) -> Aftermath {
+        fn run<E: Equations>(equations: &E, mut motion: Motion<E::State>, judge: Judge, h: f64, time: f64) -> Aftermath {
+            let mut aftermath = Aftermath { judge, last_stick: f64::NEG_INFINITY };
+            for step in 0..(time / h) as u64 {
+                advance(equations, &mut motion, step as f64 * h, h, &mut aftermath).unwrap();
+            }
+            aftermath
+        }
+        match &criterion.system {
+            System::Rigid(brake) => {
+                let sample = brake.sample(inputs);
+                let (motion, judge) = criterion.start_rigid(&sample);
+                run(&sample, motion, judge, brake.step, time)
+            }
+            System::Flexible(brake) => {
+                let sample = FlexibleSample::new(brake, inputs);
+                let (motion, judge) = criterion.start_flexible(&sample).unwrap();
+                run(&sample, motion, judge, brake.step_length(), time)
+            }
+        }
+    }
+
+    /// Follows a sample ten times as long as its verdict took, and finds the same.
+    fn assert_verdict_holds(criterion: &TimeDomain, inputs: RandomInputs, context: &str) -> Verdict {
+        let judged = criterion.judge(inputs);
+        let (soon, late) = (judged.time, 10.0 * judged.time);
+        let at_verdict = aftermath(criterion, inputs, soon).judge.amplitude();
+        let end = aftermath(criterion, inputs, late);
+        let keeps_sticking = end.last_stick > late - 10.0;
+        match judged.verdict {
+            Verdict::Unstable => {
+                let holds = keeps_sticking || end.judge.amplitude() > at_verdict;
+                assert!(holds, "{context}: {inputs:?} {judged:?} then {} {}", end.judge.amplitude(), end.last_stick);
+            }
+            Verdict::Stable => {
+                let holds = !keeps_sticking && end.judge.amplitude() < at_verdict;
+                assert!(holds, "{context}: {inputs:?} {judged:?} {at_verdict} then {}", end.judge.amplitude());
+            }
+            other => panic!("{context}: {inputs:?} {other:?}"),
+        }
+        judged.verdict
+    }
+
+    #[test]
+    fn verdicts_hold_ten_times_as_long_near_both_boundaries() {
+        for (disc, boundaries) in [(DiscModel::Rigid, [15.56, 30.197]), (FLEXIBLE, [15.398, 30.6])] {
+            for start in [Start::NearEquilibrium, Start::Rest, Start::LimitCycle] {
+                let mut seen = [0; 4];
+                for (boundary, offset) in
+                    boundaries.into_iter().flat_map(|b| (0..24).map(move |i| (b, (f64::from(i) - 11.3) / 11.3)))
+                {
+                    // Denser towards the boundary: to one part in 1400 of it.
+                    let speed = boundary * (1.0 + 0.05 * offset * offset * offset.signum());
+                    let criterion = criterion(speed, &disc, TimeDomainSettings { start, ..Default::default() });
+                    let verdict = assert_verdict_holds(&criterion, NOMINAL, &format!("{disc:?} {start:?} {speed}"));
+                    seen[verdict as usize] += 1;
+                }
+                assert!(seen[0] >= 10 && seen[1] >= 10, "{disc:?} {start:?} {seen:?}: both verdicts must occur");
+            }
+        }
+    }
+
+    #[test]
+    fn the_threshold_in_time_is_that_of_the_eigenvalues() {
+        for (disc, critical) in [(DiscModel::Rigid, 15.56), (FLEXIBLE, 15.3979)] {
+            // A small displacement: at one percent of x0 the falling friction is no longer quite linear.
+            let settings = TimeDomainSettings { displacement: 1e-4, ..Default::default() };
+            let (mut slow, mut fast) = (14.0, 17.0);
+            while fast - slow > 1e-4 {
+                let middle = 0.5 * (slow + fast);
+                if criterion(middle, &disc, settings).judge(NOMINAL).verdict == Verdict::Unstable {
+                    slow = middle;
+                } else {
+                    fast = middle;
+                }
+            }
+            let expected = match &criterion(16.0, &disc, settings).system {
+                System::Rigid(_) => PadOnDisc::preset_with(&[]).unstable_speeds().unwrap().to,
+                System::Flexible(_) => critical,
+            };
+            assert!((slow - expected).abs() < 1e-3, "{disc:?} {slow} {expected}");
+        }
+    }
+
+    #[test]
+    fn what_a_brake_does_between_the_boundaries_depends_on_its_start() {
+        for disc in [DiscModel::Rigid, FLEXIBLE] {
+            for (speed, expected) in [
+                (12.0, [Verdict::Unstable, Verdict::Unstable, Verdict::Unstable]),
+                (22.0, [Verdict::Stable, Verdict::Unstable, Verdict::Unstable]),
+                (34.0, [Verdict::Stable, Verdict::Stable, Verdict::Stable]),
+            ] {
+                for (start, expected) in
+                    [Start::NearEquilibrium, Start::Rest, Start::LimitCycle].into_iter().zip(expected)
+                {
+                    let criterion = criterion(speed, &disc, TimeDomainSettings { start, ..Default::default() });
+                    assert_eq!(criterion.judge(NOMINAL).verdict, expected, "{disc:?} {speed} {start:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_settled_amplitude_is_that_of_the_limit_cycle() {
+        let settings = TimeDomainSettings { record_amplitude: true, ..Default::default() };
+        for speed in [8.0, 12.0, 15.0] {
+            let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]);
+            let cycle = brake.limit_cycle().unwrap();
+            let expected = 0.5 * (cycle.tangential_max - cycle.tangential_min);
+            let rigid = criterion(speed, &DiscModel::Rigid, settings).judge(NOMINAL).amplitude.unwrap();
+            assert!((rigid / expected - 1.0).abs() < 2e-4, "{speed}: {rigid} {expected}");
+            let flexible = criterion(speed, &FLEXIBLE, settings).judge(NOMINAL).amplitude.unwrap();
+            assert!((flexible / expected - 1.0).abs() < 0.05, "{speed}: {flexible} {expected}");
+        }
+    }
+
+    #[test]
+    fn the_papers_index_is_a_limit_on_the_settled_amplitude() {
+        let judge = |limit: f64| {
+            let settings = TimeDomainSettings { amplitude_index: Some(limit), ..Default::default() };
+            criterion(12.0, &DiscModel::Rigid, settings).judge(NOMINAL).verdict
+        };
+        // The limit cycle at 12 rad/s has an amplitude of 0.0057.
+        assert_eq!([judge(0.005), judge(0.006)], [Verdict::Unstable, Verdict::Stable]);
+    }
+
+    #[test]
+    fn inputs_outside_physics_are_stable_and_blown_up_ones_failed() {
+        let criterion = criterion(10.0, &FLEXIBLE, TimeDomainSettings::default());
+        for (preload, static_friction) in [(0.0, 0.4), (-0.1, 0.4), (0.1, 0.2), (-0.1, 0.2)] {
+            let judged = criterion.judge(RandomInputs { preload, static_friction });
+            assert_eq!((judged.verdict, judged.time), (Verdict::Stable, 0.0));
+        }
+        let judged = criterion.judge(RandomInputs { preload: 1e9, static_friction: 1e9 });
+        assert_eq!(judged.verdict, Verdict::Failed);
+        assert_eq!(criterion.judge(RandomInputs { preload: f64::NAN, static_friction: 0.4 }).verdict, Verdict::Failed);
+    }
+
+    #[test]
+    fn a_short_horizon_leaves_samples_undecided() {
+        let settings = TimeDomainSettings { horizon: 3.0, ..Default::default() };
+        assert_eq!(criterion(15.5, &FLEXIBLE, settings).judge(NOMINAL).verdict, Verdict::Undecided);
+    }
+
+    #[test]
+    fn silly_settings_are_refused() {
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let good = TimeDomainSettings::default();
+            assert!(TimeDomainSettings { horizon: bad, ..good }.validate().is_err());
+            assert!(TimeDomainSettings { displacement: bad, ..good }.validate().is_err());
+            assert!(TimeDomainSettings { amplitude_index: Some(bad), ..good }.validate().is_err());
+        }
+        assert!(TimeDomainSettings::default().validate().is_ok());
+    }
+}
