@@ -24,7 +24,7 @@ use crate::contact::{ANGULAR_POINTS, ContactLoads, ContactPatch, PadPosition, RA
 use crate::disc_modes::{MOST_DISC_MODES, PlateMode};
 use crate::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 use crate::friction::decay;
-use crate::pad_on_disc::PadOnDisc;
+use crate::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::parameters::ParameterError;
 
 /// Disc modes that are kept unless told otherwise: those with 0 to 4 nodal diameters and no nodal circle for the preset.
@@ -84,15 +84,6 @@ pub enum FlexibleError {
     },
 }
 
-/// What a sample perturbs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RandomInputs {
-    /// Delta.
-    pub preload: f64,
-    /// f_s.
-    pub static_friction: f64,
-}
-
 /// How pad and disc move against each other at the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ContactState {
@@ -136,6 +127,9 @@ pub struct FlexibleBrake {
     pub(crate) pad: PadEquations,
     /// eta1.
     pub(crate) disc_damping: f64,
+    /// Shapes of the cosine amplitudes at the outer edge, and a quarter of the way to it.
+    pub(crate) shapes_at_edge: Vec<f64>,
+    pub(crate) shapes_inside: Vec<f64>,
     /// Of the linearised equations at the operating point, for the search of equilibria.
     approximate_inverse: DMatrix<f64>,
 }
@@ -167,7 +161,7 @@ pub(crate) struct PadEquations {
 impl PadEquations {
     fn new(brake: &PadOnDisc) -> Self {
         let parameters = brake.parameters();
-        let (stiffness, pad) = (&parameters.stiffness, &parameters.pad);
+        let stiffness = &parameters.stiffness;
         let mass = brake.scaled_mass();
         let (normal, angular) = (brake.normal_oscillator(), brake.angular_oscillator());
         Self {
@@ -178,7 +172,7 @@ impl PadEquations {
             normal_stiffness: stiffness.calliper_normal / mass,
             angular_damping: angular.damping,
             angular_stiffness: angular.stiffness,
-            arm: 0.5 * pad.moment_arm * brake.scales().length * pad.mass / pad.moment_of_inertia,
+            arm: brake.angular_arm(),
             pressure_gain: stiffness.contact_normal / mass,
             transmission: brake.friction_transmission(),
             disc_speed: brake.disc_speed(),
@@ -284,8 +278,18 @@ impl FlexibleBrake {
         }
         let first = modes.iter().map(|mode| brake.disc_frequency(mode)).fold(f64::INFINITY, f64::min);
         let disc_damping = 2.0 * disc.transverse_damping_ratio * first;
-        let pad = PadEquations::new(&brake);
-        Self { brake, patch, amplitudes, pad, disc_damping, approximate_inverse: DMatrix::zeros(0, 0) }
+        let clamped = disc.inner_radius / disc.outer_radius;
+        let shapes_at = |r: f64| modes.iter().map(|mode| mode.shape(r)).collect();
+        Self {
+            patch,
+            amplitudes,
+            pad: PadEquations::new(&brake),
+            disc_damping,
+            shapes_at_edge: shapes_at(1.0),
+            shapes_inside: shapes_at(clamped + 0.25 * (1.0 - clamped)),
+            approximate_inverse: DMatrix::zeros(0, 0),
+            brake,
+        }
     }
 
     /// Linearises at the operating point, or at the preset's preload where that has none.
@@ -388,14 +392,9 @@ impl FlexibleBrake {
 
     /// Steady sliding as if the disc did not yield.
     fn equilibrium_on_rigid_disc(&self, inputs: RandomInputs) -> Vec<f64> {
-        let pad = &self.pad;
-        let pressure = self.brake.normal_force_per_preload() * inputs.preload / self.brake.scaled_mass();
-        let friction =
-            pad.transmission * pad.friction_coefficient(pad.disc_speed, inputs.static_friction) * pressure;
+        let rigid = self.brake.sliding_equilibrium_at(inputs);
         let mut q = vec![0.0; self.size()];
-        q[0] = friction / (pad.tangential_stiffness + pad.contact_tangential);
-        q[1] = -pressure / pad.pressure_gain;
-        q[2] = -pad.arm * (pad.contact_tangential * q[0] - friction) / pad.angular_stiffness;
+        q[..PAD].copy_from_slice(&[rigid.tangential, rigid.normal, rigid.angle]);
         q
     }
 

@@ -1,8 +1,9 @@
 //! Pad and flexible disc followed in time: fixed Runge-Kutta steps of the equations of [`crate::flexible`].
 
 use crate::contact::{ContactLoads, MOST_AMPLITUDES};
-use crate::flexible::{ContactForces, ContactState, FlexibleBrake, FlexibleError, PAD, RandomInputs, sine_and_cosine};
+use crate::flexible::{ContactForces, ContactState, FlexibleBrake, FlexibleError, PAD, sine_and_cosine};
 use crate::motion::{Equations, Reserve, Step};
+use crate::pad_on_disc::RandomInputs;
 
 /// Step length times the highest natural frequency of pad, contact and kept disc modes.
 const STEP: f64 = 0.4;

@@ -63,11 +63,16 @@ mod judgement;
 
 pub mod time_domain;
 
+pub mod trajectory;
+
 pub use disc_modes::{AnnularPlate, PlateMode};
 pub use eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 pub use friction::StribeckLaw;
-pub use pad_on_disc::{PadOnDisc, Scales, SlidingEquilibrium};
+pub use flexible::{ContactState, FlexibleBrake, FlexibleError};
+pub use pad_on_disc::{PadOnDisc, RandomInputs, Scales, SlidingEquilibrium};
 pub use parameters::{ParameterError, Parameters, Scalar};
 pub use stability::{SpeedRange, StabilityBoundary};
 pub use stick_slip::LimitCycle;
+pub use time_domain::{DiscModel, JudgedMotion, SettingsError, Start, TimeDomain, TimeDomainSettings};
+pub use trajectory::{Moment, SettledMotion, Trajectory};
 pub use verdict::{Verdict, VerdictCounts};

@@ -32,6 +32,15 @@ impl Scales {
     }
 }
 
+/// What a sample perturbs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RandomInputs {
+    /// Delta.
+    pub preload: f64,
+    /// f_s.
+    pub static_friction: f64,
+}
+
 /// Steady sliding of the pad on a rigid disc: where pad and friction are in balance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlidingEquilibrium {
@@ -210,17 +219,33 @@ impl PadOnDisc {
     /// ```
     #[must_use]
     pub fn sliding_equilibrium(&self) -> SlidingEquilibrium {
-        let Parameters { stiffness, pad, operating_point, .. } = &self.parameters;
-        let normal_force = self.normal_force();
-        let friction_coefficient = self.friction.coefficient(self.disc_speed());
+        self.sliding_equilibrium_at(RandomInputs {
+            preload: self.parameters.operating_point.preload,
+            static_friction: self.parameters.friction.static_coefficient,
+        })
+    }
+
+    /// [`PadOnDisc::sliding_equilibrium`] with other values of preload and static friction.
+    #[must_use]
+    pub fn sliding_equilibrium_at(&self, inputs: RandomInputs) -> SlidingEquilibrium {
+        let Parameters { stiffness, pad, .. } = &self.parameters;
+        let normal_force = self.normal_force_per_preload() * inputs.preload;
+        let law = StribeckLaw { static_coefficient: inputs.static_friction, ..self.friction };
+        let friction_coefficient = law.coefficient(self.disc_speed());
         let friction_force = friction_coefficient * normal_force;
         let tangential = self.friction_transmission() * friction_force / self.tangential_stiffness();
-        let normal = -stiffness.calliper_normal * operating_point.preload
+        let normal = -stiffness.calliper_normal * inputs.preload
             / (stiffness.calliper_normal + stiffness.contact_normal);
         let contact_spring = friction_force / stiffness.contact_tangential_1 - tangential;
         let moment = 0.5 * pad.moment_arm * self.scales.length * stiffness.contact_tangential_2 * contact_spring;
         let angle = moment / stiffness.calliper_angular;
         SlidingEquilibrium { tangential, normal, angle, normal_force, friction_coefficient }
+    }
+
+    /// `(h q / 2) M / I_s`: angular acceleration for one unit of acceleration by the contact spring.
+    pub(crate) fn angular_arm(&self) -> f64 {
+        let pad = &self.parameters.pad;
+        0.5 * pad.moment_arm * self.scales.length * pad.mass / pad.moment_of_inertia
     }
 
     /// The fall of the friction force with the pad's speed, `(k_t2 / k_t1) N (f_s - f_c) w(v)`, N/m: what friction

@@ -11,10 +11,10 @@
 //! in Runge-Kutta steps of fixed length. [`limit_cycle`](crate::PadOnDisc::limit_cycle) follows the same equations with
 //! an adaptive method of its own; the tests compare the two.
 
-use crate::flexible::{ContactState, RandomInputs};
+use crate::flexible::ContactState;
 use crate::friction::decay;
 use crate::motion::{Equations, Reserve, Step};
-use crate::pad_on_disc::PadOnDisc;
+use crate::pad_on_disc::{PadOnDisc, RandomInputs};
 
 /// Step length times the natural frequency.
 const STEP: f64 = 0.1;
@@ -88,8 +88,24 @@ impl RigidBrake {
 }
 
 impl RigidSample<'_> {
+    /// x and x' at the four stages of a step.
+    pub fn stages(&self, state: &RigidState, contact: ContactState, h: f64) -> [(f64, f64); 4] {
+        let RigidState { x, u } = *state;
+        let acceleration = |(x, u): (f64, f64)| {
+            if contact == ContactState::Stick {
+                return 0.0;
+            }
+            self.pull(contact, u) - self.brake.stiffness * x - self.brake.damping * u
+        };
+        let half = 0.5 * h;
+        let second = (x + half * u, u + half * acceleration((x, u)));
+        let third = (x + half * second.1, u + half * acceleration(second));
+        let fourth = (x + h * third.1, u + h * acceleration(third));
+        [(x, u), second, third, fourth]
+    }
+
     /// mu of slip times G, in the direction of `contact`.
-    fn pull(&self, contact: ContactState, u: f64) -> f64 {
+    pub fn pull(&self, contact: ContactState, u: f64) -> f64 {
         let direction = if contact == ContactState::Overtaking { -1.0 } else { 1.0 };
         let sliding = direction * (self.brake.disc_speed - u);
         direction * (self.kinetic_pull + self.falling_pull * decay(sliding * self.brake.inverse_stribeck, self.brake.stribeck_exponent))

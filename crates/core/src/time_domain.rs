@@ -2,11 +2,11 @@
 
 use thiserror::Error;
 
-use crate::flexible::{ContactState, FlexibleBrake, FlexibleError, RandomInputs};
+use crate::flexible::{ContactState, FlexibleBrake, FlexibleError};
 use crate::flexible_motion::FlexibleSample;
 use crate::judgement::{Judge, Rules};
 use crate::motion::{Equations, Motion, Observer, advance};
-use crate::pad_on_disc::PadOnDisc;
+use crate::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::rigid::{RigidBrake, RigidSample, RigidState};
 use crate::verdict::Verdict;
 
@@ -124,7 +124,7 @@ impl JudgedMotion {
 pub struct TimeDomain {
     pub(crate) settings: TimeDomainSettings,
     pub(crate) system: System,
-    kinetic_friction: f64,
+    pub(crate) brake: PadOnDisc,
 }
 
 #[derive(Debug, Clone)]
@@ -145,8 +145,7 @@ impl TimeDomain {
                 System::Flexible(Box::new(FlexibleBrake::with_modes(brake.clone(), *modes)?))
             }
         };
-        let kinetic_friction = brake.parameters().friction.kinetic_coefficient;
-        Ok(Self { settings, system, kinetic_friction })
+        Ok(Self { settings, system, brake: brake.clone() })
     }
 
     /// Follows one sample until it is decided. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable by
@@ -173,7 +172,7 @@ impl TimeDomain {
     }
 
     pub(crate) fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
-        inputs.preload <= 0.0 || inputs.static_friction < self.kinetic_friction
+        inputs.preload <= 0.0 || inputs.static_friction < self.brake.friction_law().kinetic_coefficient
     }
 
     pub(crate) fn rules(&self) -> Rules {
