@@ -26,6 +26,7 @@ use crate::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 use crate::friction::decay;
 use crate::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::parameters::ParameterError;
+use crate::verdict::Verdict;
 
 /// Disc modes that are kept unless told otherwise: those with 0 to 4 nodal diameters and no nodal circle for the preset.
 /// The tests show what more of them would change.
@@ -561,6 +562,20 @@ impl FlexibleBrake {
     pub fn growth_rate(&self, inputs: RandomInputs) -> Result<f64, FlexibleError> {
         let values = self.coupled_eigenvalues(inputs)?;
         Ok(values.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max))
+    }
+
+    /// The verdict on a sample by the coupled eigenvalues. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable
+    /// by definition; a sample whose equilibrium or eigenvalues cannot be found is failed.
+    #[must_use]
+    pub fn verdict(&self, inputs: RandomInputs) -> Verdict {
+        if self.brake.is_outside_physics(inputs) {
+            return Verdict::Stable;
+        }
+        match self.growth_rate(inputs) {
+            Ok(rate) if rate > 0.0 => Verdict::Unstable,
+            Ok(_) => Verdict::Stable,
+            Err(_) => Verdict::Failed,
+        }
     }
 }
 

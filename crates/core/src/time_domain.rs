@@ -152,7 +152,7 @@ impl TimeDomain {
     /// definition and not followed.
     #[must_use]
     pub fn judge(&self, inputs: RandomInputs) -> JudgedMotion {
-        if self.is_outside_physics(inputs) {
+        if self.brake.is_outside_physics(inputs) {
             return JudgedMotion::OUTSIDE_PHYSICS;
         }
         match &self.system {
@@ -171,8 +171,10 @@ impl TimeDomain {
         }
     }
 
-    pub(crate) fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
-        inputs.preload <= 0.0 || inputs.static_friction < self.brake.friction_law().kinetic_coefficient
+    /// Follows every sample of a list, as [`TimeDomain::judge`] does.
+    #[must_use]
+    pub fn judge_all(&self, inputs: &[RandomInputs]) -> Vec<JudgedMotion> {
+        inputs.iter().map(|&inputs| self.judge(inputs)).collect()
     }
 
     pub(crate) fn rules(&self) -> Rules {

@@ -42,6 +42,19 @@ impl VerdictCounts {
     }
 }
 
+impl From<Verdict> for VerdictCounts {
+    fn from(verdict: Verdict) -> Self {
+        let mut counts = Self::default();
+        match verdict {
+            Verdict::Stable => counts.stable = 1,
+            Verdict::Unstable => counts.unstable = 1,
+            Verdict::Undecided => counts.undecided = 1,
+            Verdict::Failed => counts.failed = 1,
+        }
+        counts
+    }
+}
+
 impl Add for VerdictCounts {
     type Output = Self;
 

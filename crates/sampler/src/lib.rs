@@ -24,8 +24,11 @@ pub mod poisson;
 
 pub mod interval;
 
+pub mod distribution;
+
 pub mod exact;
 
+pub use distribution::Distribution;
 pub use grid::{Axis, AxisError, Cell, Grid, RelativeStd};
 pub use identity::{BLOCK_SAMPLES, Purpose, RESULTS_VERSION};
 pub use interval::{Estimate, WilsonInterval};

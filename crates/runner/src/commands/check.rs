@@ -43,9 +43,11 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
 fn samples_per_second(job: &Job) -> Result<f64, Failure> {
     let engine = Engine::new(job, 1)?;
     let started = Instant::now();
+    // A hundredth of a unit: the costlier the samples, the fewer at once.
+    let trial = job.unit_samples() / 100;
     let (mut samples, mut cell) = (0, 0);
     while started.elapsed() < TRIAL {
-        samples += engine.compute(cell, 0..job.samples.min(10_000)).len();
+        samples += engine.compute(cell, 0..job.samples.min(trial)).len();
         // A stride that visits cells all over the grid.
         cell = (cell + 7919) % job.cells();
     }

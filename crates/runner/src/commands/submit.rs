@@ -212,7 +212,7 @@ fn compute(
     if shard.is_none() {
         directory.tidy()?;
     }
-    let plan = Plan::new(&tally, job.samples, shard);
+    let plan = Plan::new(&tally, job.samples, job.unit_samples(), shard);
     let session = Session::start(command, threads);
     let started = Instant::now();
     let before = tally.counted();

@@ -2,11 +2,14 @@
 
 mod diagnosis;
 mod spec;
+
+mod criterion;
 mod validated;
 
 mod normalised;
 mod source;
 
+pub use criterion::{Criterion, Deciders};
 pub use source::{JobSource, Overrides};
-pub use spec::JobSpec;
+pub use spec::{JobSpec, StartKind};
 pub use validated::{Job, unknown_parameter};

@@ -6,7 +6,8 @@ use serde::Serialize;
 use stickslip_core::parameters::SCALARS;
 use stickslip_sampler::{RESULTS_VERSION, RelativeStd};
 
-use super::spec::{CriterionKind, EvaluateMode, RandomInput, SamplingMethod};
+use super::criterion::NormalisedCriterion;
+use super::spec::{EvaluateMode, RandomInput, SamplingMethod};
 use super::validated::Job;
 
 impl Job {
@@ -55,7 +56,7 @@ impl Job {
                     .map(|std| self.inputs.iter().map(|&input| (input.name(), std_of(std, input))).collect())
                     .collect(),
             },
-            criterion: NormalisedCriterion { kind: self.criterion },
+            criterion: self.criterion.normalised(),
             sampling,
         };
         // Strings, numbers, lists and tables only: there is nothing in it that TOML cannot hold.
@@ -93,11 +94,6 @@ struct NormalisedRandom<'a> {
     inputs: &'a [RandomInput],
     #[serde(skip_serializing_if = "Vec::is_empty")]
     relative_std: Vec<BTreeMap<&'static str, f64>>,
-}
-
-#[derive(Serialize)]
-struct NormalisedCriterion {
-    kind: CriterionKind,
 }
 
 #[derive(Serialize)]

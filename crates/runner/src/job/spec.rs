@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 
+use clap::ValueEnum;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
@@ -335,12 +336,34 @@ impl JsonSchema for RelativeStdSpec {
     }
 }
 
-/// The criterion of stability.
+/// The criterion of stability. All keys but `kind` belong to the simulation in time, `disc_modes` also to the coupled
+/// eigenvalues.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CriterionSpec {
     /// How a sample is decided.
     pub kind: CriterionKind,
+    /// The disc under the pad; "flexible" unless told.
+    #[schemars(with = "Option<DiscKind>")]
+    pub disc: Option<Spanned<DiscKind>>,
+    /// How many modes of the flexible disc are kept, those of lowest frequency; 5 unless told.
+    #[schemars(with = "Option<usize>", range(min = 1, max = 16))]
+    pub disc_modes: Option<Spanned<usize>>,
+    /// Where a motion starts; "near-equilibrium" unless told.
+    #[schemars(with = "Option<StartKind>")]
+    pub start: Option<Spanned<StartKind>>,
+    /// Displacement of a start near the equilibrium, over the equilibrium's own; 0.01 unless told.
+    #[schemars(with = "Option<f64>")]
+    pub displacement: Option<Spanned<f64>>,
+    /// Scaled time after which a sample is undecided; 10000 unless told.
+    #[schemars(with = "Option<f64>")]
+    pub horizon: Option<Spanned<f64>>,
+    /// The paper's index: unstable where the settled amplitude exceeds a limit. Without it the motion itself decides.
+    #[schemars(with = "Option<IndexSpec>")]
+    pub index: Option<Spanned<IndexSpec>>,
+    /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude.
+    #[schemars(with = "Option<Vec<Record>>")]
+    pub record: Option<Spanned<Vec<Record>>>,
 }
 
 /// How a sample is decided.
@@ -349,6 +372,48 @@ pub struct CriterionSpec {
 pub enum CriterionKind {
     /// The eigenvalues of steady sliding on a rigid disc, in closed form.
     Eigenvalue,
+    /// The eigenvalues of pad and flexible disc together.
+    CoupledEigenvalue,
+    /// The motion itself, followed in time.
+    TimeDomain,
+}
+
+/// The disc under the pad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DiscKind {
+    /// It yields: modes of an annular plate.
+    Flexible,
+    /// It does not.
+    Rigid,
+}
+
+/// Where a motion starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum StartKind {
+    /// At steady sliding, displaced a little: does it hold?
+    NearEquilibrium,
+    /// At x = x' = 0, the brake just applied: does it squeal?
+    Rest,
+    /// At the release from stick: does stick-slip keep itself going?
+    LimitCycle,
+}
+
+/// The paper's index of instability.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IndexSpec {
+    /// Limit of the settled amplitude, half peak to peak of x over the disc's thickness.
+    pub amplitude: f64,
+}
+
+/// What a run can record beside its counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Record {
+    /// Settled amplitude of the unstable samples.
+    Amplitude,
 }
 
 /// Sampling of the random inputs.

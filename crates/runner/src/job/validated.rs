@@ -1,13 +1,14 @@
 //! The validated job: every value resolved and within its limits.
 
 use stickslip_core::parameters::{self, SCALARS};
-use stickslip_core::{PadOnDisc, ParameterError, Parameters, StabilityBoundary};
-use stickslip_sampler::{Axis, Grid, RelativeStd, SampleStream, WilsonInterval};
+use stickslip_core::{FlexibleBrake, FlexibleError, PadOnDisc, ParameterError, Parameters, StabilityBoundary, TimeDomain};
+use stickslip_sampler::{Axis, BLOCK_SAMPLES, Grid, RelativeStd, SampleStream, WilsonInterval};
 use toml::Spanned;
 
+use super::criterion::{Criterion, Deciders};
 use super::diagnosis::{Complaint, nearest};
 use super::spec::{
-    AxisSpec, CriterionKind, EvaluateMode, JobSpec, ModelSpec, RandomInput, RandomSpec, SECTIONS, SamplingMethod,
+    AxisSpec, EvaluateMode, JobSpec, ModelSpec, RandomInput, RandomSpec, SECTIONS, SamplingMethod,
     StdSpec,
 };
 
@@ -31,7 +32,7 @@ pub struct Job {
     /// Random inputs, sorted.
     pub inputs: Vec<RandomInput>,
     /// What decides.
-    pub criterion: CriterionKind,
+    pub criterion: Criterion,
     /// How probabilities are found.
     pub method: SamplingMethod,
     /// Which samples are judged.
@@ -77,6 +78,7 @@ impl Job {
             }
         }
 
+        let criterion = Criterion::validate(&spec.criterion, &parameters, &grid)?;
         let sampling = &spec.sampling;
         let samples = sampling.samples.as_ref().map_or(10_000, |samples| *samples.get_ref());
         if samples == 0 || samples > MOST_SAMPLES {
@@ -101,7 +103,7 @@ impl Job {
             parameters,
             grid,
             inputs,
-            criterion: spec.criterion.kind,
+            criterion,
             method: sampling.method,
             evaluate: sampling.evaluate,
             samples,
@@ -136,15 +138,49 @@ impl Job {
         WilsonInterval::new(self.confidence)
     }
 
-    /// The stability boundary at each rotating speed of the grid, in the order of the axis.
+    /// The stability boundary of the eigenvalue criterion at each rotating speed of the grid, in the order of the axis.
     pub fn boundaries(&self) -> Result<Vec<StabilityBoundary>, ParameterError> {
-        let boundary = |&speed: &f64| {
-            let mut parameters = self.parameters.clone();
-            parameters.operating_point.rotating_speed = speed;
-            PadOnDisc::new(parameters).map(|brake| brake.stability_boundary())
-        };
-        self.grid.rotating_speed.values().iter().map(boundary).collect()
+        let boundary = |brake: PadOnDisc| brake.stability_boundary();
+        Ok(brakes(&self.parameters, &self.grid)?.into_iter().map(boundary).collect())
     }
+
+    /// What decides, ready for each rotating speed of the grid.
+    pub fn deciders(&self) -> Result<Deciders, FlexibleError> {
+        let brakes = brakes(&self.parameters, &self.grid)?.into_iter();
+        Ok(match &self.criterion {
+            Criterion::Eigenvalue => Deciders::Eigenvalue(brakes.map(|brake| brake.stability_boundary()).collect()),
+            Criterion::CoupledEigenvalue { modes } => Deciders::CoupledEigenvalue(
+                brakes.map(|brake| FlexibleBrake::with_modes(brake, *modes)).collect::<Result<_, _>>()?,
+            ),
+            Criterion::TimeDomain { disc, settings } => Deciders::TimeDomain(
+                brakes.map(|brake| TimeDomain::new(&brake, disc, *settings)).collect::<Result<_, _>>()?,
+            ),
+        })
+    }
+
+    /// Samples of a unit of work: some milliseconds to a second, long against the cost of handing it out, short against
+    /// anyone's patience after Ctrl-C. Part of how shards share a job.
+    pub fn unit_samples(&self) -> u64 {
+        match self.criterion {
+            Criterion::Eigenvalue => 1000 * BLOCK_SAMPLES,
+            Criterion::CoupledEigenvalue { .. } | Criterion::TimeDomain { .. } => BLOCK_SAMPLES,
+        }
+    }
+
+    /// Whether the settled amplitude is recorded.
+    pub fn records_amplitude(&self) -> bool {
+        matches!(&self.criterion, Criterion::TimeDomain { settings, .. } if settings.record_amplitude)
+    }
+}
+
+/// The brake at each rotating speed.
+fn brakes(parameters: &Parameters, grid: &Grid) -> Result<Vec<PadOnDisc>, ParameterError> {
+    let brake = |&speed: &f64| {
+        let mut parameters = parameters.clone();
+        parameters.operating_point.rotating_speed = speed;
+        PadOnDisc::new(parameters)
+    };
+    grid.rotating_speed.values().iter().map(brake).collect()
 }
 
 fn validate_name(name: &Spanned<String>) -> Result<String, Complaint> {

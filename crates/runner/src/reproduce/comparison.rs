@@ -10,9 +10,9 @@ use crate::run::{Surface, SurfaceRow};
 const ENOUGH: f64 = 10.0;
 
 /// One cell with its exact probability.
-pub struct ComparedRow {
+pub struct ComparedRow<'a> {
     /// The cell as computed.
-    pub row: SurfaceRow,
+    pub row: SurfaceRow<'a>,
     /// Estimated probability.
     pub estimate: f64,
     /// Exact probability.
@@ -21,7 +21,7 @@ pub struct ComparedRow {
     pub z: Option<f64>,
 }
 
-impl ComparedRow {
+impl ComparedRow<'_> {
     /// Samples expected on the rarer side.
     fn expected(&self) -> f64 {
         self.row.counts.decided() as f64 * self.exact.min(1.0 - self.exact)
@@ -46,7 +46,7 @@ impl ComparedRow {
 }
 
 /// Every cell of a run with its exact probability.
-pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
+pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow<'_>>, Failure> {
     let boundaries = run.job.boundaries().map_err(|error| Failure::Job(error.to_string()))?;
     let surface = Surface::new(&run.job, &run.tally);
     let compared = surface.rows().map(|row| {
@@ -59,7 +59,7 @@ pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
 }
 
 /// A sentence on how well all cells agree.
-pub fn summary(rows: &[ComparedRow]) -> String {
+pub fn summary(rows: &[ComparedRow<'_>]) -> String {
     let normal: Vec<f64> = rows.iter().filter(|row| row.is_normal()).filter_map(|row| row.z).collect();
     let rare = rows.iter().filter(|row| !row.is_normal());
     let largest_rare = rare.clone().map(|row| (row.estimate - row.exact).abs()).fold(0.0, f64::max);

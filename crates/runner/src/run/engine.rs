@@ -1,13 +1,14 @@
 //! The computation: units of work on all cores, finished pieces on disk.
 
+use std::ops::Range;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use stickslip_core::{StabilityBoundary, VerdictCounts};
-use stickslip_sampler::SampleStream;
+use stickslip_core::{RandomInputs, Verdict, VerdictCounts};
+use stickslip_sampler::{Cell, Distribution, SampleStream};
 
 use super::directory::RunDirectory;
 use super::piece;
@@ -16,7 +17,7 @@ use super::progress::Progress;
 use super::tally::{Segment, Tally};
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
-use crate::job::Job;
+use crate::job::{Deciders, Job};
 
 /// Segments waiting to be written at the most, whatever the clock says.
 const MOST_PENDING: usize = 100_000;
@@ -34,29 +35,58 @@ pub enum Outcome {
 pub struct Engine<'a> {
     job: &'a Job,
     stream: SampleStream,
-    boundaries: Vec<StabilityBoundary>,
+    deciders: Deciders,
     pool: ThreadPool,
 }
 
 impl<'a> Engine<'a> {
     /// Prepares the computation of a job on `threads` threads.
     pub fn new(job: &'a Job, threads: usize) -> Result<Self, Failure> {
-        let boundaries = job.boundaries().map_err(|error| Failure::Job(error.to_string()))?;
+        let deciders = job.deciders().map_err(|error| Failure::Job(error.to_string()))?;
         let pool = ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .map_err(|error| Failure::InputOutput(format!("cannot start {threads} threads: {error}")))?;
-        Ok(Self { job, stream: job.stream(), boundaries, pool })
+        Ok(Self { job, stream: job.stream(), deciders, pool })
     }
 
     /// Computes one unit. A pure function of its arguments and the job.
-    pub fn compute(&self, cell: u64, samples: std::ops::Range<u64>) -> Segment {
-        let boundary = &self.boundaries[self.job.grid.rotating_speed_index(cell)];
+    pub fn compute(&self, cell: u64, samples: Range<u64>) -> Segment {
+        let speed = self.job.grid.rotating_speed_index(cell);
+        let place = self.job.grid.cell(cell);
         let mut counts = VerdictCounts::default();
-        self.stream.for_each(&self.job.grid.cell(cell), samples.clone(), |samples| {
-            counts += boundary.count(samples.preloads, samples.static_frictions);
+        let mut amplitudes = Distribution::default();
+        match &self.deciders {
+            Deciders::Eigenvalue(boundaries) => self.stream.for_each(&place, samples.clone(), |samples| {
+                counts += boundaries[speed].count(samples.preloads, samples.static_frictions);
+            }),
+            Deciders::CoupledEigenvalue(brakes) => {
+                for inputs in self.inputs(&place, samples.clone()) {
+                    counts += brakes[speed].verdict(inputs).into();
+                }
+            }
+            Deciders::TimeDomain(criteria) => {
+                for judged in criteria[speed].judge_all(&self.inputs(&place, samples.clone())) {
+                    counts += judged.verdict.into();
+                    if let (Verdict::Unstable, Some(amplitude)) = (judged.verdict, judged.amplitude)
+                        && self.job.records_amplitude()
+                    {
+                        amplitudes.add(amplitude);
+                    }
+                }
+            }
+        }
+        Segment { cell, samples, counts, amplitudes }
+    }
+
+    /// The random inputs of a unit of a criterion that takes them one by one.
+    fn inputs(&self, place: &Cell, samples: Range<u64>) -> Vec<RandomInputs> {
+        let mut inputs = Vec::with_capacity((samples.end - samples.start) as usize);
+        self.stream.for_each(place, samples, |samples| {
+            let pairs = samples.preloads.iter().zip(samples.static_frictions);
+            inputs.extend(pairs.map(|(&preload, &static_friction)| RandomInputs { preload, static_friction }));
         });
-        Segment { cell, samples, counts }
+        inputs
     }
 
     /// Computes everything in `plan`, adds it to `tally` and to the pieces of `directory`.

@@ -7,19 +7,24 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use arrow::array::{ArrayRef, Int64Array, RecordBatch};
+use arrow::array::{Array as _, ArrayRef, Int64Array, Int64Builder, ListArray, ListBuilder, RecordBatch};
 use arrow::datatypes::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use stickslip_core::VerdictCounts;
+use stickslip_sampler::Distribution;
 
 use super::publish::{files, is_temporary, publish};
 use super::tally::Segment;
 use crate::failure::Failure;
 
 const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
+
+/// Of pieces that hold settled amplitudes: their sum, and a list of bins, each followed by its count.
+const AMPLITUDE_SUM: &str = "amplitude_sum";
+const AMPLITUDE_BINS: &str = "amplitude_bins";
 
 const EXPERIMENT_KEY: &str = "stickslip:experiment";
 
@@ -90,7 +95,7 @@ fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::er
         // Counts stay far below 2^63, see the limit on samples.
         Arc::new(segments.iter().map(|segment| value(segment).cast_signed()).collect::<Int64Array>())
     };
-    let columns = vec![
+    let mut columns = vec![
         column(|s| s.cell),
         column(|s| s.samples.start),
         column(Segment::len),
@@ -99,7 +104,22 @@ fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::er
         column(|s| s.counts.undecided),
         column(|s| s.counts.failed),
     ];
-    let schema = Arc::new(Schema::new(COLUMNS.map(|name| Field::new(name, DataType::Int64, false)).to_vec()));
+    let mut fields = COLUMNS.map(|name| Field::new(name, DataType::Int64, false)).to_vec();
+    if segments.iter().any(|segment| segment.amplitudes.count() > 0) {
+        let mut bins = ListBuilder::new(Int64Builder::new());
+        for segment in segments {
+            for (bin, count) in segment.amplitudes.bins() {
+                bins.values().append_slice(&[i64::from(bin), count.cast_signed()]);
+            }
+            bins.append(true);
+        }
+        let bins = bins.finish();
+        fields.push(Field::new(AMPLITUDE_SUM, DataType::Int64, false));
+        columns.push(column(|s| s.amplitudes.sum()));
+        fields.push(Field::new(AMPLITUDE_BINS, bins.data_type().clone(), false));
+        columns.push(Arc::new(bins));
+    }
+    let schema = Arc::new(Schema::new(fields));
     let owner = KeyValue::new(EXPERIMENT_KEY.to_owned(), experiment.to_owned());
     let properties = WriterProperties::builder().set_key_value_metadata(Some(vec![owner])).build();
     let mut writer = ArrowWriter::try_new(Vec::new(), schema.clone(), Some(properties))?;
@@ -127,10 +147,27 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<Segment>), String> {
             let end = start.checked_add(value(2)?).ok_or("a range of samples overflows")?;
             let counts =
                 VerdictCounts { stable: value(3)?, unstable: value(4)?, undecided: value(5)?, failed: value(6)? };
-            segments.push(Segment { cell: value(0)?, samples: start..end, counts });
+            let amplitudes = decode_amplitudes(&batch, row)?;
+            segments.push(Segment { cell: value(0)?, samples: start..end, counts, amplitudes });
         }
     }
     Ok((owner, segments))
+}
+
+/// The settled amplitudes in one row, if the piece holds any.
+fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, String> {
+    let (Some(sums), Some(bins)) = (batch.column_by_name(AMPLITUDE_SUM), batch.column_by_name(AMPLITUDE_BINS)) else {
+        return Ok(Distribution::default());
+    };
+    let sums = sums.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not as they should be")?;
+    let bins = bins.as_any().downcast_ref::<ListArray>().ok_or("amplitudes are not as they should be")?.value(row);
+    let bins = bins.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not as they should be")?;
+    let mut pairs = Vec::with_capacity(bins.len() / 2);
+    for pair in bins.values().chunks_exact(2) {
+        let bin = u32::try_from(pair[0]).map_err(|_| "a bin of amplitudes is out of range")?;
+        pairs.push((bin, u64::try_from(pair[1]).map_err(|_| "a count is negative")?));
+    }
+    Ok(Distribution::from_parts(sums.value(row).cast_unsigned(), pairs))
 }
 
 #[cfg(test)]
@@ -144,8 +181,16 @@ mod tests {
                 cell,
                 samples: 1000 * cell..1000 * cell + 10,
                 counts: VerdictCounts { stable: 4, unstable: 3, undecided: 2, failed: 1 },
+                amplitudes: amplitudes(cell),
             })
             .collect()
+    }
+
+    /// Of the three unstable samples in some segments, none in others.
+    fn amplitudes(cell: u64) -> Distribution {
+        let mut amplitudes = Distribution::default();
+        (0..3 * (cell % 2)).for_each(|i| amplitudes.add(1e-3 * (cell + i) as f64));
+        amplitudes
     }
 
     fn written() -> (tempfile::TempDir, PathBuf) {

@@ -4,14 +4,7 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-use stickslip_sampler::BLOCK_SAMPLES;
-
 use super::tally::Tally;
-
-/// Samples of a unit at the most. Units start at multiples of it, whatever is counted already, so that shards
-/// agree on them. A unit of the eigenvalue criterion takes some milliseconds: long against the cost of handing it
-/// out, short against anyone's patience after Ctrl-C.
-const UNIT_SAMPLES: u64 = 1000 * BLOCK_SAMPLES;
 
 /// One of several processes that share a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +41,9 @@ impl fmt::Display for Shard {
 #[derive(Debug)]
 pub struct Plan {
     gaps: Vec<Gap>,
+    /// Samples of a unit at the most. Units start at multiples of it, whatever is counted already, so that shards agree
+    /// on them.
+    unit_samples: u64,
     /// For each gap the number of units before it; one more entry at the end.
     units_before: Vec<u64>,
 }
@@ -66,36 +62,36 @@ struct Gap {
 impl Gap {
     /// Consecutive units, counted over all cells, go to different shards, so that jobs of one cell and jobs of many are
     /// shared alike.
-    fn new(cell: u64, samples: Range<u64>, units_per_cell: u64, shard: Option<Shard>) -> Self {
+    fn new(cell: u64, samples: Range<u64>, unit: u64, units_per_cell: u64, shard: Option<Shard>) -> Self {
         let Shard { index, count } = shard.unwrap_or(Shard { index: 0, count: 1 });
-        let (from, to) = (samples.start / UNIT_SAMPLES, samples.end.div_ceil(UNIT_SAMPLES));
+        let (from, to) = (samples.start / unit, samples.end.div_ceil(unit));
         let number = (u128::from(cell) * u128::from(units_per_cell) + u128::from(from)) % u128::from(count);
         let first = from + (index + count - number as u64) % count;
         Self { cell, samples, first, step: count, units: to.saturating_sub(first).div_ceil(count) }
     }
 
     /// The samples of the i-th unit.
-    fn unit(&self, i: u64) -> Range<u64> {
-        let start = (self.first + i * self.step) * UNIT_SAMPLES;
-        self.samples.start.max(start)..self.samples.end.min(start + UNIT_SAMPLES)
+    fn unit(&self, i: u64, unit_samples: u64) -> Range<u64> {
+        let start = (self.first + i * self.step) * unit_samples;
+        self.samples.start.max(start)..self.samples.end.min(start + unit_samples)
     }
 
     /// Samples over all units: only the outer ones may be cut.
-    fn total(&self) -> u128 {
-        let length = |i: u64| u128::from(self.unit(i).end - self.unit(i).start);
+    fn total(&self, unit_samples: u64) -> u128 {
+        let length = |i: u64| u128::from(self.unit(i, unit_samples).end - self.unit(i, unit_samples).start);
         match self.units {
             0 => 0,
             1 => length(0),
-            units => length(0) + length(units - 1) + u128::from(units - 2) * u128::from(UNIT_SAMPLES),
+            units => length(0) + length(units - 1) + u128::from(units - 2) * u128::from(unit_samples),
         }
     }
 }
 
 impl Plan {
     /// The units that are missing for `samples` samples in each cell.
-    pub fn new(tally: &Tally, samples: u64, shard: Option<Shard>) -> Self {
-        let units_per_cell = samples.div_ceil(UNIT_SAMPLES);
-        let gaps = tally.gaps(samples).into_iter().map(|(cell, gap)| Gap::new(cell, gap, units_per_cell, shard));
+    pub fn new(tally: &Tally, samples: u64, unit_samples: u64, shard: Option<Shard>) -> Self {
+        let units_per_cell = samples.div_ceil(unit_samples);
+        let gaps = tally.gaps(samples).into_iter().map(|(cell, gap)| Gap::new(cell, gap, unit_samples, units_per_cell, shard));
         let gaps: Vec<Gap> = gaps.filter(|gap| gap.units > 0).collect();
         let mut units_before = Vec::with_capacity(gaps.len() + 1);
         let mut units = 0;
@@ -104,7 +100,7 @@ impl Plan {
             units += gap.units;
         }
         units_before.push(units);
-        Self { gaps, units_before }
+        Self { gaps, unit_samples, units_before }
     }
 
     /// The number of units.
@@ -114,14 +110,14 @@ impl Plan {
 
     /// Samples over all units.
     pub fn samples(&self) -> u128 {
-        self.gaps.iter().map(Gap::total).sum()
+        self.gaps.iter().map(|gap| gap.total(self.unit_samples)).sum()
     }
 
     /// The unit at `index`: its cell and samples.
     pub fn unit(&self, index: u64) -> (u64, Range<u64>) {
         let position = self.units_before.partition_point(|&before| before <= index) - 1;
         let gap = &self.gaps[position];
-        (gap.cell, gap.unit(index - self.units_before[position]))
+        (gap.cell, gap.unit(index - self.units_before[position], self.unit_samples))
     }
 }
 
@@ -130,18 +126,21 @@ mod tests {
     use super::*;
     use crate::run::tally::Segment;
     use stickslip_core::VerdictCounts;
+    use stickslip_sampler::Distribution;
+
+    const UNIT_SAMPLES: u64 = 1_000_000;
 
     fn tally_with_holes() -> Tally {
         let mut tally = Tally::new(7);
         for (cell, samples) in [(0, 0..3_500_000), (2, 1_000_000..1_000_001), (3, 0..10_000), (6, 999_999..2_000_000)] {
             let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
-            tally.add(&Segment { cell, samples, counts });
+            tally.add(&Segment { cell, samples, counts, amplitudes: Distribution::default() });
         }
         tally
     }
 
     fn units(tally: &Tally, shard: Option<Shard>) -> Vec<(u64, Range<u64>)> {
-        let plan = Plan::new(tally, 3_500_000, shard);
+        let plan = Plan::new(tally, 3_500_000, UNIT_SAMPLES, shard);
         let units: Vec<_> = (0..plan.units()).map(|index| plan.unit(index)).collect();
         let samples: u128 = units.iter().map(|(_, samples)| u128::from(samples.end - samples.start)).sum();
         assert_eq!(samples, plan.samples());
@@ -155,7 +154,7 @@ mod tests {
             let before = tally.counted();
             let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
             assert!(samples.start / UNIT_SAMPLES == (samples.end - 1) / UNIT_SAMPLES);
-            tally.add(&Segment { cell, samples, counts });
+            tally.add(&Segment { cell, samples, counts, amplitudes: Distribution::default() });
             assert_eq!(tally.counted() - before, u128::from(counts.total()), "no overlap");
         }
         assert!(tally.gaps(3_500_000).is_empty());

@@ -16,7 +16,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::reader::FileReader as _;
 use parquet::file::serialized_reader::SerializedFileReader;
 use stickslip_core::VerdictCounts;
-use stickslip_sampler::{Cell, Estimate, RESULTS_VERSION, WilsonInterval};
+use stickslip_sampler::{Cell, Distribution, Estimate, RESULTS_VERSION, WilsonInterval};
 
 use super::publish::{publish, publish_with};
 use super::tally::Tally;
@@ -30,13 +30,15 @@ const JOB_HASH_KEY: &str = "stickslip:job_hash";
 
 /// One row of the result.
 #[derive(Debug, Clone, Copy)]
-pub struct SurfaceRow {
+pub struct SurfaceRow<'a> {
     /// Expected values and scatter.
     pub cell: Cell,
     /// Verdicts.
     pub counts: VerdictCounts,
     /// Probability and interval.
     pub estimate: Estimate,
+    /// Settled amplitudes of the unstable samples, if the job records them.
+    pub amplitudes: &'a Distribution,
 }
 
 /// The result of a job.
@@ -56,13 +58,13 @@ struct Column {
 }
 
 enum Values {
-    Integer(fn(&SurfaceRow) -> u64),
-    Real(fn(&SurfaceRow) -> f64),
-    OptionalReal(fn(&SurfaceRow) -> Option<f64>),
+    Integer(fn(&SurfaceRow<'_>) -> u64),
+    Real(fn(&SurfaceRow<'_>) -> f64),
+    OptionalReal(fn(&SurfaceRow<'_>) -> Option<f64>),
 }
 
 #[rustfmt::skip]
-const COLUMNS: [Column; 14] = [
+static COLUMNS: [Column; 14] = [
     Column { name: "cell", unit: "1", long_name: "0-based index of the cell", values: Values::Integer(|row| row.cell.index) },
     Column { name: "rotating_speed_rad_s", unit: "rad/s", long_name: "rotating speed of the disc", values: Values::Real(|row| row.cell.rotating_speed) },
     Column { name: "std_preload", unit: "1", long_name: "standard deviation of the preload over its expected value", values: Values::Real(|row| row.cell.relative_std.preload) },
@@ -79,6 +81,15 @@ const COLUMNS: [Column; 14] = [
     Column { name: "p_high", unit: "1", long_name: "upper end of the confidence interval of the probability", values: Values::Real(|row| row.estimate.high) },
 ];
 
+/// Columns of jobs that record the settled amplitude, after all others.
+#[rustfmt::skip]
+static AMPLITUDE_COLUMNS: [Column; 4] = [
+    Column { name: "amplitude_mean", unit: "1", long_name: "mean settled amplitude of the unstable samples, half peak to peak of x over disc thickness", values: Values::OptionalReal(|row| row.amplitudes.mean()) },
+    Column { name: "amplitude_p05", unit: "1", long_name: "settled amplitude that 5 % of the unstable samples do not exceed", values: Values::OptionalReal(|row| row.amplitudes.quantile(0.05)) },
+    Column { name: "amplitude_p50", unit: "1", long_name: "median settled amplitude of the unstable samples", values: Values::OptionalReal(|row| row.amplitudes.quantile(0.5)) },
+    Column { name: "amplitude_p95", unit: "1", long_name: "settled amplitude that 95 % of the unstable samples do not exceed", values: Values::OptionalReal(|row| row.amplitudes.quantile(0.95)) },
+];
+
 impl Column {
     fn field(&self) -> Field {
         let (data_type, nullable) = match self.values {
@@ -89,7 +100,7 @@ impl Column {
         described_field(self.name, self.unit, self.long_name, data_type, nullable)
     }
 
-    fn array(&self, rows: &[SurfaceRow]) -> ArrayRef {
+    fn array(&self, rows: &[SurfaceRow<'_>]) -> ArrayRef {
         match self.values {
             // Counts stay far below 2^63, see the limit on samples.
             Values::Integer(value) => Arc::new(rows.iter().map(|row| value(row).cast_signed()).collect::<Int64Array>()),
@@ -111,13 +122,13 @@ impl<'a> Surface<'a> {
     }
 
     /// The row of one cell.
-    pub fn row(&self, cell: u64) -> SurfaceRow {
+    pub fn row(&self, cell: u64) -> SurfaceRow<'a> {
         let counts = self.tally.counts(cell);
-        SurfaceRow { cell: self.job.grid.cell(cell), counts, estimate: self.interval.estimate(&counts) }
+        SurfaceRow { cell: self.job.grid.cell(cell), counts, estimate: self.interval.estimate(&counts), amplitudes: self.tally.amplitudes(cell) }
     }
 
     /// All rows, in order.
-    pub fn rows(&self) -> impl Iterator<Item = SurfaceRow> + '_ {
+    pub fn rows(&self) -> impl Iterator<Item = SurfaceRow<'a>> + '_ {
         (0..self.job.cells()).map(|cell| self.row(cell))
     }
 
@@ -141,15 +152,20 @@ impl<'a> Surface<'a> {
         written().map_err(|error| Failure::writing(&target, error))
     }
 
+    fn columns(&self) -> impl Iterator<Item = &'static Column> {
+        let more: &[Column] = if self.job.records_amplitude() { &AMPLITUDE_COLUMNS } else { &[] };
+        COLUMNS.iter().chain(more)
+    }
+
     fn encode<W: Write + Send>(&self, out: W) -> Result<W, ParquetError> {
-        let schema = Arc::new(Schema::new(COLUMNS.iter().map(Column::field).collect::<Vec<_>>()));
+        let schema = Arc::new(Schema::new(self.columns().map(Column::field).collect::<Vec<_>>()));
         let mut writer = ArrowWriter::try_new(out, schema.clone(), Some(self.properties()))?;
         let cells = self.job.cells();
         let mut first = 0;
         while first < cells {
             let end = cells.min(first + BATCH_ROWS);
-            let rows: Vec<SurfaceRow> = (first..end).map(|cell| self.row(cell)).collect();
-            let columns = COLUMNS.iter().map(|column| column.array(&rows)).collect();
+            let rows: Vec<SurfaceRow<'_>> = (first..end).map(|cell| self.row(cell)).collect();
+            let columns = self.columns().map(|column| column.array(&rows)).collect();
             writer.write(&RecordBatch::try_new(schema.clone(), columns)?)?;
             writer.flush()?;
             first = end;

@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::ops::Range;
 
 use stickslip_core::VerdictCounts;
+use stickslip_sampler::Distribution;
 
 /// The counted verdicts of consecutive samples of one cell; what workers hand back and pieces hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,6 +15,8 @@ pub struct Segment {
     pub samples: Range<u64>,
     /// Their verdicts.
     pub counts: VerdictCounts,
+    /// Settled amplitudes of the unstable ones, where the job records them.
+    pub amplitudes: Distribution,
 }
 
 impl Segment {
@@ -24,7 +27,10 @@ impl Segment {
 
     /// Whether the counts can belong to the samples.
     pub fn is_consistent(&self) -> bool {
-        self.samples.start < self.samples.end && self.counts.total() == self.len()
+        let amplitudes = self.amplitudes.count();
+        self.samples.start < self.samples.end
+            && self.counts.total() == self.len()
+            && (amplitudes == 0 || amplitudes == self.counts.unstable)
     }
 }
 
@@ -37,6 +43,7 @@ pub struct Tally {
 #[derive(Debug, Clone, Default)]
 struct CellTally {
     counts: VerdictCounts,
+    amplitudes: Distribution,
     /// Disjoint, sorted, not touching.
     covered: Vec<Range<u64>>,
 }
@@ -80,7 +87,7 @@ impl Tally {
         segments.sort_by_key(|segment| (segment.cell, segment.samples.start, Reverse(segment.samples.end)));
         for pair in segments.windows(2) {
             let same_samples = pair[0].cell == pair[1].cell && pair[0].samples == pair[1].samples;
-            if same_samples && pair[0].counts != pair[1].counts {
+            if same_samples && (&pair[0].counts, &pair[0].amplitudes) != (&pair[1].counts, &pair[1].amplitudes) {
                 return Err(format!(
                     "two pieces disagree on samples {} to {} of cell {}",
                     pair[0].samples.start,
@@ -100,12 +107,18 @@ impl Tally {
         let cell = &mut self.cells[segment.cell as usize];
         if cell.cover(&segment.samples) {
             cell.counts += segment.counts;
+            cell.amplitudes.add_all(&segment.amplitudes);
         }
     }
 
     /// The verdicts of one cell.
     pub fn counts(&self, cell: u64) -> VerdictCounts {
         self.cells[cell as usize].counts
+    }
+
+    /// The settled amplitudes of one cell.
+    pub fn amplitudes(&self, cell: u64) -> &Distribution {
+        &self.cells[cell as usize].amplitudes
     }
 
     /// Samples counted, over all cells.
@@ -145,7 +158,7 @@ mod tests {
 
     fn segment(cell: u64, samples: Range<u64>) -> Segment {
         let counts = VerdictCounts { unstable: samples.end - samples.start, ..Default::default() };
-        Segment { cell, samples, counts }
+        Segment { cell, samples, counts, amplitudes: Distribution::default() }
     }
 
     #[test]

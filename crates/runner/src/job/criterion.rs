@@ -1,0 +1,219 @@
+//! The criterion of a job: its settings, checked, and what decides samples by them.
+
+use serde::Serialize;
+use stickslip_core::flexible::DISC_MODES;
+use stickslip_core::{
+    DiscModel, FlexibleBrake, FlexibleError, PadOnDisc, Parameters, RandomInputs, StabilityBoundary, Start, TimeDomain,
+    TimeDomainSettings,
+};
+use stickslip_sampler::Grid;
+use toml::Spanned;
+
+use super::diagnosis::Complaint;
+use super::spec::{CriterionKind, CriterionSpec, DiscKind, Record, StartKind};
+
+/// What decides whether a sample is stable.
+#[derive(Debug, Clone)]
+pub enum Criterion {
+    /// Closed form on a rigid disc.
+    Eigenvalue,
+    /// Eigenvalues of pad and flexible disc.
+    CoupledEigenvalue {
+        /// Disc modes that are kept.
+        modes: usize,
+    },
+    /// The motion itself.
+    TimeDomain {
+        /// The disc.
+        disc: DiscModel,
+        /// How it is followed.
+        settings: TimeDomainSettings,
+    },
+}
+
+/// A criterion at every rotating speed of a job.
+pub enum Deciders {
+    /// See [`Criterion::Eigenvalue`].
+    Eigenvalue(Vec<StabilityBoundary>),
+    /// See [`Criterion::CoupledEigenvalue`].
+    CoupledEigenvalue(Vec<FlexibleBrake>),
+    /// See [`Criterion::TimeDomain`].
+    TimeDomain(Vec<TimeDomain>),
+}
+
+impl From<StartKind> for Start {
+    fn from(start: StartKind) -> Self {
+        match start {
+            StartKind::NearEquilibrium => Self::NearEquilibrium,
+            StartKind::Rest => Self::Rest,
+            StartKind::LimitCycle => Self::LimitCycle,
+        }
+    }
+}
+
+impl Criterion {
+    /// Checks every key, and that the model has modes and an equilibrium where the job needs them.
+    pub fn validate(spec: &CriterionSpec, parameters: &Parameters, grid: &Grid) -> Result<Self, Complaint> {
+        spec.refuse_foreign_keys()?;
+        let modes = spec.disc_modes.as_ref().map_or(DISC_MODES, |modes| *modes.get_ref());
+        let criterion = match spec.kind {
+            CriterionKind::Eigenvalue => Self::Eigenvalue,
+            CriterionKind::CoupledEigenvalue => Self::CoupledEigenvalue { modes },
+            CriterionKind::TimeDomain => {
+                let settings = spec.settings()?;
+                let disc = match spec.disc.as_ref().map_or(DiscKind::Flexible, |disc| *disc.get_ref()) {
+                    DiscKind::Rigid => DiscModel::Rigid,
+                    DiscKind::Flexible => DiscModel::Flexible { modes },
+                };
+                Self::TimeDomain { disc, settings }
+            }
+        };
+        criterion.check_model(spec, parameters, grid)?;
+        Ok(criterion)
+    }
+
+    /// Builds the flexible model once and looks for its equilibrium at the largest inputs of the grid.
+    fn check_model(&self, spec: &CriterionSpec, parameters: &Parameters, grid: &Grid) -> Result<(), Complaint> {
+        let modes = match self {
+            Self::Eigenvalue | Self::TimeDomain { disc: DiscModel::Rigid, .. } => return Ok(()),
+            Self::CoupledEigenvalue { modes } | Self::TimeDomain { disc: DiscModel::Flexible { modes }, .. } => *modes,
+        };
+        let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        let inputs = RandomInputs {
+            preload: largest(grid.preload.values()),
+            static_friction: largest(grid.static_friction.values()),
+        };
+        let mut parameters = parameters.clone();
+        parameters.operating_point.rotating_speed = grid.rotating_speed.values()[0];
+        let checked = PadOnDisc::new(parameters).map_err(FlexibleError::from).and_then(|brake| {
+            let flexible = FlexibleBrake::with_modes(brake, modes)?;
+            // Without any preload every sample is stable by definition.
+            if inputs.preload > 0.0 { flexible.sliding_equilibrium(inputs).map(|_| ()) } else { Ok(()) }
+        });
+        checked.map_err(|error| {
+            let span = match error {
+                FlexibleError::ModeCount { .. } | FlexibleError::TooFewModes { .. } => {
+                    spec.disc_modes.as_ref().map(Spanned::span)
+                }
+                _ => None,
+            };
+            Complaint { span, message: format!("criterion: {error}") }
+        })
+    }
+
+    /// As a job spec writes it, with every default filled in.
+    pub fn normalised(&self) -> NormalisedCriterion {
+        let empty = NormalisedCriterion {
+            kind: CriterionKind::Eigenvalue,
+            disc: None,
+            disc_modes: None,
+            start: None,
+            displacement: None,
+            horizon: None,
+            record: Vec::new(),
+            index: None,
+        };
+        match self {
+            Self::Eigenvalue => empty,
+            Self::CoupledEigenvalue { modes } => {
+                NormalisedCriterion { kind: CriterionKind::CoupledEigenvalue, disc_modes: Some(*modes), ..empty }
+            }
+            Self::TimeDomain { disc, settings } => NormalisedCriterion {
+                kind: CriterionKind::TimeDomain,
+                disc: Some(if matches!(disc, DiscModel::Rigid) { DiscKind::Rigid } else { DiscKind::Flexible }),
+                disc_modes: if let DiscModel::Flexible { modes } = disc { Some(*modes) } else { None },
+                start: Some(match settings.start {
+                    Start::NearEquilibrium => StartKind::NearEquilibrium,
+                    Start::Rest => StartKind::Rest,
+                    Start::LimitCycle => StartKind::LimitCycle,
+                }),
+                displacement: Some(settings.displacement),
+                horizon: Some(settings.horizon),
+                record: settings.record_amplitude.then_some(Record::Amplitude).into_iter().collect(),
+                index: settings.amplitude_index.map(|amplitude| NormalisedIndex { amplitude }),
+            },
+        }
+    }
+}
+
+impl CriterionSpec {
+    /// Refuses keys that the kind of criterion has no use for.
+    fn refuse_foreign_keys(&self) -> Result<(), Complaint> {
+        let in_time = self.kind == CriterionKind::TimeDomain;
+        let rigid = self.disc.as_ref().is_some_and(|disc| *disc.get_ref() == DiscKind::Rigid);
+        let keys = [
+            ("disc", self.disc.as_ref().map(Spanned::span), in_time),
+            (
+                "disc_modes",
+                self.disc_modes.as_ref().map(Spanned::span),
+                self.kind != CriterionKind::Eigenvalue && !rigid,
+            ),
+            ("start", self.start.as_ref().map(Spanned::span), in_time),
+            ("displacement", self.displacement.as_ref().map(Spanned::span), in_time),
+            ("horizon", self.horizon.as_ref().map(Spanned::span), in_time),
+            ("index", self.index.as_ref().map(Spanned::span), in_time),
+            ("record", self.record.as_ref().map(Spanned::span), in_time),
+        ];
+        for (key, span, allowed) in keys {
+            if let (Some(span), false) = (span, allowed) {
+                let message = if key == "disc_modes" && rigid {
+                    "criterion.disc_modes has no meaning with disc = \"rigid\"; remove it".to_owned()
+                } else {
+                    format!("criterion.{key} belongs to kind = \"time-domain\"; remove it, or change the kind")
+                };
+                return Err(Complaint::at(span, message));
+            }
+        }
+        Ok(())
+    }
+
+    /// The settings of the simulation in time.
+    fn settings(&self) -> Result<TimeDomainSettings, Complaint> {
+        let default = TimeDomainSettings::default();
+        let value = |given: &Option<Spanned<f64>>, default: f64| given.as_ref().map_or(default, |value| *value.get_ref());
+        let settings = TimeDomainSettings {
+            start: self.start.as_ref().map_or(default.start, |start| (*start.get_ref()).into()),
+            displacement: value(&self.displacement, default.displacement),
+            horizon: value(&self.horizon, default.horizon),
+            amplitude_index: self.index.as_ref().map(|index| index.get_ref().amplitude),
+            record_amplitude: self.record.as_ref().is_some_and(|record| record.get_ref().contains(&Record::Amplitude)),
+        };
+        settings.validate().map_err(|error| {
+            let stickslip_core::SettingsError::OutOfRange { key, .. } = &error else {
+                return Complaint { span: None, message: format!("criterion.{error}") };
+            };
+            let span = match *key {
+                "displacement" => self.displacement.as_ref().map(Spanned::span),
+                "horizon" => self.horizon.as_ref().map(Spanned::span),
+                _ => self.index.as_ref().map(Spanned::span),
+            };
+            Complaint { span, message: format!("criterion.{error}") }
+        })?;
+        Ok(settings)
+    }
+}
+
+/// A criterion as a normalised job writes it.
+#[derive(Serialize)]
+pub struct NormalisedCriterion {
+    kind: CriterionKind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    disc: Option<DiscKind>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    disc_modes: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    start: Option<StartKind>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    displacement: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    horizon: Option<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    record: Vec<Record>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    index: Option<NormalisedIndex>,
+}
+
+#[derive(Serialize)]
+struct NormalisedIndex {
+    amplitude: f64,
+}
