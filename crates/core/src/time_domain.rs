@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::flexible::{ContactState, FlexibleBrake, FlexibleError};
 use crate::flexible_motion::FlexibleSample;
 use crate::judgement::{Judge, Rules};
-use crate::motion::{Equations, Motion, Observer, advance};
+use crate::motion::{Equations, Motion, advance};
 use crate::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::rigid::{RigidBrake, RigidSample, RigidState};
 use crate::verdict::Verdict;
@@ -257,6 +257,7 @@ impl FlexibleBrake {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::Observer;
 
     const NOMINAL: RandomInputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
 

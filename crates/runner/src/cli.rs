@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
+use crate::job::StartKind;
 use crate::reproduce::target::Target;
 use crate::run::Shard;
 
@@ -33,6 +34,10 @@ pub enum Command {
     Check(CheckArguments),
     /// Analyse one parameter point: equilibrium, eigenvalues, critical speed
     Analyse(AnalyseArguments),
+    /// Follow one motion in time: time series and its summary
+    Trajectory(TrajectoryArguments),
+    /// Compute one sample of a run again, bit for bit: inputs, verdict, trajectory
+    Replay(ReplayArguments),
     /// Reproduce a table or figure of Sui & Ding (2018)
     Reproduce(ReproduceArguments),
     /// Join the pieces of finished shards into the surface
@@ -125,6 +130,74 @@ pub struct AnalyseArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
     /// As JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `trajectory`.
+#[derive(Debug, Args)]
+pub struct TrajectoryArguments {
+    /// Change a value of the preset, for example operating_point.rotating_speed=10; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// The disc under the pad
+    #[arg(long, value_enum, default_value_t = DiscArgument::Flexible)]
+    pub disc: DiscArgument,
+    /// Modes of the flexible disc that are kept, those of lowest frequency [default: 5]
+    #[arg(long, value_name = "N")]
+    pub disc_modes: Option<usize>,
+    /// Where the motion starts
+    #[arg(long, value_enum, default_value_t = StartKind::NearEquilibrium)]
+    pub start: StartKind,
+    /// Displacement of a start near the equilibrium, over the equilibrium's own [default: 0.01]
+    #[arg(long, value_name = "D")]
+    pub displacement: Option<f64>,
+    /// Scaled time to follow [default: 500]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub horizon: Option<f64>,
+    /// Write the time series to a Parquet file
+    #[arg(long, value_name = "FILE.parquet")]
+    pub out: Option<PathBuf>,
+    /// Summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The disc of a trajectory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DiscArgument {
+    /// No disc: the pad alone, sin(phi) = 0
+    Rigid,
+    /// Modes of an annular plate
+    Flexible,
+}
+
+impl DiscArgument {
+    /// As typed.
+    pub fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
+/// Arguments of `replay`.
+#[derive(Debug, Args)]
+pub struct ReplayArguments {
+    /// The run directory
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+    /// The cell, as in the column of that name
+    #[arg(long, value_name = "I", value_parser = whole_number)]
+    pub cell: u64,
+    /// The sample of that cell, counted from 0
+    #[arg(long, value_name = "J", value_parser = whole_number)]
+    pub sample: u64,
+    /// Scaled time to follow [default: 500]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub horizon: Option<f64>,
+    /// Write the time series to a Parquet file
+    #[arg(long, value_name = "FILE.parquet")]
+    pub out: Option<PathBuf>,
+    /// Summary as JSON
     #[arg(long)]
     pub json: bool,
 }

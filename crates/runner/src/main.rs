@@ -55,6 +55,8 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Status(arguments) => commands::status(&arguments),
         Command::Check(arguments) => commands::check(&arguments),
         Command::Analyse(arguments) => commands::analyse(&arguments),
+        Command::Trajectory(arguments) => commands::trajectory(&arguments),
+        Command::Replay(arguments) => commands::replay(&arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(&arguments, &Interrupt::watch()?),
         Command::Merge(arguments) => commands::merge(&arguments),
         Command::Schema => commands::schema(),

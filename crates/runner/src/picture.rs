@@ -128,7 +128,7 @@ pub fn curves(lines: &[Vec<(f64, f64)>]) -> String {
     let mut text = String::new();
     for (row, cells) in area.iter().enumerate() {
         let label = top - (top - bottom) * row as f64 / (PLOT_ROWS - 1) as f64;
-        text += &format!("{label:>9.4} |{}\n", cells.iter().collect::<String>().trim_end());
+        text += &format!("{label:>9.5} |{}\n", cells.iter().collect::<String>().trim_end());
     }
     let (left, right) = (format!("{left}"), format!("{right}"));
     let gap = PLOT_COLUMNS.saturating_sub(left.len() + right.len());

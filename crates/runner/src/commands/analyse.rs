@@ -123,7 +123,7 @@ fn finite(value: f64) -> String {
 }
 
 /// The preset with `KEY=VALUE` changes.
-fn brake(changes: &[String]) -> Result<PadOnDisc, Failure> {
+pub(super) fn brake(changes: &[String]) -> Result<PadOnDisc, Failure> {
     let mut parameters = Parameters::sui_ding_2018();
     for change in changes {
         let Some((key, value)) = change.split_once('=') else {

@@ -5,9 +5,11 @@ mod check;
 mod describe;
 mod status;
 mod submit;
+mod trajectory;
 
 pub use analyse::analyse;
 pub use check::check;
 pub use describe::{completions, man, schema};
 pub use status::status;
 pub use submit::{FinishedRun, complete_run, merge, resume, submit};
+pub use trajectory::{columns, follow, replay, trajectory};

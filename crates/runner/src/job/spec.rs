@@ -400,6 +400,13 @@ pub enum StartKind {
     LimitCycle,
 }
 
+impl StartKind {
+    /// As typed.
+    pub fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
 /// The paper's index of instability.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
