@@ -63,12 +63,17 @@ mod judgement;
 
 pub mod time_domain;
 
+pub mod lanes;
+
 pub mod trajectory;
+
+mod finite_difference_plate;
 
 pub use disc_modes::{AnnularPlate, PlateMode};
 pub use eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 pub use friction::StribeckLaw;
 pub use flexible::{ContactState, FlexibleBrake, FlexibleError};
+pub use lanes::InstructionSet;
 pub use pad_on_disc::{PadOnDisc, RandomInputs, Scales, SlidingEquilibrium};
 pub use parameters::{ParameterError, Parameters, Scalar};
 pub use stability::{SpeedRange, StabilityBoundary};

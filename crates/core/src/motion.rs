@@ -75,7 +75,7 @@ pub(crate) struct Motion<S> {
 /// end, and is small enough. `r` and `rate` are the sliding speed and its rate of change at both ends.
 #[inline(always)]
 pub(crate) fn may_touch(r: (f64, f64), rate: (f64, f64), h: f64) -> bool {
-    r.0 + h * rate.0 < 0.0 && r.1 - h * rate.1 < 0.0
+    (r.0 + h * rate.0 < 0.0) & (r.1 - h * rate.1 < 0.0)
 }
 
 /// The turning point inside a step at whose ends the speeds `u` differ in sign: its time after the beginning and its
@@ -225,7 +225,7 @@ fn report_turn(
 /// Whether the speed changes its sign between two moments.
 #[inline(always)]
 pub(crate) fn turns(u: f64, next: f64) -> bool {
-    (u > 0.0 && next <= 0.0) || (u < 0.0 && next >= 0.0)
+    ((u > 0.0) & (next <= 0.0)) | ((u < 0.0) & (next >= 0.0))
 }
 
 fn check<E: Equations>(equations: &E, state: &E::State) -> Result<(), Breakdown> {

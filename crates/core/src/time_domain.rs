@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::flexible::{ContactState, FlexibleBrake, FlexibleError};
 use crate::flexible_motion::FlexibleSample;
+use crate::lanes::InstructionSet;
 use crate::judgement::{Judge, Rules};
 use crate::motion::{Equations, Motion, advance};
 use crate::pad_on_disc::{PadOnDisc, RandomInputs};
@@ -115,8 +116,8 @@ pub struct JudgedMotion {
 }
 
 impl JudgedMotion {
-    const OUTSIDE_PHYSICS: Self = Self { verdict: Verdict::Stable, amplitude: None, time: 0.0 };
-    const FAILED: Self = Self { verdict: Verdict::Failed, amplitude: None, time: 0.0 };
+    pub(crate) const OUTSIDE_PHYSICS: Self = Self { verdict: Verdict::Stable, amplitude: None, time: 0.0 };
+    pub(crate) const FAILED: Self = Self { verdict: Verdict::Failed, amplitude: None, time: 0.0 };
 }
 
 /// The time-domain criterion at one rotating speed.
@@ -159,22 +160,22 @@ impl TimeDomain {
             System::Rigid(brake) => {
                 let sample = brake.sample(inputs);
                 let (motion, judge) = self.start_rigid(&sample);
-                self.follow(&sample, motion, judge, brake.step)
+                self.follow(&sample, motion, judge, brake.step, 0)
             }
             System::Flexible(brake) => {
                 let sample = FlexibleSample::new(brake, inputs);
                 match self.start_flexible(&sample) {
-                    Ok((motion, judge)) => self.follow(&sample, motion, judge, brake.step_length()),
+                    Ok((motion, judge)) => self.follow(&sample, motion, judge, brake.step_length(), 0),
                     Err(_) => JudgedMotion::FAILED,
                 }
             }
         }
     }
 
-    /// Follows every sample of a list, as [`TimeDomain::judge`] does.
+    /// Follows every sample of a list as [`TimeDomain::judge`] does, with the same bits, many at once.
     #[must_use]
     pub fn judge_all(&self, inputs: &[RandomInputs]) -> Vec<JudgedMotion> {
-        inputs.iter().map(|&inputs| self.judge(inputs)).collect()
+        self.judge_all_with(inputs, InstructionSet::widest())
     }
 
     pub(crate) fn rules(&self) -> Rules {
@@ -218,15 +219,23 @@ impl TimeDomain {
         Judge::new(self.rules(), basin, (u == 0.0).then_some(x))
     }
 
-    fn follow<E: Equations>(&self, equations: &E, mut motion: Motion<E::State>, mut judge: Judge, h: f64) -> JudgedMotion {
+    /// Follows a motion that has come `begun` steps far to its verdict or to the horizon.
+    pub(crate) fn follow<E: Equations>(
+        &self,
+        equations: &E,
+        mut motion: Motion<E::State>,
+        mut judge: Judge,
+        h: f64,
+        begun: u64,
+    ) -> JudgedMotion {
         let steps = self.steps_to_horizon(h);
-        for step in 0..steps {
+        for step in begun..steps {
             let time = step as f64 * h;
             if advance(equations, &mut motion, time, h, &mut judge).is_err() {
                 return JudgedMotion { time, ..JudgedMotion::FAILED };
             }
             if let Some(verdict) = judge.verdict() {
-                return self.conclude(verdict, &judge, time + h);
+                return self.conclude(verdict, &judge, (step + 1) as f64 * h);
             }
         }
         self.conclude(judge.at_horizon(), &judge, steps as f64 * h)
