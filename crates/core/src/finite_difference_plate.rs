@@ -172,8 +172,7 @@ impl PlateGrid {
         for ring in 1..edge {
             result[ring] = laplacian(&l, ring);
         }
-        result[edge] =
-            sum(scaled(of_laplacian, difference(flow_out, flow_in)), scaled(1.0 / (b * b), along(l[edge])));
+        result[edge] = sum(scaled(of_laplacian, difference(flow_out, flow_in)), scaled(1.0 / (b * b), along(l[edge])));
         result
     }
 
@@ -220,7 +219,13 @@ impl PlateGrid {
             let Stencil { own, inside, outside, far_inside, far_outside } = self.stencil(ring, 1.0);
             let double = |next: f64| 2.0 * next.abs();
             let beside = [inside, outside].map(|[middle, next]| middle.abs() + double(next));
-            own[0].abs() + double(own[1]) + double(own[2]) + beside[0] + beside[1] + far_inside.abs() + far_outside.abs()
+            own[0].abs()
+                + double(own[1])
+                + double(own[2])
+                + beside[0]
+                + beside[1]
+                + far_inside.abs()
+                + far_outside.abs()
         };
         (1..=self.rings).map(row).fold(0.0, f64::max)
     }
@@ -303,7 +308,8 @@ impl PlateGrid {
         for ring in 1..=self.rings {
             for column in 0..self.columns {
                 let at = self.begin(ring) + HALO + column;
-                let [behind, own, ahead] = [-1, 0, 1].map(|next: isize| motion.deflections[at.wrapping_add_signed(next)]);
+                let [behind, own, ahead] =
+                    [-1, 0, 1].map(|next: isize| motion.deflections[at.wrapping_add_signed(next)]);
                 let speed = spin * (ahead - behind) / (2.0 * self.angle);
                 let acceleration = spin * spin * (ahead - 2.0 * own + behind) / (self.angle * self.angle);
                 motion.speeds[(ring - 1) * self.columns + column] = speed - 0.5 * length * acceleration;
@@ -347,7 +353,8 @@ impl PlateGrid {
                 let begin = self.begin(ring) + offset * stride - MARGIN * stride + HALO - nodes;
                 &motion.deflections[begin..begin + columns + 2 * nodes]
             };
-            let (far_inside, inside, own, outside, far_outside) = (row(0, 0), row(1, 1), row(2, 2), row(3, 1), row(4, 0));
+            let (far_inside, inside, own, outside, far_outside) =
+                (row(0, 0), row(1, 1), row(2, 2), row(3, 1), row(4, 0));
             let s = stencil;
             for (j, speed) in speeds.iter_mut().enumerate() {
                 let force = s.own[0] * own[j + 2]
@@ -391,8 +398,21 @@ mod tests {
         PlateGrid::new(rings, columns, (3.2, 6.75), 0.02, 0.3)
     }
 
+    /// Numbers between -1/2 and 1/2 from a simple generator.
+    fn scatter(count: usize) -> Vec<f64> {
+        let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+        let mut draw = || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        (0..count).map(|_| draw()).collect()
+    }
+
     #[test]
-    fn explore() {
+    fn frequencies_converge_with_the_square_of_the_spacing() {
+        // lambda^2 from the Bessel determinant (physics notes, section 7), by nodal diameters.
         let table = [
             [11.7565, 76.6917, 220.0855],
             [11.9802, 78.4021, 221.8871],
@@ -400,37 +420,114 @@ mod tests {
             [17.3691, 92.2270, 236.4629],
             [24.6646, 104.4948, 249.4168],
         ];
-        for (n, row) in table.iter().enumerate() {
-            let mut last = [0.0; 3];
-            for k in [8, 16, 32, 64] {
-                let p = plate(k, 6 * k);
-                let v = p.squared_frequencies(n).unwrap();
-                let e: Vec<f64> = (0..3).map(|i| (v[i] * 0.02).sqrt() * 6.75 * 6.75 - row[i]).collect();
-                let ratio: Vec<f64> = (0..3).map(|i| last[i] / e[i]).collect();
-                println!("{n} {k} rel {:?} ratio {:?}", (0..3).map(|i| e[i] / row[i]).collect::<Vec<_>>(), ratio);
-                last = [e[0], e[1], e[2]];
+        for (n, exact) in table.iter().enumerate() {
+            let errors = [8, 16, 32].map(|count| {
+                let squared = plate(count, 6 * count).squared_frequencies(n).unwrap();
+                [0, 1, 2].map(|k| 6.75 * 6.75 * (0.02 * squared[k]).sqrt() / exact[k] - 1.0)
+            });
+            for k in 0..3 {
+                let [coarse, middle, fine] = [errors[0][k], errors[1][k], errors[2][k]];
+                // A quarter from grid to grid; the coarsest has 8 intervals for up to 3 half-waves.
+                assert!(coarse / middle > 3.5 && coarse / middle < 4.05, "n = {n}, {k}: {coarse} {middle}");
+                assert!(middle / fine > 3.84 && middle / fine < 4.05, "n = {n}, {k}: {middle} {fine}");
+                assert!(fine.abs() < [0.0021, 0.0049, 0.0094][k], "n = {n}, {k}: {fine}");
             }
         }
-        for nu in [0.0, 0.3, 0.49] {
-        for (a, b) in [(0.05, 1.0), (0.3, 1.0), (0.9, 1.0), (3.2, 6.75), (0.99, 1.0)] {
-            for (nr, pp) in [(4, 4), (4, 64), (64, 4), (8, 8), (16, 16), (4,8),(8,64)] {
-                let p = PlateGrid::new(nr, 6 * pp, (a, b), 1.0, nu);
-                let mut least = f64::INFINITY;
-                let mut most = (0.0, 0);
-                let mut asym = 0.0_f64;
-                for n in 0..=3 * pp {
-                    let v = p.squared_frequencies(n).unwrap();
-                    least = least.min(v[0]);
-                    if v[nr - 1] > most.0 { most = (v[nr - 1], n); }
-                    let m = p.radial_operator(n);
-                    for i in 0..nr { for j in 0..nr {
-                        let x = m[(i, j)] * p.area(i + 1); let y = m[(j, i)] * p.area(j + 1);
-                        asym = asym.max((x - y).abs() / (x.abs() + y.abs() + 1e-9));
-                    } }
+    }
+
+    #[test]
+    fn poissons_ratio_and_radii_enter_as_they_should() {
+        // a/b, nu, n, lambda^2 from the Bessel determinant, as in the tests of the disc's modes.
+        for (ratio, poissons_ratio, n, exact) in [
+            (0.3, 0.0, 5, 36.680976),
+            (0.3, 1.0 / 3.0, 2, 7.854989),
+            (0.7, 0.0, 1, 36.854831),
+            (0.7, 1.0 / 3.0, 5, 55.139592),
+        ] {
+            let error = |count: usize| {
+                let grid = PlateGrid::new(count, 6 * count, (ratio, 1.0), 1.0, poissons_ratio);
+                grid.squared_frequencies(n).unwrap()[0].sqrt() / exact - 1.0
+            };
+            let (coarse, fine) = (error(16), error(32));
+            assert!(coarse / fine > 3.8 && coarse / fine < 4.2 && fine.abs() < 4e-3, "{ratio} {n}: {coarse} {fine}");
+        }
+    }
+
+    #[test]
+    fn the_operator_is_symmetric_and_positive_and_its_bound_is_close() {
+        for (inner, poissons_ratio) in [(0.05, 0.3), (0.5, 0.0), (0.5, 0.49), (0.95, 0.3)] {
+            for (rings, per_pad) in [(4, 4), (4, 64), (32, 4), (12, 12)] {
+                let grid = PlateGrid::new(rings, 6 * per_pad, (inner, 1.0), 1.0, poissons_ratio);
+                let mut largest = 0.0_f64;
+                for n in 0..=3 * per_pad {
+                    let squared = grid.squared_frequencies(n).unwrap();
+                    assert!(squared[0] > 0.0, "{inner} {rings} {per_pad} n = {n}: {}", squared[0]);
+                    largest = largest.max(squared[rings - 1]);
+                    let matrix = grid.radial_operator(n);
+                    for row in 0..rings {
+                        for column in 0..rings {
+                            let a = grid.area(row + 1) * matrix[(row, column)];
+                            let b = grid.area(column + 1) * matrix[(column, row)];
+                            assert!((a - b).abs() <= 1e-14 * (a.abs() + b.abs()), "{row} {column}: {a} {b}");
+                        }
+                    }
                 }
-                println!("{nu} {a} {b} {nr} {pp}: least {least:.3} most {:.4e} at {} gershgorin {:.4} asym {asym:e}", most.0, most.1, p.largest_squared_frequency() / most.0);
+                let bound = grid.largest_squared_frequency();
+                assert!(bound >= largest && bound < 1.2 * largest, "{inner} {rings} {per_pad}: {bound} {largest}");
             }
         }
+    }
+
+    #[test]
+    fn thirteen_points_are_the_radial_operator() {
+        let grid = plate(7, 36);
+        let by_ring = scatter(7);
+        for n in [0, 1, 4, 18] {
+            let shape = |j: usize| libm::cos((n * j) as f64 * grid.angle);
+            let deflection: Vec<f64> = by_ring.iter().flat_map(|a| (0..36).map(move |j| a * shape(j))).collect();
+            let mut motion = grid.at_rest(&deflection);
+            grid.accelerate(&grid.explicit_step(1.0, 0.0, 0.0), &mut motion);
+            let expected = grid.radial_operator(n) * DVector::from_column_slice(&by_ring);
+            for (ring, speeds) in motion.speeds.chunks_exact(36).enumerate() {
+                for (j, speed) in speeds.iter().enumerate() {
+                    assert!((speed + expected[ring] * shape(j)).abs() < 1e-11 * expected.amax(), "{n} {ring} {j}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn steps_are_stable_up_to_the_bound_and_not_far_beyond() {
+        let grid = plate(6, 36);
+        let longest = 2.0 / grid.largest_squared_frequency().sqrt();
+        let stays_small = |length: f64| {
+            let mut motion = grid.at_rest(&scatter(6 * 36));
+            let step = grid.explicit_step(length, 0.0, 0.0);
+            for _ in 0..5000 {
+                grid.accelerate(&step, &mut motion);
+                grid.drift(&step, &mut motion);
+            }
+            motion.deflections.iter().all(|w| w.abs() < 30.0)
+        };
+        assert!(stays_small(0.999 * longest));
+        assert!(!stays_small(1.1 * longest));
+    }
+
+    #[test]
+    fn a_steady_deflection_balances_its_load() {
+        let grid = plate(8, 48);
+        let load = scatter(8 * 48);
+        for spin in [0.0, 0.3] {
+            let deflection = grid.steady_deflection(spin, &load).unwrap();
+            let mut motion = grid.at_rest(&deflection);
+            grid.accelerate(&grid.explicit_step(1.0, 0.0, 0.0), &mut motion);
+            for (index, load) in load.iter().enumerate() {
+                let (begin, column) = (index / 48 * 48, index % 48);
+                let at = |column: usize| deflection[begin + column % 48];
+                let second = (at(column + 1) - 2.0 * at(column) + at(column + 47)) / (grid.angle * grid.angle);
+                let balance = -motion.speeds[index] + spin * spin * second - load;
+                assert!(balance.abs() < 1e-11, "{spin} {index}: {balance}");
+            }
         }
     }
 }

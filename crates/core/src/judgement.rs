@@ -32,9 +32,12 @@ const KEPT: u32 = 6;
 const KEPT_BARELY: u32 = 60;
 const LARGE_SHARE: f64 = 0.05;
 
-/// Cycles in a row whose amplitudes agree to [`SETTLED_CHANGE`] before the amplitude counts as settled.
-const SETTLED_CYCLES: u32 = 3;
-const SETTLED_CHANGE: f64 = 1e-4;
+/// The settled amplitude of stick-slip is the mean over this many cycles on a flexible disc (on a rigid one all cycles are
+/// the same), once two means in a row agree to [`SETTLED_CHANGE`]; a motion that goes on changing, as it may while the
+/// disc rings along, is given its last mean after [`MOST_MEANS`] of them.
+const CYCLES_OF_MEAN: u32 = 10;
+const SETTLED_CHANGE: f64 = 1e-3;
+const MOST_MEANS: u32 = 20;
 
 /// Swings of constant amplitude after which a motion without stick counts as settled.
 const SETTLED_SWINGS: u32 = 100;
@@ -69,8 +72,11 @@ pub(crate) struct Judge {
     last_stick: f64,
     last_release: Option<f64>,
     stick_share: f64,
-    cycle_amplitude: f64,
-    settled_cycles: u32,
+    /// Sum over the cycles of the mean in the making, their number, the means made, and the last of them.
+    sum: f64,
+    summed: u32,
+    means: u32,
+    mean: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,8 +104,10 @@ impl Judge {
             last_stick: 0.0,
             last_release: None,
             stick_share: 0.0,
-            cycle_amplitude: 0.0,
-            settled_cycles: 0,
+            sum: 0.0,
+            summed: 0,
+            means: 0,
+            mean: 0.0,
         }
     }
 
@@ -114,9 +122,27 @@ impl Judge {
         self.verdict.unwrap_or(Verdict::Undecided)
     }
 
-    /// Half of the distance between the last two turning points.
+    /// The settled amplitude of stick-slip if it has one, or else half of the distance between the last two turning
+    /// points.
     pub fn amplitude(&self) -> f64 {
-        self.amplitude
+        if self.means > 0 { self.mean } else { self.amplitude }
+    }
+
+    /// Adds a cycle of stick-slip to the mean of its amplitude; true once that has settled.
+    fn add_cycle(&mut self) -> bool {
+        let wanted = if self.rules.slowest_transient.is_some() { CYCLES_OF_MEAN } else { 1 };
+        self.sum += self.amplitude;
+        self.summed += 1;
+        if self.summed < wanted {
+            return false;
+        }
+        let mean = self.sum / f64::from(self.summed);
+        let settled = self.means > 0 && (mean - self.mean).abs() <= SETTLED_CHANGE * mean;
+        self.sum = 0.0;
+        self.summed = 0;
+        self.means += 1;
+        self.mean = mean;
+        settled || self.means >= MOST_MEANS
     }
 
     fn reference(&self, amplitude: f64, time: f64) -> Reference {
@@ -169,32 +195,33 @@ impl Observer for Judge {
                 return;
             }
             self.cycles = 0;
-            self.settled_cycles = 0;
+            (self.sum, self.summed, self.means) = (0.0, 0, 0);
             self.reference = None;
         }
         self.judge_swing(time);
     }
 
-    fn sticks(&mut self, time: f64) {
+    fn sticks(&mut self, time: f64, x: f64) {
+        // A swing that ends in stick is at least this long.
+        if let (Some(reference), Some(turn)) = (self.reference.take(), self.last_turn)
+            && 0.5 * (x - turn).abs() > reference.amplitude * (1.0 + reference.change)
+        {
+            self.becomes_unstable();
+        }
         self.last_stick = time;
         self.swings_since_stick = 0;
         self.cycles += 1;
-        let change = (self.amplitude - self.cycle_amplitude).abs();
-        let settled = self.cycles > 1 && change <= SETTLED_CHANGE * self.amplitude;
-        self.settled_cycles = if settled { self.settled_cycles + 1 } else { 0 };
-        self.cycle_amplitude = self.amplitude;
         let kept = match self.rules.slowest_transient {
             None => self.cycles > 1,
             Some(_) if self.stick_share >= LARGE_SHARE => self.cycles > KEPT,
             Some(_) => self.cycles > KEPT_BARELY,
         };
-        if kept {
-            if self.rules.until_settled && self.settled_cycles < SETTLED_CYCLES {
-                self.grows = true;
-            } else {
-                self.verdict = Some(Verdict::Unstable);
-            }
+        // The first stick ends no cycle.
+        let settled = self.rules.until_settled && self.cycles > 1 && self.add_cycle();
+        if kept && (settled || !self.rules.until_settled) {
+            self.verdict = Some(Verdict::Unstable);
         }
+        self.grows |= kept;
     }
 
     fn slips(&mut self, time: f64) {

@@ -54,8 +54,8 @@ pub(crate) struct Step<S> {
 pub(crate) trait Observer {
     /// The tangential motion turns back at `x`.
     fn turns(&mut self, time: f64, x: f64);
-    /// Pad and disc begin to stick.
-    fn sticks(&mut self, time: f64);
+    /// Pad and disc begin to stick, at `x`.
+    fn sticks(&mut self, time: f64, x: f64);
     /// They cease to.
     fn slips(&mut self, time: f64);
 }
@@ -192,7 +192,7 @@ fn follow<E: Equations>(
         motion.state = state;
         if reserve.against_slip >= 0.0 && reserve.against_overtaking >= 0.0 {
             motion.contact = ContactState::Stick;
-            observer.sticks(time + part);
+            observer.sticks(time + part, next_x);
         } else if reserve.against_overtaking < 0.0 {
             motion.contact = ContactState::Overtaking;
         } else {

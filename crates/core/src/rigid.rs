@@ -184,7 +184,7 @@ mod tests {
         fn turns(&mut self, time: f64, x: f64) {
             self.turns.push((time, x));
         }
-        fn sticks(&mut self, time: f64) {
+        fn sticks(&mut self, time: f64, _: f64) {
             self.sticks.push(time);
         }
         fn slips(&mut self, time: f64) {

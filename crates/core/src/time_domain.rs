@@ -258,7 +258,7 @@ impl TimeDomain {
 
 impl FlexibleBrake {
     /// The slowest damping rate of the normal, angular and disc motion, taken apart.
-    fn slowest_transient(&self) -> f64 {
+    pub(crate) fn slowest_transient(&self) -> f64 {
         0.5 * self.disc_damping.min(self.pad.normal_damping).min(self.pad.angular_damping)
     }
 }
@@ -286,7 +286,7 @@ mod tests {
         fn turns(&mut self, time: f64, x: f64) {
             self.judge.turns(time, x);
         }
-        fn sticks(&mut self, time: f64) {
+        fn sticks(&mut self, time: f64, _: f64) {
             self.last_stick = time;
         }
         fn slips(&mut self, _: f64) {}

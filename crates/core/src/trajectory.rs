@@ -83,7 +83,7 @@ impl Observer for Diary {
     fn turns(&mut self, time: f64, x: f64) {
         self.turns.push((time, x));
     }
-    fn sticks(&mut self, time: f64) {
+    fn sticks(&mut self, time: f64, _: f64) {
         self.sticks.push(time);
     }
     fn slips(&mut self, time: f64) {
@@ -93,7 +93,7 @@ impl Observer for Diary {
 
 impl Diary {
     /// Summarises the end of a motion of `steps` steps, if it reached it.
-    fn settled_motion(&self, moments: &[Moment], steps: u64, h: f64) -> Option<SettledMotion> {
+    pub(crate) fn settled_motion(&self, moments: &[Moment], steps: u64, h: f64) -> Option<SettledMotion> {
         if steps == 0 || moments.len() as u64 != steps + 1 {
             return None;
         }
