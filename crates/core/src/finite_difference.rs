@@ -10,15 +10,16 @@
 //! p = -(k_en h g+ / A_s) (1 + mu s W_theta / r),       g = W - y - r theta tan(phi),       P = k_en <g+>
 //! ```
 //!
-//! with theta in `g` counted from the middle of the pad. The patch is a set of Gauss-Legendre points. `W` and `W_theta` at a
-//! point are linear between the nodes around it, along the radius and along the ring, and its load is allotted to the
-//! same nodes with the same weights: what the pad does to the disc is the work that it takes up from it.
+//! with theta in `g` counted from the middle of the pad. The patch is a set of Gauss-Legendre points. `W` and `W_theta`
+//! at a point are linear between the nodes around it, along the radius and along the ring, and its load is allotted to
+//! the same nodes with the same weights: the work done on the nodes is the work that the loads do at their points.
 //!
 //! Time steps are `dt = dtheta / (C Om)` with the smallest integer C for which explicit steps are stable. The disc makes
 //! steps of central differences, its load taken in their middle, where the deflection is known. The pad then follows
-//! through the same step by the Runge-Kutta method with located stick and slip (as on every other disc), on a surface that
-//! moves linearly from the disc's old deflection to its new one. Either way round the error is of second order in dt,
-//! and dt is a small fraction of what the pad's motion would need: what is left is the error of the grid.
+//! through the same step by the Runge-Kutta method with located stick and slip (as on every other disc), on a surface
+//! that moves linearly from the disc's old deflection to its new one. Either way round the error is of second order in
+//! dt (of first order in the one step in which friction jumps at an event), and dt is a small fraction of what the
+//! pad's motion would need: what is left is the error of the grid.
 
 use thiserror::Error;
 
@@ -54,8 +55,8 @@ pub enum Allotment {
     /// Case a: the pad stands still on the disc's nodes and jumps on by one element each time it is half an element
     /// behind. `C dtheta = Om dt` with C = 1 for the load; between two jumps the disc makes many stable steps.
     Nodal,
-    /// Case b: `dtheta = C Om dt`. The pad moves on by a C-th of an element with every step, and each load is allotted to
-    /// the nodes e and e + 1 around it in the proportion `1 - i/C` to `i/C`.
+    /// Case b: `dtheta = C Om dt`. The pad moves on by a C-th of an element with every step, and each load is allotted
+    /// to the nodes e and e + 1 around it in the proportion `1 - i/C` to `i/C`.
     Linear,
 }
 

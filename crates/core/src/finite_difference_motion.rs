@@ -292,8 +292,9 @@ impl FiniteDifferenceBrake {
     }
 
     /// The motion of pad and disc for a time `horizon`, from steady sliding with x where `start` says (with
-    /// `displacement` as in [`TimeDomainSettings`]). Its moments are a whole number of steps apart, about as far as those
-    /// of [`TimeDomain::trajectory`](crate::TimeDomain::trajectory). The verdict is that of the motion up to `horizon`.
+    /// `displacement` as in [`TimeDomainSettings`]). Its moments are a whole number of steps apart, about as far as
+    /// those of [`TimeDomain::trajectory`](crate::TimeDomain::trajectory). The verdict is that of the motion up to
+    /// `horizon`.
     ///
     /// # Errors
     /// [`FiniteDifferenceError::Settings`] if `displacement` or `horizon` is out of range,
@@ -381,6 +382,7 @@ impl FiniteDifferenceBrake {
 mod tests {
     use super::*;
     use crate::finite_difference::DiscGrid;
+    use crate::flexible::FlexibleBrake;
     use crate::pad_on_disc::PadOnDisc;
     use crate::time_domain::{DiscModel, TimeDomain};
 
@@ -487,6 +489,31 @@ mod tests {
         });
         for (k, tolerance) in [6e-5, 3e-5, 2e-3].into_iter().enumerate() {
             assert!(fine[k] < tolerance && fine[k] < 0.5 * coarse[k], "{k}: {coarse:?} {fine:?}");
+        }
+    }
+
+    #[test]
+    fn steady_sliding_is_that_of_the_modal_disc() {
+        // A press and a friction strong enough that the friction's following the deflected surface shows.
+        let inputs = RandomInputs { preload: 1.0, static_friction: 3.0 };
+        let modes = FlexibleBrake::with_modes(brake(2.0), 16).unwrap();
+        let q = modes.sliding_equilibrium(inputs).unwrap();
+        let averages = &modes.patch.averages;
+        let (even, odd) = q[3..].split_at(averages.shape.len());
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let exact = [q[0], q[1], q[2], sum(even, &averages.shape), sum(odd, &averages.arc_shape)];
+        let [coarse, fine] = [8, 16].map(|points| {
+            let brake = on_grid(2.0, points);
+            let (state, deflection) = brake.equilibrium(inputs).unwrap();
+            let surface = brake.surface(&brake.plate.at_rest(&deflection));
+            let w = &surface.deflections;
+            let by_arc = brake.patch.average(w.iter().zip(&brake.patch.points).map(|(w, point)| w * point.arc));
+            let found = [state.q[0], state.q[1], state.q[2], brake.patch.average(w.iter().copied()), by_arc];
+            std::array::from_fn::<_, 5, _>(|k| found[k] / exact[k] - 1.0)
+        });
+        // Of x, y, phi and the disc's mean deflection and tilt under the pad; 4 % of the tilt are the follower's.
+        for (k, tolerance) in [3e-4, 3e-4, 3e-4, 8e-3, 1e-2].into_iter().enumerate() {
+            assert!(fine[k].abs() < tolerance && fine[k].abs() < 0.4 * coarse[k].abs(), "{k}: {coarse:?} {fine:?}");
         }
     }
 

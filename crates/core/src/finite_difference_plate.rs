@@ -1,15 +1,16 @@
 //! The disc as a polar grid: central differences of the annular plate, clamped at r = a and free at r = b.
 //!
-//! Rings of nodes lie at `r_i = a + i dr`, i = 1 .. `radial`, the last of them on the edge; each has `columns` nodes, evenly
-//! spaced by `dtheta`. Lengths are scaled by h. With `d` for the second difference along a ring, the two passes of
+//! Rings of nodes lie at `r_i = a + i dr`, i = 1 .. `rings`, the last of them on the edge; each has `columns` nodes,
+//! evenly spaced by `dtheta`. Lengths are scaled by h. With `d` for the second difference along a ring, over
+//! `dtheta^2`, two passes of
 //!
 //! ```text
 //! (nabla^2 f)_i = [ r_+ (f_i+1 - f_i) - r_- (f_i - f_i-1) ] / (r_i dr^2) + d f_i / r_i^2,      r_+- = r_i +- dr / 2
 //! ```
 //!
-//! give nabla^4 w. Beyond the rims lie ghost nodes of w and of `L = nabla^2 w`. Clamped (the paper's 3.1), `w_0 = 0` and
-//! `w_-1 = w_1`. At the free edge the slope is the mean of the slopes on both sides, `f_r = [ r_+ (f_+ - f) + r_- (f - f_-) ] /
-//! (2 b dr)`, and the ghosts follow from bending moment (3.2) and shear force (3.3):
+//! give nabla^4 w. Beyond the rims lie ghost nodes of w and of `L = nabla^2 w`. Clamped (the paper's 3.1), `w_0 = 0`
+//! and `w_-1 = w_1`. At the free edge the slope is the mean of the slopes on both sides, `f_r = [ r_+ (f_+ - f) + r_-
+//! (f - f_-) ] / (2 b dr)`, and the ghosts follow from bending moment (3.2) and shear force (3.3):
 //!
 //! ```text
 //! L - (1 - nu) (w_r / b + d w / b^2) = 0,      L_r + (1 - nu) d (w_r - w / b) / b^2 = 0
@@ -117,8 +118,9 @@ impl PlateGrid {
         };
         for moved in 1..=rings {
             let result = grid.biharmonic_of_ring(moved, poissons_ratio);
-            for ring in moved.saturating_sub(2).max(1)..=(moved + 2).min(rings) {
-                grid.operators[ring - 1][moved + 2 - ring] = scaled(1.0 / thickness, result[ring]);
+            let rings_around = grid.operators.iter_mut().zip(&result[1..]).zip(1..);
+            for ((operator, felt), ring) in rings_around.filter(|(_, ring)| moved.abs_diff(*ring) <= 2) {
+                operator[moved + 2 - ring] = scaled(1.0 / thickness, *felt);
             }
         }
         grid
@@ -135,7 +137,7 @@ impl PlateGrid {
         if ring == self.rings { 0.5 * whole } else { whole }
     }
 
-    /// nabla^4 on every ring of a deflection that is 1 on one ring and 0 on all others.
+    /// nabla^4 of a deflection that is 1 on one ring and 0 on all others, on every ring; the rim comes first, with 0.
     fn biharmonic_of_ring(&self, moved: usize, poissons_ratio: f64) -> Vec<AlongRing> {
         let (edge, dr, b) = (self.rings, self.spacing, self.outer);
         let free = 1.0 - poissons_ratio;
@@ -151,11 +153,8 @@ impl PlateGrid {
         };
         let mut w = vec![[0.0; 3]; edge + 1];
         w[moved] = [1.0, 0.0, 0.0];
-        let mut l = vec![[0.0; 3]; edge + 1];
-        l[0] = scaled(2.0 / (dr * dr), w[1]);
-        for ring in 1..edge {
-            l[ring] = laplacian(&w, ring);
-        }
+        let mut l = vec![scaled(2.0 / (dr * dr), w[1])];
+        l.extend((1..edge).map(|ring| laplacian(&w, ring)));
         // The bending moment gives r_+ (w_+ - w), and with it the edge's own L and slope; b w_r below.
         let flow_in = scaled(inside(edge), difference(w[edge], w[edge - 1]));
         let (of_laplacian, of_slope) = (1.0 / (b * dr * dr), free / (2.0 * b * b * dr));
@@ -163,16 +162,14 @@ impl PlateGrid {
         let flow_out =
             scaled(1.0 / (of_laplacian - of_slope), difference(scaled(of_laplacian + of_slope, flow_in), bent));
         let slope = scaled(0.5 / dr, sum(flow_out, flow_in));
-        l[edge] = scaled(free / (b * b), sum(slope, along(w[edge])));
+        l.push(scaled(free / (b * b), sum(slope, along(w[edge]))));
         // The shear force gives r_+ (L_+ - L).
         let shear = scaled(-free / (b * b), along(difference(slope, w[edge])));
         let flow_in = scaled(inside(edge), difference(l[edge], l[edge - 1]));
         let flow_out = difference(scaled(2.0 * dr, shear), flow_in);
-        let mut result = vec![[0.0; 3]; edge + 1];
-        for ring in 1..edge {
-            result[ring] = laplacian(&l, ring);
-        }
-        result[edge] = sum(scaled(of_laplacian, difference(flow_out, flow_in)), scaled(1.0 / (b * b), along(l[edge])));
+        let mut result = vec![[0.0; 3]];
+        result.extend((1..edge).map(|ring| laplacian(&l, ring)));
+        result.push(sum(scaled(of_laplacian, difference(flow_out, flow_in)), scaled(1.0 / (b * b), along(l[edge]))));
         result
     }
 
@@ -246,8 +243,8 @@ impl PlateGrid {
     }
 
     /// The deflection that stands still in a frame in which the disc turns with `spin`,
-    /// `(1/h) nabla^4 w + spin^2 w_theta_theta = load`; ring by ring, like the load. `None` at speeds at which a wave of
-    /// the disc stands still without any load.
+    /// `(1/h) nabla^4 w + spin^2 w_theta_theta = load`; ring by ring, like the load. `None` at speeds at which a wave
+    /// of the disc stands still without any load.
     pub fn steady_deflection(&self, spin: f64, load: &[f64]) -> Option<Vec<f64>> {
         let columns = self.columns;
         let cosines: Vec<f64> = (0..columns).map(|j| libm::cos(j as f64 * self.angle)).collect();
@@ -301,8 +298,8 @@ impl PlateGrid {
         motion
     }
 
-    /// The plate with a deflection that stands still in the frame in which the disc turns with `spin`; speeds half a step
-    /// of `length` behind.
+    /// The plate with a deflection that stands still in the frame in which the disc turns with `spin`; speeds half a
+    /// step of `length` behind.
     pub fn standing_still(&self, deflection: &[f64], spin: f64, length: f64) -> PlateMotion {
         let mut motion = self.at_rest(deflection);
         for ring in 1..=self.rings {
@@ -331,8 +328,8 @@ impl PlateGrid {
         [motion.deflections[at - 1], motion.deflections[at], motion.deflections[at + 1], motion.deflections[at + 2]]
     }
 
-    /// Explicit steps of `length` with the damping `eta1 (W_t - Om W_theta)`, that of the space-fixed frame in which the
-    /// disc turns with `spin`.
+    /// Explicit steps of `length` with the damping `eta1 (W_t - Om W_theta)`, that of the space-fixed frame in which
+    /// the disc turns with `spin`.
     pub fn explicit_step(&self, length: f64, damping: f64, spin: f64) -> ExplicitStep {
         let loss = 0.5 * damping * length;
         let gain = length / (1.0 + loss);

@@ -86,5 +86,5 @@ pub use parameters::{ParameterError, Parameters, Scalar};
 pub use stability::{SpeedRange, StabilityBoundary};
 pub use stick_slip::LimitCycle;
 pub use time_domain::{DiscModel, JudgedMotion, SettingsError, Start, TimeDomain, TimeDomainSettings};
-pub use trajectory::{Moment, SettledMotion, Trajectory};
+pub use trajectory::{Moment, SettledMotion, SweepPoint, Trajectory, sweep};
 pub use verdict::{Verdict, VerdictCounts};

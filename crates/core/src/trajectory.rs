@@ -283,6 +283,95 @@ impl TimeDomain {
     }
 }
 
+/// What the tangential motion does at one speed of a sweep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SweepPoint {
+    /// Omega, rad/s.
+    pub rotating_speed: f64,
+    /// Largest x of the settled motion.
+    pub tangential_max: f64,
+    /// Smallest x of the settled motion.
+    pub tangential_min: f64,
+    /// Share of the time spent in stick.
+    pub stick_fraction: f64,
+}
+
+/// Sweeps the rotating speed as a braking driver would: at each criterion's speed the motion goes on, for a scaled time
+/// `dwell`, from where it was at the speed before, and is looked at over the last quarter of that time.
+///
+/// All criteria must be of the same brake and disc. The first motion starts as its settings say. A sweep that breaks down
+/// ends there.
+///
+/// # Errors
+/// [`FlexibleError`] if there is no equilibrium to start from.
+pub fn sweep(criteria: &[TimeDomain], inputs: RandomInputs, dwell: f64) -> Result<Vec<SweepPoint>, FlexibleError> {
+    let mut points = Vec::with_capacity(criteria.len());
+    let mut rigid: Option<Motion<RigidState>> = None;
+    let mut flexible: Option<Motion<FlexibleState>> = None;
+    for criterion in criteria {
+        let h = criterion.step_length();
+        let steps = (dwell / h).ceil() as u64;
+        let settled = match &criterion.system {
+            System::Rigid(brake) => {
+                let sample = brake.sample(inputs);
+                let start = rigid.unwrap_or_else(|| criterion.start_rigid(&sample).0);
+                let (end, settled) = dwell_on(&sample, start, h, steps);
+                rigid = end;
+                settled
+            }
+            System::Flexible(brake) => {
+                let sample = FlexibleSample::new(brake, inputs);
+                let start = match flexible {
+                    Some(motion) => motion,
+                    None => criterion.start_flexible(&sample)?.0,
+                };
+                let (end, settled) = dwell_on(&sample, start, h, steps);
+                flexible = end;
+                settled
+            }
+        };
+        let Some((tangential_max, tangential_min, stick_fraction)) = settled else { break };
+        let rotating_speed = criterion.brake.parameters().operating_point.rotating_speed;
+        points.push(SweepPoint { rotating_speed, tangential_max, tangential_min, stick_fraction });
+    }
+    Ok(points)
+}
+
+/// Follows a motion for some steps. Its end, and over the last quarter the largest and smallest x and the share of stick;
+/// nothing if it breaks down.
+#[allow(clippy::type_complexity, reason = "used once, right above")]
+fn dwell_on<E: Equations>(
+    equations: &E,
+    mut motion: Motion<E::State>,
+    h: f64,
+    steps: u64,
+) -> (Option<Motion<E::State>>, Option<(f64, f64, f64)>) {
+    // At another speed of the disc a pad that stuck to it slips, until they have met again.
+    if equations.tangential(&motion.state).1 < equations.disc_speed() {
+        motion.contact = ContactState::Slip;
+    } else {
+        motion.contact = ContactState::Overtaking;
+    }
+    let mut diary = Diary::default();
+    let from = steps - steps / 4;
+    let (mut largest, mut smallest) = (f64::NEG_INFINITY, f64::INFINITY);
+    for step in 0..steps {
+        if advance(equations, &mut motion, step as f64 * h, h, &mut diary).is_err() {
+            return (None, None);
+        }
+        if step >= from {
+            let x = equations.tangential(&motion.state).0;
+            (largest, smallest) = (largest.max(x), smallest.min(x));
+        }
+    }
+    let (start, end) = (from as f64 * h, steps as f64 * h);
+    let turned = diary.turns.iter().filter(|(time, _)| *time >= start).map(|turn| turn.1);
+    let largest = turned.clone().fold(largest, f64::max);
+    let smallest = turned.fold(smallest, f64::min);
+    let stick_fraction = diary.stuck(start, end) / (end - start);
+    (Some(motion), Some((largest, smallest, stick_fraction)))
+}
+
 /// Follows a motion and keeps every moment, until the end or until it breaks down.
 fn write_down<E: Equations>(
     equations: &E,
@@ -413,6 +502,24 @@ mod tests {
         };
         let ((a, b), (c, d)) = (range(&rigid), range(&flexible));
         assert!((b - a) / (d - c) > 0.85 && (b - a) / (d - c) < 1.15, "{a} {b} {c} {d}");
+    }
+
+    #[test]
+    fn a_sweep_down_jumps_at_the_critical_speed_and_a_sweep_up_at_the_saddle_node() {
+        // The paper's bifurcation diagram: hysteresis between 15.56 and 30.
+        let at = |speed: f64| criterion(speed, &DiscModel::Rigid, Start::NearEquilibrium);
+        let speeds: Vec<f64> = (0..=60).map(|i| 40.0 - 0.5 * f64::from(i)).collect();
+        let down: Vec<TimeDomain> = speeds.iter().map(|&speed| at(speed)).collect();
+        let up: Vec<TimeDomain> = speeds.iter().rev().map(|&speed| at(speed)).collect();
+        let jump = |points: &[SweepPoint], sticks: bool| {
+            points.iter().find(|point| (point.stick_fraction > 0.0) == sticks).map(|point| point.rotating_speed).unwrap()
+        };
+        let down = jump(&sweep(&down, NOMINAL, 600.0).unwrap(), true);
+        let up = jump(&sweep(&up, NOMINAL, 600.0).unwrap(), false);
+        // The first step of the sweep beyond the boundary, or the next: near it growth takes its time.
+        assert!((14.5..=15.5).contains(&down), "{down}");
+        // A step of the speed disturbs the motion, and so close below the saddle-node little is enough.
+        assert!((30.0..=30.5).contains(&up), "{up}");
     }
 
     #[test]

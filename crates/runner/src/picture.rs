@@ -102,6 +102,12 @@ fn bars(surface: &Surface<'_>, first: u64, preloads: usize, frictions: usize) ->
     text
 }
 
+/// A number with at most three decimals, and none that say nothing.
+fn short(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// Size of the plot area of [`curves`].
 const PLOT_ROWS: usize = 20;
 const PLOT_COLUMNS: usize = 72;
@@ -130,7 +136,7 @@ pub fn curves(lines: &[Vec<(f64, f64)>]) -> String {
         let label = top - (top - bottom) * row as f64 / (PLOT_ROWS - 1) as f64;
         text += &format!("{label:>9.5} |{}\n", cells.iter().collect::<String>().trim_end());
     }
-    let (left, right) = (format!("{left}"), format!("{right}"));
+    let (left, right) = (short(left), short(right));
     let gap = PLOT_COLUMNS.saturating_sub(left.len() + right.len());
     text += &format!("{:10}+{}\n{:11}{left}{:gap$}{right}\n\n", "", "-".repeat(PLOT_COLUMNS), "", "");
     text

@@ -1,8 +1,11 @@
 //! The paper's tables and figures again, from the job specs in `jobs/`.
 
+mod bifurcation;
 mod comparison;
 mod figures;
+mod motions;
 mod scoreboard;
+mod spectrum;
 mod tables;
 pub mod target;
 
@@ -36,17 +39,25 @@ pub fn reproduce(arguments: &ReproduceArguments, interrupt: &Interrupt) -> Resul
 }
 
 fn one(target: Target, arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    let text = match run(target, arguments, interrupt)? {
-        None => scoreboard::scoreboard()?,
-        Some(run) => match target {
-            Target::Table2 => tables::table2(&run)?,
-            Target::Table3 => tables::table3(&run)?,
-            Target::Fig4 => figures::growth_rates(&run)?,
-            Target::Fig12 | Target::Fig13 => figures::scattered_input(&run)?,
-            _ => figures::surface(&run)?,
-        },
+    let text = match (target, run(target, arguments, interrupt)?) {
+        (Target::Table2, Some(run)) => tables::table2(&run)?,
+        (Target::Table3, Some(run)) => tables::table3(&run)?,
+        (Target::Fig4, Some(run)) => figures::growth_rates(&run)?,
+        (Target::Fig12 | Target::Fig13, Some(run)) => figures::scattered_input(&run)?,
+        (_, Some(run)) => figures::surface(&run)?,
+        (Target::Fig6, None) => bifurcation::diagram(&directory(target, arguments)?)?,
+        (Target::Scoreboard, None) => scoreboard::scoreboard()?,
+        (_, None) => motions::figure(target, &directory(target, arguments)?)?,
     };
     result(&text)
+}
+
+/// The directory for the data of a target without a job.
+fn directory(target: Target, arguments: &ReproduceArguments) -> Result<PathBuf, Failure> {
+    let directory = arguments.out.join(target.name());
+    std::fs::create_dir_all(&directory)
+        .map_err(|error| Failure::CannotCreate(format!("cannot create {}: {error}", directory.display())))?;
+    Ok(directory)
 }
 
 /// The finished run of a target's job, computed now or before.

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use stickslip_core::{PadOnDisc, Parameters};
 use stickslip_sampler::{Cell, RelativeStd, exact};
 
+use super::motions;
 use super::tables::PAPER_TABLE_3;
 use crate::failure::Failure;
 
@@ -107,6 +108,13 @@ fn scores() -> Result<Vec<Score>, Failure> {
         add(&quantity, printed, 2, preset.disc_frequency(&disc[index]) / TAU, "constrain a, b, h together");
     }
     add("pad frequency at 10 rad/s, Hz of scaled time", 0.23, 2, 1.0 / slow.period, "compromise on b");
+    // From the spectrum of the motion with the flexible disc, Figure 10.
+    let spectrum = motions::settled_spectrum(&motions::SPECTRAL.trajectory()?, |moment| moment.tangential.0);
+    for (order, printed, what) in [(2.0, 0.45, "second"), (3.0, 0.68, "third")] {
+        let peak = spectrum.peak_near(order / slow.period, 0.05).ok_or_else(|| missing("harmonics of stick-slip"))?;
+        add(&format!("  its {what} order in the spectrum, Hz"), printed, 2, peak.0, "compromise on b");
+    }
+    add("rotation of the pad, Hz of scaled time", 0.16, 2, phi.im / TAU, "constrains k_s over I_s");
     add("limit-cycle amplitude, about (peak x)", 0.02, 2, born.tangential_max, "compromise on b");
     Ok(scores)
 }

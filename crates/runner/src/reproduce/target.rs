@@ -11,12 +11,28 @@ pub enum Target {
     Table3,
     /// Growth rate against rotating speed for three preloads
     Fig4,
+    /// Phase portraits at 35, 10 and 20 rad/s
+    Fig5,
+    /// Bifurcation diagram, swept down and up
+    Fig6,
+    /// Tangential motion above and below the boundaries
+    Fig7,
+    /// Sliding speed, friction and contact force in steady sliding
+    Fig8,
+    /// Sliding speed and friction in stick-slip
+    Fig9,
+    /// Spectra of the pad
+    Fig10,
+    /// Vibration of the disc and its spectrum
+    Fig11,
     /// Random preload: distribution of input and instability
     Fig12,
     /// Random static friction, four scatters
     Fig13,
     /// Surface at 15 rad/s
     Fig14a,
+    /// Figure 14a in the time domain, every sample simulated
+    Fig14b,
     /// Surface at 10 rad/s
     Fig14c,
     /// Surface at 20 rad/s
@@ -46,10 +62,12 @@ impl Target {
             Self::Fig12 => Some(include_str!("../../../../jobs/fig12.toml")),
             Self::Fig13 => Some(include_str!("../../../../jobs/fig13.toml")),
             Self::Fig14a => Some(include_str!("../../../../jobs/fig14a.toml")),
+            Self::Fig14b => Some(include_str!("../../../../jobs/fig14b.toml")),
             Self::Fig14c => Some(include_str!("../../../../jobs/fig14c.toml")),
             Self::Fig14d => Some(include_str!("../../../../jobs/fig14d.toml")),
             Self::Fig15a => Some(include_str!("../../../../jobs/fig15a.toml")),
             Self::Fig15b => Some(include_str!("../../../../jobs/fig15b.toml")),
+            Self::Fig5 | Self::Fig6 | Self::Fig7 | Self::Fig8 | Self::Fig9 | Self::Fig10 | Self::Fig11 => None,
             Self::Scoreboard | Self::All => None,
         }
     }

@@ -1,0 +1,232 @@
+//! Figures 5 and 7 to 11: motions in time, their phase portraits and spectra.
+
+use std::path::Path;
+
+use stickslip_core::disc_modes::MOST_DISC_MODES;
+use stickslip_core::flexible::DISC_MODES;
+use stickslip_core::{DiscModel, Moment, PadOnDisc, Parameters, RandomInputs, Start, TimeDomainSettings, Trajectory};
+
+use super::spectrum::{Spectrum, spectrum};
+use super::target::Target;
+use crate::commands::{columns, follow};
+use crate::failure::Failure;
+use crate::picture::curves;
+use crate::run::{DescribedColumn, write_columns};
+
+/// Scaled time of a motion, some 280 cycles of the pad; the last part of it is looked at.
+const HORIZON: f64 = 1000.0;
+const SETTLED: f64 = 500.0;
+
+/// One motion of a figure.
+pub struct Panel {
+    /// In the name of its file.
+    pub name: &'static str,
+    /// rad/s.
+    pub speed: f64,
+    /// Where it starts.
+    pub start: Start,
+    /// Disc modes that are kept.
+    pub modes: usize,
+}
+
+const fn panel(name: &'static str, speed: f64, start: Start) -> Panel {
+    Panel { name, speed, start, modes: DISC_MODES }
+}
+
+impl Panel {
+    /// Follows the motion.
+    pub fn trajectory(&self) -> Result<Trajectory, Failure> {
+        let mut parameters = Parameters::sui_ding_2018();
+        parameters.operating_point.rotating_speed = self.speed;
+        let inputs = RandomInputs {
+            preload: parameters.operating_point.preload,
+            static_friction: parameters.friction.static_coefficient,
+        };
+        let brake = PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))?;
+        let settings = TimeDomainSettings { start: self.start, ..TimeDomainSettings::default() };
+        follow(&brake, &DiscModel::Flexible { modes: self.modes }, settings, inputs, Some(HORIZON))
+    }
+}
+
+/// A quantity of a motion over its settled part.
+pub fn settled(trajectory: &Trajectory, value: fn(&Moment) -> f64) -> Vec<f64> {
+    trajectory.moments.iter().filter(|moment| moment.time >= HORIZON - SETTLED).map(value).collect()
+}
+
+/// The stick-slip motion that the paper takes its spectra of, with as many disc modes as there are.
+pub const SPECTRAL: Panel = Panel { name: "stick-slip-10", speed: 10.0, start: Start::Rest, modes: MOST_DISC_MODES };
+
+/// One of the figures: its text, and its data as files in `directory`.
+pub fn figure(target: Target, directory: &Path) -> Result<String, Failure> {
+    match target {
+        Target::Fig5 => phase_portraits(directory),
+        Target::Fig7 => tangential_motion(directory),
+        Target::Fig8 => {
+            let panel = panel("steady-sliding-35", 35.0, Start::Rest);
+            let title = "Figure 8: the brake settles to steady sliding at 35 rad/s (start: rest)\n\n";
+            relative_motion(directory, title, &panel, 0.0..150.0)
+        }
+        Target::Fig9 => {
+            let panel = panel("stick-slip-10", 10.0, Start::Rest);
+            let title = "Figure 9: stick-slip at 10 rad/s\n\n";
+            relative_motion(directory, title, &panel, HORIZON - 15.0..HORIZON)
+        }
+        Target::Fig10 => pad_spectra(directory),
+        _ => disc_vibration(directory),
+    }
+}
+
+/// Writes the whole time series of a panel.
+fn write(directory: &Path, panel: &Panel, trajectory: &Trajectory) -> Result<String, Failure> {
+    let name = format!("{}.parquet", panel.name);
+    write_columns(directory, &name, &columns(&trajectory.moments))?;
+    Ok(format!("data: {}\n", directory.join(name).display()))
+}
+
+fn phase_portraits(directory: &Path) -> Result<String, Failure> {
+    let mut text = "Figure 5: phase portraits of the tangential motion, x' against x, preload 0.1\n\n".to_owned();
+    for (panel, what) in [
+        (panel("a-35", 35.0, Start::Rest), "35 rad/s from rest: one sliding equilibrium"),
+        (panel("b-10", 10.0, Start::NearEquilibrium), "10 rad/s from near the equilibrium: one limit cycle"),
+        (panel("c-20-equilibrium", 20.0, Start::NearEquilibrium), "20 rad/s from near the equilibrium: it holds"),
+        (panel("c-20-rest", 20.0, Start::Rest), "20 rad/s from rest: stick-slip"),
+    ] {
+        let trajectory = panel.trajectory()?;
+        let line: Vec<(f64, f64)> = trajectory.moments.iter().map(|m| m.tangential).collect();
+        text += &format!("{what}\n{}{}\n", curves(&[line]), write(directory, &panel, &trajectory)?);
+    }
+    Ok(text)
+}
+
+fn tangential_motion(directory: &Path) -> Result<String, Failure> {
+    let mut text = "Figure 7: tangential motion of the pad, x against scaled time, preload 0.1\n\n".to_owned();
+    for (panel, what, drawn) in [
+        (panel("a-35", 35.0, Start::Rest), "35 rad/s from rest: a stable focus", 150.0),
+        (panel("b-10", 10.0, Start::NearEquilibrium), "10 rad/s from near the equilibrium: a limit cycle", 60.0),
+    ] {
+        let trajectory = panel.trajectory()?;
+        let shown = trajectory.moments.iter().filter(|moment| moment.time <= drawn);
+        let line: Vec<(f64, f64)> = shown.map(|m| (m.time, m.tangential.0)).collect();
+        text += &format!("{what}\n{}", curves(&[line]));
+        if let Some(settled) = trajectory.settled {
+            text += &format!(
+                "settled: x from {:.6} to {:.6}, mean {:.6}",
+                settled.tangential_min, settled.tangential_max, settled.tangential_mean
+            );
+            text += &settled.period.map_or("\n".to_owned(), |period| format!(", period {period:.5}\n"));
+        }
+        text += &format!("{}\n", write(directory, &panel, &trajectory)?);
+    }
+    text += "the paper prints x0 = 8.15e-3 at 35 rad/s (rigid disc); a flexible disc takes 3 % of the contact force\n";
+    Ok(text)
+}
+
+fn relative_motion(
+    directory: &Path,
+    title: &str,
+    panel: &Panel,
+    drawn: std::ops::Range<f64>,
+) -> Result<String, Failure> {
+    let trajectory = panel.trajectory()?;
+    let mut text = title.to_owned();
+    let quantities: [(&str, fn(&Moment) -> f64); 4] = [
+        ("sliding speed v - x', scaled", |m| m.sliding_speed),
+        ("friction coefficient", |m| m.friction_coefficient),
+        ("friction force, kN", |m| 1e-3 * m.friction_force),
+        ("contact force, kN", |m| 1e-3 * m.contact_force),
+    ];
+    for (what, value) in quantities {
+        let shown = trajectory.moments.iter().filter(|moment| drawn.contains(&moment.time));
+        let line: Vec<(f64, f64)> = shown.map(|m| (m.time, value(m))).collect();
+        text += &format!("{what}, against scaled time\n{}", curves(&[line]));
+    }
+    if let Some(last) = trajectory.moments.last() {
+        text += &format!("at the end: friction coefficient {:.5}\n", last.friction_coefficient);
+    }
+    text += &write(directory, panel, &trajectory)?;
+    Ok(text)
+}
+
+/// The spectrum of a quantity over the settled part of a motion.
+pub fn settled_spectrum(trajectory: &Trajectory, value: fn(&Moment) -> f64) -> Spectrum {
+    spectrum(&settled(trajectory, value), trajectory.interval)
+}
+
+/// A motion that has settled has no spectrum, and the paper's still rings: the spectrum of y over the first quarter.
+fn ringing_spectrum(trajectory: &Trajectory) -> Spectrum {
+    let values: Vec<f64> = trajectory.moments.iter().map(|m| m.normal.0).collect();
+    spectrum(&values[..values.len() / 4], trajectory.interval)
+}
+
+fn pad_spectra(directory: &Path) -> Result<String, Failure> {
+    let stick_slip = SPECTRAL.trajectory()?;
+    let sliding = panel("sliding-35", 35.0, Start::Rest);
+    let sliding_motion = sliding.trajectory()?;
+    let mut text = "Figure 10: spectra of the pad (Hz of scaled time)\n\n".to_owned();
+    let x = settled_spectrum(&stick_slip, |m| m.tangential.0);
+    let y = settled_spectrum(&stick_slip, |m| m.normal.0);
+    let phi = settled_spectrum(&stick_slip, |m| m.angle.0);
+    for (what, spectrum, printed) in [
+        ("a: x at 10 rad/s", &x, "0.23, 0.45, 0.68"),
+        ("b: y at 10 rad/s", &y, "0.23 and its multiples, 0.29 of the disc"),
+        ("c: phi at 10 rad/s", &phi, "0.23 and its multiples, 0.16 of the pad's rotation"),
+    ] {
+        text += &peaks(what, spectrum, printed);
+    }
+    let ringing = ringing_spectrum(&sliding_motion);
+    text += &peaks("d: y at 35 rad/s while it settles", &ringing, "0.29 of the disc");
+    spectra_file(directory, "pad_spectra.parquet", &[("x", &x), ("y", &y), ("phi", &phi)])?;
+    spectra_file(directory, "sliding_spectrum.parquet", &[("y", &ringing)])?;
+    text += &write(directory, &SPECTRAL, &stick_slip)?;
+    text += &write(directory, &sliding, &sliding_motion)?;
+    text += &format!("data: {}\n", directory.join("pad_spectra.parquet").display());
+    Ok(text)
+}
+
+fn disc_vibration(directory: &Path) -> Result<String, Failure> {
+    let trajectory = SPECTRAL.trajectory()?;
+    let edge = settled_spectrum(&trajectory, |m| m.deflection.0);
+    let inside = settled_spectrum(&trajectory, |m| m.deflection.1);
+    let mut text = "Figure 11: vibration of the disc at 10 rad/s, at the middle of the pad\n\n".to_owned();
+    let printed = "0.29, 1.87, 5.03 of the disc, 0.23 and 0.45 of the pad";
+    text += &peaks("a: outer edge", &edge, printed);
+    text += &peaks("d: a quarter of the width from the clamped edge", &inside, printed);
+    let shown: Vec<&Moment> = trajectory.moments.iter().filter(|m| m.time >= HORIZON - 20.0).collect();
+    let drawn: [(&str, fn(&Moment) -> f64); 2] = [
+        ("b, c: deflection of the outer edge over disc thickness", |m| m.deflection.0),
+        ("d: deflection a quarter of the width from the clamped edge", |m| m.deflection.1),
+    ];
+    for (what, value) in drawn {
+        let line: Vec<(f64, f64)> = shown.iter().map(|m| (m.time, 1e3 * value(m))).collect();
+        text += &format!("{what}, times 1000\n{}", curves(&[line]));
+    }
+    text += "16 disc modes are kept here; the highest lies at 3.0 Hz, so that the paper's third, 5.03 Hz, is not among them.\n\
+        The disc starts deflected as in steady sliding, and what rings dies away: only the pad's frequency is left.\n";
+    spectra_file(directory, "disc_spectra.parquet", &[("deflection_edge", &edge), ("deflection_inside", &inside)])?;
+    text += &write(directory, &SPECTRAL, &trajectory)?;
+    text += &format!("data: {}\n", directory.join("disc_spectra.parquet").display());
+    Ok(text)
+}
+
+fn peaks(what: &str, spectrum: &Spectrum, printed: &str) -> String {
+    let found = spectrum.peaks(6, 1e-4);
+    let found: Vec<String> = found.iter().map(|(f, a)| format!("{f:.3} Hz ({a:.1e})")).collect();
+    format!("{what}\n    {}\n    the paper prints {printed}\n", found.join(", "))
+}
+
+fn spectra_file(directory: &Path, name: &str, spectra: &[(&'static str, &Spectrum)]) -> Result<(), Failure> {
+    let frequencies = spectra.first().map_or(&[][..], |(_, spectrum)| &spectrum.frequencies);
+    let mut columns = vec![DescribedColumn {
+        name: "frequency_hz",
+        unit: "Hz",
+        long_name: "frequency, Hz of scaled time",
+        values: frequencies.to_vec(),
+    }];
+    columns.extend(spectra.iter().map(|(name, spectrum)| DescribedColumn {
+        name,
+        unit: "1",
+        long_name: "amplitude (Hann window)",
+        values: spectrum.amplitudes.clone(),
+    }));
+    write_columns(directory, name, &columns)
+}

@@ -1,0 +1,279 @@
+//! Runs that follow every sample in time, motions and replays, through the command line.
+
+#![allow(clippy::disallowed_methods, reason = "formulas as a textbook writes them")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
+
+mod common;
+
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use common::{Place, Table, repository, surface_job};
+
+/// A job over `points` by `points` cells around Figure 14b; `criterion` are lines after `kind = "time-domain"`.
+fn job(name: &str, points: usize, samples: u64, criterion: &str) -> String {
+    let kind = format!("kind = \"time-domain\"\n{criterion}");
+    surface_job(name, points, samples, 3).replace("kind = \"eigenvalue\"", &kind)
+}
+
+/// Digests of all columns. Regression values of results version 1, see `tests/determinism.rs`.
+const GOLDEN: [(&str, &str, &str); 4] = [
+    ("flexible", "disc = \"flexible\"", "?"),
+    ("rigid-rest", "disc = \"rigid\"\nstart = \"rest\"\nrecord = [\"amplitude\"]", "?"),
+    ("flexible-limit-cycle", "start = \"limit-cycle\"\ndisc_modes = 4\nindex = { amplitude = 0.006 }", "?"),
+    ("short", "disc = \"rigid\"\nhorizon = 4.0\ndisplacement = 0.2", "?"),
+];
+
+#[test]
+fn result_columns_are_pinned() {
+    let place = Place::new();
+    let mut found = Vec::new();
+    for (name, criterion, _) in GOLDEN {
+        place.write("job.toml", &job(name, 4, 60, criterion));
+        place.run("submit job.toml").done();
+        found.push((name, Table::read(&place.path(&format!("runs/{name}/surface.parquet"))).digest()));
+    }
+    let expected: Vec<_> = GOLDEN.iter().map(|(name, _, digest)| (*name, (*digest).to_owned())).collect();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn threads_shards_and_interruptions_do_not_change_a_byte() {
+    let place = Place::new();
+    // Several units in each cell, with amplitudes, whose sums would show any dependence on order.
+    place.write("job.toml", &job("job", 4, 4500, "disc = \"rigid\"\nstart = \"rest\"\nrecord = [\"amplitude\"]"));
+    place.run("submit job.toml --out whole --threads 1").done();
+    for threads in [2, 3] {
+        place.run(&format!("submit job.toml --out {threads} --threads {threads}")).done();
+        assert!(place.surface("whole") == place.surface(&threads.to_string()), "{threads} threads");
+    }
+    for count in [2, 5] {
+        for index in (1..=count).rev() {
+            place.run(&format!("submit job.toml --out by-{count} --shard {index}/{count}")).done();
+        }
+        place.run(&format!("merge by-{count}")).done();
+        assert!(place.surface("whole") == place.surface(&format!("by-{count}")), "{count} shards");
+    }
+    let mut was_alive = 0;
+    for delay in [30, 60, 90, 120, 200, 300] {
+        let words = if place.path("killed/job.toml").exists() { "resume killed" } else { "submit job.toml --out killed" };
+        let mut child =
+            place.command(&format!("{words} --threads 1")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        thread::sleep(Duration::from_millis(delay));
+        was_alive += u32::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert!(was_alive >= 3, "the job is too short for this test: only {was_alive} kills hit it running");
+    place.run("resume killed").done();
+    assert!(place.surface("whole") == place.surface("killed"));
+    // Fewer samples first, the rest later.
+    place.run("submit job.toml --out grown --samples 1700").done();
+    place.run("submit job.toml --out grown").done();
+    assert!(place.surface("whole") == place.surface("grown"));
+}
+
+#[test]
+fn debug_and_release_builds_write_the_same_bytes() {
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--locked", "--quiet", "-p", "stickslip"]).current_dir(repository());
+    let profile = if cfg!(debug_assertions) {
+        build.arg("--release");
+        "release"
+    } else {
+        "debug"
+    };
+    assert!(build.status().unwrap().success());
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| repository().join("target"), PathBuf::from);
+    let (here, there) = (Place::new(), Place::new().with_program(&target.join(profile).join("stickslip")));
+    for disc in ["flexible", "rigid"] {
+        let job = job(disc, 3, 40, &format!("disc = \"{disc}\"\nrecord = [\"amplitude\"]"));
+        for place in [&here, &there] {
+            place.write("job.toml", &job);
+            place.run("submit job.toml").done();
+        }
+        assert!(here.surface(&format!("runs/{disc}")) == there.surface(&format!("runs/{disc}")), "{disc}");
+    }
+}
+
+fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn trajectories_settle_to_the_table() {
+    // Physics notes, section 7: adaptive Runge-Kutta, tolerance 1e-11, outside Rust.
+    let place = Place::new();
+    for (speed, period, largest, smallest, stick) in
+        [(10.0, 3.56373, 0.014309, 0.003465, 0.3756), (20.0, 3.10909, 0.016207, 0.001879, 0.1873)]
+    {
+        let words = format!("trajectory --disc rigid --start rest --set operating_point.rotating_speed={speed} --json");
+        let summary = json(&place.run(&words).done().stdout);
+        let value = |key: &str| summary[key].as_f64().unwrap();
+        assert_eq!(summary["verdict"], "unstable");
+        assert!((value("period") - period).abs() < 1e-4, "{summary}");
+        assert!((value("x_max") - largest).abs() < 1e-6 && (value("x_min") - smallest).abs() < 1e-6, "{summary}");
+        assert!((value("stick_fraction") - stick).abs() < 1e-4, "{summary}");
+    }
+    // Above both boundaries the pad comes to rest: there is no period.
+    let quiet = place.run("trajectory --set operating_point.rotating_speed=35 --start rest --horizon 2000 --json").done();
+    let quiet = json(&quiet.stdout);
+    assert_eq!((&quiet["verdict"], &quiet["period"], quiet["stick_fraction"].as_f64()), (&"stable".into(), &serde_json::Value::Null, Some(0.0)));
+}
+
+#[test]
+fn a_trajectory_file_holds_what_the_summary_says() {
+    let place = Place::new();
+    let summary = place.run("trajectory --set operating_point.rotating_speed=10 --start rest --out motion.parquet --json");
+    let summary = json(&summary.done().stdout);
+    let table = Table::read(&place.path("motion.parquet"));
+    let (time, x, sticks) = (table.column("time"), table.column("x"), table.column("sticks"));
+    assert_eq!(time.len() as u64, summary["moments"].as_u64().unwrap());
+    let interval = summary["interval"].as_f64().unwrap();
+    assert!(time.windows(2).all(|pair| (pair[1] - pair[0] - interval).abs() < 1e-9));
+    let late = time.iter().position(|&time| time > 400.0).unwrap();
+    let largest = x[late..].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    assert!((largest - summary["x_max"].as_f64().unwrap()).abs() < 1e-4);
+    let share = sticks[late..].iter().sum::<f64>() / (sticks.len() - late) as f64;
+    assert!((share - summary["stick_fraction"].as_f64().unwrap()).abs() < 0.02);
+    // Friction is what acts between the forces of the same row.
+    for row in 0..time.len() {
+        let ratio = table.column("friction_force_n")[row] / table.column("contact_force_n")[row];
+        assert!((ratio - table.column("friction_coefficient")[row]).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn replays_give_the_verdicts_that_the_run_counted() {
+    let place = Place::new();
+    for (name, criterion) in [("flexible", "disc = \"flexible\""), ("rest", "disc = \"rigid\"\nstart = \"rest\"")] {
+        place.write("job.toml", &job(name, 3, 25, criterion));
+        place.run("submit job.toml").done();
+        let table = Table::read(&place.path(&format!("runs/{name}/surface.parquet")));
+        let cell = 4;
+        let mut unstable = 0.0;
+        for sample in 0..25 {
+            let words = format!("replay runs/{name} --cell {cell} --sample {sample} --horizon 20 --json");
+            let replayed = json(&place.run(&words).done().stdout);
+            unstable += f64::from(u8::from(replayed["verdict_in_run"] == "unstable"));
+            if !replayed["verdict"].is_null() {
+                assert_eq!(replayed["verdict"], replayed["verdict_in_run"]);
+            }
+        }
+        assert_eq!(unstable, table.column("n_unstable")[cell], "{name}");
+    }
+    // Twice the same, bit for bit; and of runs that looked at no motion too.
+    place.write("eigen.toml", &surface_job("eigen", 3, 25, 3));
+    place.run("submit eigen.toml").done();
+    for run in ["runs/flexible", "runs/eigen"] {
+        for file in ["a.parquet", "b.parquet"] {
+            place.run(&format!("replay {run} --cell 8 --sample 3 --out {file}")).done();
+        }
+        assert_eq!(Table::read(&place.path("a.parquet")).digest(), Table::read(&place.path("b.parquet")).digest());
+    }
+    place.run("replay runs/flexible --cell 9 --sample 0").refused(64, &["cells 0 to 8"]);
+    place.run("replay runs/flexible --cell 0 --sample 25").refused(64, &["samples 0 to 24"]);
+    place.run("replay runs/nothing --cell 0 --sample 0").refused(74, &["runs/nothing"]);
+}
+
+#[test]
+fn bad_criteria_are_refused_with_place_value_and_remedy() {
+    let place = Place::new();
+    let cases: &[(&str, &[&str])] = &[
+        ("horizon = 0", &["job.toml:14:11", "criterion.horizon = 0 is out of range", "greater than 0"]),
+        ("horizon = nan", &["job.toml:14:11", "criterion.horizon = NaN"]),
+        ("displacement = 0.0", &["job.toml:14:16", "criterion.displacement = 0", "greater than 0"]),
+        ("displacement = nan", &["criterion.displacement = NaN"]),
+        ("index = { amplitude = -1.0 }", &["job.toml:14:9", "criterion.index.amplitude = -1"]),
+        ("index = { amplitud = 1.0 }", &["amplitud", "did you mean `amplitude`?"]),
+        ("record = [\"amplitudes\"]", &["amplitudes", "did you mean `amplitude`?"]),
+        ("disc = \"flexibel\"", &["flexibel", "did you mean `flexible`?"]),
+        ("start = \"equilibrium\"", &["equilibrium", "near-equilibrium"]),
+        ("disc_modes = 0", &["job.toml:14:14", "0 disc modes", "at least 1"]),
+        ("disc_modes = 2", &["job.toml:14:14", "2 disc modes carry only 64 %", "4 modes"]),
+        ("disc_modes = 99", &["99 disc modes", "at most 16"]),
+        ("disc = \"rigid\"\ndisc_modes = 5", &["job.toml:15:14", "no meaning with disc = \"rigid\""]),
+    ];
+    for (line, texts) in cases {
+        place.write("job.toml", &job("bad", 3, 10, line));
+        place.run("submit job.toml").refused(65, texts);
+    }
+    for (section, texts) in [
+        ("[model.disc]\ninner_radius = 0.135", ["disc.inner_radius", "must be less than"]),
+        ("[model.pad]\ninner_radius = 0.2", ["pad.inner_radius", "must be less than"]),
+        ("[model.pad]\nhalf_angle = 4.0", ["pad.half_angle", "at most"]),
+        ("[model.disc]\nyoungs_modulus = 2e3", ["criterion", "no sliding equilibrium"]),
+    ] {
+        let spec = job("bad", 3, 10, "").replace("[axes]", &format!("{section}\n\n[axes]"));
+        place.write("job.toml", &spec);
+        place.run("submit job.toml").refused(65, &texts);
+    }
+    let eigen = surface_job("bad", 3, 10, 3);
+    place.write("job.toml", &eigen.replace("kind = \"eigenvalue\"", "kind = \"eigenvalue\"\nhorizon = 5.0"));
+    place.run("submit job.toml").refused(65, &["job.toml:14:11", "criterion.horizon belongs to kind = \"time-domain\""]);
+    for (words, texts) in [
+        ("--horizon 0", ["--horizon 0", "greater than 0"]),
+        ("--horizon nan", ["--horizon NaN", "greater than 0"]),
+        ("--horizon 1e12", ["--horizon", "at most"]),
+        ("--displacement -0.1", ["--displacement = -0.1", "greater than 0"]),
+        ("--set operating_point.preload=0", ["no sliding equilibrium", "preload 0"]),
+        ("--disc-modes 1", ["1 disc modes", "4 modes"]),
+    ] {
+        place.run(&format!("trajectory {words}")).refused(64, &texts);
+    }
+    place.run("trajectory --out nowhere/motion.parquet").refused(73, &["there is no directory nowhere"]);
+}
+
+#[test]
+fn samples_that_blow_up_are_failed_counted_and_shown() {
+    let place = Place::new();
+    // Friction far beyond any pad: the equilibrium ceases to exist somewhere in the scatter.
+    let spec = job("failing", 1, 400, "disc = \"flexible\"")
+        .replace("{ from = 0.03, to = 0.30, points = 1 }", "0.3")
+        .replace("{ from = 0.27, to = 0.50, points = 1 }", "4.9")
+        .replace("[axes]", "[model.disc]\nyoungs_modulus = 1.6e9\n\n[axes]")
+        .replace("relative_std = 0.2", "relative_std = 1.0");
+    place.write("job.toml", &spec);
+    let outcome = place.run("submit job.toml").done();
+    let table = Table::read(&place.path("runs/failing/surface.parquet"));
+    let count = |name: &str| table.column(name)[0];
+    assert!(count("n_failed") > 0.0 && count("n_failed") < 400.0, "{}", count("n_failed"));
+    assert_eq!(count("n_stable") + count("n_unstable") + count("n_undecided") + count("n_failed"), 400.0);
+    assert!(outcome.stdout.contains("failed"), "{}", outcome.stdout);
+    // They bound the probability from both sides.
+    let share = count("n_failed") / 400.0;
+    assert!(count_bounds(&table) >= share, "{} {share}", count_bounds(&table));
+}
+
+/// Width of the interval of the first cell.
+fn count_bounds(table: &Table) -> f64 {
+    table.column("p_high")[0] - table.column("p_low")[0]
+}
+
+#[test]
+fn figure_14b_is_figure_14a_and_both_indices_agree_on_it() {
+    let place = Place::new();
+    let text = std::fs::read_to_string(repository().join("jobs/fig14b.toml")).unwrap();
+    place.write("fig14b.toml", &text);
+    // The paper's index: the settled amplitude. A limit below every limit cycle, above every motion that dies away.
+    let index = text.replace("name = \"fig14b\"", "name = \"index\"");
+    place.write("index.toml", &index.replace("horizon = 10_000.0", "index = { amplitude = 5e-4 }\nhorizon = 10_000.0"));
+    place.run("submit fig14b.toml --samples 60").done();
+    place.run("submit index.toml --samples 60").done();
+    place.run(&format!("submit {} --samples 60", repository().join("jobs/fig14a.toml").display())).done();
+    let [motion, amplitude, linear] =
+        ["fig14b", "index", "fig14a"].map(|run| Table::read(&place.path(&format!("runs/{run}/surface.parquet"))));
+    let sum = |table: &Table, name: &str| table.column(name).iter().sum::<f64>();
+    let samples = sum(&motion, "n_samples");
+    assert!(sum(&motion, "n_undecided") <= 1e-3 * samples && sum(&motion, "n_failed") == 0.0);
+    let differing = |other: &Table| -> f64 {
+        motion.column("n_unstable").iter().zip(other.column("n_unstable")).map(|(a, b)| (a - b).abs()).sum()
+    };
+    // The same samples by another index: no more than one in a thousand differs.
+    assert!(differing(&amplitude) <= 1e-3 * samples, "{} of {samples}", differing(&amplitude));
+    // Eigenvalues on a rigid disc: the critical speed differs by one percent, so few samples do; and some must.
+    let by_disc = differing(&linear);
+    assert!(by_disc > 0.0 && by_disc < 0.02 * samples, "{by_disc} of {samples}");
+}
