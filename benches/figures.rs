@@ -12,7 +12,10 @@ use std::time::{Duration, Instant};
 
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
-use stickslip_core::{PadOnDisc, Parameters, VerdictCounts};
+use stickslip_core::{
+    DiscModel, InstructionSet, JudgedMotion, Moment, PadOnDisc, Parameters, RandomInputs, Start, TimeDomain, TimeDomainSettings,
+    VerdictCounts,
+};
 use stickslip_sampler::identity::block_generator;
 use stickslip_sampler::{BLOCK_SAMPLES, Cell, Purpose, RelativeStd, SampleStream};
 
@@ -38,6 +41,9 @@ fn main() {
     threads();
     memory();
     start_up();
+    lanes();
+    convergence();
+    figure_14b();
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -191,4 +197,166 @@ fn start_up() {
     let all = thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let times = (0..15).map(|_| submit(directory.path(), &job, all).0).collect();
     figure("start to result of jobs/table3.toml (limit 0.3)", median(times), "s");
+}
+
+/// Inputs as a unit of Figure 14b draws them, in cells all over its grid.
+fn inputs(count: u64) -> Vec<RandomInputs> {
+    let stream = SampleStream {
+        seed: 2018,
+        common_random_numbers: false,
+        preload_is_random: true,
+        static_friction_is_random: true,
+    };
+    let mut inputs = Vec::new();
+    for index in 0..780 {
+        let (preload, friction) = (0.01 + 0.01 * (index / 26) as f64, 0.25 + 0.01 * (index % 26) as f64);
+        let cell = Cell { index, preload, static_friction: friction, ..CELL };
+        stream.for_each(&cell, 0..count, |samples| {
+            let pairs = samples.preloads.iter().zip(samples.static_frictions);
+            inputs.extend(pairs.map(|(&preload, &static_friction)| RandomInputs { preload, static_friction }));
+        });
+    }
+    inputs
+}
+
+fn brake() -> PadOnDisc {
+    let mut parameters = Parameters::sui_ding_2018();
+    parameters.operating_point.rotating_speed = CELL.rotating_speed;
+    PadOnDisc::new(parameters).expect("the preset is valid")
+}
+
+/// Steps and seconds of samples that are followed to their verdict, by the scalar code and by lanes, in turn.
+fn lanes() {
+    for (name, disc, count) in [("rigid", DiscModel::Rigid, 60), ("flexible", DiscModel::Flexible { modes: 5 }, 4)] {
+        let criterion = TimeDomain::new(&brake(), &disc, TimeDomainSettings::default()).expect("the preset is valid");
+        // Samples that are stable by definition take no steps.
+        let kinetic_friction = brake().parameters().friction.kinetic_coefficient;
+        let followed = |i: &RandomInputs| i.preload > 0.0 && i.static_friction >= kinetic_friction;
+        let inputs: Vec<RandomInputs> = inputs(count).into_iter().filter(followed).collect();
+        let judged = criterion.judge_all(&inputs);
+        let steps: f64 = judged.iter().map(|judged| (judged.time / criterion.step_length()).round()).sum();
+        let sets = InstructionSet::available();
+        let mut scalar_times = Vec::new();
+        let mut set_times = vec![Vec::new(); sets.len()];
+        for _ in 0..7 {
+            scalar_times.push(seconds(|| {
+                black_box(inputs.iter().map(|&inputs| criterion.judge(inputs)).collect::<Vec<_>>());
+            }));
+            for (set, times) in sets.iter().zip(&mut set_times) {
+                times.push(seconds(|| {
+                    black_box(criterion.judge_all_with(&inputs, *set));
+                }));
+            }
+        }
+        figure(&format!("{name} disc, samples followed to their verdict, scalar"), inputs.len() as f64 / median(scalar_times.clone()), "samples/s");
+        figure(&format!("{name} disc, scalar steps (RK4)"), 1e-6 * steps / median(scalar_times.clone()), "M steps/s");
+        for (set, times) in sets.iter().zip(&set_times) {
+            let ratios = scalar_times.iter().zip(times).map(|(scalar, lanes)| scalar / lanes).collect();
+            figure(&format!("{name} disc, {set:?} lanes"), 1e-6 * steps / median(times.clone()), "M steps/s");
+            figure(&format!("{name} disc, {set:?} lanes over scalar, to the verdict"), median(ratios), "times");
+        }
+        kernel(name, &criterion, &sets);
+    }
+}
+
+/// Steps alone, without beginning, judging and ending samples: motions near the limit cycle's edge that never end.
+fn kernel(name: &str, criterion: &TimeDomain, sets: &[InstructionSet]) {
+    let inputs: Vec<RandomInputs> =
+        (0..64).map(|i| RandomInputs { preload: 0.04 + 5e-4 * f64::from(i), static_friction: 0.3 }).collect();
+    let steps = if name == "rigid" { 200_000 } else { 10_000 };
+    let mut scalar = Vec::new();
+    let mut lanes = vec![Vec::new(); sets.len()];
+    for _ in 0..7 {
+        scalar.push(seconds(|| criterion.take_steps(&inputs[..1], steps, None)));
+        for (set, times) in sets.iter().zip(&mut lanes) {
+            times.push(seconds(|| criterion.take_steps(&inputs, steps / 10, Some(*set))));
+        }
+    }
+    let scalar_rate = |time: &f64| f64::from(steps) / time;
+    figure(&format!("{name} disc, steps alone, scalar"), 1e-6 * median(scalar.iter().map(scalar_rate).collect()), "M steps/s");
+    for (set, times) in sets.iter().zip(&lanes) {
+        let rates: Vec<f64> = times.iter().map(|time| 64.0 * f64::from(steps / 10) / time).collect();
+        let ratios = scalar.iter().zip(&rates).map(|(scalar, rate)| rate / scalar_rate(scalar)).collect();
+        figure(&format!("{name} disc, steps alone, {set:?} lanes"), 1e-6 * median(rates), "M steps/s");
+        figure(&format!("{name} disc, steps alone, {set:?} lanes over scalar"), median(ratios), "times");
+    }
+}
+
+/// How the step size tells on the verdicts, and how well the steps keep the balance of energy.
+fn convergence() {
+    for (name, disc, count) in [("rigid", DiscModel::Rigid, 60), ("flexible", DiscModel::Flexible { modes: 5 }, 4)] {
+        let criterion = |divisor: f64| {
+            let criterion = TimeDomain::new(&brake(), &disc, TimeDomainSettings::default()).expect("the preset is valid");
+            criterion.with_steps_divided_by(divisor)
+        };
+        let inputs = inputs(count);
+        let verdicts = |divisor: f64| criterion(divisor).judge_all(&inputs);
+        let converged: Vec<JudgedMotion> = verdicts(8.0);
+        for divisor in [0.5, 1.0, 2.0] {
+            let differing = verdicts(divisor).iter().zip(&converged).filter(|(a, b)| a.verdict != b.verdict).count();
+            let label = format!("{name} disc, verdicts that differ, steps h/{divisor} against h/8, of {}", inputs.len());
+            figure(&label, differing as f64, "samples");
+        }
+        for divisor in [0.5, 1.0, 2.0] {
+            let label = format!("{name} disc, energy that 100 cycles of stick-slip lose to steps h/{divisor}");
+            println!("{label:<58} {:>16.3e} of the work done", energy_defect(&disc, divisor));
+        }
+    }
+}
+
+/// The pad's kinetic energy against the work of all tangential forces, over the steps of plain slip.
+fn energy_defect(disc: &DiscModel, divisor: f64) -> f64 {
+    let mut parameters = Parameters::sui_ding_2018();
+    parameters.operating_point.rotating_speed = 10.0;
+    let brake = PadOnDisc::new(parameters).expect("the preset is valid");
+    let settings = TimeDomainSettings { start: Start::Rest, ..TimeDomainSettings::default() };
+    let criterion = TimeDomain::new(&brake, disc, settings).expect("the preset is valid").with_steps_divided_by(divisor);
+    let inputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
+    let trajectory = criterion.trajectory(inputs, 360.0).expect("the preset has an equilibrium");
+    let (mass, length) = (brake.scaled_mass(), brake.scales().length);
+    let stiffness = &brake.parameters().stiffness;
+    let rigid = matches!(disc, DiscModel::Rigid);
+    let power = |moment: &Moment| {
+        let (x, u) = moment.tangential;
+        let (sine, cosine) = if rigid { (0.0, 1.0) } else { moment.angle.0.sin_cos() };
+        let spring = stiffness.contact_tangential_2 * x
+            - brake.friction_transmission() * moment.friction_force / length;
+        let force = stiffness.calliper_tangential * x
+            + brake.scaled_tangential_damping() * u
+            + moment.contact_force / length * sine
+            + spring * cosine;
+        -force * u / mass
+    };
+    let (mut defect, mut work) = (0.0, 0.0);
+    for three in trajectory.moments.windows(3).step_by(2) {
+        if three.iter().any(|moment| moment.sticks) {
+            continue;
+        }
+        let [first, second, third] = [&three[0], &three[1], &three[2]].map(power);
+        let done = trajectory.interval / 3.0 * (first + 4.0 * second + third);
+        let gained = 0.5 * (three[2].tangential.1.powi(2) - three[0].tangential.1.powi(2));
+        defect += gained - done;
+        work += done.abs();
+    }
+    (defect / work).abs()
+}
+
+/// `jobs/fig14b.toml` from its start to the surface on disk, with either disc.
+fn figure_14b() {
+    let directory = tempfile::tempdir().expect("a temporary directory can be made");
+    let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../jobs/fig14b.toml");
+    let text = fs::read_to_string(&job).expect("the job is there");
+    let rigid = directory.path().join("rigid.toml");
+    fs::write(&rigid, text.replace("disc = \"flexible\"", "disc = \"rigid\"")).expect("the job file can be written");
+    let all = thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let mut ratios = Vec::new();
+    let mut times = Vec::new();
+    for _ in 0..3 {
+        let (one, two) = (submit(directory.path(), &rigid, 1).0, submit(directory.path(), &rigid, 2).0);
+        ratios.push(one / two);
+        times.push(submit(directory.path(), &rigid, all).0);
+    }
+    figure("jobs/fig14b.toml with the rigid disc (limit 60)", median(times), "s");
+    figure("two threads over one, rigid disc (at least 1.9)", median(ratios), "times");
+    figure("jobs/fig14b.toml with the flexible disc (limit 1200)", submit(directory.path(), &job, all).0, "s");
 }

@@ -20,10 +20,10 @@ fn job(name: &str, points: usize, samples: u64, criterion: &str) -> String {
 
 /// Digests of all columns. Regression values of results version 1, see `tests/determinism.rs`.
 const GOLDEN: [(&str, &str, &str); 4] = [
-    ("flexible", "disc = \"flexible\"", "?"),
-    ("rigid-rest", "disc = \"rigid\"\nstart = \"rest\"\nrecord = [\"amplitude\"]", "?"),
-    ("flexible-limit-cycle", "start = \"limit-cycle\"\ndisc_modes = 4\nindex = { amplitude = 0.006 }", "?"),
-    ("short", "disc = \"rigid\"\nhorizon = 4.0\ndisplacement = 0.2", "?"),
+    ("flexible", "disc = \"flexible\"", "13d9754010b039f79ee5a3e221baf60b"),
+    ("rigid-rest", "disc = \"rigid\"\nstart = \"rest\"\nrecord = [\"amplitude\"]", "e39152d93a2c393ff2724c30583293ef"),
+    ("flexible-limit-cycle", "start = \"limit-cycle\"\ndisc_modes = 4\nindex = { amplitude = 0.006 }", "8778d92b8e7830161813fb16285a77a5"),
+    ("short", "disc = \"rigid\"\nhorizon = 4.0\ndisplacement = 0.2", "686fb626861da0d1da47d53cc7f78fd9"),
 ];
 
 #[test]
@@ -229,11 +229,11 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
 #[test]
 fn samples_that_blow_up_are_failed_counted_and_shown() {
     let place = Place::new();
-    // Friction far beyond any pad: the equilibrium ceases to exist somewhere in the scatter.
+    // A disc as soft as rubber: far from the expected values the equilibrium ceases to exist, or the motion runs away.
     let spec = job("failing", 1, 400, "disc = \"flexible\"")
         .replace("{ from = 0.03, to = 0.30, points = 1 }", "0.3")
-        .replace("{ from = 0.27, to = 0.50, points = 1 }", "4.9")
-        .replace("[axes]", "[model.disc]\nyoungs_modulus = 1.6e9\n\n[axes]")
+        .replace("{ from = 0.27, to = 0.50, points = 1 }", "1.0")
+        .replace("[axes]", "[model.disc]\nyoungs_modulus = 1e7\n\n[axes]")
         .replace("relative_std = 0.2", "relative_std = 1.0");
     place.write("job.toml", &spec);
     let outcome = place.run("submit job.toml").done();
@@ -241,7 +241,7 @@ fn samples_that_blow_up_are_failed_counted_and_shown() {
     let count = |name: &str| table.column(name)[0];
     assert!(count("n_failed") > 0.0 && count("n_failed") < 400.0, "{}", count("n_failed"));
     assert_eq!(count("n_stable") + count("n_unstable") + count("n_undecided") + count("n_failed"), 400.0);
-    assert!(outcome.stdout.contains("failed"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains(&format!("{} failed", count("n_failed"))), "{}", outcome.stdout);
     // They bound the probability from both sides.
     let share = count("n_failed") / 400.0;
     assert!(count_bounds(&table) >= share, "{} {share}", count_bounds(&table));

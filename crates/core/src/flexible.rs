@@ -128,6 +128,8 @@ pub struct FlexibleBrake {
     pub(crate) pad: PadEquations,
     /// eta1.
     pub(crate) disc_damping: f64,
+    /// Length of a step in time.
+    pub(crate) step: f64,
     /// Shapes of the cosine amplitudes at the outer edge, and a quarter of the way to it.
     pub(crate) shapes_at_edge: Vec<f64>,
     pub(crate) shapes_inside: Vec<f64>,
@@ -289,13 +291,13 @@ impl FlexibleBrake {
             shapes_at_edge: shapes_at(1.0),
             shapes_inside: shapes_at(clamped + 0.25 * (1.0 - clamped)),
             approximate_inverse: DMatrix::zeros(0, 0),
+            step: f64::NAN,
             brake,
         }
     }
 
-    /// Linearises at the operating point, or at the preset's preload where that has none.
+    /// Finds the length of a step, and linearises at the operating point, or at the preset's preload where that has none.
     fn prepare(&mut self) -> Result<(), FlexibleError> {
-        let size = self.size();
         let operating_point = &self.brake.parameters().operating_point;
         let inputs = RandomInputs {
             preload: if operating_point.preload > 0.0 { operating_point.preload } else { 0.1 },
@@ -305,7 +307,7 @@ impl FlexibleBrake {
         let (stiffness, _) = self.linearise(inputs, &at);
         let unsolvable = FlexibleError::NoEquilibrium { preload: inputs.preload, static_friction: inputs.static_friction };
         self.approximate_inverse = stiffness.try_inverse().ok_or(unsolvable)?;
-        debug_assert_eq!(self.approximate_inverse.nrows(), size);
+        self.step = self.resolving_step();
         Ok(())
     }
 
@@ -328,11 +330,9 @@ impl FlexibleBrake {
         let contact = self.brake.parameters().stiffness.contact_normal;
         let shapes = self.patch.averages.shape.iter().zip(&self.amplitudes);
         // At rest, without the centrifugal softening of the rotation.
-        let spin = self.brake.parameters().operating_point.rotating_speed * self.brake.scales().time;
         shapes
             .map(|(shape, amplitude)| {
                 let n_spin = 0.5 * amplitude.gyroscopic;
-                debug_assert!(spin > 0.0);
                 shape * shape * amplitude.compliance / (contact * (amplitude.stiffness + n_spin * n_spin))
             })
             .collect()

@@ -28,6 +28,11 @@ pub(crate) struct FlexibleSample<'a> {
 impl FlexibleBrake {
     /// The length of a step.
     pub(crate) fn step_length(&self) -> f64 {
+        self.step
+    }
+
+    /// The length of a step that resolves every degree of freedom.
+    pub(crate) fn resolving_step(&self) -> f64 {
         let pad = &self.pad;
         let normal = pad.normal_stiffness + pad.pressure_gain;
         let tangential = pad.tangential_stiffness + pad.contact_tangential;

@@ -17,7 +17,7 @@ use crate::exponential::exp;
 use crate::flexible::{ContactState, FlexibleBrake, PAD, SERIES_ANGLE, small_sine_and_cosine};
 use crate::flexible_motion::{FlexibleSample, FlexibleState, MOST_FREEDOMS};
 use crate::judgement::Judge;
-use crate::motion::{Breakdown, FARTHEST, Motion, Observer as _, advance, may_touch, turning_point, turns};
+use crate::motion::{Breakdown, Equations, FARTHEST, Motion, Observer as _, advance, may_touch, turning_point, turns};
 use crate::pad_on_disc::RandomInputs;
 use crate::rigid::{RigidBrake, RigidState};
 use crate::time_domain::{JudgedMotion, System, TimeDomain};
@@ -174,6 +174,66 @@ impl TimeDomain {
             }
             _ => inputs.iter().map(|&inputs| self.judge(inputs)).collect(),
         }
+    }
+}
+
+impl TimeDomain {
+    /// Takes `steps` steps of every sample of a list, for benchmarks of the steps alone: nobody looks at the motions, and
+    /// all must be plain slip. By the scalar code one after the other, or by full bundles of lanes. Samples that do not
+    /// fill a bundle are left out.
+    ///
+    /// # Panics
+    /// If this processor does not have `set`.
+    pub fn take_steps(&self, inputs: &[RandomInputs], steps: u32, set: Option<InstructionSet>) {
+        match (&self.system, set) {
+            (System::Rigid(brake), Some(set)) => take_bundle_steps(self, inputs, steps, &mut RigidBundle::new(brake), set),
+            (System::Flexible(brake), Some(set)) => {
+                take_bundle_steps(self, inputs, steps, &mut FlexibleBundle::new(brake), set);
+            }
+            (System::Rigid(brake), None) => {
+                for &inputs in inputs {
+                    let sample = brake.sample(inputs);
+                    take_scalar_steps(&sample, self.start_rigid(&sample).0, steps, brake.step);
+                }
+            }
+            (System::Flexible(brake), None) => {
+                for &inputs in inputs {
+                    let sample = FlexibleSample::new(brake, inputs);
+                    if let Ok((motion, _)) = self.start_flexible(&sample) {
+                        take_scalar_steps(&sample, motion, steps, brake.step_length());
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn take_scalar_steps<E: Equations>(equations: &E, motion: Motion<E::State>, steps: u32, h: f64) {
+    let mut state = motion.state;
+    for _ in 0..steps {
+        state = equations.step(&state, ContactState::Slip, h).next;
+    }
+    std::hint::black_box(equations.tangential(&state));
+}
+
+fn take_bundle_steps<B: Bundle>(
+    criterion: &TimeDomain,
+    inputs: &[RandomInputs],
+    steps: u32,
+    bundle: &mut B,
+    set: InstructionSet,
+) {
+    assert!(InstructionSet::available().contains(&set), "this processor has no {set:?}");
+    for inputs in inputs.chunks_exact(B::LANES) {
+        for (lane, &inputs) in inputs.iter().enumerate() {
+            let _ = bundle.begin(criterion, lane, inputs);
+        }
+        bundle.commit();
+        for _ in 0..steps {
+            bundle.step(set);
+            bundle.commit();
+        }
+        std::hint::black_box(bundle.tangential(0));
     }
 }
 

@@ -149,6 +149,16 @@ impl TimeDomain {
         Ok(Self { settings, system, brake: brake.clone() })
     }
 
+    /// The same criterion with steps shorter by a factor: for studies of convergence.
+    #[must_use]
+    pub fn with_steps_divided_by(mut self, divisor: f64) -> Self {
+        match &mut self.system {
+            System::Rigid(brake) => brake.step /= divisor,
+            System::Flexible(brake) => brake.step /= divisor,
+        }
+        self
+    }
+
     /// Follows one sample until it is decided. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable by
     /// definition and not followed.
     #[must_use]

@@ -150,7 +150,7 @@ pub struct TrajectoryArguments {
     #[arg(long, value_enum, default_value_t = StartKind::NearEquilibrium)]
     pub start: StartKind,
     /// Displacement of a start near the equilibrium, over the equilibrium's own [default: 0.01]
-    #[arg(long, value_name = "D")]
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
     pub displacement: Option<f64>,
     /// Scaled time to follow [default: 500]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]

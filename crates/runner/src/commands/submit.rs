@@ -260,7 +260,25 @@ fn compute(
 /// Where the result is and what it looks like.
 fn report(directory: &RunDirectory, job: &Job, tally: &Tally) -> Result<(), Failure> {
     let surface = Surface::new(job, tally);
-    result(&format!("{}{}", picture(&surface), closing_line(&directory.surface(), job)))
+    let line = closing_line(&directory.surface(), job);
+    result(&format!("{}{line}{}", picture(&surface), without_verdict(&surface)))
+}
+
+/// A line on the samples without a verdict, if there are any: they are counted, and widen the interval.
+fn without_verdict(surface: &Surface<'_>) -> String {
+    let (mut undecided, mut failed) = (0, 0);
+    for row in surface.rows() {
+        undecided += row.counts.undecided;
+        failed += row.counts.failed;
+    }
+    match (undecided, failed) {
+        (0, 0) => String::new(),
+        _ => format!(
+            "{} samples undecided, {} failed; p_low and p_high count them for either side\n",
+            HumanCount(undecided),
+            HumanCount(failed)
+        ),
+    }
 }
 
 fn closing_line(surface: &Path, job: &Job) -> String {
