@@ -146,6 +146,33 @@ fn a_trajectory_file_holds_what_the_summary_says() {
 }
 
 #[test]
+fn the_papers_grid_with_its_moving_load_tells_the_same_story_as_the_modes() {
+    let place = Place::new();
+    let summary = |words: &str| {
+        let words = format!("trajectory {words} --start rest --horizon 100 --json --set operating_point.rotating_speed=10");
+        json(&place.run(&words).done().stdout)
+    };
+    let modal = summary("");
+    let mut before = f64::INFINITY;
+    for (grid, tolerance) in [("8x8", 1.5e-3), ("16x16", 5e-4)] {
+        let reference = summary(&format!("--disc finite-difference --grid {grid}"));
+        assert_eq!(reference["verdict"], "unstable");
+        let mut largest = 0.0_f64;
+        for key in ["period", "x_max", "x_min", "x_mean", "stick_fraction"] {
+            let deviation = (reference[key].as_f64().unwrap() / modal[key].as_f64().unwrap() - 1.0).abs();
+            assert!(deviation < tolerance, "{grid} {key}: {deviation}");
+            largest = largest.max(deviation);
+        }
+        assert!(largest < before, "a finer grid comes closer: {largest} {before}");
+        before = largest;
+    }
+    let nodal = summary("--disc finite-difference --grid 16x16 --allotment nodal");
+    assert!((nodal["period"].as_f64().unwrap() / modal["period"].as_f64().unwrap() - 1.0).abs() < 2e-3, "{nodal}");
+    place.run("trajectory --disc finite-difference --grid 2x8").refused(64, &["grid.radial = 2", "at least 4"]);
+    place.run("trajectory --disc finite-difference --grid 8").refused(64, &["not a grid", "12x12"]);
+}
+
+#[test]
 fn replays_give_the_verdicts_that_the_run_counted() {
     let place = Place::new();
     for (name, criterion) in [("flexible", "disc = \"flexible\""), ("rest", "disc = \"rigid\"\nstart = \"rest\"")] {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use stickslip_core::DiscGrid;
 
 use crate::job::StartKind;
 use crate::reproduce::target::Target;
@@ -146,6 +147,12 @@ pub struct TrajectoryArguments {
     /// Modes of the flexible disc that are kept, those of lowest frequency [default: 5]
     #[arg(long, value_name = "N")]
     pub disc_modes: Option<usize>,
+    /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc)
+    #[arg(long, value_name = "RxN", value_parser = grid, default_value = "8x8")]
+    pub grid: DiscGrid,
+    /// How the moving load of the finite-difference disc passes from node to node
+    #[arg(long, value_enum, default_value_t = AllotmentArgument::Linear)]
+    pub allotment: AllotmentArgument,
     /// Where the motion starts
     #[arg(long, value_enum, default_value_t = StartKind::NearEquilibrium)]
     pub start: StartKind,
@@ -170,6 +177,24 @@ pub enum DiscArgument {
     Rigid,
     /// Modes of an annular plate
     Flexible,
+    /// The paper's polar grid with the moving load, a reference for the modes; takes seconds to minutes
+    FiniteDifference,
+}
+
+/// How the moving load of the finite-difference disc passes from node to node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum AllotmentArgument {
+    /// It jumps from node to node (the paper's condition a)
+    Nodal,
+    /// It is shared linearly by the two nodes around it (condition b)
+    Linear,
+}
+
+/// `RxN`: radial intervals and elements under the pad.
+fn grid(text: &str) -> Result<DiscGrid, String> {
+    let wrong = || format!("{text:?} is not a grid; write RxN, for example 12x12: radial intervals, elements under the pad");
+    let (radial, per_pad) = text.split_once('x').ok_or_else(wrong)?;
+    Ok(DiscGrid { radial: radial.parse().map_err(|_| wrong())?, per_pad: per_pad.parse().map_err(|_| wrong())? })
 }
 
 impl DiscArgument {

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use stickslip_core::flexible::DISC_MODES;
 use stickslip_core::{
-    DiscModel, FlexibleError, Moment, PadOnDisc, RandomInputs, TimeDomain, TimeDomainSettings, Trajectory, Verdict,
+    Allotment, DiscModel, FiniteDifferenceBrake, FiniteDifferenceError, FlexibleError, Moment, PadOnDisc, RandomInputs, TimeDomain, TimeDomainSettings, Trajectory, Verdict,
     VerdictCounts,
 };
 
 use super::analyse::brake;
-use crate::cli::{DiscArgument, ReplayArguments, TrajectoryArguments};
+use crate::cli::{AllotmentArgument, DiscArgument, ReplayArguments, TrajectoryArguments};
 use crate::failure::Failure;
 use crate::job::{Criterion, Deciders, Job};
 use crate::output::result;
@@ -45,6 +45,18 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         DiscArgument::Flexible => {
             let modes = arguments.disc_modes.unwrap_or(DISC_MODES);
             follow(&pad, &DiscModel::Flexible { modes }, settings, inputs, arguments.horizon)?
+        }
+        DiscArgument::FiniteDifference => {
+            let refused = |error: FiniteDifferenceError| Failure::Usage(error.to_string());
+            let allotment = match arguments.allotment {
+                AllotmentArgument::Nodal => Allotment::Nodal,
+                AllotmentArgument::Linear => Allotment::Linear,
+            };
+            let reference = FiniteDifferenceBrake::new(pad.clone(), arguments.grid).map_err(refused)?;
+            let horizon = checked_horizon(arguments.horizon, reference.step_length())?;
+            reference
+                .trajectory(inputs, settings.start, settings.displacement, horizon, allotment)
+                .map_err(refused)?
         }
     };
     let facts = json!({
