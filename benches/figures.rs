@@ -1,6 +1,7 @@
 //! `make bench`: one line for each figure: name, value, unit. Ratios are taken pairwise in this one run; absolute
 //! values belong to the machine.
 
+#![allow(clippy::disallowed_methods, reason = "no result depends on a benchmark")]
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a benchmark that cannot run should say so and stop")]
 
 use std::fs;

@@ -410,7 +410,7 @@ impl FlexibleBrake {
         }
         let none = FlexibleError::NoEquilibrium { preload: inputs.preload, static_friction: inputs.static_friction };
         let start = self.equilibrium_on_rigid_disc(inputs);
-        if let Some(q) = self.iterate(inputs, start.clone(), |_| Some(&self.approximate_inverse)) {
+        if let Some(q) = self.iterate(inputs, start.clone(), &self.approximate_inverse) {
             return Ok(q);
         }
         // The linearisation of another operating point did not do: Newton's method with one of its own at each step.
@@ -424,20 +424,16 @@ impl FlexibleBrake {
                 _ => {}
             }
         }
-        self.iterate(inputs, q, |_| Some(&inverse)).ok_or(none)
+        self.iterate(inputs, q, &inverse).ok_or(none)
     }
 
     /// Newton's method with a fixed linearisation, until the steps are lost in rounding.
-    fn iterate<'a>(
-        &'a self,
-        inputs: RandomInputs,
-        mut q: Vec<f64>,
-        inverse: impl Fn(usize) -> Option<&'a DMatrix<f64>>,
-    ) -> Option<Vec<f64>> {
+    fn iterate(&self, inputs: RandomInputs, mut q: Vec<f64>, inverse: &DMatrix<f64>) -> Option<Vec<f64>> {
         let mut before = f64::INFINITY;
-        for iteration in 0..60 {
-            let step = self.iterate_once(inputs, &mut q, inverse(iteration)?);
-            if !(step < 0.5 * before) {
+        for _ in 0..60 {
+            let step = self.iterate_once(inputs, &mut q, inverse);
+            let shrinks = step < 0.5 * before;
+            if !shrinks {
                 // It shrinks no more: converged if that happens among rounding errors.
                 return (step.max(before) < 1e-13).then_some(q);
             }

@@ -88,6 +88,7 @@ impl<'a> FlexibleSample<'a> {
 impl Equations for FlexibleSample<'_> {
     type State = FlexibleState;
 
+    #[allow(clippy::needless_range_loop, reason = "arrays by one index read like the formula, and like the lanes")]
     fn step(&self, state: &FlexibleState, contact: ContactState, h: f64) -> Step<FlexibleState> {
         let n = self.brake.size();
         let (half, sixth) = (0.5 * h, h / 6.0);

@@ -1,6 +1,6 @@
 //! Many samples at once, in the lanes of vector registers.
 //!
-//! The scalar code ([`crate::rigid`], [`crate::flexible_motion`], [`crate::motion`]) is the truth; this file is its
+//! The scalar code (modules `rigid`, `flexible_motion` and `motion`) is the truth; this file is its
 //! speed. Lanes take one whole step of slip together, by the same operations in the same order, so that every lane has
 //! the bits that the scalar code has, on every instruction set: nothing here is contracted, reassociated or approximated.
 //! Whatever is not plain slip (sticking, release, lift-off, large angles, breakdown) sends the lane through the scalar

@@ -48,8 +48,11 @@ impl Panel {
     }
 }
 
+/// A quantity of a motion.
+type Quantity = fn(&Moment) -> f64;
+
 /// A quantity of a motion over its settled part.
-pub fn settled(trajectory: &Trajectory, value: fn(&Moment) -> f64) -> Vec<f64> {
+fn settled(trajectory: &Trajectory, value: Quantity) -> Vec<f64> {
     trajectory.moments.iter().filter(|moment| moment.time >= HORIZON - SETTLED).map(value).collect()
 }
 
@@ -129,7 +132,7 @@ fn relative_motion(
 ) -> Result<String, Failure> {
     let trajectory = panel.trajectory()?;
     let mut text = title.to_owned();
-    let quantities: [(&str, fn(&Moment) -> f64); 4] = [
+    let quantities: [(&str, Quantity); 4] = [
         ("sliding speed v - x', scaled", |m| m.sliding_speed),
         ("friction coefficient", |m| m.friction_coefficient),
         ("friction force, kN", |m| 1e-3 * m.friction_force),
@@ -148,7 +151,7 @@ fn relative_motion(
 }
 
 /// The spectrum of a quantity over the settled part of a motion.
-pub fn settled_spectrum(trajectory: &Trajectory, value: fn(&Moment) -> f64) -> Spectrum {
+pub fn settled_spectrum(trajectory: &Trajectory, value: Quantity) -> Spectrum {
     spectrum(&settled(trajectory, value), trajectory.interval)
 }
 
@@ -192,7 +195,7 @@ fn disc_vibration(directory: &Path) -> Result<String, Failure> {
     text += &peaks("a: outer edge", &edge, printed);
     text += &peaks("d: a quarter of the width from the clamped edge", &inside, printed);
     let shown: Vec<&Moment> = trajectory.moments.iter().filter(|m| m.time >= HORIZON - 20.0).collect();
-    let drawn: [(&str, fn(&Moment) -> f64); 2] = [
+    let drawn: [(&str, Quantity); 2] = [
         ("b, c: deflection of the outer edge over disc thickness", |m| m.deflection.0),
         ("d: deflection a quarter of the width from the clamped edge", |m| m.deflection.1),
     ];

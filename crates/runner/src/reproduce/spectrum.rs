@@ -18,7 +18,7 @@ pub struct Spectrum {
 pub fn spectrum(values: &[f64], interval: f64) -> Spectrum {
     let n = values.len();
     let mean = values.iter().sum::<f64>() / n.max(1) as f64;
-    let window = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos();
+    let window = |i: usize| 0.5 - 0.5 * libm::cos(TAU * i as f64 / n as f64);
     let mut signal: Vec<Complex<f64>> =
         values.iter().enumerate().map(|(i, value)| Complex::new((value - mean) * window(i), 0.0)).collect();
     FftPlanner::new().plan_fft_forward(n).process(&mut signal);
@@ -41,7 +41,7 @@ impl Spectrum {
         let mut peaks: Vec<(f64, f64)> = (1..a.len().saturating_sub(1))
             .filter(is_peak)
             .map(|k| {
-                let [before, here, after] = [a[k - 1], a[k], a[k + 1]].map(|value| value.max(1e-300).ln());
+                let [before, here, after] = [a[k - 1], a[k], a[k + 1]].map(|value| libm::log(value.max(1e-300)));
                 let bend = before - 2.0 * here + after;
                 let offset = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
                 (self.frequencies[k] + offset * resolution, a[k])
@@ -69,7 +69,7 @@ mod tests {
         let interval = 0.1;
         let value = |i: usize| {
             let t = interval * i as f64;
-            3.0 + 0.02 * (TAU * 0.2806 * t).sin() + 0.003 * (TAU * 1.87 * t).cos()
+            3.0 + 0.02 * libm::sin(TAU * 0.2806 * t) + 0.003 * libm::cos(TAU * 1.87 * t)
         };
         let values: Vec<f64> = (0..5000).map(value).collect();
         let peaks = spectrum(&values, interval).peaks(2, 0.01);
