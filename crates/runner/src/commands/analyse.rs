@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use stickslip_core::parameters::SCALARS;
-use stickslip_core::{PadOnDisc, Parameters};
+use stickslip_core::{FlexibleBrake, PadOnDisc, Parameters, RandomInputs};
 
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
@@ -21,6 +21,11 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     let speeds = brake.unstable_speeds();
     let stable = brake.growth_rate() <= 0.0;
     let (limit_cycle, saddle_node) = (brake.limit_cycle(), brake.saddle_node_speed());
+    let inputs = RandomInputs {
+        preload: operating_point.preload,
+        static_friction: parameters.friction.static_coefficient,
+    };
+    let coupled = FlexibleBrake::new(brake.clone()).and_then(|flexible| flexible.growth_rate(inputs));
     let critical_static_friction = boundary.critical_static_friction(operating_point.preload);
     let critical_preload = boundary.critical_preload(parameters.friction.static_coefficient);
     if arguments.json {
@@ -34,6 +39,7 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
             "eigenvalues": eigenvalues.iter().map(|value| [value.re, value.im]).collect::<Vec<_>>(),
             "growth_rate": brake.growth_rate(),
             "stable": stable,
+            "coupled_growth_rate": coupled.as_ref().ok(),
             "unstable_speeds": match speeds {
                 None => json!("none"),
                 Some(speeds) if speeds.to.is_infinite() => json!("all"),
@@ -84,6 +90,10 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
         );
     }
     text += &format!("growth rate        {:+.6} (tangential motion)\n", brake.growth_rate());
+    text += &match coupled {
+        Ok(rate) => format!("coupled            {rate:+.6} (largest growth rate of pad and flexible disc)\n"),
+        Err(error) => format!("coupled            {error}\n"),
+    };
     text += &match speeds {
         None => "critical speed     none: steady sliding is stable at every speed\n".to_owned(),
         Some(speeds) if speeds.to.is_infinite() => "critical speed     none: unstable at every speed\n".to_owned(),
