@@ -15,7 +15,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use common::{Place, Table, repository, surface_job};
+use common::{Place, Table, other_build, repository, surface_job};
 use stickslip_sampler::{Cell, RelativeStd, SampleStream};
 
 /// Job specs whose columns are pinned, with the digest of every value. Regression values of results version 1: they
@@ -262,19 +262,8 @@ fn a_task_started_twice_and_killed_once_loses_nothing() {
 
 #[test]
 fn debug_and_release_builds_write_the_same_bytes() {
-    // The other profile than this test's own, built here if it is not there yet.
-    let mut build = Command::new(env!("CARGO"));
-    build.args(["build", "--locked", "--quiet", "-p", "stickslip"]).current_dir(repository());
-    let profile = if cfg!(debug_assertions) {
-        build.arg("--release");
-        "release"
-    } else {
-        "debug"
-    };
-    assert!(build.status().unwrap().success());
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| repository().join("target"), PathBuf::from);
     let job = surface_job("builds", 8, 20_500, 3);
-    let (here, there) = (Place::new(), Place::new().with_program(&target.join(profile).join("stickslip")));
+    let (here, there) = (Place::new(), Place::new().with_program(&other_build()));
     for place in [&here, &there] {
         place.write("job.toml", &job);
         place.run("submit job.toml").done();

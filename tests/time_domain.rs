@@ -5,12 +5,11 @@
 
 mod common;
 
-use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::thread;
 use std::time::Duration;
 
-use common::{Place, Table, repository, surface_job};
+use common::{Place, Table, other_build, repository, surface_job};
 
 /// A job over `points` by `points` cells around Figure 14b; `criterion` are lines after `kind = "time-domain"`.
 fn job(name: &str, points: usize, samples: u64, criterion: &str) -> String {
@@ -77,17 +76,7 @@ fn threads_shards_and_interruptions_do_not_change_a_byte() {
 
 #[test]
 fn debug_and_release_builds_write_the_same_bytes() {
-    let mut build = Command::new(env!("CARGO"));
-    build.args(["build", "--locked", "--quiet", "-p", "stickslip"]).current_dir(repository());
-    let profile = if cfg!(debug_assertions) {
-        build.arg("--release");
-        "release"
-    } else {
-        "debug"
-    };
-    assert!(build.status().unwrap().success());
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| repository().join("target"), PathBuf::from);
-    let (here, there) = (Place::new(), Place::new().with_program(&target.join(profile).join("stickslip")));
+    let (here, there) = (Place::new(), Place::new().with_program(&other_build()));
     for disc in ["flexible", "rigid"] {
         let job = job(disc, 3, 40, &format!("disc = \"{disc}\"\nrecord = [\"amplitude\"]"));
         for place in [&here, &there] {

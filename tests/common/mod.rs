@@ -106,6 +106,21 @@ impl Place {
     }
 }
 
+/// The program as the other profile than this test's own makes it; built here if it is not there yet.
+pub fn other_build() -> PathBuf {
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--locked", "--quiet", "-p", "stickslip"]).current_dir(repository());
+    let profile = if cfg!(debug_assertions) {
+        build.arg("--release");
+        "release"
+    } else {
+        "debug"
+    };
+    assert!(build.status().unwrap().success());
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| repository().join("target"), PathBuf::from);
+    target.join(profile).join("stickslip")
+}
+
 /// A job over `points` by `points` cells around Figure 14a.
 pub fn surface_job(name: &str, points: usize, samples: u64, seed: u64) -> String {
     format!(

@@ -53,6 +53,8 @@ mod contact;
 
 pub mod flexible;
 
+mod flexible_stability;
+
 mod motion;
 
 mod rigid;

@@ -170,27 +170,8 @@ impl Equations for RigidSample<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::{Motion, Observer, advance};
-
-    /// Keeps the moments that make up a cycle.
-    #[derive(Default)]
-    struct Log {
-        turns: Vec<(f64, f64)>,
-        sticks: Vec<f64>,
-        slips: Vec<f64>,
-    }
-
-    impl Observer for Log {
-        fn turns(&mut self, time: f64, x: f64) {
-            self.turns.push((time, x));
-        }
-        fn sticks(&mut self, time: f64, _: f64) {
-            self.sticks.push(time);
-        }
-        fn slips(&mut self, time: f64) {
-            self.slips.push(time);
-        }
-    }
+    use crate::motion::{Motion, advance};
+    use crate::trajectory::Diary;
 
     fn inputs(brake: &PadOnDisc) -> RandomInputs {
         let parameters = brake.parameters();
@@ -200,11 +181,11 @@ mod tests {
         }
     }
 
-    fn follow_from_release(brake: &RigidBrake, inputs: RandomInputs, time: f64, h: f64) -> Log {
+    fn follow_from_release(brake: &RigidBrake, inputs: RandomInputs, time: f64, h: f64) -> Diary {
         let sample = brake.sample(inputs);
         let mut motion =
             Motion { state: RigidState { x: sample.release(), u: brake.disc_speed }, contact: ContactState::Stick };
-        let mut log = Log::default();
+        let mut log = Diary::default();
         for k in 0..(time / h) as u32 {
             advance(&sample, &mut motion, h * f64::from(k), h, &mut log).unwrap();
         }
@@ -291,7 +272,7 @@ mod tests {
         let rigid = RigidBrake::new(&brake);
         let sample = rigid.sample(inputs(&brake));
         let mut motion = Motion { state: RigidState { x: -0.5, u: 0.0 }, contact: ContactState::Slip };
-        let mut log = Log::default();
+        let mut log = Diary::default();
         let mut overtook = false;
         for k in 0..4000 {
             advance(&sample, &mut motion, rigid.step * f64::from(k), rigid.step, &mut log).unwrap();

@@ -74,9 +74,10 @@ pub struct Trajectory {
 /// Keeps the moments of sticking, release and turning.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Diary {
-    turns: Vec<(f64, f64)>,
-    sticks: Vec<f64>,
-    slips: Vec<f64>,
+    /// Time and x.
+    pub turns: Vec<(f64, f64)>,
+    pub sticks: Vec<f64>,
+    pub slips: Vec<f64>,
 }
 
 impl Observer for Diary {
