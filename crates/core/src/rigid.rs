@@ -255,6 +255,26 @@ mod tests {
     }
 
     #[test]
+    fn a_touch_between_the_ends_of_a_step_is_seen() {
+        // Friction that is flat at rest does not hold the pad up near the disc's speed: just below the saddle-node it
+        // passes there for a moment much shorter than a step.
+        let at = |speed: f64| {
+            PadOnDisc::preset_with(&[("friction.stribeck_exponent", 2.0), ("operating_point.rotating_speed", speed)])
+        };
+        let saddle_node = at(10.0).saddle_node_speed().unwrap();
+        let is_recaptured = |speed: f64, divisor: f64| {
+            let rigid = RigidBrake::new(&at(speed));
+            !follow_from_release(&rigid, inputs(&at(speed)), 4.0, rigid.step / divisor).sticks.is_empty()
+        };
+        for divisor in [1.0, 1.1, 1.23, 1.37, 1.5, 1.71] {
+            for share in [0.999, 0.9998, 0.9999] {
+                assert!(is_recaptured(share * saddle_node, divisor), "{share} of {saddle_node}, step / {divisor}");
+            }
+            assert!(!is_recaptured(1.001 * saddle_node, divisor));
+        }
+    }
+
+    #[test]
     fn no_step_size_makes_it_chatter() {
         let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", 10.0)]);
         let rigid = RigidBrake::new(&brake);
