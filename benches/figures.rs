@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use stickslip_core::{
-    DiscModel, InstructionSet, JudgedMotion, Moment, PadOnDisc, Parameters, RandomInputs, Start, TimeDomain, TimeDomainSettings,
-    VerdictCounts,
+    DiscModel, InstructionSet, JudgedMotion, Moment, PadOnDisc, Parameters, RandomInputs, Start, TimeDomain,
+    TimeDomainSettings, VerdictCounts,
 };
 use stickslip_sampler::identity::block_generator;
 use stickslip_sampler::{BLOCK_SAMPLES, Cell, Purpose, RelativeStd, SampleStream};
@@ -249,7 +249,11 @@ fn lanes() {
                 }));
             }
         }
-        figure(&format!("{name} disc, samples followed to their verdict, scalar"), inputs.len() as f64 / median(scalar_times.clone()), "samples/s");
+        figure(
+            &format!("{name} disc, samples followed to their verdict, scalar"),
+            inputs.len() as f64 / median(scalar_times.clone()),
+            "samples/s",
+        );
         figure(&format!("{name} disc, scalar steps (RK4)"), 1e-6 * steps / median(scalar_times.clone()), "M steps/s");
         for (set, times) in sets.iter().zip(&set_times) {
             let ratios = scalar_times.iter().zip(times).map(|(scalar, lanes)| scalar / lanes).collect();
@@ -274,7 +278,11 @@ fn kernel(name: &str, criterion: &TimeDomain, sets: &[InstructionSet]) {
         }
     }
     let scalar_rate = |time: &f64| f64::from(steps) / time;
-    figure(&format!("{name} disc, steps alone, scalar"), 1e-6 * median(scalar.iter().map(scalar_rate).collect()), "M steps/s");
+    figure(
+        &format!("{name} disc, steps alone, scalar"),
+        1e-6 * median(scalar.iter().map(scalar_rate).collect()),
+        "M steps/s",
+    );
     for (set, times) in sets.iter().zip(&lanes) {
         let rates: Vec<f64> = times.iter().map(|time| 64.0 * f64::from(steps / 10) / time).collect();
         let ratios = scalar.iter().zip(&rates).map(|(scalar, rate)| rate / scalar_rate(scalar)).collect();
@@ -287,7 +295,8 @@ fn kernel(name: &str, criterion: &TimeDomain, sets: &[InstructionSet]) {
 fn convergence() {
     for (name, disc, count) in [("rigid", DiscModel::Rigid, 60), ("flexible", DiscModel::Flexible { modes: 5 }, 4)] {
         let criterion = |divisor: f64| {
-            let criterion = TimeDomain::new(&brake(), &disc, TimeDomainSettings::default()).expect("the preset is valid");
+            let criterion =
+                TimeDomain::new(&brake(), &disc, TimeDomainSettings::default()).expect("the preset is valid");
             criterion.with_steps_divided_by(divisor)
         };
         let inputs = inputs(count);
@@ -295,7 +304,8 @@ fn convergence() {
         let converged: Vec<JudgedMotion> = verdicts(8.0);
         for divisor in [0.5, 1.0, 2.0] {
             let differing = verdicts(divisor).iter().zip(&converged).filter(|(a, b)| a.verdict != b.verdict).count();
-            let label = format!("{name} disc, verdicts that differ, steps h/{divisor} against h/8, of {}", inputs.len());
+            let label =
+                format!("{name} disc, verdicts that differ, steps h/{divisor} against h/8, of {}", inputs.len());
             figure(&label, differing as f64, "samples");
         }
         for divisor in [0.5, 1.0, 2.0] {
@@ -311,7 +321,8 @@ fn energy_defect(disc: &DiscModel, divisor: f64) -> f64 {
     parameters.operating_point.rotating_speed = 10.0;
     let brake = PadOnDisc::new(parameters).expect("the preset is valid");
     let settings = TimeDomainSettings { start: Start::Rest, ..TimeDomainSettings::default() };
-    let criterion = TimeDomain::new(&brake, disc, settings).expect("the preset is valid").with_steps_divided_by(divisor);
+    let criterion =
+        TimeDomain::new(&brake, disc, settings).expect("the preset is valid").with_steps_divided_by(divisor);
     let inputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
     let trajectory = criterion.trajectory(inputs, 360.0).expect("the preset has an equilibrium");
     let (mass, length) = (brake.scaled_mass(), brake.scales().length);
@@ -320,8 +331,8 @@ fn energy_defect(disc: &DiscModel, divisor: f64) -> f64 {
     let power = |moment: &Moment| {
         let (x, u) = moment.tangential;
         let (sine, cosine) = if rigid { (0.0, 1.0) } else { moment.angle.0.sin_cos() };
-        let spring = stiffness.contact_tangential_2 * x
-            - brake.friction_transmission() * moment.friction_force / length;
+        let spring =
+            stiffness.contact_tangential_2 * x - brake.friction_transmission() * moment.friction_force / length;
         let force = stiffness.calliper_tangential * x
             + brake.scaled_tangential_damping() * u
             + moment.contact_force / length * sine

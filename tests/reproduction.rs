@@ -181,8 +181,24 @@ fn every_target_reproduces_twice_alike() {
     // Figure 14b takes minutes; `tests/time_domain.rs` runs it with fewer samples.
     assert!(help.contains("fig14b"));
     for name in [
-        "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8", "fig9", "fig10", "fig11", "fig12", "fig13", "fig14a",
-        "fig14c", "fig14d", "fig15a", "fig15b", "scoreboard",
+        "table2",
+        "table3",
+        "fig4",
+        "fig5",
+        "fig6",
+        "fig7",
+        "fig8",
+        "fig9",
+        "fig10",
+        "fig11",
+        "fig12",
+        "fig13",
+        "fig14a",
+        "fig14c",
+        "fig14d",
+        "fig15a",
+        "fig15b",
+        "scoreboard",
     ] {
         assert!(help.contains(name), "{name}");
         let first = place.run(&format!("reproduce {name}")).done().stdout;

@@ -21,7 +21,11 @@ fn job(name: &str, points: usize, samples: u64, criterion: &str) -> String {
 const GOLDEN: [(&str, &str, &str); 4] = [
     ("flexible", "disc = \"flexible\"", "13d9754010b039f79ee5a3e221baf60b"),
     ("rigid-rest", "disc = \"rigid\"\nstart = \"rest\"\nrecord = [\"amplitude\"]", "e39152d93a2c393ff2724c30583293ef"),
-    ("flexible-limit-cycle", "start = \"limit-cycle\"\ndisc_modes = 4\nindex = { amplitude = 0.006 }", "8778d92b8e7830161813fb16285a77a5"),
+    (
+        "flexible-limit-cycle",
+        "start = \"limit-cycle\"\ndisc_modes = 4\nindex = { amplitude = 0.006 }",
+        "8778d92b8e7830161813fb16285a77a5",
+    ),
     ("short", "disc = \"rigid\"\nhorizon = 4.0\ndisplacement = 0.2", "686fb626861da0d1da47d53cc7f78fd9"),
 ];
 
@@ -57,7 +61,8 @@ fn threads_shards_and_interruptions_do_not_change_a_byte() {
     }
     let mut was_alive = 0;
     for delay in [30, 60, 90, 120, 200, 300] {
-        let words = if place.path("killed/job.toml").exists() { "resume killed" } else { "submit job.toml --out killed" };
+        let words =
+            if place.path("killed/job.toml").exists() { "resume killed" } else { "submit job.toml --out killed" };
         let mut child =
             place.command(&format!("{words} --threads 1")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         thread::sleep(Duration::from_millis(delay));
@@ -107,15 +112,20 @@ fn trajectories_settle_to_the_table() {
         assert!((value("stick_fraction") - stick).abs() < 1e-4, "{summary}");
     }
     // Above both boundaries the pad comes to rest: there is no period.
-    let quiet = place.run("trajectory --set operating_point.rotating_speed=35 --start rest --horizon 2000 --json").done();
+    let quiet =
+        place.run("trajectory --set operating_point.rotating_speed=35 --start rest --horizon 2000 --json").done();
     let quiet = json(&quiet.stdout);
-    assert_eq!((&quiet["verdict"], &quiet["period"], quiet["stick_fraction"].as_f64()), (&"stable".into(), &serde_json::Value::Null, Some(0.0)));
+    assert_eq!(
+        (&quiet["verdict"], &quiet["period"], quiet["stick_fraction"].as_f64()),
+        (&"stable".into(), &serde_json::Value::Null, Some(0.0))
+    );
 }
 
 #[test]
 fn a_trajectory_file_holds_what_the_summary_says() {
     let place = Place::new();
-    let summary = place.run("trajectory --set operating_point.rotating_speed=10 --start rest --out motion.parquet --json");
+    let summary =
+        place.run("trajectory --set operating_point.rotating_speed=10 --start rest --out motion.parquet --json");
     let summary = json(&summary.done().stdout);
     let table = Table::read(&place.path("motion.parquet"));
     let (time, x, sticks) = (table.column("time"), table.column("x"), table.column("sticks"));
@@ -138,7 +148,8 @@ fn a_trajectory_file_holds_what_the_summary_says() {
 fn the_papers_grid_with_its_moving_load_tells_the_same_story_as_the_modes() {
     let place = Place::new();
     let summary = |words: &str| {
-        let words = format!("trajectory {words} --start rest --horizon 100 --json --set operating_point.rotating_speed=10");
+        let words =
+            format!("trajectory {words} --start rest --horizon 100 --json --set operating_point.rotating_speed=10");
         json(&place.run(&words).done().stdout)
     };
     let modal = summary("");
@@ -228,7 +239,9 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
     }
     let eigen = surface_job("bad", 3, 10, 3);
     place.write("job.toml", &eigen.replace("kind = \"eigenvalue\"", "kind = \"eigenvalue\"\nhorizon = 5.0"));
-    place.run("submit job.toml").refused(65, &["job.toml:14:11", "criterion.horizon belongs to kind = \"time-domain\""]);
+    place
+        .run("submit job.toml")
+        .refused(65, &["job.toml:14:11", "criterion.horizon belongs to kind = \"time-domain\""]);
     for (words, texts) in [
         ("--horizon 0", ["--horizon 0", "greater than 0"]),
         ("--horizon nan", ["--horizon NaN", "greater than 0"]),

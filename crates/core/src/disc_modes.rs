@@ -274,8 +274,13 @@ mod tests {
     fn disc_frequencies_of_the_preset() {
         // Physics notes: 0.290, 1.894, 5.436 Hz of scaled time for the modes without nodal diameters.
         let brake = PadOnDisc::new(Parameters::sui_ding_2018()).unwrap();
-        let hertz: Vec<f64> =
-            brake.annular_plate().modes(0, 3).unwrap().iter().map(|m| brake.disc_frequency(m) / std::f64::consts::TAU).collect();
+        let hertz: Vec<f64> = brake
+            .annular_plate()
+            .modes(0, 3)
+            .unwrap()
+            .iter()
+            .map(|m| brake.disc_frequency(m) / std::f64::consts::TAU)
+            .collect();
         for (value, expected) in hertz.iter().zip([0.290, 1.894, 5.436]) {
             assert!((value - expected).abs() < 5e-4, "{value} {expected}");
         }

@@ -208,7 +208,8 @@ pub(crate) fn sine_and_cosine(angle: f64) -> (f64, f64) {
 #[inline(always)]
 pub(crate) fn small_sine_and_cosine(angle: f64) -> (f64, f64) {
     let s = angle * angle;
-    let sine = ((((-1.0 / 39_916_800.0 * s + 1.0 / 362_880.0) * s - 1.0 / 5040.0) * s + 1.0 / 120.0) * s - 1.0 / 6.0) * s;
+    let sine =
+        ((((-1.0 / 39_916_800.0 * s + 1.0 / 362_880.0) * s - 1.0 / 5040.0) * s + 1.0 / 120.0) * s - 1.0 / 6.0) * s;
     let cosine = (((((1.0 / 479_001_600.0 * s - 1.0 / 3_628_800.0) * s + 1.0 / 40_320.0) * s - 1.0 / 720.0) * s
         + 1.0 / 24.0)
         * s
@@ -304,7 +305,8 @@ impl FlexibleBrake {
         };
         let at = self.equilibrium_on_rigid_disc(inputs);
         let (stiffness, _) = self.linearise(inputs, &at);
-        let unsolvable = FlexibleError::NoEquilibrium { preload: inputs.preload, static_friction: inputs.static_friction };
+        let unsolvable =
+            FlexibleError::NoEquilibrium { preload: inputs.preload, static_friction: inputs.static_friction };
         self.approximate_inverse = stiffness.try_inverse().ok_or(unsolvable)?;
         self.step = self.resolving_step();
         Ok(())

@@ -99,8 +99,7 @@ impl FlexibleBrake {
                 by_gap[(0, column)] += weight * gap_by[column];
                 for k in 0..modes {
                     by_gap[(1 + k, column)] += weight * shapes[k] * gap_by[column];
-                    by_gap[(1 + modes + k, column)] +=
-                        weight * shapes[k] * (gap_by[column] * slope + gap * slope_by);
+                    by_gap[(1 + modes + k, column)] += weight * shapes[k] * (gap_by[column] * slope + gap * slope_by);
                 }
             }
             for (follower, shape) in follower.iter_mut().zip(shapes) {
@@ -132,8 +131,7 @@ impl FlexibleBrake {
             stiffness[(2, column)] = -(pad.angular_stiffness * by(2) + pad.arm * spring_by);
             for (k, amplitude) in self.amplitudes.iter().enumerate() {
                 stiffness[(PAD + k, column)] = -amplitude.stiffness * by(PAD + k)
-                    - amplitude.compliance
-                        * (by_gap[(1 + k, column)] + mu * by_gap[(1 + modes + k, column)]);
+                    - amplitude.compliance * (by_gap[(1 + k, column)] + mu * by_gap[(1 + modes + k, column)]);
             }
         }
         let spring_by_speed = -pad.transmission * mu_by_speed * pressure;
@@ -266,7 +264,11 @@ mod tests {
                 for (matrix, by_speed) in [(&stiffness, false), (&damping, true)] {
                     let shifted = |step: f64| {
                         let (mut q, mut u) = (q.clone(), u.clone());
-                        if by_speed { u[column] += step } else { q[column] += step }
+                        if by_speed {
+                            u[column] += step
+                        } else {
+                            q[column] += step
+                        }
                         accelerations(&flexible, inputs, &q, &u)
                     };
                     let (ahead, behind) = (shifted(step), shifted(-step));
@@ -314,7 +316,10 @@ mod tests {
         assert!((q[0] / rigid.tangential - 1.0).abs() < 5e-3, "{} {}", q[0], rigid.tangential);
         let values = flexible.coupled_eigenvalues(NOMINAL).unwrap();
         let tangential = brake.sliding_eigenvalues()[0];
-        let nearest = values.iter().map(|value| f64::hypot(value.re - tangential.re, value.im - tangential.im)).fold(f64::INFINITY, f64::min);
+        let nearest = values
+            .iter()
+            .map(|value| f64::hypot(value.re - tangential.re, value.im - tangential.im))
+            .fold(f64::INFINITY, f64::min);
         assert!(nearest < 1e-2 * tangential.im.abs(), "{nearest}");
     }
 }

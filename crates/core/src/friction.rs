@@ -71,11 +71,7 @@ impl StribeckLaw {
 /// continued smoothly to `r = -1`, so that the step keeps its order, and is constant below.
 #[inline(always)]
 pub(crate) fn decay(r: f64, exponent: f64) -> f64 {
-    let power = if exponent == 1.0 {
-        if r < -1.0 { -1.0 } else { r }
-    } else {
-        libm::pow(r.abs(), exponent)
-    };
+    let power = if exponent == 1.0 { if r < -1.0 { -1.0 } else { r } } else { libm::pow(r.abs(), exponent) };
     exp(-power)
 }
 

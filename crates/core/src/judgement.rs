@@ -14,8 +14,8 @@
 //! the other degrees of freedom disturb the amplitude, but only as long as they ring: what they could feign is assumed to
 //! be half of the amplitude at first, and to die away at the slowest of their damping rates.
 
-use crate::verdict::Verdict;
 use crate::motion::Observer;
+use crate::verdict::Verdict;
 
 /// What can be feigned at any time: rounding and the interpolation of turning points.
 const LEAST_CHANGE: f64 = 1e-4;

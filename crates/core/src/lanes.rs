@@ -58,7 +58,8 @@ impl InstructionSet {
             Self::Baseline => {}
             Self::Avx2 => return std::arch::is_x86_feature_detected!("avx2"),
             Self::Avx512 => {
-                return std::arch::is_x86_feature_detected!("avx512f") && std::arch::is_x86_feature_detected!("avx512dq");
+                return std::arch::is_x86_feature_detected!("avx512f")
+                    && std::arch::is_x86_feature_detected!("avx512dq");
             }
         }
         self == Self::Baseline
@@ -190,7 +191,9 @@ impl TimeDomain {
     /// If this processor does not have `set`.
     pub fn take_steps(&self, inputs: &[RandomInputs], steps: u32, set: Option<InstructionSet>) {
         match (&self.system, set) {
-            (System::Rigid(brake), Some(set)) => take_bundle_steps(self, inputs, steps, &mut RigidBundle::new(brake), set),
+            (System::Rigid(brake), Some(set)) => {
+                take_bundle_steps(self, inputs, steps, &mut RigidBundle::new(brake), set)
+            }
             (System::Flexible(brake), Some(set)) => {
                 take_bundle_steps(self, inputs, steps, &mut FlexibleBundle::new(brake), set);
             }
@@ -242,7 +245,12 @@ fn take_bundle_steps<B: Bundle>(
 }
 
 /// Runs a list of samples through a bundle.
-fn run<B: Bundle>(criterion: &TimeDomain, inputs: &[RandomInputs], bundle: &mut B, set: InstructionSet) -> Vec<JudgedMotion> {
+fn run<B: Bundle>(
+    criterion: &TimeDomain,
+    inputs: &[RandomInputs],
+    bundle: &mut B,
+    set: InstructionSet,
+) -> Vec<JudgedMotion> {
     let h = bundle.step_length();
     let limit = criterion.steps_to_horizon(h);
     let mut outcomes = vec![JudgedMotion::OUTSIDE_PHYSICS; inputs.len()];
@@ -491,8 +499,7 @@ fn rigid_step(brake: &RigidBrake, lanes: &mut RigidArrays) {
     }
     for i in 0..RIGID_LANES {
         let acceleration = (k1[i], k4[i]);
-        lanes.findings[i] =
-            findings(brake.disc_speed, lanes.u[i], lanes.next_x[i], lanes.next_u[i], acceleration, h);
+        lanes.findings[i] = findings(brake.disc_speed, lanes.u[i], lanes.next_x[i], lanes.next_u[i], acceleration, h);
     }
     lanes.first_acceleration = k1;
     lanes.last_acceleration = k4;
@@ -796,13 +803,11 @@ fn flexible_rates(
         -(pull + spring[l] * cosine[l])
     });
     accelerations[1] = row!(|l| {
-        -(pad.normal_damping * y_speed[l] + pad.normal_stiffness * (inputs.preload[l] + y[l])
-            - pressure[l] * cosine[l]
+        -(pad.normal_damping * y_speed[l] + pad.normal_stiffness * (inputs.preload[l] + y[l]) - pressure[l] * cosine[l]
             + spring[l] * sine[l])
     });
-    accelerations[2] = row!(|l| {
-        -(pad.angular_damping * phi_speed[l] + pad.angular_stiffness * phi[l] + pad.arm * spring[l])
-    });
+    accelerations[2] =
+        row!(|l| { -(pad.angular_damping * phi_speed[l] + pad.angular_stiffness * phi[l] + pad.arm * spring[l]) });
     for (k, amplitude) in brake.amplitudes.iter().enumerate() {
         let (value, speed, partner_speed) = (&q[PAD + k], &u[PAD + k], &u[PAD + amplitude.partner]);
         let (load, follower) = (&on_modes[k], &follower[k]);
@@ -883,9 +888,8 @@ mod tests {
         for set in InstructionSet::available() {
             let found = criterion.judge_all_with(inputs, set);
             for ((inputs, expected), found) in inputs.iter().zip(&expected).zip(&found) {
-                let bits = |judged: &JudgedMotion| {
-                    (judged.verdict, judged.time.to_bits(), judged.amplitude.map(f64::to_bits))
-                };
+                let bits =
+                    |judged: &JudgedMotion| (judged.verdict, judged.time.to_bits(), judged.amplitude.map(f64::to_bits));
                 assert_eq!(bits(found), bits(expected), "{set:?} {inputs:?} {found:?} {expected:?}");
             }
         }

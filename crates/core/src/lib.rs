@@ -79,9 +79,9 @@ mod finite_difference_motion;
 
 pub use disc_modes::{AnnularPlate, PlateMode};
 pub use eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
-pub use friction::StribeckLaw;
 pub use finite_difference::{Allotment, DiscGrid, FiniteDifferenceBrake, FiniteDifferenceError};
 pub use flexible::{ContactState, FlexibleBrake, FlexibleError};
+pub use friction::StribeckLaw;
 pub use lanes::InstructionSet;
 pub use pad_on_disc::{PadOnDisc, RandomInputs, Scales, SlidingEquilibrium};
 pub use parameters::{ParameterError, Parameters, Scalar};

@@ -146,7 +146,11 @@ fn follow<E: Equations>(
         };
         let release = |state: &E::State| {
             let reserve = equations.reserve(state);
-            if reserve.against_slip < reserve.against_overtaking { ContactState::Slip } else { ContactState::Overtaking }
+            if reserve.against_slip < reserve.against_overtaking {
+                ContactState::Slip
+            } else {
+                ContactState::Overtaking
+            }
         };
         if margin(&from) <= 0.0 {
             motion.contact = release(&from);
@@ -265,12 +269,7 @@ fn touch<E: Equations>(
 
 /// The time in `0..late` at which `value`, positive before and not positive at `late`, vanishes; and the state there, on
 /// the side where it is not positive. The Illinois variant of the false position, with bisection as its safeguard.
-fn locate<S: Copy>(
-    late: f64,
-    state: &S,
-    state_after: impl Fn(f64) -> S,
-    value: impl Fn(&S) -> f64,
-) -> (f64, S) {
+fn locate<S: Copy>(late: f64, state: &S, state_after: impl Fn(f64) -> S, value: impl Fn(&S) -> f64) -> (f64, S) {
     let (mut early, mut late, mut state) = (0.0, late, *state);
     let (mut at_early, mut at_late) = (value(&state_after(0.0)), value(&state));
     let tolerance = 1e-15 * late;

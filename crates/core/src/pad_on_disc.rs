@@ -241,8 +241,8 @@ impl PadOnDisc {
         let friction_coefficient = law.coefficient(self.disc_speed());
         let friction_force = friction_coefficient * normal_force;
         let tangential = self.friction_transmission() * friction_force / self.tangential_stiffness();
-        let normal = -stiffness.calliper_normal * inputs.preload
-            / (stiffness.calliper_normal + stiffness.contact_normal);
+        let normal =
+            -stiffness.calliper_normal * inputs.preload / (stiffness.calliper_normal + stiffness.contact_normal);
         let contact_spring = friction_force / stiffness.contact_tangential_1 - tangential;
         let moment = 0.5 * pad.moment_arm * self.scales.length * stiffness.contact_tangential_2 * contact_spring;
         let angle = moment / stiffness.calliper_angular;

@@ -84,7 +84,6 @@ impl RigidBrake {
             static_pull: gain * inputs.static_friction,
         }
     }
-
 }
 
 impl RigidSample<'_> {
@@ -108,7 +107,9 @@ impl RigidSample<'_> {
     pub fn pull(&self, contact: ContactState, u: f64) -> f64 {
         let direction = if contact == ContactState::Overtaking { -1.0 } else { 1.0 };
         let sliding = direction * (self.brake.disc_speed - u);
-        direction * (self.kinetic_pull + self.falling_pull * decay(sliding * self.brake.inverse_stribeck, self.brake.stribeck_exponent))
+        direction
+            * (self.kinetic_pull
+                + self.falling_pull * decay(sliding * self.brake.inverse_stribeck, self.brake.stribeck_exponent))
     }
 
     /// Steady sliding, x0.
@@ -142,10 +143,7 @@ impl Equations for RigidSample<'_> {
         let u4 = u + h * k3;
         let k4 = acceleration(x + h * u3, u4);
         let sixth = h / 6.0;
-        let next = RigidState {
-            x: x + h * (u + sixth * (k1 + k2 + k3)),
-            u: u + sixth * (k1 + 2.0 * (k2 + k3) + k4),
-        };
+        let next = RigidState { x: x + h * (u + sixth * (k1 + k2 + k3)), u: u + sixth * (k1 + 2.0 * (k2 + k3) + k4) };
         Step { next, acceleration: (k1, k4) }
     }
 
@@ -228,7 +226,10 @@ mod tests {
                 let period = log.slips[3] - log.slips[2];
                 assert!((period / cycle.period - 1.0).abs() < tolerance, "{speed} {divisor}: {period} {cycle:?}");
                 let largest = log.turns.iter().map(|turn| turn.1).fold(f64::NEG_INFINITY, f64::max);
-                assert!((largest / cycle.tangential_max - 1.0).abs() < tolerance, "{speed} {divisor}: {largest} {cycle:?}");
+                assert!(
+                    (largest / cycle.tangential_max - 1.0).abs() < tolerance,
+                    "{speed} {divisor}: {largest} {cycle:?}"
+                );
             }
         }
     }

@@ -4,8 +4,8 @@ use thiserror::Error;
 
 use crate::flexible::{ContactState, FlexibleBrake, FlexibleError};
 use crate::flexible_motion::FlexibleSample;
-use crate::lanes::InstructionSet;
 use crate::judgement::{Judge, Rules};
+use crate::lanes::InstructionSet;
 use crate::motion::{Equations, Motion, advance};
 use crate::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::rigid::{RigidBrake, RigidSample, RigidState};
@@ -80,7 +80,11 @@ impl TimeDomainSettings {
     /// [`SettingsError`] with the first one that is out of range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         let check = |key, value: f64, largest| {
-            if value > 0.0 && value <= largest { Ok(()) } else { Err(SettingsError::OutOfRange { key, value, largest }) }
+            if value > 0.0 && value <= largest {
+                Ok(())
+            } else {
+                Err(SettingsError::OutOfRange { key, value, largest })
+            }
         };
         check("displacement", self.displacement, 1e3)?;
         check("horizon", self.horizon, 1e9)?;
@@ -304,7 +308,13 @@ mod tests {
 
     /// Follows a sample for `time`, whatever a judge might think of it.
     fn aftermath(criterion: &TimeDomain, inputs: RandomInputs, time: f64) -> Aftermath {
-        fn run<E: Equations>(equations: &E, mut motion: Motion<E::State>, judge: Judge, h: f64, time: f64) -> Aftermath {
+        fn run<E: Equations>(
+            equations: &E,
+            mut motion: Motion<E::State>,
+            judge: Judge,
+            h: f64,
+            time: f64,
+        ) -> Aftermath {
             let mut aftermath = Aftermath { judge, last_stick: f64::NEG_INFINITY };
             for step in 0..(time / h) as u64 {
                 advance(equations, &mut motion, step as f64 * h, h, &mut aftermath).unwrap();

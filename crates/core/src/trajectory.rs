@@ -118,7 +118,13 @@ impl Diary {
         let start = to - window;
         let stick_fraction = self.stuck(start, to) / window;
         let tangential_mean = mean(moments, start, to);
-        Some(SettledMotion { tangential_max: largest, tangential_min: smallest, tangential_mean, period, stick_fraction })
+        Some(SettledMotion {
+            tangential_max: largest,
+            tangential_min: smallest,
+            tangential_mean,
+            period,
+            stick_fraction,
+        })
     }
 
     /// Time in stick between two moments.
@@ -495,8 +501,10 @@ mod tests {
         let brake = PadOnDisc::new(parameters).unwrap();
         let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
         let rigid = TimeDomain::new(&brake, &DiscModel::Rigid, settings).unwrap().trajectory(NOMINAL, 300.0).unwrap();
-        let flexible =
-            TimeDomain::new(&brake, &DiscModel::Flexible { modes: 5 }, settings).unwrap().trajectory(NOMINAL, 300.0).unwrap();
+        let flexible = TimeDomain::new(&brake, &DiscModel::Flexible { modes: 5 }, settings)
+            .unwrap()
+            .trajectory(NOMINAL, 300.0)
+            .unwrap();
         let range = |trajectory: &Trajectory| {
             let late = trajectory.moments.iter().filter(|moment| moment.time > 200.0).map(|moment| moment.angle.0);
             (late.clone().fold(f64::INFINITY, f64::min), late.fold(f64::NEG_INFINITY, f64::max))
@@ -513,7 +521,11 @@ mod tests {
         let down: Vec<TimeDomain> = speeds.iter().map(|&speed| at(speed)).collect();
         let up: Vec<TimeDomain> = speeds.iter().rev().map(|&speed| at(speed)).collect();
         let jump = |points: &[SweepPoint], sticks: bool| {
-            points.iter().find(|point| (point.stick_fraction > 0.0) == sticks).map(|point| point.rotating_speed).unwrap()
+            points
+                .iter()
+                .find(|point| (point.stick_fraction > 0.0) == sticks)
+                .map(|point| point.rotating_speed)
+                .unwrap()
         };
         let down = jump(&sweep(&down, NOMINAL, 600.0).unwrap(), true);
         let up = jump(&sweep(&up, NOMINAL, 600.0).unwrap(), false);

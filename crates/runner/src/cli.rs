@@ -192,7 +192,8 @@ pub enum AllotmentArgument {
 
 /// `RxN`: radial intervals and elements under the pad.
 fn grid(text: &str) -> Result<DiscGrid, String> {
-    let wrong = || format!("{text:?} is not a grid; write RxN, for example 12x12: radial intervals, elements under the pad");
+    let wrong =
+        || format!("{text:?} is not a grid; write RxN, for example 12x12: radial intervals, elements under the pad");
     let (radial, per_pad) = text.split_once('x').ok_or_else(wrong)?;
     Ok(DiscGrid { radial: radial.parse().map_err(|_| wrong())?, per_pad: per_pad.parse().map_err(|_| wrong())? })
 }

@@ -21,10 +21,8 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     let speeds = brake.unstable_speeds();
     let stable = brake.growth_rate() <= 0.0;
     let (limit_cycle, saddle_node) = (brake.limit_cycle(), brake.saddle_node_speed());
-    let inputs = RandomInputs {
-        preload: operating_point.preload,
-        static_friction: parameters.friction.static_coefficient,
-    };
+    let inputs =
+        RandomInputs { preload: operating_point.preload, static_friction: parameters.friction.static_coefficient };
     let coupled = FlexibleBrake::new(brake.clone()).and_then(|flexible| flexible.growth_rate(inputs));
     let critical_static_friction = boundary.critical_static_friction(operating_point.preload);
     let critical_preload = boundary.critical_preload(parameters.friction.static_coefficient);

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use stickslip_core::flexible::DISC_MODES;
 use stickslip_core::{
-    Allotment, DiscModel, FiniteDifferenceBrake, FiniteDifferenceError, FlexibleError, Moment, PadOnDisc, RandomInputs, TimeDomain, TimeDomainSettings, Trajectory, Verdict,
-    VerdictCounts,
+    Allotment, DiscModel, FiniteDifferenceBrake, FiniteDifferenceError, FlexibleError, Moment, PadOnDisc, RandomInputs,
+    TimeDomain, TimeDomainSettings, Trajectory, Verdict, VerdictCounts,
 };
 
 use super::analyse::brake;
@@ -54,9 +54,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
             };
             let reference = FiniteDifferenceBrake::new(pad.clone(), arguments.grid).map_err(refused)?;
             let horizon = checked_horizon(arguments.horizon, reference.step_length())?;
-            reference
-                .trajectory(inputs, settings.start, settings.displacement, horizon, allotment)
-                .map_err(refused)?
+            reference.trajectory(inputs, settings.start, settings.displacement, horizon, allotment).map_err(refused)?
         }
     };
     let facts = json!({

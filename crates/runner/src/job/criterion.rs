@@ -170,7 +170,8 @@ impl CriterionSpec {
     /// The settings of the simulation in time.
     fn settings(&self) -> Result<TimeDomainSettings, Complaint> {
         let default = TimeDomainSettings::default();
-        let value = |given: &Option<Spanned<f64>>, default: f64| given.as_ref().map_or(default, |value| *value.get_ref());
+        let value =
+            |given: &Option<Spanned<f64>>, default: f64| given.as_ref().map_or(default, |value| *value.get_ref());
         let settings = TimeDomainSettings {
             start: self.start.as_ref().map_or(default.start, |start| (*start.get_ref()).into()),
             displacement: value(&self.displacement, default.displacement),

@@ -1,15 +1,16 @@
 //! The validated job: every value resolved and within its limits.
 
 use stickslip_core::parameters::{self, SCALARS};
-use stickslip_core::{FlexibleBrake, FlexibleError, PadOnDisc, ParameterError, Parameters, StabilityBoundary, TimeDomain};
+use stickslip_core::{
+    FlexibleBrake, FlexibleError, PadOnDisc, ParameterError, Parameters, StabilityBoundary, TimeDomain,
+};
 use stickslip_sampler::{Axis, BLOCK_SAMPLES, Grid, RelativeStd, SampleStream, WilsonInterval};
 use toml::Spanned;
 
 use super::criterion::{Criterion, Deciders};
 use super::diagnosis::{Complaint, nearest};
 use super::spec::{
-    AxisSpec, EvaluateMode, JobSpec, ModelSpec, RandomInput, RandomSpec, SECTIONS, SamplingMethod,
-    StdSpec,
+    AxisSpec, EvaluateMode, JobSpec, ModelSpec, RandomInput, RandomSpec, SECTIONS, SamplingMethod, StdSpec,
 };
 
 /// Cells at the most; their results are held in memory.

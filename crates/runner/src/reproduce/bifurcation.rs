@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use stickslip_core::flexible::DISC_MODES;
-use stickslip_core::{DiscModel, PadOnDisc, Parameters, RandomInputs, SweepPoint, TimeDomain, TimeDomainSettings, sweep};
+use stickslip_core::{
+    DiscModel, PadOnDisc, Parameters, RandomInputs, SweepPoint, TimeDomain, TimeDomainSettings, sweep,
+};
 
 use crate::failure::Failure;
 use crate::picture::curves;
@@ -63,8 +65,7 @@ pub fn diagram(directory: &Path) -> Result<String, Failure> {
     text += "the paper prints 15.56 (Hopf) and 30 (saddle-node). On the way down growth takes its time beyond the boundary; on\n\
         the way up each step of the speed disturbs the motion, and just below the saddle-node little is enough.\n";
     let [flexible, direction, speed, largest, smallest, stick] = columns;
-    let column =
-        |name, unit, long_name, values: Vec<f64>| DescribedColumn { name, unit, long_name, values };
+    let column = |name, unit, long_name, values: Vec<f64>| DescribedColumn { name, unit, long_name, values };
     write_columns(
         directory,
         "bifurcation.parquet",

@@ -91,7 +91,8 @@ impl Plan {
     /// The units that are missing for `samples` samples in each cell.
     pub fn new(tally: &Tally, samples: u64, unit_samples: u64, shard: Option<Shard>) -> Self {
         let units_per_cell = samples.div_ceil(unit_samples);
-        let gaps = tally.gaps(samples).into_iter().map(|(cell, gap)| Gap::new(cell, gap, unit_samples, units_per_cell, shard));
+        let gaps =
+            tally.gaps(samples).into_iter().map(|(cell, gap)| Gap::new(cell, gap, unit_samples, units_per_cell, shard));
         let gaps: Vec<Gap> = gaps.filter(|gap| gap.units > 0).collect();
         let mut units_before = Vec::with_capacity(gaps.len() + 1);
         let mut units = 0;

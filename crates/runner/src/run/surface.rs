@@ -124,7 +124,12 @@ impl<'a> Surface<'a> {
     /// The row of one cell.
     pub fn row(&self, cell: u64) -> SurfaceRow<'a> {
         let counts = self.tally.counts(cell);
-        SurfaceRow { cell: self.job.grid.cell(cell), counts, estimate: self.interval.estimate(&counts), amplitudes: self.tally.amplitudes(cell) }
+        SurfaceRow {
+            cell: self.job.grid.cell(cell),
+            counts,
+            estimate: self.interval.estimate(&counts),
+            amplitudes: self.tally.amplitudes(cell),
+        }
     }
 
     /// All rows, in order.
