@@ -215,6 +215,8 @@ fn every_target_reproduces_twice_alike() {
 
 /// Figure 6: both motions between the critical speed and the saddle-node, one of them elsewhere.
 fn hysteresis(diagram: &Table) {
+    // The last speeds of stick-slip in these sweeps: the saddle-node of the rigid disc is at 30.197, and its sweep ends
+    // a step or two below; the flexible disc's, which nobody has given independently, lies some 1.5 % lower.
     for (flexible, critical, saddle_node) in [(0.0, 15.56, 30.197), (1.0, 15.398, 29.6)] {
         let sticks = |direction: f64, speed: f64| {
             let row = (0..diagram.column("direction").len()).find(|&row| {

@@ -26,7 +26,7 @@ const GOLDEN: [(&str, &str, &str); 4] = [
         "start = \"limit-cycle\"\ndisc_modes = 4\nindex = { amplitude = 0.006 }",
         "8778d92b8e7830161813fb16285a77a5",
     ),
-    ("short", "disc = \"rigid\"\nhorizon = 4.0\ndisplacement = 0.2", "686fb626861da0d1da47d53cc7f78fd9"),
+    ("short", "disc = \"rigid\"\nhorizon = 4.0\ndisplacement = 0.2", "378e591ec88adfea68ca9ec63dc332ca"),
 ];
 
 #[test]
@@ -210,10 +210,13 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
     let place = Place::new();
     let cases: &[(&str, &[&str])] = &[
         ("horizon = 0", &["job.toml:14:11", "criterion.horizon = 0 is out of range", "greater than 0"]),
+        ("horizon = 1e8", &["job.toml:14:11", "horizon = 100000000 is out of range", "at most"]),
         ("horizon = nan", &["job.toml:14:11", "criterion.horizon = NaN"]),
         ("displacement = 0.0", &["job.toml:14:16", "criterion.displacement = 0", "greater than 0"]),
         ("displacement = nan", &["criterion.displacement = NaN"]),
         ("index = { amplitude = -1.0 }", &["job.toml:14:9", "criterion.index.amplitude = -1"]),
+        ("index = 0.1", &["expected a table, for example { amplitude = 0.002 }"]),
+        ("disc_modes = -1", &["-1", "a whole number"]),
         ("index = { amplitud = 1.0 }", &["amplitud", "did you mean `amplitude`?"]),
         ("record = [\"amplitudes\"]", &["amplitudes", "did you mean `amplitude`?"]),
         ("disc = \"flexibel\"", &["flexibel", "did you mean `flexible`?"]),
@@ -231,7 +234,8 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
         ("[model.disc]\ninner_radius = 0.135", ["disc.inner_radius", "must be less than"]),
         ("[model.pad]\ninner_radius = 0.2", ["pad.inner_radius", "must be less than"]),
         ("[model.pad]\nhalf_angle = 4.0", ["pad.half_angle", "at most"]),
-        ("[model.disc]\nyoungs_modulus = 2e3", ["criterion", "no sliding equilibrium"]),
+        ("[model.disc]\nyoungs_modulus = 1e5", ["criterion", "no sliding equilibrium"]),
+        ("[model.disc]\ntransverse_damping_ratio = 0", ["without falling friction", "coupled-eigenvalue"]),
     ] {
         let spec = job("bad", 3, 10, "").replace("[axes]", &format!("{section}\n\n[axes]"));
         place.write("job.toml", &spec);
@@ -249,10 +253,16 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
         ("--displacement -0.1", ["--displacement = -0.1", "greater than 0"]),
         ("--set operating_point.preload=0", ["no sliding equilibrium", "preload 0"]),
         ("--disc-modes 1", ["1 disc modes", "4 modes"]),
+        ("--disc rigid --disc-modes 5", ["--disc-modes belongs to --disc flexible", "leave it out"]),
+        ("--grid 8x8", ["--grid belongs to --disc finite-difference", "leave it out"]),
     ] {
         place.run(&format!("trajectory {words}")).refused(64, &texts);
     }
     place.run("trajectory --out nowhere/motion.parquet").refused(73, &["there is no directory nowhere"]);
+    // What is not an ordinary file is not replaced by one.
+    std::os::unix::fs::symlink("/dev/null", place.path("link.parquet")).unwrap();
+    place.run("trajectory --out link.parquet").refused(73, &["link.parquet is not an ordinary file"]);
+    assert!(place.path("link.parquet").symlink_metadata().unwrap().is_symlink());
 }
 
 #[test]
@@ -271,6 +281,8 @@ fn samples_that_blow_up_are_failed_counted_and_shown() {
     assert!(count("n_failed") > 0.0 && count("n_failed") < 400.0, "{}", count("n_failed"));
     assert_eq!(count("n_stable") + count("n_unstable") + count("n_undecided") + count("n_failed"), 400.0);
     assert!(outcome.stdout.contains(&format!("{} failed", count("n_failed"))), "{}", outcome.stdout);
+    let status = json(&place.run("status runs/failing --json").done().stdout);
+    assert_eq!(status["samples_failed"].as_f64(), Some(count("n_failed")));
     // They bound the probability from both sides.
     let share = count("n_failed") / 400.0;
     assert!(count_bounds(&table) >= share, "{} {share}", count_bounds(&table));

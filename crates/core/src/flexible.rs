@@ -26,6 +26,7 @@ use crate::eigenvalues::EigenvalueError;
 use crate::friction::decay;
 use crate::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::parameters::ParameterError;
+use crate::time_domain::SettingsError;
 
 /// Disc modes that are kept unless told otherwise: those with 0 to 4 nodal diameters and no nodal circle for the preset.
 /// The tests show what more of them would change.
@@ -65,6 +66,19 @@ pub enum FlexibleError {
         share: f64,
         /// How many would do; more than [`MOST_DISC_MODES`] if none.
         needed: usize,
+    },
+    /// How a motion is to be followed makes no sense.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// More than the tangential motion is unstable: a verdict on it would not be one on the brake.
+    #[error(
+        "steady sliding is unstable at {rotating_speed} rad/s even without falling friction, growth rate {growth_rate:.2e}: a mode of disc or contact grows, which the tangential motion does not show. kind = \"coupled-eigenvalue\" sees it"
+    )]
+    OtherInstability {
+        /// Omega, rad/s.
+        rotating_speed: f64,
+        /// Of the fastest growing mode, per unit of scaled time.
+        growth_rate: f64,
     },
     /// Nothing presses pad and disc together.
     #[error("there is no sliding equilibrium: preload {preload} does not press the pad on the disc")]
@@ -365,7 +379,14 @@ impl FlexibleBrake {
             ContactState::Stick => {
                 let spring = -pull / cosine;
                 let friction = pad.contact_tangential * q[0] - spring;
-                (spring, if pressure > 0.0 { friction / (pad.transmission * pressure) } else { f64::INFINITY })
+                (
+                    spring,
+                    if pressure > 0.0 {
+                        friction / (pad.transmission * pressure)
+                    } else {
+                        f64::INFINITY.copysign(friction)
+                    },
+                )
             }
             ContactState::Slip | ContactState::Overtaking => {
                 let ratio = if contact == ContactState::Slip {

@@ -265,9 +265,9 @@ mod tests {
                     let shifted = |step: f64| {
                         let (mut q, mut u) = (q.clone(), u.clone());
                         if by_speed {
-                            u[column] += step
+                            u[column] += step;
                         } else {
-                            q[column] += step
+                            q[column] += step;
                         }
                         accelerations(&flexible, inputs, &q, &u)
                     };

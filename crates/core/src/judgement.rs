@@ -7,6 +7,7 @@
 //!   feign; or stick-slip is reached and kept for several cycles.
 //! * **Stable**: the amplitude shrinks from swing to swing, by more than transients could feign, and is no larger than
 //!   the stated displacement from the equilibrium.
+//! * **Stable** too: an overdamped motion that creeps towards the equilibrium without turning.
 //! * **Undecided** when the horizon comes first, **failed** when the computation breaks down.
 //!
 //! On a rigid disc the tangential motion is a plane autonomous system: orbits do not cross, so once a swing is longer
@@ -39,6 +40,13 @@ const CYCLES_OF_MEAN: u32 = 10;
 const SETTLED_CHANGE: f64 = 1e-3;
 const MOST_MEANS: u32 = 20;
 
+/// Largest distance from the equilibrium, over x0, at which a shrinking motion counts as having come home, however large
+/// the displacement: a limit cycle is wider.
+const LARGEST_BASIN: f64 = 0.1;
+
+/// Distance from the equilibrium, over x0, at which a motion that does not turn has arrived.
+const ARRIVED: f64 = 1e-6;
+
 /// Swings of constant amplitude after which a motion without stick counts as settled.
 const SETTLED_SWINGS: u32 = 100;
 
@@ -57,8 +65,12 @@ pub(crate) struct Rules {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Judge {
     rules: Rules,
+    /// x0.
+    equilibrium: f64,
     /// Amplitude below which a shrinking motion has come home: the stated displacement.
     basin: f64,
+    /// Distance from the equilibrium at the last look, unless the motion has turned or stuck since.
+    last_distance: Option<f64>,
     verdict: Option<Verdict>,
     /// Known to be unstable, but followed further.
     grows: bool,
@@ -88,11 +100,14 @@ struct Reference {
 }
 
 impl Judge {
-    /// For a motion that starts at a turning point `x` if it starts without speed.
-    pub fn new(rules: Rules, basin: f64, starts_turning_at: Option<f64>) -> Self {
+    /// For a motion about the equilibrium `x0`, with the stated displacement over x0, that starts at a turning point if it
+    /// starts without speed.
+    pub fn new(rules: Rules, equilibrium: f64, displacement: f64, starts_turning_at: Option<f64>) -> Self {
         Self {
             rules,
-            basin,
+            equilibrium,
+            basin: displacement.min(LARGEST_BASIN) * equilibrium.abs(),
+            last_distance: None,
             verdict: None,
             grows: false,
             last_turn: starts_turning_at,
@@ -116,10 +131,24 @@ impl Judge {
         self.verdict
     }
 
-    /// The verdict at the horizon: a motion that is known to grow but has not settled is undecided only where the
-    /// settled amplitude is what was asked for.
-    pub fn at_horizon(&self) -> Verdict {
-        self.verdict.unwrap_or(Verdict::Undecided)
+    /// Whether the motion is known to be unstable, settled or not.
+    pub fn is_unstable(&self) -> bool {
+        self.grows || self.verdict == Some(Verdict::Unstable)
+    }
+
+    /// Looks at the motion itself, from time to time: without turning points there are no swings to judge.
+    pub fn looks(&mut self, x: f64) {
+        let distance = (x - self.equilibrium).abs();
+        if let Some(before) = self.last_distance
+            && self.verdict.is_none()
+            && !self.grows
+            && self.cycles == 0
+            && distance <= self.basin
+            && (distance <= 0.5 * before || distance.max(before) <= ARRIVED * self.equilibrium.abs())
+        {
+            self.verdict = Some(Verdict::Stable);
+        }
+        self.last_distance = Some(distance);
     }
 
     /// The settled amplitude of stick-slip if it has one, or else half of the distance between the last two turning
@@ -186,6 +215,7 @@ impl Judge {
 
 impl Observer for Judge {
     fn turns(&mut self, time: f64, x: f64) {
+        self.last_distance = None;
         let Some(before) = self.last_turn.replace(x) else { return };
         self.amplitude = 0.5 * (x - before).abs();
         if self.cycles > 0 {
@@ -202,6 +232,7 @@ impl Observer for Judge {
     }
 
     fn sticks(&mut self, time: f64, x: f64) {
+        self.last_distance = None;
         // A swing that ends in stick is at least this long.
         if let (Some(reference), Some(turn)) = (self.reference.take(), self.last_turn)
             && 0.5 * (x - turn).abs() > reference.amplitude * (1.0 + reference.change)

@@ -191,12 +191,16 @@ fn follow<E: Equations>(
         };
         let state = equations.moving_with_disc(&state);
         let (next_x, _) = equations.tangential(&state);
-        report_turn(x, u, (next_x, equations.disc_speed()), step.acceleration, part, time, observer);
+        let acceleration = (step.acceleration.0, equations.step(&state, contact, 0.0).acceleration.0);
+        report_turn(x, u, (next_x, equations.disc_speed()), acceleration, part, time, observer);
         let reserve = equations.reserve(&state);
         motion.state = state;
         if reserve.against_slip >= 0.0 && reserve.against_overtaking >= 0.0 {
             motion.contact = ContactState::Stick;
-            observer.sticks(time + part, next_x);
+            // What has not come away since its release has not come back either.
+            if ends.0 > 0.0 {
+                observer.sticks(time + part, next_x);
+            }
         } else if reserve.against_overtaking < 0.0 {
             motion.contact = ContactState::Overtaking;
         } else {

@@ -8,10 +8,13 @@
 //! stick (x' = v):  while |K x + C v| <= G f_s           K = (k_x + k_t2) / (M eta0),  C = c_x sqrt(eta0) / (M eta0)
 //! ```
 //!
-//! in Runge-Kutta steps of fixed length. [`limit_cycle`](crate::PadOnDisc::limit_cycle) follows the same equations with
+//! in Runge-Kutta steps of fixed length, a tenth over the natural frequency. They resolve the friction law as long as the
+//! disc does not pass its Stribeck velocity too suddenly: at 0.1 m/s, a seventh of the preset's, the saddle-node comes out
+//! 0.4 % too high, at 0.01 m/s 2 %. [`limit_cycle`](crate::PadOnDisc::limit_cycle) follows the same equations with
 //! an adaptive method of its own; the tests compare the two.
 
 use crate::flexible::ContactState;
+use crate::flexible_motion::DAMPED_STEP;
 use crate::friction::decay;
 use crate::motion::{Equations, Reserve, Step};
 use crate::pad_on_disc::{PadOnDisc, RandomInputs};
@@ -62,16 +65,17 @@ impl RigidBrake {
     pub fn new(brake: &PadOnDisc) -> Self {
         let mass = brake.scaled_mass();
         let stiffness = brake.tangential_stiffness() / mass;
+        let damping = brake.scaled_tangential_damping() / mass;
         let law = brake.friction_law();
         Self {
             stiffness,
-            damping: brake.scaled_tangential_damping() / mass,
+            damping,
             disc_speed: brake.disc_speed(),
             inverse_stribeck: 1.0 / law.stribeck_velocity,
             stribeck_exponent: law.exponent,
             kinetic_friction: law.kinetic_coefficient,
             gain_per_preload: brake.friction_transmission() * brake.normal_force_per_preload() / mass,
-            step: STEP / stiffness.sqrt(),
+            step: (STEP / stiffness.sqrt()).min(DAMPED_STEP / damping),
         }
     }
 

@@ -14,6 +14,9 @@ use crate::verdict::Verdict;
 /// Horizon unless told otherwise, in scaled time.
 pub const HORIZON: f64 = 10_000.0;
 
+/// Steps to the horizon at the most.
+const MOST_STEPS: f64 = 1e8;
+
 /// Displacement of a start near the equilibrium unless told otherwise, relative to x0.
 pub const DISPLACEMENT: f64 = 0.01;
 
@@ -142,15 +145,42 @@ impl TimeDomain {
     /// Prepares the criterion.
     ///
     /// # Errors
-    /// As [`FlexibleBrake::with_modes`].
+    /// As [`FlexibleBrake::with_modes`]; settings out of range; more steps to the horizon than anyone could wait for; and
+    /// on a flexible disc a model that is unstable even without falling friction, of which the tangential motion says
+    /// nothing.
     pub fn new(brake: &PadOnDisc, disc: &DiscModel, settings: TimeDomainSettings) -> Result<Self, FlexibleError> {
+        settings.validate()?;
         let system = match disc {
             DiscModel::Rigid => System::Rigid(RigidBrake::new(brake)),
             DiscModel::Flexible { modes } => {
                 System::Flexible(Box::new(FlexibleBrake::with_modes(brake.clone(), *modes)?))
             }
         };
-        Ok(Self { settings, system, brake: brake.clone() })
+        let criterion = Self { settings, system, brake: brake.clone() };
+        let longest = MOST_STEPS * criterion.step_length();
+        if settings.horizon > longest {
+            return Err(SettingsError::OutOfRange { key: "horizon", value: settings.horizon, largest: longest }.into());
+        }
+        criterion.check_other_modes()?;
+        Ok(criterion)
+    }
+
+    /// Whether everything but the tangential motion is stable: with friction that does not fall with speed, nothing feeds
+    /// the tangential motion, and what still grows is another mode.
+    fn check_other_modes(&self) -> Result<(), FlexibleError> {
+        let System::Flexible(flexible) = &self.system else { return Ok(()) };
+        let parameters = self.brake.parameters();
+        let preload = parameters.operating_point.preload;
+        let inputs = RandomInputs {
+            preload: if preload > 0.0 { preload } else { 0.1 },
+            static_friction: self.brake.friction_law().kinetic_coefficient,
+        };
+        let growth_rate = flexible.growth_rate(inputs)?;
+        if growth_rate <= 0.0 {
+            return Ok(());
+        }
+        let rotating_speed = parameters.operating_point.rotating_speed;
+        Err(FlexibleError::OtherInstability { rotating_speed, growth_rate })
     }
 
     /// The same criterion with steps shorter by a factor: for studies of convergence.
@@ -229,8 +259,7 @@ impl TimeDomain {
     }
 
     fn judge_of(&self, equilibrium: f64, x: f64, u: f64) -> Judge {
-        let basin = self.settings.displacement * equilibrium.abs();
-        Judge::new(self.rules(), basin, (u == 0.0).then_some(x))
+        Judge::new(self.rules(), equilibrium, self.settings.displacement, (u == 0.0).then_some(x))
     }
 
     /// Follows a motion that has come `begun` steps far to its verdict or to the horizon.
@@ -246,13 +275,23 @@ impl TimeDomain {
         for step in begun..steps {
             let time = step as f64 * h;
             if advance(equations, &mut motion, time, h, &mut judge).is_err() {
-                return JudgedMotion { time, ..JudgedMotion::FAILED };
+                return self.conclude_without_verdict(Verdict::Failed, &judge, time);
+            }
+            if is_time_to_look(step + 1) {
+                judge.looks(equations.tangential(&motion.state).0);
             }
             if let Some(verdict) = judge.verdict() {
                 return self.conclude(verdict, &judge, (step + 1) as f64 * h);
             }
         }
-        self.conclude(judge.at_horizon(), &judge, steps as f64 * h)
+        self.conclude_without_verdict(Verdict::Undecided, &judge, steps as f64 * h)
+    }
+
+    /// The outcome of a motion that ended at the horizon or broke down. One that is known to be unstable is so without
+    /// a settled amplitude, unless that amplitude is what decides.
+    pub(crate) fn conclude_without_verdict(&self, otherwise: Verdict, judge: &Judge, time: f64) -> JudgedMotion {
+        let known = judge.is_unstable() && self.settings.amplitude_index.is_none();
+        JudgedMotion { verdict: if known { Verdict::Unstable } else { otherwise }, amplitude: None, time }
     }
 
     pub(crate) fn steps_to_horizon(&self, h: f64) -> u64 {
@@ -268,6 +307,11 @@ impl TimeDomain {
         };
         JudgedMotion { verdict, amplitude: amplitude.filter(|_| verdict == Verdict::Unstable), time }
     }
+}
+
+/// Whether a motion is looked at after this many steps, see [`Judge::looks`].
+pub(crate) fn is_time_to_look(steps: u64) -> bool {
+    steps.is_multiple_of(256)
 }
 
 impl FlexibleBrake {
@@ -453,6 +497,69 @@ mod tests {
     }
 
     #[test]
+    fn recording_the_amplitude_changes_no_verdict() {
+        for (disc, horizon) in [(DiscModel::Rigid, 9.0), (FLEXIBLE, 40.0)] {
+            for start in [Start::NearEquilibrium, Start::Rest] {
+                let plain = TimeDomainSettings { start, horizon, ..Default::default() };
+                let recording = TimeDomainSettings { record_amplitude: true, ..plain };
+                let [plain, recording] = [plain, recording].map(|settings| criterion(15.0, &disc, settings));
+                for i in 0..120 {
+                    let inputs = RandomInputs { preload: 0.003 * f64::from(i), static_friction: 0.39 };
+                    let (plain, recording) = (plain.judge(inputs), recording.judge(inputs));
+                    assert_eq!(plain.verdict, recording.verdict, "{disc:?} {start:?} {inputs:?}");
+                    assert!(recording.amplitude.is_none() || recording.verdict == Verdict::Unstable);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_displacement_beyond_the_limit_cycle_is_no_home_to_come_to() {
+        for disc in [DiscModel::Rigid, FLEXIBLE] {
+            for displacement in [0.5, 5.0, 20.0] {
+                let settings = TimeDomainSettings { displacement, ..Default::default() };
+                assert_eq!(
+                    criterion(10.0, &disc, settings).judge(NOMINAL).verdict,
+                    Verdict::Unstable,
+                    "{displacement}"
+                );
+                assert_eq!(criterion(40.0, &disc, settings).judge(NOMINAL).verdict, Verdict::Stable, "{displacement}");
+            }
+        }
+    }
+
+    #[test]
+    fn overdamped_and_stiff_motions_are_decided_too() {
+        for damping in [6e3, 1e4, 1e5] {
+            for disc in [DiscModel::Rigid, FLEXIBLE] {
+                for start in [Start::NearEquilibrium, Start::Rest] {
+                    let brake = PadOnDisc::preset_with(&[("damping.tangential", damping)]);
+                    let settings = TimeDomainSettings { start, ..Default::default() };
+                    let judged = TimeDomain::new(&brake, &disc, settings).unwrap().judge(NOMINAL);
+                    assert_eq!(judged.verdict, Verdict::Stable, "{damping} {disc:?} {start:?} {judged:?}");
+                }
+            }
+        }
+        // The normal motion may be as stiff.
+        let brake = PadOnDisc::preset_with(&[("damping.normal", 1e5)]);
+        let judged = TimeDomain::new(&brake, &FLEXIBLE, TimeDomainSettings::default()).unwrap().judge(NOMINAL);
+        assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
+    }
+
+    #[test]
+    fn a_brake_whose_disc_flutters_is_refused() {
+        // Without damping the disc is unstable at any speed; with it, far beyond all that discs withstand.
+        for changes in [
+            [("disc.transverse_damping_ratio", 0.0), ("operating_point.rotating_speed", 20.0)],
+            [("disc.transverse_damping_ratio", 0.02), ("operating_point.rotating_speed", 2e4)],
+        ] {
+            let brake = PadOnDisc::preset_with(&changes);
+            let refused = TimeDomain::new(&brake, &FLEXIBLE, TimeDomainSettings::default()).unwrap_err();
+            assert!(matches!(refused, FlexibleError::OtherInstability { .. }), "{refused}");
+        }
+    }
+
+    #[test]
     fn a_short_horizon_leaves_samples_undecided() {
         let settings = TimeDomainSettings { horizon: 3.0, ..Default::default() };
         assert_eq!(criterion(15.5, &FLEXIBLE, settings).judge(NOMINAL).verdict, Verdict::Undecided);
@@ -467,5 +574,12 @@ mod tests {
             assert!(TimeDomainSettings { amplitude_index: Some(bad), ..good }.validate().is_err());
         }
         assert!(TimeDomainSettings::default().validate().is_ok());
+        // More steps than anyone could wait for.
+        let brake = PadOnDisc::preset_with(&[]);
+        let endless = TimeDomainSettings { horizon: 1e8, ..Default::default() };
+        assert!(matches!(
+            TimeDomain::new(&brake, &DiscModel::Rigid, endless).unwrap_err(),
+            FlexibleError::Settings(SettingsError::OutOfRange { key: "horizon", .. })
+        ));
     }
 }

@@ -6,7 +6,7 @@ use crate::flexible_motion::{FlexibleSample, FlexibleState};
 use crate::motion::{Equations, Motion, Observer, Reserve, Step, advance};
 use crate::pad_on_disc::RandomInputs;
 use crate::rigid::{RigidSample, RigidState};
-use crate::time_domain::{System, TimeDomain};
+use crate::time_domain::{System, TimeDomain, TimeDomainSettings};
 use crate::verdict::Verdict;
 
 /// Share of a trajectory, from its end, that is summarised as the settled motion.
@@ -133,20 +133,26 @@ impl Diary {
         let starts_stuck = self.slips.first().is_some_and(|slip| self.sticks.first().is_none_or(|stick| slip < stick));
         let begins = starts_stuck.then_some(0.0).into_iter().chain(self.sticks.iter().copied());
         let ends = self.slips.iter().copied().chain([f64::INFINITY]);
-        begins.zip(ends).map(|(begin, end)| (end.min(to) - begin.max(from)).max(0.0)).sum()
+        begins.zip(ends).map(|(begin, end)| (end.min(to) - begin.max(from)).max(0.0)).fold(0.0, |sum, time| sum + time)
     }
 }
 
-/// The mean of x over a time, by the trapezoidal rule.
+/// The mean of x over a time, by the trapezoidal rule; intervals that reach out of it count by their share in it.
 fn mean(moments: &[Moment], from: f64, to: f64) -> f64 {
-    let inside: Vec<&Moment> = moments.iter().filter(|moment| moment.time >= from && moment.time <= to).collect();
     let (mut sum, mut time) = (0.0, 0.0);
-    for pair in inside.windows(2) {
-        let interval = pair[1].time - pair[0].time;
-        sum += 0.5 * interval * (pair[0].tangential.0 + pair[1].tangential.0);
-        time += interval;
+    for pair in moments.windows(2) {
+        let (begin, end) = (pair[0].time, pair[1].time);
+        let (left, right) = (begin.max(from), end.min(to));
+        if left < right {
+            let x = |time: f64| {
+                let share = (time - begin) / (end - begin);
+                pair[0].tangential.0 + share * (pair[1].tangential.0 - pair[0].tangential.0)
+            };
+            sum += (right - left) * x(0.5 * (left + right));
+            time += right - left;
+        }
     }
-    if time > 0.0 { sum / time } else { inside.first().map_or(f64::NAN, |moment| moment.tangential.0) }
+    if time > 0.0 { sum / time } else { moments.last().map_or(f64::NAN, |moment| moment.tangential.0) }
 }
 
 /// A rigid disc with the pad's rotation, which the tangential motion drives and does not feel.
@@ -238,8 +244,9 @@ impl TimeDomain {
     /// [`TimeDomain::judge`] decides, bit for bit.
     ///
     /// # Errors
-    /// [`FlexibleError`] if there is no equilibrium to start from.
+    /// [`FlexibleError`] if there is no equilibrium to start from, or if the horizon is out of range.
     pub fn trajectory(&self, inputs: RandomInputs, horizon: f64) -> Result<Trajectory, FlexibleError> {
+        TimeDomainSettings { horizon, ..self.settings }.validate()?;
         let pressed = inputs.preload > 0.0;
         if !pressed {
             return Err(FlexibleError::NotPressed { preload: inputs.preload });
@@ -306,7 +313,7 @@ pub struct SweepPoint {
 /// Sweeps the rotating speed as a braking driver would: at each criterion's speed the motion goes on, for a scaled time
 /// `dwell`, from where it was at the speed before, and is looked at over the last quarter of that time.
 ///
-/// All criteria must be of the same brake and disc. The first motion starts as its settings say. A sweep that breaks down
+/// All criteria must be of the same brake and disc, and `dwell` positive and finite. The first motion starts as its settings say. A sweep that breaks down
 /// ends there.
 ///
 /// # Errors
@@ -388,7 +395,7 @@ fn write_down<E: Equations>(
     moment: impl Fn(f64, &E::State, ContactState) -> Moment,
 ) -> (Diary, Vec<Moment>) {
     let mut diary = Diary::default();
-    let mut moments = Vec::with_capacity(steps as usize + 1);
+    let mut moments = Vec::new();
     moments.push(moment(0.0, &motion.state, motion.contact));
     for step in 0..steps {
         if advance(equations, &mut motion, step as f64 * h, h, &mut diary).is_err() {
@@ -433,7 +440,7 @@ impl FlexibleSample<'_> {
 mod tests {
     use super::*;
     use crate::pad_on_disc::{PadOnDisc, RandomInputs};
-    use crate::time_domain::{DiscModel, Start, TimeDomainSettings};
+    use crate::time_domain::{DiscModel, Start};
 
     const NOMINAL: RandomInputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
 

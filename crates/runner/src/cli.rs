@@ -147,12 +147,12 @@ pub struct TrajectoryArguments {
     /// Modes of the flexible disc that are kept, those of lowest frequency [default: 5]
     #[arg(long, value_name = "N")]
     pub disc_modes: Option<usize>,
-    /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc)
-    #[arg(long, value_name = "RxN", value_parser = grid, default_value = "8x8")]
-    pub grid: DiscGrid,
-    /// How the moving load of the finite-difference disc passes from node to node
-    #[arg(long, value_enum, default_value_t = AllotmentArgument::Linear)]
-    pub allotment: AllotmentArgument,
+    /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc) [default: 8x8]
+    #[arg(long, value_name = "RxN", value_parser = grid)]
+    pub grid: Option<DiscGrid>,
+    /// How the moving load of the finite-difference disc passes from node to node [default: linear]
+    #[arg(long, value_enum)]
+    pub allotment: Option<AllotmentArgument>,
     /// Where the motion starts
     #[arg(long, value_enum, default_value_t = StartKind::NearEquilibrium)]
     pub start: StartKind,

@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 /// 1/1024 of its values wide.
 const DROPPED_BITS: u32 = 42;
 
-/// Sums are kept in units of 2^-34, some 6e-11.
+/// Sums are kept in units of 2^-34, some 6e-11: values far below are lost in them, and a sum beyond 10^9 stays there.
 const UNITS: f64 = (1_u64 << 34) as f64;
 
-/// Mean and quantiles of a positive quantity. Adding values or whole distributions commutes, bit for bit.
+/// Mean and quantiles of a positive quantity of ordinary size (some 1e-6 to 1e3). Adding values or whole distributions commutes, bit for bit.
 ///
 /// ```
 /// use stickslip_sampler::Distribution;
@@ -27,7 +27,13 @@ pub struct Distribution {
 }
 
 impl Distribution {
-    /// A distribution from its parts, see [`Distribution::sum`] and [`Distribution::bins`].
+    /// Whether a bin can hold any finite value.
+    #[must_use]
+    pub fn is_bin(bin: u32) -> bool {
+        f64::from_bits(u64::from(bin) << DROPPED_BITS).is_finite() && bin < 1 << 21
+    }
+
+    /// A distribution from its parts, see [`Distribution::sum`] and [`Distribution::bins`]; each bin once.
     #[must_use]
     pub fn from_parts(sum: u64, bins: impl IntoIterator<Item = (u32, u64)>) -> Self {
         Self { sum, bins: bins.into_iter().collect() }
@@ -45,14 +51,15 @@ impl Distribution {
     pub fn add_all(&mut self, other: &Self) {
         self.sum = self.sum.saturating_add(other.sum);
         for (bin, count) in &other.bins {
-            *self.bins.entry(*bin).or_default() += count;
+            let sum = self.bins.entry(*bin).or_default();
+            *sum = sum.saturating_add(*count);
         }
     }
 
     /// How many values there are.
     #[must_use]
     pub fn count(&self) -> u64 {
-        self.bins.values().sum()
+        self.bins.values().fold(0, |sum: u64, count| sum.saturating_add(*count))
     }
 
     /// The sum of all values, in units of 2^-34.

@@ -25,6 +25,8 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     };
     let (counted, total) = (tally.counted(), job.total_samples());
     let share = counted as f64 / total as f64;
+    let undecided: u64 = (0..job.cells()).map(|cell| tally.counts(cell).undecided).sum();
+    let failed: u64 = (0..job.cells()).map(|cell| tally.counts(cell).failed).sum();
     if arguments.json {
         let status = json!({
             "run": arguments.run.display().to_string(),
@@ -37,6 +39,8 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
             "samples_done": u64::try_from(counted).unwrap_or(u64::MAX),
             "samples_total": u64::try_from(total).unwrap_or(u64::MAX),
             "share_done": share,
+            "samples_undecided": undecided,
+            "samples_failed": failed,
             "surface": is_written.then(|| surface.display().to_string()),
             "job_hash": job.hash(),
         });
@@ -47,8 +51,12 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
         "complete, not merged" => format!("\nwrite the surface with `stickslip merge {}`", quoted(&arguments.run)),
         _ => String::new(),
     };
+    let without_verdict = match (undecided, failed) {
+        (0, 0) => String::new(),
+        _ => format!("; {undecided} samples undecided, {failed} failed"),
+    };
     result(&format!(
-        "{}: {state}, {:.1} % ({counted} of {total} samples, {complete_cells} of {} cells complete){next}\n",
+        "{}: {state}, {:.1} % ({counted} of {total} samples, {complete_cells} of {} cells complete){without_verdict}{next}\n",
         job.name,
         100.0 * share,
         job.cells()

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use stickslip_core::flexible::DISC_MODES;
 use stickslip_core::{
-    Allotment, DiscModel, FiniteDifferenceBrake, FiniteDifferenceError, FlexibleError, Moment, PadOnDisc, RandomInputs,
-    TimeDomain, TimeDomainSettings, Trajectory, Verdict, VerdictCounts,
+    Allotment, DiscGrid, DiscModel, FiniteDifferenceBrake, FiniteDifferenceError, FlexibleError, Moment, PadOnDisc,
+    RandomInputs, TimeDomain, TimeDomainSettings, Trajectory, Verdict, VerdictCounts,
 };
 
 use super::analyse::brake;
@@ -40,6 +40,15 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         ..TimeDomainSettings::default()
     };
     settings.validate().map_err(|error| Failure::Usage(format!("--{error}")))?;
+    for (option, given, disc) in [
+        ("--disc-modes", arguments.disc_modes.is_some(), DiscArgument::Flexible),
+        ("--grid", arguments.grid.is_some(), DiscArgument::FiniteDifference),
+        ("--allotment", arguments.allotment.is_some(), DiscArgument::FiniteDifference),
+    ] {
+        if given && arguments.disc != disc {
+            return Err(Failure::Usage(format!("{option} belongs to --disc {}; leave it out", disc.name())));
+        }
+    }
     let followed = match arguments.disc {
         DiscArgument::Rigid => follow(&pad, &DiscModel::Rigid, settings, inputs, arguments.horizon)?,
         DiscArgument::Flexible => {
@@ -49,10 +58,11 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         DiscArgument::FiniteDifference => {
             let refused = |error: FiniteDifferenceError| Failure::Usage(error.to_string());
             let allotment = match arguments.allotment {
-                AllotmentArgument::Nodal => Allotment::Nodal,
-                AllotmentArgument::Linear => Allotment::Linear,
+                Some(AllotmentArgument::Nodal) => Allotment::Nodal,
+                Some(AllotmentArgument::Linear) | None => Allotment::Linear,
             };
-            let reference = FiniteDifferenceBrake::new(pad.clone(), arguments.grid).map_err(refused)?;
+            let grid = arguments.grid.unwrap_or(DiscGrid { radial: 8, per_pad: 8 });
+            let reference = FiniteDifferenceBrake::new(pad.clone(), grid).map_err(refused)?;
             let horizon = checked_horizon(arguments.horizon, reference.step_length())?;
             reference.trajectory(inputs, settings.start, settings.displacement, horizon, allotment).map_err(refused)?
         }
@@ -239,6 +249,10 @@ pub fn write(out: &Path, trajectory: &Trajectory) -> Result<(), Failure> {
     };
     let name = out.file_name().and_then(|name| name.to_str());
     let name = name.ok_or_else(|| Failure::CannotCreate(format!("{} does not name a file", out.display())))?;
+    // A device, a pipe or a link would be replaced by the file.
+    if out.symlink_metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        return Err(Failure::CannotCreate(format!("{} is not an ordinary file; name one", out.display())));
+    }
     if out.is_dir() {
         return Err(Failure::CannotCreate(format!("{} is a directory; name a file in it", out.display())));
     }

@@ -72,29 +72,44 @@ impl Criterion {
         Ok(criterion)
     }
 
-    /// Builds the flexible model once and looks for its equilibrium at the largest inputs of the grid.
+    /// Builds the model at the slowest and the fastest speed, and looks for its equilibrium at the largest inputs.
     fn check_model(&self, spec: &CriterionSpec, parameters: &Parameters, grid: &Grid) -> Result<(), Complaint> {
         let modes = match self {
-            Self::Eigenvalue | Self::TimeDomain { disc: DiscModel::Rigid, .. } => return Ok(()),
-            Self::CoupledEigenvalue { modes } | Self::TimeDomain { disc: DiscModel::Flexible { modes }, .. } => *modes,
+            Self::Eigenvalue => return Ok(()),
+            Self::TimeDomain { disc: DiscModel::Rigid, .. } => None,
+            Self::CoupledEigenvalue { modes } | Self::TimeDomain { disc: DiscModel::Flexible { modes }, .. } => {
+                Some(*modes)
+            }
         };
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         let inputs = RandomInputs {
             preload: largest(grid.preload.values()),
             static_friction: largest(grid.static_friction.values()),
         };
-        let mut parameters = parameters.clone();
-        parameters.operating_point.rotating_speed = grid.rotating_speed.values()[0];
-        let checked = PadOnDisc::new(parameters).map_err(FlexibleError::from).and_then(|brake| {
-            let flexible = FlexibleBrake::with_modes(brake, modes)?;
+        let speeds = grid.rotating_speed.values();
+        let slowest = speeds.iter().copied().fold(f64::INFINITY, f64::min);
+        let check = |speed: f64| -> Result<(), FlexibleError> {
+            let mut parameters = parameters.clone();
+            parameters.operating_point.rotating_speed = speed;
+            let brake = PadOnDisc::new(parameters)?;
+            if let Self::TimeDomain { disc, settings } = self {
+                TimeDomain::new(&brake, disc, *settings)?;
+            }
             // Without any preload every sample is stable by definition.
-            if inputs.preload > 0.0 { flexible.sliding_equilibrium(inputs).map(|_| ()) } else { Ok(()) }
-        });
+            match modes {
+                Some(modes) if inputs.preload > 0.0 => {
+                    FlexibleBrake::with_modes(brake, modes)?.sliding_equilibrium(inputs).map(|_| ())
+                }
+                _ => Ok(()),
+            }
+        };
+        let checked = check(slowest).and_then(|()| check(largest(speeds)));
         checked.map_err(|error| {
             let span = match error {
                 FlexibleError::ModeCount { .. } | FlexibleError::TooFewModes { .. } => {
                     spec.disc_modes.as_ref().map(Spanned::span)
                 }
+                FlexibleError::Settings(_) => spec.horizon.as_ref().map(Spanned::span),
                 _ => None,
             };
             Complaint { span, message: format!("criterion: {error}") }
@@ -158,6 +173,8 @@ impl CriterionSpec {
             if let (Some(span), false) = (span, allowed) {
                 let message = if key == "disc_modes" && rigid {
                     "criterion.disc_modes has no meaning with disc = \"rigid\"; remove it".to_owned()
+                } else if key == "disc_modes" {
+                    "criterion.disc_modes belongs to kind = \"time-domain\" or \"coupled-eigenvalue\"; remove it, or change the kind".to_owned()
                 } else {
                     format!("criterion.{key} belongs to kind = \"time-domain\"; remove it, or change the kind")
                 };

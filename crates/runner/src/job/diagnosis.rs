@@ -68,6 +68,8 @@ fn plain_words(message: &str) -> String {
         .replace("expected f64", "expected a number")
         .replace("expected u64", "expected a whole number, for example 10_000")
         .replace("expected u32", "expected a whole number, for example 30")
+        .replace("expected usize", "expected a whole number, for example 5")
+        .replace("expected struct IndexSpec", "expected a table, for example { amplitude = 0.002 }")
         .replace("expected a sequence", "expected a list")
         .replace("unknown field", "unknown key")
         .replace("missing field", "missing key")

@@ -4,6 +4,7 @@ use stickslip_sampler::{exact, normal, poisson};
 
 use crate::commands::FinishedRun;
 use crate::failure::Failure;
+use crate::job::Criterion;
 use crate::run::{Surface, SurfaceRow};
 
 /// Unstable (or stable) samples that a cell must be expected to have before its deviation is called normal.
@@ -59,7 +60,11 @@ pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow<'_>>, Failure> {
 }
 
 /// A sentence on how well all cells agree.
-pub fn summary(rows: &[ComparedRow<'_>]) -> String {
+pub fn summary(run: &FinishedRun, rows: &[ComparedRow<'_>]) -> String {
+    let what = match run.job.criterion {
+        Criterion::Eigenvalue => "the exact probabilities",
+        _ => "the exact probabilities of another criterion, linear stability on a rigid disc",
+    };
     let normal: Vec<f64> = rows.iter().filter(|row| row.is_normal()).filter_map(|row| row.z).collect();
     let rare = rows.iter().filter(|row| !row.is_normal());
     let largest_rare = rare.clone().map(|row| (row.estimate - row.exact).abs()).fold(0.0, f64::max);
@@ -68,7 +73,7 @@ pub fn summary(rows: &[ComparedRow<'_>]) -> String {
         let largest = normal.iter().map(|z| z.abs()).fold(0.0, f64::max);
         let mean_square = normal.iter().map(|z| z * z).sum::<f64>() / normal.len() as f64;
         text += &format!(
-            "against the exact probabilities: max |z| = {largest:.2}, mean z^2 = {mean_square:.3} over {} cells of {} samples\n",
+            "against {what}: max |z| = {largest:.2}, mean z^2 = {mean_square:.3} over {} cells of {} samples\n",
             normal.len(),
             rows[0].row.counts.decided()
         );

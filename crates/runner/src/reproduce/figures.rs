@@ -13,7 +13,7 @@ use crate::run::{DescribedColumn, Surface, write_columns};
 pub fn surface(run: &FinishedRun) -> Result<String, Failure> {
     let surface = Surface::new(&run.job, &run.tally);
     let rows = compare(run)?;
-    Ok(format!("{}{}data: {}\n", picture(&surface), summary(&rows), run.directory.surface().display()))
+    Ok(format!("{}{}data: {}\n", picture(&surface), summary(run, &rows), run.directory.surface().display()))
 }
 
 /// Figure 4: the largest real part of the eigenvalues against rotating speed, for each preload.

@@ -203,8 +203,10 @@ fn disc_vibration(directory: &Path) -> Result<String, Failure> {
         let line: Vec<(f64, f64)> = shown.iter().map(|m| (m.time, 1e3 * value(m))).collect();
         text += &format!("{what}, times 1000\n{}", curves(&[line]));
     }
-    text += "16 disc modes are kept here; the highest lies at 3.0 Hz, so that the paper's third, 5.03 Hz, is not among them.\n\
-        The disc starts deflected as in steady sliding, and what rings dies away: only the pad's frequency is left.\n";
+    text += &format!(
+        "{MOST_DISC_MODES} disc modes are kept here, those of lowest frequency. The disc starts deflected as in steady sliding, and\n\
+        what rings dies away before the part of the motion that is looked at.\n"
+    );
     spectra_file(directory, "disc_spectra.parquet", &[("deflection_edge", &edge), ("deflection_inside", &inside)])?;
     text += &write(directory, &SPECTRAL, &trajectory)?;
     text += &format!("data: {}\n", directory.join("disc_spectra.parquet").display());

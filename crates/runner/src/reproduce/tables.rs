@@ -66,7 +66,7 @@ pub fn table3(run: &FinishedRun) -> Result<String, Failure> {
         "against the exact values: every entry within its binomial error ({FORTY_ENTRY_LIMIT} standard errors, 95 % for forty entries at once) {}\n",
         holds(rows.iter().all(|row| row.agrees(FORTY_ENTRY_LIMIT)))
     );
-    Ok(text + &summary(&rows))
+    Ok(text + &summary(run, &rows))
 }
 
 /// `reproduce table2`.
@@ -90,5 +90,5 @@ pub fn table2(run: &FinishedRun) -> Result<String, Failure> {
         "\nagainst the exact values: every entry within its binomial error ({TEN_ENTRY_LIMIT} standard errors, 95 % for ten entries at once) {}\n",
         holds(rows.iter().all(|row| row.agrees(TEN_ENTRY_LIMIT)))
     );
-    Ok(text + &summary(&rows))
+    Ok(text + &summary(run, &rows))
 }

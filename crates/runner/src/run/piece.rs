@@ -164,7 +164,11 @@ fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, St
     let bins = bins.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not as they should be")?;
     let mut pairs = Vec::with_capacity(bins.len() / 2);
     for pair in bins.values().chunks_exact(2) {
-        let bin = u32::try_from(pair[0]).map_err(|_| "a bin of amplitudes is out of range")?;
+        let bin = u32::try_from(pair[0]).ok().filter(|&bin| Distribution::is_bin(bin));
+        let bin = bin.ok_or("a bin of amplitudes is out of range")?;
+        if pairs.last().is_some_and(|(before, _)| *before >= bin) {
+            return Err("the bins of amplitudes are not in order".to_owned());
+        }
         pairs.push((bin, u64::try_from(pair[1]).map_err(|_| "a count is negative")?));
     }
     Ok(Distribution::from_parts(sums.value(row).cast_unsigned(), pairs))

@@ -15,7 +15,7 @@ pub struct Segment {
     pub samples: Range<u64>,
     /// Their verdicts.
     pub counts: VerdictCounts,
-    /// Settled amplitudes of the unstable ones, where the job records them.
+    /// Settled amplitudes of those unstable ones that settled, where the job records them.
     pub amplitudes: Distribution,
 }
 
@@ -28,9 +28,7 @@ impl Segment {
     /// Whether the counts can belong to the samples.
     pub fn is_consistent(&self) -> bool {
         let amplitudes = self.amplitudes.count();
-        self.samples.start < self.samples.end
-            && self.counts.total() == self.len()
-            && (amplitudes == 0 || amplitudes == self.counts.unstable)
+        self.samples.start < self.samples.end && self.counts.total() == self.len() && amplitudes <= self.counts.unstable
     }
 }
 
