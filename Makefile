@@ -41,10 +41,11 @@ check:
 bench:
 	$(CARGO) bench --locked -p stickslip --bench figures
 
-# The same job by NumPy and OpenTURNS beside it.
+# The same jobs by NumPy, OpenTURNS, numba, SciPy and diffrax beside it.
 bench-peers: target/peers/ready
 	$(CARGO) build --locked --release
 	target/peers/bin/python benches/peers.py $(STICKSLIP)
+	target/peers/bin/python benches/peers_time_domain.py $(STICKSLIP)
 
 target/peers/ready: benches/peers-requirements.txt
 	$(PYTHON) -m venv target/peers

@@ -1,9 +1,10 @@
 //! The paper's own method for the disc, as a reference for the modal one: a polar grid of the plate in the disc's own
 //! frame, over which the pad's load moves.
 //!
-//! In the frame that turns with the disc, `W(theta, t) = w(theta + Om t, t)`, the Om terms of the paper's equation (2.5)
-//! vanish and the load moves. Their signs say which way: the middle of the pad is at `theta_pad = -Om t`, since the disc
-//! passes under it towards growing theta. Damping in the space-fixed frame, as [`FlexibleBrake`] has it, stays there:
+//! In the frame that turns with the disc, `W(theta, t) = w(theta + Om t, t)`, the Om terms of the paper's equation
+//! (2.5) vanish and the load moves. Their signs say which way: the middle of the pad is at `theta_pad = -Om t`, since
+//! the disc passes under it towards growing theta. Damping in the space-fixed frame, as [`FlexibleBrake`] has it,
+//! stays there:
 //!
 //! ```text
 //! W_tt + (1/h) nabla^4 W + eta1 (W_t - Om W_theta) = (h^2 / D) p,       eta1 = 2 zeta omega_1
@@ -14,12 +15,12 @@
 //! at a point are linear between the nodes around it, along the radius and along the ring, and its load is allotted to
 //! the same nodes with the same weights: the work done on the nodes is the work that the loads do at their points.
 //!
-//! Time steps are `dt = dtheta / (C Om)` with the smallest integer C for which explicit steps are stable. The disc makes
-//! steps of central differences, its load taken in their middle, where the deflection is known. The pad then follows
-//! through the same step by the Runge-Kutta method with located stick and slip (as on every other disc), on a surface
-//! that moves linearly from the disc's old deflection to its new one. Either way round the error is of second order in
-//! dt (of first order in the one step in which friction jumps at an event), and dt is a small fraction of what the
-//! pad's motion would need: what is left is the error of the grid.
+//! Time steps are `dt = dtheta / (C Om)` with the smallest integer C for which explicit steps are stable. The disc
+//! makes steps of central differences, its load taken in their middle, where the deflection is known. The pad then
+//! follows through the same step by the Runge-Kutta method with located stick and slip (as on every other disc), on a
+//! surface that moves linearly from the disc's old deflection to its new one. Either way round the error is of second
+//! order in dt (of first order in the one step in which friction jumps at an event), and dt is a small fraction of
+//! what the pad's motion would need: what is left is the error of the grid.
 
 use thiserror::Error;
 
@@ -170,9 +171,9 @@ impl FiniteDifferenceBrake {
         Ok(squared.iter().take(count).map(parameter).collect())
     }
 
-    /// The deflection over h at rest under a `pressure` (Pa, by radius in m and angle in rad from the middle of the pad)
-    /// on the patch: `radial` rings from the one next to the clamped rim to the edge, each with its `6 n` nodes from
-    /// angle 0 on.
+    /// The deflection over h at rest under a `pressure` (Pa, by radius in m and angle in rad from the middle of the
+    /// pad) on the patch: `radial` rings from the one next to the clamped rim to the edge, each with its `6 n` nodes
+    /// from angle 0 on.
     ///
     /// # Errors
     /// [`FiniteDifferenceError::NotSolvable`] if the stiffness of the grid is singular, for plates beyond any sense.
@@ -233,8 +234,8 @@ mod tests {
         FiniteDifferenceBrake::new(PadOnDisc::preset_with(changes), grid(points)).unwrap()
     }
 
-    /// Mean deflection of the patch, and the mean of `w r theta`, some time after a constant pressure of `k_en` over the
-    /// patch was suddenly laid on the disc; by the modes in the space-fixed frame.
+    /// Mean deflection of the patch, and the mean of `w r theta`, some time after a constant pressure of `k_en` over
+    /// the patch was suddenly laid on the disc; by the modes in the space-fixed frame.
     fn suddenly_loaded_modes(brake: &FlexibleBrake, time: f64) -> (f64, f64) {
         let n = brake.amplitudes.len();
         let averages = &brake.patch.averages;

@@ -9,10 +9,11 @@
 //! ```
 //!
 //! give nabla^4 w. Beyond the rims lie ghost nodes of w and of `L = nabla^2 w`. Clamped (the paper's 3.1), `w_0 = 0`
-//! and `w_-1 = w_1`. At the free edge the slope is the mean of the slopes on both sides, `f_r = [ r_+ (f_+ - f) + r_-
-//! (f - f_-) ] / (2 b dr)`, and the ghosts follow from bending moment (3.2) and shear force (3.3):
+//! and `w_-1 = w_1`. At the free edge the slope is the mean of the slopes on both sides, and the ghosts follow from
+//! bending moment (3.2) and shear force (3.3):
 //!
 //! ```text
+//! f_r = [ r_+ (f_+ - f) + r_- (f - f_-) ] / (2 b dr)
 //! L - (1 - nu) (w_r / b + d w / b^2) = 0,      L_r + (1 - nu) d (w_r - w / b) / b^2 = 0
 //! ```
 //!
