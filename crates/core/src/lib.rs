@@ -1,5 +1,5 @@
 //! Physics of a brake pad pressed on a rotating disc: parameters, friction law, steady sliding, its stability,
-//! the modes of the disc and the stick-slip motion.
+//! the modes of the disc, contact, and the motion of pad and disc in time with its verdicts.
 //!
 //! The model is the pad-on-disc system of X. Sui and Q. Ding, "Instability and stochastic analyses of a
 //! pad-on-disc frictional system in moving interactions", Nonlinear Dynamics (2018),
@@ -26,7 +26,7 @@
 //! | m1 / 2 | `growth_rate` | real part of the tangential eigenvalue pair, per unit of scaled time |
 //!
 //! Modules are declared in reading order. Nothing here knows of random numbers, threads or files, and no
-//! result depends on the processor: every transcendental function is `libm`'s.
+//! result depends on the processor: every transcendental function is `libm`'s or this crate's own.
 
 // Tests compare with formulas as a textbook writes them.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
