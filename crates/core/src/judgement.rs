@@ -13,7 +13,9 @@
 //! On a rigid disc the tangential motion is a plane autonomous system: orbits do not cross, so once a swing is longer
 //! than the one before, all later ones are longer still, and the first few swings decide for ever. With a flexible disc
 //! the other degrees of freedom disturb the amplitude, but only as long as they ring: what they could feign is assumed to
-//! be half of the amplitude at first, and to die away at the slowest of their damping rates.
+//! be half of the amplitude that the motion had when it was let go, and to die away at the slowest of their damping rates.
+//! It is an amplitude of its own: where the tangential motion dies away faster, what is left to see is their ringing, and
+//! beats of it are no growth.
 
 use crate::motion::Observer;
 use crate::verdict::Verdict;
@@ -21,11 +23,14 @@ use crate::verdict::Verdict;
 /// What can be feigned at any time: rounding and the interpolation of turning points.
 const LEAST_CHANGE: f64 = 1e-4;
 
-/// What transients can feign at first, relative to the amplitude.
+/// What transients can feign at first, relative to the amplitude at which the motion was let go.
 const FEIGNED: f64 = 0.5;
 
 /// The reference amplitude is taken anew when time has doubled, at first after this many units of scaled time.
 const FIRST_REFERENCE: f64 = 20.0;
+
+/// Swings after a release that may still end in stick again.
+const FIRST_SWINGS: u32 = 3;
 
 /// Stick-slip cycles in a row that count as kept: on a flexible disc, where the share of stick is large, and where it is
 /// so small that a small disturbance could end it. On a rigid disc every release is the same, and one return suffices.
@@ -76,6 +81,11 @@ pub(crate) struct Judge {
     grows: bool,
     last_turn: Option<f64>,
     amplitude: f64,
+    /// When the motion was last let go, at the start or from stick, and the amplitude that the other degrees of freedom
+    /// were excited with up to then; how many of the first swings since are still to come.
+    let_go: f64,
+    excitation: f64,
+    first_swings: u32,
     reference: Option<Reference>,
     settled_swings: u32,
     /// Stick-slip cycles in a row.
@@ -112,6 +122,9 @@ impl Judge {
             grows: false,
             last_turn: starts_turning_at,
             amplitude: 0.0,
+            let_go: 0.0,
+            excitation: 0.0,
+            first_swings: 1,
             reference: None,
             settled_swings: 0,
             cycles: 0,
@@ -175,8 +188,23 @@ impl Judge {
     }
 
     fn reference(&self, amplitude: f64, time: f64) -> Reference {
-        let feigned = self.rules.slowest_transient.map_or(0.0, |rate| FEIGNED * libm::exp(-rate * time));
+        let ringing = self.ringing(time);
+        let feigned = if ringing > 0.0 { FEIGNED * ringing * (self.excitation / amplitude).max(1.0) } else { 0.0 };
         Reference { amplitude, time, change: LEAST_CHANGE + feigned }
+    }
+
+    /// What is left of transients since the motion was let go; none on a rigid disc.
+    fn ringing(&self, time: f64) -> f64 {
+        self.rules.slowest_transient.map_or(0.0, |rate| libm::exp(-rate * (time - self.let_go)))
+    }
+
+    /// The first swings since the motion was let go say how much the other degrees of freedom can have been excited; what
+    /// still rings from before counts too.
+    fn excites(&mut self) {
+        if self.first_swings > 0 {
+            self.first_swings -= 1;
+            self.excitation = self.excitation.max(self.amplitude);
+        }
     }
 
     fn becomes_unstable(&mut self) {
@@ -219,15 +247,17 @@ impl Observer for Judge {
         let Some(before) = self.last_turn.replace(x) else { return };
         self.amplitude = 0.5 * (x - before).abs();
         if self.cycles > 0 {
-            // Two turning points lie between two sticks; more of them mean that the motion has come free.
+            // Two turning points lie between two sticks; more than three mean that the motion has come free.
             self.swings_since_stick += 1;
-            if self.swings_since_stick <= 3 {
+            self.excites();
+            if self.swings_since_stick <= FIRST_SWINGS {
                 return;
             }
             self.cycles = 0;
             (self.sum, self.summed, self.means) = (0.0, 0, 0);
             self.reference = None;
         }
+        self.excites();
         self.judge_swing(time);
     }
 
@@ -240,6 +270,9 @@ impl Observer for Judge {
             self.becomes_unstable();
         }
         self.last_stick = time;
+        self.excitation *= self.ringing(time);
+        self.let_go = time;
+        self.first_swings = FIRST_SWINGS;
         self.swings_since_stick = 0;
         self.cycles += 1;
         let kept = match self.rules.slowest_transient {

@@ -14,6 +14,12 @@ use crate::verdict::Verdict;
 /// Horizon unless told otherwise, in scaled time.
 pub const HORIZON: f64 = 10_000.0;
 
+/// Version of how the time-domain criterion judges. It changes whenever a verdict does, so that runs of different versions
+/// are never mixed; the samples themselves are the results version's.
+///
+/// 2: ringing of the disc after the tangential motion has died away is no growth.
+pub const VERDICTS_VERSION: u32 = 2;
+
 /// Steps to the horizon at the most.
 const MOST_STEPS: f64 = 1e8;
 
@@ -415,6 +421,28 @@ mod tests {
                     seen[verdict as usize] += 1;
                 }
                 assert!(seen[0] >= 10 && seen[1] >= 10, "{disc:?} {start:?} {seen:?}: both verdicts must occur");
+            }
+        }
+    }
+
+    #[test]
+    fn ringing_of_the_disc_is_no_instability() {
+        // Much preload and little falling friction: the tangential motion dies away faster than the disc rings, and what
+        // is left to see beats. No stick-slip exists there (22 rad/s, the limit cycle starts at f_s = 0.264 and more).
+        for speed in [22.0, 30.0] {
+            let criterion =
+                criterion(speed, &FLEXIBLE, TimeDomainSettings { start: Start::Rest, ..Default::default() });
+            for i in 0..60 {
+                let (row, column) = (i / 10, i % 10);
+                let preload = 0.35 + 0.13 * f64::from(row);
+                let static_friction = 0.2502 + 0.0008 * f64::from(column);
+                let inputs = RandomInputs { preload, static_friction };
+                let end = aftermath(&criterion, inputs, 400.0);
+                assert!(
+                    end.judge.amplitude() < 2e-5 && end.last_stick < 50.0,
+                    "{speed} {inputs:?}: it does not come to rest"
+                );
+                assert_eq!(criterion.judge(inputs).verdict, Verdict::Stable, "{speed} {inputs:?}");
             }
         }
     }

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use stickslip_core::parameters::SCALARS;
+use stickslip_core::time_domain::VERDICTS_VERSION;
 use stickslip_sampler::{RESULTS_VERSION, RelativeStd};
 
-use super::criterion::NormalisedCriterion;
+use super::criterion::{Criterion, NormalisedCriterion};
 use super::spec::{EvaluateMode, RandomInput, SamplingMethod};
 use super::validated::Job;
 
@@ -18,13 +19,23 @@ impl Job {
 
     /// Identifies the job: everything that its result depends on.
     pub fn hash(&self) -> String {
-        hash_text(&self.to_toml(&NormalisedSampling::of(self), "", ""))
+        self.hash_text(&self.to_toml(&NormalisedSampling::of(self), "", ""))
     }
 
     /// Identifies the job but for the number of samples: runs that agree in it share their samples.
     pub fn experiment_hash(&self) -> String {
         let sampling = NormalisedSampling { samples: 0, ..NormalisedSampling::of(self) };
-        hash_text(&self.to_toml(&sampling, "", ""))
+        self.hash_text(&self.to_toml(&sampling, "", ""))
+    }
+
+    fn hash_text(&self, text: &str) -> String {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&RESULTS_VERSION.to_le_bytes());
+        if matches!(self.criterion, Criterion::TimeDomain { .. }) {
+            hasher.update(&VERDICTS_VERSION.to_le_bytes());
+        }
+        hasher.update(text.as_bytes());
+        hasher.finalize().to_hex().to_string()
     }
 
     fn to_toml(&self, sampling: &NormalisedSampling, name: &str, description: &str) -> String {
@@ -62,13 +73,6 @@ impl Job {
         // Strings, numbers, lists and tables only: there is nothing in it that TOML cannot hold.
         toml::to_string(&normalised).unwrap_or_else(|error| format!("# not representable: {error}\n"))
     }
-}
-
-fn hash_text(text: &str) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&RESULTS_VERSION.to_le_bytes());
-    hasher.update(text.as_bytes());
-    hasher.finalize().to_hex().to_string()
 }
 
 #[derive(Serialize)]
