@@ -67,6 +67,10 @@ pub mod time_domain;
 
 pub mod lanes;
 
+pub mod boundary_curve;
+
+pub mod verdict_map;
+
 pub mod trajectory;
 
 mod finite_difference_plate;

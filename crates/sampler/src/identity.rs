@@ -22,6 +22,10 @@ pub enum Purpose {
     Inputs,
     /// The random inputs that all cells of a job share (common random numbers).
     CommonInputs,
+    /// The scrambling of the Sobol points of a cell; their randomisations take the place of blocks.
+    Scrambling,
+    /// The scrambling of Sobol points that all cells of a job share.
+    CommonScrambling,
 }
 
 impl Purpose {
@@ -29,6 +33,8 @@ impl Purpose {
         match self {
             Self::Inputs => 0,
             Self::CommonInputs => 1,
+            Self::Scrambling => 2,
+            Self::CommonScrambling => 3,
         }
     }
 }
@@ -55,7 +61,7 @@ mod tests {
     fn every_part_of_the_identity_matters() {
         let mut seen = HashSet::new();
         for seed in [0, 1, u64::MAX] {
-            for purpose in [Purpose::Inputs, Purpose::CommonInputs] {
+            for purpose in [Purpose::Inputs, Purpose::CommonInputs, Purpose::Scrambling, Purpose::CommonScrambling] {
                 for cell in [0, 1, 1 << 40] {
                     for block in [0, 1, 1 << 40] {
                         assert!(seen.insert(block_generator(seed, purpose, cell, block).next_u64()));

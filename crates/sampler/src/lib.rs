@@ -16,20 +16,34 @@ pub mod grid;
 
 pub mod identity;
 
+pub mod inputs;
+
 pub mod samples;
+
+pub mod sobol;
 
 pub mod normal;
 
 pub mod poisson;
 
+pub mod beta;
+
 pub mod interval;
+
+pub mod sequential;
+
+pub mod difference;
 
 pub mod distribution;
 
 pub mod exact;
 
+pub use difference::{Difference, PairedCounts};
 pub use distribution::Distribution;
 pub use grid::{Axis, AxisError, Cell, Grid, RelativeStd};
 pub use identity::{BLOCK_SAMPLES, Purpose, RESULTS_VERSION};
-pub use interval::{Estimate, WilsonInterval};
+pub use inputs::{Correlation, CorrelationError, Marginal, MarginalError};
+pub use interval::{BinomialInterval, Estimate, IntervalKind, WilsonInterval};
 pub use samples::{SampleStream, Samples};
+pub use sequential::Looks;
+pub use sobol::{ScrambledSobol, SobolCursor};

@@ -1,0 +1,293 @@
+//! A piece of a boundary between two verdicts, located by asking for verdicts and written as a polynomial.
+//!
+//! The plane is that of preload `Delta` and falling friction `f_s - f_c`. A piece is the graph of one of the two over an
+//! interval of the other: on one side of it every sample has one verdict, on the other side another. Where a verdict of a
+//! third kind lies between them (samples that are undecided at the horizon), each side has a graph of its own.
+//!
+//! Verdicts are all that is known of a motion, so a point of a graph is found by bisection, to a millionth of its
+//! coordinate, at eight Chebyshev nodes; the polynomial through them is then tried at the nine points between and beside
+//! the nodes, where its error is largest. A piece that fails, because the boundary bends too much for it, has a corner or
+//! is not there all along, is no piece; the map cuts the box and tries again.
+
+use crate::verdict::Verdict;
+
+/// Nodes of a piece, one more than the degree of its polynomials.
+pub const NODES: usize = 8;
+
+/// Where graphs are located: to this share of the coordinate ...
+const TOLERANCE: f64 = 1e-6;
+
+/// ... which counts as no smaller than this.
+const LEAST_COORDINATE: f64 = 1e-3;
+
+/// Distance that is kept from the polynomials, in tolerances.
+const GUARD: f64 = 3.0;
+
+/// How far beyond the box a graph is looked for, over the side of the box.
+const REACH: f64 = 2.0;
+
+/// Coordinates in the plane: preload and falling friction.
+pub(crate) type Point = [f64; 2];
+
+/// Part of the plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Box2 {
+    /// Lower ends: preload, falling friction.
+    pub low: Point,
+    /// Upper ends.
+    pub high: Point,
+}
+
+/// The piece of boundary in a box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoundaryCurve {
+    /// Over which coordinate it is a graph: 0 preload, 1 falling friction.
+    pub over: usize,
+    /// The verdict where the other coordinate is below the graph.
+    pub below: Verdict,
+    /// The verdict where it is above.
+    pub above: Verdict,
+    /// Chebyshev coefficients, on the box, of the highest value that is certainly below.
+    pub lower: [f64; NODES],
+    /// Of the lowest value that is certainly above.
+    pub upper: [f64; NODES],
+    /// Distance to keep from both.
+    pub guard: f64,
+}
+
+impl BoundaryCurve {
+    /// The ends, at `coordinate`, of what the piece does not tell: certainly `below` up to the first, certainly `above`
+    /// from the second.
+    #[must_use]
+    pub fn gap(&self, within: &Box2, coordinate: f64) -> (f64, f64) {
+        let t = scaled(within, self.over, coordinate);
+        (clenshaw(&self.lower, t) - self.guard, clenshaw(&self.upper, t) + self.guard)
+    }
+
+    /// The verdict at a point of the box; `None` within the resolution of the piece.
+    #[inline]
+    #[must_use]
+    pub fn verdict(&self, within: &Box2, point: [f64; 2]) -> Option<Verdict> {
+        let (low, high) = self.gap(within, point[self.over]);
+        let value = point[1 - self.over];
+        if value < low {
+            Some(self.below)
+        } else if value > high {
+            Some(self.above)
+        } else {
+            None
+        }
+    }
+}
+
+fn scaled(within: &Box2, axis: usize, coordinate: f64) -> f64 {
+    (2.0 * coordinate - within.low[axis] - within.high[axis]) / (within.high[axis] - within.low[axis])
+}
+
+fn clenshaw(coefficients: &[f64; NODES], t: f64) -> f64 {
+    let (mut b1, mut b2) = (0.0, 0.0);
+    for &coefficient in coefficients[1..].iter().rev() {
+        (b1, b2) = (coefficient + 2.0 * t * b1 - b2, b1);
+    }
+    coefficients[0] + t * b1 - b2
+}
+
+/// The cosine of `pi k / (2 NODES)`.
+fn cosine(k: usize) -> f64 {
+    libm::cos(std::f64::consts::PI * k as f64 / (2 * NODES) as f64)
+}
+
+fn coefficients(values: &[f64; NODES]) -> [f64; NODES] {
+    std::array::from_fn(|j| {
+        let sum: f64 = (0..NODES).map(|k| values[k] * cosine(j * (2 * k + 1) % (4 * NODES))).sum();
+        sum * if j == 0 { 1.0 } else { 2.0 } / NODES as f64
+    })
+}
+
+/// A piece being located.
+#[derive(Debug, Clone)]
+pub(crate) struct Search {
+    within: Box2,
+    over: usize,
+    below: Verdict,
+    above: Verdict,
+    nodes: [NodeSearch; NODES],
+}
+
+/// The graph at one node: `below` up to `below_at`, `above` from `above_at`; `other`, if any, are the ends of what is
+/// known to have neither verdict.
+#[derive(Debug, Clone, Copy)]
+struct NodeSearch {
+    coordinate: f64,
+    below_at: f64,
+    above_at: f64,
+    other: Option<(f64, f64)>,
+}
+
+impl NodeSearch {
+    /// What to ask next: on the lower side until that is narrow enough, then on the upper one.
+    fn next(&self) -> Option<f64> {
+        let tolerance = TOLERANCE * self.above_at.abs().max(LEAST_COORDINATE);
+        let intervals = match self.other {
+            None => [(self.below_at, self.above_at); 2],
+            Some((from, to)) => [(self.below_at, from), (to, self.above_at)],
+        };
+        intervals.into_iter().find(|(from, to)| to - from > tolerance).map(|(from, to)| 0.5 * (from + to))
+    }
+
+    fn learn(&mut self, at: f64, verdict: Verdict, below: Verdict, above: Verdict) {
+        if verdict == below {
+            self.below_at = at;
+        } else if verdict == above {
+            self.above_at = at;
+        } else {
+            self.other = Some(self.other.map_or((at, at), |(from, to)| (from.min(at), to.max(at))));
+        }
+    }
+}
+
+impl Search {
+    /// A piece between `below` and `above`, a graph over coordinate `over` of the box.
+    pub fn new(within: Box2, over: usize, below: Verdict, above: Verdict) -> Self {
+        let across = 1 - over;
+        let reach = REACH * (within.high[across] - within.low[across]);
+        let nodes = std::array::from_fn(|k| NodeSearch {
+            coordinate: at(&within, over, cosine(2 * k + 1)),
+            below_at: within.low[across] - reach,
+            above_at: within.high[across] + reach,
+            other: None,
+        });
+        Self { within, over, below, above, nodes }
+    }
+
+    fn point(&self, coordinate: f64, value: f64) -> Point {
+        if self.over == 0 { [coordinate, value] } else { [value, coordinate] }
+    }
+
+    /// The points whose verdicts tell whether there is a graph to look for.
+    pub fn ends(&self) -> Vec<Point> {
+        let ends = |node: &NodeSearch| [node.below_at, node.above_at].map(|value| self.point(node.coordinate, value));
+        self.nodes.iter().flat_map(ends).collect()
+    }
+
+    /// Whether those verdicts are as they should be.
+    pub fn accepts_ends(&self, verdicts: &[Verdict]) -> bool {
+        verdicts.chunks_exact(2).all(|pair| pair == [self.below, self.above])
+    }
+
+    /// The points to ask next; empty when every node is located.
+    pub fn questions(&self) -> Vec<Point> {
+        self.nodes.iter().filter_map(|node| Some(self.point(node.coordinate, node.next()?))).collect()
+    }
+
+    /// Takes the verdicts at the points of [`Search::questions`].
+    pub fn learn(&mut self, verdicts: &[Verdict]) {
+        let mut answers = verdicts.iter();
+        for node in &mut self.nodes {
+            if let Some(value) = node.next()
+                && let Some(&verdict) = answers.next()
+            {
+                node.learn(value, verdict, self.below, self.above);
+            }
+        }
+    }
+
+    /// The polynomials through the located nodes, and the points where they have to prove themselves: certainly `below`
+    /// and certainly `above` in turn.
+    pub fn curve(&self) -> (BoundaryCurve, Vec<Point>) {
+        let largest = self.nodes.iter().map(|node| node.above_at.abs()).fold(LEAST_COORDINATE, f64::max);
+        let curve = BoundaryCurve {
+            over: self.over,
+            below: self.below,
+            above: self.above,
+            lower: coefficients(&self.nodes.map(|node| node.below_at)),
+            upper: coefficients(&self.nodes.map(|node| node.above_at)),
+            guard: GUARD * TOLERANCE * largest,
+        };
+        let proof = (0..=NODES).flat_map(|k| {
+            let coordinate = at(&self.within, self.over, cosine(2 * k));
+            let (low, high) = curve.gap(&self.within, coordinate);
+            [self.point(coordinate, low), self.point(coordinate, high)]
+        });
+        (curve, proof.collect())
+    }
+
+    /// Whether the verdicts at the points of the proof are as they should be.
+    pub fn accepts_proof(&self, verdicts: &[Verdict]) -> bool {
+        self.accepts_ends(verdicts)
+    }
+}
+
+/// The coordinate at `t` from -1 to 1 across the box.
+fn at(within: &Box2, axis: usize, t: f64) -> f64 {
+    0.5 * (within.low[axis] + within.high[axis] + t * (within.high[axis] - within.low[axis]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn locate(within: Box2, over: usize, judge: impl Fn(Point) -> Verdict) -> Option<(BoundaryCurve, usize)> {
+        let mut asked = 0;
+        let mut ask = |points: &[Point]| -> Vec<Verdict> {
+            asked += points.len();
+            points.iter().map(|&point| judge(point)).collect()
+        };
+        let mut search = Search::new(within, over, Verdict::Stable, Verdict::Unstable);
+        if !search.accepts_ends(&ask(&search.ends())) {
+            return None;
+        }
+        loop {
+            let questions = search.questions();
+            if questions.is_empty() {
+                break;
+            }
+            search.learn(&ask(&questions));
+        }
+        let (curve, proof) = search.curve();
+        search.accepts_proof(&ask(&proof)).then_some((curve, asked))
+    }
+
+    const BOX: Box2 = Box2 { low: [0.125, 0.0625], high: [0.1875, 0.125] };
+
+    #[test]
+    fn a_hyperbola_is_located_to_a_few_millionths() {
+        let judge = |[x, y]: Point| if x * y > 0.0135 { Verdict::Unstable } else { Verdict::Stable };
+        for over in [0, 1] {
+            let (curve, asked) = locate(BOX, over, judge).unwrap();
+            assert!(asked < 250, "{asked}");
+            for i in 0..1000 {
+                let coordinate = BOX.low[over] + 0.0625 * (f64::from(i) + 0.5) / 1000.0;
+                let (low, high) = curve.gap(&BOX, coordinate);
+                let exact = 0.0135 / coordinate;
+                assert!(low < exact && exact < high && high - low < 2e-5 * exact, "{coordinate}: {low} {exact} {high}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_corner_and_a_missing_boundary_are_refused() {
+        let corner = |[x, y]: Point| if y > 0.09 + (x - 0.15).abs() { Verdict::Unstable } else { Verdict::Stable };
+        assert!(locate(BOX, 0, corner).is_none());
+        assert!(locate(BOX, 0, |_| Verdict::Stable).is_none());
+        assert!(locate(BOX, 0, |[x, _]| if x > 0.15 { Verdict::Unstable } else { Verdict::Stable }).is_none());
+    }
+
+    #[test]
+    fn what_lies_between_two_verdicts_is_left_out() {
+        let judge = |[x, y]: Point| match x * y {
+            product if product > 0.0136 => Verdict::Unstable,
+            product if product > 0.0134 => Verdict::Undecided,
+            _ => Verdict::Stable,
+        };
+        let (curve, _) = locate(BOX, 0, judge).unwrap();
+        for i in 0..100 {
+            let x = 0.125 + 0.0625 * (f64::from(i) + 0.5) / 100.0;
+            let (low, high) = curve.gap(&BOX, x);
+            assert!(low < 0.0134 / x && low > 0.0134 / x - 1e-6 && high > 0.0136 / x && high < 0.0136 / x + 1e-6);
+            assert_eq!(curve.verdict(&BOX, [x, 0.0135 / x]), None);
+            assert_eq!(curve.verdict(&BOX, [x, 0.0133 / x]), Some(Verdict::Stable));
+            assert_eq!(curve.verdict(&BOX, [x, 0.0137 / x]), Some(Verdict::Unstable));
+        }
+    }
+}

@@ -1,0 +1,524 @@
+//! The verdict map: which verdict a sample has, as a function of its two random inputs, found by asking for verdicts.
+//!
+//! At one rotating speed the verdict is a deterministic function of preload and static friction, constant but for a few
+//! curves. The plane of preload and falling friction `f_s - f_c` is cut into tiles (a sixteenth wide below 1, wider
+//! beyond), and a tile into boxes until each is one of three: **uniform**, every point of a grid in it and around it has
+//! one verdict; **crossed**, a [`BoundaryCurve`] separates two verdicts; or **unresolved**, too small to cut further, at
+//! corners and ends of boundaries. A sample in a box is looked up unless it is within the resolution of a curve, or in an
+//! unresolved box: then it has to be judged itself.
+//!
+//! A tile is a pure function of the verdicts, whoever asks for it: maps of different jobs can be joined.
+//!
+//! What a map cannot see: an island of another verdict that is smaller than the grid of its box (1/64 below 1) and
+//! touches no point of it. That is why lookups are audited.
+
+use std::collections::BTreeMap;
+
+use crate::boundary_curve::{BoundaryCurve, Box2, Point, Search};
+use crate::pad_on_disc::RandomInputs;
+use crate::verdict::Verdict;
+
+/// Tiles between 0 and 1; twice as wide in each octave beyond.
+const TILES_TO_ONE: u32 = 16;
+
+/// Tiles along each coordinate; they reach to 64.
+pub const TILES: u32 = TILES_TO_ONE + 6 * TILES_TO_ONE / 2;
+
+/// Boxes are halved this often at the most: to a 65 536th of a tile.
+const DEEPEST: u32 = 16;
+
+/// Intervals of the grid across a box, and the number of grid points with one interval more on each side.
+const INTERVALS: i64 = 4;
+const GRID: usize = INTERVALS as usize + 3;
+
+/// The position of a tile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TileIndex {
+    /// Along the preload, 0 to [`TILES`] - 1.
+    pub column: u32,
+    /// Along the falling friction.
+    pub row: u32,
+}
+
+/// Where tile `index` begins.
+fn edge(index: u32) -> f64 {
+    let Some(beyond) = index.checked_sub(TILES_TO_ONE) else { return f64::from(index) / f64::from(TILES_TO_ONE) };
+    let half = TILES_TO_ONE / 2;
+    f64::from(1 << (beyond / half)) * (1.0 + f64::from(beyond % half) / f64::from(half))
+}
+
+/// The tile that holds a coordinate, if it is not negative and not beyond the map.
+fn tile_at(coordinate: f64) -> Option<u32> {
+    if !(0.0..edge(TILES)).contains(&coordinate) {
+        return None;
+    }
+    if coordinate < 1.0 {
+        return Some((coordinate * f64::from(TILES_TO_ONE)) as u32);
+    }
+    let octave = coordinate.to_bits() >> 52 & 0x7ff;
+    let octave = octave as u32 - 1023;
+    let part = coordinate / f64::from(1 << octave) - 1.0;
+    let half = TILES_TO_ONE / 2;
+    Some(TILES_TO_ONE + half * octave + (part * f64::from(half)) as u32)
+}
+
+impl TileIndex {
+    /// The tile with a point of the plane; `None` outside the map.
+    #[must_use]
+    pub fn of(preload: f64, falling_friction: f64) -> Option<Self> {
+        Some(Self { column: tile_at(preload)?, row: tile_at(falling_friction)? })
+    }
+
+    /// Its box: preload and falling friction.
+    #[must_use]
+    pub fn bounds(self) -> Box2 {
+        Box2 { low: [edge(self.column), edge(self.row)], high: [edge(self.column + 1), edge(self.row + 1)] }
+    }
+}
+
+/// What is known of a box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Node {
+    /// It is cut into four, which lie at this and the next three places of the list: lower and upper preload at lower,
+    /// then at upper friction.
+    Cut(u32),
+    /// One verdict.
+    Uniform(Verdict),
+    /// Two verdicts, with a boundary between them.
+    Crossed(BoundaryCurve),
+    /// Not resolved.
+    Unresolved,
+}
+
+/// A resolved tile: a tree of boxes, the tile itself first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tile {
+    nodes: Vec<Node>,
+    /// Verdicts that were asked for.
+    pub questions: u64,
+}
+
+impl Tile {
+    /// A tile from its parts; `None` if they are no tree.
+    #[must_use]
+    pub fn from_nodes(nodes: Vec<Node>, questions: u64) -> Option<Self> {
+        // Children come in fours, after their parent, each once.
+        let mut next = 1;
+        for (place, node) in nodes.iter().enumerate() {
+            if let Node::Cut(first) = *node {
+                if first as usize != next || next <= place {
+                    return None;
+                }
+                next += 4;
+            }
+        }
+        (next == nodes.len()).then_some(Self { nodes, questions })
+    }
+
+    /// Its boxes, cut or not, as [`Tile::from_nodes`] takes them.
+    #[must_use]
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// Every box that is not cut, with what is known of it.
+    pub fn boxes(&self, index: TileIndex) -> impl Iterator<Item = (Box2, Node)> + '_ {
+        let mut bounds = vec![index.bounds(); self.nodes.len()];
+        for (place, node) in self.nodes.iter().enumerate() {
+            if let Node::Cut(first) = *node {
+                for child in 0..4 {
+                    bounds[first as usize + child] = quarter(&bounds[place], child);
+                }
+            }
+        }
+        self.nodes
+            .iter()
+            .zip(bounds)
+            .filter(|(node, _)| !matches!(node, Node::Cut(_)))
+            .map(|(&node, bounds)| (bounds, node))
+    }
+
+    /// The verdict at a point of the tile, `None` where it has to be found out.
+    #[inline]
+    fn look_up(&self, index: TileIndex, point: Point) -> Option<Verdict> {
+        if let Node::Uniform(verdict) = self.nodes[0] {
+            return Some(verdict);
+        }
+        let mut bounds = index.bounds();
+        let mut place = 0;
+        loop {
+            match &self.nodes[place] {
+                Node::Cut(first) => {
+                    let middle = middle(&bounds);
+                    let child = usize::from(point[0] >= middle[0]) + 2 * usize::from(point[1] >= middle[1]);
+                    bounds = quarter(&bounds, child);
+                    place = *first as usize + child;
+                }
+                Node::Uniform(verdict) => return Some(*verdict),
+                Node::Crossed(curve) => return curve.verdict(&bounds, point),
+                Node::Unresolved => return None,
+            }
+        }
+    }
+
+    /// Resolves a tile by asking for verdicts, many at once: `judge` takes points (preload, falling friction).
+    pub fn resolve(index: TileIndex, mut judge: impl FnMut(&[[f64; 2]]) -> Vec<Verdict>) -> Self {
+        let tile = index.bounds();
+        let mut questions = 0;
+        let mut ask = |points: &[Point]| {
+            questions += points.len() as u64;
+            if points.is_empty() { Vec::new() } else { judge(points) }
+        };
+        let mut known = BTreeMap::new();
+        let mut nodes = vec![Node::Unresolved];
+        let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0 }];
+        while !open.is_empty() {
+            let wanted: Vec<Lattice> = {
+                let mut wanted: Vec<Lattice> = open.iter().flat_map(OpenBox::grid).collect();
+                wanted.retain(|point| !known.contains_key(point));
+                wanted.sort_unstable();
+                wanted.dedup();
+                wanted
+            };
+            let verdicts = ask(&wanted.iter().map(|point| lattice_point(&tile, *point)).collect::<Vec<_>>());
+            known.extend(wanted.into_iter().zip(verdicts));
+
+            let mut searches = Vec::new();
+            let mut to_cut = Vec::new();
+            for open_box in open {
+                let grid: Vec<Verdict> = open_box.grid().map(|point| known[&point]).collect();
+                if grid.iter().all(|verdict| *verdict == grid[0]) {
+                    nodes[open_box.place] = Node::Uniform(grid[0]);
+                } else if let Some((over, below, above)) = crossing(&grid) {
+                    searches.push((open_box, Search::new(open_box.bounds, over, below, above)));
+                } else {
+                    to_cut.push(open_box);
+                }
+            }
+            for (open_box, curve) in locate(searches, &mut ask) {
+                match curve {
+                    Some(curve) => nodes[open_box.place] = Node::Crossed(curve),
+                    None => to_cut.push(open_box),
+                }
+            }
+            to_cut.sort_unstable_by_key(|open_box| open_box.place);
+            open = Vec::new();
+            for open_box in to_cut.into_iter().filter(|open_box| open_box.depth < DEEPEST) {
+                nodes[open_box.place] = Node::Cut(nodes.len() as u32);
+                open.extend((0..4).map(|child| open_box.child(nodes.len() + child, child)));
+                nodes.extend([Node::Unresolved; 4]);
+            }
+        }
+        Self { nodes, questions }
+    }
+}
+
+/// A grid point of a tile, in units that are whole for the smallest boxes.
+type Lattice = [i64; 2];
+
+const LATTICE: i64 = INTERVALS << DEEPEST;
+
+fn lattice_point(tile: &Box2, point: Lattice) -> Point {
+    std::array::from_fn(|axis| {
+        let width = tile.high[axis] - tile.low[axis];
+        tile.low[axis] + width * (point[axis] as f64 / LATTICE as f64)
+    })
+}
+
+fn middle(bounds: &Box2) -> Point {
+    std::array::from_fn(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]))
+}
+
+fn quarter(bounds: &Box2, child: usize) -> Box2 {
+    let middle = middle(bounds);
+    let mut quarter = *bounds;
+    for axis in 0..2 {
+        if child >> axis & 1 == 0 { quarter.high[axis] = middle[axis] } else { quarter.low[axis] = middle[axis] }
+    }
+    quarter
+}
+
+/// A box that is not known yet.
+#[derive(Debug, Clone, Copy)]
+struct OpenBox {
+    place: usize,
+    bounds: Box2,
+    /// Its lower corner on the lattice.
+    corner: Lattice,
+    depth: u32,
+}
+
+impl OpenBox {
+    fn spacing(&self) -> i64 {
+        LATTICE / INTERVALS >> self.depth
+    }
+
+    /// Its grid, one interval beyond it on each side, the preload varying fastest.
+    fn grid(&self) -> impl Iterator<Item = Lattice> + use<> {
+        let (corner, spacing) = (self.corner, self.spacing());
+        (-1..=INTERVALS + 1)
+            .flat_map(move |j| (-1..=INTERVALS + 1).map(move |i| [corner[0] + i * spacing, corner[1] + j * spacing]))
+    }
+
+    fn child(&self, place: usize, child: usize) -> Self {
+        let half = self.spacing() * INTERVALS / 2;
+        let corner = [self.corner[0] + half * (child & 1) as i64, self.corner[1] + half * (child >> 1) as i64];
+        Self { place, bounds: quarter(&self.bounds, child), corner, depth: self.depth + 1 }
+    }
+}
+
+/// If the grid looks like two verdicts with one boundary between them: over which coordinate it is a graph, and the
+/// verdicts below and above.
+fn crossing(grid: &[Verdict]) -> Option<(usize, Verdict, Verdict)> {
+    let over = |axis: usize| -> Option<(usize, usize, Verdict, Verdict)> {
+        let at = |i: usize, j: usize| if axis == 0 { grid[i + GRID * j] } else { grid[j + GRID * i] };
+        let mut pair = None;
+        let mut crossed = 0;
+        for i in 0..GRID {
+            let (first, last) = (at(i, 0), at(i, GRID - 1));
+            if first != last {
+                crossed += 1;
+                if *pair.get_or_insert((first, last)) != (first, last) {
+                    return None;
+                }
+            }
+            // First, then last, and nothing comes back.
+            let change = (0..GRID).find(|&j| at(i, j) != first).unwrap_or(GRID);
+            if (change..GRID).any(|j| at(i, j) != last) || (first == last && change < GRID) {
+                return None;
+            }
+        }
+        // A line without a crossing lies on one side.
+        let lies_beside = |i: usize| pair.is_none_or(|(below, above)| at(i, 0) == below || at(i, 0) == above);
+        if !(0..GRID).all(lies_beside) {
+            return None;
+        }
+        pair.map(|(below, above)| (axis, crossed, below, above))
+    };
+    let best = match (over(0), over(1)) {
+        (Some(a), Some(b)) => {
+            if b.1 > a.1 {
+                b
+            } else {
+                a
+            }
+        }
+        (a, b) => a.or(b)?,
+    };
+    Some((best.0, best.2, best.3))
+}
+
+/// Locates boundaries, all of them in step, so that many verdicts are asked for at once.
+fn locate(
+    searches: Vec<(OpenBox, Search)>,
+    ask: &mut impl FnMut(&[Point]) -> Vec<Verdict>,
+) -> Vec<(OpenBox, Option<BoundaryCurve>)> {
+    let mut found = Vec::with_capacity(searches.len());
+    let ends = in_step(searches.iter().map(|(_, search)| search.ends()), ask);
+    let mut going = Vec::new();
+    for ((open_box, search), verdicts) in searches.into_iter().zip(ends) {
+        if search.accepts_ends(&verdicts) { going.push((open_box, search)) } else { found.push((open_box, None)) }
+    }
+    loop {
+        let answers = in_step(going.iter().map(|(_, search)| search.questions()), ask);
+        if answers.iter().all(Vec::is_empty) {
+            break;
+        }
+        for ((_, search), verdicts) in going.iter_mut().zip(&answers) {
+            search.learn(verdicts);
+        }
+    }
+    let curves: Vec<_> = going.iter().map(|(_, search)| search.curve()).collect();
+    let proofs = in_step(curves.iter().map(|(_, proof)| proof.clone()), ask);
+    for (((open_box, search), (curve, _)), verdicts) in going.into_iter().zip(curves).zip(proofs) {
+        found.push((open_box, search.accepts_proof(&verdicts).then_some(curve)));
+    }
+    found
+}
+
+/// Asks for the verdicts at several lists of points at once.
+fn in_step(
+    lists: impl Iterator<Item = Vec<Point>>,
+    ask: &mut impl FnMut(&[Point]) -> Vec<Verdict>,
+) -> Vec<Vec<Verdict>> {
+    let lists: Vec<Vec<Point>> = lists.collect();
+    let verdicts = ask(&lists.concat());
+    let mut rest = verdicts.as_slice();
+    let take = |list: &Vec<Point>| {
+        let (mine, others) = rest.split_at(list.len());
+        rest = others;
+        mine.to_vec()
+    };
+    lists.iter().map(take).collect()
+}
+
+/// Tiles of the plane at one rotating speed.
+#[derive(Debug, Clone)]
+pub struct VerdictMap {
+    kinetic_coefficient: f64,
+    tiles: Vec<Option<Tile>>,
+}
+
+impl VerdictMap {
+    /// A map without tiles, of a brake with this kinetic friction coefficient.
+    #[must_use]
+    pub fn new(kinetic_coefficient: f64) -> Self {
+        Self { kinetic_coefficient, tiles: vec![None; (TILES * TILES) as usize] }
+    }
+
+    /// f_c, the kinetic friction coefficient.
+    #[must_use]
+    pub fn kinetic_coefficient(&self) -> f64 {
+        self.kinetic_coefficient
+    }
+
+    /// The inputs at a point of the plane.
+    #[must_use]
+    pub fn inputs(&self, point: [f64; 2]) -> RandomInputs {
+        RandomInputs { preload: point[0], static_friction: self.kinetic_coefficient + point[1] }
+    }
+
+    /// Adds a tile.
+    pub fn insert(&mut self, index: TileIndex, tile: Tile) {
+        self.tiles[(index.row * TILES + index.column) as usize] = Some(tile);
+    }
+
+    /// A tile, if it is resolved.
+    #[must_use]
+    pub fn tile(&self, index: TileIndex) -> Option<&Tile> {
+        self.tiles.get((index.row * TILES + index.column) as usize)?.as_ref()
+    }
+
+    /// All resolved tiles.
+    pub fn tiles(&self) -> impl Iterator<Item = (TileIndex, &Tile)> {
+        let place = |place: usize| TileIndex { column: place as u32 % TILES, row: place as u32 / TILES };
+        self.tiles.iter().enumerate().filter_map(move |(i, tile)| Some((place(i), tile.as_ref()?)))
+    }
+
+    /// The verdict on a sample, `None` where the map does not tell: outside its tiles, or within the resolution of a
+    /// boundary. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable by definition.
+    #[inline]
+    #[must_use]
+    pub fn look_up(&self, inputs: RandomInputs) -> Option<Verdict> {
+        let falling = inputs.static_friction - self.kinetic_coefficient;
+        if inputs.preload <= 0.0 || falling < 0.0 {
+            return Some(Verdict::Stable);
+        }
+        let index = TileIndex::of(inputs.preload, falling)?;
+        self.tile(index)?.look_up(index, [inputs.preload, falling])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_the_plane_without_gaps() {
+        for index in 0..TILES {
+            let (from, to) = (edge(index), edge(index + 1));
+            assert!(from < to);
+            for coordinate in [from, 0.5 * (from + to), to.next_down()] {
+                assert_eq!(tile_at(coordinate), Some(index), "{coordinate}");
+            }
+        }
+        assert_eq!(edge(TILES), 64.0);
+        assert_eq!([-1e-300, 64.0, f64::NAN, f64::INFINITY].map(tile_at), [None; 4]);
+    }
+
+    /// A map of all tiles up to 1 of a plane whose verdicts are known, and the questions that it took.
+    fn map_of(judge: impl Fn(Point) -> Verdict) -> (VerdictMap, u64) {
+        let mut map = VerdictMap::new(0.25);
+        let mut questions = 0;
+        for row in 0..16 {
+            for column in 0..16 {
+                let index = TileIndex { column, row };
+                let tile = Tile::resolve(index, |points| points.iter().map(|&point| judge(point)).collect());
+                questions += tile.questions;
+                assert_eq!(Tile::from_nodes(tile.nodes().to_vec(), tile.questions), Some(tile.clone()));
+                map.insert(index, tile);
+            }
+        }
+        (map, questions)
+    }
+
+    /// Looks up a fine grid: every answer has to be right. Returns the share without an answer.
+    fn assert_right(map: &VerdictMap, judge: impl Fn(Point) -> Verdict) -> f64 {
+        let (mut silent, count) = (0, 1500);
+        for i in 0..count {
+            for j in 0..count {
+                // Irrational steps, so that no point of the grid of a box is hit.
+                let point =
+                    [(f64::from(i) + 0.414_213) / f64::from(count), (f64::from(j) + 0.732_05) / f64::from(count)];
+                match map.look_up(map.inputs(point)) {
+                    Some(verdict) => assert_eq!(verdict, judge(point), "{point:?}"),
+                    None => silent += 1,
+                }
+            }
+        }
+        f64::from(silent) / f64::from(count * count)
+    }
+
+    #[test]
+    fn a_hyperbola_is_mapped() {
+        let judge = |[x, y]: Point| if x * y > 0.0135 { Verdict::Unstable } else { Verdict::Stable };
+        let (map, questions) = map_of(judge);
+        let silent = assert_right(&map, judge);
+        assert!(silent < 1e-5 && questions < 30_000, "{silent} {questions}");
+    }
+
+    #[test]
+    fn two_branches_a_corner_and_an_island_are_mapped() {
+        let judge = |[x, y]: Point| {
+            let hyperbola = x * y > 0.02 && y > 0.11 - 0.05 * x;
+            let lens = (x - 0.6).powi(2) + (2.0 * (y - 0.05)).powi(2) < 0.0025;
+            let gap = (x - 0.5).powi(2) + (y - 0.7).powi(2) < 0.01;
+            if (hyperbola || lens) && !gap { Verdict::Unstable } else { Verdict::Stable }
+        };
+        let (map, questions) = map_of(judge);
+        let silent = assert_right(&map, judge);
+        assert!(silent < 1e-5 && questions < 100_000, "{silent} {questions}");
+    }
+
+    #[test]
+    fn undecided_samples_have_a_region_of_their_own() {
+        let judge = |[x, y]: Point| match x * y {
+            product if product > 0.05 => Verdict::Unstable,
+            product if product > 0.03 => Verdict::Undecided,
+            product if product > 0.02999 => Verdict::Failed,
+            _ => Verdict::Stable,
+        };
+        let (map, _) = map_of(judge);
+        let silent = assert_right(&map, judge);
+        assert!(silent < 1e-3, "{silent}");
+        assert_eq!(map.look_up(map.inputs([0.2, 0.2])), Some(Verdict::Undecided));
+    }
+
+    #[test]
+    fn noise_is_left_unresolved_and_outside_is_known() {
+        // Verdicts without any order: nothing may be looked up, and the work is bounded.
+        let mut map = VerdictMap::new(0.25);
+        let index = TileIndex { column: 3, row: 5 };
+        let judge = |point: &Point| {
+            let bits = (point[0].to_bits() ^ point[1].to_bits().rotate_left(17)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            if bits >> 63 == 0 && (point[0] - 0.22).abs() < 1e-4 { Verdict::Unstable } else { Verdict::Stable }
+        };
+        map.insert(index, Tile::resolve(index, |points| points.iter().map(judge).collect()));
+        assert!(map.tile(index).unwrap().questions < 2_000_000);
+        for (preload, static_friction) in [(0.0, 0.5), (-1.0, 0.5), (0.2, 0.2), (-1.0, 0.1)] {
+            assert_eq!(map.look_up(RandomInputs { preload, static_friction }), Some(Verdict::Stable));
+        }
+        assert_eq!(map.look_up(RandomInputs { preload: 0.5, static_friction: 0.5 }), None, "no such tile");
+        assert_eq!(map.look_up(RandomInputs { preload: f64::NAN, static_friction: 0.5 }), None);
+    }
+
+    #[test]
+    fn parts_that_are_no_tree_are_refused() {
+        let leaf = Node::Uniform(Verdict::Stable);
+        for nodes in
+            [vec![], vec![leaf, leaf], vec![Node::Cut(1), leaf, leaf, leaf], vec![Node::Cut(0), leaf, leaf, leaf, leaf]]
+        {
+            assert_eq!(Tile::from_nodes(nodes, 1), None);
+        }
+    }
+}
