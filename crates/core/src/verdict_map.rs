@@ -1,7 +1,7 @@
 //! The verdict map: which verdict a sample has, as a function of its two random inputs, found by asking for verdicts.
 //!
 //! At one rotating speed the verdict is a deterministic function of preload and static friction, constant but for a few
-//! curves. The plane of preload and falling friction `f_s - f_c` is cut into tiles (a sixteenth wide below 1, wider
+//! curves. The plane of preload and falling friction `f_s - f_c` is cut into tiles (an eighth wide below 1, wider
 //! beyond), and a tile into boxes until each is one of three: **uniform**, every point of a grid in it and around it has
 //! one verdict; **crossed**, a [`BoundaryCurve`] separates two verdicts; or **unresolved**, too small to cut further, at
 //! corners and ends of boundaries. A sample in a box is looked up unless it is within the resolution of a curve, or in an
@@ -9,7 +9,7 @@
 //!
 //! A tile is a pure function of the verdicts, whoever asks for it: maps of different jobs can be joined.
 //!
-//! What a map cannot see: an island of another verdict that is smaller than the grid of its box (1/64 below 1) and
+//! What a map cannot see: an island of another verdict that is smaller than the grid of its box (1/32 below 1) and
 //! touches no point of it. That is why lookups are audited.
 
 use std::collections::BTreeMap;
@@ -19,13 +19,13 @@ use crate::pad_on_disc::RandomInputs;
 use crate::verdict::Verdict;
 
 /// Tiles between 0 and 1; twice as wide in each octave beyond.
-const TILES_TO_ONE: u32 = 16;
+const TILES_TO_ONE: u32 = 8;
 
 /// Tiles along each coordinate; they reach to 64.
 pub const TILES: u32 = TILES_TO_ONE + 6 * TILES_TO_ONE / 2;
 
-/// Boxes are halved this often at the most: to a 65 536th of a tile.
-const DEEPEST: u32 = 16;
+/// Boxes are halved this often at the most: to a 131 072nd of a tile.
+const DEEPEST: u32 = 17;
 
 /// Intervals of the grid across a box, and the number of grid points with one interval more on each side.
 const INTERVALS: i64 = 4;
@@ -189,8 +189,8 @@ impl Tile {
                 let grid: Vec<Verdict> = open_box.grid().map(|point| known[&point]).collect();
                 if grid.iter().all(|verdict| *verdict == grid[0]) {
                     nodes[open_box.place] = Node::Uniform(grid[0]);
-                } else if let Some((over, below, above)) = crossing(&grid) {
-                    searches.push((open_box, Search::new(open_box.bounds, over, below, above)));
+                } else if let Some(crossing) = Crossing::of(&grid) {
+                    searches.push((open_box, crossing.search(&open_box.bounds)));
                 } else {
                     to_cut.push(open_box);
                 }
@@ -267,45 +267,48 @@ impl OpenBox {
     }
 }
 
-/// If the grid looks like two verdicts with one boundary between them: over which coordinate it is a graph, and the
-/// verdicts below and above.
-fn crossing(grid: &[Verdict]) -> Option<(usize, Verdict, Verdict)> {
-    let over = |axis: usize| -> Option<(usize, usize, Verdict, Verdict)> {
-        let at = |i: usize, j: usize| if axis == 0 { grid[i + GRID * j] } else { grid[j + GRID * i] };
-        let mut pair = None;
-        let mut crossed = 0;
-        for i in 0..GRID {
-            let (first, last) = (at(i, 0), at(i, GRID - 1));
-            if first != last {
-                crossed += 1;
-                if *pair.get_or_insert((first, last)) != (first, last) {
-                    return None;
-                }
-            }
-            // First, then last, and nothing comes back.
-            let change = (0..GRID).find(|&j| at(i, j) != first).unwrap_or(GRID);
-            if (change..GRID).any(|j| at(i, j) != last) || (first == last && change < GRID) {
-                return None;
-            }
-        }
-        // A line without a crossing lies on one side.
-        let lies_beside = |i: usize| pair.is_none_or(|(below, above)| at(i, 0) == below || at(i, 0) == above);
-        if !(0..GRID).all(lies_beside) {
-            return None;
-        }
-        pair.map(|(below, above)| (axis, crossed, below, above))
-    };
-    let best = match (over(0), over(1)) {
-        (Some(a), Some(b)) => {
-            if b.1 > a.1 {
-                b
-            } else {
-                a
-            }
-        }
-        (a, b) => a.or(b)?,
-    };
-    Some((best.0, best.2, best.3))
+/// A grid that looks like two verdicts with one boundary between them, a graph over one coordinate.
+struct Crossing {
+    over: usize,
+    below: Verdict,
+    above: Verdict,
+    /// For each line of the grid across that coordinate, the first point that is above; [`GRID`] if none is.
+    first_above: [usize; GRID],
+}
+
+impl Crossing {
+    /// As which of the two coordinates it is flatter; `None` if it is a graph over neither.
+    fn of(grid: &[Verdict]) -> Option<Self> {
+        let crossed = |crossing: &Self| crossing.first_above.iter().filter(|&&first| first % GRID > 0).count();
+        let found = (0..2).filter_map(|over| Self::over(over, grid));
+        found.reduce(|a, b| if crossed(&b) > crossed(&a) { b } else { a })
+    }
+
+    fn over(over: usize, grid: &[Verdict]) -> Option<Self> {
+        let at = |i: usize, j: usize| if over == 0 { grid[i + GRID * j] } else { grid[j + GRID * i] };
+        let crossed = (0..GRID).find(|&i| at(i, 0) != at(i, GRID - 1))?;
+        let (below, above) = (at(crossed, 0), at(crossed, GRID - 1));
+        let first_above = std::array::from_fn(|i| (0..GRID).find(|&j| at(i, j) != below).unwrap_or(GRID));
+        // Below, then above, and nothing comes back.
+        let is_graph = (0..GRID).all(|i| (first_above[i]..GRID).all(|j| at(i, j) == above));
+        is_graph.then_some(Self { over, below, above, first_above })
+    }
+
+    /// The search for the boundary in this box: at first between the grid points that it passes.
+    fn search(&self, bounds: &Box2) -> Search {
+        let across = 1 - self.over;
+        let spacing = (bounds.high[across] - bounds.low[across]) / INTERVALS as f64;
+        let line_spacing = (bounds.high[self.over] - bounds.low[self.over]) / INTERVALS as f64;
+        let expected = |coordinate: f64| {
+            let line = ((coordinate - bounds.low[self.over]) / line_spacing) as usize + 1;
+            let (a, b) = (self.first_above[line], self.first_above[(line + 1).min(GRID - 1)]);
+            let value = |place: usize| bounds.low[across] + spacing * (place as f64 - 1.0);
+            // A line without a point on one side says nothing of where the boundary is there.
+            let below_at = if a.min(b) == 0 { -1.0 } else { a.min(b) as f64 - 1.0 };
+            (bounds.low[across] + spacing * (below_at - 1.0), value(a.max(b)))
+        };
+        Search::new(*bounds, self.over, (self.below, self.above), expected)
+    }
 }
 
 /// Locates boundaries, all of them in step, so that many verdicts are asked for at once.
@@ -314,9 +317,19 @@ fn locate(
     ask: &mut impl FnMut(&[Point]) -> Vec<Verdict>,
 ) -> Vec<(OpenBox, Option<BoundaryCurve>)> {
     let mut found = Vec::with_capacity(searches.len());
-    let ends = in_step(searches.iter().map(|(_, search)| search.ends()), ask);
     let mut going = Vec::new();
-    for ((open_box, search), verdicts) in searches.into_iter().zip(ends) {
+    let mut to_widen = Vec::new();
+    let ends = in_step(searches.iter().map(|(_, search)| search.ends()), ask);
+    for ((open_box, mut search), verdicts) in searches.into_iter().zip(ends) {
+        if search.accepts_ends(&verdicts) {
+            going.push((open_box, search));
+        } else {
+            search.widen();
+            to_widen.push((open_box, search));
+        }
+    }
+    let ends = in_step(to_widen.iter().map(|(_, search)| search.ends()), ask);
+    for ((open_box, search), verdicts) in to_widen.into_iter().zip(ends) {
         if search.accepts_ends(&verdicts) { going.push((open_box, search)) } else { found.push((open_box, None)) }
     }
     loop {
@@ -430,8 +443,8 @@ mod tests {
     fn map_of(judge: impl Fn(Point) -> Verdict) -> (VerdictMap, u64) {
         let mut map = VerdictMap::new(0.25);
         let mut questions = 0;
-        for row in 0..16 {
-            for column in 0..16 {
+        for row in 0..8 {
+            for column in 0..8 {
                 let index = TileIndex { column, row };
                 let tile = Tile::resolve(index, |points| points.iter().map(|&point| judge(point)).collect());
                 questions += tile.questions;
