@@ -7,7 +7,8 @@
 //! Verdicts are all that is known of a motion, so a point of a graph is found by bisection, to a few millionths of its
 //! coordinate, at eight Chebyshev nodes; the polynomial through them is then tried at the nine points between and beside
 //! the nodes, where its error is largest. A piece that fails, because the boundary bends too much for it, has a corner or
-//! is not there all along, is no piece; the map cuts the box and tries again.
+//! is not there all along, is no piece; the map cuts the box and tries again. A boundary that is ragged on a small scale
+//! (where the rules of a verdict count cycles, say) passes with a wider guard around it.
 
 use crate::verdict::Verdict;
 
@@ -205,9 +206,9 @@ impl Search {
         }
     }
 
-    /// The polynomials through the located nodes, and the points where they have to prove themselves: certainly `below`
-    /// and certainly `above` in turn.
-    pub fn curve(&self) -> (BoundaryCurve, Vec<Point>) {
+    /// The polynomials through the located nodes, guarded by `factor` times the distance that an exact boundary needs, and
+    /// the points where they have to prove themselves: certainly `below` and certainly `above` in turn.
+    pub fn curve(&self, factor: f64) -> (BoundaryCurve, Vec<Point>) {
         let largest = self.nodes.iter().map(|node| node.above_at.abs()).fold(LEAST_COORDINATE, f64::max);
         let curve = BoundaryCurve {
             over: self.over,
@@ -215,7 +216,7 @@ impl Search {
             above: self.above,
             lower: coefficients(&self.nodes.map(|node| node.below_at)),
             upper: coefficients(&self.nodes.map(|node| node.above_at)),
-            guard: GUARD * TOLERANCE * largest,
+            guard: factor * GUARD * TOLERANCE * largest,
         };
         let proof = (0..=NODES).flat_map(|k| {
             let coordinate = at(&self.within, self.over, cosine(2 * k));
@@ -261,7 +262,7 @@ mod tests {
             }
             search.learn(&ask(&questions));
         }
-        let (curve, proof) = search.curve();
+        let (curve, proof) = search.curve(1.0);
         search.accepts_proof(&ask(&proof)).then_some((curve, asked))
     }
 

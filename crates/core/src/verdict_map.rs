@@ -12,6 +12,7 @@
 //! What a map cannot see: an island of another verdict that is smaller than the grid of its box (1/32 below 1) and
 //! touches no point of it. That is why lookups are audited.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use crate::boundary_curve::{BoundaryCurve, Box2, Point, Search};
@@ -26,6 +27,24 @@ pub const TILES: u32 = TILES_TO_ONE + 6 * TILES_TO_ONE / 2;
 
 /// Boxes are halved this often at the most: to a 131 072nd of a tile.
 const DEEPEST: u32 = 17;
+
+/// A tile is cut no further once it has taken this many questions: where verdicts have no order, simulating the samples
+/// themselves is cheaper.
+const MOST_QUESTIONS: u64 = 50_000;
+
+/// The guards of a boundary: a wider one only in boxes so small already that cutting them would cost more than the samples
+/// inside the guard.
+struct Guard {
+    factor: f64,
+    next_from_depth: u32,
+}
+
+const GUARDS: [Guard; 4] = [
+    Guard { factor: 1.0, next_from_depth: 2 },
+    Guard { factor: 8.0, next_from_depth: 3 },
+    Guard { factor: 64.0, next_from_depth: 5 },
+    Guard { factor: 512.0, next_from_depth: u32::MAX },
+];
 
 /// Intervals of the grid across a box, and the number of grid points with one interval more on each side.
 const INTERVALS: i64 = 4;
@@ -164,9 +183,9 @@ impl Tile {
     /// Resolves a tile by asking for verdicts, many at once: `judge` takes points (preload, falling friction).
     pub fn resolve(index: TileIndex, mut judge: impl FnMut(&[[f64; 2]]) -> Vec<Verdict>) -> Self {
         let tile = index.bounds();
-        let mut questions = 0;
+        let questions = Cell::new(0);
         let mut ask = |points: &[Point]| {
-            questions += points.len() as u64;
+            questions.set(questions.get() + points.len() as u64);
             if points.is_empty() { Vec::new() } else { judge(points) }
         };
         let mut known = BTreeMap::new();
@@ -203,13 +222,14 @@ impl Tile {
             }
             to_cut.sort_unstable_by_key(|open_box| open_box.place);
             open = Vec::new();
-            for open_box in to_cut.into_iter().filter(|open_box| open_box.depth < DEEPEST) {
+            to_cut.retain(|open_box| open_box.depth < DEEPEST && questions.get() < MOST_QUESTIONS);
+            for open_box in to_cut {
                 nodes[open_box.place] = Node::Cut(nodes.len() as u32);
                 open.extend((0..4).map(|child| open_box.child(nodes.len() + child, child)));
                 nodes.extend([Node::Unresolved; 4]);
             }
         }
-        Self { nodes, questions }
+        Self { nodes, questions: questions.get() }
     }
 }
 
@@ -341,11 +361,23 @@ fn locate(
             search.learn(verdicts);
         }
     }
-    let curves: Vec<_> = going.iter().map(|(_, search)| search.curve()).collect();
-    let proofs = in_step(curves.iter().map(|(_, proof)| proof.clone()), ask);
-    for (((open_box, search), (curve, _)), verdicts) in going.into_iter().zip(curves).zip(proofs) {
-        found.push((open_box, search.accepts_proof(&verdicts).then_some(curve)));
+    for guard in GUARDS {
+        let curves: Vec<_> = going.iter().map(|(_, search)| search.curve(guard.factor)).collect();
+        let proofs = in_step(curves.iter().map(|(_, proof)| proof.clone()), ask);
+        let mut failed = Vec::new();
+        for (((open_box, search), (curve, _)), verdicts) in going.into_iter().zip(curves).zip(proofs) {
+            if search.accepts_proof(&verdicts) {
+                found.push((open_box, Some(curve)));
+            } else {
+                failed.push((open_box, search));
+            }
+        }
+        let may_try_next = |open_box: &OpenBox| open_box.depth >= guard.next_from_depth;
+        let (next, cut): (Vec<_>, Vec<_>) = failed.into_iter().partition(|(open_box, _)| may_try_next(open_box));
+        found.extend(cut.into_iter().map(|(open_box, _)| (open_box, None)));
+        going = next;
     }
+    found.extend(going.into_iter().map(|(open_box, _)| (open_box, None)));
     found
 }
 
@@ -517,7 +549,7 @@ mod tests {
             if bits >> 63 == 0 && (point[0] - 0.22).abs() < 1e-4 { Verdict::Unstable } else { Verdict::Stable }
         };
         map.insert(index, Tile::resolve(index, |points| points.iter().map(judge).collect()));
-        assert!(map.tile(index).unwrap().questions < 2_000_000);
+        assert!(map.tile(index).unwrap().questions < 2 * MOST_QUESTIONS);
         for (preload, static_friction) in [(0.0, 0.5), (-1.0, 0.5), (0.2, 0.2), (-1.0, 0.1)] {
             assert_eq!(map.look_up(RandomInputs { preload, static_friction }), Some(Verdict::Stable));
         }
