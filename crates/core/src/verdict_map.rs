@@ -19,6 +19,9 @@ use crate::boundary_curve::{BoundaryCurve, Box2, Point, Search};
 use crate::pad_on_disc::RandomInputs;
 use crate::verdict::Verdict;
 
+/// Version of how tiles are resolved; maps of different versions are never joined.
+pub const MAP_VERSION: u32 = 1;
+
 /// Tiles between 0 and 1; twice as wide in each octave beyond.
 const TILES_TO_ONE: u32 = 8;
 

@@ -71,11 +71,21 @@ pub struct SubmitArguments {
     /// Compute only one of N parts, to be merged later; I counts from 1 to N or from 0 to N-1
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
+    #[command(flatten)]
+    pub maps: MapsArgument,
 }
 
 /// A whole number as a job spec writes it, 10000 or 10_000.
 fn whole_number(text: &str) -> Result<u64, String> {
     text.replace('_', "").parse().map_err(|_| "write a whole number, for example 10000 or 10_000".to_owned())
+}
+
+/// Verdict maps of other runs.
+#[derive(Debug, Args)]
+pub struct MapsArgument {
+    /// Use the verdict map of another run of the same model, speed and criterion; may be repeated
+    #[arg(long = "map", value_name = "RUN_DIR")]
+    pub maps: Vec<PathBuf>,
 }
 
 /// How many threads.
@@ -101,6 +111,8 @@ pub struct ResumeArguments {
     pub run: PathBuf,
     #[command(flatten)]
     pub threads: ThreadsArgument,
+    #[command(flatten)]
+    pub maps: MapsArgument,
 }
 
 /// Arguments of `status`.

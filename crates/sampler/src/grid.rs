@@ -164,20 +164,26 @@ impl Grid {
         (index / (frictions * preloads * stds)) as usize
     }
 
+    /// Where on the axis of relative standard deviations the cell at `index` lies.
+    #[must_use]
+    pub fn relative_std_index(&self, index: u64) -> usize {
+        let [_, stds, preloads, frictions] = self.lengths();
+        (index / (frictions * preloads) % stds) as usize
+    }
+
     /// The cell at `index`.
     ///
     /// # Panics
     /// If `index` is not below the number of cells.
     #[must_use]
     pub fn cell(&self, index: u64) -> Cell {
-        let [_, stds, preloads, frictions] = self.lengths();
+        let [_, _, preloads, frictions] = self.lengths();
         let friction = index % frictions;
         let preload = index / frictions % preloads;
-        let std = index / (frictions * preloads) % stds;
         Cell {
             index,
             rotating_speed: self.rotating_speed.0[self.rotating_speed_index(index)],
-            relative_std: self.relative_std[std as usize],
+            relative_std: self.relative_std[self.relative_std_index(index)],
             preload: self.preload.0[preload as usize],
             static_friction: self.static_friction.0[friction as usize],
         }

@@ -26,6 +26,12 @@ pub enum Purpose {
     Scrambling,
     /// The scrambling of Sobol points that all cells of a job share.
     CommonScrambling,
+    /// Which samples that were looked up in a verdict map are simulated all the same.
+    Audit,
+    /// The second set of random inputs that Sobol indices need.
+    Sensitivity,
+    /// The same, shared by all cells of a job.
+    CommonSensitivity,
 }
 
 impl Purpose {
@@ -35,6 +41,9 @@ impl Purpose {
             Self::CommonInputs => 1,
             Self::Scrambling => 2,
             Self::CommonScrambling => 3,
+            Self::Audit => 4,
+            Self::Sensitivity => 5,
+            Self::CommonSensitivity => 6,
         }
     }
 }
@@ -61,7 +70,15 @@ mod tests {
     fn every_part_of_the_identity_matters() {
         let mut seen = HashSet::new();
         for seed in [0, 1, u64::MAX] {
-            for purpose in [Purpose::Inputs, Purpose::CommonInputs, Purpose::Scrambling, Purpose::CommonScrambling] {
+            for purpose in [
+                Purpose::Inputs,
+                Purpose::CommonInputs,
+                Purpose::Scrambling,
+                Purpose::CommonScrambling,
+                Purpose::Audit,
+                Purpose::Sensitivity,
+                Purpose::CommonSensitivity,
+            ] {
                 for cell in [0, 1, 1 << 40] {
                     for block in [0, 1, 1 << 40] {
                         assert!(seen.insert(block_generator(seed, purpose, cell, block).next_u64()));

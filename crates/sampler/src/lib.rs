@@ -3,9 +3,18 @@
 //!
 //! A job is a grid of [`Cell`]s, each an expected preload and static friction coefficient with relative standard
 //! deviations, at one rotating speed. Sample `j` of a cell is a pure function of the seed, the cell, `j` and
-//! [`RESULTS_VERSION`] ([`identity`]); its verdict comes from `stickslip-core`. Verdicts are counted in integers
-//! and turned into an [`Estimate`] ([`interval`]); where the boundary is known in closed form, [`exact`] gives
-//! the probability itself.
+//! [`RESULTS_VERSION`] ([`identity`], [`samples`]); its verdict comes from `stickslip-core`. [`inputs`] has the
+//! distributions and correlations that deviates can be given, [`deviates`] the deviates of any number of inputs, also
+//! from points that are spread more evenly than independent ones ([`sobol`]).
+//!
+//! Verdicts are counted in integers and turned into an [`Estimate`] ([`interval`]), whose limits come from [`normal`],
+//! [`poisson`] and [`beta`]. [`sequential`] has intervals that hold for a cell that is looked at until it is known well
+//! enough, [`difference`] those of the difference between two cells, [`distribution`] the mean and quantiles of a
+//! quantity over samples.
+//!
+//! Where it is known which inputs are unstable, no samples are needed: [`exact`] gives the probability and its
+//! derivatives from a boundary in closed form, [`mapped`] from a verdict map, with what the map does not tell as
+//! limits. [`score`] estimates the same derivatives from samples.
 //!
 //! Modules are declared in reading order. Nothing here knows of threads, files or the terminal.
 
@@ -20,6 +29,8 @@ pub mod inputs;
 
 pub mod samples;
 
+pub mod deviates;
+
 pub mod sobol;
 
 pub mod normal;
@@ -32,18 +43,30 @@ pub mod interval;
 
 pub mod sequential;
 
+pub mod replicates;
+
+pub mod audit;
+
 pub mod difference;
 
 pub mod distribution;
 
 pub mod exact;
 
+pub mod mapped;
+
+pub mod score;
+
+pub use deviates::{DeviateStream, Points};
 pub use difference::{Difference, PairedCounts};
 pub use distribution::Distribution;
+pub use exact::{Derivatives, ExactProbability};
 pub use grid::{Axis, AxisError, Cell, Grid, RelativeStd};
 pub use identity::{BLOCK_SAMPLES, Purpose, RESULTS_VERSION};
 pub use inputs::{Correlation, CorrelationError, Marginal, MarginalError};
 pub use interval::{BinomialInterval, Estimate, IntervalKind, WilsonInterval};
+pub use mapped::{MapRegions, MappedProbability};
 pub use samples::{SampleStream, Samples};
+pub use score::{CellNumber, ScoreSums, ScoreTotals};
 pub use sequential::Looks;
 pub use sobol::{ScrambledSobol, SobolCursor};

@@ -5,18 +5,21 @@ use serde_json::json;
 use crate::cli::StatusArguments;
 use crate::failure::Failure;
 use crate::output::{quoted, result};
-use crate::run::{RunDirectory, job_hash_of_file};
+use crate::run::{RunDirectory, Slots, job_hash_of_file};
 
 /// `stickslip status`.
 pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     let directory = RunDirectory::view(&arguments.run)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
-    let complete_cells = tally.complete_cells(job.samples);
+    let slots = Slots::new(&job);
     let in_use = directory.in_use();
     // A surface of the run before it was extended does not count.
     let surface = directory.surface();
     let is_written = job_hash_of_file(&surface) == Some(job.hash());
+    // An integrated surface is there as a whole or not at all.
+    let complete_cells =
+        if job.is_integrated() { if is_written { job.cells() } else { 0 } } else { slots.complete_cells(&tally) };
     let state = match (complete_cells == job.cells(), is_written) {
         _ if in_use => "running",
         (true, true) => "finished",
@@ -24,9 +27,11 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
         (false, _) => "unfinished",
     };
     let (counted, total) = (tally.counted(), job.total_samples());
-    let share = counted as f64 / total as f64;
-    let undecided: u64 = (0..job.cells()).map(|cell| tally.counts(cell).undecided).sum();
-    let failed: u64 = (0..job.cells()).map(|cell| tally.counts(cell).failed).sum();
+    // Where samples are not the measure of the work, or their number is not known before, cells are.
+    let by_cells = job.is_integrated() || job.stops_by_precision();
+    let share = if by_cells { complete_cells as f64 / job.cells() as f64 } else { counted as f64 / total as f64 };
+    let undecided: u64 = (0..slots.count()).map(|slot| tally.counts(slot).undecided).sum();
+    let failed: u64 = (0..slots.count()).map(|slot| tally.counts(slot).failed).sum();
     if arguments.json {
         let status = json!({
             "run": arguments.run.display().to_string(),
@@ -35,7 +40,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
             "in_use": in_use,
             "cells": job.cells(),
             "cells_complete": complete_cells,
-            "samples_per_cell": job.samples,
+            "samples_per_cell": job.sampling.samples,
             "samples_done": u64::try_from(counted).unwrap_or(u64::MAX),
             "samples_total": u64::try_from(total).unwrap_or(u64::MAX),
             "share_done": share,
@@ -56,9 +61,10 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
         _ => format!("; {undecided} samples undecided, {failed} failed"),
     };
     result(&format!(
-        "{}: {state}, {:.1} % ({counted} of {total} samples, {complete_cells} of {} cells complete){without_verdict}{next}\n",
+        "{}: {state}, {:.1} % ({counted} of {}{total} samples, {complete_cells} of {} cells complete){without_verdict}{next}\n",
         job.name,
         100.0 * share,
+        if job.stops_by_precision() { "at most " } else { "" },
         job.cells()
     ))
 }

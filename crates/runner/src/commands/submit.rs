@@ -1,9 +1,10 @@
 //! `submit`, `resume` and `merge`: from a job to its surface.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use indicatif::HumanCount;
+use stickslip_sampler::audit;
 
 use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
 use crate::failure::Failure;
@@ -11,25 +12,32 @@ use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::output::{note, quoted, result};
 use crate::picture::picture;
-use crate::run::{Access, Engine, Outcome, Plan, Progress, RunDirectory, Session, Shard, Surface, Tally};
+use crate::run::{
+    Access, Engine, IntegratedCell, Lookups, Outcome, Plan, Progress, RunDirectory, Session, Shard, Slots, Surface,
+    Tally,
+};
+
+/// Confidence of what an audit says of the samples that were not audited.
+const AUDIT_CONFIDENCE: f64 = 0.95;
 
 /// `stickslip submit`.
 pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
+    let maps = map_directories(&arguments.maps.maps, &job)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
     let access = if arguments.shard.is_some() { Access::Shared } else { Access::Alone };
     let directory = RunDirectory::create(&out, access)?;
     let threads = arguments.threads.count();
     match adopt(&directory, &source, &job)? {
-        Standing::Finished(tally) if arguments.shard.is_none() => {
+        Standing::Finished(tally) if arguments.shard.is_none() && !job.is_integrated() => {
             note(format_args!("{} is finished already; nothing to do", out.display()));
             // A surface that was lost or damaged comes back from the pieces.
             if Surface::new(&job, &tally).publish(directory.path())? {
                 note(format_args!("{} was missing or differed; it is written anew", directory.surface().display()));
             }
-            report(&directory, &job, &tally)
+            report(&directory, &job, &Surface::new(&job, &tally))
         }
         Standing::Unfinished(tally) if arguments.shard.is_none() => Err(Failure::CannotCreate(format!(
             "{} holds an unfinished run of this job ({} of {} samples); continue it with `stickslip resume {}`",
@@ -39,9 +47,10 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             quoted(&out)
         ))),
         Standing::Finished(tally) | Standing::Unfinished(tally) | Standing::Fresh(tally) => {
-            let run = compute(directory, job, tally, threads, arguments.shard, "submit", interrupt)?;
+            let work = Work { threads, shard: arguments.shard, maps, command: "submit" };
+            let run = compute(directory, job, tally, &work, interrupt)?;
             match arguments.shard {
-                None => report(&run.directory, &run.job, &run.tally),
+                None => report(&run.directory, &run.job, &run.surface()),
                 Some(shard) => {
                     note(format_args!(
                         "shard {shard} is done; when all are, `stickslip merge {}` writes the surface",
@@ -59,11 +68,33 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let directory = RunDirectory::open(&arguments.run, Access::Alone)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
-    if tally.complete_cells(job.samples) == job.cells() {
+    if !job.is_integrated() && Slots::new(&job).complete_cells(&tally) == job.cells() {
         note(format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
     }
-    let run = compute(directory, job, tally, arguments.threads.count(), None, "resume", interrupt)?;
-    report(&run.directory, &run.job, &run.tally)
+    let maps = map_directories(&arguments.maps.maps, &job)?;
+    let work = Work { threads: arguments.threads.count(), shard: None, maps, command: "resume" };
+    let run = compute(directory, job, tally, &work, interrupt)?;
+    report(&run.directory, &run.job, &run.surface())
+}
+
+/// The maps of the runs named with `--map`.
+fn map_directories(runs: &[PathBuf], job: &Job) -> Result<Vec<PathBuf>, Failure> {
+    if let (Some(run), false) = (runs.first(), job.uses_maps()) {
+        let message = format!(
+            "--map {}: this job uses no verdict map; it would with sampling.evaluate = \"boundary\" or method = \"exact\" and a criterion other than \"eigenvalue\"",
+            run.display()
+        );
+        return Err(Failure::Usage(message));
+    }
+    let map = |run: &PathBuf| {
+        let directory = run.join("map");
+        if directory.is_dir() {
+            Ok(directory)
+        } else {
+            Err(Failure::InputOutput(format!("--map {}: there is no verdict map in this run", run.display())))
+        }
+    };
+    runs.iter().map(map).collect()
 }
 
 /// `stickslip merge`.
@@ -71,7 +102,14 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let directory = RunDirectory::open(&arguments.run, Access::Alone)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
-    let complete = tally.complete_cells(job.samples);
+    if job.is_integrated() {
+        let message = format!(
+            "method = \"exact\" has no shards; write the surface with `stickslip resume {}`",
+            quoted(&arguments.run)
+        );
+        return Err(Failure::Job(message));
+    }
+    let complete = Slots::new(&job).complete_cells(&tally);
     if complete < job.cells() {
         return Err(Failure::Job(format!(
             "{} is not complete: {} of {} cells, {} of {} samples. Submit the missing shards, or compute what is missing here with `stickslip resume {}`",
@@ -85,9 +123,10 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     }
     directory.tidy()?;
     let session = Session::start("merge", 1);
-    Surface::new(&job, &tally).publish(directory.path())?;
+    let surface = Surface::new(&job, &tally);
+    surface.publish(directory.path())?;
     session.record(directory.path(), "finished", 0)?;
-    report(&directory, &job, &tally)
+    report(&directory, &job, &surface)
 }
 
 /// A run with all its samples counted and its surface written.
@@ -98,6 +137,24 @@ pub struct FinishedRun {
     pub job: Job,
     /// Its verdicts.
     pub tally: Tally,
+    /// Its probabilities, where they are integrated.
+    integrated: Vec<IntegratedCell>,
+}
+
+impl FinishedRun {
+    /// Its result.
+    pub fn surface(&self) -> Surface<'_> {
+        Surface::integrated(&self.job, &self.tally, &self.integrated)
+    }
+}
+
+/// How a run is computed.
+struct Work<'a> {
+    threads: usize,
+    shard: Option<Shard>,
+    /// Directories of verdict maps that may be used.
+    maps: Vec<PathBuf>,
+    command: &'a str,
 }
 
 /// Brings a run of `source` to its end, whatever of it is there already.
@@ -108,17 +165,18 @@ pub fn complete_run(
     interrupt: &Interrupt,
 ) -> Result<FinishedRun, Failure> {
     let job = source.job()?;
+    let work = Work { threads, shard: None, maps: Vec::new(), command: "reproduce" };
     let directory = RunDirectory::create(out, Access::Alone)?;
     // A run that was extended answers as well, and better.
     if let Some(existing) = directory.job_source()?.map(|frozen| frozen.job()).transpose()?
         && existing.experiment_hash() == job.experiment_hash()
-        && existing.samples > job.samples
+        && existing.sampling.samples > job.sampling.samples
     {
         let tally = directory.tally(&existing)?;
-        return compute(directory, existing, tally, threads, None, "reproduce", interrupt);
+        return compute(directory, existing, tally, &work, interrupt);
     }
     let tally = adopt(&directory, source, &job)?.into_tally();
-    compute(directory, job, tally, threads, None, "reproduce", interrupt)
+    compute(directory, job, tally, &work, interrupt)
 }
 
 /// What a directory holds of a job that is submitted to it.
@@ -160,24 +218,23 @@ fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Stan
             first_difference(&existing.normalised(), &job.normalised())
         )));
     }
-    if job.samples < existing.samples {
+    let (wanted, there) = (job.sampling.samples, existing.sampling.samples);
+    if wanted < there {
         return Err(Failure::Job(format!(
-            "{path} holds a run of this job with {0} samples in each cell, more than the {1} asked for. Ask for them with --samples {0}, or choose another directory with --out",
-            existing.samples, job.samples
+            "{path} holds a run of this job with {there} samples in each cell, more than the {wanted} asked for. Ask for them with --samples {there}, or choose another directory with --out"
         )));
     }
     let tally = directory.tally(&existing)?;
-    let finished = tally.complete_cells(existing.samples) == existing.cells();
-    if job.samples == existing.samples {
+    let finished = Slots::new(&existing).complete_cells(&tally) == existing.cells();
+    if wanted == there {
         return Ok(if finished { Standing::Finished(tally) } else { Standing::Unfinished(tally) });
     }
     if !finished {
         return Err(Failure::CannotCreate(format!(
-            "{path} holds an unfinished run of this job with {} samples in each cell; finish it with `stickslip resume {path}`, then ask for {}",
-            existing.samples, job.samples
+            "{path} holds an unfinished run of this job with {there} samples in each cell; finish it with `stickslip resume {path}`, then ask for {wanted}"
         )));
     }
-    note(format_args!("{path}: from {} to {} samples in each cell", existing.samples, job.samples));
+    note(format_args!("{path}: from {there} to {wanted} samples in each cell"));
     directory.freeze(source)?;
     Ok(Standing::Fresh(tally))
 }
@@ -204,28 +261,49 @@ fn compute(
     directory: RunDirectory,
     job: Job,
     mut tally: Tally,
-    threads: usize,
-    shard: Option<Shard>,
-    command: &str,
+    work: &Work<'_>,
     interrupt: &Interrupt,
 ) -> Result<FinishedRun, Failure> {
+    let Work { threads, shard, .. } = *work;
     if shard.is_none() {
         directory.tidy()?;
     }
-    let plan = Plan::new(&tally, job.samples, job.unit_samples(), shard);
-    let session = Session::start(command, threads);
+    let mut session = Session::start(work.command, threads);
     let started = Instant::now();
     let before = tally.counted();
-    let mut progress = Progress::new(plan.samples());
-    let outcome = Engine::new(&job, threads)?.run(&plan, &mut tally, &directory, &mut progress, interrupt);
-    progress.finish();
     let path = quoted(directory.path());
     let how = match shard {
         None => format!("stickslip resume {path}"),
         Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
     };
-    let outcome = outcome
-        .map_err(|failure| failure.with_remedy(&format!("what was written before is kept; continue with `{how}`")))?;
+    let kept =
+        |failure: Failure| failure.with_remedy(&format!("what was written before is kept; continue with `{how}`"));
+    let mut engine = Engine::new(&job, threads)?;
+    let mut integrated = Vec::new();
+    let mut outcome = Outcome::Finished;
+    // The eigenvalues of a flexible disc, and motions, are decided once for each place in the plane; not if all is counted.
+    let counts_something =
+        !job.is_integrated() && Plan::new(&tally, &Slots::new(&job), job.unit_samples(), shard).units() > 0;
+    if job.uses_maps() && (job.is_integrated() || counts_something) {
+        let others: Vec<&Path> = work.maps.iter().map(PathBuf::as_path).collect();
+        let (ended, simulations) = engine.complete_maps(&directory, &others, interrupt).map_err(kept)?;
+        outcome = ended;
+        if outcome == Outcome::Finished {
+            session.maps(engine.maps().needed() as u64, simulations);
+            note(format_args!(
+                "verdict map: {} tiles from {} simulations, {} of them new ({:.2} s)",
+                HumanCount(engine.maps().needed() as u64),
+                HumanCount(engine.maps().questions()),
+                HumanCount(simulations),
+                started.elapsed().as_secs_f64()
+            ));
+        }
+    }
+    if outcome == Outcome::Finished && job.is_integrated() {
+        (outcome, integrated) = engine.integrate(interrupt)?;
+    } else if outcome == Outcome::Finished {
+        outcome = count(&engine, &directory, &job, &mut tally, shard, interrupt).map_err(kept)?;
+    }
     let computed = u64::try_from(tally.counted() - before).unwrap_or(u64::MAX);
     let seconds = started.elapsed().as_secs_f64();
     if computed > 0 {
@@ -239,29 +317,82 @@ fn compute(
         if shard.is_none() {
             session.record(directory.path(), &signal.to_string(), computed)?;
         }
-        return Err(Failure::Stopped {
-            signal,
-            message: format!(
-                "{} of {} samples are kept; continue with `{how}`",
+        let message = if job.is_integrated() {
+            format!("finished tiles of the verdict map are kept; continue with `{how}`")
+        } else {
+            format!(
+                "{} of {}{} samples are kept; continue with `{how}`",
                 HumanCount128(tally.counted()),
+                if job.stops_by_precision() { "at most " } else { "" },
                 HumanCount128(job.total_samples())
-            ),
-        });
+            )
+        };
+        return Err(Failure::Stopped { signal, message });
     }
+    let run = FinishedRun { directory, job, tally, integrated };
     if shard.is_none() {
-        Surface::new(&job, &tally).publish(directory.path())?;
-        if computed > 0 {
-            session.record(directory.path(), "finished", computed)?;
+        let surface = run.surface();
+        let is_new = surface.publish(run.directory.path())?;
+        if run.job.is_integrated() && !is_new {
+            note(format_args!("{} is finished already; its surface came out the same", run.directory.path().display()));
+        }
+        if computed > 0 || is_new {
+            session.lookups(surface.lookups());
+            session.record(run.directory.path(), "finished", computed)?;
         }
     }
-    Ok(FinishedRun { directory, job, tally })
+    Ok(run)
+}
+
+/// Counts the samples that are missing; where more may be wanted after a look at them, in rounds.
+fn count(
+    engine: &Engine<'_>,
+    directory: &RunDirectory,
+    job: &Job,
+    tally: &mut Tally,
+    shard: Option<Shard>,
+    interrupt: &Interrupt,
+) -> Result<Outcome, Failure> {
+    let slots = Slots::new(job);
+    loop {
+        let plan = Plan::new(tally, &slots, job.unit_samples(), shard);
+        if plan.units() == 0 {
+            return Ok(Outcome::Finished);
+        }
+        let mut progress = Progress::new(plan.samples(), "samples");
+        let outcome = engine.run(&plan, tally, directory, &mut progress, interrupt);
+        progress.finish();
+        if outcome? != Outcome::Finished {
+            return Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped));
+        }
+    }
 }
 
 /// Where the result is and what it looks like.
-fn report(directory: &RunDirectory, job: &Job, tally: &Tally) -> Result<(), Failure> {
-    let surface = Surface::new(job, tally);
-    let line = closing_line(&directory.surface(), job);
-    result(&format!("{}{line}{}", picture(&surface), without_verdict(&surface)))
+fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Result<(), Failure> {
+    let line = closing_line(&directory.surface(), job, surface);
+    result(&format!("{}{line}{}{}", picture(surface), without_verdict(surface), looked_up(job, surface)))
+}
+
+/// A line on samples that were looked up in a verdict map, and what their audit says.
+fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
+    let Lookups { simulated, audited, differed } = surface.lookups();
+    if !job.uses_maps() || job.is_integrated() {
+        return String::new();
+    }
+    let mut text = format!("looked up in a verdict map, {} simulated within its resolution", HumanCount(simulated));
+    if audited > 0 {
+        let bound = audit::upper_bound(differed, audited, AUDIT_CONFIDENCE);
+        text += &format!(
+            "; audit: {} of {} differed (with 95 % confidence at most {bound:.1e} of all looked up)",
+            HumanCount(differed),
+            HumanCount(audited)
+        );
+    }
+    if differed > 0 {
+        text += "\nwarning: the map is wrong somewhere (an island of another verdict?); use evaluate = \"each\" for this job";
+    }
+    text + "\n"
 }
 
 /// A line on the samples without a verdict, if there are any: they are counted, and widen the interval.
@@ -281,14 +412,19 @@ fn without_verdict(surface: &Surface<'_>) -> String {
     }
 }
 
-fn closing_line(surface: &Path, job: &Job) -> String {
-    format!(
-        "{}: {} cells, {} samples each, seed {}\n",
-        surface.display(),
-        HumanCount(job.cells()),
-        HumanCount(job.samples),
-        job.seed
-    )
+fn closing_line(path: &Path, job: &Job, surface: &Surface<'_>) -> String {
+    let cells = HumanCount(job.cells());
+    if job.is_integrated() {
+        let widest = surface.rows().map(|row| 0.5 * (row.estimate.high - row.estimate.low)).fold(0.0, f64::max);
+        return format!("{}: {cells} cells, integrated, error at most {widest:.1e}\n", path.display());
+    }
+    let samples = if job.stops_by_precision() {
+        let counted: u128 = surface.rows().map(|row| u128::from(row.counts.total())).sum();
+        format!("{} samples in all, at most {} each", HumanCount128(counted), HumanCount(job.sampling.samples))
+    } else {
+        format!("{} samples each", HumanCount(job.sampling.samples))
+    };
+    format!("{}: {cells} cells, {samples}, seed {}\n", path.display(), job.sampling.seed)
 }
 
 /// A count of any size with separators.

@@ -6,16 +6,16 @@ use serde_json::{Value, json};
 use stickslip_core::flexible::DISC_MODES;
 use stickslip_core::{
     Allotment, DiscGrid, DiscModel, FiniteDifferenceBrake, FiniteDifferenceError, FlexibleError, Moment, PadOnDisc,
-    RandomInputs, TimeDomain, TimeDomainSettings, Trajectory, Verdict, VerdictCounts,
+    RandomInputs, TimeDomain, TimeDomainSettings, Trajectory, Verdict,
 };
 
 use super::analyse::brake;
 use crate::cli::{AllotmentArgument, DiscArgument, ReplayArguments, TrajectoryArguments};
 use crate::failure::Failure;
-use crate::job::{Criterion, Deciders, Job};
+use crate::job::{Criterion, Deciders, RandomInput};
 use crate::output::result;
 use crate::picture::curves;
-use crate::run::{DescribedColumn, RunDirectory, write_columns};
+use crate::run::{Batch, DescribedColumn, RunDirectory, write_columns};
 
 /// Scaled time that a trajectory follows unless told otherwise: some 150 cycles of the pad.
 const HORIZON: f64 = 500.0;
@@ -85,19 +85,29 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
         let message = format!("--cell {}: the run has cells 0 to {}", arguments.cell, job.cells() - 1);
         return Err(Failure::Usage(message));
     }
-    if arguments.sample >= job.samples {
-        let message = format!("--sample {}: each cell has samples 0 to {}", arguments.sample, job.samples - 1);
+    if job.is_integrated() {
+        return Err(Failure::Usage("this run integrates its probabilities; it has no samples to replay".to_owned()));
+    }
+    if arguments.sample >= job.sampling.samples {
+        let message = format!("--sample {}: each cell has samples 0 to {}", arguments.sample, job.sampling.samples - 1);
         return Err(Failure::Usage(message));
     }
     let cell = job.grid.cell(arguments.cell);
-    let mut inputs = RandomInputs { preload: cell.preload, static_friction: cell.static_friction };
-    job.stream().for_each(&cell, arguments.sample..arguments.sample + 1, |samples| {
-        inputs = RandomInputs { preload: samples.preloads[0], static_friction: samples.static_frictions[0] };
-    });
-    let verdict = verdict(&job, arguments.cell, inputs)?;
-    let mut parameters = job.parameters.clone();
-    parameters.operating_point.rotating_speed = cell.rotating_speed;
-    let pad = PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))?;
+    let batch = Batch::of_sample(&job, &cell, arguments.sample);
+    let inputs = batch.inputs(0);
+    let (pad, judged) = match job.deciders().map_err(|error| Failure::Job(error.to_string()))? {
+        Deciders::Varying(brake) => {
+            let pad = brake.brake(cell.rotating_speed, inputs, batch.values(0));
+            (pad, brake.judge(cell.rotating_speed, inputs, batch.values(0)))
+        }
+        deciders => {
+            let mut parameters = job.parameters.clone();
+            parameters.operating_point.rotating_speed = cell.rotating_speed;
+            let judged = deciders.judge(job.grid.rotating_speed_index(arguments.cell), &[inputs]).remove(0);
+            (Some(PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))?), judged)
+        }
+    };
+    let verdict = judged.verdict;
     // A run that did not look at motions gets one of the model that it looked at.
     let (disc, settings) = match &job.criterion {
         Criterion::Eigenvalue => (DiscModel::Rigid, TimeDomainSettings::default()),
@@ -106,39 +116,38 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
         }
         Criterion::TimeDomain { disc, settings } => (disc.clone(), *settings),
     };
-    let facts = json!({
+    let mut facts = json!({
         "run": arguments.run.display().to_string(),
         "cell": arguments.cell,
         "sample": arguments.sample,
         "rotating_speed_rad_s": cell.rotating_speed,
         "preload": inputs.preload,
         "static_friction": inputs.static_friction,
-        "verdict_in_run": name(verdict),
     });
-    if pad.is_outside_physics(inputs) {
-        let why = "stable by definition: no preload, or friction that rises with speed; there is no motion to follow";
+    for (input, &value) in job.random.inputs.iter().zip(batch.values(0)) {
+        if let RandomInput::Other(_) = input {
+            let name = if input.name() == "rotating_speed" { "rotating_speed_rad_s" } else { input.name() };
+            facts[name] = json!(value);
+        }
+    }
+    facts["verdict_in_run"] = json!(name(verdict));
+    let outside = match &pad {
+        None => Some("failed: one of its values is not admissible; there is no motion to follow"),
+        Some(pad) if pad.is_outside_physics(inputs) => {
+            Some("stable by definition: no preload, or friction that rises with speed; there is no motion to follow")
+        }
+        Some(_) => None,
+    };
+    let (Some(pad), None) = (pad, outside) else {
+        let why = outside.unwrap_or_default();
         if arguments.out.is_some() {
             return Err(Failure::Usage(format!("--out: this sample is {why}")));
         }
         let text = if arguments.json { format!("{facts:#}\n") } else { format!("{}{why}\n", lines(&facts)) };
         return result(&text);
-    }
+    };
     let followed = follow(&pad, &disc, settings, inputs, arguments.horizon)?;
     report(&facts, &followed, arguments.out.as_deref(), arguments.json)
-}
-
-/// The verdict that a run gives a sample, by the run's own criterion.
-fn verdict(job: &Job, cell: u64, inputs: RandomInputs) -> Result<Verdict, Failure> {
-    let speed = job.grid.rotating_speed_index(cell);
-    let verdict = match job.deciders().map_err(|error| Failure::Job(error.to_string()))? {
-        Deciders::Eigenvalue(boundaries) => {
-            let counts: VerdictCounts = boundaries[speed].count(&[inputs.preload], &[inputs.static_friction]);
-            if counts.unstable == 1 { Verdict::Unstable } else { Verdict::Stable }
-        }
-        Deciders::CoupledEigenvalue(brakes) => brakes[speed].verdict(inputs),
-        Deciders::TimeDomain(criteria) => criteria[speed].judge(inputs).verdict,
-    };
-    Ok(verdict)
 }
 
 /// Follows one motion.

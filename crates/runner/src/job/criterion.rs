@@ -3,13 +3,14 @@
 use serde::Serialize;
 use stickslip_core::flexible::DISC_MODES;
 use stickslip_core::{
-    DiscModel, FlexibleBrake, FlexibleError, PadOnDisc, Parameters, RandomInputs, StabilityBoundary, Start, TimeDomain,
-    TimeDomainSettings,
+    DiscModel, FlexibleBrake, FlexibleError, JudgedMotion, PadOnDisc, Parameters, RandomInputs, StabilityBoundary,
+    Start, TimeDomain, TimeDomainSettings, Verdict,
 };
 use stickslip_sampler::Grid;
 use toml::Spanned;
 
 use super::diagnosis::Complaint;
+use super::random::RandomInput;
 use super::spec::{CriterionKind, CriterionSpec, DiscKind, Record, StartKind};
 
 /// What decides whether a sample is stable.
@@ -39,6 +40,81 @@ pub enum Deciders {
     CoupledEigenvalue(Vec<FlexibleBrake>),
     /// See [`Criterion::TimeDomain`].
     TimeDomain(Vec<TimeDomain>),
+    /// Any of them, where more than preload and static friction scatters: every sample is a brake of its own.
+    Varying(Box<VaryingBrake>),
+}
+
+impl Deciders {
+    /// Judges samples at one rotating speed of the grid.
+    ///
+    /// # Panics
+    /// With [`Deciders::Varying`], whose samples have more inputs.
+    pub fn judge(&self, speed: usize, inputs: &[RandomInputs]) -> Vec<JudgedMotion> {
+        let decided = |verdict| JudgedMotion { verdict, amplitude: None, time: 0.0 };
+        match self {
+            Self::Eigenvalue(boundaries) => {
+                let verdict = |inputs: &RandomInputs| boundaries[speed].verdict(inputs.preload, inputs.static_friction);
+                inputs.iter().map(|inputs| decided(verdict(inputs))).collect()
+            }
+            Self::CoupledEigenvalue(brakes) => {
+                inputs.iter().map(|&inputs| decided(brakes[speed].verdict(inputs))).collect()
+            }
+            Self::TimeDomain(criteria) => criteria[speed].judge_all(inputs),
+            Self::Varying(_) => unreachable!("samples of a varying brake have more inputs than these"),
+        }
+    }
+}
+
+/// A brake of which any parameter scatters.
+pub struct VaryingBrake {
+    parameters: Parameters,
+    criterion: Criterion,
+    inputs: Vec<RandomInput>,
+}
+
+impl VaryingBrake {
+    /// Of a job.
+    pub fn new(parameters: Parameters, criterion: Criterion, inputs: Vec<RandomInput>) -> Self {
+        Self { parameters, criterion, inputs }
+    }
+
+    /// The brake of one sample with its preload and static friction; `None` if a value is not admissible.
+    pub fn brake(&self, rotating_speed: f64, inputs: RandomInputs, values: &[f64]) -> Option<PadOnDisc> {
+        let mut parameters = self.parameters.clone();
+        parameters.operating_point.rotating_speed = rotating_speed;
+        parameters.friction.static_coefficient = inputs.static_friction;
+        for (input, &value) in self.inputs.iter().zip(values) {
+            if let RandomInput::Other(scalar) = input {
+                parameters.set(scalar.key, value).ok()?;
+            }
+        }
+        // Friction that rises with speed is stable by definition; the model wants it level then.
+        let friction = &mut parameters.friction;
+        friction.static_coefficient = friction.static_coefficient.max(friction.kinetic_coefficient);
+        PadOnDisc::new(parameters).ok()
+    }
+
+    /// Judges one sample. A value that is not admissible (a stiffness below zero, say) fails it.
+    pub fn judge(&self, rotating_speed: f64, inputs: RandomInputs, values: &[f64]) -> JudgedMotion {
+        let decided = |verdict| JudgedMotion { verdict, amplitude: None, time: 0.0 };
+        let Some(brake) = self.brake(rotating_speed, inputs, values) else { return decided(Verdict::Failed) };
+        if brake.is_outside_physics(inputs) {
+            return decided(Verdict::Stable);
+        }
+        match &self.criterion {
+            Criterion::Eigenvalue => {
+                decided(brake.stability_boundary().verdict(inputs.preload, inputs.static_friction))
+            }
+            Criterion::CoupledEigenvalue { modes } => {
+                let brake = FlexibleBrake::with_modes(brake, *modes);
+                decided(brake.map_or(Verdict::Failed, |brake| brake.verdict(inputs)))
+            }
+            Criterion::TimeDomain { disc, settings } => match TimeDomain::new(&brake, disc, *settings) {
+                Ok(criterion) => criterion.judge(inputs),
+                Err(_) => decided(Verdict::Failed),
+            },
+        }
+    }
 }
 
 impl From<StartKind> for Start {
@@ -114,6 +190,11 @@ impl Criterion {
             };
             Complaint { span, message: format!("criterion: {error}") }
         })
+    }
+
+    /// Whether the settled amplitude is recorded.
+    pub fn records_amplitude(&self) -> bool {
+        matches!(self, Self::TimeDomain { settings, .. } if settings.record_amplitude)
     }
 
     /// As a job spec writes it, with every default filled in.

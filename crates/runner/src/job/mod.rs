@@ -4,12 +4,16 @@ mod diagnosis;
 mod spec;
 
 mod criterion;
+mod random;
+mod sampling;
 mod validated;
 
 mod normalised;
 mod source;
 
 pub use criterion::{Criterion, Deciders};
+pub use random::RandomInput;
+pub use sampling::{Effort, EvaluateMode, SamplingMethod};
 pub use source::{JobSource, Overrides};
 pub use spec::{JobSpec, StartKind};
 pub use validated::{Job, unknown_parameter};

@@ -5,27 +5,37 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use stickslip_core::parameters::SCALARS;
 use stickslip_core::time_domain::VERDICTS_VERSION;
-use stickslip_sampler::{RESULTS_VERSION, RelativeStd};
+use stickslip_core::verdict_map::MAP_VERSION;
+use stickslip_sampler::RESULTS_VERSION;
 
 use super::criterion::{Criterion, NormalisedCriterion};
-use super::spec::{EvaluateMode, RandomInput, SamplingMethod};
+use super::random::NormalisedRandom;
+use super::sampling::NormalisedSampling;
 use super::validated::Job;
 
 impl Job {
     /// The job with everything written out, as TOML that can itself be submitted.
     pub fn normalised(&self) -> String {
-        self.to_toml(&NormalisedSampling::of(self), &self.name, &self.description)
+        self.to_toml(&self.sampling.normalised(), &self.name, &self.description)
     }
 
     /// Identifies the job: everything that its result depends on.
     pub fn hash(&self) -> String {
-        self.hash_text(&self.to_toml(&NormalisedSampling::of(self), "", ""))
+        self.hash_text(&self.to_toml(&self.sampling.normalised(), "", ""))
     }
 
     /// Identifies the job but for the number of samples: runs that agree in it share their samples.
     pub fn experiment_hash(&self) -> String {
-        let sampling = NormalisedSampling { samples: 0, ..NormalisedSampling::of(self) };
+        let sampling = self.sampling.normalised().for_any_number();
         self.hash_text(&self.to_toml(&sampling, "", ""))
+    }
+
+    /// Identifies what decides a sample at one rotating speed: jobs that agree in it can share verdict maps.
+    pub fn map_key(&self, rotating_speed: f64) -> String {
+        let verdicts =
+            NormalisedVerdicts { model: self.model(), rotating_speed, criterion: self.criterion.normalised() };
+        let text = toml::to_string(&verdicts).unwrap_or_else(|error| format!("# not representable: {error}\n"));
+        self.hash_text(&format!("verdict map {MAP_VERSION}\n{text}"))
     }
 
     fn hash_text(&self, text: &str) -> String {
@@ -38,7 +48,7 @@ impl Job {
         hasher.finalize().to_hex().to_string()
     }
 
-    fn to_toml(&self, sampling: &NormalisedSampling, name: &str, description: &str) -> String {
+    fn model(&self) -> BTreeMap<&'static str, BTreeMap<&'static str, f64>> {
         let mut model = BTreeMap::new();
         for scalar in &SCALARS {
             // These are the axes' business.
@@ -48,25 +58,20 @@ impl Job {
                 section.insert(scalar.name(), scalar.value(&self.parameters));
             }
         }
+        model
+    }
+
+    fn to_toml(&self, sampling: &NormalisedSampling, name: &str, description: &str) -> String {
         let normalised = NormalisedJob {
             name,
             description,
-            model,
+            model: self.model(),
             axes: NormalisedAxes {
                 rotating_speed: self.grid.rotating_speed.values(),
                 preload: self.grid.preload.values(),
                 static_friction: self.grid.static_friction.values(),
             },
-            random: NormalisedRandom {
-                inputs: &self.inputs,
-                relative_std: self
-                    .grid
-                    .relative_std
-                    .iter()
-                    .filter(|_| !self.inputs.is_empty())
-                    .map(|std| self.inputs.iter().map(|&input| (input.name(), std_of(std, input))).collect())
-                    .collect(),
-            },
+            random: self.random.normalised(),
             criterion: self.criterion.normalised(),
             sampling,
         };
@@ -76,12 +81,19 @@ impl Job {
 }
 
 #[derive(Serialize)]
+struct NormalisedVerdicts {
+    rotating_speed: f64,
+    model: BTreeMap<&'static str, BTreeMap<&'static str, f64>>,
+    criterion: NormalisedCriterion,
+}
+
+#[derive(Serialize)]
 struct NormalisedJob<'a> {
     name: &'a str,
     description: &'a str,
     model: BTreeMap<&'static str, BTreeMap<&'static str, f64>>,
     axes: NormalisedAxes<'a>,
-    random: NormalisedRandom<'a>,
+    random: NormalisedRandom,
     criterion: NormalisedCriterion,
     sampling: &'a NormalisedSampling,
 }
@@ -91,41 +103,4 @@ struct NormalisedAxes<'a> {
     rotating_speed: &'a [f64],
     preload: &'a [f64],
     static_friction: &'a [f64],
-}
-
-#[derive(Serialize)]
-struct NormalisedRandom<'a> {
-    inputs: &'a [RandomInput],
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    relative_std: Vec<BTreeMap<&'static str, f64>>,
-}
-
-#[derive(Serialize)]
-struct NormalisedSampling {
-    method: SamplingMethod,
-    samples: u64,
-    seed: u64,
-    evaluate: EvaluateMode,
-    common_random_numbers: bool,
-    confidence: f64,
-}
-
-impl NormalisedSampling {
-    fn of(job: &Job) -> Self {
-        Self {
-            method: job.method,
-            samples: job.samples,
-            seed: job.seed,
-            evaluate: job.evaluate,
-            common_random_numbers: job.common_random_numbers,
-            confidence: job.confidence,
-        }
-    }
-}
-
-fn std_of(std: &RelativeStd, input: RandomInput) -> f64 {
-    match input {
-        RandomInput::Preload => std.preload,
-        RandomInput::StaticFriction => std.static_friction,
-    }
 }

@@ -11,6 +11,9 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use toml::Spanned;
 
+use super::random::RandomSpec;
+use super::sampling::SamplingSpec;
+
 /// A stickslip job: the probability of instability of a brake over a grid of operating points.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -198,144 +201,6 @@ impl JsonSchema for AxisSpec {
     }
 }
 
-/// The random inputs.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RandomSpec {
-    /// The inputs that scatter, normally distributed about their expected value. May be empty.
-    #[schemars(with = "Option<Vec<RandomInput>>")]
-    pub inputs: Option<Spanned<Vec<RandomInput>>>,
-    /// Standard deviation over expected value, from 0 to 1. A list makes an axis of the grid.
-    #[schemars(with = "Option<RelativeStdSpec>")]
-    pub relative_std: Option<Spanned<RelativeStdSpec>>,
-}
-
-/// An input that can scatter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum RandomInput {
-    /// The preload Delta.
-    Preload,
-    /// The static friction coefficient f_s.
-    StaticFriction,
-}
-
-impl RandomInput {
-    /// As in a job spec.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Preload => "preload",
-            Self::StaticFriction => "static_friction",
-        }
-    }
-}
-
-/// One relative standard deviation for every random input, or one for each.
-#[derive(Debug, Clone)]
-pub enum StdSpec {
-    /// The same for every random input.
-    Common(f64),
-    /// By input.
-    Each(StdTable),
-}
-
-/// Relative standard deviations by input.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct StdTable {
-    /// Of the preload.
-    pub preload: Option<f64>,
-    /// Of the static friction coefficient.
-    pub static_friction: Option<f64>,
-}
-
-/// A number, a table by input, or a list of these.
-#[derive(Debug, Clone)]
-pub struct RelativeStdSpec(pub Vec<StdSpec>);
-
-struct StdVisitor;
-
-impl<'de> Visitor<'de> for StdVisitor {
-    type Value = StdSpec;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or { preload = ..., static_friction = ... }")
-    }
-
-    fn visit_f64<E>(self, value: f64) -> Result<StdSpec, E> {
-        Ok(StdSpec::Common(value))
-    }
-
-    fn visit_i64<E>(self, value: i64) -> Result<StdSpec, E> {
-        Ok(StdSpec::Common(value as f64))
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<StdSpec, A::Error> {
-        StdTable::deserialize(MapAccessDeserializer::new(map)).map(StdSpec::Each)
-    }
-}
-
-impl<'de> Deserialize<'de> for StdSpec {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(StdVisitor)
-    }
-}
-
-impl<'de> Deserialize<'de> for RelativeStdSpec {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ListVisitor;
-
-        impl<'de> Visitor<'de> for ListVisitor {
-            type Value = RelativeStdSpec;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, a list of numbers, or { preload = ..., static_friction = ... }")
-            }
-
-            fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<RelativeStdSpec, E> {
-                StdVisitor.visit_f64(value).map(|std| RelativeStdSpec(vec![std]))
-            }
-
-            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<RelativeStdSpec, E> {
-                StdVisitor.visit_i64(value).map(|std| RelativeStdSpec(vec![std]))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<RelativeStdSpec, A::Error> {
-                let mut values = Vec::new();
-                while let Some(value) = list.next_element()? {
-                    values.push(value);
-                }
-                Ok(RelativeStdSpec(values))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RelativeStdSpec, A::Error> {
-                StdVisitor.visit_map(map).map(|std| RelativeStdSpec(vec![std]))
-            }
-        }
-
-        deserializer.deserialize_any(ListVisitor)
-    }
-}
-
-impl JsonSchema for RelativeStdSpec {
-    fn schema_name() -> Cow<'static, str> {
-        "RelativeStd".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let table = generator.subschema_for::<StdTable>();
-        let number = serde_json::json!({ "type": "number", "minimum": 0, "maximum": 1 });
-        json_schema!({
-            "description": "A number, a table by input, or a list of these.",
-            "anyOf": [
-                number,
-                table,
-                { "type": "array", "items": { "anyOf": [number, table] }, "minItems": 1 },
-            ]
-        })
-    }
-}
-
 /// The criterion of stability. All keys but `kind` belong to the simulation in time, `disc_modes` also to the coupled
 /// eigenvalues.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -421,46 +286,4 @@ pub struct IndexSpec {
 pub enum Record {
     /// Settled amplitude of the unstable samples.
     Amplitude,
-}
-
-/// Sampling of the random inputs.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SamplingSpec {
-    /// How probabilities are found; "monte-carlo" unless told.
-    #[serde(default)]
-    pub method: SamplingMethod,
-    /// Samples in each cell, at least 1; 10000 unless told.
-    #[schemars(with = "Option<u64>", range(min = 1))]
-    pub samples: Option<Spanned<u64>>,
-    /// Seed of the random numbers, 0 unless told. The same seed gives the same result on every machine.
-    #[schemars(with = "Option<u64>")]
-    pub seed: Option<Spanned<u64>>,
-    /// Whether every sample is judged by itself ("each").
-    #[serde(default)]
-    pub evaluate: EvaluateMode,
-    /// Whether all cells draw the same deviates; false unless told.
-    #[serde(default)]
-    pub common_random_numbers: bool,
-    /// Confidence of the interval p_low to p_high, between 0 and 1; 0.95 unless told.
-    #[schemars(with = "Option<f64>")]
-    pub confidence: Option<Spanned<f64>>,
-}
-
-/// How probabilities are found.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum SamplingMethod {
-    /// Independent samples.
-    #[default]
-    MonteCarlo,
-}
-
-/// Which samples are judged.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum EvaluateMode {
-    /// Every sample by itself.
-    #[default]
-    Each,
 }

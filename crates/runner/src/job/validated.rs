@@ -4,20 +4,21 @@ use stickslip_core::parameters::{self, SCALARS};
 use stickslip_core::{
     FlexibleBrake, FlexibleError, PadOnDisc, ParameterError, Parameters, StabilityBoundary, TimeDomain,
 };
-use stickslip_sampler::{Axis, BLOCK_SAMPLES, Grid, RelativeStd, SampleStream, WilsonInterval};
+use stickslip_sampler::interval;
+use stickslip_sampler::{Axis, BLOCK_SAMPLES, BinomialInterval, Grid, Points, SampleStream};
 use toml::Spanned;
 
-use super::criterion::{Criterion, Deciders};
+use super::criterion::{Criterion, Deciders, VaryingBrake};
 use super::diagnosis::{Complaint, nearest};
-use super::spec::{
-    AxisSpec, EvaluateMode, JobSpec, ModelSpec, RandomInput, RandomSpec, SECTIONS, SamplingMethod, StdSpec,
-};
+use super::random::RandomInputSet;
+use super::sampling::{Effort, EvaluateMode, Sampling, SamplingMethod};
+use super::spec::{AxisSpec, JobSpec, ModelSpec, SECTIONS};
 
 /// Cells at the most; their results are held in memory.
 const MOST_CELLS: u64 = 1_000_000;
 
-/// Samples in one cell at the most.
-const MOST_SAMPLES: u64 = 1_000_000_000_000_000;
+/// Parts of cells that are counted apart, at the most.
+const MOST_PARTS: u64 = 20_000_000;
 
 /// A job that can be run: everything resolved, nothing left to check.
 #[derive(Debug, Clone)]
@@ -30,22 +31,12 @@ pub struct Job {
     pub parameters: Parameters,
     /// The cells.
     pub grid: Grid,
-    /// Random inputs, sorted.
-    pub inputs: Vec<RandomInput>,
+    /// The random inputs.
+    pub random: RandomInputSet,
     /// What decides.
     pub criterion: Criterion,
     /// How probabilities are found.
-    pub method: SamplingMethod,
-    /// Which samples are judged.
-    pub evaluate: EvaluateMode,
-    /// Samples in each cell.
-    pub samples: u64,
-    /// Seed.
-    pub seed: u64,
-    /// Whether cells share their deviates.
-    pub common_random_numbers: bool,
-    /// Confidence of the intervals.
-    pub confidence: f64,
+    pub sampling: Sampling,
 }
 
 impl Job {
@@ -64,10 +55,9 @@ impl Job {
         }
         parameters.validate().map_err(|error| model_complaint(&spec, &error))?;
 
-        let inputs = validate_inputs(&spec.random)?;
-        let relative_std = validate_stds(&spec.random, &inputs)?;
-        let grid = Grid { rotating_speed, relative_std, preload, static_friction };
-        let span = spec.name.span();
+        let random = RandomInputSet::validate(&spec.random)?;
+        let grid = Grid { rotating_speed, relative_std: random.axis(), preload, static_friction };
+        random.check_expected(&spec.random, &parameters, &grid)?;
         match grid.checked_len() {
             Some(cells) if cells <= MOST_CELLS => {}
             cells => {
@@ -80,38 +70,18 @@ impl Job {
         }
 
         let criterion = Criterion::validate(&spec.criterion, &parameters, &grid)?;
-        let sampling = &spec.sampling;
-        let samples = sampling.samples.as_ref().map_or(10_000, |samples| *samples.get_ref());
-        if samples == 0 || samples > MOST_SAMPLES {
-            let span = sampling.samples.as_ref().map_or(span.clone(), Spanned::span);
+        let sampling = Sampling::validate(&spec.sampling, &random, &criterion)?;
+        let job = Self { name, description: spec.description, parameters, grid, random, criterion, sampling };
+        let slots = job.cells().saturating_mul(job.parts());
+        if slots > MOST_PARTS {
             let message = format!(
-                "sampling.samples = {samples} is out of range: it must be at least 1 and at most {MOST_SAMPLES}"
+                "{} cells with {} parts each (randomisations, or looks of until) make {slots}; the limit is {MOST_PARTS}",
+                job.cells(),
+                job.parts()
             );
-            return Err(Complaint::at(span, message));
+            return Err(Complaint { span: None, message });
         }
-        let confidence = sampling.confidence.as_ref().map_or(0.95, |confidence| *confidence.get_ref());
-        // The bounds keep the quantile of the interval finite and its definition meaningful.
-        if !(0.0 < confidence && confidence <= 1.0 - 1e-12) {
-            let span = sampling.confidence.as_ref().map_or(span, Spanned::span);
-            let message = format!(
-                "sampling.confidence = {confidence} is out of range: it must be greater than 0 and less than 1, for example 0.95"
-            );
-            return Err(Complaint::at(span, message));
-        }
-        Ok(Self {
-            name,
-            description: spec.description,
-            parameters,
-            grid,
-            inputs,
-            criterion,
-            method: sampling.method,
-            evaluate: sampling.evaluate,
-            samples,
-            seed: sampling.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
-            common_random_numbers: sampling.common_random_numbers,
-            confidence,
-        })
+        Ok(job)
     }
 
     /// The number of cells.
@@ -119,24 +89,61 @@ impl Job {
         self.grid.lengths().iter().product()
     }
 
-    /// Samples over all cells.
-    pub fn total_samples(&self) -> u128 {
-        u128::from(self.cells()) * u128::from(self.samples)
+    /// Parts of each cell that are counted apart: randomisations, or the samples between two looks; 1 without either.
+    pub fn parts(&self) -> u64 {
+        self.sampling.parts().len() as u64
     }
 
-    /// Where the samples come from.
+    /// Samples over all cells, at the most.
+    pub fn total_samples(&self) -> u128 {
+        u128::from(self.cells()) * u128::from(self.sampling.samples)
+    }
+
+    /// Where the samples come from, if only preload and static friction scatter, normal and independent.
     pub fn stream(&self) -> SampleStream {
         SampleStream {
-            seed: self.seed,
-            common_random_numbers: self.common_random_numbers,
-            preload_is_random: self.inputs.contains(&RandomInput::Preload),
-            static_friction_is_random: self.inputs.contains(&RandomInput::StaticFriction),
+            seed: self.sampling.seed,
+            common_random_numbers: self.sampling.common_random_numbers,
+            preload_is_random: self.random.has_preload(),
+            static_friction_is_random: self.random.has_static_friction(),
         }
     }
 
+    /// What the deviates are drawn from.
+    pub fn points(&self) -> Points {
+        if self.sampling.method == SamplingMethod::Sobol { Points::Sobol } else { Points::Random }
+    }
+
+    /// Whether [`Job::stream`] gives the samples of this job.
+    pub fn has_plain_samples(&self) -> bool {
+        self.sampling.method == SamplingMethod::MonteCarlo && self.random.other().is_none() && self.random.is_plain()
+    }
+
+    /// Whether probabilities are integrated, without samples.
+    pub fn is_integrated(&self) -> bool {
+        self.sampling.method == SamplingMethod::Exact
+    }
+
+    /// Whether cells get as many samples as a precision takes.
+    pub fn stops_by_precision(&self) -> bool {
+        matches!(self.sampling.effort, Effort::Until { .. })
+    }
+
+    /// Whether samples are looked up in verdict maps, or integrated over them. The closed form needs none.
+    pub fn uses_maps(&self) -> bool {
+        let wanted = self.sampling.evaluate == EvaluateMode::Boundary || self.sampling.method == SamplingMethod::Exact;
+        wanted && !matches!(self.criterion, Criterion::Eigenvalue)
+    }
+
     /// The interval of the result columns.
-    pub fn interval(&self) -> WilsonInterval {
-        WilsonInterval::new(self.confidence)
+    pub fn interval(&self) -> BinomialInterval {
+        BinomialInterval::new(self.sampling.interval.into(), self.confidence())
+    }
+
+    /// The confidence of the interval of one cell.
+    pub fn confidence(&self) -> f64 {
+        let Sampling { confidence, simultaneous, .. } = self.sampling;
+        if simultaneous { interval::simultaneous_confidence(confidence, self.cells()) } else { confidence }
     }
 
     /// The stability boundary of the eigenvalue criterion at each rotating speed of the grid, in the order of the axis.
@@ -147,6 +154,11 @@ impl Job {
 
     /// What decides, ready for each rotating speed of the grid.
     pub fn deciders(&self) -> Result<Deciders, FlexibleError> {
+        if self.random.other().is_some() {
+            let varying =
+                VaryingBrake::new(self.parameters.clone(), self.criterion.clone(), self.random.inputs.clone());
+            return Ok(Deciders::Varying(Box::new(varying)));
+        }
         let brakes = brakes(&self.parameters, &self.grid)?.into_iter();
         Ok(match &self.criterion {
             Criterion::Eigenvalue => Deciders::Eigenvalue(brakes.map(|brake| brake.stability_boundary()).collect()),
@@ -163,14 +175,17 @@ impl Job {
     /// anyone's patience after Ctrl-C. Part of how shards share a job.
     pub fn unit_samples(&self) -> u64 {
         match self.criterion {
-            Criterion::Eigenvalue => 1000 * BLOCK_SAMPLES,
+            Criterion::Eigenvalue if self.has_plain_samples() => 1000 * BLOCK_SAMPLES,
+            Criterion::Eigenvalue => 20 * BLOCK_SAMPLES,
+            // Most of them are looked up.
+            _ if self.uses_maps() => 100 * BLOCK_SAMPLES,
             Criterion::CoupledEigenvalue { .. } | Criterion::TimeDomain { .. } => BLOCK_SAMPLES,
         }
     }
 
     /// Whether the settled amplitude is recorded.
     pub fn records_amplitude(&self) -> bool {
-        matches!(&self.criterion, Criterion::TimeDomain { settings, .. } if settings.record_amplitude)
+        self.criterion.records_amplitude()
     }
 }
 
@@ -286,67 +301,4 @@ fn validate_axis(name: &str, axis: Option<&Spanned<AxisSpec>>, defaults: &Parame
         }
     }
     Ok(axis_values)
-}
-
-fn validate_inputs(random: &RandomSpec) -> Result<Vec<RandomInput>, Complaint> {
-    let Some(spec) = &random.inputs else { return Ok(Vec::new()) };
-    let mut inputs = spec.get_ref().clone();
-    inputs.sort_unstable();
-    if let Some(pair) = inputs.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(Complaint::at(spec.span(), format!("random.inputs lists \"{}\" twice", pair[0].name())));
-    }
-    Ok(inputs)
-}
-
-fn validate_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<RelativeStd>, Complaint> {
-    let Some(spec) = &random.relative_std else {
-        if inputs.is_empty() {
-            return Ok(vec![RelativeStd { preload: 0.0, static_friction: 0.0 }]);
-        }
-        let message = "random.relative_std is missing: how much do the inputs scatter? For example relative_std = 0.2";
-        return Err(Complaint { span: random.inputs.as_ref().map(Spanned::span), message: message.to_owned() });
-    };
-    let complain = |message: String| Complaint::at(spec.span(), message);
-    if inputs.is_empty() {
-        return Err(complain(
-            "random.relative_std is given, but random.inputs names no input that scatters".to_owned(),
-        ));
-    }
-    let mut stds = Vec::new();
-    for entry in &spec.get_ref().0 {
-        let value = |input: RandomInput| -> Result<f64, Complaint> {
-            let given = match entry {
-                StdSpec::Common(value) => inputs.contains(&input).then_some(*value),
-                StdSpec::Each(table) => match input {
-                    RandomInput::Preload => table.preload,
-                    RandomInput::StaticFriction => table.static_friction,
-                },
-            };
-            match (given, inputs.contains(&input)) {
-                (Some(std), true) if (0.0..=1.0).contains(&std) => Ok(std),
-                (Some(std), true) => Err(complain(format!(
-                    "random.relative_std = {std} is out of range: it must be at least 0 and at most 1 (standard deviation over expected value)"
-                ))),
-                (Some(_), false) => Err(complain(format!(
-                    "random.relative_std gives a value for {0}, but random.inputs does not list {0}",
-                    input.name()
-                ))),
-                (None, true) => Err(complain(format!(
-                    "random.relative_std has no value for {}, which random.inputs lists",
-                    input.name()
-                ))),
-                (None, false) => Ok(0.0),
-            }
-        };
-        let std =
-            RelativeStd { preload: value(RandomInput::Preload)?, static_friction: value(RandomInput::StaticFriction)? };
-        if stds.contains(&std) {
-            return Err(complain("random.relative_std lists the same value twice".to_owned()));
-        }
-        stds.push(std);
-    }
-    if stds.is_empty() {
-        return Err(complain("random.relative_std is empty; it needs at least one value".to_owned()));
-    }
-    Ok(stds)
 }

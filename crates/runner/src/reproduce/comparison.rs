@@ -11,9 +11,9 @@ use crate::run::{Surface, SurfaceRow};
 const ENOUGH: f64 = 10.0;
 
 /// One cell with its exact probability.
-pub struct ComparedRow<'a> {
+pub struct ComparedRow {
     /// The cell as computed.
-    pub row: SurfaceRow<'a>,
+    pub row: SurfaceRow,
     /// Estimated probability.
     pub estimate: f64,
     /// Exact probability.
@@ -22,7 +22,7 @@ pub struct ComparedRow<'a> {
     pub z: Option<f64>,
 }
 
-impl ComparedRow<'_> {
+impl ComparedRow {
     /// Samples expected on the rarer side.
     fn expected(&self) -> f64 {
         self.row.counts.decided() as f64 * self.exact.min(1.0 - self.exact)
@@ -47,7 +47,7 @@ impl ComparedRow<'_> {
 }
 
 /// Every cell of a run with its exact probability.
-pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow<'_>>, Failure> {
+pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
     let boundaries = run.job.boundaries().map_err(|error| Failure::Job(error.to_string()))?;
     let surface = Surface::new(&run.job, &run.tally);
     let compared = surface.rows().map(|row| {
@@ -60,7 +60,7 @@ pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow<'_>>, Failure> {
 }
 
 /// A sentence on how well all cells agree.
-pub fn summary(run: &FinishedRun, rows: &[ComparedRow<'_>]) -> String {
+pub fn summary(run: &FinishedRun, rows: &[ComparedRow]) -> String {
     let what = match run.job.criterion {
         Criterion::Eigenvalue => "the exact probabilities",
         _ => "the exact probabilities of another criterion, linear stability on a rigid disc",

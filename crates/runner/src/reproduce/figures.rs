@@ -100,7 +100,7 @@ pub fn scattered_input(run: &FinishedRun) -> Result<String, Failure> {
             (std.static_friction, cell.static_friction)
         };
         let mut bins = [0u64; BINS as usize];
-        stream.for_each(&cell, 0..job.samples, |samples| {
+        stream.for_each(&cell, 0..job.sampling.samples, |samples| {
             let values = if stream.preload_is_random { samples.preloads } else { samples.static_frictions };
             for value in values {
                 let z = (value / expected - 1.0) / std;
@@ -112,13 +112,13 @@ pub fn scattered_input(run: &FinishedRun) -> Result<String, Failure> {
         });
         text += &format!(
             "Relative deviation of the input, standard deviation {std} ({} samples of cell {})\n\n",
-            job.samples, cell.index
+            job.sampling.samples, cell.index
         );
         text += "        from        to    share   normal\n";
         for (bin, &count) in bins.iter().enumerate() {
             let edge = |i: i32| f64::from(i - BINS / 2) / f64::from(BINS_PER_STD);
             let (low, high) = (edge(bin as i32), edge(bin as i32 + 1));
-            let share = count as f64 / job.samples as f64;
+            let share = count as f64 / job.sampling.samples as f64;
             let normal_share = normal::upper_tail(low) - normal::upper_tail(high);
             let bar = "█".repeat((share / 0.2 * BAR).round() as usize);
             text += &format!("    {:+8.3}  {:+8.3}   {share:.4}   {normal_share:.4}  {bar}\n", std * low, std * high);

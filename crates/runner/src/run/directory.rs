@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use super::piece;
 use super::publish::{is_temporary, publish, publish_first, remove_temporary};
-use super::tally::Tally;
+use super::slots::Slots;
+use super::tally::{Segment, Tally};
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::note;
@@ -119,6 +120,11 @@ impl RunDirectory {
         self.path.join("shards")
     }
 
+    /// The verdict maps.
+    pub fn maps(&self) -> PathBuf {
+        self.path.join("map")
+    }
+
     /// The result.
     pub fn surface(&self) -> PathBuf {
         self.path.join("surface.parquet")
@@ -151,25 +157,28 @@ impl RunDirectory {
     /// Removes what killed processes left behind.
     pub fn tidy(&self) -> Result<(), Failure> {
         remove_temporary(&self.path)?;
-        remove_temporary(&self.shards())
+        remove_temporary(&self.shards())?;
+        if self.maps().is_dir() { remove_temporary(&self.maps()) } else { Ok(()) }
     }
 
     /// Everything counted so far. Pieces that cannot be trusted are named on standard error and left out.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
-        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), job.cells())?;
+        let slots = Slots::new(job);
+        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), slots.count())?;
         for complaint in &pieces.complaints {
             note(format_args!("warning: {complaint}"));
         }
-        if let Some(beyond) = pieces.segments.iter().find(|segment| segment.samples.end > job.samples) {
+        let is_beyond = |segment: &&Segment| segment.samples.end > slots.most(slots.place(segment.slot).1);
+        if let Some(beyond) = pieces.segments.iter().find(is_beyond) {
             return Err(Failure::Job(format!(
                 "{}: its pieces hold sample {} of cell {}, but its job.toml asks for {} samples only; was it edited?",
                 self.path.display(),
                 beyond.samples.end - 1,
-                beyond.cell,
-                job.samples
+                slots.place(beyond.slot).0,
+                job.sampling.samples
             )));
         }
-        let mut tally = Tally::new(job.cells());
+        let mut tally = Tally::new(slots.count());
         tally.add_all(pieces.segments).map_err(|message| {
             Failure::InputOutput(format!(
                 "{}: {message}. One of them is wrong; move shards/ aside and compute again",

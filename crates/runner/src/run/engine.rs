@@ -1,19 +1,28 @@
 //! The computation: units of work on all cores, finished pieces on disk.
 
 use std::ops::Range;
+use std::path::Path;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use stickslip_core::{RandomInputs, Verdict, VerdictCounts};
-use stickslip_sampler::{Cell, Distribution, SampleStream};
+use stickslip_core::verdict_map::{Tile, TileIndex};
+use stickslip_core::{JudgedMotion, RandomInputs, Verdict, VerdictCounts};
+use stickslip_sampler::exact::{self, Derivatives};
+use stickslip_sampler::mapped::MapRegions;
+use stickslip_sampler::{Cell, Distribution, Estimate, Points, SampleStream, audit};
 
+use super::batch::Batch;
 use super::directory::RunDirectory;
+use super::extras::{Extras, Lookups};
+use super::maps::Maps;
 use super::piece;
 use super::plan::Plan;
 use super::progress::Progress;
+use super::slots::Slots;
+use super::surface::IntegratedCell;
 use super::tally::{Segment, Tally};
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
@@ -21,6 +30,9 @@ use crate::job::{Deciders, Job};
 
 /// Segments waiting to be written at the most, whatever the clock says.
 const MOST_PENDING: usize = 100_000;
+
+/// Verdicts of a tile that are asked for at once; a signal is looked for between.
+const TILE_BATCH: usize = 256;
 
 /// How a computation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,9 +46,24 @@ pub enum Outcome {
 /// Everything that deciding a sample of a job takes.
 pub struct Engine<'a> {
     job: &'a Job,
+    slots: Slots,
     stream: SampleStream,
+    /// Whether samples are drawn and counted by the fast path.
+    is_plain: bool,
+    extras: Extras,
     deciders: Deciders,
+    maps: Maps,
     pool: ThreadPool,
+}
+
+/// What the thread that collects finished work is told.
+enum Event<T> {
+    /// A unit is finished.
+    Unit(T),
+    /// Nothing for a while.
+    Idle,
+    /// That was all.
+    Done,
 }
 
 impl<'a> Engine<'a> {
@@ -47,46 +74,202 @@ impl<'a> Engine<'a> {
             .num_threads(threads)
             .build()
             .map_err(|error| Failure::InputOutput(format!("cannot start {threads} threads: {error}")))?;
-        Ok(Self { job, stream: job.stream(), deciders, pool })
+        let extras = Extras::of(job);
+        Ok(Self {
+            job,
+            slots: Slots::new(job),
+            stream: job.stream(),
+            is_plain: job.has_plain_samples() && !extras.need_samples(),
+            extras,
+            deciders,
+            maps: Maps::new(job),
+            pool,
+        })
+    }
+
+    /// The verdict maps.
+    pub fn maps(&self) -> &Maps {
+        &self.maps
     }
 
     /// Computes one unit. A pure function of its arguments and the job.
-    pub fn compute(&self, cell: u64, samples: Range<u64>) -> Segment {
-        let speed = self.job.grid.rotating_speed_index(cell);
+    pub fn compute(&self, slot: u64, samples: Range<u64>) -> Segment {
+        let (cell, part) = self.slots.place(slot);
         let place = self.job.grid.cell(cell);
+        let first = self.slots.first_sample(part);
+        let drawn = first + samples.start..first + samples.end;
         let mut counts = VerdictCounts::default();
         let mut amplitudes = Distribution::default();
-        match &self.deciders {
-            Deciders::Eigenvalue(boundaries) => self.stream.for_each(&place, samples.clone(), |samples| {
-                counts += boundaries[speed].count(samples.preloads, samples.static_frictions);
-            }),
-            Deciders::CoupledEigenvalue(brakes) => {
-                for inputs in self.inputs(&place, samples.clone()) {
-                    counts += brakes[speed].verdict(inputs).into();
-                }
-            }
-            Deciders::TimeDomain(criteria) => {
-                for judged in criteria[speed].judge_all(&self.inputs(&place, samples.clone())) {
-                    counts += judged.verdict.into();
-                    if let (Verdict::Unstable, Some(amplitude)) = (judged.verdict, judged.amplitude)
-                        && self.job.records_amplitude()
-                    {
-                        amplitudes.add(amplitude);
-                    }
-                }
+        let mut sums = self.extras.nothing();
+        if let (Deciders::Eigenvalue(boundaries), true) = (&self.deciders, self.is_plain) {
+            let boundary = &boundaries[self.job.grid.rotating_speed_index(cell)];
+            self.stream.for_each(&place, drawn, |samples| {
+                counts += boundary.count(samples.preloads, samples.static_frictions);
+            });
+            return Segment { slot, samples, counts, amplitudes, sums };
+        }
+        let batch = Batch::draw(self.job, &place, part, drawn.clone(), self.job.points());
+        let mut lookups = Lookups::default();
+        let audited = self.audited(slot, samples.clone());
+        let judged = self.judge(&place, &batch, &audited, &mut lookups);
+        for judged in &judged {
+            counts += judged.verdict.into();
+            if let (Verdict::Unstable, Some(amplitude), true) =
+                (judged.verdict, judged.amplitude, self.job.records_amplitude())
+            {
+                amplitudes.add(amplitude);
             }
         }
-        Segment { cell, samples, counts, amplitudes }
+        let verdicts: Vec<Verdict> = judged.iter().map(|judged| judged.verdict).collect();
+        self.extras.add_scores(&mut sums, &place, &batch, &verdicts);
+        if self.extras.sensitivity() > 0 {
+            let second = Batch::draw(self.job, &place, part, drawn, Points::SecondRandom);
+            let mut verdicts_of = |batch: &Batch| -> Vec<Verdict> {
+                let judged = self.judge(&place, batch, &[], &mut lookups);
+                judged.into_iter().map(|judged| judged.verdict).collect()
+            };
+            let mixed: Vec<Vec<Verdict>> =
+                (0..self.extras.sensitivity()).map(|input| verdicts_of(&batch.with_input_of(input, &second))).collect();
+            let second = verdicts_of(&second);
+            self.extras.add_sensitivity(&mut sums, &verdicts, &second, &mixed);
+        }
+        self.extras.add_lookups(&mut sums, lookups);
+        Segment { slot, samples, counts, amplitudes, sums }
     }
 
-    /// The random inputs of a unit of a criterion that takes them one by one.
-    fn inputs(&self, place: &Cell, samples: Range<u64>) -> Vec<RandomInputs> {
-        let mut inputs = Vec::with_capacity((samples.end - samples.start) as usize);
-        self.stream.for_each(place, samples, |samples| {
-            let pairs = samples.preloads.iter().zip(samples.static_frictions);
-            inputs.extend(pairs.map(|(&preload, &static_friction)| RandomInputs { preload, static_friction }));
+    /// Judges samples: those that a map tells are looked up, unless they are audited; the others are judged one by one.
+    fn judge(&self, place: &Cell, batch: &Batch, audited: &[bool], lookups: &mut Lookups) -> Vec<JudgedMotion> {
+        if let Deciders::Varying(brake) = &self.deciders {
+            let judge = |i| brake.judge(place.rotating_speed, batch.inputs(i), batch.values(i));
+            return (0..batch.len()).map(judge).collect();
+        }
+        let speed = self.job.grid.rotating_speed_index(place.index);
+        let inputs: Vec<RandomInputs> = (0..batch.len()).map(|sample| batch.inputs(sample)).collect();
+        let Some(map) = self.maps.get(speed) else { return self.deciders.judge(speed, &inputs) };
+        let told: Vec<Option<Verdict>> = inputs.iter().map(|&inputs| map.look_up(inputs)).collect();
+        let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
+        let to_judge: Vec<usize> = (0..inputs.len()).filter(|&i| told[i].is_none() || is_audited(i)).collect();
+        let judged = self.deciders.judge(speed, &to_judge.iter().map(|&i| inputs[i]).collect::<Vec<_>>());
+        let looked_up = |verdict| JudgedMotion { verdict, amplitude: None, time: 0.0 };
+        let mut all: Vec<JudgedMotion> = told.iter().map(|told| looked_up(told.unwrap_or(Verdict::Failed))).collect();
+        for (&sample, judged) in to_judge.iter().zip(judged) {
+            match told[sample] {
+                None => lookups.simulated += 1,
+                Some(told) => {
+                    lookups.audited += 1;
+                    lookups.differed += u64::from(told != judged.verdict);
+                }
+            }
+            all[sample] = judged;
+        }
+        all
+    }
+
+    /// Which samples of a slot are audited.
+    fn audited(&self, slot: u64, samples: Range<u64>) -> Vec<bool> {
+        let share = self.job.sampling.audit;
+        let audits = self.extras.lookups() && share > 0.0;
+        if audits { audit::choose(self.job.sampling.seed, slot, samples, share) } else { Vec::new() }
+    }
+
+    /// Completes the verdict maps: what is on disk, what other runs have, and the rest by asking. Returns how many verdicts
+    /// were asked for.
+    pub fn complete_maps(
+        &mut self,
+        directory: &RunDirectory,
+        others: &[&Path],
+        interrupt: &Interrupt,
+    ) -> Result<(Outcome, u64), Failure> {
+        self.maps.load(&directory.maps())?;
+        let mut borrowed = 0;
+        for other in others {
+            borrowed += self.maps.load(other)?;
+        }
+        if borrowed > 0 {
+            self.maps.write_all(&directory.maps())?;
+        }
+        let missing = self.maps.missing();
+        let mut progress = Progress::new(missing.len() as u128, "tiles");
+        let mut finished: Vec<(usize, TileIndex, Tile)> = Vec::new();
+        let mut written = 0;
+        let mut since = Instant::now();
+        let resolve = |unit: u64| {
+            let (speed, index) = missing[unit as usize];
+            (speed, index, self.resolve(speed, index, interrupt))
+        };
+        let outcome = self.in_parallel(missing.len() as u64, interrupt, resolve, |event| {
+            if let Event::Unit((speed, index, Some(tile))) = event {
+                progress.advance(1);
+                finished.push((speed, index, tile));
+            } else if matches!(event, Event::Done) || since.elapsed() >= Duration::from_secs(5) {
+                if finished.len() > written {
+                    self.maps.write(&directory.maps(), &finished[written..])?;
+                    written = finished.len();
+                }
+                since = Instant::now();
+            }
+            progress.tick();
+            Ok(())
+        })?;
+        progress.finish();
+        let questions = finished.iter().map(|(_, _, tile)| tile.questions).sum();
+        for (speed, index, tile) in finished {
+            self.maps.insert(speed, index, tile);
+        }
+        Ok((outcome, questions))
+    }
+
+    /// Resolves one tile; `None` if a signal came in between.
+    fn resolve(&self, speed: usize, index: TileIndex, interrupt: &Interrupt) -> Option<Tile> {
+        let map = self.maps.get(speed)?;
+        let tile = Tile::resolve(index, |points| {
+            let mut verdicts = Vec::with_capacity(points.len());
+            for points in points.chunks(TILE_BATCH) {
+                if interrupt.signal().is_some() {
+                    // The tile is dropped; the sooner it is done, the better.
+                    verdicts.extend(points.iter().map(|_| Verdict::Stable));
+                    continue;
+                }
+                let inputs: Vec<RandomInputs> = points.iter().map(|&point| map.inputs(point)).collect();
+                verdicts.extend(self.deciders.judge(speed, &inputs).into_iter().map(|judged| judged.verdict));
+            }
+            verdicts
         });
-        inputs
+        interrupt.signal().is_none().then_some(tile)
+    }
+
+    /// The probability of every cell by integration.
+    pub fn integrate(&self, interrupt: &Interrupt) -> Result<(Outcome, Vec<IntegratedCell>), Failure> {
+        let speeds = self.job.grid.rotating_speed.values().len();
+        let regions: Vec<MapRegions> =
+            (0..speeds).filter_map(|speed| self.maps.get(speed)).map(MapRegions::new).collect();
+        let unknown =
+            Derivatives { preload: None, static_friction: None, std_preload: None, std_static_friction: None };
+        let integrate = |index: u64| {
+            let cell = self.job.grid.cell(index);
+            let speed = self.job.grid.rotating_speed_index(index);
+            if let Deciders::Eigenvalue(boundaries) = &self.deciders {
+                let exact = exact::probability(&boundaries[speed], &cell);
+                let low = (exact.value - exact.error_bound).max(0.0);
+                let high = (exact.value + exact.error_bound).min(1.0);
+                let wanted = self.extras.derivatives();
+                let derivatives = if wanted { exact::derivatives(&boundaries[speed], &cell) } else { unknown };
+                let estimate = Estimate { probability: Some(exact.value), low, high };
+                return (index, IntegratedCell { estimate, derivatives });
+            }
+            let mapped = regions[speed].probability(&cell);
+            let estimate = Estimate { probability: Some(mapped.value), low: mapped.low, high: mapped.high };
+            (index, IntegratedCell { estimate, derivatives: mapped.derivatives })
+        };
+        let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
+        let mut cells = vec![IntegratedCell { estimate: nothing, derivatives: unknown }; self.job.cells() as usize];
+        let outcome = self.in_parallel(self.job.cells(), interrupt, integrate, |event| {
+            if let Event::Unit((index, integrated)) = event {
+                cells[index as usize] = integrated;
+            }
+            Ok(())
+        })?;
+        Ok((outcome, cells))
     }
 
     /// Computes everything in `plan`, adds it to `tally` and to the pieces of `directory`.
@@ -101,45 +284,17 @@ impl<'a> Engine<'a> {
         progress: &mut Progress,
         interrupt: &Interrupt,
     ) -> Result<Outcome, Failure> {
-        let (sender, receiver) = mpsc::sync_channel::<Segment>(4096);
-        thread::scope(|scope| {
-            let worker = scope.spawn(move || {
-                self.pool.install(|| {
-                    // The first unit that finds a signal, or nobody to send to because writing failed, ends them all.
-                    (0..plan.units()).into_par_iter().try_for_each(|index| {
-                        let (cell, samples) = plan.unit(index);
-                        let go_on = interrupt.signal().is_none();
-                        go_on.then(|| sender.send(self.compute(cell, samples)).ok()).flatten()
-                    })
-                })
-            });
-            let collected = self.collect(&receiver, tally, directory, progress);
-            drop(receiver);
-            let panicked = worker.join().is_err();
-            collected?;
-            if panicked {
-                return Err(Failure::InputOutput("a worker thread failed; please report this as a bug".to_owned()));
-            }
-            Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped))
-        })
-    }
-
-    /// Takes finished segments until the workers are done.
-    fn collect(
-        &self,
-        receiver: &Receiver<Segment>,
-        tally: &mut Tally,
-        directory: &RunDirectory,
-        progress: &mut Progress,
-    ) -> Result<(), Failure> {
         let (shards, experiment) = (directory.shards(), self.job.experiment_hash());
         let started = Instant::now();
         let mut written = Instant::now();
         let mut pending = Vec::new();
-        loop {
-            let message = receiver.recv_timeout(Duration::from_millis(50));
-            let done = matches!(message, Err(RecvTimeoutError::Disconnected));
-            if let Ok(segment) = message {
+        let compute = |index: u64| {
+            let (slot, samples) = plan.unit(index);
+            self.compute(slot, samples)
+        };
+        self.in_parallel(plan.units(), interrupt, compute, |event| {
+            let done = matches!(event, Event::Done);
+            if let Event::Unit(segment) = event {
                 progress.advance(segment.len());
                 tally.add(&segment);
                 pending.push(segment);
@@ -149,14 +304,68 @@ impl<'a> Engine<'a> {
             let due = done || written.elapsed() >= interval || pending.len() >= MOST_PENDING;
             if due && !pending.is_empty() {
                 // Units stay apart in a piece: two processes that do the same work write the same segments.
-                pending.sort_by_key(|segment| (segment.cell, segment.samples.start));
+                pending.sort_by_key(|segment| (segment.slot, segment.samples.start));
                 piece::write(&shards, &experiment, &pending)?;
                 pending.clear();
                 written = Instant::now();
             }
-            if done {
-                return Ok(());
+            Ok(())
+        })
+    }
+
+    /// Does `units` units of work on all threads, and hands what comes out, in any order, to `take` on this one.
+    pub fn for_each_in_parallel<T: Send>(
+        &self,
+        units: u64,
+        interrupt: &Interrupt,
+        work: impl Fn(u64) -> T + Sync + Send,
+        mut take: impl FnMut(T),
+    ) -> Result<Outcome, Failure> {
+        self.in_parallel(units, interrupt, work, |event| {
+            if let Event::Unit(result) = event {
+                take(result);
             }
+            Ok(())
+        })
+    }
+
+    fn in_parallel<T: Send>(
+        &self,
+        units: u64,
+        interrupt: &Interrupt,
+        work: impl Fn(u64) -> T + Sync + Send,
+        mut take: impl FnMut(Event<T>) -> Result<(), Failure>,
+    ) -> Result<Outcome, Failure> {
+        let (sender, receiver) = mpsc::sync_channel::<T>(4096);
+        thread::scope(|scope| {
+            let worker = scope.spawn(move || {
+                self.pool.install(|| {
+                    // The first unit that finds a signal, or nobody to send to because writing failed, ends them all.
+                    (0..units).into_par_iter().try_for_each(|index| {
+                        let go_on = interrupt.signal().is_none();
+                        go_on.then(|| sender.send(work(index)).ok()).flatten()
+                    })
+                })
+            });
+            let collected = collect(&receiver, &mut take);
+            drop(receiver);
+            let panicked = worker.join().is_err();
+            collected?;
+            if panicked {
+                return Err(Failure::InputOutput("a worker thread failed; please report this as a bug".to_owned()));
+            }
+            Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped))
+        })
+    }
+}
+
+/// Takes what is finished until the workers are done.
+fn collect<T>(receiver: &Receiver<T>, take: &mut impl FnMut(Event<T>) -> Result<(), Failure>) -> Result<(), Failure> {
+    loop {
+        match receiver.recv_timeout(Duration::from_millis(50)) {
+            Ok(result) => take(Event::Unit(result))?,
+            Err(RecvTimeoutError::Timeout) => take(Event::Idle)?,
+            Err(RecvTimeoutError::Disconnected) => return take(Event::Done),
         }
     }
 }

@@ -1,20 +1,27 @@
 //! A run: its directory, the pieces of finished work in it, the computation that adds to them, and the surface that
 //! comes out.
 
+mod batch;
 mod directory;
 mod engine;
+mod extras;
+mod maps;
 mod piece;
 mod plan;
 mod progress;
 mod provenance;
 mod publish;
+mod slots;
 mod surface;
 mod tally;
 
+pub use batch::Batch;
 pub use directory::{Access, RunDirectory};
 pub use engine::{Engine, Outcome};
+pub use extras::Lookups;
 pub use plan::{Plan, Shard};
 pub use progress::Progress;
 pub use provenance::Session;
-pub use surface::{DescribedColumn, Surface, SurfaceRow, job_hash_of_file, write_columns};
+pub use slots::Slots;
+pub use surface::{DescribedColumn, IntegratedCell, Surface, SurfaceRow, job_hash_of_file, write_columns};
 pub use tally::Tally;

@@ -26,6 +26,9 @@ const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_
 const AMPLITUDE_SUM: &str = "amplitude_sum";
 const AMPLITUDE_BINS: &str = "amplitude_bins";
 
+/// Of pieces with further sums.
+const SUMS: &str = "sums";
+
 const EXPERIMENT_KEY: &str = "stickslip:experiment";
 
 /// Writes segments as a new piece in `directory`.
@@ -48,7 +51,7 @@ pub struct Pieces {
 ///
 /// # Errors
 /// A directory that cannot be read, or a sound piece of another experiment: these runs must not be mixed.
-pub fn read_all(directory: &Path, experiment: &str, cells: u64) -> Result<Pieces, Failure> {
+pub fn read_all(directory: &Path, experiment: &str, slots: u64) -> Result<Pieces, Failure> {
     let mut pieces = Pieces::default();
     for path in files(directory)? {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -76,7 +79,7 @@ pub fn read_all(directory: &Path, experiment: &str, cells: u64) -> Result<Pieces
                 );
                 return Err(Failure::Job(message));
             }
-            Ok((_, segments)) if segments.iter().all(|s| s.cell < cells && s.is_consistent()) => {
+            Ok((_, segments)) if segments.iter().all(|s| s.slot < slots && s.is_consistent()) => {
                 pieces.segments.extend(segments);
             }
             Ok(_) => pieces.complaints.push(damaged("its counts do not add up")),
@@ -86,7 +89,8 @@ pub fn read_all(directory: &Path, experiment: &str, cells: u64) -> Result<Pieces
     Ok(pieces)
 }
 
-fn digest(bytes: &[u8]) -> String {
+/// The name of a piece: a hash of its content.
+pub fn digest(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex()[..32].to_owned()
 }
 
@@ -96,7 +100,7 @@ fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::er
         Arc::new(segments.iter().map(|segment| value(segment).cast_signed()).collect::<Int64Array>())
     };
     let mut columns = vec![
-        column(|s| s.cell),
+        column(|s| s.slot),
         column(|s| s.samples.start),
         column(Segment::len),
         column(|s| s.counts.stable),
@@ -118,6 +122,16 @@ fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::er
         columns.push(column(|s| s.amplitudes.sum()));
         fields.push(Field::new(AMPLITUDE_BINS, bins.data_type().clone(), false));
         columns.push(Arc::new(bins));
+    }
+    if segments.iter().any(|segment| !segment.sums.is_empty()) {
+        let mut sums = ListBuilder::new(Int64Builder::new());
+        for segment in segments {
+            sums.values().append_slice(&segment.sums);
+            sums.append(true);
+        }
+        let sums = sums.finish();
+        fields.push(Field::new(SUMS, sums.data_type().clone(), false));
+        columns.push(Arc::new(sums));
     }
     let schema = Arc::new(Schema::new(fields));
     let owner = KeyValue::new(EXPERIMENT_KEY.to_owned(), experiment.to_owned());
@@ -148,7 +162,11 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<Segment>), String> {
             let counts =
                 VerdictCounts { stable: value(3)?, unstable: value(4)?, undecided: value(5)?, failed: value(6)? };
             let amplitudes = decode_amplitudes(&batch, row)?;
-            segments.push(Segment { cell: value(0)?, samples: start..end, counts, amplitudes });
+            let sums = match batch.column_by_name(SUMS) {
+                Some(sums) => integers(sums, row)?,
+                None => Vec::new(),
+            };
+            segments.push(Segment { slot: value(0)?, samples: start..end, counts, amplitudes, sums });
         }
     }
     Ok((owner, segments))
@@ -160,10 +178,9 @@ fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, St
         return Ok(Distribution::default());
     };
     let sums = sums.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not as they should be")?;
-    let bins = bins.as_any().downcast_ref::<ListArray>().ok_or("amplitudes are not as they should be")?.value(row);
-    let bins = bins.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not as they should be")?;
+    let bins = integers(bins, row)?;
     let mut pairs = Vec::with_capacity(bins.len() / 2);
-    for pair in bins.values().chunks_exact(2) {
+    for pair in bins.chunks_exact(2) {
         let bin = u32::try_from(pair[0]).ok().filter(|&bin| Distribution::is_bin(bin));
         let bin = bin.ok_or("a bin of amplitudes is out of range")?;
         if pairs.last().is_some_and(|(before, _)| *before >= bin) {
@@ -174,6 +191,14 @@ fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, St
     Ok(Distribution::from_parts(sums.value(row).cast_unsigned(), pairs))
 }
 
+/// The list of integers in one row of a column.
+fn integers(column: &ArrayRef, row: usize) -> Result<Vec<i64>, String> {
+    let lists = column.as_any().downcast_ref::<ListArray>().ok_or("a column of lists is not as it should be")?;
+    let list = lists.value(row);
+    let list = list.as_any().downcast_ref::<Int64Array>().ok_or("a column of lists is not as it should be")?;
+    Ok(list.values().to_vec())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,10 +207,11 @@ mod tests {
     fn some_segments() -> Vec<Segment> {
         (0..50)
             .map(|cell| Segment {
-                cell,
+                slot: cell,
                 samples: 1000 * cell..1000 * cell + 10,
                 counts: VerdictCounts { stable: 4, unstable: 3, undecided: 2, failed: 1 },
                 amplitudes: amplitudes(cell),
+                sums: vec![-(cell as i64), i64::MAX],
             })
             .collect()
     }

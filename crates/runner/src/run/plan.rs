@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
+use super::slots::Slots;
 use super::tally::Tally;
 
 /// One of several processes that share a job.
@@ -48,26 +49,31 @@ pub struct Plan {
     units_before: Vec<u64>,
 }
 
-/// Missing samples of one cell, and the units among them that this process computes.
+/// Missing samples of one slot, and the units among them that this process computes.
 #[derive(Debug)]
 struct Gap {
-    cell: u64,
+    slot: u64,
     samples: Range<u64>,
-    /// Number of the first unit in the cell, and the distance to the next.
+    /// Number of the first unit in the slot, and the distance to the next.
     first: u64,
     step: u64,
     units: u64,
 }
 
 impl Gap {
-    /// Consecutive units, counted over all cells, go to different shards, so that jobs of one cell and jobs of many are
-    /// shared alike.
-    fn new(cell: u64, samples: Range<u64>, unit: u64, units_per_cell: u64, shard: Option<Shard>) -> Self {
+    /// `units_before` units of all slots come before those of this one.
+    fn new(slot: u64, samples: Range<u64>, unit: u64, units_before: u128, shard: Option<Shard>) -> Self {
         let Shard { index, count } = shard.unwrap_or(Shard { index: 0, count: 1 });
         let (from, to) = (samples.start / unit, samples.end.div_ceil(unit));
-        let number = (u128::from(cell) * u128::from(units_per_cell) + u128::from(from)) % u128::from(count);
+        let number = (units_before + u128::from(from)) % u128::from(count);
         let first = from + (index + count - number as u64) % count;
-        Self { cell, samples, first, step: count, units: to.saturating_sub(first).div_ceil(count) }
+        Self { slot, samples, first, step: count, units: to.saturating_sub(first).div_ceil(count) }
+    }
+
+    /// All of a gap, for one process.
+    fn whole(slot: u64, samples: Range<u64>, unit: u64) -> Self {
+        let (first, to) = (samples.start / unit, samples.end.div_ceil(unit));
+        Self { slot, samples, first, step: 1, units: to - first }
     }
 
     /// The samples of the i-th unit.
@@ -88,11 +94,28 @@ impl Gap {
 }
 
 impl Plan {
-    /// The units that are missing for `samples` samples in each cell.
-    pub fn new(tally: &Tally, samples: u64, unit_samples: u64, shard: Option<Shard>) -> Self {
-        let units_per_cell = samples.div_ceil(unit_samples);
-        let gaps =
-            tally.gaps(samples).into_iter().map(|(cell, gap)| Gap::new(cell, gap, unit_samples, units_per_cell, shard));
+    /// The units that are missing of the samples that `slots` want now.
+    ///
+    /// Consecutive units, counted over all slots, go to different shards, so that jobs of one cell and jobs of many are
+    /// shared alike; but cells whose slots are decided in turn go to a shard as a whole.
+    pub fn new(tally: &Tally, slots: &Slots, unit_samples: u64, shard: Option<Shard>) -> Self {
+        let parts = slots.of(0).end as usize;
+        let part_units: Vec<u128> =
+            (0..parts).map(|part| u128::from(slots.most(part).div_ceil(unit_samples))).collect();
+        let cell_units: u128 = part_units.iter().sum();
+        let missing = tally.gaps(&slots.wanted(tally)).into_iter();
+        let gaps = missing.filter_map(|(slot, gap)| {
+            let (cell, part) = slots.place(slot);
+            match shard {
+                Some(Shard { index, count }) if slots.are_decided_in_turn() => {
+                    (cell % count == index).then(|| Gap::whole(slot, gap, unit_samples))
+                }
+                _ => {
+                    let before = u128::from(cell) * cell_units + part_units[..part].iter().sum::<u128>();
+                    Some(Gap::new(slot, gap, unit_samples, before, shard))
+                }
+            }
+        });
         let gaps: Vec<Gap> = gaps.filter(|gap| gap.units > 0).collect();
         let mut units_before = Vec::with_capacity(gaps.len() + 1);
         let mut units = 0;
@@ -114,11 +137,11 @@ impl Plan {
         self.gaps.iter().map(|gap| gap.total(self.unit_samples)).sum()
     }
 
-    /// The unit at `index`: its cell and samples.
+    /// The unit at `index`: its slot and samples.
     pub fn unit(&self, index: u64) -> (u64, Range<u64>) {
         let position = self.units_before.partition_point(|&before| before <= index) - 1;
         let gap = &self.gaps[position];
-        (gap.cell, gap.unit(index - self.units_before[position], self.unit_samples))
+        (gap.slot, gap.unit(index - self.units_before[position], self.unit_samples))
     }
 }
 
@@ -129,19 +152,21 @@ mod tests {
     use stickslip_core::VerdictCounts;
     use stickslip_sampler::Distribution;
 
+    const SAMPLES: u64 = 3_500_000;
+
     const UNIT_SAMPLES: u64 = 1_000_000;
 
     fn tally_with_holes() -> Tally {
         let mut tally = Tally::new(7);
         for (cell, samples) in [(0, 0..3_500_000), (2, 1_000_000..1_000_001), (3, 0..10_000), (6, 999_999..2_000_000)] {
             let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
-            tally.add(&Segment { cell, samples, counts, amplitudes: Distribution::default() });
+            tally.add(&Segment { slot: cell, samples, counts, amplitudes: Distribution::default(), sums: Vec::new() });
         }
         tally
     }
 
     fn units(tally: &Tally, shard: Option<Shard>) -> Vec<(u64, Range<u64>)> {
-        let plan = Plan::new(tally, 3_500_000, UNIT_SAMPLES, shard);
+        let plan = Plan::new(tally, &Slots::plain(7, SAMPLES), UNIT_SAMPLES, shard);
         let units: Vec<_> = (0..plan.units()).map(|index| plan.unit(index)).collect();
         let samples: u128 = units.iter().map(|(_, samples)| u128::from(samples.end - samples.start)).sum();
         assert_eq!(samples, plan.samples());
@@ -155,10 +180,10 @@ mod tests {
             let before = tally.counted();
             let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
             assert!(samples.start / UNIT_SAMPLES == (samples.end - 1) / UNIT_SAMPLES);
-            tally.add(&Segment { cell, samples, counts, amplitudes: Distribution::default() });
+            tally.add(&Segment { slot: cell, samples, counts, amplitudes: Distribution::default(), sums: Vec::new() });
             assert_eq!(tally.counted() - before, u128::from(counts.total()), "no overlap");
         }
-        assert!(tally.gaps(3_500_000).is_empty());
+        assert!(tally.gaps(&[SAMPLES; 7]).is_empty());
     }
 
     #[test]

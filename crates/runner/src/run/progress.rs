@@ -17,6 +17,7 @@ const PLAIN_SHORTEST: Duration = Duration::from_secs(2);
 pub struct Progress {
     bar: Option<ProgressBar>,
     total: u64,
+    unit: &'static str,
     done: u64,
     started: Instant,
     last_line: Instant,
@@ -24,22 +25,24 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Progress towards `total` samples.
-    pub fn new(total: u128) -> Self {
+    /// Progress towards `total` samples, or whatever the `unit` is.
+    pub fn new(total: u128, unit: &'static str) -> Self {
         let total = u64::try_from(total).unwrap_or(u64::MAX);
         let bar = io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-            let template = "{bar:30} {percent:>3} %  {human_pos} of {human_len} samples  {rate} samples/s  {eta} left";
+            let template = format!(
+                "{{bar:30}} {{percent:>3}} %  {{human_pos}} of {{human_len}} {unit}  {{rate}} {unit}/s  {{eta}} left"
+            );
             let rate = |state: &ProgressState, out: &mut dyn Write| {
                 // Nothing to be done about a terminal that takes no text.
                 let _ = write!(out, "{}", HumanCount(state.per_sec() as u64));
             };
-            let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+            let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
             bar.set_style(style.with_key("rate", rate));
             bar
         });
         let now = Instant::now();
-        Self { bar, total, done: 0, started: now, last_line: now, last_done: 0 }
+        Self { bar, total, unit, done: 0, started: now, last_line: now, last_done: 0 }
     }
 
     /// Adds finished samples.
@@ -64,12 +67,13 @@ impl Progress {
             let rate = self.done as f64 / seconds;
             let left = Duration::from_secs_f64(((self.total - self.done) as f64 / rate.max(1e-9)).min(1e9));
             note(format_args!(
-                "{} of {} samples ({:.0} %), {} samples/s, {} left",
+                "{} of {} {unit} ({:.0} %), {} {unit}/s, {} left",
                 HumanCount(self.done),
                 HumanCount(self.total),
                 100.0 * self.done as f64 / self.total as f64,
                 HumanCount(rate as u64),
-                HumanDuration(left)
+                HumanDuration(left),
+                unit = self.unit
             ));
         }
     }

@@ -6,6 +6,7 @@ use std::time::{Instant, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
+use super::extras::Lookups;
 use super::publish::publish;
 use crate::failure::Failure;
 
@@ -17,12 +18,24 @@ pub struct Session {
     seconds: f64,
     outcome: String,
     samples_computed: u64,
+    #[serde(flatten, default)]
+    maps: Option<MapUse>,
+    #[serde(flatten, default)]
+    lookups: Option<Lookups>,
     threads: usize,
     host: String,
     version: String,
     build: String,
     #[serde(skip, default = "Instant::now")]
     clock: Instant,
+}
+
+/// The verdict maps that a run used.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct MapUse {
+    map_tiles: u64,
+    /// Of this session; tiles that were there already cost none.
+    map_simulations: u64,
 }
 
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -39,6 +52,8 @@ impl Session {
             seconds: 0.0,
             outcome: String::new(),
             samples_computed: 0,
+            maps: None,
+            lookups: None,
             threads,
             host: gethostname::gethostname().to_string_lossy().into_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -49,6 +64,16 @@ impl Session {
             ),
             clock: Instant::now(),
         }
+    }
+
+    /// Notes how many tiles the verdict maps have, and how many simulations this session spent on them.
+    pub fn maps(&mut self, map_tiles: u64, map_simulations: u64) {
+        self.maps = Some(MapUse { map_tiles, map_simulations });
+    }
+
+    /// Notes how the samples of the run were judged.
+    pub fn lookups(&mut self, lookups: Lookups) {
+        self.lookups = self.maps.map(|_| lookups);
     }
 
     /// Appends the finished session to `run.json`. A record that cannot be read is begun anew: nothing depends on it.

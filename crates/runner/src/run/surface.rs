@@ -1,5 +1,6 @@
 //! `surface.parquet`: one row for each cell, sorted by cell.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -16,12 +17,16 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::reader::FileReader as _;
 use parquet::file::serialized_reader::SerializedFileReader;
 use stickslip_core::VerdictCounts;
-use stickslip_sampler::{Cell, Distribution, Estimate, RESULTS_VERSION, WilsonInterval};
+use stickslip_sampler::exact::Derivatives;
+use stickslip_sampler::score::CellNumber;
+use stickslip_sampler::{BinomialInterval, Cell, Distribution, Estimate, RESULTS_VERSION, replicates};
 
+use super::extras::{Extras, Lookups, SobolIndices};
 use super::publish::{publish, publish_with};
+use super::slots::Slots;
 use super::tally::Tally;
 use crate::failure::Failure;
-use crate::job::Job;
+use crate::job::{Effort, Job, RandomInput, SamplingMethod};
 
 /// Rows that are held in memory at once; also the size of a row group.
 const BATCH_ROWS: u64 = 65_536;
@@ -29,8 +34,8 @@ const BATCH_ROWS: u64 = 65_536;
 const JOB_HASH_KEY: &str = "stickslip:job_hash";
 
 /// One row of the result.
-#[derive(Debug, Clone, Copy)]
-pub struct SurfaceRow<'a> {
+#[derive(Debug, Clone)]
+pub struct SurfaceRow {
     /// Expected values and scatter.
     pub cell: Cell,
     /// Verdicts.
@@ -38,7 +43,20 @@ pub struct SurfaceRow<'a> {
     /// Probability and interval.
     pub estimate: Estimate,
     /// Settled amplitudes of the unstable samples, if the job records them.
-    pub amplitudes: &'a Distribution,
+    pub amplitudes: Distribution,
+    /// Further sums that the job asks for.
+    sums: Vec<i128>,
+    /// Derivatives, where the probability was integrated.
+    derivatives: Option<Derivatives>,
+}
+
+/// The probability of a cell by integration.
+#[derive(Debug, Clone, Copy)]
+pub struct IntegratedCell {
+    /// Probability, and the bounds of its error.
+    pub estimate: Estimate,
+    /// Its derivatives.
+    pub derivatives: Derivatives,
 }
 
 /// The result of a job.
@@ -46,62 +64,183 @@ pub struct SurfaceRow<'a> {
 pub struct Surface<'a> {
     job: &'a Job,
     tally: &'a Tally,
-    interval: WilsonInterval,
+    /// One for each cell where probabilities are integrated, else none.
+    integrated: &'a [IntegratedCell],
+    slots: Slots,
+    extras: Extras,
+    interval: BinomialInterval,
 }
 
 /// A column: name, unit, meaning, and its values.
 struct Column {
-    name: &'static str,
-    unit: &'static str,
-    long_name: &'static str,
+    name: Cow<'static, str>,
+    unit: Cow<'static, str>,
+    long_name: Cow<'static, str>,
     values: Values,
 }
 
 enum Values {
-    Integer(fn(&SurfaceRow<'_>) -> u64),
-    Real(fn(&SurfaceRow<'_>) -> f64),
-    OptionalReal(fn(&SurfaceRow<'_>) -> Option<f64>),
+    Integer(Box<dyn Fn(&SurfaceRow) -> u64>),
+    Real(Box<dyn Fn(&SurfaceRow) -> f64>),
+    OptionalReal(Box<dyn Fn(&SurfaceRow) -> Option<f64>>),
 }
 
-#[rustfmt::skip]
-static COLUMNS: [Column; 14] = [
-    Column { name: "cell", unit: "1", long_name: "0-based index of the cell", values: Values::Integer(|row| row.cell.index) },
-    Column { name: "rotating_speed_rad_s", unit: "rad/s", long_name: "rotating speed of the disc", values: Values::Real(|row| row.cell.rotating_speed) },
-    Column { name: "std_preload", unit: "1", long_name: "standard deviation of the preload over its expected value", values: Values::Real(|row| row.cell.relative_std.preload) },
-    Column { name: "std_static_friction", unit: "1", long_name: "standard deviation of the static friction coefficient over its expected value", values: Values::Real(|row| row.cell.relative_std.static_friction) },
-    Column { name: "preload", unit: "1", long_name: "expected preload, calliper displacement over disc thickness", values: Values::Real(|row| row.cell.preload) },
-    Column { name: "static_friction", unit: "1", long_name: "expected static friction coefficient", values: Values::Real(|row| row.cell.static_friction) },
-    Column { name: "n_samples", unit: "1", long_name: "samples", values: Values::Integer(|row| row.counts.total()) },
-    Column { name: "n_stable", unit: "1", long_name: "samples judged stable", values: Values::Integer(|row| row.counts.stable) },
-    Column { name: "n_unstable", unit: "1", long_name: "samples judged unstable", values: Values::Integer(|row| row.counts.unstable) },
-    Column { name: "n_undecided", unit: "1", long_name: "samples without a certain verdict", values: Values::Integer(|row| row.counts.undecided) },
-    Column { name: "n_failed", unit: "1", long_name: "samples whose computation broke down", values: Values::Integer(|row| row.counts.failed) },
-    Column { name: "p_unstable", unit: "1", long_name: "probability of instability, unstable over decided samples", values: Values::OptionalReal(|row| row.estimate.probability) },
-    Column { name: "p_low", unit: "1", long_name: "lower end of the confidence interval of the probability", values: Values::Real(|row| row.estimate.low) },
-    Column { name: "p_high", unit: "1", long_name: "upper end of the confidence interval of the probability", values: Values::Real(|row| row.estimate.high) },
-];
+impl Column {
+    fn new(
+        name: impl Into<Cow<'static, str>>,
+        unit: impl Into<Cow<'static, str>>,
+        long_name: impl Into<Cow<'static, str>>,
+        values: Values,
+    ) -> Self {
+        Self { name: name.into(), unit: unit.into(), long_name: long_name.into(), values }
+    }
 
-/// Columns of jobs that record the settled amplitude, after all others.
+    fn integer(name: &'static str, long_name: &'static str, value: impl Fn(&SurfaceRow) -> u64 + 'static) -> Self {
+        Self::new(name, "1", long_name, Values::Integer(Box::new(value)))
+    }
+
+    fn real(name: &'static str, long_name: &'static str, value: impl Fn(&SurfaceRow) -> f64 + 'static) -> Self {
+        Self::new(name, "1", long_name, Values::Real(Box::new(value)))
+    }
+
+    fn optional(
+        name: impl Into<Cow<'static, str>>,
+        long_name: impl Into<Cow<'static, str>>,
+        value: impl Fn(&SurfaceRow) -> Option<f64> + 'static,
+    ) -> Self {
+        Self::new(name, "1", long_name, Values::OptionalReal(Box::new(value)))
+    }
+}
+
+/// The columns of every surface.
 #[rustfmt::skip]
-static AMPLITUDE_COLUMNS: [Column; 4] = [
-    Column { name: "amplitude_mean", unit: "1", long_name: "mean settled amplitude of the unstable samples, half peak to peak of x over disc thickness", values: Values::OptionalReal(|row| row.amplitudes.mean()) },
-    Column { name: "amplitude_p05", unit: "1", long_name: "settled amplitude that 5 % of the unstable samples do not exceed", values: Values::OptionalReal(|row| row.amplitudes.quantile(0.05)) },
-    Column { name: "amplitude_p50", unit: "1", long_name: "median settled amplitude of the unstable samples", values: Values::OptionalReal(|row| row.amplitudes.quantile(0.5)) },
-    Column { name: "amplitude_p95", unit: "1", long_name: "settled amplitude that 95 % of the unstable samples do not exceed", values: Values::OptionalReal(|row| row.amplitudes.quantile(0.95)) },
-];
+fn columns() -> Vec<Column> {
+    vec![
+        Column::integer("cell", "0-based index of the cell", |row| row.cell.index),
+        Column::new("rotating_speed_rad_s", "rad/s", "rotating speed of the disc", Values::Real(Box::new(|row| row.cell.rotating_speed))),
+        Column::real("std_preload", "standard deviation of the preload over its expected value", |row| row.cell.relative_std.preload),
+        Column::real("std_static_friction", "standard deviation of the static friction coefficient over its expected value", |row| row.cell.relative_std.static_friction),
+        Column::real("preload", "expected preload, calliper displacement over disc thickness", |row| row.cell.preload),
+        Column::real("static_friction", "expected static friction coefficient", |row| row.cell.static_friction),
+        Column::integer("n_samples", "samples", |row| row.counts.total()),
+        Column::integer("n_stable", "samples judged stable", |row| row.counts.stable),
+        Column::integer("n_unstable", "samples judged unstable", |row| row.counts.unstable),
+        Column::integer("n_undecided", "samples without a certain verdict", |row| row.counts.undecided),
+        Column::integer("n_failed", "samples whose computation broke down", |row| row.counts.failed),
+        Column::optional("p_unstable", "probability of instability, unstable over decided samples", |row| row.estimate.probability),
+        Column::real("p_low", "lower end of the confidence interval of the probability", |row| row.estimate.low),
+        Column::real("p_high", "upper end of the confidence interval of the probability", |row| row.estimate.high),
+    ]
+}
+
+/// Columns of jobs that record the settled amplitude.
+#[rustfmt::skip]
+fn amplitude_columns() -> Vec<Column> {
+    vec![
+        Column::optional("amplitude_mean", "mean settled amplitude of the unstable samples, half peak to peak of x over disc thickness", |row| row.amplitudes.mean()),
+        Column::optional("amplitude_p05", "settled amplitude that 5 % of the unstable samples do not exceed", |row| row.amplitudes.quantile(0.05)),
+        Column::optional("amplitude_p50", "median settled amplitude of the unstable samples", |row| row.amplitudes.quantile(0.5)),
+        Column::optional("amplitude_p95", "settled amplitude that 95 % of the unstable samples do not exceed", |row| row.amplitudes.quantile(0.95)),
+    ]
+}
+
+/// Columns of jobs that look samples up in a verdict map.
+fn lookup_columns(extras: Extras) -> Vec<Column> {
+    vec![
+        Column::integer(
+            "n_simulated",
+            "samples that the verdict map does not tell, and that were simulated",
+            move |row| extras.read_lookups(&row.sums).simulated,
+        ),
+        Column::integer("n_audited", "samples that were looked up and simulated all the same", move |row| {
+            extras.read_lookups(&row.sums).audited
+        }),
+        Column::integer("n_audit_differed", "audited samples that were judged otherwise than looked up", move |row| {
+            extras.read_lookups(&row.sums).differed
+        }),
+    ]
+}
+
+/// Columns of jobs with derivatives: exact where probabilities are integrated, else with their standard errors.
+fn derivative_columns(extras: Extras, integrated: bool) -> Vec<Column> {
+    let numbers = [
+        (CellNumber::Preload, "dp_dpreload", "expected preload at constant relative standard deviation"),
+        (
+            CellNumber::StaticFriction,
+            "dp_dstatic_friction",
+            "expected static friction coefficient at constant relative standard deviation",
+        ),
+        (CellNumber::StdPreload, "dp_dstd_preload", "relative standard deviation of the preload"),
+        (
+            CellNumber::StdStaticFriction,
+            "dp_dstd_static_friction",
+            "relative standard deviation of the static friction coefficient",
+        ),
+    ];
+    let mut columns = Vec::new();
+    for (number, name, by) in numbers {
+        let long_name = format!("derivative of the probability of instability by the {by}");
+        if integrated {
+            columns.push(Column::optional(name, long_name, move |row| {
+                row.derivatives.and_then(|derivatives| match number {
+                    CellNumber::Preload => derivatives.preload,
+                    CellNumber::StaticFriction => derivatives.static_friction,
+                    CellNumber::StdPreload => derivatives.std_preload,
+                    CellNumber::StdStaticFriction => derivatives.std_static_friction,
+                })
+            }));
+            continue;
+        }
+        let read = move |row: &SurfaceRow| extras.read_derivative(&row.sums, number, &row.cell, row.counts.decided());
+        columns.push(Column::optional(name, long_name, move |row| read(row).map(|(value, _)| value)));
+        columns.push(Column::optional(format!("{name}_error"), format!("standard error of {name}"), move |row| {
+            read(row).map(|(_, error)| error)
+        }));
+    }
+    columns
+}
+
+/// Columns of jobs with Sobol indices.
+fn sensitivity_columns(extras: Extras, inputs: &[RandomInput]) -> Vec<Column> {
+    let mut columns = Vec::new();
+    for (i, input) in inputs.iter().enumerate() {
+        let name = input.name();
+        let read = move |row: &SurfaceRow| extras.read_sensitivity(&row.sums, i, &row.counts);
+        let numbers: [(String, String, fn(SobolIndices) -> f64); 4] = [
+            (
+                format!("first_order_{name}"),
+                format!("first-order Sobol index: share of the verdict's variance that {name} explains alone"),
+                |indices| indices.first_order,
+            ),
+            (format!("first_order_{name}_error"), format!("standard error of first_order_{name}"), |indices| {
+                indices.first_order_error
+            }),
+            (
+                format!("total_{name}"),
+                format!("total Sobol index: share of the verdict's variance in which {name} takes part"),
+                |indices| indices.total,
+            ),
+            (format!("total_{name}_error"), format!("standard error of total_{name}"), |indices| indices.total_error),
+        ];
+        for (name, long_name, value) in numbers {
+            columns.push(Column::optional(name, long_name, move |row| read(row).map(value)));
+        }
+    }
+    columns
+}
 
 impl Column {
     fn field(&self) -> Field {
-        let (data_type, nullable) = match self.values {
+        let (data_type, nullable) = match &self.values {
             Values::Integer(_) => (DataType::Int64, false),
             Values::Real(_) => (DataType::Float64, false),
             Values::OptionalReal(_) => (DataType::Float64, true),
         };
-        described_field(self.name, self.unit, self.long_name, data_type, nullable)
+        described_field(&self.name, &self.unit, &self.long_name, data_type, nullable)
     }
 
-    fn array(&self, rows: &[SurfaceRow<'_>]) -> ArrayRef {
-        match self.values {
+    fn array(&self, rows: &[SurfaceRow]) -> ArrayRef {
+        match &self.values {
             // Counts stay far below 2^63, see the limit on samples.
             Values::Integer(value) => Arc::new(rows.iter().map(|row| value(row).cast_signed()).collect::<Int64Array>()),
             Values::Real(value) => Arc::new(rows.iter().map(|row| Some(value(row))).collect::<Float64Array>()),
@@ -113,7 +252,12 @@ impl Column {
 impl<'a> Surface<'a> {
     /// The surface of a run in its present state.
     pub fn new(job: &'a Job, tally: &'a Tally) -> Self {
-        Self { job, tally, interval: job.interval() }
+        Self { job, tally, integrated: &[], slots: Slots::new(job), extras: Extras::of(job), interval: job.interval() }
+    }
+
+    /// The surface of a job that integrates, one probability for each cell.
+    pub fn integrated(job: &'a Job, tally: &'a Tally, integrated: &'a [IntegratedCell]) -> Self {
+        Self { integrated, ..Self::new(job, tally) }
     }
 
     /// The job behind it.
@@ -122,18 +266,50 @@ impl<'a> Surface<'a> {
     }
 
     /// The row of one cell.
-    pub fn row(&self, cell: u64) -> SurfaceRow<'a> {
-        let counts = self.tally.counts(cell);
+    pub fn row(&self, cell: u64) -> SurfaceRow {
+        let counts = self.slots.counts(self.tally, cell);
+        let mut amplitudes = Distribution::default();
+        let mut sums = Vec::new();
+        for slot in self.slots.of(cell) {
+            amplitudes.add_all(self.tally.amplitudes(slot));
+            add_sums(&mut sums, self.tally.sums(slot));
+        }
+        let integrated = self.integrated.get(cell as usize);
         SurfaceRow {
             cell: self.job.grid.cell(cell),
             counts,
-            estimate: self.interval.estimate(&counts),
-            amplitudes: self.tally.amplitudes(cell),
+            estimate: integrated.map_or_else(|| self.estimate(cell, &counts), |integrated| integrated.estimate),
+            amplitudes,
+            sums,
+            derivatives: integrated.map(|integrated| integrated.derivatives),
         }
     }
 
+    fn estimate(&self, cell: u64, counts: &VerdictCounts) -> Estimate {
+        match self.job.sampling.effort {
+            Effort::Samples(_) | Effort::Integrated => self.interval.estimate(counts),
+            Effort::Randomisations { .. } => {
+                let parts: Vec<VerdictCounts> = self.slots.of(cell).map(|slot| self.tally.counts(slot)).collect();
+                replicates::estimate(&parts, self.job.confidence())
+            }
+            Effort::Until { .. } => {
+                let at_stop = self.slots.estimate_at_stop(self.tally, cell);
+                at_stop.unwrap_or_else(|| self.interval.estimate(counts))
+            }
+        }
+    }
+
+    /// How the samples of all cells were judged, where they are looked up in a map.
+    pub fn lookups(&self) -> Lookups {
+        let mut lookups = Lookups::default();
+        for slot in 0..self.slots.count() {
+            lookups.add(self.extras.read_lookups(self.tally.sums(slot)));
+        }
+        lookups
+    }
+
     /// All rows, in order.
-    pub fn rows(&self) -> impl Iterator<Item = SurfaceRow<'a>> + '_ {
+    pub fn rows(&self) -> impl Iterator<Item = SurfaceRow> + '_ {
         (0..self.job.cells()).map(|cell| self.row(cell))
     }
 
@@ -157,21 +333,34 @@ impl<'a> Surface<'a> {
         written().map_err(|error| Failure::writing(&target, error))
     }
 
-    fn columns(&self) -> impl Iterator<Item = &'static Column> {
-        let more: &[Column] = if self.job.records_amplitude() { &AMPLITUDE_COLUMNS } else { &[] };
-        COLUMNS.iter().chain(more)
+    fn columns(&self) -> Vec<Column> {
+        let mut columns = columns();
+        if self.job.records_amplitude() {
+            columns.extend(amplitude_columns());
+        }
+        if self.extras.lookups() {
+            columns.extend(lookup_columns(self.extras));
+        }
+        if self.extras.derivatives() {
+            columns.extend(derivative_columns(self.extras, self.job.sampling.method == SamplingMethod::Exact));
+        }
+        if self.extras.sensitivity() > 0 {
+            columns.extend(sensitivity_columns(self.extras, &self.job.random.inputs));
+        }
+        columns
     }
 
     fn encode<W: Write + Send>(&self, out: W) -> Result<W, ParquetError> {
-        let schema = Arc::new(Schema::new(self.columns().map(Column::field).collect::<Vec<_>>()));
+        let columns = self.columns();
+        let schema = Arc::new(Schema::new(columns.iter().map(Column::field).collect::<Vec<_>>()));
         let mut writer = ArrowWriter::try_new(out, schema.clone(), Some(self.properties()))?;
         let cells = self.job.cells();
         let mut first = 0;
         while first < cells {
             let end = cells.min(first + BATCH_ROWS);
-            let rows: Vec<SurfaceRow<'_>> = (first..end).map(|cell| self.row(cell)).collect();
-            let columns = self.columns().map(|column| column.array(&rows)).collect();
-            writer.write(&RecordBatch::try_new(schema.clone(), columns)?)?;
+            let rows: Vec<SurfaceRow> = (first..end).map(|cell| self.row(cell)).collect();
+            let arrays = columns.iter().map(|column| column.array(&rows)).collect();
+            writer.write(&RecordBatch::try_new(schema.clone(), arrays)?)?;
             writer.flush()?;
             first = end;
         }
@@ -183,7 +372,7 @@ impl<'a> Surface<'a> {
         let footer = [
             ("stickslip:job", self.job.normalised()),
             (JOB_HASH_KEY, self.job.hash()),
-            ("stickslip:seed", self.job.seed.to_string()),
+            ("stickslip:seed", self.job.sampling.seed.to_string()),
             ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
             ("stickslip:results_version", RESULTS_VERSION.to_string()),
         ];
@@ -192,8 +381,13 @@ impl<'a> Surface<'a> {
     }
 }
 
+fn add_sums(total: &mut Vec<i128>, sums: &[i128]) {
+    total.resize(total.len().max(sums.len()), 0);
+    total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
+}
+
 /// A field that says its unit and meaning.
-fn described_field(name: &str, unit: &str, long_name: &str, data_type: DataType, nullable: bool) -> Field {
+pub fn described_field(name: &str, unit: &str, long_name: &str, data_type: DataType, nullable: bool) -> Field {
     let pairs = [("unit", unit), ("long_name", long_name)];
     let metadata: HashMap<String, String> = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).into();
     Field::new(name, data_type, nullable).with_metadata(metadata)

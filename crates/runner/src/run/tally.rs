@@ -6,17 +6,19 @@ use std::ops::Range;
 use stickslip_core::VerdictCounts;
 use stickslip_sampler::Distribution;
 
-/// The counted verdicts of consecutive samples of one cell; what workers hand back and pieces hold.
+/// The counted verdicts of consecutive samples of one slot (a cell, or a part of it); what workers hand back and pieces hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Segment {
-    /// The cell.
-    pub cell: u64,
-    /// Its samples.
+    /// The slot.
+    pub slot: u64,
+    /// Its samples, counted from 0 in each slot.
     pub samples: Range<u64>,
     /// Their verdicts.
     pub counts: VerdictCounts,
     /// Settled amplitudes of those unstable ones that settled, where the job records them.
     pub amplitudes: Distribution,
+    /// Further sums that the job asks for, see [`Extras`](super::extras::Extras).
+    pub sums: Vec<i64>,
 }
 
 impl Segment {
@@ -32,21 +34,22 @@ impl Segment {
     }
 }
 
-/// The state of a run: for each cell the samples counted so far and their verdicts.
+/// The state of a run: for each slot the samples counted so far and their verdicts.
 #[derive(Debug, Clone)]
 pub struct Tally {
-    cells: Vec<CellTally>,
+    slots: Vec<SlotTally>,
 }
 
 #[derive(Debug, Clone, Default)]
-struct CellTally {
+struct SlotTally {
     counts: VerdictCounts,
     amplitudes: Distribution,
+    sums: Vec<i128>,
     /// Disjoint, sorted, not touching.
     covered: Vec<Range<u64>>,
 }
 
-impl CellTally {
+impl SlotTally {
     /// Adds `samples` to the covered ranges; false if some of them are covered already.
     fn cover(&mut self, samples: &Range<u64>) -> bool {
         let after = self.covered.partition_point(|range| range.start < samples.start);
@@ -72,8 +75,8 @@ impl CellTally {
 
 impl Tally {
     /// Nothing counted yet.
-    pub fn new(cells: u64) -> Self {
-        Self { cells: vec![CellTally::default(); cells as usize] }
+    pub fn new(slots: u64) -> Self {
+        Self { slots: vec![SlotTally::default(); slots as usize] }
     }
 
     /// Adds what pieces hold. Segments may come in any order and more than once (a task that a batch system
@@ -82,15 +85,15 @@ impl Tally {
     /// # Errors
     /// Two segments over the same samples with different verdicts: one of them is wrong, and nothing tells which.
     pub fn add_all(&mut self, mut segments: Vec<Segment>) -> Result<(), String> {
-        segments.sort_by_key(|segment| (segment.cell, segment.samples.start, Reverse(segment.samples.end)));
+        segments.sort_by_key(|segment| (segment.slot, segment.samples.start, Reverse(segment.samples.end)));
         for pair in segments.windows(2) {
-            let same_samples = pair[0].cell == pair[1].cell && pair[0].samples == pair[1].samples;
-            if same_samples && (&pair[0].counts, &pair[0].amplitudes) != (&pair[1].counts, &pair[1].amplitudes) {
+            let same_samples = pair[0].slot == pair[1].slot && pair[0].samples == pair[1].samples;
+            if same_samples && pair[0] != pair[1] {
                 return Err(format!(
                     "two pieces disagree on samples {} to {} of cell {}",
                     pair[0].samples.start,
                     pair[0].samples.end - 1,
-                    pair[0].cell
+                    pair[0].slot
                 ));
             }
         }
@@ -102,42 +105,50 @@ impl Tally {
 
     /// Adds one segment, unless some of its samples are counted already.
     pub fn add(&mut self, segment: &Segment) {
-        let cell = &mut self.cells[segment.cell as usize];
-        if cell.cover(&segment.samples) {
-            cell.counts += segment.counts;
-            cell.amplitudes.add_all(&segment.amplitudes);
+        let slot = &mut self.slots[segment.slot as usize];
+        if slot.cover(&segment.samples) {
+            slot.counts += segment.counts;
+            slot.amplitudes.add_all(&segment.amplitudes);
+            slot.sums.resize(slot.sums.len().max(segment.sums.len()), 0);
+            for (total, &sum) in slot.sums.iter_mut().zip(&segment.sums) {
+                *total += i128::from(sum);
+            }
         }
     }
 
-    /// The verdicts of one cell.
-    pub fn counts(&self, cell: u64) -> VerdictCounts {
-        self.cells[cell as usize].counts
+    /// The verdicts of one slot.
+    pub fn counts(&self, slot: u64) -> VerdictCounts {
+        self.slots[slot as usize].counts
     }
 
-    /// The settled amplitudes of one cell.
-    pub fn amplitudes(&self, cell: u64) -> &Distribution {
-        &self.cells[cell as usize].amplitudes
+    /// The settled amplitudes of one slot.
+    pub fn amplitudes(&self, slot: u64) -> &Distribution {
+        &self.slots[slot as usize].amplitudes
     }
 
-    /// Samples counted, over all cells.
+    /// The further sums of one slot; empty before anything is counted.
+    pub fn sums(&self, slot: u64) -> &[i128] {
+        &self.slots[slot as usize].sums
+    }
+
+    /// Samples counted, over all slots.
     pub fn counted(&self) -> u128 {
-        self.cells.iter().map(|cell| u128::from(cell.counts.total())).sum()
+        self.slots.iter().map(|slot| u128::from(slot.counts.total())).sum()
     }
 
-    /// Cells whose first `samples` samples are all counted.
-    pub fn complete_cells(&self, samples: u64) -> u64 {
-        let complete =
-            |cell: &&CellTally| cell.covered.first().is_some_and(|first| first.start == 0 && first.end >= samples);
-        self.cells.iter().filter(complete).count() as u64
+    /// Whether the first `samples` samples of a slot are all counted.
+    pub fn is_complete(&self, slot: u64, samples: u64) -> bool {
+        samples == 0
+            || self.slots[slot as usize].covered.first().is_some_and(|first| first.start == 0 && first.end >= samples)
     }
 
-    /// The samples below `samples` that are not counted yet, by cell.
-    pub fn gaps(&self, samples: u64) -> Vec<(u64, Range<u64>)> {
+    /// The samples that are not counted yet, by slot, of as many as are wanted of each.
+    pub fn gaps(&self, wanted: &[u64]) -> Vec<(u64, Range<u64>)> {
         let mut gaps = Vec::new();
-        for (index, cell) in self.cells.iter().enumerate() {
+        for ((index, slot), &samples) in self.slots.iter().enumerate().zip(wanted) {
             let mut next = 0;
-            for range in &cell.covered {
-                if range.start > next {
+            for range in &slot.covered {
+                if range.start.min(samples) > next {
                     gaps.push((index as u64, next..range.start.min(samples)));
                 }
                 next = range.end;
@@ -154,9 +165,9 @@ impl Tally {
 mod tests {
     use super::*;
 
-    fn segment(cell: u64, samples: Range<u64>) -> Segment {
+    fn segment(slot: u64, samples: Range<u64>) -> Segment {
         let counts = VerdictCounts { unstable: samples.end - samples.start, ..Default::default() };
-        Segment { cell, samples, counts, amplitudes: Distribution::default() }
+        Segment { slot, samples, counts, amplitudes: Distribution::default(), sums: vec![1, -2] }
     }
 
     #[test]
@@ -171,9 +182,9 @@ mod tests {
                 tally.add(piece);
             }
             assert_eq!((tally.counts(0).unstable, tally.counts(1).unstable), (30, 10));
-            assert_eq!(tally.complete_cells(10), 2);
-            assert_eq!(tally.complete_cells(11), 1);
-            assert!(tally.gaps(10).is_empty());
+            assert_eq!([10, 11].map(|samples| tally.is_complete(1, samples)), [true, false]);
+            assert!(tally.is_complete(0, 30) && tally.gaps(&[10, 10]).is_empty());
+            assert_eq!((tally.sums(0), tally.sums(1)), (&[3, -6][..], &[2, -4][..]));
         }
     }
 
@@ -183,7 +194,7 @@ mod tests {
         tally.add(&segment(0, 10..20));
         tally.add(&segment(0, 40..50));
         tally.add(&segment(2, 0..100));
-        assert_eq!(tally.gaps(60), [(0, 0..10), (0, 20..40), (0, 50..60), (1, 0..60)]);
+        assert_eq!(tally.gaps(&[60; 3]), [(0, 0..10), (0, 20..40), (0, 50..60), (1, 0..60)]);
     }
 
     #[test]
@@ -191,7 +202,7 @@ mod tests {
         let mut tally = Tally::new(1);
         tally.add_all(vec![segment(0, 0..10), segment(0, 5..15), segment(0, 0..10), segment(0, 15..20)]).unwrap();
         assert_eq!(tally.counts(0).unstable, 15);
-        assert_eq!(tally.gaps(20), [(0, 10..15)]);
+        assert_eq!(tally.gaps(&[20]), [(0, 10..15)]);
     }
 
     #[test]

@@ -1,0 +1,455 @@
+//! The random inputs of a job: which parameters scatter, how, and how they are correlated.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use stickslip_core::Parameters;
+use stickslip_core::parameters::{SCALARS, Scalar, scalar};
+use stickslip_sampler::{Correlation, Grid, Marginal, RelativeStd};
+use toml::Spanned;
+
+use super::diagnosis::{Complaint, nearest};
+
+/// The random inputs.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RandomSpec {
+    /// The inputs that scatter about their expected value: "preload", "static_friction", "rotating_speed", or any
+    /// parameter of the model by its path, for example "stiffness.contact_normal". May be empty.
+    #[schemars(with = "Option<Vec<String>>")]
+    pub inputs: Option<Spanned<Vec<Spanned<String>>>>,
+    /// Standard deviation over expected value, from 0 to 1. A list makes an axis of the grid.
+    #[schemars(with = "Option<RelativeStdSpec>")]
+    pub relative_std: Option<Spanned<RelativeStdSpec>>,
+    /// The distribution of every input, or a table by input; "normal" unless told.
+    #[schemars(with = "Option<DistributionSpec>")]
+    pub distribution: Option<Spanned<DistributionSpec>>,
+    /// Correlated pairs: [["preload", "static_friction", 0.3], ...], coefficients of the normal deviates behind them.
+    #[schemars(with = "Option<Vec<(String, String, f64)>>")]
+    pub correlation: Option<Spanned<Vec<Spanned<(String, String, f64)>>>>,
+}
+
+/// One relative standard deviation for every random input, or one for each.
+#[derive(Debug, Clone)]
+pub enum StdSpec {
+    /// The same for every random input.
+    Common(f64),
+    /// By input.
+    Each(BTreeMap<String, f64>),
+}
+
+/// A number, a table by input, or a list of these.
+#[derive(Debug, Clone)]
+pub struct RelativeStdSpec(pub Vec<StdSpec>);
+
+struct StdVisitor;
+
+impl<'de> Visitor<'de> for StdVisitor {
+    type Value = StdSpec;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number or a table by input, { preload = ..., static_friction = ... }")
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<StdSpec, E> {
+        Ok(StdSpec::Common(value))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<StdSpec, E> {
+        Ok(StdSpec::Common(value as f64))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<StdSpec, A::Error> {
+        BTreeMap::deserialize(MapAccessDeserializer::new(map)).map(StdSpec::Each)
+    }
+}
+
+impl<'de> Deserialize<'de> for StdSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(StdVisitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for RelativeStdSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ListVisitor;
+
+        impl<'de> Visitor<'de> for ListVisitor {
+            type Value = RelativeStdSpec;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, a list of numbers, or { preload = ..., static_friction = ... }")
+            }
+
+            fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<RelativeStdSpec, E> {
+                StdVisitor.visit_f64(value).map(|std| RelativeStdSpec(vec![std]))
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<RelativeStdSpec, E> {
+                StdVisitor.visit_i64(value).map(|std| RelativeStdSpec(vec![std]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<RelativeStdSpec, A::Error> {
+                let mut values = Vec::new();
+                while let Some(value) = list.next_element()? {
+                    values.push(value);
+                }
+                Ok(RelativeStdSpec(values))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RelativeStdSpec, A::Error> {
+                StdVisitor.visit_map(map).map(|std| RelativeStdSpec(vec![std]))
+            }
+        }
+
+        deserializer.deserialize_any(ListVisitor)
+    }
+}
+
+impl JsonSchema for RelativeStdSpec {
+    fn schema_name() -> Cow<'static, str> {
+        "RelativeStd".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let number = serde_json::json!({ "type": "number", "minimum": 0, "maximum": 1 });
+        let table = serde_json::json!({ "type": "object", "additionalProperties": number });
+        json_schema!({
+            "description": "A number, a table by input, or a list of these.",
+            "anyOf": [
+                number,
+                table,
+                { "type": "array", "items": { "anyOf": [number, table] }, "minItems": 1 },
+            ]
+        })
+    }
+}
+
+/// One distribution for every random input, or a table by input.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "a distribution is \"normal\", \"lognormal\", \"uniform\" or { truncated-normal = [LOW, HIGH] } (in standard deviations from the expected value), or a table of these by input"
+)]
+pub enum DistributionSpec {
+    /// The same for every random input.
+    Common(MarginalSpec),
+    /// By input; those left out are normal.
+    Each(BTreeMap<String, MarginalSpec>),
+}
+
+/// A distribution.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MarginalSpec {
+    /// Normal.
+    Normal,
+    /// Lognormal with this expected value and standard deviation.
+    Lognormal,
+    /// Uniform with this expected value and standard deviation.
+    Uniform,
+    /// Normal, cut off at these ends, in standard deviations from the expected value.
+    TruncatedNormal(f64, f64),
+}
+
+impl From<MarginalSpec> for Marginal {
+    fn from(spec: MarginalSpec) -> Self {
+        match spec {
+            MarginalSpec::Normal => Self::Normal,
+            MarginalSpec::Lognormal => Self::Lognormal,
+            MarginalSpec::Uniform => Self::Uniform,
+            MarginalSpec::TruncatedNormal(low, high) => Self::TruncatedNormal { low, high },
+        }
+    }
+}
+
+impl From<Marginal> for MarginalSpec {
+    fn from(marginal: Marginal) -> Self {
+        match marginal {
+            Marginal::Normal => Self::Normal,
+            Marginal::Lognormal => Self::Lognormal,
+            Marginal::Uniform => Self::Uniform,
+            Marginal::TruncatedNormal { low, high } => Self::TruncatedNormal(low, high),
+        }
+    }
+}
+
+/// An input that scatters.
+#[derive(Debug, Clone, Copy)]
+pub enum RandomInput {
+    /// The preload Delta.
+    Preload,
+    /// The static friction coefficient f_s.
+    StaticFriction,
+    /// Any other parameter; its expected value is the model's, or that of the axis of rotating speeds.
+    Other(&'static Scalar),
+}
+
+impl RandomInput {
+    /// As in a job spec.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Preload => "preload",
+            Self::StaticFriction => "static_friction",
+            Self::Other(scalar) if scalar.key == "operating_point.rotating_speed" => "rotating_speed",
+            Self::Other(scalar) => scalar.key,
+        }
+    }
+
+    fn from_name(name: &str) -> Result<Self, String> {
+        match name {
+            "preload" => return Ok(Self::Preload),
+            "static_friction" => return Ok(Self::StaticFriction),
+            "rotating_speed" => return Ok(Self::Other(&SCALARS[SCALARS.len() - 1])),
+            _ => {}
+        }
+        let axis = match name {
+            "friction.static_coefficient" => Some("static_friction"),
+            "operating_point.preload" => Some("preload"),
+            "operating_point.rotating_speed" => Some("rotating_speed"),
+            _ => None,
+        };
+        if let Some(axis) = axis {
+            return Err(format!("random.inputs: write \"{axis}\" for \"{name}\", as in [axes]"));
+        }
+        if let Some(scalar) = scalar(name) {
+            return Ok(Self::Other(scalar));
+        }
+        let names = ["preload", "static_friction", "rotating_speed"];
+        let by_name = SCALARS.iter().find(|scalar| scalar.name() == name).map(|scalar| scalar.key);
+        let hint = by_name.or_else(|| nearest(name, names.into_iter().chain(SCALARS.iter().map(|scalar| scalar.key))));
+        let hint = hint.map_or(String::new(), |hint| format!("; did you mean \"{hint}\"?"));
+        Err(format!(
+            "random.inputs: there is no input \"{name}\"{hint} (preload, static_friction, rotating_speed, or a parameter of the model as `section.name`)"
+        ))
+    }
+
+    /// Its place in the order in which deviates are drawn: preload, static friction, then the model's parameters.
+    fn rank(self) -> usize {
+        match self {
+            Self::Preload => 0,
+            Self::StaticFriction => 1,
+            Self::Other(scalar) => 2 + SCALARS.iter().position(|other| other.key == scalar.key).unwrap_or(0),
+        }
+    }
+}
+
+/// The random inputs of a job, checked, in the order in which their deviates are drawn.
+#[derive(Debug, Clone)]
+pub struct RandomInputSet {
+    /// The inputs.
+    pub inputs: Vec<RandomInput>,
+    /// The distribution of each.
+    pub marginals: Vec<Marginal>,
+    /// Correlated pairs, by position, with their coefficient.
+    pub pairs: Vec<(usize, usize, f64)>,
+    /// Their correlation.
+    pub correlation: Correlation,
+    /// For each entry of `relative_std`, the relative standard deviation of each input.
+    pub relative_stds: Vec<Vec<f64>>,
+}
+
+impl RandomInputSet {
+    /// Checks every key but what depends on expected values, see [`RandomInputSet::check_expected`].
+    pub fn validate(random: &RandomSpec) -> Result<Self, Complaint> {
+        let inputs = validate_inputs(random)?;
+        let relative_stds = validate_stds(random, &inputs)?;
+        let marginals = validate_distributions(random, &inputs)?;
+        let pairs = validate_pairs(random, &inputs)?;
+        let correlation = Correlation::new(inputs.len(), &pairs).map_err(|error| Complaint {
+            span: random.correlation.as_ref().map(Spanned::span),
+            message: format!("random.correlation: {error}"),
+        })?;
+        Ok(Self { inputs, marginals, pairs, correlation, relative_stds })
+    }
+
+    /// The relative standard deviations of preload and static friction, as the grid has them.
+    pub fn axis(&self) -> Vec<RelativeStd> {
+        let of = |stds: &[f64], wanted: fn(&RandomInput) -> bool| {
+            self.inputs.iter().position(wanted).map_or(0.0, |i| stds[i])
+        };
+        let entry = |stds: &Vec<f64>| RelativeStd {
+            preload: of(stds, |input| matches!(input, RandomInput::Preload)),
+            static_friction: of(stds, |input| matches!(input, RandomInput::StaticFriction)),
+        };
+        self.relative_stds.iter().map(entry).collect()
+    }
+
+    /// Whether preload is random.
+    pub fn has_preload(&self) -> bool {
+        self.inputs.iter().any(|input| matches!(input, RandomInput::Preload))
+    }
+
+    /// Whether static friction is random.
+    pub fn has_static_friction(&self) -> bool {
+        self.inputs.iter().any(|input| matches!(input, RandomInput::StaticFriction))
+    }
+
+    /// The first input that is neither preload nor static friction: then every sample is a brake of its own.
+    pub fn other(&self) -> Option<RandomInput> {
+        self.inputs.iter().copied().find(|input| matches!(input, RandomInput::Other(_)))
+    }
+
+    /// Whether all inputs are normal and independent.
+    pub fn is_plain(&self) -> bool {
+        self.marginals.iter().all(|marginal| *marginal == Marginal::Normal) && self.correlation.is_independent()
+    }
+
+    /// Checks distributions that not every expected value allows.
+    pub fn check_expected(&self, random: &RandomSpec, parameters: &Parameters, grid: &Grid) -> Result<(), Complaint> {
+        for (i, (input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {
+            if *marginal == Marginal::Normal {
+                continue;
+            }
+            let expected = match input {
+                RandomInput::Preload => grid.preload.values().to_vec(),
+                RandomInput::StaticFriction => grid.static_friction.values().to_vec(),
+                RandomInput::Other(_) if input.name() == "rotating_speed" => grid.rotating_speed.values().to_vec(),
+                RandomInput::Other(scalar) => vec![scalar.value(parameters)],
+            };
+            for stds in &self.relative_stds {
+                for &value in &expected {
+                    marginal.check(value, stds[i]).map_err(|error| Complaint {
+                        span: random.distribution.as_ref().map(Spanned::span),
+                        message: format!("random.distribution of {}: {error}", input.name()),
+                    })?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// As a normalised job writes it.
+    pub fn normalised(&self) -> NormalisedRandom {
+        let name = |i: usize| self.inputs[i].name();
+        let distribution = self.inputs.iter().zip(&self.marginals);
+        NormalisedRandom {
+            inputs: self.inputs.iter().map(|input| input.name()).collect(),
+            relative_std: self
+                .relative_stds
+                .iter()
+                .filter(|stds| !stds.is_empty())
+                .map(|stds| self.inputs.iter().zip(stds).map(|(input, &std)| (input.name(), std)).collect())
+                .collect(),
+            distribution: distribution
+                .filter(|(_, marginal)| **marginal != Marginal::Normal)
+                .map(|(input, &marginal)| (input.name(), marginal.into()))
+                .collect(),
+            correlation: self.pairs.iter().map(|&(i, j, rho)| (name(i), name(j), rho)).collect(),
+        }
+    }
+}
+
+/// The random inputs as a normalised job writes them.
+#[derive(Serialize)]
+pub struct NormalisedRandom {
+    inputs: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    relative_std: Vec<BTreeMap<&'static str, f64>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    correlation: Vec<(&'static str, &'static str, f64)>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    distribution: BTreeMap<&'static str, MarginalSpec>,
+}
+
+fn validate_inputs(random: &RandomSpec) -> Result<Vec<RandomInput>, Complaint> {
+    let Some(spec) = &random.inputs else { return Ok(Vec::new()) };
+    let mut inputs = Vec::new();
+    for name in spec.get_ref() {
+        inputs.push(RandomInput::from_name(name.get_ref()).map_err(|message| Complaint::at(name.span(), message))?);
+    }
+    inputs.sort_by_key(|input| input.rank());
+    if let Some(pair) = inputs.windows(2).find(|pair| pair[0].rank() == pair[1].rank()) {
+        return Err(Complaint::at(spec.span(), format!("random.inputs lists \"{}\" twice", pair[0].name())));
+    }
+    Ok(inputs)
+}
+
+/// The position of an input that a key other than `inputs` names.
+fn position(inputs: &[RandomInput], name: &str, key: &str) -> Result<usize, String> {
+    inputs
+        .iter()
+        .position(|input| input.name() == name)
+        .ok_or_else(|| format!("random.{key} gives a value for {name}, but random.inputs does not list {name}"))
+}
+
+fn validate_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<Vec<f64>>, Complaint> {
+    let Some(spec) = &random.relative_std else {
+        if inputs.is_empty() {
+            return Ok(vec![Vec::new()]);
+        }
+        let message = "random.relative_std is missing: how much do the inputs scatter? For example relative_std = 0.2";
+        return Err(Complaint { span: random.inputs.as_ref().map(Spanned::span), message: message.to_owned() });
+    };
+    let complain = |message: String| Complaint::at(spec.span(), message);
+    if inputs.is_empty() {
+        return Err(complain(
+            "random.relative_std is given, but random.inputs names no input that scatters".to_owned(),
+        ));
+    }
+    let mut all: Vec<Vec<f64>> = Vec::new();
+    for entry in &spec.get_ref().0 {
+        let stds = match entry {
+            StdSpec::Common(value) => vec![*value; inputs.len()],
+            StdSpec::Each(table) => {
+                for name in table.keys() {
+                    position(inputs, name, "relative_std").map_err(&complain)?;
+                }
+                let value = |input: &RandomInput| {
+                    table.get(input.name()).copied().ok_or_else(|| {
+                        complain(format!(
+                            "random.relative_std has no value for {}, which random.inputs lists",
+                            input.name()
+                        ))
+                    })
+                };
+                inputs.iter().map(value).collect::<Result<_, _>>()?
+            }
+        };
+        if let Some(std) = stds.iter().find(|std| !(0.0..=1.0).contains(*std)) {
+            return Err(complain(format!(
+                "random.relative_std = {std} is out of range: it must be at least 0 and at most 1 (standard deviation over expected value)"
+            )));
+        }
+        if all.contains(&stds) {
+            return Err(complain("random.relative_std lists the same value twice".to_owned()));
+        }
+        all.push(stds);
+    }
+    if all.is_empty() {
+        return Err(complain("random.relative_std is empty; it needs at least one value".to_owned()));
+    }
+    Ok(all)
+}
+
+fn validate_distributions(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<Marginal>, Complaint> {
+    let Some(spec) = &random.distribution else { return Ok(vec![Marginal::Normal; inputs.len()]) };
+    match spec.get_ref() {
+        DistributionSpec::Common(marginal) => Ok(vec![(*marginal).into(); inputs.len()]),
+        DistributionSpec::Each(table) => {
+            let mut marginals = vec![Marginal::Normal; inputs.len()];
+            for (name, &marginal) in table {
+                let at =
+                    position(inputs, name, "distribution").map_err(|message| Complaint::at(spec.span(), message))?;
+                marginals[at] = marginal.into();
+            }
+            Ok(marginals)
+        }
+    }
+}
+
+fn validate_pairs(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<(usize, usize, f64)>, Complaint> {
+    let mut pairs = Vec::new();
+    for pair in random.correlation.iter().flat_map(Spanned::get_ref) {
+        let (a, b, coefficient) = pair.get_ref();
+        let at =
+            |name: &str| position(inputs, name, "correlation").map_err(|message| Complaint::at(pair.span(), message));
+        pairs.push((at(a)?, at(b)?, *coefficient));
+    }
+    Ok(pairs)
+}

@@ -1,0 +1,497 @@
+//! How the probabilities of a job are found: its sampling keys, checked.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use stickslip_sampler::{BLOCK_SAMPLES, IntervalKind, Looks};
+use toml::Spanned;
+
+use super::criterion::Criterion;
+use super::diagnosis::Complaint;
+use super::random::RandomInputSet;
+
+/// Samples in one cell at the most.
+const MOST_SAMPLES: u64 = 1_000_000_000_000_000;
+
+/// Independent randomisations of Sobol points unless told otherwise, and at the most.
+const RANDOMISATIONS: u64 = 16;
+const MOST_RANDOMISATIONS: u64 = 1000;
+
+/// Share of the samples looked up in a verdict map that are simulated all the same, unless told otherwise.
+const AUDIT: f64 = 1e-4;
+
+/// Sampling of the random inputs.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SamplingSpec {
+    /// How probabilities are found; "monte-carlo" unless told.
+    #[serde(default)]
+    pub method: SamplingMethod,
+    /// Samples in each cell, at least 1; 10000 unless told.
+    #[schemars(with = "Option<u64>", range(min = 1))]
+    pub samples: Option<Spanned<u64>>,
+    /// Instead of `samples`: draw until the interval is narrow enough.
+    #[schemars(with = "Option<UntilSpec>")]
+    pub until: Option<Spanned<UntilSpec>>,
+    /// Seed of the random numbers, 0 unless told. The same seed gives the same result on every machine.
+    #[schemars(with = "Option<u64>")]
+    pub seed: Option<Spanned<u64>>,
+    /// Whether every sample is judged by itself ("each") or looked up in a map of the verdicts ("boundary").
+    #[schemars(with = "Option<EvaluateMode>")]
+    pub evaluate: Option<Spanned<EvaluateMode>>,
+    /// With evaluate = "boundary": the share of the looked-up samples that are simulated all the same; 0.0001 unless told.
+    #[schemars(with = "Option<f64>")]
+    pub audit: Option<Spanned<f64>>,
+    /// With method = "sobol": independent randomisations among which the samples are shared; 16 unless told.
+    #[schemars(with = "Option<u64>", range(min = 2))]
+    pub randomisations: Option<Spanned<u64>>,
+    /// Whether all cells draw the same deviates; false unless told.
+    #[serde(default)]
+    pub common_random_numbers: bool,
+    /// Confidence of the interval p_low to p_high, between 0 and 1; 0.95 unless told.
+    #[schemars(with = "Option<f64>")]
+    pub confidence: Option<Spanned<f64>>,
+    /// The interval of Monte Carlo; "wilson" unless told.
+    #[schemars(with = "Option<IntervalSpec>")]
+    pub interval: Option<Spanned<IntervalSpec>>,
+    /// Whether the intervals of all cells hold together with the confidence; false unless told.
+    #[serde(default)]
+    pub simultaneous: bool,
+    /// Whether the derivatives of the probability are written, as further columns; false unless told.
+    #[schemars(with = "Option<bool>")]
+    pub derivatives: Option<Spanned<bool>>,
+    /// Whether first-order and total Sobol indices of the inputs are written, as further columns; false unless told.
+    #[schemars(with = "Option<bool>")]
+    pub sensitivity: Option<Spanned<bool>>,
+}
+
+/// When enough samples are drawn.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UntilSpec {
+    /// Half of the width of the interval that is wanted, greater than 0 and less than 0.5.
+    pub half_width: f64,
+    /// Confidence of the interval; 0.95 unless told.
+    pub confidence: Option<f64>,
+    /// Samples in a cell at the most.
+    pub at_most: u64,
+}
+
+/// How probabilities are found.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SamplingMethod {
+    /// Independent samples.
+    #[default]
+    MonteCarlo,
+    /// Scrambled Sobol points.
+    Sobol,
+    /// The normal measure of the unstable side of the boundary.
+    Exact,
+}
+
+/// Which samples are judged.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum EvaluateMode {
+    /// Every sample by itself.
+    #[default]
+    Each,
+    /// Those within the resolution of a map of the verdicts; the others are looked up in it.
+    Boundary,
+}
+
+/// An interval for counted verdicts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum IntervalSpec {
+    /// Wilson's score interval: right on average.
+    #[default]
+    Wilson,
+    /// Clopper and Pearson's: never less than the confidence, and wider.
+    ClopperPearson,
+}
+
+impl From<IntervalSpec> for IntervalKind {
+    fn from(spec: IntervalSpec) -> Self {
+        match spec {
+            IntervalSpec::Wilson => Self::Wilson,
+            IntervalSpec::ClopperPearson => Self::ClopperPearson,
+        }
+    }
+}
+
+/// How many samples a cell gets, and which of them are counted apart.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Effort {
+    /// So many, counted together.
+    Samples(u64),
+    /// Randomisations of so many Sobol points each, counted apart.
+    Randomisations {
+        /// How many.
+        count: u64,
+        /// Points of each.
+        points: u64,
+    },
+    /// Until the interval is narrow enough; the samples between two looks are counted apart.
+    Until {
+        /// Half of the width that is wanted.
+        half_width: f64,
+        /// When it is looked at.
+        looks: Looks,
+    },
+    /// None: integrated.
+    Integrated,
+}
+
+/// The sampling of a job, checked.
+#[derive(Debug, Clone)]
+pub struct Sampling {
+    /// How probabilities are found.
+    pub method: SamplingMethod,
+    /// Samples in each cell (at the most, with `until`; 0 for integrals).
+    pub samples: u64,
+    /// How they are shared.
+    pub effort: Effort,
+    /// Seed.
+    pub seed: u64,
+    /// Which samples are judged.
+    pub evaluate: EvaluateMode,
+    /// Share of looked-up samples that are simulated.
+    pub audit: f64,
+    /// Whether cells share their deviates.
+    pub common_random_numbers: bool,
+    /// Confidence of the intervals.
+    pub confidence: f64,
+    /// Which interval.
+    pub interval: IntervalSpec,
+    /// Whether the intervals hold together.
+    pub simultaneous: bool,
+    /// Whether derivatives are wanted.
+    pub derivatives: bool,
+    /// Whether Sobol indices are wanted.
+    pub sensitivity: bool,
+}
+
+impl Sampling {
+    /// Checks every key, and that they fit each other, the inputs and the criterion.
+    pub fn validate(spec: &SamplingSpec, inputs: &RandomInputSet, criterion: &Criterion) -> Result<Self, Complaint> {
+        spec.refuse_foreign_keys()?;
+        let confidence = spec.checked_confidence()?;
+        let samples = match (&spec.until, &spec.samples) {
+            _ if spec.method == SamplingMethod::Exact => 0,
+            (Some(until), _) => until.get_ref().at_most,
+            (None, samples) => samples.as_ref().map_or(10_000, |samples| *samples.get_ref()),
+        };
+        if spec.method != SamplingMethod::Exact && (samples == 0 || samples > MOST_SAMPLES) {
+            let span = spec.until.as_ref().map(Spanned::span).or(spec.samples.as_ref().map(Spanned::span));
+            let key = if spec.until.is_some() { "until.at_most" } else { "samples" };
+            let message =
+                format!("sampling.{key} = {samples} is out of range: it must be at least 1 and at most {MOST_SAMPLES}");
+            return Err(Complaint { span, message });
+        }
+        let sampling = Self {
+            method: spec.method,
+            samples,
+            effort: spec.effort(samples, confidence)?,
+            seed: spec.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
+            evaluate: spec.evaluate.as_ref().map_or(EvaluateMode::Each, |evaluate| *evaluate.get_ref()),
+            audit: spec.audit.as_ref().map_or(AUDIT, |audit| *audit.get_ref()),
+            common_random_numbers: spec.common_random_numbers,
+            confidence,
+            interval: spec.interval.as_ref().map_or(IntervalSpec::Wilson, |interval| *interval.get_ref()),
+            simultaneous: spec.simultaneous,
+            derivatives: spec.derivatives.as_ref().is_some_and(|derivatives| *derivatives.get_ref()),
+            sensitivity: spec.sensitivity.as_ref().is_some_and(|sensitivity| *sensitivity.get_ref()),
+        };
+        sampling.check_against(spec, inputs, criterion)?;
+        Ok(sampling)
+    }
+
+    /// What the methods need of the inputs and the criterion.
+    fn check_against(
+        &self,
+        spec: &SamplingSpec,
+        inputs: &RandomInputSet,
+        criterion: &Criterion,
+    ) -> Result<(), Complaint> {
+        let evaluate = spec.evaluate.as_ref().map(Spanned::span);
+        let complain = |span, message: String| Err(Complaint { span, message });
+        let uses_map = self.evaluate == EvaluateMode::Boundary || self.method == SamplingMethod::Exact;
+        let asked = if self.method == SamplingMethod::Exact { "method = \"exact\"" } else { "evaluate = \"boundary\"" };
+        if uses_map && let Some(other) = inputs.other() {
+            return complain(
+                evaluate,
+                format!(
+                    "sampling.{asked} knows the boundary as a curve over preload and static friction; random.inputs also lists {}. Use method = \"monte-carlo\" or \"sobol\" with evaluate = \"each\"",
+                    other.name()
+                ),
+            );
+        }
+        if self.method == SamplingMethod::Exact && !inputs.is_plain() {
+            return complain(
+                None,
+                "sampling.method = \"exact\" integrates independent normal inputs; for other distributions or correlation use \"monte-carlo\" or \"sobol\"".to_owned(),
+            );
+        }
+        if uses_map && criterion.records_amplitude() {
+            return complain(
+                evaluate,
+                format!(
+                    "sampling.{asked} looks samples up, and these have no amplitude; remove criterion.record, or use evaluate = \"each\""
+                ),
+            );
+        }
+        if self.derivatives && !inputs.is_plain() {
+            return complain(
+                spec.derivatives.as_ref().map(Spanned::span),
+                "sampling.derivatives are those of independent normal inputs; remove it, or random.distribution and random.correlation".to_owned(),
+            );
+        }
+        let sensitivity = spec.sensitivity.as_ref().map(Spanned::span);
+        if self.sensitivity && (self.method != SamplingMethod::MonteCarlo || spec.until.is_some()) {
+            return complain(
+                sensitivity,
+                "sampling.sensitivity needs method = \"monte-carlo\" with a number of samples".to_owned(),
+            );
+        }
+        if self.sensitivity && (inputs.inputs.len() < 2 || !inputs.correlation.is_independent()) {
+            return complain(
+                sensitivity,
+                "sampling.sensitivity parts the variance among independent inputs: it needs two or more of them, without random.correlation".to_owned(),
+            );
+        }
+        Ok(())
+    }
+
+    /// Parts of a cell that are counted apart: how many samples each has at the most.
+    pub fn parts(&self) -> Vec<u64> {
+        match &self.effort {
+            Effort::Samples(samples) => vec![*samples],
+            Effort::Randomisations { count, points } => vec![*points; *count as usize],
+            Effort::Until { looks, .. } => {
+                let ends = looks.ends();
+                (0..ends.len()).map(|i| ends[i] - if i == 0 { 0 } else { ends[i - 1] }).collect()
+            }
+            Effort::Integrated => vec![0],
+        }
+    }
+
+    /// As a normalised job writes it.
+    pub fn normalised(&self) -> NormalisedSampling {
+        let samples = match self.effort {
+            Effort::Samples(samples) => Some(samples),
+            Effort::Randomisations { count, points } => Some(count * points),
+            Effort::Until { .. } | Effort::Integrated => None,
+        };
+        let until = match &self.effort {
+            Effort::Until { half_width, .. } => {
+                Some(NormalisedUntil { half_width: *half_width, confidence: self.confidence, at_most: self.samples })
+            }
+            _ => None,
+        };
+        let integrated = self.method == SamplingMethod::Exact;
+        NormalisedSampling {
+            method: self.method,
+            samples,
+            seed: (!integrated).then_some(self.seed),
+            evaluate: (!integrated).then_some(self.evaluate),
+            common_random_numbers: (!integrated).then_some(self.common_random_numbers),
+            confidence: (!integrated && until.is_none()).then_some(self.confidence),
+            audit: (self.evaluate == EvaluateMode::Boundary).then_some(self.audit),
+            randomisations: match self.effort {
+                Effort::Randomisations { count, .. } => Some(count),
+                _ => None,
+            },
+            interval: Some(self.interval).filter(|interval| *interval != IntervalSpec::Wilson),
+            simultaneous: self.simultaneous,
+            derivatives: self.derivatives,
+            sensitivity: self.sensitivity,
+            until,
+        }
+    }
+}
+
+impl SamplingSpec {
+    fn checked_confidence(&self) -> Result<f64, Complaint> {
+        let (key, value, span) = match &self.until {
+            Some(until) => ("until.confidence", until.get_ref().confidence.unwrap_or(0.95), Some(until.span())),
+            None => (
+                "confidence",
+                self.confidence.as_ref().map_or(0.95, |confidence| *confidence.get_ref()),
+                self.confidence.as_ref().map(Spanned::span),
+            ),
+        };
+        // The bounds keep the quantile of the interval finite and its definition meaningful.
+        if 0.0 < value && value <= 1.0 - 1e-12 {
+            return Ok(value);
+        }
+        let message = format!(
+            "sampling.{key} = {value} is out of range: it must be greater than 0 and less than 1, for example 0.95"
+        );
+        Err(Complaint { span, message })
+    }
+
+    fn effort(&self, samples: u64, confidence: f64) -> Result<Effort, Complaint> {
+        if let Some(audit) = &self.audit
+            && !(0.0..=1.0).contains(audit.get_ref())
+        {
+            let message = format!(
+                "sampling.audit = {} is out of range: it is a share, at least 0 and at most 1",
+                audit.get_ref()
+            );
+            return Err(Complaint::at(audit.span(), message));
+        }
+        match (self.method, &self.until) {
+            (SamplingMethod::Exact, _) => Ok(Effort::Integrated),
+            (SamplingMethod::MonteCarlo, None) => Ok(Effort::Samples(samples)),
+            (SamplingMethod::MonteCarlo, Some(until)) => {
+                let half_width = until.get_ref().half_width;
+                if !(half_width > 0.0 && half_width < 0.5) {
+                    let message = format!(
+                        "sampling.until.half_width = {half_width} is out of range: it must be greater than 0 and less than 0.5"
+                    );
+                    return Err(Complaint::at(until.span(), message));
+                }
+                Ok(Effort::Until { half_width, looks: Looks::new(BLOCK_SAMPLES, samples, confidence) })
+            }
+            (SamplingMethod::Sobol, _) => {
+                let count = self.randomisations.as_ref().map_or(RANDOMISATIONS, |count| *count.get_ref());
+                let span = self.randomisations.as_ref().map(Spanned::span);
+                if !(2..=MOST_RANDOMISATIONS).contains(&count) {
+                    let message = format!(
+                        "sampling.randomisations = {count} is out of range: it must be at least 2 and at most {MOST_RANDOMISATIONS}"
+                    );
+                    return Err(Complaint { span, message });
+                }
+                if samples % count != 0 || samples / count > 1 << 32 {
+                    let span = self.samples.as_ref().map(Spanned::span).or(span);
+                    let near = (samples / count).max(1).next_power_of_two() * count;
+                    let message = format!(
+                        "sampling.samples = {samples} cannot be shared by {count} randomisations of equal size; powers of two are best, for example samples = {near}"
+                    );
+                    return Err(Complaint { span, message });
+                }
+                Ok(Effort::Randomisations { count, points: samples / count })
+            }
+        }
+    }
+
+    fn refuse_foreign_keys(&self) -> Result<(), Complaint> {
+        let is_exact = self.method == SamplingMethod::Exact;
+        let is_sobol = self.method == SamplingMethod::Sobol;
+        let is_boundary = self.evaluate.as_ref().is_some_and(|evaluate| *evaluate.get_ref() == EvaluateMode::Boundary);
+        let samples = self.samples.as_ref().map(Spanned::span);
+        let until = self.until.as_ref().map(Spanned::span);
+        let confidence = self.confidence.as_ref().map(Spanned::span);
+        let interval = self.interval.as_ref().map(Spanned::span);
+        let rules = [
+            (
+                samples.clone(),
+                is_exact,
+                "sampling.samples has no meaning with method = \"exact\", which draws none; remove it (or --samples)",
+            ),
+            (
+                until.clone(),
+                is_exact,
+                "sampling.until has no meaning with method = \"exact\", which draws no samples; remove it",
+            ),
+            (
+                confidence.clone(),
+                is_exact,
+                "sampling.confidence has no meaning with method = \"exact\": p_low and p_high bound its numerical error; remove it",
+            ),
+            (interval.clone(), is_exact, "sampling.interval has no meaning with method = \"exact\"; remove it"),
+            (
+                self.evaluate.as_ref().map(Spanned::span),
+                is_exact,
+                "sampling.evaluate has no meaning with method = \"exact\", which draws no samples; remove it",
+            ),
+            (
+                until,
+                is_sobol,
+                "sampling.until needs method = \"monte-carlo\": Sobol points are only good in full powers of two; give `samples`",
+            ),
+            (
+                interval.clone(),
+                is_sobol,
+                "sampling.interval has no meaning with method = \"sobol\", whose interval comes from the randomisations; remove it",
+            ),
+            (
+                samples,
+                self.until.is_some(),
+                "sampling.samples and sampling.until exclude each other: give one of them (with until, at_most limits the samples)",
+            ),
+            (
+                confidence,
+                self.until.is_some(),
+                "sampling.confidence and sampling.until exclude each other: write until = { ..., confidence = ... }",
+            ),
+            (
+                interval,
+                self.until.is_some(),
+                "sampling.interval has no meaning with sampling.until, whose interval stays valid under repeated looks; remove it",
+            ),
+            (
+                self.randomisations.as_ref().map(Spanned::span),
+                !is_sobol,
+                "sampling.randomisations belongs to method = \"sobol\"; remove it, or change the method",
+            ),
+            (
+                self.audit.as_ref().map(Spanned::span),
+                !is_boundary,
+                "sampling.audit belongs to evaluate = \"boundary\"; remove it, or change evaluate",
+            ),
+        ];
+        for (span, is_foreign, message) in rules {
+            if let (Some(span), true) = (span, is_foreign) {
+                return Err(Complaint::at(span, message.to_owned()));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Sampling as a normalised job writes it; keys that came later only where they say something, so that older jobs keep
+/// their identity.
+#[derive(Serialize)]
+pub struct NormalisedSampling {
+    method: SamplingMethod,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    samples: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    evaluate: Option<EvaluateMode>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    common_random_numbers: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    confidence: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    audit: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    randomisations: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    interval: Option<IntervalSpec>,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    simultaneous: bool,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    derivatives: bool,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    sensitivity: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    until: Option<NormalisedUntil>,
+}
+
+impl NormalisedSampling {
+    /// The same for any number of samples: jobs that agree in it share theirs.
+    pub fn for_any_number(self) -> Self {
+        Self { samples: self.samples.map(|_| 0), ..self }
+    }
+}
+
+#[derive(Serialize)]
+struct NormalisedUntil {
+    half_width: f64,
+    confidence: f64,
+    at_most: u64,
+}

@@ -1,0 +1,195 @@
+//! What a job counts beside its verdicts: integers, so that no sum depends on its order.
+
+use serde::{Deserialize, Serialize};
+use stickslip_core::{Verdict, VerdictCounts};
+use stickslip_sampler::Cell;
+use stickslip_sampler::score::{CellNumber, ScoreSums, ScoreTotals};
+
+use super::batch::Batch;
+use crate::job::{EvaluateMode, Job};
+
+/// Which sums a job has, and where they lie among all of them.
+#[derive(Debug, Clone, Copy)]
+pub struct Extras {
+    lookups: bool,
+    derivatives: bool,
+    /// Random inputs, where their Sobol indices are wanted; 0 where not.
+    sensitivity: usize,
+}
+
+/// How samples of a job with a verdict map were judged.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lookups {
+    /// Simulated, because the map does not tell.
+    #[serde(rename = "lookups_simulated")]
+    pub simulated: u64,
+    /// Looked up, and simulated all the same.
+    #[serde(rename = "lookups_audited")]
+    pub audited: u64,
+    /// Of these, judged otherwise than looked up.
+    #[serde(rename = "audit_differed")]
+    pub differed: u64,
+}
+
+impl Lookups {
+    /// Adds those of another part.
+    pub fn add(&mut self, other: Self) {
+        self.simulated += other.simulated;
+        self.audited += other.audited;
+        self.differed += other.differed;
+    }
+}
+
+/// First-order and total Sobol index of one input, with their standard errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SobolIndices {
+    /// Share of the verdict's variance that this input explains alone.
+    pub first_order: f64,
+    /// Its standard error.
+    pub first_order_error: f64,
+    /// Share in which it takes part, alone or with others.
+    pub total: f64,
+    /// Its standard error.
+    pub total_error: f64,
+}
+
+const LOOKUPS: usize = 3;
+const DERIVATIVES: usize = 8;
+/// For each input: samples where fixing it turns the second verdict up, or down, and where it turns the first at all.
+const PER_INPUT: usize = 3;
+
+impl Extras {
+    /// Of a job.
+    pub fn of(job: &Job) -> Self {
+        Self {
+            lookups: job.uses_maps() && job.sampling.evaluate == EvaluateMode::Boundary,
+            derivatives: job.sampling.derivatives,
+            sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
+        }
+    }
+
+    /// Whether samples have to be known one by one.
+    pub fn need_samples(&self) -> bool {
+        self.lookups || self.derivatives || self.sensitivity > 0
+    }
+
+    /// Whether derivatives are wanted.
+    pub fn derivatives(&self) -> bool {
+        self.derivatives
+    }
+
+    /// Inputs whose Sobol indices are wanted.
+    pub fn sensitivity(&self) -> usize {
+        self.sensitivity
+    }
+
+    /// Whether samples are looked up in a map.
+    pub fn lookups(&self) -> bool {
+        self.lookups
+    }
+
+    fn derivatives_at(self) -> usize {
+        if self.lookups { LOOKUPS } else { 0 }
+    }
+
+    fn sensitivity_at(self) -> usize {
+        self.derivatives_at() + if self.derivatives { DERIVATIVES } else { 0 }
+    }
+
+    /// How many sums there are.
+    fn count(self) -> usize {
+        self.sensitivity_at() + if self.sensitivity > 0 { 1 + PER_INPUT * self.sensitivity } else { 0 }
+    }
+
+    /// Sums with nothing in them.
+    pub fn nothing(self) -> Vec<i64> {
+        vec![0; self.count()]
+    }
+
+    /// Adds how samples were judged.
+    pub fn add_lookups(self, sums: &mut [i64], lookups: Lookups) {
+        if self.lookups {
+            for (sum, count) in sums.iter_mut().zip([lookups.simulated, lookups.audited, lookups.differed]) {
+                *sum += count.cast_signed();
+            }
+        }
+    }
+
+    /// Adds the scores of the unstable samples.
+    pub fn add_scores(self, sums: &mut [i64], cell: &Cell, batch: &Batch, verdicts: &[Verdict]) {
+        if !self.derivatives {
+            return;
+        }
+        let mut scores = ScoreSums::default();
+        for (sample, _) in verdicts.iter().enumerate().filter(|(_, verdict)| **verdict == Verdict::Unstable) {
+            let (preload, static_friction) = batch.deviates(sample);
+            scores.add(cell, preload, static_friction);
+        }
+        let at = self.derivatives_at();
+        for (sum, score) in sums[at..at + DERIVATIVES].iter_mut().zip(scores.sums.into_iter().chain(scores.squares)) {
+            *sum += score;
+        }
+    }
+
+    /// Adds the verdicts on samples `first` and `second` and, for each input, on the first ones with that input of the
+    /// second.
+    pub fn add_sensitivity(self, sums: &mut [i64], first: &[Verdict], second: &[Verdict], mixed: &[Vec<Verdict>]) {
+        let sums = &mut sums[self.sensitivity_at()..];
+        for (sample, (&a, &b)) in first.iter().zip(second).enumerate() {
+            let [a, b] = [a, b].map(|verdict| verdict == Verdict::Unstable);
+            sums[0] += i64::from(b);
+            for (verdicts, counts) in mixed.iter().zip(sums[1..].chunks_exact_mut(PER_INPUT)) {
+                let ab = verdicts[sample] == Verdict::Unstable;
+                counts[0] += i64::from(b && ab && !a);
+                counts[1] += i64::from(b && !ab && a);
+                counts[2] += i64::from(a != ab);
+            }
+        }
+    }
+
+    /// How the samples were judged.
+    pub fn read_lookups(self, sums: &[i128]) -> Lookups {
+        let count = |i: usize| sums.get(i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
+        if self.lookups {
+            Lookups { simulated: count(0), audited: count(1), differed: count(2) }
+        } else {
+            Lookups::default()
+        }
+    }
+
+    /// The derivative of the probability by a number of the cell, and its standard error.
+    pub fn read_derivative(self, sums: &[i128], number: CellNumber, cell: &Cell, decided: u64) -> Option<(f64, f64)> {
+        let at = self.derivatives_at();
+        let parts = sums.get(at..at + DERIVATIVES)?;
+        let part = |from: usize| std::array::from_fn(|i| parts[from + i]);
+        ScoreTotals { sums: part(0), squares: part(4) }.derivative(number, cell, decided)
+    }
+
+    /// The Sobol indices of an input; `None` where the verdict does not vary. Undecided and failed samples count as stable.
+    ///
+    /// With the verdicts f of independent samples A, B and of A with input i of B, A_i:
+    ///
+    /// ```text
+    /// S_i = E[f(B) (f(A_i) - f(A))] / V,   T_i = E[(f(A) - f(A_i))^2] / 2V,   V = p (1 - p)
+    /// ```
+    ///
+    /// A. Saltelli et al., Comput. Phys. Commun. 181 (2010), table 2, rows b and f.
+    pub fn read_sensitivity(self, sums: &[i128], input: usize, counts: &VerdictCounts) -> Option<SobolIndices> {
+        let sums = sums.get(self.sensitivity_at()..).filter(|sums| !sums.is_empty())?;
+        let samples = counts.total() as f64;
+        let p = (counts.unstable as f64 + sums[0] as f64) / (2.0 * samples);
+        let variance = p * (1.0 - p);
+        if variance <= 0.0 {
+            return None;
+        }
+        let part = &sums[1 + PER_INPUT * input..][..PER_INPUT];
+        let [up, down, turned] = [part[0], part[1], part[2]].map(|count| count as f64 / samples);
+        let first = up - down;
+        Some(SobolIndices {
+            first_order: first / variance,
+            first_order_error: ((up + down - first * first) / samples).max(0.0).sqrt() / variance,
+            total: 0.5 * turned / variance,
+            total_error: 0.5 * (turned * (1.0 - turned) / samples).max(0.0).sqrt() / variance,
+        })
+    }
+}
