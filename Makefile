@@ -39,12 +39,13 @@ check:
 
 # One line for each figure: name, value, unit.
 bench:
-	$(CARGO) bench --locked -p stickslip --bench figures
+	$(CARGO) bench --locked -p stickslip --bench figures --bench methods
 
 # The same jobs by NumPy, OpenTURNS, numba, SciPy and diffrax beside it.
 bench-peers: target/peers/ready
 	$(CARGO) build --locked --release
 	target/peers/bin/python benches/peers.py $(STICKSLIP)
+	target/peers/bin/python benches/peers_methods.py $(STICKSLIP)
 	target/peers/bin/python benches/peers_time_domain.py $(STICKSLIP)
 
 target/peers/ready: benches/peers-requirements.txt

@@ -130,7 +130,7 @@ pub fn surface_job(name: &str, points: usize, samples: u64, seed: u64) -> String
     )
 }
 
-/// The columns of a Parquet file as numbers; integers are exact up to 2^53, nulls are NaN.
+/// The columns of a Parquet file as numbers; integers are exact up to 2^53, nulls are NaN, columns of anything else empty.
 pub struct Table {
     names: Vec<String>,
     columns: Vec<Vec<f64>>,
@@ -153,8 +153,7 @@ impl Table {
             for (column, array) in columns.iter_mut().zip(batch.unwrap().columns()) {
                 if let Some(integers) = array.as_any().downcast_ref::<Int64Array>() {
                     column.extend(integers.values().iter().map(|&value| value as f64));
-                } else {
-                    let reals = array.as_any().downcast_ref::<Float64Array>().unwrap();
+                } else if let Some(reals) = array.as_any().downcast_ref::<Float64Array>() {
                     column.extend(reals.iter().map(|value| value.unwrap_or(f64::NAN)));
                 }
             }

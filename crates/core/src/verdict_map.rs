@@ -255,8 +255,9 @@ fn middle(bounds: &Box2) -> Point {
 fn quarter(bounds: &Box2, child: usize) -> Box2 {
     let middle = middle(bounds);
     let mut quarter = *bounds;
-    for axis in 0..2 {
-        if child >> axis & 1 == 0 { quarter.high[axis] = middle[axis] } else { quarter.low[axis] = middle[axis] }
+    for (axis, middle) in middle.into_iter().enumerate() {
+        let end = if (child >> axis) & 1 == 0 { &mut quarter.high } else { &mut quarter.low };
+        end[axis] = middle;
     }
     quarter
 }
@@ -273,7 +274,7 @@ struct OpenBox {
 
 impl OpenBox {
     fn spacing(&self) -> i64 {
-        LATTICE / INTERVALS >> self.depth
+        (LATTICE / INTERVALS) >> self.depth
     }
 
     /// Its grid, one interval beyond it on each side, the preload varying fastest.

@@ -39,6 +39,8 @@ pub enum Command {
     Trajectory(TrajectoryArguments),
     /// Compute one sample of a run again, bit for bit: inputs, verdict, trajectory
     Replay(ReplayArguments),
+    /// Compare finished runs cell by cell, sample by sample where they share their samples
+    Compare(CompareArguments),
     /// Reproduce a table or figure of Sui & Ding (2018)
     Reproduce(ReproduceArguments),
     /// Join the pieces of finished shards into the surface
@@ -238,6 +240,25 @@ pub struct ReplayArguments {
     /// Summary as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+pub struct CompareArguments {
+    /// The run directories: first the reference, then those that are compared with it
+    #[arg(value_name = "RUN_DIR", required = true)]
+    pub runs: Vec<PathBuf>,
+    /// Write one row for each pair of runs and cell to a Parquet file
+    #[arg(long, value_name = "FILE.parquet")]
+    pub out: Option<PathBuf>,
+    /// Confidence of the interval of each difference
+    #[arg(long, value_name = "C", default_value_t = 0.95, allow_negative_numbers = true)]
+    pub confidence: f64,
+    /// Summary as JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
 }
 
 /// Arguments of `reproduce`.

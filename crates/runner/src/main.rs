@@ -57,6 +57,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Analyse(arguments) => commands::analyse(&arguments),
         Command::Trajectory(arguments) => commands::trajectory(&arguments),
         Command::Replay(arguments) => commands::replay(&arguments),
+        Command::Compare(arguments) => commands::compare(&arguments, &Interrupt::watch()?),
         Command::Reproduce(arguments) => reproduce::reproduce(&arguments, &Interrupt::watch()?),
         Command::Merge(arguments) => commands::merge(&arguments),
         Command::Schema => commands::schema(),

@@ -47,7 +47,7 @@ impl DeviateStream {
         let cell = if self.common_random_numbers { 0 } else { cell };
         match self.points {
             Points::Random => {
-                self.draw_random(self.purpose(Purpose::Inputs, Purpose::CommonInputs), cell, range, &mut deviates)
+                self.draw_random(self.purpose(Purpose::Inputs, Purpose::CommonInputs), cell, range, &mut deviates);
             }
             Points::SecondRandom => {
                 self.draw_random(

@@ -9,12 +9,14 @@
 //!
 //! Verdicts are counted in integers and turned into an [`Estimate`] ([`interval`]), whose limits come from [`normal`],
 //! [`poisson`] and [`beta`]. [`sequential`] has intervals that hold for a cell that is looked at until it is known well
-//! enough, [`difference`] those of the difference between two cells, [`distribution`] the mean and quantiles of a
+//! enough, [`replicates`] those of independent randomisations, [`difference`] those of the difference between two cells,
+//! [`audit`] what an audit says of a verdict map, [`distribution`] the mean and quantiles of a
 //! quantity over samples.
 //!
 //! Where it is known which inputs are unstable, no samples are needed: [`exact`] gives the probability and its
 //! derivatives from a boundary in closed form, [`mapped`] from a verdict map, with what the map does not tell as
-//! limits. [`score`] estimates the same derivatives from samples.
+//! limits. [`score`] estimates the same derivatives from samples. [`methods`] says which method is for which question, and
+//! how a user notices that one has failed.
 //!
 //! Modules are declared in reading order. Nothing here knows of threads, files or the terminal.
 
@@ -56,6 +58,8 @@ pub mod exact;
 pub mod mapped;
 
 pub mod score;
+
+pub mod methods;
 
 pub use deviates::{DeviateStream, Points};
 pub use difference::{Difference, PairedCounts};

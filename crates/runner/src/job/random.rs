@@ -10,7 +10,7 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use stickslip_core::Parameters;
 use stickslip_core::parameters::{SCALARS, Scalar, scalar};
-use stickslip_sampler::{Correlation, Grid, Marginal, RelativeStd};
+use stickslip_sampler::{Correlation, CorrelationError, Grid, Marginal, RelativeStd};
 use toml::Spanned;
 
 use super::diagnosis::{Complaint, nearest};
@@ -31,8 +31,11 @@ pub struct RandomSpec {
     pub distribution: Option<Spanned<DistributionSpec>>,
     /// Correlated pairs: [["preload", "static_friction", 0.3], ...], coefficients of the normal deviates behind them.
     #[schemars(with = "Option<Vec<(String, String, f64)>>")]
-    pub correlation: Option<Spanned<Vec<Spanned<(String, String, f64)>>>>,
+    pub correlation: Option<Spanned<Vec<PairSpec>>>,
 }
+
+/// Two inputs and their coefficient of correlation.
+pub type PairSpec = Spanned<(String, String, f64)>;
 
 /// One relative standard deviation for every random input, or one for each.
 #[derive(Debug, Clone)]
@@ -223,7 +226,7 @@ impl RandomInput {
         let names = ["preload", "static_friction", "rotating_speed"];
         let by_name = SCALARS.iter().find(|scalar| scalar.name() == name).map(|scalar| scalar.key);
         let hint = by_name.or_else(|| nearest(name, names.into_iter().chain(SCALARS.iter().map(|scalar| scalar.key))));
-        let hint = hint.map_or(String::new(), |hint| format!("; did you mean \"{hint}\"?"));
+        let hint = hint.map_or(String::new(), |hint| format!("; did you mean `{hint}`?"));
         Err(format!(
             "random.inputs: there is no input \"{name}\"{hint} (preload, static_friction, rotating_speed, or a parameter of the model as `section.name`)"
         ))
@@ -263,7 +266,7 @@ impl RandomInputSet {
         let pairs = validate_pairs(random, &inputs)?;
         let correlation = Correlation::new(inputs.len(), &pairs).map_err(|error| Complaint {
             span: random.correlation.as_ref().map(Spanned::span),
-            message: format!("random.correlation: {error}"),
+            message: format!("random.correlation: {}", named(&error, &inputs)),
         })?;
         Ok(Self { inputs, marginals, pairs, correlation, relative_stds })
     }
@@ -368,6 +371,29 @@ fn validate_inputs(random: &RandomSpec) -> Result<Vec<RandomInput>, Complaint> {
         return Err(Complaint::at(spec.span(), format!("random.inputs lists \"{}\" twice", pair[0].name())));
     }
     Ok(inputs)
+}
+
+/// A complaint about a correlation, with the names of the inputs.
+fn named(error: &CorrelationError, inputs: &[RandomInput]) -> String {
+    let name = |input: usize| inputs.get(input).map_or("", |input| input.name());
+    match *error {
+        CorrelationError::SameInput { input } => {
+            format!("{} is paired with itself; a correlation joins two different inputs", name(input))
+        }
+        CorrelationError::OutOfRange { first, second, coefficient } => format!(
+            "the coefficient of {} and {} is {coefficient}; it must be greater than -1 and less than 1",
+            name(first),
+            name(second)
+        ),
+        CorrelationError::Repeated { first, second } => {
+            format!("{} and {} are listed twice", name(first), name(second))
+        }
+        CorrelationError::NotPositiveDefinite { input } => format!(
+            "the coefficients contradict each other: {} cannot have those given for it (the matrix is not positive definite)",
+            name(input)
+        ),
+        ref other => other.to_string(),
+    }
 }
 
 /// The position of an input that a key other than `inputs` names.

@@ -24,8 +24,8 @@ const AUDIT: f64 = 1e-4;
 #[serde(deny_unknown_fields)]
 pub struct SamplingSpec {
     /// How probabilities are found; "monte-carlo" unless told.
-    #[serde(default)]
-    pub method: SamplingMethod,
+    #[schemars(with = "Option<SamplingMethod>")]
+    pub method: Option<Spanned<SamplingMethod>>,
     /// Samples in each cell, at least 1; 10000 unless told.
     #[schemars(with = "Option<u64>", range(min = 1))]
     pub samples: Option<Spanned<u64>>,
@@ -178,11 +178,11 @@ impl Sampling {
         spec.refuse_foreign_keys()?;
         let confidence = spec.checked_confidence()?;
         let samples = match (&spec.until, &spec.samples) {
-            _ if spec.method == SamplingMethod::Exact => 0,
+            _ if spec.method() == SamplingMethod::Exact => 0,
             (Some(until), _) => until.get_ref().at_most,
             (None, samples) => samples.as_ref().map_or(10_000, |samples| *samples.get_ref()),
         };
-        if spec.method != SamplingMethod::Exact && (samples == 0 || samples > MOST_SAMPLES) {
+        if spec.method() != SamplingMethod::Exact && (samples == 0 || samples > MOST_SAMPLES) {
             let span = spec.until.as_ref().map(Spanned::span).or(spec.samples.as_ref().map(Spanned::span));
             let key = if spec.until.is_some() { "until.at_most" } else { "samples" };
             let message =
@@ -190,7 +190,7 @@ impl Sampling {
             return Err(Complaint { span, message });
         }
         let sampling = Self {
-            method: spec.method,
+            method: spec.method(),
             samples,
             effort: spec.effort(samples, confidence)?,
             seed: spec.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
@@ -214,7 +214,8 @@ impl Sampling {
         inputs: &RandomInputSet,
         criterion: &Criterion,
     ) -> Result<(), Complaint> {
-        let evaluate = spec.evaluate.as_ref().map(Spanned::span);
+        let method = spec.method.as_ref().map(Spanned::span);
+        let evaluate = spec.evaluate.as_ref().map(Spanned::span).or(method.clone());
         let complain = |span, message: String| Err(Complaint { span, message });
         let uses_map = self.evaluate == EvaluateMode::Boundary || self.method == SamplingMethod::Exact;
         let asked = if self.method == SamplingMethod::Exact { "method = \"exact\"" } else { "evaluate = \"boundary\"" };
@@ -229,7 +230,7 @@ impl Sampling {
         }
         if self.method == SamplingMethod::Exact && !inputs.is_plain() {
             return complain(
-                None,
+                method,
                 "sampling.method = \"exact\" integrates independent normal inputs; for other distributions or correlation use \"monte-carlo\" or \"sobol\"".to_owned(),
             );
         }
@@ -312,6 +313,10 @@ impl Sampling {
 }
 
 impl SamplingSpec {
+    fn method(&self) -> SamplingMethod {
+        self.method.as_ref().map_or(SamplingMethod::MonteCarlo, |method| *method.get_ref())
+    }
+
     fn checked_confidence(&self) -> Result<f64, Complaint> {
         let (key, value, span) = match &self.until {
             Some(until) => ("until.confidence", until.get_ref().confidence.unwrap_or(0.95), Some(until.span())),
@@ -341,7 +346,7 @@ impl SamplingSpec {
             );
             return Err(Complaint::at(audit.span(), message));
         }
-        match (self.method, &self.until) {
+        match (self.method(), &self.until) {
             (SamplingMethod::Exact, _) => Ok(Effort::Integrated),
             (SamplingMethod::MonteCarlo, None) => Ok(Effort::Samples(samples)),
             (SamplingMethod::MonteCarlo, Some(until)) => {
@@ -363,7 +368,7 @@ impl SamplingSpec {
                     );
                     return Err(Complaint { span, message });
                 }
-                if samples % count != 0 || samples / count > 1 << 32 {
+                if !samples.is_multiple_of(count) || samples / count > 1 << 32 {
                     let span = self.samples.as_ref().map(Spanned::span).or(span);
                     let near = (samples / count).max(1).next_power_of_two() * count;
                     let message = format!(
@@ -377,8 +382,8 @@ impl SamplingSpec {
     }
 
     fn refuse_foreign_keys(&self) -> Result<(), Complaint> {
-        let is_exact = self.method == SamplingMethod::Exact;
-        let is_sobol = self.method == SamplingMethod::Sobol;
+        let is_exact = self.method() == SamplingMethod::Exact;
+        let is_sobol = self.method() == SamplingMethod::Sobol;
         let is_boundary = self.evaluate.as_ref().is_some_and(|evaluate| *evaluate.get_ref() == EvaluateMode::Boundary);
         let samples = self.samples.as_ref().map(Spanned::span);
         let until = self.until.as_ref().map(Spanned::span);

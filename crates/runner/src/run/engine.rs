@@ -172,6 +172,31 @@ impl<'a> Engine<'a> {
         if audits { audit::choose(self.job.sampling.seed, slot, samples, share) } else { Vec::new() }
     }
 
+    /// Verdicts on consecutive samples of a cell, of its randomisation `randomisation` where it has any: those that
+    /// [`Engine::compute`] counts.
+    pub fn verdicts(&self, cell: u64, randomisation: usize, samples: Range<u64>) -> Vec<Verdict> {
+        let place = self.job.grid.cell(cell);
+        let slots = self.slots.of(cell);
+        // With looks, the samples are numbered over all parts of the cell; a randomisation numbers its own.
+        let parts = match (self.slots.are_decided_in_turn(), (slots.end - slots.start) as usize) {
+            (true, parts) => 0..parts,
+            (false, _) => randomisation..randomisation + 1,
+        };
+        let mut verdicts = Vec::with_capacity((samples.end - samples.start) as usize);
+        for part in parts {
+            let first = self.slots.first_sample(part);
+            let drawn = samples.start.max(first)..samples.end.min(first + self.slots.most(part));
+            if drawn.is_empty() {
+                continue;
+            }
+            let batch = Batch::draw(self.job, &place, part, drawn.clone(), self.job.points());
+            let audited = self.audited(slots.start + part as u64, drawn.start - first..drawn.end - first);
+            let judged = self.judge(&place, &batch, &audited, &mut Lookups::default());
+            verdicts.extend(judged.into_iter().map(|judged| judged.verdict));
+        }
+        verdicts
+    }
+
     /// Completes the verdict maps: what is on disk, what other runs have, and the rest by asking. Returns how many verdicts
     /// were asked for.
     pub fn complete_maps(
@@ -180,13 +205,26 @@ impl<'a> Engine<'a> {
         others: &[&Path],
         interrupt: &Interrupt,
     ) -> Result<(Outcome, u64), Failure> {
-        self.maps.load(&directory.maps())?;
+        let maps = directory.maps();
+        let sources: Vec<&Path> = std::iter::once(maps.as_path()).chain(others.iter().copied()).collect();
+        self.fill_maps(Some(&maps), &sources, interrupt)
+    }
+
+    /// Completes the verdict maps from directories of pieces, the first of which is the run's own, and by asking. What is
+    /// new is kept in `keep`, if there is such a directory. Returns how many verdicts were asked for.
+    pub fn fill_maps(
+        &mut self,
+        keep: Option<&Path>,
+        sources: &[&Path],
+        interrupt: &Interrupt,
+    ) -> Result<(Outcome, u64), Failure> {
         let mut borrowed = 0;
-        for other in others {
-            borrowed += self.maps.load(other)?;
+        for source in sources {
+            let loaded = self.maps.load(source)?;
+            borrowed += if keep == Some(*source) { 0 } else { loaded };
         }
-        if borrowed > 0 {
-            self.maps.write_all(&directory.maps())?;
+        if let (Some(keep), true) = (keep, borrowed > 0) {
+            self.maps.write_all(keep)?;
         }
         let missing = self.maps.missing();
         let mut progress = Progress::new(missing.len() as u128, "tiles");
@@ -202,8 +240,8 @@ impl<'a> Engine<'a> {
                 progress.advance(1);
                 finished.push((speed, index, tile));
             } else if matches!(event, Event::Done) || since.elapsed() >= Duration::from_secs(5) {
-                if finished.len() > written {
-                    self.maps.write(&directory.maps(), &finished[written..])?;
+                if let (Some(keep), true) = (keep, finished.len() > written) {
+                    self.maps.write(keep, &finished[written..])?;
                     written = finished.len();
                 }
                 since = Instant::now();

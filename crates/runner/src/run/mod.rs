@@ -23,5 +23,8 @@ pub use plan::{Plan, Shard};
 pub use progress::Progress;
 pub use provenance::Session;
 pub use slots::Slots;
-pub use surface::{DescribedColumn, IntegratedCell, Surface, SurfaceRow, job_hash_of_file, write_columns};
+pub use surface::{
+    DescribedColumn, IntegratedCell, Surface, SurfaceRow, TableColumn, TableValues, job_hash_of_file, write_columns,
+    write_table,
+};
 pub use tally::Tally;

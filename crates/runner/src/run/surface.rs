@@ -7,7 +7,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-use arrow::array::{ArrayRef, Float64Array, Int64Array, RecordBatch};
+use arrow::array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow::datatypes::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
@@ -80,10 +80,13 @@ struct Column {
 }
 
 enum Values {
-    Integer(Box<dyn Fn(&SurfaceRow) -> u64>),
-    Real(Box<dyn Fn(&SurfaceRow) -> f64>),
-    OptionalReal(Box<dyn Fn(&SurfaceRow) -> Option<f64>>),
+    Integer(Read<u64>),
+    Real(Read<f64>),
+    OptionalReal(Read<Option<f64>>),
 }
+
+/// A value of a row.
+type Read<T> = Box<dyn Fn(&SurfaceRow) -> T>;
 
 impl Column {
     fn new(
@@ -206,25 +209,17 @@ fn sensitivity_columns(extras: Extras, inputs: &[RandomInput]) -> Vec<Column> {
     for (i, input) in inputs.iter().enumerate() {
         let name = input.name();
         let read = move |row: &SurfaceRow| extras.read_sensitivity(&row.sums, i, &row.counts);
-        let numbers: [(String, String, fn(SobolIndices) -> f64); 4] = [
-            (
-                format!("first_order_{name}"),
-                format!("first-order Sobol index: share of the verdict's variance that {name} explains alone"),
-                |indices| indices.first_order,
-            ),
-            (format!("first_order_{name}_error"), format!("standard error of first_order_{name}"), |indices| {
-                indices.first_order_error
-            }),
-            (
-                format!("total_{name}"),
-                format!("total Sobol index: share of the verdict's variance in which {name} takes part"),
-                |indices| indices.total,
-            ),
-            (format!("total_{name}_error"), format!("standard error of total_{name}"), |indices| indices.total_error),
-        ];
-        for (name, long_name, value) in numbers {
-            columns.push(Column::optional(name, long_name, move |row| read(row).map(value)));
-        }
+        let alone = format!("share of the verdict's variance that {name} explains alone");
+        let any = format!("share of the verdict's variance in which {name} takes part");
+        let mut add = |kind: &str, meaning: &str, value: fn(SobolIndices) -> f64, error: fn(SobolIndices) -> f64| {
+            let column = format!("{kind}_{name}");
+            let error_meaning = format!("standard error of {column}");
+            let error_name = format!("{column}_error");
+            columns.push(Column::optional(column, format!("Sobol index: {meaning}"), move |row| read(row).map(value)));
+            columns.push(Column::optional(error_name, error_meaning, move |row| read(row).map(error)));
+        };
+        add("first_order", &alone, |indices| indices.first_order, |indices| indices.first_order_error);
+        add("total", &any, |indices| indices.total, |indices| indices.total_error);
     }
     columns
 }
@@ -414,6 +409,71 @@ pub fn write_columns(directory: &Path, name: &str, columns: &[DescribedColumn]) 
         let batch = RecordBatch::try_new(schema.clone(), columns.iter().map(array).collect())?;
         let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
         let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties))?;
+        writer.write(&batch)?;
+        writer.into_inner()
+    })();
+    let bytes = encoded.map_err(|error: ParquetError| Failure::writing(&directory.join(name), error))?;
+    publish(directory, name, &bytes)
+}
+
+/// The values of a [`TableColumn`].
+pub enum TableValues {
+    /// Counts and indices.
+    Integer(Vec<u64>),
+    /// Numbers that may be unknown.
+    Real(Vec<Option<f64>>),
+    /// Names.
+    Text(Vec<String>),
+}
+
+/// A column of any type in a file of its own.
+pub struct TableColumn {
+    /// Name.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Meaning.
+    pub long_name: &'static str,
+    /// Values.
+    pub values: TableValues,
+}
+
+impl TableColumn {
+    fn field(&self) -> Field {
+        let (data_type, nullable) = match &self.values {
+            TableValues::Integer(_) => (DataType::Int64, false),
+            TableValues::Real(_) => (DataType::Float64, true),
+            TableValues::Text(_) => (DataType::Utf8, false),
+        };
+        described_field(self.name, self.unit, self.long_name, data_type, nullable)
+    }
+
+    fn array(&self) -> ArrayRef {
+        match &self.values {
+            TableValues::Integer(values) => {
+                Arc::new(values.iter().map(|value| value.cast_signed()).collect::<Int64Array>())
+            }
+            TableValues::Real(values) => Arc::new(Float64Array::from(values.clone())),
+            TableValues::Text(values) => Arc::new(StringArray::from_iter_values(values)),
+        }
+    }
+}
+
+/// Writes a table of columns of equal length as `name` into `directory`, whole or not at all, with pairs of key and value
+/// in its footer.
+pub fn write_table(
+    directory: &Path,
+    name: &str,
+    columns: &[TableColumn],
+    footer: &[(&str, String)],
+) -> Result<(), Failure> {
+    let encoded = (|| {
+        let schema = Arc::new(Schema::new(columns.iter().map(TableColumn::field).collect::<Vec<_>>()));
+        let batch = RecordBatch::try_new(schema.clone(), columns.iter().map(TableColumn::array).collect())?;
+        let pairs = footer.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone())).collect();
+        let properties =
+            WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(Some(pairs));
+        let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties.build()))?;
         writer.write(&batch)?;
         writer.into_inner()
     })();

@@ -1,0 +1,404 @@
+//! `compare`: finished runs cell by cell, and sample by sample where they share their samples.
+//!
+//! Neither surfaces nor pieces hold the joint verdicts of two runs. They are found again: samples are pure functions of
+//! the seed, and their verdicts are cheap where a verdict map tells them. A cell is paired only if the verdicts found again
+//! are those that either run counted.
+
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use indicatif::HumanCount;
+use stickslip_core::{Verdict, VerdictCounts};
+use stickslip_sampler::difference::{paired_difference, unpaired_difference};
+use stickslip_sampler::{BLOCK_SAMPLES, BinomialInterval, Difference, Estimate, PairedCounts, replicates};
+
+use super::differences::{Differences, Interval, Row, json, picture, summary, table};
+use super::matching::{Matching, Run};
+use crate::cli::CompareArguments;
+use crate::failure::{Failure, Signal};
+use crate::interrupt::Interrupt;
+use crate::job::Effort;
+use crate::output::{note, result};
+use crate::run::{Engine, IntegratedCell, Outcome, Progress, write_table};
+
+/// Samples of a unit of work at the most.
+const MOST_UNIT_SAMPLES: u64 = 20 * BLOCK_SAMPLES;
+
+/// `stickslip compare`.
+pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    if arguments.runs.len() < 2 {
+        let only = arguments.runs.first().map_or_else(String::new, |run| format!(", not only {}", run.display()));
+        let message =
+            format!("compare takes two runs or more{only}: first the reference, then what is compared with it");
+        return Err(Failure::Usage(message));
+    }
+    let confidence = arguments.confidence;
+    if !(0.0 < confidence && confidence <= 1.0 - 1e-12) {
+        let message = format!(
+            "--confidence {confidence} is out of range: it must be greater than 0 and less than 1, for example 0.95"
+        );
+        return Err(Failure::Usage(message));
+    }
+    let out = arguments.out.as_deref().map(|out| checked_place(out).map(|place| (out, place))).transpose()?;
+
+    let runs: Vec<Run> = arguments.runs.iter().map(|path| Run::open(path)).collect::<Result<_, _>>()?;
+    let matchings: Vec<Matching> =
+        runs[1..].iter().map(|second| Matching::new(&runs[0], second)).collect::<Result<_, _>>()?;
+    let is_paired: Vec<bool> = matchings.iter().map(|matching| matching.cells.iter().any(|cell| cell.2)).collect();
+    let maps: Vec<PathBuf> = runs.iter().map(|run| run.directory.maps()).collect();
+    let mut readers = Vec::with_capacity(runs.len());
+    for (i, run) in runs.iter().enumerate() {
+        let needs_verdicts = if i == 0 { is_paired.contains(&true) } else { is_paired[i - 1] };
+        readers.push(Reader::new(run, needs_verdicts, &maps, arguments.threads.count(), interrupt)?);
+    }
+    let (reference, others) = readers.split_at(1);
+    let mut compared = Vec::with_capacity(others.len());
+    for (second, matching) in others.iter().zip(&matchings) {
+        compared.push(differences(&reference[0], second, matching, confidence, interrupt)?);
+    }
+
+    if let Some((out, (directory, name))) = out {
+        let footer = [
+            ("stickslip:confidence", confidence.to_string()),
+            ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
+        ];
+        write_table(&directory, &name, &table(&compared), &footer)?;
+        note(format_args!("{}: {} rows", out.display(), rows(&compared)));
+    }
+    if arguments.json {
+        return result(&format!("{:#}\n", json(&compared, confidence)));
+    }
+    let text = |compared: &Differences| format!("{}\n{}", summary(compared, confidence), picture(compared));
+    result(&compared.iter().map(text).collect::<String>())
+}
+
+fn rows(compared: &[Differences]) -> HumanCount {
+    HumanCount(compared.iter().map(|differences| differences.rows.len() as u64).sum())
+}
+
+/// Directory and name of a file that can be written.
+fn checked_place(out: &Path) -> Result<(PathBuf, String), Failure> {
+    let directory = match out.parent() {
+        Some(parent) if parent != Path::new("") => parent.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    let refused = |why: String| Failure::CannotCreate(format!("--out {}: {why}", out.display()));
+    let name = out.file_name().and_then(|name| name.to_str());
+    let name =
+        name.ok_or_else(|| refused("this does not name a file; name one, for example compare.parquet".into()))?;
+    if out.is_dir() {
+        return Err(refused("this is a directory; name a file in it".to_owned()));
+    }
+    // A device, a pipe or a link would be replaced by the file.
+    if out.symlink_metadata().is_ok_and(|there| !there.is_file()) {
+        return Err(refused("this is not an ordinary file; name one".to_owned()));
+    }
+    if !directory.is_dir() {
+        return Err(refused(format!("there is no directory {}; make it first", directory.display())));
+    }
+    Ok((directory, name.to_owned()))
+}
+
+/// A run with what finds its verdicts again.
+struct Reader<'a> {
+    run: &'a Run,
+    engine: Engine<'a>,
+    integrated: Vec<IntegratedCell>,
+}
+
+impl<'a> Reader<'a> {
+    fn new(
+        run: &'a Run,
+        needs_verdicts: bool,
+        maps: &[PathBuf],
+        threads: usize,
+        interrupt: &Interrupt,
+    ) -> Result<Self, Failure> {
+        let mut engine = Engine::new(&run.job, threads)?;
+        let mut integrated = Vec::new();
+        if run.job.uses_maps() && (needs_verdicts || run.job.is_integrated()) {
+            // A finished run of a colleague may not be ours to write to; the map is then not kept.
+            let own = run.directory.maps();
+            let is_ours = fs::create_dir_all(&own).is_ok() && tempfile::tempfile_in(&own).is_ok();
+            let mut sources = vec![own.as_path()];
+            sources.extend(maps.iter().map(PathBuf::as_path).filter(|other| **other != *own));
+            let (outcome, asked) = engine.fill_maps(is_ours.then_some(own.as_path()), &sources, interrupt)?;
+            if let Outcome::Stopped(signal) = outcome {
+                return Err(stopped(signal));
+            }
+            if asked > 0 {
+                note(format_args!(
+                    "{}: verdict map of {} tiles from {} simulations{}",
+                    run.name,
+                    HumanCount(engine.maps().needed() as u64),
+                    HumanCount(asked),
+                    if is_ours { "; kept in the run for the next time" } else { "" }
+                ));
+            }
+        }
+        if run.job.is_integrated() {
+            let (outcome, cells) = engine.integrate(interrupt)?;
+            if let Outcome::Stopped(signal) = outcome {
+                return Err(stopped(signal));
+            }
+            integrated = cells;
+        }
+        Ok(Self { run, engine, integrated })
+    }
+
+    /// Probability of a cell with the interval of the given confidence, or with its bounds.
+    fn estimate(&self, cell: u64, confidence: f64) -> Estimate {
+        let Run { job, slots, tally, .. } = self.run;
+        if let Some(integrated) = self.integrated.get(cell as usize) {
+            return integrated.estimate;
+        }
+        if let Effort::Randomisations { .. } = job.sampling.effort {
+            let parts: Vec<VerdictCounts> = slots.of(cell).map(|slot| tally.counts(slot)).collect();
+            return replicates::estimate(&parts, confidence);
+        }
+        BinomialInterval::new(job.interval().kind(), confidence).estimate(&self.run.counts(cell))
+    }
+}
+
+fn stopped(signal: Signal) -> Failure {
+    let message = "nothing was compared; finished tiles of verdict maps are kept. Run the same command again";
+    Failure::Stopped { signal, message: message.to_owned() }
+}
+
+/// The verdicts of two runs on the same samples of a cell.
+#[derive(Debug, Clone, Copy, Default)]
+struct Joint {
+    /// Pairs where both are decided.
+    decided: PairedCounts,
+    /// All pairs, what is unknown taken for the lowest difference, and for the highest.
+    lowest: PairedCounts,
+    highest: PairedCounts,
+    /// Every verdict of either run, also on samples that the other does not have.
+    counts: [VerdictCounts; 2],
+}
+
+impl Joint {
+    /// Of consecutive samples from the same one on; the longer list goes on alone.
+    fn of(first: &[Verdict], second: &[Verdict]) -> Self {
+        let mut joint = Self::default();
+        for (counts, verdicts) in joint.counts.iter_mut().zip([first, second]) {
+            verdicts.iter().for_each(|&verdict| *counts += verdict.into());
+        }
+        for pair in first.iter().zip(second) {
+            let [first, second] = [pair.0, pair.1].map(|verdict| match verdict {
+                Verdict::Unstable => Some(true),
+                Verdict::Stable => Some(false),
+                Verdict::Undecided | Verdict::Failed => None,
+            });
+            if let (Some(first), Some(second)) = (first, second) {
+                count(&mut joint.decided, first, second);
+            }
+            count(&mut joint.lowest, first.unwrap_or(true), second.unwrap_or(false));
+            count(&mut joint.highest, first.unwrap_or(false), second.unwrap_or(true));
+        }
+        joint
+    }
+
+    fn add(&mut self, other: &Self) {
+        let all = |joint: &Self| [joint.decided, joint.lowest, joint.highest];
+        for (own, other) in [&mut self.decided, &mut self.lowest, &mut self.highest].into_iter().zip(all(other)) {
+            own.both += other.both;
+            own.only_first += other.only_first;
+            own.only_second += other.only_second;
+            own.neither += other.neither;
+        }
+        for (own, other) in self.counts.iter_mut().zip(other.counts) {
+            *own += other;
+        }
+    }
+
+    /// Second minus first.
+    fn difference(&self, confidence: f64) -> Difference {
+        let of = |counts: &PairedCounts| {
+            // The sampler's difference is first minus second.
+            let exchanged = PairedCounts { only_first: counts.only_second, only_second: counts.only_first, ..*counts };
+            paired_difference(&exchanged, confidence)
+        };
+        Difference { value: of(&self.decided).value, low: of(&self.lowest).low, high: of(&self.highest).high }
+    }
+}
+
+fn count(counts: &mut PairedCounts, first: bool, second: bool) {
+    match (first, second) {
+        (true, true) => counts.both += 1,
+        (true, false) => counts.only_first += 1,
+        (false, true) => counts.only_second += 1,
+        (false, false) => counts.neither += 1,
+    }
+}
+
+/// Second minus first from independent counts; what is unknown widens both ends.
+fn unpaired(first: &VerdictCounts, second: &VerdictCounts, confidence: f64) -> Difference {
+    let unknown = |counts: &VerdictCounts| counts.undecided + counts.failed;
+    let all = |up: u64, down: u64| {
+        unpaired_difference(second.unstable + up, second.total(), first.unstable + down, first.total(), confidence)
+    };
+    let value =
+        unpaired_difference(second.unstable, second.decided(), first.unstable, first.decided(), confidence).value;
+    Difference { value, low: all(0, unknown(first)).low, high: all(unknown(second), 0).high }
+}
+
+/// The differences of all cells of two runs.
+fn differences<'a>(
+    first: &'a Reader<'_>,
+    second: &'a Reader<'_>,
+    matching: &Matching,
+    confidence: f64,
+    interrupt: &Interrupt,
+) -> Result<Differences<'a>, Failure> {
+    let joints = count_pairs(first, second, matching, interrupt)?;
+    let mut disagreed = 0_u64;
+    let mut rows = Vec::with_capacity(matching.cells.len());
+    for (&(index, other, is_paired), joint) in matching.cells.iter().zip(&joints) {
+        let counts = [first.run.counts(index), second.run.counts(other)];
+        let found_again = joint.counts == counts;
+        disagreed += u64::from(is_paired && !found_again);
+        let row = Row {
+            cell: first.run.job.grid.cell(index),
+            second_cell: other,
+            pairs: 0,
+            joint: PairedCounts::default(),
+            first: None,
+            second: None,
+            difference: Difference { value: None, low: -1.0, high: 1.0 },
+            interval: Interval::Unpaired,
+        };
+        let estimates = [first.estimate(index, confidence), second.estimate(other, confidence)];
+        let [p_first, p_second] = estimates.map(|estimate| estimate.probability);
+        rows.push(if first.run.job.is_integrated() || second.run.job.is_integrated() {
+            let value = p_first.zip(p_second).map(|(first, second)| second - first);
+            let (low, high) = (estimates[1].low - estimates[0].high, estimates[1].high - estimates[0].low);
+            let difference = Difference { value, low, high };
+            Row { first: p_first, second: p_second, difference, interval: Interval::Bounds, ..row }
+        } else if is_paired && found_again {
+            let PairedCounts { both, only_first, only_second, .. } = joint.decided;
+            let share = |count: u64| {
+                let total = joint.decided.total();
+                (total > 0).then(|| count as f64 / total as f64)
+            };
+            Row {
+                pairs: joint.lowest.total(),
+                joint: joint.decided,
+                first: share(both + only_first),
+                second: share(both + only_second),
+                difference: joint.difference(confidence),
+                interval: Interval::Paired,
+                ..row
+            }
+        } else {
+            let difference = unpaired(&counts[0], &counts[1], confidence);
+            Row { first: p_first, second: p_second, difference, ..row }
+        });
+    }
+    if disagreed > 0 {
+        note(format_args!(
+            "warning: in {} of {} cells the verdicts that were found again are not those that {} and {} counted (another version, or a verdict map that is wrong somewhere); their intervals are those of unpaired samples",
+            HumanCount(disagreed),
+            HumanCount(rows.len() as u64),
+            first.run.name,
+            second.run.name
+        ));
+    }
+    Ok(Differences { first: &first.run.name, second: &second.run.name, grid: &first.run.job.grid, rows })
+}
+
+/// A unit of work: some samples of a matched cell.
+struct Unit {
+    matched: usize,
+    randomisation: usize,
+    samples: Range<u64>,
+}
+
+/// Joint counts of the matched cells; nothing where samples are not shared.
+fn count_pairs(
+    first: &Reader<'_>,
+    second: &Reader<'_>,
+    matching: &Matching,
+    interrupt: &Interrupt,
+) -> Result<Vec<Joint>, Failure> {
+    let length = first.run.job.unit_samples().min(second.run.job.unit_samples()).min(MOST_UNIT_SAMPLES);
+    let mut units = Vec::new();
+    let mut total = 0;
+    for (matched, &(index, other, _)) in matching.cells.iter().enumerate().filter(|(_, cell)| cell.2) {
+        // Samples that only one run has are judged too: its counts are known for all of them together only.
+        let lengths = first.run.lengths(index).into_iter().zip(second.run.lengths(other));
+        for (randomisation, (a, b)) in lengths.enumerate() {
+            let end = a.max(b);
+            total += u128::from(end);
+            let starts = (0..end).step_by(length as usize);
+            units.extend(starts.map(|start| Unit { matched, randomisation, samples: start..end.min(start + length) }));
+        }
+    }
+    let mut joints = vec![Joint::default(); matching.cells.len()];
+    let mut progress = Progress::new(total, "samples");
+    let judge = |i: u64| {
+        let unit = &units[i as usize];
+        let (index, other, _) = matching.cells[unit.matched];
+        let verdicts = |reader: &Reader<'_>, cell: u64| {
+            let end = unit.samples.end.min(reader.run.lengths(cell)[unit.randomisation]);
+            let samples = unit.samples.start..end;
+            if samples.is_empty() { Vec::new() } else { reader.engine.verdicts(cell, unit.randomisation, samples) }
+        };
+        let joint = Joint::of(&verdicts(first, index), &verdicts(second, other));
+        (unit.matched, unit.samples.end - unit.samples.start, joint)
+    };
+    let outcome =
+        first.engine.for_each_in_parallel(units.len() as u64, interrupt, judge, |(matched, samples, joint)| {
+            joints[matched].add(&joint);
+            progress.advance(samples);
+            progress.tick();
+        })?;
+    progress.finish();
+    match outcome {
+        Outcome::Finished => Ok(joints),
+        Outcome::Stopped(signal) => Err(stopped(signal)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_unknown_widens_both_ends() {
+        use Verdict::{Failed, Stable, Undecided, Unstable};
+        let first = [Stable, Stable, Unstable, Unstable, Undecided, Failed, Stable, Undecided];
+        let second = [Stable, Unstable, Stable, Unstable, Unstable, Stable, Undecided];
+        let joint = Joint::of(&first, &second);
+        assert_eq!(joint.decided, PairedCounts { both: 1, only_first: 1, only_second: 1, neither: 1 });
+        // A sample of which one verdict is known can only move so far.
+        assert_eq!(joint.lowest, PairedCounts { both: 2, only_first: 2, only_second: 1, neither: 2 });
+        assert_eq!(joint.highest, PairedCounts { both: 1, only_first: 1, only_second: 3, neither: 2 });
+        assert_eq!([joint.counts[0].total(), joint.counts[1].total()], [8, 7], "the longer list goes on alone");
+        let difference = joint.difference(0.95);
+        let decided = paired_difference(&joint.decided, 0.95);
+        assert_eq!(difference.value, Some(0.0));
+        assert!(difference.low < 0.0 && difference.high > 0.0 && decided.low < 0.0);
+    }
+
+    #[test]
+    fn the_difference_is_that_of_the_second_to_the_first() {
+        let verdicts = |unstable: usize| -> Vec<Verdict> {
+            (0..100).map(|i| if i < unstable { Verdict::Unstable } else { Verdict::Stable }).collect()
+        };
+        let joint = Joint::of(&verdicts(20), &verdicts(50));
+        let paired = joint.difference(0.95);
+        assert_eq!(paired.value, Some(0.3));
+        let [first, second] = joint.counts;
+        let unpaired = unpaired(&first, &second, 0.95);
+        assert!((unpaired.value.unwrap() - 0.3).abs() < 1e-15);
+        assert!(
+            0.0 < unpaired.low && unpaired.low < paired.low && paired.high < unpaired.high,
+            "{paired:?} {unpaired:?}"
+        );
+        let unknown = VerdictCounts { undecided: 10, ..first };
+        let wider = super::unpaired(&unknown, &second, 0.95);
+        assert!(wider.low < unpaired.low);
+    }
+}

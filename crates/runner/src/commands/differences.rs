@@ -1,0 +1,351 @@
+//! What `compare` found, as text, picture, JSON and columns.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use indicatif::HumanCount;
+use serde_json::{Value, json as object};
+use stickslip_sampler::{Cell, Difference, Grid, PairedCounts};
+
+use crate::run::{TableColumn, TableValues};
+
+/// Rows and columns of a picture at the most; larger grids are thinned out.
+const MOST_ROWS: usize = 15;
+const MOST_COLUMNS: usize = 60;
+
+/// Slices (speeds and standard deviations) shown at the most.
+const MOST_SLICES: usize = 4;
+
+/// Signs with the difference from which they hold; the last one for less than all.
+const SIGNS: [(f64, char); 5] = [(0.1, '#'), (0.01, '+'), (-0.01, ' '), (-0.1, '-'), (f64::NEG_INFINITY, '=')];
+
+/// What the interval of a difference is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interval {
+    /// Tango's, from the verdicts on the same samples.
+    Paired,
+    /// Newcombe's, from independent counts.
+    Unpaired,
+    /// From the bounds of an integral, and the interval of the other run where that has samples.
+    Bounds,
+}
+
+impl Interval {
+    /// As in the result column.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paired => "paired",
+            Self::Unpaired => "unpaired",
+            Self::Bounds => "bounds",
+        }
+    }
+}
+
+/// The difference in one cell.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    /// As the first run has it.
+    pub cell: Cell,
+    /// Its index in the second run.
+    pub second_cell: u64,
+    /// Pairs of samples.
+    pub pairs: u64,
+    /// Those where both are decided; none unless paired.
+    pub joint: PairedCounts,
+    /// Probability in the first run, of the paired samples where there are any.
+    pub first: Option<f64>,
+    /// Likewise in the second.
+    pub second: Option<f64>,
+    /// Second minus first.
+    pub difference: Difference,
+    /// What its interval is.
+    pub interval: Interval,
+}
+
+/// The differences of two runs.
+pub struct Differences<'a> {
+    /// The reference, as typed.
+    pub first: &'a str,
+    /// What is compared with it.
+    pub second: &'a str,
+    /// The cells of the reference.
+    pub grid: &'a Grid,
+    /// One for each cell that both have, in the order of the first; at least one.
+    pub rows: Vec<Row>,
+}
+
+/// What a comparison comes to.
+struct Facts<'a> {
+    cells: usize,
+    paired: usize,
+    /// Means over the cells with a difference.
+    mean: Option<f64>,
+    mean_absolute: Option<f64>,
+    largest: Option<&'a Row>,
+    higher: usize,
+    lower: usize,
+    /// Pairs of samples, where both are decided, unstable in the first only, and in the second only.
+    pairs: u64,
+    decided: u64,
+    only_first: u64,
+    only_second: u64,
+}
+
+impl<'a> Facts<'a> {
+    fn of(differences: &'a Differences<'_>) -> Self {
+        let rows = &differences.rows;
+        let known = || rows.iter().filter_map(|row| row.difference.value.map(|value| (value, row)));
+        let count = known().count();
+        let mean = |values: &mut dyn Iterator<Item = f64>| (count > 0).then(|| values.sum::<f64>() / count as f64);
+        let sum = |value: fn(&Row) -> u64| rows.iter().map(value).sum();
+        Self {
+            cells: rows.len(),
+            paired: rows.iter().filter(|row| row.interval == Interval::Paired).count(),
+            mean: mean(&mut known().map(|(value, _)| value)),
+            mean_absolute: mean(&mut known().map(|(value, _)| value.abs())),
+            // The first of several.
+            largest: known().rev().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).map(|(_, row)| row),
+            higher: rows.iter().filter(|row| row.difference.low > 0.0).count(),
+            lower: rows.iter().filter(|row| row.difference.high < 0.0).count(),
+            pairs: sum(|row| row.pairs),
+            decided: sum(|row| row.joint.total()),
+            only_first: sum(|row| row.joint.only_first),
+            only_second: sum(|row| row.joint.only_second),
+        }
+    }
+
+    /// Shares of the decided pairs that are unstable in the second only, and in the first only.
+    fn shares(&self) -> Option<(f64, f64)> {
+        let share = |count: u64| count as f64 / self.decided as f64;
+        (self.decided > 0).then(|| (share(self.only_second), share(self.only_first)))
+    }
+}
+
+/// A block of text.
+pub fn summary(differences: &Differences<'_>, confidence: f64) -> String {
+    let facts = Facts::of(differences);
+    let Differences { first, second, .. } = differences;
+    let mut text = format!(
+        "{second} against {first}: {} cells, {} of them paired\n",
+        HumanCount(facts.cells as u64),
+        HumanCount(facts.paired as u64)
+    );
+    let unknown = || "no sample was decided".to_owned();
+    let mean = facts.mean.zip(facts.mean_absolute);
+    let mean = mean.map_or_else(unknown, |(mean, absolute)| format!("{mean:+.5}, of its absolute value {absolute:.5}"));
+    text += &format!("mean difference   {mean}\n");
+    let largest = facts.largest.map_or_else(unknown, |row| {
+        let difference = row.difference;
+        format!(
+            "{:+.5} ({:+.5} to {:+.5}, {}) in cell {}: {} rad/s, preload {}, static friction {}",
+            difference.value.unwrap_or(0.0),
+            difference.low,
+            difference.high,
+            row.interval.name(),
+            row.cell.index,
+            row.cell.rotating_speed,
+            row.cell.preload,
+            row.cell.static_friction
+        )
+    });
+    text += &format!("largest           {largest}\n");
+    text += &format!(
+        "significant       {} of {} cells ({} higher, {} lower): their interval of confidence {confidence} excludes 0\n",
+        HumanCount((facts.higher + facts.lower) as u64),
+        HumanCount(facts.cells as u64),
+        HumanCount(facts.higher as u64),
+        HumanCount(facts.lower as u64)
+    );
+    if let Some((second, first)) = facts.shares() {
+        text += &format!(
+            "in {} of the samples the second run is unstable where the first is stable, in {} the other way round\n",
+            percent(second),
+            percent(first)
+        );
+    }
+    if facts.pairs > facts.decided {
+        text += &format!(
+            "{} of {} samples have no verdict in one run or both; the intervals count them for either side\n",
+            HumanCount(facts.pairs - facts.decided),
+            HumanCount(facts.pairs)
+        );
+    }
+    text
+}
+
+/// A share; none at all is told from next to none.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent {
+        0.0 => "none".to_owned(),
+        ..0.001 => "less than 0.001 %".to_owned(),
+        ..0.1 => format!("{percent:.3} %"),
+        _ => format!("{percent:.1} %"),
+    }
+}
+
+/// The summaries as JSON.
+pub fn json(compared: &[Differences<'_>], confidence: f64) -> Value {
+    let of = |differences: &Differences<'_>| {
+        let facts = Facts::of(differences);
+        let shares = facts.shares();
+        object!({
+            "first": differences.first,
+            "second": differences.second,
+            "cells": facts.cells,
+            "cells_paired": facts.paired,
+            "confidence": confidence,
+            "mean_difference": facts.mean,
+            "mean_absolute_difference": facts.mean_absolute,
+            "largest": facts.largest.map(|row| object!({
+                "cell_first": row.cell.index,
+                "cell_second": row.second_cell,
+                "rotating_speed_rad_s": row.cell.rotating_speed,
+                "std_preload": row.cell.relative_std.preload,
+                "std_static_friction": row.cell.relative_std.static_friction,
+                "preload": row.cell.preload,
+                "static_friction": row.cell.static_friction,
+                "difference": row.difference.value,
+                "difference_low": row.difference.low,
+                "difference_high": row.difference.high,
+                "interval": row.interval.name(),
+            })),
+            "cells_significantly_higher": facts.higher,
+            "cells_significantly_lower": facts.lower,
+            "samples_paired": facts.pairs,
+            "samples_only_first_unstable": facts.only_first,
+            "samples_only_second_unstable": facts.only_second,
+            "share_only_first_unstable": shares.map(|(_, first)| first),
+            "share_only_second_unstable": shares.map(|(second, _)| second),
+        })
+    };
+    Value::Array(compared.iter().map(of).collect())
+}
+
+/// The difference over preload and static friction, a slice for each speed and standard deviation that has at least two
+/// of either.
+pub fn picture(differences: &Differences<'_>) -> String {
+    let [_, _, preloads, frictions] = differences.grid.lengths();
+    let mut slices: BTreeMap<u64, BTreeMap<(u64, u64), &Row>> = BTreeMap::new();
+    for row in &differences.rows {
+        let index = row.cell.index;
+        let place = (index / frictions % preloads, index % frictions);
+        slices.entry(index / (preloads * frictions)).or_default().insert(place, row);
+    }
+    let (mut text, mut drawn, mut more) = (String::new(), 0, 0);
+    for slice in slices.values() {
+        let rows: Vec<u64> = slice.keys().map(|place| place.0).collect::<BTreeSet<_>>().into_iter().collect();
+        let columns: Vec<u64> = slice.keys().map(|place| place.1).collect::<BTreeSet<_>>().into_iter().collect();
+        if rows.len() < 2 || columns.len() < 2 {
+            continue;
+        }
+        if drawn == MOST_SLICES {
+            more += 1;
+            continue;
+        }
+        drawn += 1;
+        text += &slice_picture(slice, &rows, &columns);
+    }
+    if more > 0 {
+        text += &format!("... and {more} more slices; --out FILE.parquet writes them all\n");
+    }
+    text
+}
+
+/// At most `most` evenly spread entries, both ends included.
+fn thinned(entries: &[u64], most: usize) -> Vec<u64> {
+    let length = entries.len();
+    if length <= most {
+        return entries.to_vec();
+    }
+    (0..most).map(|i| entries[(i * (length - 1) + (most - 1) / 2) / (most - 1)]).collect()
+}
+
+fn slice_picture(slice: &BTreeMap<(u64, u64), &Row>, rows: &[u64], columns: &[u64]) -> String {
+    let Some((_, row)) = slice.first_key_value() else { return String::new() };
+    let std = row.cell.relative_std;
+    let scatter: Vec<String> = [("preload", std.preload), ("friction", std.static_friction)]
+        .into_iter()
+        .filter(|(_, std)| *std > 0.0)
+        .map(|(name, std)| format!("{name} {std}"))
+        .collect();
+    let scatter = if scatter.is_empty() { "none".to_owned() } else { scatter.join(", ") };
+    let mut text =
+        format!("Difference, second minus first, at {} rad/s; relative std: {scatter}\n\n", row.cell.rotating_speed);
+    text += " preload\n";
+    let drawn = thinned(columns, MOST_COLUMNS);
+    let width = if drawn.len() <= MOST_COLUMNS / 2 { 2 } else { 1 };
+    for preload in thinned(rows, MOST_ROWS).into_iter().rev() {
+        let label = slice.range((preload, 0)..).next().map_or(0.0, |(_, row)| row.cell.preload);
+        text += &format!("{label:>8.4} |");
+        for &friction in &drawn {
+            let sign = slice.get(&(preload, friction)).map_or('.', |row| row.difference.value.map_or('?', sign));
+            text.extend(std::iter::repeat_n(sign, width));
+        }
+        text += "|\n";
+    }
+    let friction = |column: Option<&u64>| {
+        let row = slice.iter().find(|(place, _)| Some(&place.1) == column);
+        row.map_or_else(String::new, |(_, row)| row.cell.static_friction.to_string())
+    };
+    let (from, to) = (friction(columns.first()), friction(columns.last()));
+    let inside = drawn.len() * width;
+    let gap = inside.saturating_sub(from.len() + to.len()).max(1);
+    text += &format!("{:9}+{}+\n{:10}{from}{:gap$}{to}  static friction\n", "", "-".repeat(inside), "", "");
+    text += "          = below -0.1, - to -0.01, ' ' to 0.01, + to 0.1, # 0.1 and more";
+    if slice.len() < rows.len() * columns.len() {
+        text += ", . not in both runs";
+    }
+    text + "\n\n"
+}
+
+fn sign(difference: f64) -> char {
+    SIGNS.iter().find(|(from, _)| difference >= *from).map_or('?', |(_, sign)| *sign)
+}
+
+/// One row for each pair of runs and cell.
+pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
+    let all = || compared.iter().flat_map(|differences| differences.rows.iter().map(move |row| (differences, row)));
+    let text = |name, long_name, value: fn(&Differences<'_>, &Row) -> String| TableColumn {
+        name,
+        unit: "1",
+        long_name,
+        values: TableValues::Text(all().map(|(differences, row)| value(differences, row)).collect()),
+    };
+    let integer = |name, long_name, value: fn(&Row) -> u64| TableColumn {
+        name,
+        unit: "1",
+        long_name,
+        values: TableValues::Integer(all().map(|(_, row)| value(row)).collect()),
+    };
+    let real = |name, long_name, value: fn(&Row) -> Option<f64>| TableColumn {
+        name,
+        unit: if name == "rotating_speed_rad_s" { "rad/s" } else { "1" },
+        long_name,
+        values: TableValues::Real(all().map(|(_, row)| value(row)).collect()),
+    };
+    #[rustfmt::skip]
+    let columns = vec![
+        text("first_run", "directory of the reference", |differences, _| differences.first.to_owned()),
+        text("second_run", "directory of the run that is compared with it", |differences, _| differences.second.to_owned()),
+        integer("cell_first", "0-based index of the cell in the first run", |row| row.cell.index),
+        integer("cell_second", "0-based index of the cell in the second run", |row| row.second_cell),
+        real("rotating_speed_rad_s", "rotating speed of the disc", |row| Some(row.cell.rotating_speed)),
+        real("std_preload", "standard deviation of the preload over its expected value", |row| Some(row.cell.relative_std.preload)),
+        real("std_static_friction", "standard deviation of the static friction coefficient over its expected value", |row| Some(row.cell.relative_std.static_friction)),
+        real("preload", "expected preload, calliper displacement over disc thickness", |row| Some(row.cell.preload)),
+        real("static_friction", "expected static friction coefficient", |row| Some(row.cell.static_friction)),
+        integer("n_paired", "samples that both runs judged; 0 unless paired", |row| row.pairs),
+        integer("n_both", "paired samples unstable in both runs", |row| row.joint.both),
+        integer("n_only_first", "paired samples unstable in the first run, stable in the second", |row| row.joint.only_first),
+        integer("n_only_second", "paired samples stable in the first run, unstable in the second", |row| row.joint.only_second),
+        integer("n_neither", "paired samples stable in both runs", |row| row.joint.neither),
+        integer("n_without_verdict", "paired samples undecided or failed in one run or both", |row| row.pairs - row.joint.total()),
+        real("p_first", "probability of instability in the first run, of the paired samples where there are any", |row| row.first),
+        real("p_second", "probability of instability in the second run, of the paired samples where there are any", |row| row.second),
+        real("difference", "probability in the second run minus that in the first", |row| row.difference.value),
+        real("difference_low", "lower end of the interval of the difference", |row| Some(row.difference.low)),
+        real("difference_high", "upper end of the interval of the difference", |row| Some(row.difference.high)),
+        text("interval", "paired (Tango), unpaired (Newcombe) or bounds (of integrated probabilities)", |_, row| row.interval.name().to_owned()),
+    ];
+    columns
+}

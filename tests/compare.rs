@@ -1,0 +1,318 @@
+//! Comparing finished runs: joint counts, intervals, and what is refused.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
+
+mod common;
+
+use std::fs::{self, File};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::time::Duration;
+
+use arrow::array::{ArrayRef, Int64Array, RecordBatch, StringArray};
+use common::{Place, Table};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::properties::WriterProperties;
+
+/// A job over 3 by 3 cells with further lines for `[criterion]` and `[sampling]`.
+fn job(name: &str, speed: f64, criterion: &str, sampling: &str) -> String {
+    format!(
+        "name = \"{name}\"\n[axes]\nrotating_speed = {speed}\npreload = {{ from = 0.1, to = 0.3, points = 3 }}\n\
+         static_friction = {{ from = 0.3, to = 0.5, points = 3 }}\n[random]\ninputs = [\"preload\", \"static_friction\"]\n\
+         relative_std = 0.2\n[criterion]\n{criterion}\n[sampling]\n{sampling}\n"
+    )
+}
+
+const EIGENVALUE: &str = "kind = \"eigenvalue\"";
+const RIGID: &str = "kind = \"time-domain\"\ndisc = \"rigid\"";
+const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";
+
+/// A place with finished runs of jobs, each with a name, a criterion and its sampling.
+fn runs(speed: f64, jobs: &[(&str, &str, &str)]) -> Place {
+    let place = Place::new();
+    for (name, criterion, sampling) in jobs {
+        place.write("job.toml", &job(name, speed, criterion, sampling));
+        place.run("submit job.toml").done();
+    }
+    place
+}
+
+fn sum(table: &Table, name: &str) -> f64 {
+    table.column(name).iter().sum()
+}
+
+/// The texts of a column.
+fn texts(place: &Place, file: &str, name: &str) -> Vec<String> {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(place.path(file)).unwrap()).unwrap();
+    let mut texts = Vec::new();
+    for batch in builder.build().unwrap() {
+        let batch = batch.unwrap();
+        let column = batch.column_by_name(name).unwrap().as_any().downcast_ref::<StringArray>().unwrap().clone();
+        texts.extend(column.iter().map(|text| text.unwrap().to_owned()));
+    }
+    texts
+}
+
+#[test]
+fn eigenvalues_against_motion_in_time_are_paired_and_add_up() {
+    let sampling = "samples = 400\nseed = 5";
+    let place = runs(15.0, &[("linear", EIGENVALUE, sampling), ("motion", RIGID, sampling)]);
+    let outcome = place.run("compare runs/linear runs/motion --out out.parquet").done();
+    for text in [
+        "runs/motion against runs/linear: 9 cells, 9 of them paired",
+        "Difference, second minus first",
+        "of the samples",
+    ] {
+        assert!(outcome.stdout.contains(text), "{text}: {}", outcome.stdout);
+    }
+    assert!(!outcome.stderr.contains("warning"), "{}", outcome.stderr);
+    let contract = [
+        "first_run",
+        "second_run",
+        "cell_first",
+        "cell_second",
+        "rotating_speed_rad_s",
+        "std_preload",
+        "std_static_friction",
+        "preload",
+        "static_friction",
+        "n_paired",
+        "n_both",
+        "n_only_first",
+        "n_only_second",
+        "n_neither",
+        "n_without_verdict",
+        "p_first",
+        "p_second",
+        "difference",
+        "difference_low",
+        "difference_high",
+        "interval",
+    ];
+    let table = Table::read(&place.path("out.parquet"));
+    assert_eq!(table.names(), contract);
+    assert_eq!(texts(&place, "out.parquet", "first_run"), ["runs/linear"; 9]);
+    assert_eq!(texts(&place, "out.parquet", "second_run"), ["runs/motion"; 9]);
+    assert_eq!(texts(&place, "out.parquet", "interval"), ["paired"; 9]);
+    let [linear, motion] =
+        ["linear", "motion"].map(|run| Table::read(&place.path("runs").join(run).join("surface.parquet")));
+    for row in 0..9 {
+        let of = |name: &str| table.column(name)[row];
+        let (both, first, second) = (of("n_both"), of("n_only_first"), of("n_only_second"));
+        assert_eq!(of("n_paired"), 400.0);
+        assert_eq!(both + first + second + of("n_neither") + of("n_without_verdict"), 400.0);
+        assert_eq!(both + first, linear.column("n_unstable")[row], "the marginal counts are those of the runs");
+        assert_eq!(both + second, motion.column("n_unstable")[row]);
+        assert_eq!(of("difference"), (second - first) / (400.0 - of("n_without_verdict")));
+        assert!((of("p_second") - of("p_first") - of("difference")).abs() < 1e-15);
+        assert!(of("difference_low") <= of("difference") && of("difference") <= of("difference_high"));
+        assert!(of("difference_low") < of("difference_high"));
+        assert_eq!(of("preload"), linear.column("preload")[row]);
+        assert_eq!(of("cell_first"), of("cell_second"));
+    }
+    // The other way round is the mirror image.
+    place.run("compare runs/motion runs/linear --out back.parquet").done();
+    let back = Table::read(&place.path("back.parquet"));
+    for row in 0..9 {
+        assert_eq!(back.column("difference")[row], -table.column("difference")[row]);
+        assert_eq!(back.column("difference_low")[row], -table.column("difference_high")[row]);
+        assert_eq!(back.column("n_only_first")[row], table.column("n_only_second")[row]);
+    }
+}
+
+#[test]
+fn a_run_does_not_differ_from_itself() {
+    let place = runs(15.0, &[("same", RIGID, "samples = 200"), ("exact", EIGENVALUE, "method = \"exact\"")]);
+    let outcome = place.run("compare runs/same runs/same runs/same --json").done();
+    let summaries: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(summaries.as_array().unwrap().len(), 2);
+    for summary in summaries.as_array().unwrap() {
+        assert_eq!(summary["cells_paired"], 9);
+        assert_eq!(summary["mean_absolute_difference"], 0.0);
+        assert_eq!(summary["samples_only_first_unstable"], 0);
+        assert_eq!(summary["samples_only_second_unstable"], 0);
+        assert_eq!(summary["cells_significantly_higher"], 0);
+        assert_eq!(summary["cells_significantly_lower"], 0);
+        assert!(summary["largest"]["difference_low"].as_f64().unwrap() < 0.0);
+    }
+    let exact = place.run("compare runs/exact runs/exact").done();
+    assert!(exact.stdout.contains("significant       0 of 9 cells"), "{}", exact.stdout);
+}
+
+#[test]
+fn a_start_from_rest_squeals_where_steady_sliding_holds() {
+    let sampling = "samples = 300\nseed = 3";
+    let place = runs(22.0, &[("held", RIGID, sampling), ("rest", FROM_REST, sampling)]);
+    place.run("compare runs/held runs/rest --out out.parquet").done();
+    let table = Table::read(&place.path("out.parquet"));
+    assert_eq!(sum(&table, "n_only_first"), 0.0);
+    assert!(sum(&table, "n_only_second") > 300.0, "{}", sum(&table, "n_only_second"));
+    let low = table.column("difference_low");
+    assert!(low.iter().any(|&low| low > 0.1), "{low:?}");
+}
+
+#[test]
+fn other_samples_are_not_paired() {
+    let place =
+        runs(15.0, &[("a", EIGENVALUE, "samples = 500\nseed = 1"), ("b", EIGENVALUE, "samples = 700\nseed = 2")]);
+    let outcome = place.run("compare runs/a runs/b --out out.parquet").done();
+    assert!(outcome.stderr.contains("their seeds differ (1 and 2)"), "{}", outcome.stderr);
+    assert_eq!(texts(&place, "out.parquet", "interval"), ["unpaired"; 9]);
+    let table = Table::read(&place.path("out.parquet"));
+    assert_eq!(sum(&table, "n_paired"), 0.0);
+    let b = Table::read(&place.path("runs/b/surface.parquet"));
+    assert_eq!(table.column("p_second"), b.column("p_unstable"));
+    for row in 0..9 {
+        let of = |name: &str| table.column(name)[row];
+        assert_eq!(of("difference"), of("p_second") - of("p_first"));
+        assert!(of("difference_low") < of("difference") && of("difference") < of("difference_high"));
+    }
+}
+
+#[test]
+fn runs_of_different_length_are_paired_where_both_have_samples() {
+    let until = "until = { half_width = 0.08, at_most = 4000 }\nseed = 1";
+    let place = runs(
+        15.0,
+        &[
+            ("a", EIGENVALUE, "samples = 500\nseed = 1"),
+            ("b", RIGID, "samples = 700\nseed = 1"),
+            ("c", EIGENVALUE, until),
+        ],
+    );
+    let outcome = place.run("compare runs/a runs/b runs/c --out out.parquet").done();
+    assert!(!outcome.stderr.contains("warning"), "{}", outcome.stderr);
+    assert_eq!(texts(&place, "out.parquet", "interval"), ["paired"; 18]);
+    let table = Table::read(&place.path("out.parquet"));
+    assert_eq!(table.column("n_paired")[..9], [500.0; 9]);
+    // The same criterion on the same samples.
+    assert_eq!(table.column("difference")[9..], [0.0; 9]);
+}
+
+#[test]
+fn sobol_points_are_paired_by_randomisation() {
+    let sampling = "method = \"sobol\"\nsamples = 512\nrandomisations = 4\nseed = 9";
+    let other = sampling.replace("= 4", "= 8");
+    let place = runs(15.0, &[("a", EIGENVALUE, sampling), ("b", RIGID, sampling), ("c", EIGENVALUE, &other)]);
+    let outcome = place.run("compare runs/a runs/b runs/c --out out.parquet").done();
+    assert!(outcome.stderr.contains("they have 4 and 8 randomisations"), "{}", outcome.stderr);
+    let intervals = texts(&place, "out.parquet", "interval");
+    assert_eq!(
+        (&intervals[..9], &intervals[9..]),
+        (&vec!["paired".to_owned(); 9][..], &vec!["unpaired".to_owned(); 9][..])
+    );
+    assert_eq!(Table::read(&place.path("out.parquet")).column("n_paired")[..9], [512.0; 9]);
+}
+
+#[test]
+fn integrated_probabilities_have_bounds() {
+    let place = runs(15.0, &[("exact", EIGENVALUE, "method = \"exact\""), ("drawn", EIGENVALUE, "samples = 1000")]);
+    place.run("compare runs/exact runs/drawn --out out.parquet").done();
+    assert_eq!(texts(&place, "out.parquet", "interval"), ["bounds"; 9]);
+    let table = Table::read(&place.path("out.parquet"));
+    let [exact, drawn] =
+        ["exact", "drawn"].map(|run| Table::read(&place.path("runs").join(run).join("surface.parquet")));
+    assert_eq!(table.column("p_first"), exact.column("p_unstable"));
+    for row in 0..9 {
+        let of = |name: &str| table.column(name)[row];
+        assert_eq!(of("n_paired"), 0.0);
+        assert_eq!(of("difference_low"), drawn.column("p_low")[row] - exact.column("p_high")[row]);
+        assert_eq!(of("difference_high"), drawn.column("p_high")[row] - exact.column("p_low")[row]);
+        assert!(of("difference").abs() < 0.06);
+    }
+}
+
+#[test]
+fn cells_are_matched_by_their_values() {
+    let place = Place::new();
+    for (name, common) in [("own", false), ("common", true)] {
+        let sampling = format!("samples = 300\ncommon_random_numbers = {common}");
+        let whole = job(&format!("{name}-whole"), 15.0, EIGENVALUE, &sampling);
+        place.write("whole.toml", &whole);
+        let part = job(&format!("{name}-part"), 15.0, EIGENVALUE, &sampling);
+        place.write("part.toml", &part.replace("{ from = 0.3, to = 0.5, points = 3 }", "[0.4, 0.5, 0.6]"));
+        place.run("submit whole.toml").done();
+        place.run("submit part.toml").done();
+        let outcome = place.run(&format!("compare runs/{name}-whole runs/{name}-part --out {name}.parquet")).done();
+        assert!(outcome.stderr.contains("6 cells are in both runs; left out are 3 of 9"), "{}", outcome.stderr);
+    }
+    let table = Table::read(&place.path("common.parquet"));
+    assert_eq!(table.column("cell_first"), [1.0, 2.0, 4.0, 5.0, 7.0, 8.0]);
+    assert_eq!(table.column("cell_second"), [0.0, 1.0, 3.0, 4.0, 6.0, 7.0]);
+    assert_eq!(table.column("difference"), [0.0; 6], "the same samples in every cell");
+    assert_eq!(texts(&place, "own.parquet", "interval"), ["unpaired"; 6]);
+}
+
+#[test]
+fn verdicts_that_are_not_those_counted_are_not_paired() {
+    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 300"), ("b", RIGID, "samples = 300")]);
+    place.run("compare runs/a runs/b").done();
+    // A verdict map that tells the opposite, under a good checksum.
+    let piece = fs::read_dir(place.path("runs/b/map")).unwrap().next().unwrap().unwrap().path();
+    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(&piece).unwrap()).unwrap();
+    let (schema, pairs) = (builder.schema().clone(), builder.metadata().file_metadata().key_value_metadata().cloned());
+    let properties = WriterProperties::builder().set_key_value_metadata(pairs).build();
+    let mut writer = ArrowWriter::try_new(Vec::new(), schema.clone(), Some(properties)).unwrap();
+    for batch in builder.build().unwrap() {
+        let batch = batch.unwrap();
+        let exchanged = |name: &str| -> ArrayRef {
+            let column = batch.column_by_name(name).unwrap().as_any().downcast_ref::<Int64Array>().unwrap();
+            Arc::new(column.values().iter().map(|code| 1 - code).collect::<Int64Array>())
+        };
+        let columns = schema.fields().iter().map(|field| match field.name().as_str() {
+            name @ ("verdict_below" | "verdict_above") => exchanged(name),
+            name => batch.column_by_name(name).unwrap().clone(),
+        });
+        writer.write(&RecordBatch::try_new(schema.clone(), columns.collect()).unwrap()).unwrap();
+    }
+    let bytes = writer.into_inner().unwrap();
+    fs::remove_file(&piece).unwrap();
+    fs::write(piece.with_file_name(format!("{}.parquet", &blake3::hash(&bytes).to_hex()[..32])), bytes).unwrap();
+    let outcome = place.run("compare runs/a runs/b --out out.parquet").done();
+    assert!(outcome.stderr.contains("warning: in 9 of 9 cells the verdicts"), "{}", outcome.stderr);
+    assert_eq!(texts(&place, "out.parquet", "interval"), ["unpaired"; 9]);
+    let table = Table::read(&place.path("out.parquet"));
+    let counted = Table::read(&place.path("runs/b/surface.parquet"));
+    assert_eq!(table.column("p_second"), counted.column("p_unstable"));
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused() {
+    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 100")]);
+    place.write("job.toml", &job("elsewhere", 16.0, EIGENVALUE, "samples = 100"));
+    place.run("submit job.toml").done();
+    place.run("compare runs/a runs/elsewhere").refused(65, &["no cell in common", "[axes]"]);
+    place.run("compare").refused(64, &[]);
+    place.run("compare runs/a").refused(64, &["two runs or more", "runs/a"]);
+    for confidence in ["0", "1", "1.5", "-0.5", "nan"] {
+        let words = format!("compare runs/a runs/a --confidence {confidence}");
+        place.run(&words).refused(64, &["--confidence", "greater than 0 and less than 1"]);
+    }
+    place.run("compare runs/a runs/nowhere").refused(74, &["runs/nowhere is not a run directory"]);
+    place.run("compare runs/a runs/a --out missing/out.parquet").refused(73, &["there is no directory missing"]);
+    place.run("compare runs/a runs/a --out runs").refused(73, &["is a directory"]);
+
+    place.write("job.toml", &job("half", 15.0, EIGENVALUE, "samples = 100"));
+    place.run("submit job.toml --shard 1/2").done();
+    place
+        .run("compare runs/a runs/half")
+        .refused(65, &["runs/half is not finished", "of 9 cells", "stickslip resume runs/half"]);
+    place.run("resume runs/half").done();
+    place.run("compare runs/a runs/half").done();
+}
+
+#[test]
+fn ctrl_c_ends_a_comparison() {
+    // Drawn in an instant, but slower sample by sample.
+    let place = runs(15.0, &[("long", EIGENVALUE, "samples = 3_000_000")]);
+    let mut command = place.command("compare runs/long runs/long --out out.parquet");
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(400));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{stderr}");
+    assert!(stderr.contains("interrupted; nothing was compared"), "{stderr}");
+    assert!(output.stdout.is_empty() && !place.path("out.parquet").exists());
+}

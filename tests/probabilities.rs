@@ -1,0 +1,618 @@
+//! Honest probabilities as a user asks for them: integrals, verdict maps, stopping by precision, Sobol points, intervals,
+//! derivatives, Sobol indices, further random inputs.
+
+#![allow(clippy::disallowed_methods, reason = "expected values are computed as a textbook writes them")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
+
+mod common;
+
+use std::fs;
+use std::process::Stdio;
+use std::thread;
+use std::time::Duration;
+
+use common::{Place, Table};
+use serde_json::Value;
+use stickslip_core::{PadOnDisc, Parameters, StabilityBoundary};
+use stickslip_sampler::normal;
+
+/// A job over a grid, with what is given under `[random]` and `[sampling]`.
+fn job(name: &str, criterion: &str, random: &str, sampling: &str) -> String {
+    format!(
+        "name = \"{name}\"\n\n[axes]\nrotating_speed = 15.0\npreload = {{ from = 0.05, to = 0.30, points = 6 }}\n\
+         static_friction = {{ from = 0.28, to = 0.50, points = 5 }}\n\n[random]\n{random}\n\n[criterion]\n{criterion}\n\n\
+         [sampling]\n{sampling}\n"
+    )
+}
+
+const BOTH: &str = "inputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.2";
+const EIGENVALUE: &str = "kind = \"eigenvalue\"";
+const RIGID: &str = "kind = \"time-domain\"\ndisc = \"rigid\"";
+const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";
+
+fn submitted(place: &Place, name: &str, text: &str) -> Table {
+    place.write(&format!("{name}.toml"), text);
+    place.run(&format!("submit {name}.toml --out {name}")).done();
+    Table::read(&place.path(&format!("{name}/surface.parquet")))
+}
+
+fn boundary(speed: f64) -> StabilityBoundary {
+    let mut parameters = Parameters::sui_ding_2018();
+    parameters.set("operating_point.rotating_speed", speed).unwrap();
+    PadOnDisc::new(parameters).unwrap().stability_boundary()
+}
+
+/// The last session of a run's provenance.
+fn last_session(place: &Place, run: &str) -> Value {
+    let text = fs::read_to_string(place.path(run).join("run.json")).unwrap();
+    let record: Value = serde_json::from_str(&text).unwrap();
+    record["sessions"].as_array().unwrap().last().unwrap().clone()
+}
+
+/// The mean of a function of a standard normal deviate, by the trapezoidal rule.
+fn mean(f: impl Fn(f64) -> f64) -> f64 {
+    let (points, limit) = (40_000, 9.0);
+    let step = 2.0 * limit / f64::from(points);
+    (0..=points)
+        .map(|i| {
+            let z = -limit + step * f64::from(i);
+            normal::density(z) * f(z)
+        })
+        .sum::<f64>()
+        * step
+}
+
+/// The probability that a sample is unstable at a given deviate of the preload, for the closed form.
+fn given_preload(boundary: &StabilityBoundary, preload: f64, static_friction: f64, std: f64, z: f64) -> f64 {
+    let critical = boundary.critical_static_friction(preload * (1.0 + std * z));
+    normal::upper_tail((critical / static_friction - 1.0) / std)
+}
+
+#[test]
+fn integrals_agree_with_an_independent_quadrature() {
+    let place = Place::new();
+    let table = submitted(&place, "exact", &job("exact", EIGENVALUE, BOTH, "method = \"exact\""));
+    let boundary = boundary(15.0);
+    for row in 0..30 {
+        let [preload, friction] = ["preload", "static_friction"].map(|name| table.column(name)[row]);
+        let expected = mean(|z| given_preload(&boundary, preload, friction, 0.2, z));
+        let [p, low, high] = ["p_unstable", "p_low", "p_high"].map(|name| table.column(name)[row]);
+        assert!((p - expected).abs() < 1e-10, "{preload} {friction}: {p} {expected}");
+        assert!(low <= p && p <= high && high - low < 1e-10);
+        assert_eq!(table.column("n_samples")[row], 0.0);
+    }
+    let again = place.run("submit exact.toml --out exact").done();
+    assert!(again.stderr.contains("finished already"), "{}", again.stderr);
+    let status: Value = serde_json::from_str(&place.run("status exact --json").done().stdout).unwrap();
+    assert_eq!((&status["state"], &status["share_done"]), (&"finished".into(), &1.0.into()));
+}
+
+#[test]
+fn derivatives_are_those_of_the_probability() {
+    let place = Place::new();
+    let text = job("d", EIGENVALUE, BOTH, "method = \"exact\"\nderivatives = true");
+    let exact = submitted(&place, "d", &text);
+    // Central differences of other runs.
+    let h = 1e-5;
+    let shifted = |name: &str, from: &str, to: &str| submitted(&place, name, &text.replace(from, to));
+    let friction = |shift: f64| format!("static_friction = [{}, {}]", 0.39 + shift, 0.45 + shift);
+    let axis = "static_friction = { from = 0.28, to = 0.50, points = 5 }";
+    let centre = shifted("centre", axis, &friction(0.0));
+    let (up, down) = (shifted("up", axis, &friction(h)), shifted("down", axis, &friction(-h)));
+    let wide = submitted(&place, "wide", &text.replace(axis, &friction(0.0)).replace("= 0.2", "= 0.20001"));
+    let narrow = submitted(&place, "narrow", &text.replace(axis, &friction(0.0)).replace("= 0.2", "= 0.19999"));
+    for row in 0..12 {
+        let slope = |a: &Table, b: &Table| (a.column("p_unstable")[row] - b.column("p_unstable")[row]) / (2.0 * h);
+        let by_friction = centre.column("dp_dstatic_friction")[row];
+        assert!((by_friction - slope(&up, &down)).abs() < 1e-6, "{by_friction} {}", slope(&up, &down));
+        let by_stds = centre.column("dp_dstd_preload")[row] + centre.column("dp_dstd_static_friction")[row];
+        assert!((by_stds - slope(&wide, &narrow)).abs() < 1e-6, "{by_stds} {}", slope(&wide, &narrow));
+    }
+    // From samples, within their standard errors; and from Sobol points, whose errors are smaller than stated.
+    for (name, sampling) in [
+        ("mc", "samples = 40_000\nseed = 5"),
+        ("sobol", "method = \"sobol\"\nsamples = 32_768"),
+        ("until", "until = { half_width = 0.01, at_most = 50_000 }"),
+    ] {
+        let sampled = submitted(&place, name, &job(name, EIGENVALUE, BOTH, &format!("{sampling}\nderivatives = true")));
+        for column in ["dp_dpreload", "dp_dstatic_friction", "dp_dstd_preload", "dp_dstd_static_friction"] {
+            for row in 0..30 {
+                let error = sampled.column(&format!("{column}_error"))[row];
+                let deviation = sampled.column(column)[row] - exact.column(column)[row];
+                // 360 numbers at once; and where a handful of samples are rare, their errors are not known well.
+                let rare = sampled.column("n_unstable")[row].min(sampled.column("n_stable")[row]) < 50.0;
+                assert!(rare || deviation.abs() < 4.2 * error, "{name} {column} {row}: {deviation} {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn integrals_in_time_agree_with_simulated_samples() {
+    let place = Place::new();
+    for (name, criterion) in [("near", RIGID), ("rest", FROM_REST)] {
+        let exact = submitted(&place, &format!("{name}-exact"), &job(name, criterion, BOTH, "method = \"exact\""));
+        let sampled = submitted(&place, name, &job(name, criterion, BOTH, "samples = 10_000\nseed = 2"));
+        let mut largest = 0.0_f64;
+        for row in 0..30 {
+            let [p, low, high] = ["p_unstable", "p_low", "p_high"].map(|column| exact.column(column)[row]);
+            assert!(low <= p && p <= high && high - low < 1e-4, "{low} {p} {high}");
+            let error = (p * (1.0 - p) / 1e4).sqrt().max(2e-4);
+            largest = largest.max((sampled.column("p_unstable")[row] - p).abs() / error);
+        }
+        assert!(largest < 4.0, "{name}: {largest} standard errors");
+    }
+}
+
+/// A larger job, whose samples are worth a map.
+fn mapped(name: &str, criterion: &str, sampling: &str) -> String {
+    job(name, criterion, BOTH, sampling).replace("points = 6", "points = 12").replace("points = 5", "points = 13")
+}
+
+#[test]
+fn looked_up_verdicts_are_those_of_simulated_samples() {
+    let place = Place::new();
+    for (name, criterion, speed) in [("near", RIGID, 15.0), ("rest", FROM_REST, 15.5), ("between", FROM_REST, 24.0)] {
+        let text = |sampling: &str| {
+            mapped(name, criterion, sampling).replace("rotating_speed = 15.0", &format!("rotating_speed = {speed}"))
+        };
+        let each = submitted(&place, &format!("{name}-each"), &text("samples = 12_000"));
+        let looked_up = submitted(&place, name, &text("samples = 12_000\nevaluate = \"boundary\"\naudit = 0.001"));
+        for column in each.names() {
+            assert_eq!(each.column(column), looked_up.column(column), "{name}: {column}");
+        }
+        let sum = |column: &str| looked_up.column(column).iter().sum::<f64>();
+        let (simulated, audited) = (sum("n_simulated"), sum("n_audited"));
+        assert_eq!(sum("n_audit_differed"), 0.0);
+        // 1 872 000 samples, a thousandth of them.
+        assert!((audited - 1872.0).abs() < 200.0, "{audited}");
+        let session = last_session(&place, name);
+        let simulations = session["map_simulations"].as_f64().unwrap() + simulated + audited;
+        assert_eq!(session["lookups_simulated"].as_f64(), Some(simulated));
+        assert!(100.0 * simulations < sum("n_samples"), "{name}: {simulations} simulations");
+    }
+}
+
+#[test]
+fn a_flexible_disc_is_mapped_too() {
+    let place = Place::new();
+    let text = |sampling: &str| job("flexible", "kind = \"time-domain\"", BOTH, sampling);
+    let each = submitted(&place, "each", &text("samples = 700"));
+    let looked_up = submitted(&place, "map", &text("samples = 700\nevaluate = \"boundary\"\naudit = 0.01"));
+    let coupled = "kind = \"coupled-eigenvalue\"";
+    let coupled_each = submitted(&place, "coupled-each", &job("c", coupled, BOTH, "samples = 300"));
+    let coupled_map = submitted(&place, "coupled", &job("c", coupled, BOTH, "samples = 300\nevaluate = \"boundary\""));
+    for (each, looked_up) in [(&each, &looked_up), (&coupled_each, &coupled_map)] {
+        for column in each.names() {
+            assert_eq!(each.column(column), looked_up.column(column), "{column}");
+        }
+    }
+}
+
+#[test]
+fn an_audit_finds_a_map_that_is_wrong() {
+    // The map of a brake with more damping, given out as that of this one: what a hidden island would look like.
+    let place = Place::new();
+    let text = job("wrong", RIGID, BOTH, "samples = 2000\nevaluate = \"boundary\"\naudit = 0.2");
+    let other = text.replace("[axes]", "[model.damping]\ntangential = 500.0\n\n[axes]");
+    submitted(&place, "other", &other);
+    submitted(&place, "own", &text);
+    let key = |run: &str| {
+        let piece = fs::read_dir(place.path(run).join("map")).unwrap().next().unwrap().unwrap().path();
+        let bytes = fs::read(&piece).unwrap();
+        (Table::read(&piece).footer[0].1.clone(), bytes)
+    };
+    let ((own, _), (others, mut bytes)) = (key("own"), key("other"));
+    assert_ne!(own, others);
+    // Parquet footers hold the key as text.
+    let at: Vec<usize> =
+        (0..bytes.len() - others.len()).filter(|&i| bytes[i..].starts_with(others.as_bytes())).collect();
+    for i in at {
+        bytes[i..i + own.len()].copy_from_slice(own.as_bytes());
+    }
+    let forged = place.path("forged/map");
+    fs::create_dir_all(&forged).unwrap();
+    fs::write(forged.join(format!("{}.parquet", &blake3::hash(&bytes).to_hex()[..32])), bytes).unwrap();
+    let outcome = place.run("submit own.toml --out audited --map forged").done();
+    assert!(outcome.stdout.contains("the map is wrong somewhere"), "{}", outcome.stdout);
+    let table = Table::read(&place.path("audited/surface.parquet"));
+    assert!(table.column("n_audit_differed").iter().sum::<f64>() > 100.0);
+}
+
+#[test]
+fn a_map_serves_other_jobs_without_a_new_simulation() {
+    let place = Place::new();
+    submitted(&place, "first", &mapped("first", FROM_REST, "samples = 1000\nevaluate = \"boundary\""));
+    let other = "name = \"other\"\n\n[axes]\nrotating_speed = 15.0\npreload = [0.08, 0.11, 0.21]\nstatic_friction = [0.33, 0.41]\n\n\
+        [random]\ninputs = [\"preload\", \"static_friction\"]\nrelative_std = { preload = 0.1, static_friction = 0.15 }\n\n\
+        [criterion]\nkind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"\n\n\
+        [sampling]\nsamples = 3000\nseed = 99\nevaluate = \"boundary\"\naudit = 0.0\n";
+    place.write("other.toml", other);
+    place.run("submit other.toml --out served --map first").done();
+    let session = last_session(&place, "served");
+    assert_eq!((session["map_simulations"].as_u64(), session["lookups_simulated"].as_u64()), (Some(0), Some(0)));
+    place.run("submit other.toml --out alone").done();
+    assert!(last_session(&place, "alone")["map_simulations"].as_u64() > Some(1000));
+    assert!(place.surface("served") == place.surface("alone"), "a borrowed map gives the same bytes");
+    // The integral over the same map, and its own run keeps what it borrowed.
+    let exact = other.replace("samples = 3000\nseed = 99\nevaluate = \"boundary\"\naudit = 0.0", "method = \"exact\"");
+    place.write("exact.toml", &exact);
+    place.run("submit exact.toml --out exact --map served").done();
+    assert_eq!(last_session(&place, "exact")["map_simulations"].as_u64(), Some(0));
+    // Another criterion, another model: nothing to borrow.
+    place.write("near.toml", &other.replace("start = \"rest\"", "start = \"near-equilibrium\""));
+    place.run("submit near.toml --out near --map first").done();
+    assert!(last_session(&place, "near")["map_simulations"].as_u64() > Some(1000));
+    place.run("submit other.toml --out x --map nowhere").refused(74, &["nowhere", "no verdict map"]);
+    place.write("plain.toml", &job("plain", EIGENVALUE, BOTH, "samples = 10"));
+    place.run("submit plain.toml --out x --map first").refused(64, &["--map first", "uses no verdict map"]);
+}
+
+/// Kills a run again and again, and asserts that what comes out in the end is what came out undisturbed.
+fn assert_survives_kills(place: &Place, whole: &str, delays: &[u64]) {
+    let mut was_alive = 0;
+    for &delay in delays {
+        let words =
+            if place.path("killed/job.toml").exists() { "resume killed" } else { "submit job.toml --out killed" };
+        let mut child =
+            place.command(&format!("{words} --threads 1")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        thread::sleep(Duration::from_millis(delay));
+        was_alive += u32::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert!(was_alive >= 2, "the job is too short for this test: only {was_alive} kills hit it running");
+    place.run("resume killed").done();
+    assert!(place.surface(whole) == place.surface("killed"));
+}
+
+#[test]
+fn maps_do_not_depend_on_threads_shards_and_kills() {
+    let place = Place::new();
+    place.write("job.toml", &mapped("job", FROM_REST, "samples = 20_000\nevaluate = \"boundary\"\naudit = 0.001"));
+    for threads in [1, 2, 3] {
+        place.run(&format!("submit job.toml --threads {threads} --out {threads}")).done();
+        assert!(place.surface("1") == place.surface(&threads.to_string()), "{threads} threads");
+    }
+    for shard in 1..=3 {
+        place.run(&format!("submit job.toml --out shards --shard {shard}/3")).done();
+    }
+    place.run("merge shards").done();
+    assert!(place.surface("1") == place.surface("shards"));
+    assert_survives_kills(&place, "1", &[60, 150, 300, 500, 700]);
+    // So are integrals over the map.
+    place.write("exact.toml", &mapped("exact", FROM_REST, "method = \"exact\"\nderivatives = true"));
+    for threads in [1, 3] {
+        place.run(&format!("submit exact.toml --threads {threads} --out exact-{threads}")).done();
+    }
+    place.run("submit exact.toml --out exact-borrowed --map 1").done();
+    for run in ["exact-3", "exact-borrowed"] {
+        assert!(place.surface("exact-1") == place.surface(run), "{run}");
+    }
+    // A damaged piece of the map is found out, and its tiles resolved again.
+    let piece = fs::read_dir(place.path("2/map")).unwrap().next().unwrap().unwrap().path();
+    let mut bytes = fs::read(&piece).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&piece, bytes).unwrap();
+    let resumed = place.run("submit job.toml --out 2 --samples 21000").done();
+    assert!(resumed.stderr.contains("does not match the checksum"), "{}", resumed.stderr);
+    place.run("submit job.toml --out direct --samples 21000").done();
+    assert!(place.surface("2") == place.surface("direct"));
+}
+
+const UNTIL: &str = "until = { half_width = 0.01, confidence = 0.9, at_most = 60_000 }\nseed = 8";
+
+#[test]
+fn samples_go_where_the_precision_needs_them() {
+    let place = Place::new();
+    let table = submitted(&place, "until", &job("until", EIGENVALUE, BOTH, UNTIL));
+    let exact = submitted(&place, "exact", &job("exact", EIGENVALUE, BOTH, "method = \"exact\""));
+    let (mut counts, mut missed) = (Vec::new(), 0);
+    for row in 0..30 {
+        let [n, low, high] = ["n_samples", "p_low", "p_high"].map(|name| table.column(name)[row]);
+        assert!(0.5 * (high - low) <= 0.01 && n < 60_000.0 && n % 1000.0 == 0.0, "{n} {low} {high}");
+        let p = exact.column("p_unstable")[row];
+        missed += u32::from(p < low || p > high);
+        counts.push((p * (1.0 - p), n));
+    }
+    assert!(missed <= 3, "{missed} of 30 intervals of 90 % miss the exact value");
+    counts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(counts[0].1 <= 1000.0 && counts[29].1 >= 8000.0, "{counts:?}");
+    // Where it cannot be reached, the limit is.
+    let short =
+        submitted(&place, "short", &job("s", EIGENVALUE, BOTH, "until = { half_width = 0.0001, at_most = 2500 }"));
+    assert!(short.column("n_samples").iter().all(|&n| n == 2500.0));
+    let status: Value = serde_json::from_str(&place.run("status until --json").done().stdout).unwrap();
+    assert_eq!((&status["state"], &status["share_done"]), (&"finished".into(), &1.0.into()));
+}
+
+#[test]
+fn stopping_does_not_depend_on_threads_shards_and_kills() {
+    let place = Place::new();
+    let until = "until = { half_width = 0.0012, at_most = 3_000_000 }";
+    place.write("job.toml", &job("job", EIGENVALUE, BOTH, until));
+    for threads in [1, 2, 3] {
+        place.run(&format!("submit job.toml --threads {threads} --out {threads}")).done();
+        assert!(place.surface("1") == place.surface(&threads.to_string()), "{threads} threads");
+    }
+    for shard in [3, 1, 4, 2] {
+        place.run(&format!("submit job.toml --out shards --shard {shard}/4")).done();
+    }
+    place.run("merge shards").done();
+    assert!(place.surface("1") == place.surface("shards"));
+    assert_survives_kills(&place, "1", &[20, 30, 40, 60, 80, 100]);
+}
+
+#[test]
+fn sobol_points_are_nearer_and_their_intervals_true() {
+    let place = Place::new();
+    let exact = submitted(&place, "exact", &job("exact", EIGENVALUE, BOTH, "method = \"exact\""));
+    let sobol = submitted(&place, "sobol", &job("sobol", EIGENVALUE, BOTH, "method = \"sobol\"\nsamples = 16_384"));
+    let plain = submitted(&place, "plain", &job("plain", EIGENVALUE, BOTH, "samples = 16_384"));
+    let (mut missed, mut errors) = (0, [0.0, 0.0]);
+    for row in 0..30 {
+        let p = exact.column("p_unstable")[row];
+        missed += u32::from(p < sobol.column("p_low")[row] || p > sobol.column("p_high")[row]);
+        for (sum, table) in errors.iter_mut().zip([&sobol, &plain]) {
+            *sum += (table.column("p_unstable")[row] - p).powi(2);
+        }
+    }
+    assert!(missed <= 4, "{missed} of 30 intervals miss the exact value");
+    assert!(25.0 * errors[0] < errors[1], "at equal samples the error is a fifth: {errors:?}");
+    for threads in [1, 3] {
+        place.run(&format!("submit sobol.toml --threads {threads} --out {threads}")).done();
+        assert!(place.surface("sobol") == place.surface(&threads.to_string()));
+    }
+    // More points extend a run.
+    place.run("submit sobol.toml --out sobol --samples 32768").done();
+    place.run("submit sobol.toml --out more --samples 32768").done();
+    assert!(place.surface("sobol") == place.surface("more"));
+}
+
+#[test]
+fn intervals_are_as_wide_as_asked() {
+    let place = Place::new();
+    let width = |name: &str, sampling: &str| -> Vec<f64> {
+        let table = submitted(&place, name, &job(name, EIGENVALUE, BOTH, &format!("samples = 5000\n{sampling}")));
+        table.column("p_low").iter().zip(table.column("p_high")).map(|(low, high)| high - low).collect()
+    };
+    let wilson = width("wilson", "");
+    let exact = width("exact", "interval = \"clopper-pearson\"");
+    let band = width("band", "interval = \"clopper-pearson\"\nsimultaneous = true");
+    for row in 0..30 {
+        assert!(wilson[row] < exact[row] * 1.2 && exact[row] < band[row], "{row}");
+    }
+    // At one half a band over 30 cells is z(1 - 0.025/30) / z(0.975) times as wide.
+    let middle = (0..30).max_by(|&a, &b| exact[a].total_cmp(&exact[b])).unwrap();
+    assert!((band[middle] / exact[middle] - 3.144 / 1.960).abs() < 0.02, "{}", band[middle] / exact[middle]);
+}
+
+#[test]
+fn sobol_indices_part_the_variance_rightly() {
+    let place = Place::new();
+    let table = submitted(&place, "s", &job("s", EIGENVALUE, BOTH, "samples = 50_000\nsensitivity = true"));
+    let boundary = boundary(15.0);
+    let mut checked = 0;
+    for row in 0..30 {
+        let [preload, friction] = ["preload", "static_friction"].map(|name| table.column(name)[row]);
+        let given_preload = |z: f64| given_preload(&boundary, preload, friction, 0.2, z);
+        let given_friction = |z: f64| {
+            let critical = boundary.critical_preload(friction * (1.0 + 0.2 * z));
+            normal::upper_tail((critical / preload - 1.0) / 0.2)
+        };
+        let p = mean(given_preload);
+        let variance = p * (1.0 - p);
+        if variance < 0.02 {
+            continue;
+        }
+        checked += 1;
+        let explained = |f: &dyn Fn(f64) -> f64| (mean(|z| f(z) * f(z)) - p * p) / variance;
+        let (by_preload, by_friction) = (explained(&given_preload), explained(&given_friction));
+        for (name, first_order, total) in
+            [("preload", by_preload, 1.0 - by_friction), ("static_friction", by_friction, 1.0 - by_preload)]
+        {
+            for (kind, expected) in [("first_order", first_order), ("total", total)] {
+                let [value, error] = ["", "_error"].map(|suffix| table.column(&format!("{kind}_{name}{suffix}"))[row]);
+                // Up to 120 numbers at once; the variance itself is estimated, too.
+                let allowed = 4.0 * error + 0.02 * expected;
+                assert!((value - expected).abs() < allowed, "{kind} {name} {row}: {value} {expected} {error}");
+            }
+        }
+    }
+    assert!(checked >= 15, "{checked}");
+}
+
+#[test]
+fn any_parameter_may_scatter() {
+    let place = Place::new();
+    let cell =
+        "preload = { from = 0.05, to = 0.30, points = 6 }\nstatic_friction = { from = 0.28, to = 0.50, points = 5 }";
+    let one = |name: &str, random: &str, sampling: &str| {
+        let text = job(name, EIGENVALUE, random, sampling).replace(cell, "preload = 0.1\nstatic_friction = 0.385");
+        let table = submitted(&place, name, &text);
+        let [p, low, high] = ["p_unstable", "p_low", "p_high"].map(|column| table.column(column)[0]);
+        (p, low, high)
+    };
+    // The critical product is proportional to the damping: unstable where that is below so much of its expected value.
+    let ratio = 0.1 * (0.385 - 0.25) / boundary(15.0).critical_product();
+    let damping = "inputs = [\"damping.tangential\"]\nrelative_std = 0.1";
+    let t = (1.0_f64 + 0.01).ln().sqrt();
+    for (name, random, expected) in [
+        ("normal", damping.to_owned(), normal::upper_tail(-(ratio - 1.0) / 0.1)),
+        (
+            "lognormal",
+            format!("{damping}\ndistribution = \"lognormal\""),
+            normal::upper_tail(-(ratio.ln() + 0.5 * t * t) / t),
+        ),
+        (
+            "uniform",
+            format!("{damping}\ndistribution = \"uniform\""),
+            0.5 + 0.5 * ((ratio - 1.0) / (0.1 * 3_f64.sqrt())).clamp(-1.0, 1.0),
+        ),
+        (
+            "truncated",
+            format!("{damping}\ndistribution = {{ \"damping.tangential\" = {{ truncated-normal = [-1.0, 2.0] }} }}"),
+            {
+                let [low, at, high] = [-1.0, (ratio - 1.0) / 0.1, 2.0].map(|z: f64| normal::upper_tail(-z));
+                (at - low) / (high - low)
+            },
+        ),
+    ] {
+        assert!((0.02..0.98).contains(&expected), "{name}: {expected}");
+        for (method, tolerance) in [("samples = 40_000", 0.011), ("method = \"sobol\"\nsamples = 16_384", 0.001)] {
+            let (p, low, high) = one(name, &random, method);
+            assert!((p - expected).abs() < tolerance, "{name}: {p} {expected}");
+            assert!(low <= p && p <= high);
+            fs::remove_dir_all(place.path(name)).unwrap();
+        }
+    }
+    // Correlation: given the deviate of the preload, that of friction is normal about rho z.
+    let rho = -0.6;
+    let correlated = format!("{BOTH}\ncorrelation = [[\"static_friction\", \"preload\", {rho}]]");
+    let boundary = boundary(15.0);
+    let expected = mean(|z| {
+        let critical = (boundary.critical_static_friction(0.1 * (1.0 + 0.2 * z)) / 0.385 - 1.0) / 0.2;
+        normal::upper_tail((critical - rho * z) / (1.0 - rho * rho).sqrt())
+    });
+    let (p, ..) = one("correlated", &correlated, "method = \"sobol\"\nsamples = 32_768");
+    assert!((p - expected).abs() < 0.002, "{p} {expected}");
+    let mapped = one("looked-up", &correlated, "samples = 40_000\nevaluate = \"boundary\"");
+    assert!((mapped.0 - expected).abs() < 0.011);
+    // A stiffness below zero fails its sample, and widens the interval.
+    let wild = one("wild", "inputs = [\"stiffness.contact_normal\"]\nrelative_std = 1.0", "samples = 5000");
+    assert!(wild.2 - wild.1 > 0.15, "{wild:?}");
+    let failed = Table::read(&place.path("wild/surface.parquet")).column("n_failed")[0];
+    assert!((failed / 5000.0 - normal::upper_tail(1.0)).abs() < 0.02, "{failed}");
+}
+
+#[test]
+fn a_varying_brake_moves_like_the_one_that_it_is() {
+    // In time, with a random input whose scatter is nothing: the verdicts of the ordinary job.
+    let place = Place::new();
+    for criterion in [RIGID, "kind = \"time-domain\"", "kind = \"coupled-eigenvalue\""] {
+        let small = |random: &str| {
+            job("v", criterion, random, "samples = 12")
+                .replace("points = 6", "points = 3")
+                .replace("points = 5", "points = 2")
+        };
+        let ordinary = submitted(&place, "ordinary", &small(BOTH));
+        let inputs = "inputs = [\"preload\", \"static_friction\", \"friction.stribeck_velocity\"]\n\
+            relative_std = { preload = 0.2, static_friction = 0.2, \"friction.stribeck_velocity\" = 0.0 }";
+        let varying = submitted(&place, "varying", &small(inputs));
+        assert_eq!(varying.column("n_failed").iter().sum::<f64>(), 0.0);
+        // The third deviate shifts the others: the same distribution, other samples.
+        let share = |table: &Table| table.column("n_unstable").iter().sum::<f64>() / 72.0;
+        assert!((share(&ordinary) - share(&varying)).abs() < 0.25, "{} {}", share(&ordinary), share(&varying));
+        // Each sample by itself, as replay sees it.
+        let mut unstable = 0;
+        for sample in 0..12 {
+            let replayed = place.run(&format!("replay varying --cell 3 --sample {sample} --horizon 5 --json")).done();
+            let replayed: Value = serde_json::from_str(&replayed.stdout).unwrap();
+            unstable += u32::from(replayed["verdict_in_run"] == "unstable");
+            assert!((replayed["friction.stribeck_velocity"].as_f64().unwrap() - 0.72).abs() < 1e-12);
+        }
+        assert_eq!(f64::from(unstable), varying.column("n_unstable")[3]);
+        for run in ["ordinary", "varying"] {
+            fs::remove_dir_all(place.path(run)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn samples_of_every_method_can_be_replayed() {
+    let place = Place::new();
+    for (name, sampling) in [
+        ("sobol", "method = \"sobol\"\nsamples = 32\nrandomisations = 4"),
+        ("map", "samples = 30\nevaluate = \"boundary\""),
+        ("until", "until = { half_width = 0.49, at_most = 30 }"),
+    ] {
+        let table = submitted(&place, name, &job(name, RIGID, BOTH, sampling));
+        let count = table.column("n_samples")[7] as u64;
+        let unstable = (0..count).filter(|sample| {
+            let replayed = place.run(&format!("replay {name} --cell 7 --sample {sample} --horizon 5 --json")).done();
+            serde_json::from_str::<Value>(&replayed.stdout).unwrap()["verdict_in_run"] == "unstable"
+        });
+        assert_eq!(unstable.count() as f64, table.column("n_unstable")[7], "{name}");
+    }
+    submitted(&place, "exact", &job("exact", RIGID, BOTH, "method = \"exact\""));
+    place.run("replay exact --cell 0 --sample 0").refused(64, &["no samples to replay"]);
+}
+
+#[test]
+fn what_does_not_fit_together_is_refused() {
+    let place = Place::new();
+    let third = "inputs = [\"preload\", \"stiffness.contact_normal\"]\nrelative_std = 0.1";
+    let lognormal = "inputs = [\"preload\"]\nrelative_std = 0.1\ndistribution = \"lognormal\"";
+    let recorded = "kind = \"time-domain\"\nrecord = [\"amplitude\"]";
+    for (criterion, random, sampling, texts) in [
+        (EIGENVALUE, BOTH, "method = \"exact\"\nsamples = 5", &["job.toml:17", "draws none"][..]),
+        (EIGENVALUE, BOTH, "method = \"exact\"\nuntil = { half_width = 0.1, at_most = 5 }", &["draws no samples"]),
+        (EIGENVALUE, BOTH, "method = \"magic\"", &["job.toml:16", "`magic`", "`exact`"]),
+        (
+            EIGENVALUE,
+            third,
+            "method = \"exact\"",
+            &["job.toml:16", "stiffness.contact_normal", "\"monte-carlo\" or \"sobol\""],
+        ),
+        (RIGID, third, "evaluate = \"boundary\"", &["job.toml:17", "stiffness.contact_normal"]),
+        (EIGENVALUE, lognormal, "method = \"exact\"", &["independent normal inputs"]),
+        (EIGENVALUE, lognormal, "derivatives = true", &["independent normal inputs"]),
+        (recorded, BOTH, "evaluate = \"boundary\"", &["criterion.record"]),
+        (EIGENVALUE, BOTH, "until = { half_width = 0.7, at_most = 5 }", &["half_width = 0.7", "less than 0.5"]),
+        (EIGENVALUE, BOTH, "until = { half_width = 0.1, at_most = 0 }", &["until.at_most = 0"]),
+        (EIGENVALUE, BOTH, "until = { half_width = 0.1, at_most = 5 }\nsamples = 7", &["exclude each other"]),
+        (EIGENVALUE, BOTH, "until = { half_width = 0.1, at_most = 5 }\nconfidence = 0.9", &["exclude each other"]),
+        (
+            EIGENVALUE,
+            BOTH,
+            "method = \"sobol\"\nsamples = 1000",
+            &["samples = 1000", "16 randomisations", "samples = 1024"],
+        ),
+        (EIGENVALUE, BOTH, "method = \"sobol\"\nrandomisations = 1", &["randomisations = 1", "at least 2"]),
+        (EIGENVALUE, BOTH, "randomisations = 4", &["belongs to method = \"sobol\""]),
+        (EIGENVALUE, BOTH, "audit = 0.1", &["belongs to evaluate = \"boundary\""]),
+        (EIGENVALUE, BOTH, "evaluate = \"boundary\"\naudit = 1.5", &["audit = 1.5", "at most 1"]),
+        (EIGENVALUE, BOTH, "sensitivity = true\nmethod = \"sobol\"", &["sensitivity"]),
+        (EIGENVALUE, "inputs = [\"preload\"]\nrelative_std = 0.1", "sensitivity = true", &["two or more"]),
+        (
+            EIGENVALUE,
+            "inputs = [\"contact_normal\"]\nrelative_std = 0.1",
+            "",
+            &["job.toml:9:11", "`stiffness.contact_normal`?"],
+        ),
+        (
+            EIGENVALUE,
+            "inputs = [\"friction.static_coefficient\"]\nrelative_std = 0.1",
+            "",
+            &["write \"static_friction\""],
+        ),
+        (
+            EIGENVALUE,
+            "inputs = [\"preload\"]\nrelative_std = { preload = 0.1, \"pad.mass\" = 0.1 }",
+            "",
+            &["does not list pad.mass"],
+        ),
+        (
+            EIGENVALUE,
+            "inputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.1\ncorrelation = [[\"preload\", \"static_friction\", 1.5]]",
+            "",
+            &["preload and static_friction is 1.5"],
+        ),
+        (
+            EIGENVALUE,
+            "inputs = [\"preload\"]\nrelative_std = 0.1\ndistribution = { truncated-normal = [1.0, -1.0] }",
+            "",
+            &["job.toml:11", "low must be less than high"],
+        ),
+        (
+            EIGENVALUE,
+            "inputs = [\"pad.mass\"]\nrelative_std = 0.9\ndistribution = \"uniform\"",
+            "",
+            &["pad.mass", "0.57735"],
+        ),
+    ] {
+        place.write("job.toml", &job("job", criterion, random, sampling));
+        place.run("check job.toml").refused(65, texts);
+    }
+}
