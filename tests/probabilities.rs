@@ -7,9 +7,6 @@
 mod common;
 
 use std::fs;
-use std::process::Stdio;
-use std::thread;
-use std::time::Duration;
 
 use common::{Place, Table};
 use serde_json::Value;
@@ -248,24 +245,6 @@ fn a_map_serves_other_jobs_without_a_new_simulation() {
     place.run("submit plain.toml --out x --map first").refused(64, &["--map first", "uses no verdict map"]);
 }
 
-/// Kills a run again and again, and asserts that what comes out in the end is what came out undisturbed.
-fn assert_survives_kills(place: &Place, whole: &str, delays: &[u64]) {
-    let mut was_alive = 0;
-    for &delay in delays {
-        let words =
-            if place.path("killed/job.toml").exists() { "resume killed" } else { "submit job.toml --out killed" };
-        let mut child =
-            place.command(&format!("{words} --threads 1")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        thread::sleep(Duration::from_millis(delay));
-        was_alive += u32::from(child.try_wait().unwrap().is_none());
-        child.kill().unwrap();
-        child.wait().unwrap();
-    }
-    assert!(was_alive >= 2, "the job is too short for this test: only {was_alive} kills hit it running");
-    place.run("resume killed").done();
-    assert!(place.surface(whole) == place.surface("killed"));
-}
-
 #[test]
 fn maps_do_not_depend_on_threads_shards_and_kills() {
     let place = Place::new();
@@ -279,7 +258,7 @@ fn maps_do_not_depend_on_threads_shards_and_kills() {
     }
     place.run("merge shards").done();
     assert!(place.surface("1") == place.surface("shards"));
-    assert_survives_kills(&place, "1", &[60, 150, 300, 500, 700]);
+    place.assert_survives_kills("1", &[60, 150, 300, 500, 700], 2);
     // So are integrals over the map.
     place.write("exact.toml", &mapped("exact", FROM_REST, "method = \"exact\"\nderivatives = true"));
     for threads in [1, 3] {
@@ -341,7 +320,7 @@ fn stopping_does_not_depend_on_threads_shards_and_kills() {
     }
     place.run("merge shards").done();
     assert!(place.surface("1") == place.surface("shards"));
-    assert_survives_kills(&place, "1", &[20, 30, 40, 60, 80, 100]);
+    place.assert_survives_kills("1", &[20, 30, 40, 60, 80, 100], 2);
 }
 
 #[test]

@@ -5,9 +5,6 @@
 
 mod common;
 
-use std::process::Stdio;
-use std::thread;
-use std::time::Duration;
 
 use common::{Place, Table, other_build, repository, surface_job};
 
@@ -59,20 +56,7 @@ fn threads_shards_and_interruptions_do_not_change_a_byte() {
         place.run(&format!("merge by-{count}")).done();
         assert!(place.surface("whole") == place.surface(&format!("by-{count}")), "{count} shards");
     }
-    let mut was_alive = 0;
-    for delay in [30, 60, 90, 120, 200, 300] {
-        let words =
-            if place.path("killed/job.toml").exists() { "resume killed" } else { "submit job.toml --out killed" };
-        let mut child =
-            place.command(&format!("{words} --threads 1")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        thread::sleep(Duration::from_millis(delay));
-        was_alive += u32::from(child.try_wait().unwrap().is_none());
-        child.kill().unwrap();
-        child.wait().unwrap();
-    }
-    assert!(was_alive >= 3, "the job is too short for this test: only {was_alive} kills hit it running");
-    place.run("resume killed").done();
-    assert!(place.surface("whole") == place.surface("killed"));
+    place.assert_survives_kills("whole", &[30, 60, 90, 120, 200, 300], 3);
     // Fewer samples first, the rest later.
     place.run("submit job.toml --out grown --samples 1700").done();
     place.run("submit job.toml --out grown").done();

@@ -6,6 +6,8 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::thread;
+use std::time::Duration;
 
 use arrow::array::{Array as _, Float64Array, Int64Array};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -98,6 +100,26 @@ impl Place {
             stdout: String::from_utf8(output.stdout).unwrap(),
             stderr: String::from_utf8(output.stderr).unwrap(),
         }
+    }
+
+    /// Submits `job.toml`, kills it after so many milliseconds, resumes it, again and again, and asserts that what comes out in
+    /// the end is what the run `whole` has. At least `hits` of the kills must find it running.
+    #[track_caller]
+    pub fn assert_survives_kills(&self, whole: &str, delays: &[u64], hits: u32) {
+        let mut was_alive = 0;
+        for &delay in delays {
+            let words =
+                if self.path("killed/job.toml").exists() { "resume killed" } else { "submit job.toml --out killed" };
+            let mut command = self.command(&format!("{words} --threads 1"));
+            let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+            thread::sleep(Duration::from_millis(delay));
+            was_alive += u32::from(child.try_wait().unwrap().is_none());
+            child.kill().unwrap();
+            child.wait().unwrap();
+        }
+        assert!(was_alive >= hits, "the job is too short for this test: only {was_alive} kills hit it running");
+        self.run("resume killed").done();
+        assert!(self.surface(whole) == self.surface("killed"));
     }
 
     /// The bytes of a run's surface.

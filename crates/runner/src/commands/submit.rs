@@ -321,10 +321,11 @@ fn compute(
             format!("finished tiles of the verdict map are kept; continue with `{how}`")
         } else {
             format!(
-                "{} of {}{} samples are kept; continue with `{how}`",
+                "{} of {}{} samples{} are kept; continue with `{how}`",
                 HumanCount128(tally.counted()),
                 if job.stops_by_precision() { "at most " } else { "" },
-                HumanCount128(job.total_samples())
+                HumanCount128(job.total_samples()),
+                if job.uses_maps() { " and the finished tiles of the verdict map" } else { "" }
             )
         };
         return Err(Failure::Stopped { signal, message });
