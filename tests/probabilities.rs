@@ -33,6 +33,12 @@ fn submitted(place: &Place, name: &str, text: &str) -> Table {
     Table::read(&place.path(&format!("{name}/surface.parquet")))
 }
 
+/// What a submitted job says.
+fn submitted_text(place: &Place, name: &str, text: &str) -> String {
+    place.write(&format!("{name}.toml"), text);
+    place.run(&format!("submit {name}.toml --out {name}")).done().stdout
+}
+
 fn boundary(speed: f64) -> StabilityBoundary {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.set("operating_point.rotating_speed", speed).unwrap();
@@ -240,9 +246,21 @@ fn a_map_serves_other_jobs_without_a_new_simulation() {
     place.write("near.toml", &other.replace("start = \"rest\"", "start = \"near-equilibrium\""));
     place.run("submit near.toml --out near --map first").done();
     assert!(last_session(&place, "near")["map_simulations"].as_u64() > Some(1000));
+    // Of samples that the horizon leaves undecided the integral says how many there would be.
+    let short = exact.replace("start = \"rest\"", "start = \"rest\"\nhorizon = 3.0");
+    let text = submitted_text(&place, "short", &short);
+    assert!(text.contains("undecided"), "{text}");
+    let table = Table::read(&place.path("short/surface.parquet"));
+    let sampled = submitted(&place, "short-sampled", &short.replace("method = \"exact\"", "samples = 4000"));
+    for row in 0..6 {
+        let [undecided, low, high] = ["p_undecided", "p_low", "p_high"].map(|column| table.column(column)[row]);
+        let share = sampled.column("n_undecided")[row] / 4000.0;
+        assert!((undecided - share).abs() < 0.035 && high - low >= undecided - 1e-12, "{undecided} {share}");
+    }
     place.run("submit other.toml --out x --map nowhere").refused(74, &["nowhere", "no verdict map"]);
     place.write("plain.toml", &job("plain", EIGENVALUE, BOTH, "samples = 10"));
     place.run("submit plain.toml --out x --map first").refused(64, &["--map first", "uses no verdict map"]);
+    place.run("submit exact.toml --out y --shard 1/2").refused(64, &["--shard 1/2", "draws no samples"]);
 }
 
 #[test]
@@ -298,6 +316,9 @@ fn samples_go_where_the_precision_needs_them() {
     assert!(missed <= 3, "{missed} of 30 intervals of 90 % miss the exact value");
     counts.sort_by(|a, b| a.0.total_cmp(&b.0));
     assert!(counts[0].1 <= 1000.0 && counts[29].1 >= 8000.0, "{counts:?}");
+    // Together takes more than each.
+    let together = submitted(&place, "together", &job("t", EIGENVALUE, BOTH, &format!("{UNTIL}\nsimultaneous = true")));
+    assert!(together.column("n_samples").iter().sum::<f64>() > 1.5 * table.column("n_samples").iter().sum::<f64>());
     // Where it cannot be reached, the limit is.
     let short =
         submitted(&place, "short", &job("s", EIGENVALUE, BOTH, "until = { half_width = 0.0001, at_most = 2500 }"));
@@ -505,9 +526,19 @@ fn samples_of_every_method_can_be_replayed() {
         ("sobol", "method = \"sobol\"\nsamples = 32\nrandomisations = 4"),
         ("map", "samples = 30\nevaluate = \"boundary\""),
         ("until", "until = { half_width = 0.49, at_most = 30 }"),
+        ("looks", "until = { half_width = 0.021, at_most = 60_000 }"),
     ] {
         let table = submitted(&place, name, &job(name, RIGID, BOTH, sampling));
         let count = table.column("n_samples")[7] as u64;
+        let outside = place.run(&format!("replay {name} --cell 7 --sample {count}"));
+        outside.refused(64, &[&format!("has samples 0 to {}", count - 1)]);
+        if name == "looks" {
+            // Several parts; those of the others are counted one by one.
+            assert!(count > 2000);
+            let last = place.run(&format!("replay {name} --cell 7 --sample {} --horizon 5 --json", count - 1)).done();
+            assert!(last.stdout.contains("verdict_in_run"));
+            continue;
+        }
         let unstable = (0..count).filter(|sample| {
             let replayed = place.run(&format!("replay {name} --cell 7 --sample {sample} --horizon 5 --json")).done();
             serde_json::from_str::<Value>(&replayed.stdout).unwrap()["verdict_in_run"] == "unstable"
@@ -527,6 +558,13 @@ fn what_does_not_fit_together_is_refused() {
     for (criterion, random, sampling, texts) in [
         (EIGENVALUE, BOTH, "method = \"exact\"\nsamples = 5", &["job.toml:17", "draws none"][..]),
         (EIGENVALUE, BOTH, "method = \"exact\"\nuntil = { half_width = 0.1, at_most = 5 }", &["draws no samples"]),
+        (EIGENVALUE, BOTH, "method = \"exact\"\nsimultaneous = true", &["job.toml:17", "bounds all hold"]),
+        (
+            EIGENVALUE,
+            BOTH,
+            "confidence = 0.999999999999\nsimultaneous = true",
+            &["job.toml:16", "30 cells together", "1 - 1e-12"],
+        ),
         (EIGENVALUE, BOTH, "method = \"magic\"", &["job.toml:16", "`magic`", "`exact`"]),
         (
             EIGENVALUE,

@@ -5,7 +5,6 @@
 
 mod common;
 
-
 use common::{Place, Table, other_build, repository, surface_job};
 
 /// A job over `points` by `points` cells around Figure 14b; `criterion` are lines after `kind = "time-domain"`.

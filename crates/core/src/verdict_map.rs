@@ -530,6 +530,25 @@ mod tests {
     }
 
     #[test]
+    fn a_boundary_that_dips_into_a_tile_between_its_grid_points_is_seen() {
+        // Discs that reach 0.0004 beyond a line between tiles, and that far only between two points of the grid.
+        let radius = 0.2664;
+        for (centre, tip) in [(0.516, 0.516 - radius), (0.484, 0.484 + radius)] {
+            let judge = |[x, y]: Point| {
+                let is_inside = (x - centre).powi(2) + (y - centre).powi(2) < radius * radius;
+                if is_inside { Verdict::Unstable } else { Verdict::Stable }
+            };
+            let (map, _) = map_of(judge);
+            let just_inside = tip + 1e-4 * (centre - tip).signum();
+            for point in [[centre, just_inside], [just_inside, centre]] {
+                assert_eq!(judge(point), Verdict::Unstable);
+                assert_eq!(map.look_up(map.inputs(point)), Some(Verdict::Unstable), "{point:?}");
+            }
+            assert_right(&map, judge);
+        }
+    }
+
+    #[test]
     fn undecided_samples_have_a_region_of_their_own() {
         let judge = |[x, y]: Point| match x * y {
             product if product > 0.05 => Verdict::Unstable,

@@ -46,8 +46,9 @@ pub struct ExactProbability {
     pub error_bound: f64,
 }
 
-/// Derivatives of a probability with respect to the four numbers that describe a cell; `None` for an input without
-/// scatter, where the probability is a step and has none.
+/// Derivatives of a probability with respect to the four numbers that describe a cell; `None` where they are not computed:
+/// for an input without scatter there is no score to weight samples or measure with. Only a boundary in closed form still
+/// gives the slope over its expected value, as long as the other input scatters.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Derivatives {
     /// By the expected preload, at constant relative standard deviation.
@@ -95,7 +96,8 @@ pub(crate) fn moments_at(z: f64) -> Moments1 {
     [density, density * z, density * (z * z - 1.0)]
 }
 
-/// The probability that a sample of `cell` is unstable, by quadrature (an error of some 1e-14).
+/// The probability that a sample of `cell` is unstable, by quadrature: an error of some 1e-14 as
+/// long as an input scatters by more than a hundredth; below that, the rounding of the boundary over the scatter.
 #[must_use]
 pub fn probability(boundary: &StabilityBoundary, cell: &Cell) -> ExactProbability {
     let (preload_scatters, friction_scatters) = scatter(cell);
@@ -103,15 +105,15 @@ pub fn probability(boundary: &StabilityBoundary, cell: &Cell) -> ExactProbabilit
     let friction_tail =
         |preload: f64| exceeds(cell.static_friction, cell.relative_std.static_friction, critical_friction(preload));
     if !preload_scatters {
-        return rounded(friction_tail(cell.preload));
+        return rounded(friction_tail(cell.preload), cell);
     }
     if !friction_scatters {
         let critical = boundary.critical_preload(cell.static_friction);
-        return rounded(exceeds(cell.preload, cell.relative_std.preload, critical));
+        return rounded(exceeds(cell.preload, cell.relative_std.preload, critical), cell);
     }
     let integrand = |z: f64| [normal::density(z) * friction_tail(preload_at(cell, z))];
     let ([value], [error]) = over_preload(boundary, cell, &integrand);
-    ExactProbability { value: value.clamp(0.0, 1.0), error_bound: error + 4.0 * f64::EPSILON }
+    ExactProbability { value: value.clamp(0.0, 1.0), error_bound: error + rounding(cell) }
 }
 
 /// The derivatives of that probability, by quadrature.
@@ -136,7 +138,29 @@ pub fn derivatives(boundary: &StabilityBoundary, cell: &Cell) -> Derivatives {
             over_preload(boundary, cell, &integrand).0
         }
     };
-    Derivatives::of(cell, &moments)
+    let mut derivatives = Derivatives::of(cell, &moments);
+    // What does not scatter itself moves the limit of what does: dP = -phi(t) dt.
+    let slope = |expected: f64, std: f64, limit: f64, slope_of_limit: f64| {
+        let spread = expected * std;
+        let density = normal::density((limit - expected) / spread);
+        let slope = -density * slope_of_limit / spread;
+        Some(if density > 0.0 { slope } else { 0.0 })
+    };
+    let product = boundary.critical_product();
+    match scatter(cell) {
+        (false, true) if cell.preload > 0.0 => {
+            let limit = boundary.critical_static_friction(cell.preload);
+            let slope_of_limit = -product / (cell.preload * cell.preload);
+            derivatives.preload = slope(cell.static_friction, std.static_friction, limit, slope_of_limit);
+        }
+        (true, false) if cell.static_friction > boundary.kinetic_coefficient() => {
+            let falling = cell.static_friction - boundary.kinetic_coefficient();
+            let limit = boundary.critical_preload(cell.static_friction);
+            derivatives.static_friction = slope(cell.preload, std.preload, limit, -product / (falling * falling));
+        }
+        _ => {}
+    }
+    derivatives
 }
 
 /// Whether preload and static friction scatter.
@@ -168,8 +192,15 @@ fn over_preload<const N: usize>(
     integrate_pieces(integrand, &ends, TOLERANCE, DEEPEST)
 }
 
-fn rounded(value: f64) -> ExactProbability {
-    ExactProbability { value, error_bound: if value == 0.0 || value == 1.0 { 0.0 } else { 4.0 * f64::EPSILON } }
+fn rounded(value: f64, cell: &Cell) -> ExactProbability {
+    ExactProbability { value, error_bound: if value == 0.0 || value == 1.0 { 0.0 } else { rounding(cell) } }
+}
+
+/// What rounding of the boundary can change: some units of the last place of the threshold, in standard deviations of the
+/// input that scatters most.
+fn rounding(cell: &Cell) -> f64 {
+    let std = cell.relative_std.preload.max(cell.relative_std.static_friction);
+    (8.0 * f64::EPSILON * (1.0 + 1.0 / std)).min(1.0)
 }
 
 /// Probability that `expected (1 + relative_std z)` exceeds `threshold`, `expected` >= 0.
@@ -402,13 +433,11 @@ mod tests {
     /// A derivative from the probability alone: central differences, twice extrapolated.
     fn by_differences(boundary: &StabilityBoundary, cell: &Cell, which: usize) -> f64 {
         let std = cell.relative_std;
+        // A limit that moves an input with scatter, moved by its own scatter or, if it has none, by a twentieth of the other's.
+        let [by_preload, by_friction] = [(std.preload, std.static_friction), (std.static_friction, std.preload)]
+            .map(|(own, other)| if own > 0.0 { own } else { 0.05 * other });
         let step = 0.05
-            * [
-                cell.preload * std.preload,
-                cell.static_friction * std.static_friction,
-                std.preload,
-                std.static_friction,
-            ][which];
+            * [cell.preload * by_preload, cell.static_friction * by_friction, std.preload, std.static_friction][which];
         let difference = |step: f64| {
             let p = |by: f64| probability(boundary, &shifted(cell, which, by)).value;
             (p(step) - p(-step)) / (2.0 * step)
@@ -441,8 +470,9 @@ mod tests {
         ] {
             let cell = cell(preload, friction, preload_std, friction_std);
             for (which, derivative) in as_array(derivatives(&boundary, &cell)).into_iter().enumerate() {
-                let scatters = [preload_std, friction_std][which % 2] > 0.0;
-                assert_eq!(derivative.is_some(), scatters, "{cell:?} {which}");
+                // By the expected values always, by a standard deviation of 0 never.
+                let exists = which < 2 || [preload_std, friction_std][which % 2] > 0.0;
+                assert_eq!(derivative.is_some(), exists, "{cell:?} {which}");
                 let Some(derivative) = derivative else { continue };
                 let expected = by_differences(&boundary, &cell, which);
                 let error = (derivative - expected).abs() / expected.abs().max(1.0);

@@ -15,7 +15,7 @@
 //!
 //! Where it is known which inputs are unstable, no samples are needed: [`exact`] gives the probability and its
 //! derivatives from a boundary in closed form, [`mapped`] from a verdict map, with what the map does not tell as
-//! limits. [`score`] estimates the same derivatives from samples. [`methods`] says which method is for which question, and
+//! limits. [`score`] estimates the same derivatives from samples, [`sensitivity`] the Sobol indices of the inputs. [`methods`] says which method is for which question, and
 //! how a user notices that one has failed.
 //!
 //! Modules are declared in reading order. Nothing here knows of threads, files or the terminal.
@@ -25,17 +25,17 @@
 
 pub mod grid;
 
+pub mod normal;
+
 pub mod identity;
 
 pub mod inputs;
 
 pub mod samples;
 
-pub mod deviates;
-
 pub mod sobol;
 
-pub mod normal;
+pub mod deviates;
 
 pub mod poisson;
 
@@ -58,6 +58,8 @@ pub mod exact;
 pub mod mapped;
 
 pub mod score;
+
+pub mod sensitivity;
 
 pub mod methods;
 

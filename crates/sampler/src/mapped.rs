@@ -51,8 +51,8 @@ const ROUNDING: f64 = 2.0 * f64::EPSILON;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MappedProbability {
     /// The probability that a sample is unstable, given that it is known to the map to be stable or unstable;
-    /// boundaries lie in the middle of what they leave open. The middle of the limits where nothing is known.
-    pub value: f64,
+    /// boundaries lie in the middle of what they leave open. `None` where nothing is known.
+    pub value: Option<f64>,
     /// The probability is not below this, whatever the map does not tell.
     pub low: f64,
     /// Nor above this.
@@ -383,13 +383,13 @@ impl Sums {
         let decided = stable + unstable;
         let undecided = self.undecided.clamp(0.0, 1.0);
         if decided < LEAST_MASS {
-            let value = 0.5 * (low + high);
-            return MappedProbability { value, low, high, derivatives: Derivatives::default(), undecided };
+            return MappedProbability { value: None, low, high, derivatives: Derivatives::default(), undecided };
         }
         // The quotient rule: what is known depends on the cell too.
         let quotient = |i: usize| (self.unstable[i] * stable - unstable * self.stable[i]) / (decided * decided);
         let derivatives = Derivatives::of(cell, &std::array::from_fn(quotient));
-        MappedProbability { value: (unstable / decided).clamp(low, high), low, high, derivatives, undecided }
+        let value = Some((unstable / decided).clamp(low, high));
+        MappedProbability { value, low, high, derivatives, undecided }
     }
 }
 
@@ -500,15 +500,15 @@ mod tests {
                     let exact = exact::probability(&boundary, &cell);
                     let mapped = regions.probability(&cell);
                     assert!(mapped.low <= exact.value && exact.value <= mapped.high, "{cell:?}: {exact:?} {mapped:?}");
-                    assert!((mapped.value - exact.value).abs() < 1e-5, "{cell:?}: {exact:?} {mapped:?}");
-                    assert!(mapped.low <= mapped.value && mapped.value <= mapped.high, "{mapped:?}");
+                    assert!((mapped.value.unwrap() - exact.value).abs() < 1e-5, "{cell:?}: {exact:?} {mapped:?}");
+                    assert!(mapped.low <= mapped.value.unwrap() && mapped.value.unwrap() <= mapped.high, "{mapped:?}");
                     assert_eq!(mapped.undecided, 0.0);
                     unstable += u32::from(exact.value > 0.01 && exact.value < 0.99);
                     let derivatives = exact::derivatives(&boundary, &cell);
                     for (i, (mapped, exact)) in
                         as_array(mapped.derivatives).into_iter().zip(as_array(derivatives)).enumerate()
                     {
-                        assert_eq!(mapped.is_some(), exact.is_some());
+                        assert_eq!(mapped.is_some(), [preload_std, friction_std][i % 2] > 0.0);
                         let (Some(mapped), Some(exact)) = (mapped, exact) else { continue };
                         let scale = [preload * preload_std, friction * friction_std, preload_std, friction_std][i];
                         // In units of the scatter; where it is tiny against the map's resolution (4e-6 of the
@@ -596,7 +596,7 @@ mod tests {
             let one_scatters = cell.relative_std.preload * cell.relative_std.static_friction == 0.0;
             // The rule misplaces a boundary across one line of its points by up to half a step.
             let tolerance = if one_scatters { 4e-3 } else { 5e-5 };
-            assert!((mapped.value - masses[1]).abs() < tolerance, "{cell:?}: {mapped:?} {masses:?}");
+            assert!((mapped.value.unwrap() - masses[1]).abs() < tolerance, "{cell:?}: {mapped:?} {masses:?}");
             assert!(mapped.low - tolerance < masses[1] && masses[1] < mapped.high + tolerance, "{cell:?}: {mapped:?}");
             assert!(mapped.high - mapped.low < 1e-3, "{mapped:?}");
             for (derivative, score) in as_array(mapped.derivatives).into_iter().zip(scores) {
@@ -623,10 +623,10 @@ mod tests {
             let ([stable, unstable, other], _) = by_midpoints(judge, &cell);
             assert!(other > 0.1 && unstable > 0.05);
             assert!((mapped.undecided - other).abs() < 3e-5, "{mapped:?} {other}");
-            assert!((mapped.value - unstable / (stable + unstable)).abs() < 5e-5, "{mapped:?}");
+            assert!((mapped.value.unwrap() - unstable / (stable + unstable)).abs() < 5e-5, "{mapped:?}");
             assert!((mapped.low - unstable).abs() < 1e-4 && (mapped.high - 1.0 + stable).abs() < 1e-4, "{mapped:?}");
             // The quotient's derivatives, by differences of the value.
-            let value = |cell: &Cell| probability(&map, cell).value;
+            let value = |cell: &Cell| probability(&map, cell).value.unwrap();
             let (mut up, mut down) = (cell, cell);
             up.preload *= 1.005;
             down.preload *= 0.995;
@@ -671,9 +671,9 @@ mod tests {
         let map = VerdictMap::new(KINETIC);
         let mapped = probability(&map, &cell(0.1, 0.3, 0.5, 0.2));
         let inside = normal::upper_tail(-2.0) * normal::upper_tail(-0.05 / 0.06);
-        assert!((mapped.high - inside).abs() < 2e-14 && mapped.low == 0.0 && mapped.value == 0.0, "{mapped:?}");
+        assert!((mapped.high - inside).abs() < 2e-14 && mapped.low == 0.0 && mapped.value == Some(0.0), "{mapped:?}");
         let nothing = probability(&map, &cell(0.1, 0.3, 0.0, 0.0));
-        assert_eq!((nothing.low, nothing.value, nothing.high), (0.0, 0.5, 1.0));
+        assert_eq!((nothing.low, nothing.value, nothing.high), (0.0, None, 1.0));
         assert_eq!(nothing.derivatives, Derivatives::default());
     }
 
@@ -685,7 +685,7 @@ mod tests {
             for friction in [0.2, 0.25, 0.375, 0.3, 0.5, 0.75] {
                 let mapped = probability(&map, &cell(preload, friction, 0.0, 0.0));
                 let expected = f64::from(u8::from(boundary.verdict(preload, friction) == Verdict::Unstable));
-                assert_eq!(mapped.value, expected, "{preload} {friction}: {mapped:?}");
+                assert_eq!(mapped.value, Some(expected), "{preload} {friction}: {mapped:?}");
                 assert!((mapped.high - mapped.low) < 1e-13, "{preload} {friction}: {mapped:?}");
             }
         }
@@ -695,7 +695,7 @@ mod tests {
         let unstable = map_of(|_, _| Verdict::Unstable, |_| true);
         for std in [0.0, 0.2] {
             let nothing_pressed = probability(&unstable, &cell(0.0, 0.5, std, 0.2));
-            assert!(nothing_pressed.value == 0.0 && nothing_pressed.high < 1e-14, "{nothing_pressed:?}");
+            assert!(nothing_pressed.value == Some(0.0) && nothing_pressed.high < 1e-14, "{nothing_pressed:?}");
         }
     }
 
@@ -716,7 +716,7 @@ mod tests {
             let mapped = HYPERBOLA.probability(&cell);
             prop_assert!(mapped.low - exact.error_bound <= exact.value, "{:?} {:?}", exact, mapped);
             prop_assert!(exact.value <= mapped.high + exact.error_bound, "{:?} {:?}", exact, mapped);
-            prop_assert!(mapped.low <= mapped.value && mapped.value <= mapped.high, "{:?}", mapped);
+            prop_assert!(mapped.low <= mapped.value.unwrap() && mapped.value.unwrap() <= mapped.high, "{:?}", mapped);
         }
     }
 }

@@ -23,8 +23,10 @@
 //! ([`Looks`](crate::Looks)), and stops when its interval is narrow enough.
 //!
 //! A plain interval that is looked at again and again, until it looks good, misses more often than it says. These intervals
-//! share the error among all looks, so they hold at whichever look a cell stops; they are about half again as wide as a
+//! share the error among all looks (and with `simultaneous` among all cells), so they hold at whichever look a cell stops; they are about half again as wide as a
 //! single one of as many samples. That is the price, and the reason why `samples` is better where the number is known.
+//!
+//! Looks depend on `at_most`: a run cannot be extended to a larger one, only made anew.
 //!
 //! **Fails** where `at_most` comes first. **Notice**: `p_high - p_low` is then wider than twice the `half_width`.
 //!
@@ -35,7 +37,7 @@
 //! `samples^-0.75` with two inputs, less fast with more of them.
 //!
 //! **Interval**: Student's, from the scatter of the randomisations ([`replicates`](crate::replicates)); where fewer than 30
-//! samples are on one side, that of as many independent samples.
+//! samples are on one side, or all randomisations agree, widened to include that of as many independent samples.
 //!
 //! **Fails** softly: at worst it is about as good as independent samples. Numbers of points that are no power of two lose most
 //! of the gain. **Notice**: `p_high - p_low` does not shrink faster than with independent samples. The standard errors of
@@ -49,6 +51,9 @@
 //! the resolution of a curve (about 1e-5 of the coordinate), in boxes that did not resolve, and beyond six standard deviations
 //! are simulated themselves.
 //!
+//! With `kind = "eigenvalue"` it changes nothing: the closed form decides as fast as a map would. With `sensitivity` the
+//! verdicts on the second set of samples are looked up too, and not audited.
+//!
 //! **Gives** the counts of `evaluate = "each"` from a thousandth of the simulations, and serves with `--map` any other job of the
 //! same model, speed and criterion.
 //!
@@ -61,11 +66,11 @@
 //! # Integrated: `method = "exact"`
 //!
 //! **Assumes** what the map does, and independent normal inputs; for `kind = "eigenvalue"` nothing, as its boundary is known in
-//! closed form ([`exact`](crate::exact), error below 1e-12).
+//! closed form ([`exact`](crate::exact), error about 1e-14 for scatter above 0.01).
 //!
 //! **Gives** the probability without samples ([`mapped`](crate::mapped)). `p_low` and `p_high` bound the numerical error: the
 //! measure of all that the map does not tell (resolution of the curves, undecided regions, the plane beyond six standard
-//! deviations), not a confidence.
+//! deviations), not a confidence. `p_undecided` is the measure of the undecided regions.
 //!
 //! **Fails** as the map does. There are no samples to audit: run a job with `evaluate = "boundary"` on the same map. **Notice**,
 //! for scatter below some 1e-4: the resolution of the curves is then no longer small against it, and `p_low` to `p_high` widens.
@@ -75,7 +80,8 @@
 //! `derivatives = true`: the slopes of the probability over the expected values (at constant relative standard deviation) and
 //! over the relative standard deviations, exact where the probability is integrated, elsewhere by the score function
 //! ([`score`](crate::score)) from the same samples, with their standard errors. They assume independent normal inputs and are
-//! null for an input without scatter. A score estimate scatters like `1 / std`: small scatter needs many samples.
+//! null for an input without scatter (whose score does not exist; of the eigenvalue criterion, integrated, the slope over its
+//! expected value is still known). A score estimate scatters like `1 / std`: small scatter needs many samples.
 //!
 //! `sensitivity = true`: first-order and total Sobol indices of the verdict (0 or 1), the shares of its variance `p (1 - p)` that
 //! an input explains alone, and takes part in. They take `inputs + 1` further verdicts for each sample. They are null where
@@ -84,4 +90,5 @@
 //! # What no interval says
 //!
 //! How good the model is, with the criterion and the parameters given. The eigenvalue criterion calls a brake quiet that squeals
-//! once disturbed; `stickslip compare` shows in how many samples.
+//! once disturbed; `stickslip compare` shows in how many samples. Its intervals share the error among the looks of runs with
+//! `until`; those of Sobol runs take their points for independent samples, which is on the safe side.

@@ -258,7 +258,7 @@ mod tests {
             let totals = total(&cell, &unstable(7, &cell, samples));
             for (number, exact) in CellNumber::ALL.into_iter().zip(exact_derivatives(&cell)) {
                 let estimate = totals.derivative(number, &cell, samples);
-                assert_eq!(estimate.is_some(), exact.is_some(), "{cell:?} {number:?}");
+                assert_eq!(estimate.is_some(), number.scale(&cell) != 0.0, "{cell:?} {number:?}");
                 if let (Some((value, error)), Some(exact)) = (estimate, exact) {
                     assert!((value - exact).abs() < 4.0 * error, "{cell:?} {number:?}: {value} +- {error}, {exact}");
                     let scale = number.scale(&cell);

@@ -53,9 +53,9 @@ fn cost_of_samples(job: &Job, threads: usize) -> Result<String, Failure> {
 fn cost_of_maps(job: &Job) -> Result<String, Failure> {
     let tiles = Engine::new(job, 1)?.maps().needed();
     let samples = if job.is_integrated() { "no".to_owned() } else { job.total_samples().to_string() };
-    let map = match tiles {
-        0 => "the boundary is known in closed form".to_owned(),
-        _ => format!(
+    let map = match job.uses_maps() {
+        false => "the boundary is known in closed form".to_owned(),
+        true => format!(
             "a verdict map of {} tiles: some 40 simulations each, and some hundreds more for each that a boundary crosses",
             HumanCount(tiles as u64)
         ),

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use indicatif::HumanCount;
 use stickslip_core::{Verdict, VerdictCounts};
 use stickslip_sampler::difference::{paired_difference, unpaired_difference};
+use stickslip_sampler::interval::simultaneous_confidence;
 use stickslip_sampler::{BLOCK_SAMPLES, BinomialInterval, Difference, Estimate, PairedCounts, replicates};
 
 use super::differences::{Differences, Interval, Row, json, picture, summary, table};
@@ -253,6 +254,9 @@ fn differences<'a>(
     interrupt: &Interrupt,
 ) -> Result<Differences<'a>, Failure> {
     let joints = count_pairs(first, second, matching, interrupt)?;
+    // A run that stopped by precision was looked at so often; its counts are those of any of these looks.
+    let looks = |reader: &Reader<'_>| if reader.run.job.stops_by_precision() { reader.run.job.parts() } else { 1 };
+    let confidence = simultaneous_confidence(confidence, looks(first) * looks(second)).min(1.0 - 1e-15);
     let mut disagreed = 0_u64;
     let mut rows = Vec::with_capacity(matching.cells.len());
     for (&(index, other, is_paired), joint) in matching.cells.iter().zip(&joints) {

@@ -25,6 +25,11 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
+    if let (Some(shard), true) = (arguments.shard, job.is_integrated()) {
+        let message =
+            format!("--shard {shard}: method = \"exact\" draws no samples that could be shared out; submit it without");
+        return Err(Failure::Usage(message));
+    }
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
     let access = if arguments.shard.is_some() { Access::Shared } else { Access::Alone };
@@ -417,7 +422,13 @@ fn closing_line(path: &Path, job: &Job, surface: &Surface<'_>) -> String {
     let cells = HumanCount(job.cells());
     if job.is_integrated() {
         let widest = surface.rows().map(|row| 0.5 * (row.estimate.high - row.estimate.low)).fold(0.0, f64::max);
-        return format!("{}: {cells} cells, integrated, error at most {widest:.1e}\n", path.display());
+        let undecided = surface.largest_undecided();
+        let undecided = if undecided > 0.0 {
+            format!("; up to {undecided:.1e} of a cell's samples would be undecided, see p_undecided")
+        } else {
+            String::new()
+        };
+        return format!("{}: {cells} cells, integrated, error at most {widest:.1e}{undecided}\n", path.display());
     }
     let samples = if job.stops_by_precision() {
         let counted: u128 = surface.rows().map(|row| u128::from(row.counts.total())).sum();

@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::job::{Criterion, Deciders, RandomInput};
 use crate::output::result;
 use crate::picture::curves;
-use crate::run::{Batch, DescribedColumn, RunDirectory, write_columns};
+use crate::run::{Batch, DescribedColumn, RunDirectory, Slots, write_columns};
 
 /// Scaled time that a trajectory follows unless told otherwise: some 150 cycles of the pad.
 const HORIZON: f64 = 500.0;
@@ -88,8 +88,17 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     if job.is_integrated() {
         return Err(Failure::Usage("this run integrates its probabilities; it has no samples to replay".to_owned()));
     }
-    if arguments.sample >= job.sampling.samples {
-        let message = format!("--sample {}: each cell has samples 0 to {}", arguments.sample, job.sampling.samples - 1);
+    // A cell that stopped by precision has fewer samples than the job allows.
+    let samples = if job.stops_by_precision() {
+        Slots::new(&job).counts(&directory.tally(&job)?, arguments.cell).total()
+    } else {
+        job.sampling.samples
+    };
+    if arguments.sample >= samples {
+        let message = match samples {
+            0 => format!("--sample {}: cell {} has no samples yet", arguments.sample, arguments.cell),
+            _ => format!("--sample {}: cell {} has samples 0 to {}", arguments.sample, arguments.cell, samples - 1),
+        };
         return Err(Failure::Usage(message));
     }
     let cell = job.grid.cell(arguments.cell);

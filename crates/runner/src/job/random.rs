@@ -208,8 +208,10 @@ impl RandomInput {
         match name {
             "preload" => return Ok(Self::Preload),
             "static_friction" => return Ok(Self::StaticFriction),
-            "rotating_speed" => return Ok(Self::Other(&SCALARS[SCALARS.len() - 1])),
             _ => {}
+        }
+        if let ("rotating_speed", Some(scalar)) = (name, scalar("operating_point.rotating_speed")) {
+            return Ok(Self::Other(scalar));
         }
         let axis = match name {
             "friction.static_coefficient" => Some("static_friction"),

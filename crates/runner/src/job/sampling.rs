@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use stickslip_sampler::interval::simultaneous_confidence;
 use stickslip_sampler::{BLOCK_SAMPLES, IntervalKind, Looks};
 use toml::Spanned;
 
@@ -18,6 +19,9 @@ const MOST_RANDOMISATIONS: u64 = 1000;
 
 /// Share of the samples looked up in a verdict map that are simulated all the same, unless told otherwise.
 const AUDIT: f64 = 1e-4;
+
+/// Beyond, quantiles lose their meaning to rounding.
+const HIGHEST_CONFIDENCE: f64 = 1.0 - 1e-12;
 
 /// Sampling of the random inputs.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -54,8 +58,8 @@ pub struct SamplingSpec {
     #[schemars(with = "Option<IntervalSpec>")]
     pub interval: Option<Spanned<IntervalSpec>>,
     /// Whether the intervals of all cells hold together with the confidence; false unless told.
-    #[serde(default)]
-    pub simultaneous: bool,
+    #[schemars(with = "Option<bool>")]
+    pub simultaneous: Option<Spanned<bool>>,
     /// Whether the derivatives of the probability are written, as further columns; false unless told.
     #[schemars(with = "Option<bool>")]
     pub derivatives: Option<Spanned<bool>>,
@@ -174,9 +178,14 @@ pub struct Sampling {
 
 impl Sampling {
     /// Checks every key, and that they fit each other, the inputs and the criterion.
-    pub fn validate(spec: &SamplingSpec, inputs: &RandomInputSet, criterion: &Criterion) -> Result<Self, Complaint> {
+    pub fn validate(
+        spec: &SamplingSpec,
+        inputs: &RandomInputSet,
+        criterion: &Criterion,
+        cells: u64,
+    ) -> Result<Self, Complaint> {
         spec.refuse_foreign_keys()?;
-        let confidence = spec.checked_confidence()?;
+        let confidence = spec.checked_confidence(cells)?;
         let samples = match (&spec.until, &spec.samples) {
             _ if spec.method() == SamplingMethod::Exact => 0,
             (Some(until), _) => until.get_ref().at_most,
@@ -192,14 +201,14 @@ impl Sampling {
         let sampling = Self {
             method: spec.method(),
             samples,
-            effort: spec.effort(samples, confidence)?,
+            effort: spec.effort(samples, spec.confidence_of_a_cell(confidence, cells))?,
             seed: spec.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
             evaluate: spec.evaluate.as_ref().map_or(EvaluateMode::Each, |evaluate| *evaluate.get_ref()),
             audit: spec.audit.as_ref().map_or(AUDIT, |audit| *audit.get_ref()),
             common_random_numbers: spec.common_random_numbers,
             confidence,
             interval: spec.interval.as_ref().map_or(IntervalSpec::Wilson, |interval| *interval.get_ref()),
-            simultaneous: spec.simultaneous,
+            simultaneous: spec.is_simultaneous(),
             derivatives: spec.derivatives.as_ref().is_some_and(|derivatives| *derivatives.get_ref()),
             sensitivity: spec.sensitivity.as_ref().is_some_and(|sensitivity| *sensitivity.get_ref()),
         };
@@ -317,7 +326,16 @@ impl SamplingSpec {
         self.method.as_ref().map_or(SamplingMethod::MonteCarlo, |method| *method.get_ref())
     }
 
-    fn checked_confidence(&self) -> Result<f64, Complaint> {
+    fn is_simultaneous(&self) -> bool {
+        self.simultaneous.as_ref().is_some_and(|simultaneous| *simultaneous.get_ref())
+    }
+
+    /// The confidence that one of so many intervals needs, for all of them to hold together if they are to.
+    fn confidence_of_a_cell(&self, confidence: f64, cells: u64) -> f64 {
+        if self.is_simultaneous() { simultaneous_confidence(confidence, cells) } else { confidence }
+    }
+
+    fn checked_confidence(&self, cells: u64) -> Result<f64, Complaint> {
         let (key, value, span) = match &self.until {
             Some(until) => ("until.confidence", until.get_ref().confidence.unwrap_or(0.95), Some(until.span())),
             None => (
@@ -327,8 +345,15 @@ impl SamplingSpec {
             ),
         };
         // The bounds keep the quantile of the interval finite and its definition meaningful.
-        if 0.0 < value && value <= 1.0 - 1e-12 {
-            return Ok(value);
+        if 0.0 < value && value <= HIGHEST_CONFIDENCE {
+            let each = self.confidence_of_a_cell(value, cells);
+            if each <= HIGHEST_CONFIDENCE {
+                return Ok(value);
+            }
+            let message = format!(
+                "sampling.{key} = {value} for {cells} cells together takes more than the highest confidence of one, 1 - 1e-12; lower it, or remove sampling.simultaneous"
+            );
+            return Err(Complaint { span, message });
         }
         let message = format!(
             "sampling.{key} = {value} is out of range: it must be greater than 0 and less than 1, for example 0.95"
@@ -406,6 +431,11 @@ impl SamplingSpec {
                 "sampling.confidence has no meaning with method = \"exact\": p_low and p_high bound its numerical error; remove it",
             ),
             (interval.clone(), is_exact, "sampling.interval has no meaning with method = \"exact\"; remove it"),
+            (
+                self.simultaneous.as_ref().map(Spanned::span),
+                is_exact,
+                "sampling.simultaneous has no meaning with method = \"exact\", whose bounds all hold; remove it",
+            ),
             (
                 self.evaluate.as_ref().map(Spanned::span),
                 is_exact,

@@ -18,7 +18,7 @@ use super::spec::{AxisSpec, JobSpec, ModelSpec, SECTIONS};
 const MOST_CELLS: u64 = 1_000_000;
 
 /// Parts of cells that are counted apart, at the most.
-const MOST_PARTS: u64 = 20_000_000;
+const MOST_PARTS: u64 = 2_000_000;
 
 /// A job that can be run: everything resolved, nothing left to check.
 #[derive(Debug, Clone)]
@@ -70,12 +70,12 @@ impl Job {
         }
 
         let criterion = Criterion::validate(&spec.criterion, &parameters, &grid)?;
-        let sampling = Sampling::validate(&spec.sampling, &random, &criterion)?;
+        let sampling = Sampling::validate(&spec.sampling, &random, &criterion, grid.checked_len().unwrap_or(u64::MAX))?;
         let job = Self { name, description: spec.description, parameters, grid, random, criterion, sampling };
         let slots = job.cells().saturating_mul(job.parts());
         if slots > MOST_PARTS {
             let message = format!(
-                "{} cells with {} parts each (randomisations, or looks of until) make {slots}; the limit is {MOST_PARTS}",
+                "{} cells with {} parts each (randomisations, or looks of until) make {slots} sums to keep; the limit is {MOST_PARTS}: ask for fewer cells at a time, fewer randomisations, or a smaller at_most",
                 job.cells(),
                 job.parts()
             );

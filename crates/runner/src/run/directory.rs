@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
+use super::extras::Extras;
 use super::piece;
 use super::publish::{is_temporary, publish, publish_first, remove_temporary};
 use super::slots::Slots;
@@ -164,7 +165,7 @@ impl RunDirectory {
     /// Everything counted so far. Pieces that cannot be trusted are named on standard error and left out.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
         let slots = Slots::new(job);
-        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), slots.count())?;
+        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), slots.count(), Extras::of(job).count())?;
         for complaint in &pieces.complaints {
             note(format_args!("warning: {complaint}"));
         }

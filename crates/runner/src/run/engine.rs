@@ -11,7 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use stickslip_core::verdict_map::{Tile, TileIndex};
 use stickslip_core::{JudgedMotion, RandomInputs, Verdict, VerdictCounts};
 use stickslip_sampler::exact::{self, Derivatives};
-use stickslip_sampler::mapped::MapRegions;
+use stickslip_sampler::mapped::{MapRegions, MappedProbability};
 use stickslip_sampler::{Cell, Distribution, Estimate, Points, SampleStream, audit};
 
 use super::batch::Batch;
@@ -27,6 +27,7 @@ use super::tally::{Segment, Tally};
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
 use crate::job::{Deciders, Job};
+use crate::output::note;
 
 /// Segments waiting to be written at the most, whatever the clock says.
 const MOST_PENDING: usize = 100_000;
@@ -124,8 +125,8 @@ impl<'a> Engine<'a> {
         self.extras.add_scores(&mut sums, &place, &batch, &verdicts);
         if self.extras.sensitivity() > 0 {
             let second = Batch::draw(self.job, &place, part, drawn, Points::SecondRandom);
-            let mut verdicts_of = |batch: &Batch| -> Vec<Verdict> {
-                let judged = self.judge(&place, batch, &[], &mut lookups);
+            let verdicts_of = |batch: &Batch| -> Vec<Verdict> {
+                let judged = self.judge(&place, batch, &[], &mut Lookups::default());
                 judged.into_iter().map(|judged| judged.verdict).collect()
             };
             let mixed: Vec<Vec<Verdict>> =
@@ -165,11 +166,16 @@ impl<'a> Engine<'a> {
         all
     }
 
-    /// Which samples of a slot are audited.
+    /// Which samples of a slot are audited: by their number in the cell, unless a randomisation numbers its own.
     fn audited(&self, slot: u64, samples: Range<u64>) -> Vec<bool> {
         let share = self.job.sampling.audit;
-        let audits = self.extras.lookups() && share > 0.0;
-        if audits { audit::choose(self.job.sampling.seed, slot, samples, share) } else { Vec::new() }
+        if !self.extras.lookups() || share == 0.0 {
+            return Vec::new();
+        }
+        let (cell, part) = self.slots.place(slot);
+        let first = self.slots.first_sample(part);
+        let key = if self.slots.are_decided_in_turn() { cell } else { slot };
+        audit::choose(self.job.sampling.seed, key, first + samples.start..first + samples.end, share)
     }
 
     /// Verdicts on consecutive samples of a cell, of its randomisation `randomisation` where it has any: those that
@@ -221,7 +227,13 @@ impl<'a> Engine<'a> {
         let mut borrowed = 0;
         for source in sources {
             let loaded = self.maps.load(source)?;
-            borrowed += if keep == Some(*source) { 0 } else { loaded };
+            if keep == Some(*source) {
+                continue;
+            }
+            borrowed += loaded;
+            if loaded == 0 && !self.maps.missing().is_empty() {
+                note(format_args!("{}: no tile of this model, speed and criterion that is needed", source.display()));
+            }
         }
         if let (Some(keep), true) = (keep, borrowed > 0) {
             self.maps.write_all(keep)?;
@@ -293,14 +305,16 @@ impl<'a> Engine<'a> {
                 let wanted = self.extras.derivatives();
                 let derivatives = if wanted { exact::derivatives(&boundaries[speed], &cell) } else { unknown };
                 let estimate = Estimate { probability: Some(exact.value), low, high };
-                return (index, IntegratedCell { estimate, derivatives });
+                return (index, IntegratedCell { estimate, derivatives, undecided: 0.0 });
             }
             let mapped = regions[speed].probability(&cell);
-            let estimate = Estimate { probability: Some(mapped.value), low: mapped.low, high: mapped.high };
-            (index, IntegratedCell { estimate, derivatives: mapped.derivatives })
+            let estimate = Estimate { probability: mapped.value, low: mapped.low, high: mapped.high };
+            let MappedProbability { derivatives, undecided, .. } = mapped;
+            (index, IntegratedCell { estimate, derivatives, undecided })
         };
         let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
-        let mut cells = vec![IntegratedCell { estimate: nothing, derivatives: unknown }; self.job.cells() as usize];
+        let mut cells =
+            vec![IntegratedCell { estimate: nothing, derivatives: unknown, undecided: 0.0 }; self.job.cells() as usize];
         let outcome = self.in_parallel(self.job.cells(), interrupt, integrate, |event| {
             if let Event::Unit((index, integrated)) = event {
                 cells[index as usize] = integrated;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use stickslip_core::{Verdict, VerdictCounts};
 use stickslip_sampler::Cell;
 use stickslip_sampler::score::{CellNumber, ScoreSums, ScoreTotals};
+use stickslip_sampler::sensitivity::{IndexCounts, SobolIndices, indices};
 
 use super::batch::Batch;
 use crate::job::{EvaluateMode, Job};
@@ -38,19 +39,6 @@ impl Lookups {
         self.audited += other.audited;
         self.differed += other.differed;
     }
-}
-
-/// First-order and total Sobol index of one input, with their standard errors.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SobolIndices {
-    /// Share of the verdict's variance that this input explains alone.
-    pub first_order: f64,
-    /// Its standard error.
-    pub first_order_error: f64,
-    /// Share in which it takes part, alone or with others.
-    pub total: f64,
-    /// Its standard error.
-    pub total_error: f64,
 }
 
 const LOOKUPS: usize = 3;
@@ -97,7 +85,7 @@ impl Extras {
     }
 
     /// How many sums there are.
-    fn count(self) -> usize {
+    pub fn count(self) -> usize {
         self.sensitivity_at() + if self.sensitivity > 0 { 1 + PER_INPUT * self.sensitivity } else { 0 }
     }
 
@@ -166,30 +154,17 @@ impl Extras {
     }
 
     /// The Sobol indices of an input; `None` where the verdict does not vary. Undecided and failed samples count as stable.
-    ///
-    /// With the verdicts f of independent samples A, B and of A with input i of B, A_i:
-    ///
-    /// ```text
-    /// S_i = E[f(B) (f(A_i) - f(A))] / V,   T_i = E[(f(A) - f(A_i))^2] / 2V,   V = p (1 - p)
-    /// ```
-    ///
-    /// A. Saltelli et al., Comput. Phys. Commun. 181 (2010), table 2, rows b and f.
     pub fn read_sensitivity(self, sums: &[i128], input: usize, counts: &VerdictCounts) -> Option<SobolIndices> {
         let sums = sums.get(self.sensitivity_at()..).filter(|sums| !sums.is_empty())?;
-        let samples = counts.total() as f64;
-        let p = (counts.unstable as f64 + sums[0] as f64) / (2.0 * samples);
-        let variance = p * (1.0 - p);
-        if variance <= 0.0 {
-            return None;
-        }
         let part = &sums[1 + PER_INPUT * input..][..PER_INPUT];
-        let [up, down, turned] = [part[0], part[1], part[2]].map(|count| count as f64 / samples);
-        let first = up - down;
-        Some(SobolIndices {
-            first_order: first / variance,
-            first_order_error: ((up + down - first * first) / samples).max(0.0).sqrt() / variance,
-            total: 0.5 * turned / variance,
-            total_error: 0.5 * (turned * (1.0 - turned) / samples).max(0.0).sqrt() / variance,
+        let [up, down, turned] = [part[0], part[1], part[2]].map(|count| u64::try_from(count).unwrap_or(0));
+        indices(&IndexCounts {
+            samples: counts.total(),
+            first_unstable: counts.unstable,
+            second_unstable: u64::try_from(sums[0]).unwrap_or(0),
+            up,
+            down,
+            turned,
         })
     }
 }

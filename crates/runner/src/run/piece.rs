@@ -51,7 +51,7 @@ pub struct Pieces {
 ///
 /// # Errors
 /// A directory that cannot be read, or a sound piece of another experiment: these runs must not be mixed.
-pub fn read_all(directory: &Path, experiment: &str, slots: u64) -> Result<Pieces, Failure> {
+pub fn read_all(directory: &Path, experiment: &str, slots: u64, sums: usize) -> Result<Pieces, Failure> {
     let mut pieces = Pieces::default();
     for path in files(directory)? {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -79,7 +79,9 @@ pub fn read_all(directory: &Path, experiment: &str, slots: u64) -> Result<Pieces
                 );
                 return Err(Failure::Job(message));
             }
-            Ok((_, segments)) if segments.iter().all(|s| s.slot < slots && s.is_consistent()) => {
+            Ok((_, segments))
+                if segments.iter().all(|s| s.slot < slots && s.sums.len() == sums && s.is_consistent()) =>
+            {
                 pieces.segments.extend(segments);
             }
             Ok(_) => pieces.complaints.push(damaged("its counts do not add up")),
@@ -233,7 +235,7 @@ mod tests {
     #[test]
     fn a_piece_reads_back_as_written() {
         let (directory, _) = written();
-        let pieces = read_all(directory.path(), "experiment", 50).unwrap();
+        let pieces = read_all(directory.path(), "experiment", 50, 2).unwrap();
         assert_eq!(pieces.segments, some_segments());
         assert!(pieces.complaints.is_empty());
     }
@@ -246,12 +248,12 @@ mod tests {
             let mut bytes = sound.clone();
             bytes[position] ^= 0x10;
             fs::write(&piece, &bytes).unwrap();
-            let pieces = read_all(directory.path(), "experiment", 50).unwrap();
+            let pieces = read_all(directory.path(), "experiment", 50, 2).unwrap();
             assert!(pieces.segments.is_empty() && pieces.complaints.len() == 1, "byte {position}");
         }
         for length in [0, 1, sound.len() / 2, sound.len() - 1] {
             fs::write(&piece, &sound[..length]).unwrap();
-            let pieces = read_all(directory.path(), "experiment", 50).unwrap();
+            let pieces = read_all(directory.path(), "experiment", 50, 2).unwrap();
             assert!(pieces.segments.is_empty() && pieces.complaints.len() == 1, "length {length}");
         }
     }
@@ -262,21 +264,21 @@ mod tests {
         let mut segments = some_segments();
         segments[7].counts.stable += 1;
         write(directory.path(), "experiment", &segments).unwrap();
-        let pieces = read_all(directory.path(), "experiment", 50).unwrap();
+        let pieces = read_all(directory.path(), "experiment", 50, 2).unwrap();
         assert!(pieces.segments.is_empty() && pieces.complaints[0].contains("do not add up"));
     }
 
     #[test]
     fn a_piece_of_another_job_is_an_error() {
         let (directory, _) = written();
-        assert!(matches!(read_all(directory.path(), "other", 50), Err(Failure::Job(_))));
+        assert!(matches!(read_all(directory.path(), "other", 50, 2), Err(Failure::Job(_))));
     }
 
     #[test]
     fn unfinished_files_are_not_read() {
         let (directory, _) = written();
         fs::write(directory.path().join(".unfinished-123-x.parquet"), "half").unwrap();
-        assert_eq!(read_all(directory.path(), "experiment", 50).unwrap().segments.len(), 50);
+        assert_eq!(read_all(directory.path(), "experiment", 50, 2).unwrap().segments.len(), 50);
         crate::run::publish::remove_temporary(directory.path()).unwrap();
         assert_eq!(files(directory.path()).unwrap().len(), 1);
     }

@@ -19,9 +19,10 @@ use parquet::file::serialized_reader::SerializedFileReader;
 use stickslip_core::VerdictCounts;
 use stickslip_sampler::exact::Derivatives;
 use stickslip_sampler::score::CellNumber;
+use stickslip_sampler::sensitivity::SobolIndices;
 use stickslip_sampler::{BinomialInterval, Cell, Distribution, Estimate, RESULTS_VERSION, replicates};
 
-use super::extras::{Extras, Lookups, SobolIndices};
+use super::extras::{Extras, Lookups};
 use super::publish::{publish, publish_with};
 use super::slots::Slots;
 use super::tally::Tally;
@@ -46,8 +47,8 @@ pub struct SurfaceRow {
     pub amplitudes: Distribution,
     /// Further sums that the job asks for.
     sums: Vec<i128>,
-    /// Derivatives, where the probability was integrated.
-    derivatives: Option<Derivatives>,
+    /// What is known beside the probability, where it was integrated.
+    integrated: Option<IntegratedCell>,
 }
 
 /// The probability of a cell by integration.
@@ -57,6 +58,8 @@ pub struct IntegratedCell {
     pub estimate: Estimate,
     /// Its derivatives.
     pub derivatives: Derivatives,
+    /// The probability that a sample is undecided, or fails.
+    pub undecided: f64,
 }
 
 /// The result of a job.
@@ -185,7 +188,7 @@ fn derivative_columns(extras: Extras, integrated: bool) -> Vec<Column> {
         let long_name = format!("derivative of the probability of instability by the {by}");
         if integrated {
             columns.push(Column::optional(name, long_name, move |row| {
-                row.derivatives.and_then(|derivatives| match number {
+                row.integrated.and_then(|IntegratedCell { derivatives, .. }| match number {
                     CellNumber::Preload => derivatives.preload,
                     CellNumber::StaticFriction => derivatives.static_friction,
                     CellNumber::StdPreload => derivatives.std_preload,
@@ -276,7 +279,7 @@ impl<'a> Surface<'a> {
             estimate: integrated.map_or_else(|| self.estimate(cell, &counts), |integrated| integrated.estimate),
             amplitudes,
             sums,
-            derivatives: integrated.map(|integrated| integrated.derivatives),
+            integrated: integrated.copied(),
         }
     }
 
@@ -292,6 +295,11 @@ impl<'a> Surface<'a> {
                 at_stop.unwrap_or_else(|| self.interval.estimate(counts))
             }
         }
+    }
+
+    /// The largest probability that a sample is undecided, where probabilities are integrated.
+    pub fn largest_undecided(&self) -> f64 {
+        self.integrated.iter().map(|cell| cell.undecided).fold(0.0, f64::max)
     }
 
     /// How the samples of all cells were judged, where they are looked up in a map.
@@ -332,6 +340,10 @@ impl<'a> Surface<'a> {
         let mut columns = columns();
         if self.job.records_amplitude() {
             columns.extend(amplitude_columns());
+        }
+        if self.job.is_integrated() && self.job.uses_maps() {
+            let meaning = "probability that a sample is undecided, or fails";
+            columns.push(Column::optional("p_undecided", meaning, |row| Some(row.integrated?.undecided)));
         }
         if self.extras.lookups() {
             columns.extend(lookup_columns(self.extras));
