@@ -8,7 +8,7 @@ use std::fs;
 use std::fs::OpenOptions;
 use std::process::Stdio;
 
-use common::{Place, Table, repository, surface_job};
+use common::{Place, TARGETS, Table, repository, surface_job};
 
 #[test]
 fn a_job_becomes_a_surface() {
@@ -510,27 +510,7 @@ fn absurdly_large_jobs_start_and_stop_at_once() {
 fn the_readme_has_no_gaps() {
     let readme = fs::read_to_string(repository().join("README.md")).unwrap();
     assert!(!readme.contains("SPEED_LINE") && !readme.contains("TODO"));
-    for target in [
-        "table2",
-        "table3",
-        "fig4",
-        "fig5",
-        "fig6",
-        "fig7",
-        "fig8",
-        "fig9",
-        "fig10",
-        "fig11",
-        "fig12",
-        "fig13",
-        "fig14a",
-        "fig14b",
-        "fig14c",
-        "fig14d",
-        "fig15a",
-        "fig15b",
-        "scoreboard",
-    ] {
+    for target in TARGETS {
         assert!(readme.contains(&format!("`{target}`")), "{target}");
     }
 }

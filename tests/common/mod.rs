@@ -13,6 +13,29 @@ use arrow::array::{Array as _, Float64Array, Int64Array};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use tempfile::TempDir;
 
+/// Everything that `reproduce` reproduces.
+pub const TARGETS: [&str; 19] = [
+    "table2",
+    "table3",
+    "fig4",
+    "fig5",
+    "fig6",
+    "fig7",
+    "fig8",
+    "fig9",
+    "fig10",
+    "fig11",
+    "fig12",
+    "fig13",
+    "fig14a",
+    "fig14b",
+    "fig14c",
+    "fig14d",
+    "fig15a",
+    "fig15b",
+    "scoreboard",
+];
+
 /// The repository.
 pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::io::{self, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
 
@@ -25,4 +25,26 @@ pub fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let is_plain = |c: char| c.is_alphanumeric() || "._-/+=:@".contains(c);
     if !text.is_empty() && text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
+}
+
+/// Directory and name of a file that a user asks for with --out, if it can be written.
+pub fn output_file(out: &Path) -> Result<(PathBuf, String), Failure> {
+    let directory = match out.parent() {
+        Some(parent) if parent != Path::new("") => parent.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    let name = out.file_name().and_then(|name| name.to_str());
+    let name = name.ok_or_else(|| Failure::CannotCreate(format!("{} does not name a file", out.display())))?;
+    // A device, a pipe or a link would be replaced by the file.
+    if out.symlink_metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        return Err(Failure::CannotCreate(format!("{} is not an ordinary file; name one", out.display())));
+    }
+    if out.is_dir() {
+        return Err(Failure::CannotCreate(format!("{} is a directory; name a file in it", out.display())));
+    }
+    if !directory.is_dir() {
+        let message = format!("cannot create {}: there is no directory {}", out.display(), directory.display());
+        return Err(Failure::CannotCreate(message));
+    }
+    Ok((directory, name.to_owned()))
 }

@@ -53,17 +53,6 @@ impl CellNumber {
     }
 }
 
-/// The deviates `z` of a sample of `cell`, preload and static friction; `None` for an input without scatter.
-#[must_use]
-pub fn deviates(cell: &Cell, preload: f64, static_friction: f64) -> [Option<f64>; 2] {
-    let deviate = |value: f64, expected: f64, std: f64| {
-        let spread = expected * std;
-        (spread != 0.0).then(|| (value - expected) / spread)
-    };
-    let std = cell.relative_std;
-    [deviate(preload, cell.preload, std.preload), deviate(static_friction, cell.static_friction, std.static_friction)]
-}
-
 /// The scores of a sample with these deviates, in the order of [`CellNumber::ALL`]; 0 for an input without scatter.
 #[must_use]
 pub fn scores(cell: &Cell, z_preload: Option<f64>, z_static_friction: Option<f64>) -> [f64; 4] {
@@ -171,6 +160,19 @@ mod tests {
     use crate::grid::RelativeStd;
     use crate::samples::SampleStream;
     use stickslip_core::{PadOnDisc, Parameters, StabilityBoundary, Verdict};
+
+    /// The deviates `z` of a sample of `cell`, preload and static friction; `None` for an input without scatter.
+    fn deviates(cell: &Cell, preload: f64, static_friction: f64) -> [Option<f64>; 2] {
+        let deviate = |value: f64, expected: f64, std: f64| {
+            let spread = expected * std;
+            (spread != 0.0).then(|| (value - expected) / spread)
+        };
+        let std = cell.relative_std;
+        [
+            deviate(preload, cell.preload, std.preload),
+            deviate(static_friction, cell.static_friction, std.static_friction),
+        ]
+    }
 
     fn boundary() -> StabilityBoundary {
         let mut parameters = Parameters::sui_ding_2018();

@@ -6,7 +6,7 @@
 
 use std::fs;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use indicatif::HumanCount;
 use stickslip_core::{Verdict, VerdictCounts};
@@ -20,7 +20,7 @@ use crate::cli::CompareArguments;
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
 use crate::job::Effort;
-use crate::output::{note, result};
+use crate::output::{note, output_file, result};
 use crate::run::{Engine, IntegratedCell, Outcome, Progress, write_table};
 
 /// Samples of a unit of work at the most.
@@ -41,7 +41,7 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
         );
         return Err(Failure::Usage(message));
     }
-    let out = arguments.out.as_deref().map(|out| checked_place(out).map(|place| (out, place))).transpose()?;
+    let out = arguments.out.as_deref().map(|out| output_file(out).map(|place| (out, place))).transpose()?;
 
     let runs: Vec<Run> = arguments.runs.iter().map(|path| Run::open(path)).collect::<Result<_, _>>()?;
     let matchings: Vec<Matching> =
@@ -78,29 +78,6 @@ fn rows(compared: &[Differences]) -> HumanCount {
     HumanCount(compared.iter().map(|differences| differences.rows.len() as u64).sum())
 }
 
-/// Directory and name of a file that can be written.
-fn checked_place(out: &Path) -> Result<(PathBuf, String), Failure> {
-    let directory = match out.parent() {
-        Some(parent) if parent != Path::new("") => parent.to_owned(),
-        _ => PathBuf::from("."),
-    };
-    let refused = |why: String| Failure::CannotCreate(format!("--out {}: {why}", out.display()));
-    let name = out.file_name().and_then(|name| name.to_str());
-    let name =
-        name.ok_or_else(|| refused("this does not name a file; name one, for example compare.parquet".into()))?;
-    if out.is_dir() {
-        return Err(refused("this is a directory; name a file in it".to_owned()));
-    }
-    // A device, a pipe or a link would be replaced by the file.
-    if out.symlink_metadata().is_ok_and(|there| !there.is_file()) {
-        return Err(refused("this is not an ordinary file; name one".to_owned()));
-    }
-    if !directory.is_dir() {
-        return Err(refused(format!("there is no directory {}; make it first", directory.display())));
-    }
-    Ok((directory, name.to_owned()))
-}
-
 /// A run with what finds its verdicts again.
 struct Reader<'a> {
     run: &'a Run,
@@ -122,9 +99,12 @@ impl<'a> Reader<'a> {
             // A finished run of a colleague may not be ours to write to; the map is then not kept.
             let own = run.directory.maps();
             let is_ours = fs::create_dir_all(&own).is_ok() && tempfile::tempfile_in(&own).is_ok();
-            let mut sources = vec![own.as_path()];
-            sources.extend(maps.iter().map(PathBuf::as_path).filter(|other| **other != *own));
-            let (outcome, asked) = engine.fill_maps(is_ours.then_some(own.as_path()), &sources, interrupt)?;
+            engine.load_maps(&own)?;
+            let mut borrowed = false;
+            for other in maps.iter().filter(|other| **other != own) {
+                borrowed |= engine.load_maps(other)? > 0;
+            }
+            let (outcome, asked) = engine.complete_maps(is_ours.then_some(own.as_path()), borrowed, interrupt)?;
             if let Outcome::Stopped(signal) = outcome {
                 return Err(stopped(signal));
             }

@@ -10,7 +10,7 @@ use stickslip_sampler::Cell;
 use crate::failure::Failure;
 use crate::job::{Criterion, Effort, EvaluateMode, Job};
 use crate::output::{note, quoted};
-use crate::run::{Access, RunDirectory, Slots, Tally, job_hash_of_file};
+use crate::run::{Access, RunDirectory, Slots, Tally};
 
 /// A finished run.
 pub struct Run {
@@ -33,11 +33,7 @@ impl Run {
         let mut job = directory.job()?;
         let tally = directory.tally(&job)?;
         let slots = Slots::new(&job);
-        let complete = match job.is_integrated() {
-            false => slots.complete_cells(&tally),
-            true if job_hash_of_file(&directory.surface()) == Some(job.hash()) => job.cells(),
-            true => 0,
-        };
+        let complete = directory.complete_cells(&job, &tally);
         if complete < job.cells() {
             return Err(Failure::Job(format!(
                 "{} is not finished: {complete} of {} cells are complete. Finish it with `stickslip resume {}`, then compare",

@@ -5,7 +5,7 @@ use serde_json::json;
 use crate::cli::StatusArguments;
 use crate::failure::Failure;
 use crate::output::{quoted, result};
-use crate::run::{RunDirectory, Slots, job_hash_of_file};
+use crate::run::{RunDirectory, Slots};
 
 /// `stickslip status`.
 pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
@@ -16,10 +16,8 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     let in_use = directory.in_use();
     // A surface of the run before it was extended does not count.
     let surface = directory.surface();
-    let is_written = job_hash_of_file(&surface) == Some(job.hash());
-    // An integrated surface is there as a whole or not at all.
-    let complete_cells =
-        if job.is_integrated() { if is_written { job.cells() } else { 0 } } else { slots.complete_cells(&tally) };
+    let is_written = directory.has_surface_of(&job);
+    let complete_cells = directory.complete_cells(&job, &tally);
     let state = match (complete_cells == job.cells(), is_written) {
         _ if in_use => "running",
         (true, true) => "finished",

@@ -287,11 +287,19 @@ fn compute(
     let mut integrated = Vec::new();
     let mut outcome = Outcome::Finished;
     // The eigenvalues of a flexible disc, and motions, are decided once for each place in the plane; not if all is counted.
-    let counts_something =
-        !job.is_integrated() && Plan::new(&tally, &Slots::new(&job), job.unit_samples(), shard).units() > 0;
-    if job.uses_maps() && (job.is_integrated() || counts_something) {
-        let others: Vec<&Path> = work.maps.iter().map(PathBuf::as_path).collect();
-        let (ended, simulations) = engine.complete_maps(&directory, &others, interrupt).map_err(kept)?;
+    let counts_something = || Plan::new(&tally, &Slots::new(&job), job.unit_samples(), shard).units() > 0;
+    if job.uses_maps() && (job.is_integrated() || counts_something()) {
+        let own = directory.maps();
+        engine.load_maps(&own)?;
+        let mut borrowed = false;
+        for other in &work.maps {
+            let loaded = engine.load_maps(other)?;
+            borrowed |= loaded > 0;
+            if loaded == 0 && !engine.maps().missing().is_empty() {
+                note(format_args!("{}: no tile of this model, speed and criterion that is needed", other.display()));
+            }
+        }
+        let (ended, simulations) = engine.complete_maps(Some(&own), borrowed, interrupt).map_err(kept)?;
         outcome = ended;
         if outcome == Outcome::Finished {
             session.maps(engine.maps().needed() as u64, simulations);

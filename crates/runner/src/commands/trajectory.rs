@@ -1,6 +1,6 @@
 //! `trajectory`: one motion in time; `replay`: that of a sample of a run.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::{Value, json};
 use stickslip_core::flexible::DISC_MODES;
@@ -13,7 +13,7 @@ use super::analyse::brake;
 use crate::cli::{AllotmentArgument, DiscArgument, ReplayArguments, TrajectoryArguments};
 use crate::failure::Failure;
 use crate::job::{Criterion, Deciders, RandomInput};
-use crate::output::result;
+use crate::output::{output_file, result};
 use crate::picture::curves;
 use crate::run::{Batch, DescribedColumn, RunDirectory, Slots, write_columns};
 
@@ -261,24 +261,8 @@ fn lines(facts: &Value) -> String {
 
 /// Writes a trajectory as a Parquet file.
 pub fn write(out: &Path, trajectory: &Trajectory) -> Result<(), Failure> {
-    let directory = match out.parent() {
-        Some(parent) if parent != Path::new("") => parent.to_owned(),
-        _ => PathBuf::from("."),
-    };
-    let name = out.file_name().and_then(|name| name.to_str());
-    let name = name.ok_or_else(|| Failure::CannotCreate(format!("{} does not name a file", out.display())))?;
-    // A device, a pipe or a link would be replaced by the file.
-    if out.symlink_metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
-        return Err(Failure::CannotCreate(format!("{} is not an ordinary file; name one", out.display())));
-    }
-    if out.is_dir() {
-        return Err(Failure::CannotCreate(format!("{} is a directory; name a file in it", out.display())));
-    }
-    if !directory.is_dir() {
-        let message = format!("cannot create {}: there is no directory {}", out.display(), directory.display());
-        return Err(Failure::CannotCreate(message));
-    }
-    write_columns(&directory, name, &columns(&trajectory.moments))
+    let (directory, name) = output_file(out)?;
+    write_columns(&directory, &name, &columns(&trajectory.moments))
 }
 
 /// The columns of a time series.

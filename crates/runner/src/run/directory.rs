@@ -9,6 +9,7 @@ use super::extras::Extras;
 use super::piece;
 use super::publish::{is_temporary, publish, publish_first, remove_temporary};
 use super::slots::Slots;
+use super::surface::job_hash_of_file;
 use super::tally::{Segment, Tally};
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
@@ -129,6 +130,20 @@ impl RunDirectory {
     /// The result.
     pub fn surface(&self) -> PathBuf {
         self.path.join("surface.parquet")
+    }
+
+    /// Whether the result is there and says that it is of this job.
+    pub fn has_surface_of(&self, job: &Job) -> bool {
+        job_hash_of_file(&self.surface()) == Some(job.hash())
+    }
+
+    /// Cells of a job that are complete; an integrated surface is there as a whole or not at all.
+    pub fn complete_cells(&self, job: &Job, tally: &Tally) -> u64 {
+        match job.is_integrated() {
+            false => Slots::new(job).complete_cells(tally),
+            true if self.has_surface_of(job) => job.cells(),
+            true => 0,
+        }
     }
 
     /// The frozen job, if one is there yet.

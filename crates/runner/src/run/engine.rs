@@ -27,7 +27,6 @@ use super::tally::{Segment, Tally};
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
 use crate::job::{Deciders, Job};
-use crate::output::note;
 
 /// Segments waiting to be written at the most, whatever the clock says.
 const MOST_PENDING: usize = 100_000;
@@ -203,39 +202,20 @@ impl<'a> Engine<'a> {
         verdicts
     }
 
-    /// Completes the verdict maps: what is on disk, what other runs have, and the rest by asking. Returns how many verdicts
-    /// were asked for.
-    pub fn complete_maps(
-        &mut self,
-        directory: &RunDirectory,
-        others: &[&Path],
-        interrupt: &Interrupt,
-    ) -> Result<(Outcome, u64), Failure> {
-        let maps = directory.maps();
-        let sources: Vec<&Path> = std::iter::once(maps.as_path()).chain(others.iter().copied()).collect();
-        self.fill_maps(Some(&maps), &sources, interrupt)
+    /// Takes the needed tiles that lie in a directory of pieces and are not there yet; how many.
+    pub fn load_maps(&mut self, source: &Path) -> Result<usize, Failure> {
+        self.maps.load(source)
     }
 
-    /// Completes the verdict maps from directories of pieces, the first of which is the run's own, and by asking. What is
-    /// new is kept in `keep`, if there is such a directory. Returns how many verdicts were asked for.
-    pub fn fill_maps(
+    /// Completes the verdict maps by asking. What is new is kept in `keep`, if there is such a directory, and so is what was
+    /// `borrowed` from others. Returns how many verdicts were asked for.
+    pub fn complete_maps(
         &mut self,
         keep: Option<&Path>,
-        sources: &[&Path],
+        borrowed: bool,
         interrupt: &Interrupt,
     ) -> Result<(Outcome, u64), Failure> {
-        let mut borrowed = 0;
-        for source in sources {
-            let loaded = self.maps.load(source)?;
-            if keep == Some(*source) {
-                continue;
-            }
-            borrowed += loaded;
-            if loaded == 0 && !self.maps.missing().is_empty() {
-                note(format_args!("{}: no tile of this model, speed and criterion that is needed", source.display()));
-            }
-        }
-        if let (Some(keep), true) = (keep, borrowed > 0) {
+        if let (Some(keep), true) = (keep, borrowed) {
             self.maps.write_all(keep)?;
         }
         let missing = self.maps.missing();
@@ -293,8 +273,7 @@ impl<'a> Engine<'a> {
         let speeds = self.job.grid.rotating_speed.values().len();
         let regions: Vec<MapRegions> =
             (0..speeds).filter_map(|speed| self.maps.get(speed)).map(MapRegions::new).collect();
-        let unknown =
-            Derivatives { preload: None, static_friction: None, std_preload: None, std_static_friction: None };
+        let unknown = Derivatives::default();
         let integrate = |index: u64| {
             let cell = self.job.grid.cell(index);
             let speed = self.job.grid.rotating_speed_index(index);
@@ -315,11 +294,8 @@ impl<'a> Engine<'a> {
         let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
         let mut cells =
             vec![IntegratedCell { estimate: nothing, derivatives: unknown, undecided: 0.0 }; self.job.cells() as usize];
-        let outcome = self.in_parallel(self.job.cells(), interrupt, integrate, |event| {
-            if let Event::Unit((index, integrated)) = event {
-                cells[index as usize] = integrated;
-            }
-            Ok(())
+        let outcome = self.for_each_in_parallel(self.job.cells(), interrupt, integrate, |(index, integrated)| {
+            cells[index as usize] = integrated;
         })?;
         Ok((outcome, cells))
     }

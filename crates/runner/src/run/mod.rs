@@ -24,7 +24,6 @@ pub use progress::Progress;
 pub use provenance::Session;
 pub use slots::Slots;
 pub use surface::{
-    DescribedColumn, IntegratedCell, Surface, SurfaceRow, TableColumn, TableValues, job_hash_of_file, write_columns,
-    write_table,
+    DescribedColumn, IntegratedCell, Surface, SurfaceRow, TableColumn, TableValues, write_columns, write_table,
 };
 pub use tally::Tally;

@@ -84,26 +84,31 @@ impl Slots {
         self.parts[part]
     }
 
-    /// The parts of a cell that are wanted, as far as can be said now: all of them, or up to the next look.
-    fn wanted_parts(&self, tally: &Tally, cell: u64) -> usize {
-        let Some((half_width, looks)) = &self.until else { return self.parts.len() };
+    /// How far a cell is: the parts that are wanted, as far as can be said now (all of them, or up to the next look), and the
+    /// last look that is complete with the counts there.
+    fn standing(&self, tally: &Tally, cell: u64) -> (usize, Option<(usize, VerdictCounts)>) {
+        let Some((half_width, looks)) = &self.until else { return (self.parts.len(), None) };
         let mut counts = VerdictCounts::default();
+        let mut last = None;
         for (part, slot) in self.of(cell).enumerate() {
             if !tally.is_complete(slot, self.parts[part]) {
-                return part + 1;
+                return (part + 1, last);
             }
             counts += tally.counts(slot);
-            if looks.is_enough(part, &counts, *half_width) {
-                return part + 1;
+            last = Some((part, counts));
+            // Samples beyond a look are only there because it was not enough; that need not be found out again.
+            let went_on = part + 1 < self.parts.len() && tally.counts(slot + 1).total() > 0;
+            if !went_on && looks.is_enough(part, &counts, *half_width) {
+                return (part + 1, last);
             }
         }
-        self.parts.len()
+        (self.parts.len(), last)
     }
 
     /// The samples that are wanted of each slot, as far as can be said now.
     pub fn wanted(&self, tally: &Tally) -> Vec<u64> {
         let of_cell = |cell: u64| {
-            let wanted = self.wanted_parts(tally, cell);
+            let (wanted, _) = self.standing(tally, cell);
             self.parts.iter().enumerate().map(move |(part, &samples)| if part < wanted { samples } else { 0 })
         };
         (0..self.cells).flat_map(of_cell).collect()
@@ -111,7 +116,7 @@ impl Slots {
 
     /// Whether a cell has all its samples.
     pub fn is_complete(&self, tally: &Tally, cell: u64) -> bool {
-        let wanted = self.wanted_parts(tally, cell);
+        let (wanted, _) = self.standing(tally, cell);
         self.of(cell).take(wanted).enumerate().all(|(part, slot)| tally.is_complete(slot, self.parts[part]))
     }
 
@@ -127,19 +132,9 @@ impl Slots {
 
     /// With `until`, the estimate at the look at which a cell stopped, or at the last one that is complete.
     pub fn estimate_at_stop(&self, tally: &Tally, cell: u64) -> Option<Estimate> {
-        let (half_width, looks) = self.until.as_ref()?;
-        let mut counts = VerdictCounts::default();
-        let mut estimate = None;
-        for (part, slot) in self.of(cell).enumerate() {
-            if !tally.is_complete(slot, self.parts[part]) {
-                break;
-            }
-            counts += tally.counts(slot);
-            estimate = Some(looks.interval(part, &counts));
-            if looks.is_enough(part, &counts, *half_width) {
-                break;
-            }
-        }
-        Some(estimate.unwrap_or(Estimate { probability: None, low: 0.0, high: 1.0 }))
+        let (_, looks) = self.until.as_ref()?;
+        let (_, last) = self.standing(tally, cell);
+        let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
+        Some(last.map_or(nothing, |(look, counts)| looks.interval(look, &counts)))
     }
 }

@@ -414,12 +414,25 @@ pub struct DescribedColumn {
 
 /// Writes columns of equal length as `name` into `directory`, whole or not at all.
 pub fn write_columns(directory: &Path, name: &str, columns: &[DescribedColumn]) -> Result<(), Failure> {
+    let field = |c: &DescribedColumn| described_field(c.name, c.unit, c.long_name, DataType::Float64, false);
+    let array = |c: &DescribedColumn| -> ArrayRef { Arc::new(Float64Array::from(c.values.clone())) };
+    let (fields, arrays) = (columns.iter().map(field).collect(), columns.iter().map(array).collect());
+    write_batch(directory, name, fields, arrays, None)
+}
+
+/// Writes one batch of columns as a file of its own, whole or not at all.
+fn write_batch(
+    directory: &Path,
+    name: &str,
+    fields: Vec<Field>,
+    arrays: Vec<ArrayRef>,
+    footer: Option<Vec<KeyValue>>,
+) -> Result<(), Failure> {
     let encoded = (|| {
-        let field = |c: &DescribedColumn| described_field(c.name, c.unit, c.long_name, DataType::Float64, false);
-        let schema = Arc::new(Schema::new(columns.iter().map(field).collect::<Vec<_>>()));
-        let array = |c: &DescribedColumn| -> ArrayRef { Arc::new(Float64Array::from(c.values.clone())) };
-        let batch = RecordBatch::try_new(schema.clone(), columns.iter().map(array).collect())?;
-        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        let schema = Arc::new(Schema::new(fields));
+        let batch = RecordBatch::try_new(schema.clone(), arrays)?;
+        let properties =
+            WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(footer).build();
         let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties))?;
         writer.write(&batch)?;
         writer.into_inner()
@@ -479,18 +492,9 @@ pub fn write_table(
     columns: &[TableColumn],
     footer: &[(&str, String)],
 ) -> Result<(), Failure> {
-    let encoded = (|| {
-        let schema = Arc::new(Schema::new(columns.iter().map(TableColumn::field).collect::<Vec<_>>()));
-        let batch = RecordBatch::try_new(schema.clone(), columns.iter().map(TableColumn::array).collect())?;
-        let pairs = footer.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone())).collect();
-        let properties =
-            WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(Some(pairs));
-        let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties.build()))?;
-        writer.write(&batch)?;
-        writer.into_inner()
-    })();
-    let bytes = encoded.map_err(|error: ParquetError| Failure::writing(&directory.join(name), error))?;
-    publish(directory, name, &bytes)
+    let pairs = footer.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone())).collect();
+    let fields = columns.iter().map(TableColumn::field).collect();
+    write_batch(directory, name, fields, columns.iter().map(TableColumn::array).collect(), Some(pairs))
 }
 
 /// The job that a surface on disk says it is of; `None` if there is none, or none that can be read.
