@@ -4,7 +4,8 @@ use crate::finite_difference::{Allotment, FiniteDifferenceBrake, FiniteDifferenc
 use crate::finite_difference_patch::{Foothold, MovingPatch, Passage, Surface};
 use crate::finite_difference_plate::PlateMotion;
 use crate::flexible::{ContactForces, ContactState, FlexibleError, PadEquations, sine_and_cosine};
-use crate::judgement::{Judge, Rules};
+use crate::friction_steps::FrictionSteps;
+use crate::judgement::{CoupledJudge, Judge, Rules};
 use crate::motion::{Equations, Motion, Observer, Reserve, Step, advance};
 use crate::pad_on_disc::RandomInputs;
 use crate::time_domain::{Start, TimeDomainSettings};
@@ -34,6 +35,7 @@ struct PadOnSurface<'a> {
     before: &'a Surface,
     after: &'a Surface,
     length: f64,
+    friction_steps: FrictionSteps,
 }
 
 impl PadOnSurface<'_> {
@@ -138,12 +140,16 @@ impl Equations for PadOnSurface<'_> {
         let available = self.inputs.static_friction;
         Reserve { against_slip: available - needed, against_overtaking: available + needed }
     }
+
+    fn friction_steps(&self) -> &FrictionSteps {
+        &self.friction_steps
+    }
 }
 
 /// Writes down what happens, and judges it until that is certain.
 struct Witness {
     diary: Diary,
-    judge: Judge,
+    judge: CoupledJudge,
     verdict: Option<Verdict>,
 }
 
@@ -236,7 +242,15 @@ impl Course<'_> {
 
 impl FiniteDifferenceBrake {
     fn pad_on<'a>(&'a self, inputs: RandomInputs, before: &'a Surface, after: &'a Surface) -> PadOnSurface<'a> {
-        PadOnSurface { pad: self.modal.pad, inputs, patch: &self.patch, before, after, length: self.step_length }
+        PadOnSurface {
+            pad: self.modal.pad,
+            inputs,
+            patch: &self.patch,
+            before,
+            after,
+            length: self.step_length,
+            friction_steps: self.modal.friction_steps(inputs),
+        }
     }
 
     /// How far the disc has passed after some steps.
@@ -310,9 +324,9 @@ impl FiniteDifferenceBrake {
         TimeDomainSettings { start, displacement, horizon, ..Default::default() }.validate()?;
         let (mut course, equilibrium) = self.start(inputs, start, displacement, allotment)?;
         let (x, u) = (course.pad.state.q[0], course.pad.state.u[0]);
-        let slowest_transient = Some(self.modal.slowest_transient());
-        let rules = Rules { horizon, slowest_transient, until_settled: false };
-        let judge = Judge::new(rules, equilibrium, displacement, (u == 0.0).then_some(x));
+        let slowest_transient = self.modal.slowest_transient();
+        let rules = Rules { slowest_transient, until_settled: false, repelled_by: None };
+        let judge = CoupledJudge::new(rules, equilibrium, displacement, (u == 0.0).then_some(x));
         let outside_physics = inputs.static_friction < self.modal.pad.kinetic_friction;
         let verdict = outside_physics.then_some(Verdict::Stable);
         let mut witness = Witness { diary: Diary::default(), judge, verdict };

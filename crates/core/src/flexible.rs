@@ -24,6 +24,7 @@ use crate::contact::{ANGULAR_POINTS, ContactLoads, ContactPatch, PadPosition, RA
 use crate::disc_modes::{MOST_DISC_MODES, PlateMode};
 use crate::eigenvalues::EigenvalueError;
 use crate::friction::decay;
+use crate::linear_stability::CriticalProducts;
 use crate::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::parameters::ParameterError;
 use crate::time_domain::SettingsError;
@@ -70,16 +71,6 @@ pub enum FlexibleError {
     /// How a motion is to be followed makes no sense.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// More than the tangential motion is unstable: a verdict on it would not be one on the brake.
-    #[error(
-        "steady sliding is unstable at {rotating_speed} rad/s even without falling friction, growth rate {growth_rate:.2e}: a mode of disc or contact grows, which the tangential motion does not show. kind = \"coupled-eigenvalue\" sees it"
-    )]
-    OtherInstability {
-        /// Omega, rad/s.
-        rotating_speed: f64,
-        /// Of the fastest growing mode, per unit of scaled time.
-        growth_rate: f64,
-    },
     /// Nothing presses pad and disc together.
     #[error("there is no sliding equilibrium: preload {preload} does not press the pad on the disc")]
     NotPressed {
@@ -141,11 +132,14 @@ pub struct FlexibleBrake {
     pub(crate) pad: PadEquations,
     /// eta1.
     pub(crate) disc_damping: f64,
-    /// Length of a step in time.
+    /// Length of a step in time, and of the steps that friction asks for over what they are by default.
     pub(crate) step: f64,
+    pub(crate) refinement: f64,
     /// Shapes of the cosine amplitudes at the outer edge, and a quarter of the way to it.
     pub(crate) shapes_at_edge: Vec<f64>,
     pub(crate) shapes_inside: Vec<f64>,
+    /// Where linear stability is lost.
+    pub(crate) critical_products: CriticalProducts,
     /// Of the linearised equations at the operating point, for the search of equilibria.
     pub(crate) approximate_inverse: DMatrix<f64>,
 }
@@ -305,7 +299,9 @@ impl FlexibleBrake {
             shapes_at_edge: shapes_at(1.0),
             shapes_inside: shapes_at(clamped + 0.25 * (1.0 - clamped)),
             approximate_inverse: DMatrix::zeros(0, 0),
+            critical_products: CriticalProducts::default(),
             step: f64::NAN,
+            refinement: 1.0,
             brake,
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::contact::{ContactLoads, MOST_AMPLITUDES};
 use crate::flexible::{ContactForces, ContactState, FlexibleBrake, FlexibleError, PAD, sine_and_cosine};
+use crate::friction_steps::FrictionSteps;
 use crate::motion::{Equations, Reserve, Step};
 use crate::pad_on_disc::RandomInputs;
 
@@ -26,12 +27,22 @@ pub(crate) struct FlexibleState {
 pub(crate) struct FlexibleSample<'a> {
     pub brake: &'a FlexibleBrake,
     pub inputs: RandomInputs,
+    pub friction_steps: FrictionSteps,
 }
 
 impl FlexibleBrake {
     /// The length of a step.
     pub(crate) fn step_length(&self) -> f64 {
         self.step
+    }
+
+    /// What the friction law asks of the steps of a sample.
+    pub(crate) fn friction_steps(&self, inputs: RandomInputs) -> FrictionSteps {
+        let (pad, brake) = (&self.pad, self.brake());
+        // With the contact force on a rigid disc, which no motion exceeds by much.
+        let gain = pad.transmission * brake.normal_force_per_preload() / brake.scaled_mass() * inputs.preload;
+        let falling_pull = gain * (inputs.static_friction - pad.kinetic_friction).max(0.0);
+        FrictionSteps::new(pad.disc_speed, pad.inverse_stribeck, pad.stribeck_exponent, falling_pull, self.refinement)
     }
 
     /// The length of a step that resolves every degree of freedom.
@@ -54,7 +65,7 @@ impl FlexibleBrake {
 
 impl<'a> FlexibleSample<'a> {
     pub fn new(brake: &'a FlexibleBrake, inputs: RandomInputs) -> Self {
-        Self { brake, inputs }
+        Self { brake, inputs, friction_steps: brake.friction_steps(inputs) }
     }
 
     /// Steady sliding, with nothing moving.
@@ -144,5 +155,9 @@ impl Equations for FlexibleSample<'_> {
             against_slip: self.inputs.static_friction - forces.friction_ratio,
             against_overtaking: self.inputs.static_friction + forces.friction_ratio,
         }
+    }
+
+    fn friction_steps(&self) -> &FrictionSteps {
+        &self.friction_steps
     }
 }

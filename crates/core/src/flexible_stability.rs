@@ -45,6 +45,16 @@ impl FlexibleBrake {
         self.iterate(inputs, q, &inverse).ok_or(none)
     }
 
+    /// [`FlexibleBrake::sliding_equilibrium`] at a friction coefficient `mu`, whatever law gives it.
+    pub(crate) fn sliding_equilibrium_with(&self, preload: f64, mu: f64) -> Option<Vec<f64>> {
+        let kinetic = self.pad.kinetic_friction;
+        // With a fall of 1 the coefficient exceeds the kinetic one by what is left of the fall at the disc's speed.
+        let left = self.pad.friction_coefficient(self.pad.disc_speed, kinetic + 1.0) - kinetic;
+        let static_friction = if mu == kinetic { kinetic } else { kinetic + (mu - kinetic) / left };
+        let q = self.sliding_equilibrium(RandomInputs { preload, static_friction }).ok()?;
+        q.iter().all(|q| q.is_finite()).then_some(q)
+    }
+
     /// Newton's method with a fixed linearisation, until the steps are lost in rounding.
     fn iterate(&self, inputs: RandomInputs, mut q: Vec<f64>, inverse: &DMatrix<f64>) -> Option<Vec<f64>> {
         let mut before = f64::INFINITY;
@@ -79,6 +89,20 @@ impl FlexibleBrake {
     /// The derivatives of the accelerations in slip by displacements and by speeds, at rest in `q`.
     #[must_use]
     pub fn linearise(&self, inputs: RandomInputs, q: &[f64]) -> (DMatrix<f64>, DMatrix<f64>) {
+        let mu = self.pad.friction_coefficient(self.pad.disc_speed, inputs.static_friction);
+        self.linearise_with(q, mu, self.friction_slope(inputs.static_friction))
+    }
+
+    /// The rise of the friction coefficient with the pad's speed in steady sliding, `d mu / d x'`: how steeply friction
+    /// falls.
+    pub(crate) fn friction_slope(&self, static_friction: f64) -> f64 {
+        let fall = static_friction - self.pad.kinetic_friction;
+        // Without a fall there is nothing to multiply a slope with that may be infinite.
+        if fall == 0.0 { 0.0 } else { fall * self.brake().friction_law().weakening(self.pad.disc_speed) }
+    }
+
+    /// [`FlexibleBrake::linearise`] for a friction coefficient and its slope, whatever law gives them.
+    pub(crate) fn linearise_with(&self, q: &[f64], mu: f64, mu_by_speed: f64) -> (DMatrix<f64>, DMatrix<f64>) {
         let (pad, size) = (&self.pad, self.size());
         let (sine, cosine) = sine_and_cosine(q[2]);
         let tilt_by_angle = 1.0 / (cosine * cosine);
@@ -106,10 +130,6 @@ impl FlexibleBrake {
                 *follower += weight * shape * gap * slope;
             }
         });
-        let mu = pad.friction_coefficient(pad.disc_speed, inputs.static_friction);
-        // d mu / d x' of the sliding speed v - x'.
-        let law = self.brake().friction_law();
-        let mu_by_speed = (inputs.static_friction - pad.kinetic_friction) * law.weakening(pad.disc_speed);
         let pressure = pad.pressure_gain * pressure;
         let spring = pad.contact_tangential * q[0] - pad.transmission * mu * pressure;
 
@@ -155,16 +175,7 @@ impl FlexibleBrake {
     pub fn coupled_eigenvalues(&self, inputs: RandomInputs) -> Result<Vec<Eigenvalue>, FlexibleError> {
         let q = self.sliding_equilibrium(inputs)?;
         let (stiffness, damping) = self.linearise(inputs, &q);
-        let size = self.size();
-        let mut jacobian = DMatrix::zeros(2 * size, 2 * size);
-        for i in 0..size {
-            jacobian[(i, size + i)] = 1.0;
-            for j in 0..size {
-                jacobian[(size + i, j)] = stiffness[(i, j)];
-                jacobian[(size + i, size + j)] = damping[(i, j)];
-            }
-        }
-        Ok(eigenvalues(&jacobian)?)
+        Ok(eigenvalues(&first_order(&stiffness, &damping))?)
     }
 
     /// The largest real part of the coupled eigenvalues: steady sliding is unstable where it is positive.
@@ -189,6 +200,20 @@ impl FlexibleBrake {
             Err(_) => Verdict::Failed,
         }
     }
+}
+
+/// The matrix of `q'' = stiffness q + damping q'` as a system of first order.
+pub(crate) fn first_order(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> DMatrix<f64> {
+    let size = stiffness.nrows();
+    let mut matrix = DMatrix::zeros(2 * size, 2 * size);
+    for i in 0..size {
+        matrix[(i, size + i)] = 1.0;
+        for j in 0..size {
+            matrix[(size + i, j)] = stiffness[(i, j)];
+            matrix[(size + i, size + j)] = damping[(i, j)];
+        }
+    }
+    matrix
 }
 
 #[cfg(test)]

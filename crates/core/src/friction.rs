@@ -57,6 +57,19 @@ impl StribeckLaw {
         }
     }
 
+    /// The speed in `from..=to` at which friction falls most steeply; `from` > 0.
+    ///
+    /// For exponents up to 1 the slope falls with speed; above 1 it has its crest at
+    /// `v_s (1 - 1 / delta)^(1 / delta)`.
+    #[must_use]
+    pub fn steepest_between(&self, from: f64, to: f64) -> f64 {
+        if self.exponent <= 1.0 {
+            return from;
+        }
+        let crest = libm::pow(1.0 - 1.0 / self.exponent, 1.0 / self.exponent);
+        (self.stribeck_velocity * crest).clamp(from, to)
+    }
+
     /// `(v / v_s)^delta` and the exponential of its negative, for `speed` >= 0.
     fn decay(&self, speed: f64) -> (f64, f64) {
         let ratio = speed / self.stribeck_velocity;
@@ -107,6 +120,20 @@ mod tests {
                     (slope - expected).abs() < 1e-7 * (1.0 + expected.abs()),
                     "{exponent} {speed}: {slope} {expected}"
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_in_a_range_is_steeper_than_the_steepest() {
+        for exponent in [0.5, 1.0, 1.3, 2.0, 3.7] {
+            let law = law(exponent);
+            for (from, to) in [(0.01, 3.0), (0.6, 0.8), (1.0, 3.0), (0.01, 0.1)] {
+                let steepest = law.weakening(law.steepest_between(from, to));
+                for i in 0..=1000 {
+                    let speed = from + (to - from) * f64::from(i) / 1000.0;
+                    assert!(law.weakening(speed) <= steepest * (1.0 + 1e-12), "{exponent} {from} {to} {speed}");
+                }
             }
         }
     }

@@ -45,6 +45,8 @@ pub mod eigenvalues;
 
 pub mod verdict;
 
+mod return_map;
+
 pub mod stick_slip;
 
 pub mod disc_modes;
@@ -55,13 +57,17 @@ pub mod flexible;
 
 mod flexible_stability;
 
+pub mod linear_stability;
+
+mod friction_steps;
+
 mod motion;
 
 mod rigid;
 
 mod flexible_motion;
 
-mod judgement;
+pub mod judgement;
 
 pub mod time_domain;
 
@@ -87,6 +93,7 @@ pub use finite_difference::{Allotment, DiscGrid, FiniteDifferenceBrake, FiniteDi
 pub use flexible::{ContactState, FlexibleBrake, FlexibleError};
 pub use friction::StribeckLaw;
 pub use lanes::InstructionSet;
+pub use linear_stability::{DegreeOfFreedom, LinearStability};
 pub use pad_on_disc::{PadOnDisc, RandomInputs, Scales, SlidingEquilibrium};
 pub use parameters::{ParameterError, Parameters, Scalar};
 pub use stability::{SpeedRange, StabilityBoundary};

@@ -3,12 +3,30 @@
 //!
 //! Stick and slip are states, not a smoothed sign function. In slip the pad moves under kinetic friction until the
 //! sliding speed vanishes; in stick it moves with the disc until the friction that this takes exceeds what static
-//! friction can give. A step that meets such a moment is cut there, so that no step size makes the motion chatter.
+//! friction can give. [`advance`] takes a step as one or more parts, each in one state of contact:
+//!
+//! | in the state | function | a part ends | then |
+//! |---|---|---|---|
+//! | stick | [`stick`] | completed, at the end of the step | stick |
+//! | | | released, static friction is exhausted | slip or overtaking, as the needed friction points |
+//! | slip, overtaking | [`slide`] | completed, at the end of the step or where [`FrictionSteps`] cut it | the same |
+//! | | | stuck, the sliding speed vanishes and static friction can hold the pad | stick |
+//! | | | overtaken, the sliding speed vanishes and static friction cannot | overtaking or slip, the other sense |
+//!
+//! So no step size makes the motion chatter, and none steps across the friction law.
 
 use crate::flexible::ContactState;
+use crate::friction_steps::FrictionSteps;
 
-/// Moments of sticking and release in one step at the most; more of them means that the equations make no sense.
-const MOST_EVENTS: usize = 64;
+/// Changes of contact in one step at the most, and parts; more of them means that the equations make no sense. Some
+/// hundred parts are usual where the disc is a thousand times faster than the Stribeck velocity.
+const MOST_CHANGES: usize = 64;
+const MOST_PARTS: usize = 1_000_000;
+
+/// A part that the friction law cuts is shortened to this share of what it allows, so that a second cut is rare, and to
+/// no less than this share of its length at once.
+const CUT: f64 = 0.8;
+const DEEPEST_CUT: f64 = 1e-3;
 
 /// Displacements beyond this many disc thicknesses are no motion of a brake: the computation has broken down.
 pub(crate) const FARTHEST: f64 = 1e3;
@@ -33,6 +51,9 @@ pub(crate) trait Equations {
     /// What static friction has in hand while pad and disc stick: `f_s P` less the friction that is needed, against the
     /// pad slipping back, and against it running ahead. Any positive multiple of it.
     fn reserve(&self, state: &Self::State) -> Reserve;
+
+    /// What the friction law asks of steps.
+    fn friction_steps(&self) -> &FrictionSteps;
 }
 
 /// See [`Equations::reserve`].
@@ -105,6 +126,29 @@ pub(crate) fn turning_point(x: f64, u: (f64, f64), acceleration: (f64, f64), h: 
     (h * s, x + h * s * (u.0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0))))
 }
 
+/// What ended a part of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ending {
+    /// The time asked for, or as much of it as the friction law allows.
+    Completed,
+    /// Static friction could hold the pad no longer.
+    Released,
+    /// Pad and disc came to move together, and static friction holds them.
+    Stuck,
+    /// Pad and disc passed each other: static friction could not hold them.
+    Overtaken,
+}
+
+/// A part of a step, in one state of contact.
+#[derive(Debug, Clone, Copy)]
+struct Part<S> {
+    time: f64,
+    end: Motion<S>,
+    /// x'' at its beginning and its end.
+    acceleration: (f64, f64),
+    ending: Ending,
+}
+
 /// Follows a motion for one step of length `h` from `time` on, whatever happens in it.
 pub(crate) fn advance<E: Equations>(
     equations: &E,
@@ -115,109 +159,142 @@ pub(crate) fn advance<E: Equations>(
 ) -> Result<(), Breakdown> {
     let mut done = 0.0;
     let mut just_released = false;
-    for _ in 0..MOST_EVENTS {
+    let mut changes = 0;
+    // The longest part that is tried: after a cut, parts grow again by doubling.
+    let mut longest = h;
+    for _ in 0..MOST_PARTS {
         let remaining = h - done;
-        let part = follow(equations, motion, time + done, remaining, just_released, observer)?;
-        just_released = motion.contact != ContactState::Stick;
-        done += part;
-        if part >= remaining || h - done <= 1e-13 * h {
+        let begin = time + done;
+        let part = if motion.contact == ContactState::Stick {
+            stick(equations, &motion.state, remaining)?
+        } else {
+            slide(equations, motion, remaining.min(longest), just_released)?
+        };
+        let before = equations.tangential(&motion.state);
+        let after = equations.tangential(&part.end.state);
+        if motion.contact != ContactState::Stick {
+            report_turn(before, after, part.acceleration, part.time, begin, observer);
+        }
+        match part.ending {
+            Ending::Completed => {}
+            Ending::Released => observer.slips(begin + part.time),
+            // What has not come away since its release has not come back either.
+            Ending::Stuck if before.1 == equations.disc_speed() => {}
+            Ending::Stuck => observer.sticks(begin + part.time, after.0),
+            Ending::Overtaken => {}
+        }
+        let completed = part.ending == Ending::Completed;
+        just_released = !completed && part.end.contact != ContactState::Stick;
+        longest = if completed { 2.0 * part.time } else { h };
+        changes += usize::from(!completed);
+        *motion = part.end;
+        done += part.time;
+        if part.time >= remaining || h - done <= 1e-13 * h {
             return Ok(());
+        }
+        if changes > MOST_CHANGES {
+            break;
         }
     }
     Err(Breakdown)
 }
 
-/// Follows a motion until its contact changes, at most for a time `h`; returns the time that has passed.
-fn follow<E: Equations>(
+/// Follows pad and disc as they move together, until static friction is exhausted, at most for a time `h`.
+fn stick<E: Equations>(equations: &E, from: &E::State, h: f64) -> Result<Part<E::State>, Breakdown> {
+    let margin = |state: &E::State| {
+        let reserve = equations.reserve(state);
+        reserve.against_slip.min(reserve.against_overtaking)
+    };
+    let part = |time: f64, state: E::State, ending: Ending| {
+        let reserve = equations.reserve(&state);
+        let contact = match ending {
+            Ending::Released if reserve.against_slip < reserve.against_overtaking => ContactState::Slip,
+            Ending::Released => ContactState::Overtaking,
+            _ => ContactState::Stick,
+        };
+        Ok(Part { time, end: Motion { state, contact }, acceleration: (0.0, 0.0), ending })
+    };
+    if margin(from) <= 0.0 {
+        return part(0.0, *from, Ending::Released);
+    }
+    let next = equations.step(from, ContactState::Stick, h).next;
+    check(equations, &next)?;
+    if margin(&next) > 0.0 {
+        return part(h, next, Ending::Completed);
+    }
+    let (time, state) = locate(h, &next, |time| equations.step(from, ContactState::Stick, time).next, margin);
+    part(time, state, Ending::Released)
+}
+
+/// Follows a sliding pad until it meets the disc's speed, at most for a time `h`, and no longer than the friction law
+/// allows a step to be.
+fn slide<E: Equations>(
     equations: &E,
-    motion: &mut Motion<E::State>,
-    time: f64,
+    motion: &Motion<E::State>,
     h: f64,
     just_released: bool,
-    observer: &mut impl Observer,
-) -> Result<f64, Breakdown> {
-    let from = motion.state;
-    let (x, u) = equations.tangential(&from);
-    let contact = motion.contact;
-    if contact == ContactState::Stick {
-        let margin = |state: &E::State| {
-            let reserve = equations.reserve(state);
-            reserve.against_slip.min(reserve.against_overtaking)
-        };
-        let release = |state: &E::State| {
-            let reserve = equations.reserve(state);
-            if reserve.against_slip < reserve.against_overtaking {
-                ContactState::Slip
-            } else {
-                ContactState::Overtaking
-            }
-        };
-        if margin(&from) <= 0.0 {
-            motion.contact = release(&from);
-            observer.slips(time);
-            return Ok(0.0);
-        }
-        let next = equations.step(&from, contact, h).next;
-        check(equations, &next)?;
-        if margin(&next) > 0.0 {
-            motion.state = next;
-            return Ok(h);
-        }
-        let (part, state) = locate(h, &next, |part| equations.step(&from, contact, part).next, margin);
-        motion.state = state;
-        motion.contact = release(&state);
-        observer.slips(time + part);
-        return Ok(part);
-    }
-
+) -> Result<Part<E::State>, Breakdown> {
+    let Motion { state: from, contact } = *motion;
     let direction = if contact == ContactState::Slip { 1.0 } else { -1.0 };
     let sliding = |state: &E::State| direction * (equations.disc_speed() - equations.tangential(state).1);
-    let step = equations.step(&from, contact, h);
-    check(equations, &step.next)?;
+    let (step, h) = resolved_step(equations, &from, contact, h)?;
     let rate = (-direction * step.acceleration.0, -direction * step.acceleration.1);
     let ends = (sliding(&from), sliding(&step.next));
     let mut meets = (ends.1 <= 0.0).then_some((h, step.next));
     if meets.is_none() && ends.0 > 0.0 && may_touch(ends, rate, h) {
         meets = touch(equations, &from, contact, h, &sliding);
     }
-    if let Some((late, state)) = meets {
-        let (part, state) = if ends.0 > 0.0 {
-            locate(late, &state, |part| equations.step(&from, contact, part).next, sliding)
-        } else if just_released {
-            // It does not come away from the disc in this time: it may as well have stuck.
-            (h, step.next)
-        } else {
-            (0.0, from)
-        };
-        let state = equations.moving_with_disc(&state);
-        let (next_x, _) = equations.tangential(&state);
-        let acceleration = (step.acceleration.0, equations.step(&state, contact, 0.0).acceleration.0);
-        report_turn(x, u, (next_x, equations.disc_speed()), acceleration, part, time, observer);
-        let reserve = equations.reserve(&state);
-        motion.state = state;
-        if reserve.against_slip >= 0.0 && reserve.against_overtaking >= 0.0 {
-            motion.contact = ContactState::Stick;
-            // What has not come away since its release has not come back either.
-            if ends.0 > 0.0 {
-                observer.sticks(time + part, next_x);
-            }
-        } else if reserve.against_overtaking < 0.0 {
-            motion.contact = ContactState::Overtaking;
-        } else {
-            motion.contact = ContactState::Slip;
+    let Some((late, state)) = meets else {
+        let end = Motion { state: step.next, contact };
+        return Ok(Part { time: h, end, acceleration: step.acceleration, ending: Ending::Completed });
+    };
+    let (time, state) = if ends.0 > 0.0 {
+        locate(late, &state, |part| equations.step(&from, contact, part).next, sliding)
+    } else if just_released {
+        // It does not come away from the disc in this time: it may as well have stuck.
+        (h, step.next)
+    } else {
+        (0.0, from)
+    };
+    let state = equations.moving_with_disc(&state);
+    let acceleration = (step.acceleration.0, equations.step(&state, contact, 0.0).acceleration.0);
+    let reserve = equations.reserve(&state);
+    let (contact, ending) = if reserve.against_slip >= 0.0 && reserve.against_overtaking >= 0.0 {
+        (ContactState::Stick, Ending::Stuck)
+    } else if reserve.against_overtaking < 0.0 {
+        (ContactState::Overtaking, Ending::Overtaken)
+    } else {
+        (ContactState::Slip, Ending::Overtaken)
+    };
+    Ok(Part { time, end: Motion { state, contact }, acceleration, ending })
+}
+
+/// A step of length `h`, or the longest shorter one that the friction law allows; and its length.
+fn resolved_step<E: Equations>(
+    equations: &E,
+    from: &E::State,
+    contact: ContactState,
+    mut h: f64,
+) -> Result<(Step<E::State>, f64), Breakdown> {
+    let limits = equations.friction_steps();
+    let u = equations.tangential(from).1;
+    let shortest = 1e-12 * h;
+    loop {
+        let step = equations.step(from, contact, h);
+        let ends = (u, equations.tangential(&step.next).1);
+        if h <= shortest || !limits.is_too_long(ends, step.acceleration, h) {
+            check(equations, &step.next)?;
+            return Ok((step, h));
         }
-        return Ok(part);
+        // Not a number where the step left the range of numbers: a shorter one may not.
+        let share = CUT / limits.excess(ends, step.acceleration, h);
+        h *= if share > DEEPEST_CUT { share.min(CUT) } else { DEEPEST_CUT };
     }
-    let (next_x, next_u) = equations.tangential(&step.next);
-    report_turn(x, u, (next_x, next_u), step.acceleration, h, time, observer);
-    motion.state = step.next;
-    Ok(h)
 }
 
 /// Tells of a turning point inside a step, if there is one.
 fn report_turn(
-    x: f64,
-    u: f64,
+    (x, u): (f64, f64),
     next: (f64, f64),
     acceleration: (f64, f64),
     h: f64,

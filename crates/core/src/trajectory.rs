@@ -3,6 +3,7 @@
 use crate::contact::PadPosition;
 use crate::flexible::{ContactState, FlexibleError, PAD, sine_and_cosine};
 use crate::flexible_motion::{FlexibleSample, FlexibleState};
+use crate::friction_steps::FrictionSteps;
 use crate::motion::{Equations, Motion, Observer, Reserve, Step, advance};
 use crate::pad_on_disc::RandomInputs;
 use crate::rigid::{RigidSample, RigidState};
@@ -228,6 +229,10 @@ impl Equations for RigidWithAngle<'_> {
     fn reserve(&self, state: &RigidAngleState) -> Reserve {
         self.sample.reserve(&state.pad)
     }
+
+    fn friction_steps(&self) -> &FrictionSteps {
+        self.sample.friction_steps()
+    }
 }
 
 impl TimeDomain {
@@ -256,7 +261,7 @@ impl TimeDomain {
         let (diary, moments) = match &self.system {
             System::Rigid(brake) => {
                 let sample = brake.sample(inputs);
-                let start = self.start_rigid(&sample).0;
+                let start = self.rigid_start(&sample);
                 let pad = &self.brake;
                 let rigid = pad.sliding_equilibrium_at(inputs);
                 let equations = RigidWithAngle {
@@ -288,7 +293,7 @@ impl TimeDomain {
             }
             System::Flexible(brake) => {
                 let sample = FlexibleSample::new(brake, inputs);
-                let start = self.start_flexible(&sample)?.0;
+                let start = self.flexible_start(&sample)?.0;
                 write_down(&sample, start, h, steps, |time, state, contact| sample.moment(time, state, contact))
             }
         };
@@ -328,7 +333,7 @@ pub fn sweep(criteria: &[TimeDomain], inputs: RandomInputs, dwell: f64) -> Resul
         let settled = match &criterion.system {
             System::Rigid(brake) => {
                 let sample = brake.sample(inputs);
-                let start = rigid.unwrap_or_else(|| criterion.start_rigid(&sample).0);
+                let start = rigid.unwrap_or_else(|| criterion.rigid_start(&sample));
                 let (end, settled) = dwell_on(&sample, start, h, steps);
                 rigid = end;
                 settled
@@ -337,7 +342,7 @@ pub fn sweep(criteria: &[TimeDomain], inputs: RandomInputs, dwell: f64) -> Resul
                 let sample = FlexibleSample::new(brake, inputs);
                 let start = match flexible {
                     Some(motion) => motion,
-                    None => criterion.start_flexible(&sample)?.0,
+                    None => criterion.flexible_start(&sample)?.0,
                 };
                 let (end, settled) = dwell_on(&sample, start, h, steps);
                 flexible = end;

@@ -1,0 +1,93 @@
+//! How much of a change of amplitude the other degrees of freedom may feign.
+//!
+//! Pad and disc ring when a motion is let go, at its start or at a release from stick, and what rings along is seen in the
+//! tangential motion as amplitudes that change from swing to swing though nothing feeds or damps them.
+//!
+//! | state | on a swing | on a stick |
+//! |---|---|---|
+//! | just let go, first swings to come | the excitation is the largest amplitude of these swings | let go anew |
+//! | ringing | nothing | let go anew; what still rings counts on |
+//!
+//! What may be feigned is the excitation, dying away at the slowest damping rate of these degrees of freedom. It is an
+//! amplitude of its own: where the tangential motion has died away faster, beats of the ringing are no growth.
+
+/// Swings after a motion was let go that say how much the other degrees of freedom can have been excited: a swing takes
+/// at most as long as it takes the contact to pass the excitation on.
+pub(super) const FIRST_SWINGS: u32 = 3;
+
+/// What is left of transients.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Transients {
+    /// Slowest damping rate of the degrees of freedom that ring, per unit of scaled time.
+    rate: f64,
+    let_go: f64,
+    excitation: f64,
+    first_swings: u32,
+}
+
+impl Transients {
+    /// Of a motion that is let go at time 0.
+    pub fn new(rate: f64) -> Self {
+        // The start is a turning point already: one swing shows its amplitude.
+        Self { rate, let_go: 0.0, excitation: 0.0, first_swings: 1 }
+    }
+
+    /// A swing of this amplitude.
+    pub fn swings(&mut self, amplitude: f64) {
+        if self.first_swings > 0 {
+            self.first_swings -= 1;
+            self.excitation = self.excitation.max(amplitude);
+        }
+    }
+
+    /// The motion sticks: all rings anew from here.
+    pub fn sticks(&mut self, time: f64) {
+        self.excitation *= self.left(time);
+        self.let_go = time;
+        self.first_swings = FIRST_SWINGS;
+    }
+
+    /// The change of an amplitude that may still be feigned. A motion larger than it was when it was let go excites as
+    /// much as it is.
+    pub fn feigned(&self, time: f64, amplitude: f64) -> f64 {
+        self.excitation.max(amplitude) * self.left(time)
+    }
+
+    /// The share of the excitation that has not died away.
+    fn left(&self, time: f64) -> f64 {
+        libm::exp(-self.rate * (time - self.let_go))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_swing_excites_and_later_ones_do_not() {
+        let mut transients = Transients::new(0.1);
+        transients.swings(2.0);
+        transients.swings(5.0);
+        assert_eq!(transients.feigned(0.0, 1.0), 2.0);
+        assert!((transients.feigned(10.0, 0.0) - 2.0 / std::f64::consts::E).abs() < 1e-15);
+        assert_eq!(transients.feigned(0.0, 7.0), 7.0);
+    }
+
+    #[test]
+    fn after_a_stick_the_first_three_swings_excite_and_what_rang_rings_on() {
+        let mut transients = Transients::new(0.1);
+        transients.swings(2.0);
+        transients.sticks(10.0);
+        assert!((transients.feigned(10.0, 0.0) - 2.0 / std::f64::consts::E).abs() < 1e-15);
+        for amplitude in [0.1, 0.3, 0.2, 9.0] {
+            transients.swings(amplitude);
+        }
+        // What rang before is more than the swings since.
+        assert!((transients.feigned(10.0, 0.0) - 2.0 / std::f64::consts::E).abs() < 1e-15);
+        transients.sticks(200.0);
+        for amplitude in [0.1, 0.3, 0.2, 9.0] {
+            transients.swings(amplitude);
+        }
+        assert_eq!(transients.feigned(200.0, 0.0), 0.3);
+    }
+}
