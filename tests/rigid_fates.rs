@@ -85,7 +85,9 @@ fn dev() {
             let t = std::time::Instant::now();
             let base = case.judge(1.0);
             let e = t.elapsed().as_secs_f64();
-            if e > 0.05 { println!("slow {} {e}", case.line); }
+            if e > 0.05 {
+                println!("slow {} {e}", case.line);
+            }
             if base.verdict != case.fate {
                 println!("{file} line {}: {:?} {:?} expected {:?}", case.line, base.verdict, base.time, case.fate);
                 if base.verdict == Verdict::Undecided { open += 1 } else { wrong += 1 }
@@ -93,7 +95,9 @@ fn dev() {
             if std::env::var("DIV").is_ok() {
                 for d in [0.5, 2.0, 8.0] {
                     let other = case.judge(d);
-                    if other.verdict != base.verdict { println!("line {} differs at /{d}: {:?} {:?}", case.line, base, other); }
+                    if other.verdict != base.verdict {
+                        println!("line {} differs at /{d}: {:?} {:?}", case.line, base, other);
+                    }
                 }
             }
         }

@@ -6,7 +6,6 @@ use crate::contact::{ContactLoads, PadPosition};
 use crate::eigenvalues::{Eigenvalue, eigenvalues};
 use crate::flexible::{ContactState, FlexibleBrake, FlexibleError, PAD, sine_and_cosine};
 use crate::pad_on_disc::RandomInputs;
-use crate::verdict::Verdict;
 
 impl FlexibleBrake {
     /// Steady sliding as if the disc did not yield.
@@ -185,20 +184,6 @@ impl FlexibleBrake {
     pub fn growth_rate(&self, inputs: RandomInputs) -> Result<f64, FlexibleError> {
         let values = self.coupled_eigenvalues(inputs)?;
         Ok(values.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max))
-    }
-
-    /// The verdict on a sample by the coupled eigenvalues. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable
-    /// by definition; a sample whose equilibrium or eigenvalues cannot be found is failed.
-    #[must_use]
-    pub fn verdict(&self, inputs: RandomInputs) -> Verdict {
-        if self.brake().is_outside_physics(inputs) {
-            return Verdict::Stable;
-        }
-        match self.growth_rate(inputs) {
-            Ok(rate) if rate > 0.0 => Verdict::Unstable,
-            Ok(_) => Verdict::Stable,
-            Err(_) => Verdict::Failed,
-        }
     }
 }
 

@@ -686,7 +686,7 @@ impl Bundle for FlexibleBundle<'_> {
         inputs: RandomInputs,
     ) -> Result<(ContactState, CoupledJudge), JudgedMotion> {
         let sample = FlexibleSample::new(self.brake, inputs);
-        let (motion, judge) = criterion.start_flexible(&sample)?;
+        let (motion, judge) = criterion.start_flexible(&sample, FlexibleBrake::linear_stability)?;
         self.set_sample(lane, &sample);
         self.set_next(lane, &motion.state);
         Ok((motion.contact, judge))

@@ -29,6 +29,8 @@ use crate::eigenvalues::{Eigenvalue, eigenvalues};
 use crate::flexible::{FlexibleBrake, FlexibleError, PAD};
 use crate::flexible_stability::first_order;
 use crate::pad_on_disc::RandomInputs;
+use crate::time_domain::JudgedMotion;
+use crate::verdict::Verdict;
 
 /// Lattice spacing of the logarithm of the preload, and of the friction coefficient. Neighbouring critical products of
 /// the preset differ by less than a part in a thousand.
@@ -130,6 +132,26 @@ impl FlexibleBrake {
             Some(stability) => Ok(stability),
             None => self.by_eigenvalues(inputs),
         }
+    }
+
+    /// The verdict on a sample by the coupled eigenvalues, of its own or by the lattice, whichever is asked for by
+    /// `stability`: [`FlexibleBrake::linear_stability`] for one of many samples, [`FlexibleBrake::by_eigenvalues`] for a
+    /// single one. Without preload a sample is stable; one whose equilibrium or eigenvalues cannot be found is failed.
+    #[must_use]
+    pub fn judge_with(
+        &self,
+        inputs: RandomInputs,
+        stability: impl Fn(&Self, RandomInputs) -> Result<LinearStability, FlexibleError>,
+    ) -> JudgedMotion {
+        if inputs.preload <= 0.0 {
+            return JudgedMotion::OUTSIDE_PHYSICS;
+        }
+        let (verdict, fed_by) = match stability(self, inputs) {
+            Ok(LinearStability::Stable) => (Verdict::Stable, None),
+            Ok(LinearStability::Unstable { fed_by }) => (Verdict::Unstable, Some(fed_by)),
+            Err(_) => (Verdict::Failed, None),
+        };
+        JudgedMotion { fed_by, ..JudgedMotion::from(verdict) }
     }
 
     /// [`FlexibleBrake::linear_stability`] by the eigenvalues of this very sample.

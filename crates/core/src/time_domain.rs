@@ -135,6 +135,13 @@ pub struct JudgedMotion {
     pub fed_by: Option<DegreeOfFreedom>,
 }
 
+impl From<Verdict> for JudgedMotion {
+    /// A verdict that no motion had to be followed for.
+    fn from(verdict: Verdict) -> Self {
+        Self { verdict, amplitude: None, time: 0.0, fed_by: None }
+    }
+}
+
 impl JudgedMotion {
     pub(crate) const OUTSIDE_PHYSICS: Self =
         Self { verdict: Verdict::Stable, amplitude: None, time: 0.0, fed_by: None };
@@ -203,7 +210,7 @@ impl TimeDomain {
             }
             System::Flexible(brake) => {
                 let sample = FlexibleSample::new(brake, inputs);
-                match self.start_flexible(&sample) {
+                match self.start_flexible(&sample, FlexibleBrake::by_eigenvalues) {
                     Ok((motion, judge)) => self.follow(&sample, motion, judge, brake.step_length(), 0),
                     Err(known) => known,
                 }
@@ -234,15 +241,18 @@ impl TimeDomain {
     }
 
     /// See [`TimeDomain::start_rigid`].
+    ///
+    /// `stability` is what the brake's coupled eigenvalues say of the sample.
     pub(crate) fn start_flexible(
         &self,
         sample: &FlexibleSample<'_>,
+        stability: impl Fn(&FlexibleBrake, RandomInputs) -> Result<LinearStability, FlexibleError>,
     ) -> Result<(Motion<FlexibleState>, CoupledJudge), JudgedMotion> {
         let (brake, inputs) = (sample.brake, sample.inputs);
         if inputs.preload <= 0.0 {
             return Err(JudgedMotion::OUTSIDE_PHYSICS);
         }
-        let repelled_by = match brake.linear_stability(inputs) {
+        let repelled_by = match stability(brake, inputs) {
             Ok(LinearStability::Stable) if self.brake.is_outside_physics(inputs) => {
                 return Err(JudgedMotion::OUTSIDE_PHYSICS);
             }
@@ -425,8 +435,7 @@ mod tests {
         let System::Flexible(brake) = &criterion.system else { panic!("a flexible disc") };
         let sample = FlexibleSample::new(brake, inputs);
         let (motion, equilibrium) = criterion.flexible_start(&sample).unwrap();
-        let rules =
-            Rules { slowest_transient: brake.slowest_transient(), until_settled: false, repelled_by: None };
+        let rules = Rules { slowest_transient: brake.slowest_transient(), until_settled: false, repelled_by: None };
         let turning = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
         let judge = CoupledJudge::new(rules, equilibrium, criterion.settings.displacement, turning);
         criterion.follow(&sample, motion, judge, brake.step_length(), 0).verdict
@@ -481,7 +490,10 @@ mod tests {
                 let static_friction = 0.2502 + 0.0008 * f64::from(column);
                 let inputs = RandomInputs { preload, static_friction };
                 let end = aftermath(&criterion, inputs, 400.0);
-                assert!(end.amplitude() < 2e-5 && !end.sticks_after(50.0), "{speed} {inputs:?}: it does not come to rest");
+                assert!(
+                    end.amplitude() < 2e-5 && !end.sticks_after(50.0),
+                    "{speed} {inputs:?}: it does not come to rest"
+                );
                 assert_eq!(criterion.judge(inputs).verdict, Verdict::Stable, "{speed} {inputs:?}");
             }
         }
@@ -646,10 +658,7 @@ mod tests {
             (&audited[..], 16),
         ] {
             let brake = PadOnDisc::preset_with(changes);
-            let inputs = RandomInputs {
-                preload: 0.1,
-                static_friction: brake.parameters().friction.static_coefficient,
-            };
+            let inputs = RandomInputs { preload: 0.1, static_friction: brake.parameters().friction.static_coefficient };
             for start in [Start::NearEquilibrium, Start::Rest, Start::LimitCycle] {
                 let settings = TimeDomainSettings { start, ..Default::default() };
                 let criterion = TimeDomain::new(&brake, &DiscModel::Flexible { modes }, settings).unwrap();

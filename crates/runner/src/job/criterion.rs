@@ -50,14 +50,14 @@ impl Deciders {
     /// # Panics
     /// With [`Deciders::Varying`], whose samples have more inputs.
     pub fn judge(&self, speed: usize, inputs: &[RandomInputs]) -> Vec<JudgedMotion> {
-        let decided = |verdict| JudgedMotion { verdict, amplitude: None, time: 0.0 };
         match self {
             Self::Eigenvalue(boundaries) => {
                 let verdict = |inputs: &RandomInputs| boundaries[speed].verdict(inputs.preload, inputs.static_friction);
-                inputs.iter().map(|inputs| decided(verdict(inputs))).collect()
+                inputs.iter().map(|inputs| verdict(inputs).into()).collect()
             }
             Self::CoupledEigenvalue(brakes) => {
-                inputs.iter().map(|&inputs| decided(brakes[speed].verdict(inputs))).collect()
+                let judge = |&inputs: &RandomInputs| brakes[speed].judge_with(inputs, FlexibleBrake::linear_stability);
+                inputs.iter().map(judge).collect()
             }
             Self::TimeDomain(criteria) => criteria[speed].judge_all(inputs),
             Self::Varying(_) => unreachable!("samples of a varying brake have more inputs than these"),
@@ -88,7 +88,7 @@ impl VaryingBrake {
                 parameters.set(scalar.key, value).ok()?;
             }
         }
-        // Friction that rises with speed is stable by definition; the model wants it level then.
+        // The model wants friction that does not rise with speed; the sample is judged with its own.
         let friction = &mut parameters.friction;
         friction.static_coefficient = friction.static_coefficient.max(friction.kinetic_coefficient);
         PadOnDisc::new(parameters).ok()
@@ -96,22 +96,20 @@ impl VaryingBrake {
 
     /// Judges one sample. A value that is not admissible (a stiffness below zero, say) fails it.
     pub fn judge(&self, rotating_speed: f64, inputs: RandomInputs, values: &[f64]) -> JudgedMotion {
-        let decided = |verdict| JudgedMotion { verdict, amplitude: None, time: 0.0 };
-        let Some(brake) = self.brake(rotating_speed, inputs, values) else { return decided(Verdict::Failed) };
-        if brake.is_outside_physics(inputs) {
-            return decided(Verdict::Stable);
+        let failed = || JudgedMotion::from(Verdict::Failed);
+        let Some(brake) = self.brake(rotating_speed, inputs, values) else { return failed() };
+        if inputs.preload <= 0.0 {
+            return Verdict::Stable.into();
         }
         match &self.criterion {
-            Criterion::Eigenvalue => {
-                decided(brake.stability_boundary().verdict(inputs.preload, inputs.static_friction))
-            }
+            Criterion::Eigenvalue => brake.stability_boundary().verdict(inputs.preload, inputs.static_friction).into(),
             Criterion::CoupledEigenvalue { modes } => {
                 let brake = FlexibleBrake::with_modes(brake, *modes);
-                decided(brake.map_or(Verdict::Failed, |brake| brake.verdict(inputs)))
+                brake.map_or_else(|_| failed(), |brake| brake.judge_with(inputs, FlexibleBrake::by_eigenvalues))
             }
             Criterion::TimeDomain { disc, settings } => match TimeDomain::new(&brake, disc, *settings) {
                 Ok(criterion) => criterion.judge(inputs),
-                Err(_) => decided(Verdict::Failed),
+                Err(_) => failed(),
             },
         }
     }
@@ -190,6 +188,11 @@ impl Criterion {
             };
             Complaint { span, message: format!("criterion: {error}") }
         })
+    }
+
+    /// Whether other degrees of freedom than the pad's tangential motion may become unstable.
+    pub fn has_flexible_disc(&self) -> bool {
+        !matches!(self, Self::Eigenvalue | Self::TimeDomain { disc: DiscModel::Rigid, .. })
     }
 
     /// Whether the settled amplitude is recorded.

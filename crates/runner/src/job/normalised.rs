@@ -41,7 +41,7 @@ impl Job {
     fn hash_text(&self, text: &str) -> String {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&RESULTS_VERSION.to_le_bytes());
-        if matches!(self.criterion, Criterion::TimeDomain { .. }) {
+        if !matches!(self.criterion, Criterion::Eigenvalue) {
             hasher.update(&VERDICTS_VERSION.to_le_bytes());
         }
         hasher.update(text.as_bytes());

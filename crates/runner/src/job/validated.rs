@@ -183,6 +183,11 @@ impl Job {
         }
     }
 
+    /// Whether other degrees of freedom than the pad's tangential motion may become unstable.
+    pub fn has_flexible_disc(&self) -> bool {
+        self.criterion.has_flexible_disc()
+    }
+
     /// Whether the settled amplitude is recorded.
     pub fn records_amplitude(&self) -> bool {
         self.criterion.records_amplitude()

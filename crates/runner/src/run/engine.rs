@@ -120,6 +120,7 @@ impl<'a> Engine<'a> {
                 amplitudes.add(amplitude);
             }
         }
+        self.extras.add_sources(&mut sums, &judged);
         let verdicts: Vec<Verdict> = judged.iter().map(|judged| judged.verdict).collect();
         self.extras.add_scores(&mut sums, &place, &batch, &verdicts);
         if self.extras.sensitivity() > 0 {
@@ -150,8 +151,7 @@ impl<'a> Engine<'a> {
         let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
         let to_judge: Vec<usize> = (0..inputs.len()).filter(|&i| told[i].is_none() || is_audited(i)).collect();
         let judged = self.deciders.judge(speed, &to_judge.iter().map(|&i| inputs[i]).collect::<Vec<_>>());
-        let looked_up = |verdict| JudgedMotion { verdict, amplitude: None, time: 0.0 };
-        let mut all: Vec<JudgedMotion> = told.iter().map(|told| looked_up(told.unwrap_or(Verdict::Failed))).collect();
+        let mut all: Vec<JudgedMotion> = told.iter().map(|told| told.unwrap_or(Verdict::Failed).into()).collect();
         for (&sample, judged) in to_judge.iter().zip(judged) {
             match told[sample] {
                 None => lookups.simulated += 1,

@@ -1,7 +1,7 @@
 //! What a job counts beside its verdicts: integers, so that no sum depends on its order.
 
 use serde::{Deserialize, Serialize};
-use stickslip_core::{Verdict, VerdictCounts};
+use stickslip_core::{DegreeOfFreedom, JudgedMotion, Verdict, VerdictCounts};
 use stickslip_sampler::Cell;
 use stickslip_sampler::score::{CellNumber, ScoreSums, ScoreTotals};
 use stickslip_sampler::sensitivity::{IndexCounts, SobolIndices, indices};
@@ -13,6 +13,7 @@ use crate::job::{EvaluateMode, Job};
 #[derive(Debug, Clone, Copy)]
 pub struct Extras {
     lookups: bool,
+    sources: bool,
     derivatives: bool,
     /// Random inputs, where their Sobol indices are wanted; 0 where not.
     sensitivity: usize,
@@ -42,6 +43,8 @@ impl Lookups {
 }
 
 const LOOKUPS: usize = 3;
+/// Degrees of freedom that an unstable sample may be fed by, beside the tangential motion.
+const SOURCES: [DegreeOfFreedom; 3] = [DegreeOfFreedom::Normal, DegreeOfFreedom::Angular, DegreeOfFreedom::Disc];
 const DERIVATIVES: usize = 8;
 /// For each input: samples where fixing it turns the second verdict up, or down, and where it turns the first at all.
 const PER_INPUT: usize = 3;
@@ -51,6 +54,8 @@ impl Extras {
     pub fn of(job: &Job) -> Self {
         Self {
             lookups: job.uses_maps() && job.sampling.evaluate == EvaluateMode::Boundary,
+            // A map tells verdicts only.
+            sources: job.has_flexible_disc() && !job.uses_maps(),
             derivatives: job.sampling.derivatives,
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
         }
@@ -76,8 +81,17 @@ impl Extras {
         self.lookups
     }
 
-    fn derivatives_at(self) -> usize {
+    /// Whether it is counted what feeds unstable samples.
+    pub fn sources(&self) -> bool {
+        self.sources
+    }
+
+    fn sources_at(self) -> usize {
         if self.lookups { LOOKUPS } else { 0 }
+    }
+
+    fn derivatives_at(self) -> usize {
+        self.sources_at() + if self.sources { SOURCES.len() } else { 0 }
     }
 
     fn sensitivity_at(self) -> usize {
@@ -100,6 +114,25 @@ impl Extras {
             for (sum, count) in sums.iter_mut().zip([lookups.simulated, lookups.audited, lookups.differed]) {
                 *sum += count.cast_signed();
             }
+        }
+    }
+
+    /// Adds what feeds the unstable samples.
+    pub fn add_sources(self, sums: &mut [i64], judged: &[JudgedMotion]) {
+        if self.sources {
+            for (sum, source) in sums[self.sources_at()..].iter_mut().zip(SOURCES) {
+                *sum += judged.iter().filter(|judged| judged.fed_by == Some(source)).count() as i64;
+            }
+        }
+    }
+
+    /// How many unstable samples are fed by one degree of freedom.
+    pub fn read_source(self, sums: &[i128], source: DegreeOfFreedom, unstable: u64) -> u64 {
+        let counts = sums.get(self.sources_at()..self.derivatives_at()).unwrap_or_default();
+        let count = |i: usize| counts.get(i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
+        match SOURCES.iter().position(|other| *other == source) {
+            Some(place) => count(place),
+            None => unstable - (0..SOURCES.len()).map(count).sum::<u64>(),
         }
     }
 

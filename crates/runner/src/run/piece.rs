@@ -14,6 +14,7 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use stickslip_core::VerdictCounts;
+use stickslip_core::time_domain::VERDICTS_VERSION;
 use stickslip_sampler::Distribution;
 
 use super::publish::{files, is_temporary, publish};
@@ -30,6 +31,10 @@ const AMPLITUDE_BINS: &str = "amplitude_bins";
 const SUMS: &str = "sums";
 
 const EXPERIMENT_KEY: &str = "stickslip:experiment";
+const VERDICTS_KEY: &str = "stickslip:verdicts_version";
+
+/// Pieces that do not say by which version of the verdicts they were made are of this one or an older one.
+const UNNAMED_VERDICTS: u32 = 2;
 
 /// Writes segments as a new piece in `directory`.
 pub fn write(directory: &Path, experiment: &str, segments: &[Segment]) -> Result<(), Failure> {
@@ -72,13 +77,7 @@ pub fn read_all(directory: &Path, experiment: &str, slots: u64, sums: usize) -> 
             continue;
         }
         match decode(bytes) {
-            Ok((owner, _)) if owner != experiment => {
-                let message = format!(
-                    "{} belongs to another job or another version of stickslip. Was the run's job.toml edited or removed? Restore it, or choose another directory with --out",
-                    path.display()
-                );
-                return Err(Failure::Job(message));
-            }
+            Ok((owner, _)) if owner.experiment != experiment => return Err(owner.refused(&path)),
             Ok((_, segments))
                 if segments.iter().all(|s| s.slot < slots && s.sums.len() == sums && s.is_consistent()) =>
             {
@@ -89,6 +88,29 @@ pub fn read_all(directory: &Path, experiment: &str, slots: u64, sums: usize) -> 
         }
     }
     Ok(pieces)
+}
+
+/// What a piece says of the run that it belongs to.
+struct Owner {
+    experiment: String,
+    verdicts_version: u32,
+}
+
+impl Owner {
+    /// Why a piece of another job or version is not used, and what to do.
+    fn refused(&self, path: &Path) -> Failure {
+        let path = path.display();
+        let version = self.verdicts_version;
+        Failure::Job(if version == VERDICTS_VERSION {
+            format!(
+                "{path} belongs to another job or another version of stickslip. Was the run's job.toml edited or removed? Restore it, or choose another directory with --out"
+            )
+        } else {
+            format!(
+                "{path} was computed by another version of stickslip, which judged motions otherwise (verdicts version {version}, this one has {VERDICTS_VERSION}); the two must not be mixed. Submit the run's job.toml into another directory with --out, or go on with the stickslip that began it"
+            )
+        })
+    }
 }
 
 /// The name of a piece: a hash of its content.
@@ -136,19 +158,25 @@ fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::er
         columns.push(Arc::new(sums));
     }
     let schema = Arc::new(Schema::new(fields));
-    let owner = KeyValue::new(EXPERIMENT_KEY.to_owned(), experiment.to_owned());
-    let properties = WriterProperties::builder().set_key_value_metadata(Some(vec![owner])).build();
+    let owner = vec![
+        KeyValue::new(EXPERIMENT_KEY.to_owned(), experiment.to_owned()),
+        KeyValue::new(VERDICTS_KEY.to_owned(), VERDICTS_VERSION.to_string()),
+    ];
+    let properties = WriterProperties::builder().set_key_value_metadata(Some(owner)).build();
     let mut writer = ArrowWriter::try_new(Vec::new(), schema.clone(), Some(properties))?;
     writer.write(&RecordBatch::try_new(schema, columns)?)?;
     writer.into_inner()
 }
 
-fn decode(bytes: Vec<u8>) -> Result<(String, Vec<Segment>), String> {
+fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<Segment>), String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
     let builder = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes)).map_err(|e| text(&e))?;
     let metadata = builder.metadata().file_metadata().key_value_metadata();
-    let owner = metadata.and_then(|pairs| pairs.iter().find(|pair| pair.key == EXPERIMENT_KEY));
-    let owner = owner.and_then(|pair| pair.value.clone()).ok_or("it does not say which job it belongs to")?;
+    let value_of = |key: &str| metadata?.iter().find(|pair| pair.key == key)?.value.clone();
+    let owner = Owner {
+        experiment: value_of(EXPERIMENT_KEY).ok_or("it does not say which job it belongs to")?,
+        verdicts_version: value_of(VERDICTS_KEY).and_then(|text| text.parse().ok()).unwrap_or(UNNAMED_VERDICTS),
+    };
     let mut segments = Vec::new();
     for batch in builder.build().map_err(|e| text(&e))? {
         let batch = batch.map_err(|e| text(&e))?;

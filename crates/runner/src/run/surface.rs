@@ -16,7 +16,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::FileReader as _;
 use parquet::file::serialized_reader::SerializedFileReader;
-use stickslip_core::VerdictCounts;
+use stickslip_core::{DegreeOfFreedom, VerdictCounts};
 use stickslip_sampler::exact::Derivatives;
 use stickslip_sampler::score::CellNumber;
 use stickslip_sampler::sensitivity::SobolIndices;
@@ -164,6 +164,37 @@ fn lookup_columns(extras: Extras) -> Vec<Column> {
         Column::integer("n_audit_differed", "audited samples that were judged otherwise than looked up", move |row| {
             extras.read_lookups(&row.sums).differed
         }),
+    ]
+}
+
+/// Columns of jobs on a flexible disc: what feeds the unstable samples.
+fn source_columns(extras: Extras) -> Vec<Column> {
+    let column = |name, meaning, source| {
+        Column::integer(name, meaning, move |row: &SurfaceRow| {
+            extras.read_source(&row.sums, source, row.counts.unstable)
+        })
+    };
+    vec![
+        column(
+            "n_fed_tangential",
+            "unstable samples that would be stable if friction did not fall with speed, or that stick and slip from their start",
+            DegreeOfFreedom::Tangential,
+        ),
+        column(
+            "n_fed_normal",
+            "unstable samples whose growth without falling friction is largest in the normal motion of the pad",
+            DegreeOfFreedom::Normal,
+        ),
+        column(
+            "n_fed_angular",
+            "unstable samples whose growth without falling friction is largest in the rotation of the pad",
+            DegreeOfFreedom::Angular,
+        ),
+        column(
+            "n_fed_disc",
+            "unstable samples whose growth without falling friction is largest in the bending of the disc",
+            DegreeOfFreedom::Disc,
+        ),
     ]
 }
 
@@ -347,6 +378,9 @@ impl<'a> Surface<'a> {
         }
         if self.extras.lookups() {
             columns.extend(lookup_columns(self.extras));
+        }
+        if self.extras.sources() {
+            columns.extend(source_columns(self.extras));
         }
         if self.extras.derivatives() {
             columns.extend(derivative_columns(self.extras, self.job.sampling.method == SamplingMethod::Exact));
