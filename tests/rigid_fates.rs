@@ -14,7 +14,7 @@ struct Case {
 }
 
 impl Case {
-    fn judge(&self, divisor: f64) -> JudgedMotion {
+    fn criterion(&self, divisor: f64) -> (TimeDomain, RandomInputs) {
         let settings = TimeDomainSettings {
             start: self.start,
             displacement: self.displacement,
@@ -23,10 +23,16 @@ impl Case {
         };
         let brake = PadOnDisc::new(self.parameters.clone()).unwrap();
         let criterion = TimeDomain::new(&brake, &DiscModel::Rigid, settings).unwrap().with_steps_divided_by(divisor);
-        criterion.judge(RandomInputs {
+        let inputs = RandomInputs {
             preload: self.parameters.operating_point.preload,
             static_friction: self.parameters.friction.static_coefficient,
-        })
+        };
+        (criterion, inputs)
+    }
+
+    fn judge(&self, divisor: f64) -> JudgedMotion {
+        let (criterion, inputs) = self.criterion(divisor);
+        criterion.judge(inputs)
     }
 }
 
@@ -74,33 +80,54 @@ fn cases(text: &str) -> Vec<Case> {
     lines.map(case).collect()
 }
 
-#[test]
-fn dev() {
-    for file in std::env::var("FATES").unwrap().split(':') {
-        let text = std::fs::read_to_string(file).unwrap();
-        let (mut wrong, mut open) = (0, 0);
-        let cases = cases(&text);
-        let begin = std::time::Instant::now();
-        for case in &cases {
-            let t = std::time::Instant::now();
-            let base = case.judge(1.0);
-            let e = t.elapsed().as_secs_f64();
-            if e > 0.05 {
-                println!("slow {} {e}", case.line);
-            }
-            if base.verdict != case.fate {
-                println!("{file} line {}: {:?} {:?} expected {:?}", case.line, base.verdict, base.time, case.fate);
-                if base.verdict == Verdict::Undecided { open += 1 } else { wrong += 1 }
-            }
-            if std::env::var("DIV").is_ok() {
-                for d in [0.5, 2.0, 8.0] {
-                    let other = case.judge(d);
-                    if other.verdict != base.verdict {
-                        println!("line {} differs at /{d}: {:?} {:?}", case.line, base, other);
-                    }
-                }
-            }
+/// Judges every case of a file with steps divided by `divisor`, and holds the verdicts against the fates: how many are
+/// undecided.
+#[track_caller]
+fn assert_fates(text: &str, divisor: f64) -> usize {
+    let mut undecided = 0;
+    let mut wrong = Vec::new();
+    for case in cases(text) {
+        let judged = case.judge(divisor);
+        if judged.verdict == Verdict::Undecided {
+            undecided += 1;
+        } else if judged.verdict != case.fate {
+            wrong.push(format!("line {}: {judged:?}", case.line));
         }
-        println!("{file}: {} cases, wrong {wrong} open {open}, {:?}", cases.len(), begin.elapsed());
+    }
+    assert!(wrong.is_empty(), "steps / {divisor}: {wrong:#?}");
+    undecided
+}
+
+/// 400 brakes of all kinds.
+const FATES: &str = include_str!("data/rigid-fates.csv");
+
+/// 2000 brakes around the boundaries of the verdicts, at distances from 1e-7 of them on; smooth cycles, very slow and very
+/// fast discs among them.
+const FATES_AT_BOUNDARIES: &str = include_str!("data/rigid-fates-more.csv");
+
+#[test]
+fn verdicts_are_those_of_an_independent_return_map() {
+    assert!(assert_fates(FATES, 1.0) <= 1);
+    assert!(assert_fates(FATES_AT_BOUNDARIES, 1.0) <= 5);
+}
+
+#[test]
+fn shorter_steps_change_no_verdict() {
+    for divisor in [2.0, 8.0] {
+        assert!(assert_fates(FATES, divisor) <= 1);
+    }
+    assert!(assert_fates(FATES_AT_BOUNDARIES, 2.0) <= 5);
+}
+
+#[test]
+fn lanes_and_scalar_code_agree_on_brakes_of_all_kinds() {
+    for case in cases(FATES).iter().step_by(4) {
+        let (criterion, inputs) = case.criterion(1.0);
+        let bits = |judged: JudgedMotion| (judged.verdict, judged.time.to_bits(), judged.fed_by);
+        let expected = bits(criterion.judge(inputs));
+        // The same sample many times over fills the lanes.
+        for judged in criterion.judge_all(&[inputs; 70]) {
+            assert_eq!(bits(judged), expected, "line {}", case.line);
+        }
     }
 }

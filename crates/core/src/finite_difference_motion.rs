@@ -141,6 +141,10 @@ impl Equations for PadOnSurface<'_> {
         Reserve { against_slip: available - needed, against_overtaking: available + needed }
     }
 
+    fn meeting_rate(&self) -> f64 {
+        self.pad.meeting_rate()
+    }
+
     fn friction_steps(&self) -> &FrictionSteps {
         &self.friction_steps
     }

@@ -192,6 +192,11 @@ impl PadEquations {
         }
     }
 
+    /// The disc's speed times the natural frequency of the tangential motion.
+    pub fn meeting_rate(&self) -> f64 {
+        self.disc_speed * (self.tangential_stiffness + self.contact_tangential).sqrt()
+    }
+
     /// mu at a sliding speed, see [`decay`].
     #[inline(always)]
     pub fn friction_coefficient(&self, sliding_speed: f64, static_friction: f64) -> f64 {

@@ -157,6 +157,10 @@ impl Equations for FlexibleSample<'_> {
         }
     }
 
+    fn meeting_rate(&self) -> f64 {
+        self.brake.pad.meeting_rate()
+    }
+
     fn friction_steps(&self) -> &FrictionSteps {
         &self.friction_steps
     }

@@ -18,7 +18,9 @@ use crate::flexible::{ContactState, FlexibleBrake, PAD, SERIES_ANGLE, small_sine
 use crate::flexible_motion::{FlexibleSample, FlexibleState, MOST_FREEDOMS};
 use crate::friction_steps::FrictionSteps;
 use crate::judgement::{CoupledJudge, Judge, PlanarJudge, is_time_to_look};
-use crate::motion::{Breakdown, Equations, FARTHEST, Motion, Observer as _, advance, may_touch, turning_point, turns};
+use crate::motion::{
+    Breakdown, Equations, FARTHEST, Motion, Observer as _, advance, grazes_at_end, may_touch, turning_point, turns,
+};
 use crate::pad_on_disc::RandomInputs;
 use crate::rigid::{RigidBrake, RigidSample, RigidState};
 use crate::time_domain::{JudgedMotion, System, TimeDomain};
@@ -507,7 +509,8 @@ fn findings(
     let touches = may_touch(sliding, (-acceleration.0, -acceleration.1), h);
     let ordinary = (sliding.1 > 0.0) & (sliding.1 < f64::MAX) & (next_x.abs() < FARTHEST);
     let too_long = steps.is_too_long_for_tustin(u, acceleration, h);
-    u64::from(touches | too_long | !ordinary) * EVENT + u64::from(turns(u.0, u.1)) * TURN
+    let grazes = grazes_at_end(sliding, disc_speed);
+    u64::from(touches | grazes | too_long | !ordinary) * EVENT + u64::from(turns(u.0, u.1)) * TURN
 }
 
 /// [`crate::rigid`]'s step of slip.

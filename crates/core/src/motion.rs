@@ -52,6 +52,10 @@ pub(crate) trait Equations {
     /// pad slipping back, and against it running ahead. Any positive multiple of it.
     fn reserve(&self, state: &Self::State) -> Reserve;
 
+    /// An acceleration of the size that a pad has when it meets the disc at full tilt: the disc's speed times the natural
+    /// frequency of the tangential motion.
+    fn meeting_rate(&self) -> f64;
+
     /// What the friction law asks of steps.
     fn friction_steps(&self) -> &FrictionSteps;
 }
@@ -79,7 +83,16 @@ pub(crate) trait Observer {
     fn sticks(&mut self, time: f64, x: f64);
     /// They cease to.
     fn slips(&mut self, time: f64);
+    /// The pad comes so near the disc's speed, or meets it so slowly, that errors of the steps may decide whether they
+    /// stick; told before it is told that they do.
+    fn grazes(&mut self) {}
 }
+
+/// A pad grazes where its sliding speed has a minimum below this share of the disc's speed, or where it meets the disc with
+/// less than this share of the disc's speed times its natural frequency: errors of the sliding speed are some 1e-6 of the disc's, and
+/// the acceleration goes with the square root of the distance to a mere touch.
+const GRAZING_SPEED: f64 = 1e-4;
+const GRAZING_RATE: f64 = 3e-2;
 
 /// The computation broke down: not a number, or farther away than any brake could go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,6 +110,13 @@ pub(crate) struct Motion<S> {
 #[inline(always)]
 pub(crate) fn may_touch(r: (f64, f64), rate: (f64, f64), h: f64) -> bool {
     (r.0 + h * rate.0 < 0.0) & (r.1 - h * rate.1 < 0.0)
+}
+
+/// Whether a step that slows down the sliding ends so near the disc's speed that the pad grazes it. `r` is the sliding speed
+/// at both ends.
+#[inline(always)]
+pub(crate) fn grazes_at_end(r: (f64, f64), disc_speed: f64) -> bool {
+    (r.1 < GRAZING_SPEED * disc_speed) & (r.1 < r.0)
 }
 
 /// The turning point inside a step at whose ends the speeds `u` differ in sign: its time after the beginning and its
@@ -147,6 +167,7 @@ struct Part<S> {
     /// x'' at its beginning and its end.
     acceleration: (f64, f64),
     ending: Ending,
+    grazes: bool,
 }
 
 /// Follows a motion for one step of length `h` from `time` on, whatever happens in it.
@@ -174,6 +195,9 @@ pub(crate) fn advance<E: Equations>(
         let after = equations.tangential(&part.end.state);
         if motion.contact != ContactState::Stick {
             report_turn(before, after, part.acceleration, part.time, begin, observer);
+        }
+        if part.grazes {
+            observer.grazes();
         }
         match part.ending {
             Ending::Completed => {}
@@ -212,7 +236,7 @@ fn stick<E: Equations>(equations: &E, from: &E::State, h: f64) -> Result<Part<E:
             Ending::Released => ContactState::Overtaking,
             _ => ContactState::Stick,
         };
-        Ok(Part { time, end: Motion { state, contact }, acceleration: (0.0, 0.0), ending })
+        Ok(Part { time, end: Motion { state, contact }, acceleration: (0.0, 0.0), ending, grazes: false })
     };
     if margin(from) <= 0.0 {
         return part(0.0, *from, Ending::Released);
@@ -241,12 +265,15 @@ fn slide<E: Equations>(
     let rate = (-direction * step.acceleration.0, -direction * step.acceleration.1);
     let ends = (sliding(&from), sliding(&step.next));
     let mut meets = (ends.1 <= 0.0).then_some((h, step.next));
+    let mut grazes = grazes_at_end(ends, equations.disc_speed());
     if meets.is_none() && ends.0 > 0.0 && may_touch(ends, rate, h) {
-        meets = touch(equations, &from, contact, h, &sliding);
+        let (part, nearest) = least_sliding(equations, &from, contact, h, &sliding);
+        grazes |= sliding(&nearest) < GRAZING_SPEED * equations.disc_speed();
+        meets = (sliding(&nearest) <= 0.0).then_some((part, nearest));
     }
     let Some((late, state)) = meets else {
         let end = Motion { state: step.next, contact };
-        return Ok(Part { time: h, end, acceleration: step.acceleration, ending: Ending::Completed });
+        return Ok(Part { time: h, end, acceleration: step.acceleration, ending: Ending::Completed, grazes });
     };
     let (time, state) = if ends.0 > 0.0 {
         locate(late, &state, |part| equations.step(&from, contact, part).next, sliding)
@@ -266,7 +293,8 @@ fn slide<E: Equations>(
     } else {
         (ContactState::Slip, Ending::Overtaken)
     };
-    Ok(Part { time, end: Motion { state, contact }, acceleration, ending })
+    grazes = ends.0 > 0.0 && acceleration.1.abs() < GRAZING_RATE * equations.meeting_rate();
+    Ok(Part { time, end: Motion { state, contact }, acceleration, ending, grazes })
 }
 
 /// A step of length `h`, or the longest shorter one that the friction law allows; and its length.
@@ -318,14 +346,14 @@ fn check<E: Equations>(equations: &E, state: &E::State) -> Result<(), Breakdown>
     if x.abs() < FARTHEST && u.is_finite() { Ok(()) } else { Err(Breakdown) }
 }
 
-/// The lowest point of the sliding speed inside a step, if it is not above zero.
-fn touch<E: Equations>(
+/// The lowest point of the sliding speed inside a step, or a point on the way there that is not above zero.
+fn least_sliding<E: Equations>(
     equations: &E,
     from: &E::State,
     contact: ContactState,
     h: f64,
     sliding: &impl Fn(&E::State) -> f64,
-) -> Option<(f64, E::State)> {
+) -> (f64, E::State) {
     // The sliding speed falls as long as the acceleration at the end of a partial step says so.
     let falls = |part: f64| {
         let step = equations.step(from, contact, part);
@@ -333,11 +361,13 @@ fn touch<E: Equations>(
         (direction * equations.step(&step.next, contact, 0.0).acceleration.0 > 0.0, step.next)
     };
     let (mut early, mut late) = (0.0, h);
+    let mut nearest = (0.0, *from);
     for _ in 0..60 {
         let middle = 0.5 * (early + late);
         let (falls, state) = falls(middle);
+        nearest = (middle, state);
         if sliding(&state) <= 0.0 {
-            return Some((middle, state));
+            break;
         }
         if falls {
             early = middle;
@@ -345,7 +375,7 @@ fn touch<E: Equations>(
             late = middle;
         }
     }
-    None
+    nearest
 }
 
 /// The time in `0..late` at which `value`, positive before and not positive at `late`, vanishes; and the state there, on

@@ -311,12 +311,23 @@ impl PlanarMotion {
 
     /// The fate of a motion released from stick.
     pub fn fate_of_release(&self) -> Fate {
-        let (first, second) = self.slip_from_release();
-        match (first.end, second.map(|slip| slip.end)) {
-            (SlipEnd::Captured, _) | (_, Some(SlipEnd::Captured)) => Fate::Captured,
-            (SlipEnd::Home, _) | (_, Some(SlipEnd::Home)) => Fate::Home,
-            (SlipEnd::Turned, Some(SlipEnd::Turned)) => self.fate_of_swing(first.x - self.equilibrium()),
-            _ => Fate::Unresolved,
+        self.fate_from([self.release(), self.disc_speed])
+    }
+
+    /// The fate of a motion in a state of slip, up to its first capture.
+    pub fn fate_from(&self, state: [f64; 2]) -> Fate {
+        let size = (state[0] - self.equilibrium()).abs().max(self.disc_speed / self.stiffness.sqrt());
+        let first = self.slip(state, size);
+        match first.end {
+            SlipEnd::Captured => Fate::Captured,
+            SlipEnd::Home => Fate::Home,
+            SlipEnd::Unresolved => Fate::Unresolved,
+            SlipEnd::Turned => match self.slip([first.x, 0.0], size).end {
+                SlipEnd::Captured => Fate::Captured,
+                SlipEnd::Home => Fate::Home,
+                SlipEnd::Unresolved => Fate::Unresolved,
+                SlipEnd::Turned => self.fate_of_swing(first.x - self.equilibrium()),
+            },
         }
     }
 

@@ -197,6 +197,10 @@ impl Equations for RigidSample<'_> {
         Reserve { against_slip: self.static_pull - needed, against_overtaking: self.static_pull + needed }
     }
 
+    fn meeting_rate(&self) -> f64 {
+        self.brake.disc_speed * self.brake.stiffness.sqrt()
+    }
+
     fn friction_steps(&self) -> &FrictionSteps {
         &self.friction_steps
     }

@@ -230,6 +230,10 @@ impl Equations for RigidWithAngle<'_> {
         self.sample.reserve(&state.pad)
     }
 
+    fn meeting_rate(&self) -> f64 {
+        self.sample.meeting_rate()
+    }
+
     fn friction_steps(&self) -> &FrictionSteps {
         self.sample.friction_steps()
     }

@@ -10,6 +10,7 @@
 //! | | in between, too slow to wait for | the return map says what comes of it |
 //! | | sticks for the first time | held: until its release, which is the same for all motions that stick |
 //! | | sticks a second time, or a first time after a start at release | unstable: all cycles are the same from here |
+//! | | grazes the disc's speed in its first swing since the start or a release | the return map says what comes of that start or release |
 //! | held | would stick for longer than [`LONGEST_STICK`] | the return map says what comes of the release |
 //! | | slips | swinging |
 //!
@@ -45,6 +46,8 @@ pub(crate) struct PlanarJudge {
     amplitude: f64,
     /// Times that it was released or stuck.
     sticks: u32,
+    /// The state of slip at the start or the last release, until the first swing since then is over.
+    began: Option<[f64; 2]>,
 }
 
 impl PlanarJudge {
@@ -62,6 +65,7 @@ impl PlanarJudge {
             last_turn: None,
             amplitude: 0.0,
             sticks: u32::from(starts_at_release),
+            began: Some([x, speed]),
         };
         if speed == 0.0 && judge.verdict.is_none() {
             judge.turns(0.0, x);
@@ -76,7 +80,16 @@ impl PlanarJudge {
         }
     }
 
+    /// What the return map says of a motion without sticking, or of one that is captured: it sticks and is released, and
+    /// what follows is the same for all motions.
     fn ends_in(&mut self, fate: Fate) {
+        let fate = match fate {
+            Fate::Captured => match self.motion.fate_of_release() {
+                Fate::Captured => return self.ends_in_stick_slip(),
+                released => released,
+            },
+            fate => fate,
+        };
         match fate {
             Fate::Home if !self.grows => self.verdict = Some(Verdict::Stable),
             Fate::SmoothCycle { amplitude } => {
@@ -84,14 +97,7 @@ impl PlanarJudge {
                 self.grows = true;
                 self.verdict = Some(Verdict::Unstable);
             }
-            // It sticks and is released, and what follows is the same for all motions: the cycle, or swings inwards.
-            Fate::Captured => match self.motion.fate_of_release() {
-                Fate::Captured => self.ends_in_stick_slip(),
-                smooth @ Fate::SmoothCycle { .. } => self.ends_in(smooth),
-                // Swings grow at the amplitude that is asked about, so the release cannot lead home past it.
-                Fate::Home | Fate::Unresolved => self.becomes_unstable(),
-            },
-            Fate::Home | Fate::Unresolved => self.is_unresolved = true,
+            Fate::Home | Fate::Captured | Fate::Unresolved => self.is_unresolved = true,
         }
     }
 
@@ -142,6 +148,9 @@ impl Observer for PlanarJudge {
         if a > before * (1.0 + CLEAR) {
             self.becomes_unstable();
         }
+        if self.last_top.is_some() {
+            self.began = None;
+        }
         if a > before * (1.0 + CLEAR) || a < before * (1.0 - CLEAR) {
             self.last_top = Some(a);
             self.is_unresolved = false;
@@ -151,6 +160,9 @@ impl Observer for PlanarJudge {
     }
 
     fn sticks(&mut self, _: f64, x: f64) {
+        if self.verdict.is_some() {
+            return;
+        }
         self.last_top = None;
         self.sticks += 1;
         if self.sticks > 1 {
@@ -161,5 +173,14 @@ impl Observer for PlanarJudge {
         }
     }
 
-    fn slips(&mut self, _: f64) {}
+    fn slips(&mut self, _: f64) {
+        self.began = Some([self.motion.release(), self.motion.disc_speed]);
+        self.last_top = None;
+    }
+
+    fn grazes(&mut self) {
+        if let (Some(state), None) = (self.began.take(), self.verdict) {
+            self.ends_in(self.motion.fate_from(state));
+        }
+    }
 }
