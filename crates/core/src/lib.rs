@@ -51,6 +51,8 @@ pub mod disc_modes;
 
 mod contact;
 
+mod partial_contact;
+
 pub mod flexible;
 
 mod flexible_stability;
