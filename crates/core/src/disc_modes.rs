@@ -23,7 +23,7 @@ pub(crate) const RADIAL_FUNCTIONS: usize = 16;
 const QUADRATURE_POINTS: usize = 48;
 
 /// Modes of the disc that a model may keep, and the largest number of nodal diameters that is looked through for them.
-pub const MOST_DISC_MODES: usize = 16;
+pub const MOST_DISC_MODES: usize = 24;
 
 /// A clamped-free annular plate, by its two ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -57,6 +57,8 @@ pub mod flexible;
 
 mod flexible_stability;
 
+pub mod mode_count;
+
 mod motion;
 
 mod rigid;
@@ -89,6 +91,7 @@ pub use finite_difference::{Allotment, DiscGrid, FiniteDifferenceBrake, FiniteDi
 pub use flexible::{ContactState, FlexibleBrake, FlexibleError};
 pub use friction::StribeckLaw;
 pub use lanes::InstructionSet;
+pub use mode_count::{ModeCheck, ModeStudy};
 pub use pad_on_disc::{PadOnDisc, RandomInputs, Scales, SlidingEquilibrium};
 pub use parameters::{ParameterError, Parameters, Scalar};
 pub use stability::{SpeedRange, StabilityBoundary};
