@@ -23,7 +23,8 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     let (limit_cycle, saddle_node) = (brake.limit_cycle(), brake.saddle_node_speed());
     let inputs =
         RandomInputs { preload: operating_point.preload, static_friction: parameters.friction.static_coefficient };
-    let coupled = FlexibleBrake::new(brake.clone()).and_then(|flexible| flexible.growth_rate(inputs));
+    let coupled = FlexibleBrake::with_enough_modes(brake.clone())
+        .and_then(|flexible| Ok((flexible.growth_rate(inputs)?, flexible.modes())));
     let critical_static_friction = boundary.critical_static_friction(operating_point.preload);
     let critical_preload = boundary.critical_preload(parameters.friction.static_coefficient);
     if arguments.json {
@@ -37,7 +38,8 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
             "eigenvalues": eigenvalues.iter().map(|value| [value.re, value.im]).collect::<Vec<_>>(),
             "growth_rate": brake.growth_rate(),
             "stable": stable,
-            "coupled_growth_rate": coupled.as_ref().ok(),
+            "coupled_growth_rate": coupled.as_ref().ok().map(|(rate, _)| rate),
+            "disc_modes": coupled.as_ref().ok().map(|(_, modes)| modes),
             "unstable_speeds": match speeds {
                 None => json!("none"),
                 Some(speeds) if speeds.to.is_infinite() => json!("all"),
@@ -89,7 +91,11 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     }
     text += &format!("growth rate        {:+.6} (tangential motion)\n", brake.growth_rate());
     text += &match coupled {
-        Ok(rate) => format!("coupled            {rate:+.6} (largest growth rate of pad and flexible disc)\n"),
+        Ok((rate, modes)) => {
+            format!(
+                "coupled            {rate:+.6} (largest growth rate of pad and flexible disc, {modes} disc modes)\n"
+            )
+        }
         Err(error) => format!("coupled            {error}\n"),
     };
     text += &match speeds {

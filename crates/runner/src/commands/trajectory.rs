@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use stickslip_core::flexible::DISC_MODES;
+use stickslip_core::mode_count::{ModeStudy, representative_inputs};
 use stickslip_core::{
     Allotment, DiscGrid, DiscModel, FiniteDifferenceBrake, FiniteDifferenceError, FlexibleError, Moment, PadOnDisc,
     RandomInputs, TimeDomain, TimeDomainSettings, Trajectory, Verdict,
@@ -13,7 +14,7 @@ use super::analyse::brake;
 use crate::cli::{AllotmentArgument, DiscArgument, ReplayArguments, TrajectoryArguments};
 use crate::failure::Failure;
 use crate::job::{Criterion, Deciders, RandomInput};
-use crate::output::{output_file, result};
+use crate::output::{note, output_file, result};
 use crate::picture::curves;
 use crate::run::{Batch, DescribedColumn, RunDirectory, Slots, write_columns};
 
@@ -52,7 +53,19 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let followed = match arguments.disc {
         DiscArgument::Rigid => follow(&pad, &DiscModel::Rigid, settings, inputs, arguments.horizon)?,
         DiscArgument::Flexible => {
-            let modes = arguments.disc_modes.unwrap_or(DISC_MODES);
+            let study = ModeStudy::new(&pad, &representative_inputs(&pad));
+            // What has no modes or no equilibrium is refused below, with any number.
+            let modes = match arguments.disc_modes {
+                None => study.and_then(|study| study.smallest()).unwrap_or(DISC_MODES),
+                Some(modes) => {
+                    if let Ok(check) = study.and_then(|study| study.check(modes))
+                        && !check.is_enough
+                    {
+                        note(format_args!("warning: {check}; leave out --disc-modes"));
+                    }
+                    modes
+                }
+            };
             follow(&pad, &DiscModel::Flexible { modes }, settings, inputs, arguments.horizon)?
         }
         DiscArgument::FiniteDifference => {

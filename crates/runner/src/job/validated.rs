@@ -8,11 +8,13 @@ use stickslip_sampler::interval;
 use stickslip_sampler::{Axis, BLOCK_SAMPLES, BinomialInterval, Grid, Points, SampleStream};
 use toml::Spanned;
 
+use crate::output::note;
+
 use super::criterion::{Criterion, Deciders, VaryingBrake};
 use super::diagnosis::{Complaint, nearest};
 use super::random::RandomInputSet;
 use super::sampling::{Effort, EvaluateMode, Sampling, SamplingMethod};
-use super::spec::{AxisSpec, JobSpec, ModelSpec, SECTIONS};
+use super::spec::{AxisSpec, JobSpec, ModelSpec, ModesSpec, SECTIONS};
 
 /// Cells at the most; their results are held in memory.
 const MOST_CELLS: u64 = 1_000_000;
@@ -37,6 +39,8 @@ pub struct Job {
     pub criterion: Criterion,
     /// How probabilities are found.
     pub sampling: Sampling,
+    /// Whether the spec itself says how many disc modes are kept.
+    pub modes_are_given: bool,
 }
 
 impl Job {
@@ -71,7 +75,10 @@ impl Job {
 
         let criterion = Criterion::validate(&spec.criterion, &parameters, &grid)?;
         let sampling = Sampling::validate(&spec.sampling, &random, &criterion, grid.checked_len().unwrap_or(u64::MAX))?;
-        let job = Self { name, description: spec.description, parameters, grid, random, criterion, sampling };
+        let disc_modes = spec.criterion.disc_modes.as_ref().map(Spanned::get_ref);
+        let modes_are_given = matches!(disc_modes, Some(ModesSpec::Given(_)));
+        let description = spec.description;
+        let job = Self { name, description, parameters, grid, random, criterion, sampling, modes_are_given };
         let slots = job.cells().saturating_mul(job.parts());
         if slots > MOST_PARTS {
             let message = format!(
@@ -82,6 +89,15 @@ impl Job {
             return Err(Complaint { span: None, message });
         }
         Ok(job)
+    }
+
+    /// Says on standard error if the number of disc modes is given and too small.
+    pub fn warn_of_few_modes(&self) {
+        if self.modes_are_given
+            && let Some(check) = self.criterion.too_few_modes(&self.parameters, &self.grid)
+        {
+            note(format_args!("warning: {check}; use disc_modes = \"auto\""));
+        }
     }
 
     /// The number of cells.
