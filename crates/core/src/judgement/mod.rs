@@ -15,7 +15,7 @@
 //!
 //! # How it is seen
 //!
-//! A judge is told of turning points, of sticking and of release ([`Observer`](crate::motion::Observer)), and is asked to
+//! A judge is told of turning points, of sticking and of release (by the integrator), and is asked to
 //! look at the motion itself from time to time.
 //!
 //! | module | what it knows |

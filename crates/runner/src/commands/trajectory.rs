@@ -155,7 +155,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     facts["verdict_in_run"] = json!(name(verdict));
     let outside = match &pad {
         None => Some("failed: one of its values is not admissible; there is no motion to follow"),
-        Some(pad) if pad.is_outside_physics(inputs) => {
+        Some(pad) if pad.is_outside_physics(inputs) && verdict == Verdict::Stable => {
             Some("stable by definition: no preload, or friction that rises with speed; there is no motion to follow")
         }
         Some(_) => None,
@@ -218,6 +218,7 @@ fn report(facts: &Value, trajectory: &Trajectory, out: Option<&Path>, as_json: b
     if as_json {
         let mut summary = json!({
             "verdict": name(trajectory.verdict),
+            "fed_by": trajectory.fed_by.map(|freedom| freedom.to_string()),
             "x_max": settled.map(|settled| settled.tangential_max),
             "x_min": settled.map(|settled| settled.tangential_min),
             "x_mean": settled.map(|settled| settled.tangential_mean),
@@ -234,7 +235,8 @@ fn report(facts: &Value, trajectory: &Trajectory, out: Option<&Path>, as_json: b
         return result(&format!("{summary:#}\n"));
     }
     let mut text = lines(facts);
-    text += &format!("verdict            {}\n", name(trajectory.verdict));
+    let fed_by = trajectory.fed_by.map_or(String::new(), |freedom| format!(", fed by the {freedom}"));
+    text += &format!("verdict            {}{fed_by}\n", name(trajectory.verdict));
     match settled {
         None => text += &format!("the computation broke down at time {last:.3}\n"),
         Some(settled) => {
