@@ -193,6 +193,29 @@ impl Criterion {
         })
     }
 
+    /// A rotating speed and a growth rate at which pad and disc are unstable without any fall of friction, if there is one
+    /// among the extremes of speeds and preloads.
+    pub fn growth_without_fall(&self, parameters: &Parameters, grid: &Grid) -> Option<(f64, f64)> {
+        let modes = self.modes()?;
+        let ends = |values: &[f64]| {
+            let positive = || values.iter().copied().filter(|value| *value > 0.0);
+            [positive().fold(f64::INFINITY, f64::min), positive().fold(0.0, f64::max)]
+        };
+        let static_friction = parameters.friction.kinetic_coefficient;
+        for speed in ends(grid.rotating_speed.values()) {
+            let mut parameters = parameters.clone();
+            parameters.operating_point.rotating_speed = speed;
+            let brake = FlexibleBrake::with_modes(PadOnDisc::new(parameters).ok()?, modes).ok()?;
+            for preload in ends(grid.preload.values()) {
+                match brake.growth_rate_without_fall(RandomInputs { preload, static_friction }) {
+                    Ok(rate) if rate > 0.0 => return Some((speed, rate)),
+                    _ => {}
+                }
+            }
+        }
+        None
+    }
+
     /// Whether other degrees of freedom than the pad's tangential motion may become unstable.
     pub fn has_flexible_disc(&self) -> bool {
         self.modes().is_some()

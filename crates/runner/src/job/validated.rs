@@ -79,6 +79,17 @@ impl Job {
         let modes_are_given = matches!(disc_modes, Some(ModesSpec::Given(_)));
         let description = spec.description;
         let job = Self { name, description, parameters, grid, random, criterion, sampling, modes_are_given };
+        if job.uses_maps()
+            && let Some((speed, rate)) = job.criterion.growth_without_fall(&job.parameters, &job.grid)
+        {
+            let span = spec.sampling.evaluate.as_ref().map(Spanned::span);
+            return Err(Complaint {
+                span: span.or(spec.sampling.method.as_ref().map(Spanned::span)),
+                message: format!(
+                    "a verdict map takes friction that rises with speed for stable, but at {speed} rad/s this brake is unstable even without falling friction (growth rate {rate:+.2e}). Use evaluate = \"each\", which counts what feeds each unstable sample"
+                ),
+            });
+        }
         let slots = job.cells().saturating_mul(job.parts());
         if slots > MOST_PARTS {
             let message = format!(
