@@ -169,3 +169,6 @@ impl Observer for CoupledJudge {
         self.cycles.slips(time);
     }
 }
+
+#[cfg(test)]
+mod tests;

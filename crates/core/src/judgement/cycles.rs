@@ -86,3 +86,103 @@ impl Cycles {
         self.sticks > if self.stick_share >= LARGE_SHARE { KEPT } else { KEPT_BARELY }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cycles of period 2 in a row, of which the pad sticks for a share, until they count as kept or there are `most`.
+    fn sticks_until_kept(cycles: &mut Cycles, share: f64, most: u32) -> Option<u32> {
+        for count in 1..=most {
+            let time = 2.0 * f64::from(count);
+            cycles.sticks(time);
+            if cycles.is_kept() {
+                return Some(count);
+            }
+            cycles.slips(time + 2.0 * share);
+            assert!(!cycles.swings() && !cycles.swings(), "two turns lie between two sticks");
+        }
+        None
+    }
+
+    #[test]
+    fn stick_slip_with_long_sticks_is_kept_after_six_cycles() {
+        for share in [0.051, 0.3, 0.9] {
+            assert_eq!(sticks_until_kept(&mut Cycles::new(), share, 100), Some(7), "{share}");
+        }
+    }
+
+    #[test]
+    fn stick_slip_with_short_sticks_is_kept_after_sixty_cycles() {
+        for share in [0.0, 0.01, 0.049] {
+            assert_eq!(sticks_until_kept(&mut Cycles::new(), share, 100), Some(61), "{share}");
+        }
+    }
+
+    #[test]
+    fn the_share_of_the_last_cycle_counts() {
+        let mut cycles = Cycles::new();
+        sticks_until_kept(&mut cycles, 0.01, 20);
+        assert!(!cycles.is_kept());
+        cycles.sticks(42.0);
+        cycles.slips(43.0);
+        assert!(cycles.is_kept(), "a cycle from the release at 40.02 to that at 43, stuck for 1");
+    }
+
+    #[test]
+    fn without_a_stick_nothing_goes_on_and_nothing_comes_free() {
+        let mut cycles = Cycles::new();
+        assert!((0..20).all(|_| !cycles.swings()));
+        assert!(!cycles.goes_on() && !cycles.is_kept() && !cycles.is_stuck());
+    }
+
+    #[test]
+    fn a_motion_that_sticks_once_comes_free_with_its_fourth_swing() {
+        let mut cycles = Cycles::new();
+        cycles.sticks(1.0);
+        cycles.slips(2.0);
+        let comes_free: Vec<bool> = (0..5).map(|_| cycles.swings()).collect();
+        assert_eq!(comes_free, [false, false, false, true, false]);
+        assert!(!cycles.goes_on());
+    }
+
+    #[test]
+    fn three_swings_between_sticks_are_no_coming_free() {
+        let mut cycles = Cycles::new();
+        for cycle in 0..20 {
+            cycles.sticks(f64::from(cycle));
+            cycles.slips(f64::from(cycle) + 0.5);
+            assert!((0..3).all(|_| !cycles.swings()));
+        }
+        assert!(cycles.goes_on() && cycles.is_kept());
+    }
+
+    #[test]
+    fn coming_free_in_between_starts_the_count_anew() {
+        let mut cycles = Cycles::new();
+        assert_eq!(sticks_until_kept(&mut cycles, 0.3, 6), None);
+        assert!(!cycles.swings() && cycles.swings());
+        assert_eq!(sticks_until_kept(&mut cycles, 0.3, 100), Some(7));
+    }
+
+    #[test]
+    fn the_pad_is_stuck_from_stick_to_slip() {
+        let mut cycles = Cycles::new();
+        for time in [1.0, 3.0] {
+            cycles.sticks(time);
+            assert!(cycles.is_stuck() && cycles.goes_on());
+            cycles.slips(time + 1.0);
+            assert!(!cycles.is_stuck() && cycles.goes_on());
+        }
+    }
+
+    #[test]
+    fn a_cycle_is_there_with_the_second_stick() {
+        let mut cycles = Cycles::new();
+        cycles.sticks(1.0);
+        assert!(!cycles.has_cycle());
+        cycles.slips(2.0);
+        cycles.sticks(3.0);
+        assert!(cycles.has_cycle());
+    }
+}

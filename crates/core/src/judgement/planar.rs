@@ -184,3 +184,6 @@ impl Observer for PlanarJudge {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
