@@ -5,6 +5,7 @@
 mod common;
 
 use std::fs::{self, File};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
@@ -244,13 +245,9 @@ fn cells_are_matched_by_their_values() {
     assert_eq!(texts(&place, "own.parquet", "interval"), ["unpaired"; 6]);
 }
 
-#[test]
-fn verdicts_that_are_not_those_counted_are_not_paired() {
-    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 300"), ("b", RIGID, "samples = 300")]);
-    place.run("compare runs/a runs/b").done();
-    // A verdict map that tells the opposite, under a good checksum.
-    let piece = fs::read_dir(place.path("runs/b/map")).unwrap().next().unwrap().unwrap().path();
-    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(&piece).unwrap()).unwrap();
+/// Replaces a piece of a verdict map by one that tells the opposite.
+fn exchange_verdicts(piece: &Path) {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(piece).unwrap()).unwrap();
     let (schema, pairs) = (builder.schema().clone(), builder.metadata().file_metadata().key_value_metadata().cloned());
     let properties = WriterProperties::builder().set_key_value_metadata(pairs).build();
     let mut writer = ArrowWriter::try_new(Vec::new(), schema.clone(), Some(properties)).unwrap();
@@ -267,8 +264,17 @@ fn verdicts_that_are_not_those_counted_are_not_paired() {
         writer.write(&RecordBatch::try_new(schema.clone(), columns.collect()).unwrap()).unwrap();
     }
     let bytes = writer.into_inner().unwrap();
-    fs::remove_file(&piece).unwrap();
+    fs::remove_file(piece).unwrap();
     fs::write(piece.with_file_name(format!("{}.parquet", &blake3::hash(&bytes).to_hex()[..32])), bytes).unwrap();
+}
+
+#[test]
+fn verdicts_that_are_not_those_counted_are_not_paired() {
+    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 300"), ("b", RIGID, "samples = 300")]);
+    place.run("compare runs/a runs/b").done();
+    // A verdict map that tells the opposite, under a good checksum.
+    let pieces: Vec<_> = fs::read_dir(place.path("runs/b/map")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    pieces.iter().for_each(|piece| exchange_verdicts(piece));
     let outcome = place.run("compare runs/a runs/b --out out.parquet").done();
     assert!(outcome.stderr.contains("warning: in 9 of 9 cells the verdicts"), "{}", outcome.stderr);
     assert_eq!(texts(&place, "out.parquet", "interval"), ["unpaired"; 9]);

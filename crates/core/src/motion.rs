@@ -83,6 +83,8 @@ pub(crate) trait Observer {
     fn sticks(&mut self, time: f64, x: f64);
     /// They cease to.
     fn slips(&mut self, time: f64);
+    /// Pad and disc pass each other without sticking.
+    fn overtakes(&mut self) {}
     /// The pad comes so near the disc's speed, or meets it so slowly, that errors of the steps may decide whether they
     /// stick; told before it is told that they do.
     fn grazes(&mut self) {}
@@ -205,7 +207,7 @@ pub(crate) fn advance<E: Equations>(
             // What has not come away since its release has not come back either.
             Ending::Stuck if before.1 == equations.disc_speed() => {}
             Ending::Stuck => observer.sticks(begin + part.time, after.0),
-            Ending::Overtaken => {}
+            Ending::Overtaken => observer.overtakes(),
         }
         let completed = part.ending == Ending::Completed;
         just_released = !completed && part.end.contact != ContactState::Stick;

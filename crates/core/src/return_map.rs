@@ -12,6 +12,12 @@
 //! * A swing longer than the one before is followed by longer ones only; a shorter one by shorter ones.
 //! * A shrinking motion comes to rest exactly if `R(s) < s` for all smaller amplitudes s. If some `R(s) >= s`, a limit
 //!   cycle lies between, and the motion never gets inside it.
+//! * For exponents up to 1 and a linearly stable equilibrium there is no stable cycle without sticking, and one unstable
+//!   one at the most: a swing that shrinks decides by itself. Let `F(u) = G mu(v - u)` and `f = C - F'`, the damping. On
+//!   both sides of `u = 0` the quotient `f / u` falls, because `u f' - f = F' - u F'' - C` is largest at `u = 0`, where it
+//!   is `F'(0) - C < 0`; its derivative is `-u` times the third derivative of F, which is positive as all derivatives of
+//!   `exp(-r^delta)` alternate in sign. That is the condition of Zhang's theorem on Lienard's equation (Zhang Zhifen et
+//!   al., *Qualitative Theory of Differential Equations*, chapter 4) with time running backwards.
 //! * The energy `u^2/2 + K (x - x0)^2/2` of a motion with speeds up to U falls as long as
 //!   `C > [G mu(v - u) - G mu(v)] / u` for all `|u| <= U`: such a motion comes to rest, however slowly.
 //!
@@ -114,6 +120,11 @@ impl PlanarMotion {
         let falling = self.falling();
         // Without a fall there is nothing to multiply a slope with that may be infinite.
         if falling == 0.0 { self.damping } else { self.damping - falling * self.law.weakening(self.disc_speed) }
+    }
+
+    /// Whether a swing that shrinks without meeting the disc's speed must come to rest: see the module's documentation.
+    pub fn has_no_inner_cycle(&self) -> bool {
+        self.law.exponent <= 1.0 && self.damping_at_equilibrium() > 0.0
     }
 
     /// Whether a motion that moves at speeds up to `fastest`, if it keeps its energy, surely comes to rest.
@@ -333,6 +344,9 @@ impl PlanarMotion {
 
     /// The fate of a motion that shrinks at the amplitude `a`: is there a smaller one at which it does not?
     fn fate_of_shrinking(&self, a: f64) -> Fate {
+        if self.has_no_inner_cycle() {
+            return Fate::Home;
+        }
         let linear = self.linear_change();
         let mut scanned = vec![(a, self.change(a))];
         let mut near_linear = 0;

@@ -4,9 +4,10 @@
 //! | state | event | then |
 //! |---|---|---|
 //! | any | the energy is so small that friction cannot feed the motion any more | stable |
-//! | swinging | turns at the largest x: the first since the start or a release | its amplitude is the one to compare with |
-//! | | at an amplitude more than 1 % larger than the last | unstable |
-//! | | more than 1 % smaller | swinging, and compared with this one |
+//! | swinging | turns at the largest x: the first since the start, a release or an overtaking | its amplitude is the one to compare with |
+//! | | at an amplitude larger than the last by more than errors of the steps | unstable |
+//! | | smaller by more than these, and no cycle can lie inside (exponents up to 1) | stable |
+//! | | more than 1 % smaller, where one can | swinging, and compared with this one |
 //! | | in between, too slow to wait for | the return map says what comes of it |
 //! | | sticks for the first time | held: until its release, which is the same for all motions that stick |
 //! | | sticks a second time, or a first time after a start at release | unstable: all cycles are the same from here |
@@ -22,8 +23,10 @@ use crate::motion::Observer;
 use crate::return_map::{Fate, PlanarMotion};
 use crate::verdict::Verdict;
 
-/// A change of amplitude from one swing to the next, relative to it, that is far beyond the damping of the method (4e-7 over
-/// a cycle) and still quick to wait for: a hundredfold decay takes 460 cycles at the most.
+/// A relative change of amplitude over a cycle that errors of the steps do not make: their damping is 4e-7.
+const RESOLVED: f64 = 1e-5;
+
+/// A change that is quick to wait for: a hundredfold decay takes 460 cycles at the most.
 const CLEAR: f64 = 1e-2;
 
 /// Sticking that takes longer than this, in scaled time, is not waited for.
@@ -34,6 +37,7 @@ const LONGEST_STICK: f64 = 100.0;
 pub(crate) struct PlanarJudge {
     motion: PlanarMotion,
     equilibrium: f64,
+    has_no_inner_cycle: bool,
     until_settled: bool,
     /// Known to be unstable, and followed for its amplitude.
     grows: bool,
@@ -57,6 +61,7 @@ impl PlanarJudge {
         let mut judge = Self {
             motion,
             equilibrium: motion.equilibrium(),
+            has_no_inner_cycle: motion.has_no_inner_cycle(),
             until_settled,
             grows: repelled,
             verdict: (repelled && !until_settled).then_some(Verdict::Unstable),
@@ -144,14 +149,21 @@ impl Observer for PlanarJudge {
         if a <= 0.0 || self.verdict.is_some() {
             return;
         }
-        let before = self.last_top.unwrap_or(f64::INFINITY);
-        if a > before * (1.0 + CLEAR) {
+        let Some(before) = self.last_top else {
+            self.last_top = Some(a);
+            return;
+        };
+        self.began = None;
+        let change = a / before - 1.0;
+        if change > RESOLVED {
             self.becomes_unstable();
+        } else if change < -RESOLVED && !self.grows && self.has_no_inner_cycle {
+            self.verdict = Some(Verdict::Stable);
         }
-        if self.last_top.is_some() {
-            self.began = None;
+        if self.verdict.is_some() {
+            return;
         }
-        if a > before * (1.0 + CLEAR) || a < before * (1.0 - CLEAR) {
+        if change.abs() > CLEAR {
             self.last_top = Some(a);
             self.is_unresolved = false;
         } else if !self.is_unresolved {
@@ -176,6 +188,11 @@ impl Observer for PlanarJudge {
     fn slips(&mut self, _: f64) {
         self.began = Some([self.motion.release(), self.motion.disc_speed]);
         self.last_top = None;
+    }
+
+    fn overtakes(&mut self) {
+        self.last_top = None;
+        self.began = None;
     }
 
     fn grazes(&mut self) {
