@@ -268,6 +268,18 @@ fn a_pad_that_sticks_on_a_slow_disc_does_not_creep_home_however_near_it_is_carri
 }
 
 #[test]
+fn what_is_seen_of_a_motion_before_it_sticks_or_is_released_does_not_count_after() {
+    let mut driven = Driven::new(RINGS_NEVER);
+    driven.looks(&[0.009]);
+    driven.judge.sticks(1.0, 0.9);
+    assert_eq!(driven.looks(&[0.003]), None, "it is carried there");
+    let mut driven = Driven::new(RINGS_NEVER);
+    driven.looks(&[0.009]);
+    driven.judge.slips(1.0);
+    assert_eq!(driven.looks(&[0.003]), None, "it is carried there, as from the start on");
+}
+
+#[test]
 fn a_motion_that_escapes_without_a_turn_has_no_verdict() {
     assert_eq!(Driven::new(RINGS_NEVER).looks(&[0.001, 0.002, 0.004, 0.02, 0.5]), None);
 }
@@ -305,6 +317,19 @@ fn where_the_amplitude_is_asked_for_the_motion_is_followed_until_its_means_agree
 }
 
 #[test]
+fn the_amplitude_of_stick_slip_that_scatters_is_its_mean() {
+    let mut driven = Driven::with(Rules { until_settled: true, ..rules(RINGS_NEVER) }, DISPLACEMENT);
+    for stick in 0..21 {
+        driven.stick(3.0);
+        let amplitude = if stick % 2 == 0 { 0.3 } else { 0.5 };
+        driven.swing(amplitude);
+        driven.swing(amplitude);
+    }
+    assert_eq!(driven.judge.verdict(), Some(Verdict::Unstable));
+    assert!((driven.judge.amplitude() - 0.4).abs() < 1e-12, "{}", driven.judge.amplitude());
+}
+
+#[test]
 fn what_is_kept_is_known_to_be_unstable_before_its_amplitude_is() {
     let mut driven = Driven::with(Rules { until_settled: true, ..rules(RINGS_NEVER) }, DISPLACEMENT);
     for stick in 1..=10 {
@@ -335,4 +360,11 @@ fn the_amplitude_of_a_cycle_without_sticking_is_that_of_its_swings() {
     let mut driven = Driven::with(Rules { until_settled: true, ..REPELLED }, DISPLACEMENT);
     assert_eq!(driven.verdict_of_swings(|time| 0.002 + decays(0.1, 0.05)(time)), Some(Verdict::Unstable));
     assert!((driven.judge.amplitude() - 0.002).abs() < 1e-6, "{}", driven.judge.amplitude());
+}
+
+#[test]
+fn a_verdict_stands() {
+    let mut driven = Driven::new(RINGS_NEVER);
+    assert_eq!(driven.verdict_of_swings(|_| 0.05), Some(Verdict::Unstable));
+    assert_eq!(driven.looks(&[0.009, 0.004, 0.001]), Some(Verdict::Unstable));
 }

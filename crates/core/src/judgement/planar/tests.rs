@@ -201,6 +201,7 @@ fn a_motion_known_to_be_unstable_does_not_come_to_rest() {
     assert_eq!(swings(&mut judge, &[2.6, 1.0]), None);
     judge.looks(judge.equilibrium, 0.0);
     assert_eq!(judge.verdict(), None);
+    assert_eq!(swings(&mut judge, &[2.5, 2.5]), None, "whatever the return map says of such a swing");
 }
 
 #[test]
@@ -222,6 +223,16 @@ fn of_a_start_that_grazes_the_return_map_says_what_comes() {
 }
 
 #[test]
+fn a_start_that_is_captured_ends_as_its_release_does() {
+    // So damped that there is no stick-slip: from far away the pad is captured, but from its release it comes home.
+    let damped = motion(4.0, 0.03, 1.0, 1.0);
+    let mut judge = judge(damped, false, 6.0);
+    assert_eq!(damped.fate_from([damped.equilibrium() + 6.0, 0.0]), Fate::Captured);
+    judge.grazes();
+    assert_eq!(judge.verdict(), Some(Verdict::Stable));
+}
+
+#[test]
 fn of_a_release_that_grazes_the_return_map_says_what_comes_though_the_start_would_have_come_to_rest() {
     let mut judge = judge(bistable(), false, 2.5);
     judge.slips(1.0);
@@ -235,4 +246,20 @@ fn only_the_first_swing_grazes() {
     assert_eq!(swings(&mut judge, &[3.5]), None);
     judge.grazes();
     assert_eq!(judge.verdict(), None);
+}
+
+#[test]
+fn a_verdict_stands() {
+    let mut stable = judge(bistable(), false, 3.5);
+    stable.looks(stable.equilibrium, 0.0);
+    assert_eq!(stable.verdict(), Some(Verdict::Stable));
+    stable.grazes();
+    stable.turns(1.0, stable.equilibrium + 3.7);
+    stable.turns(2.0, stable.equilibrium + 3.9);
+    for time in [3.0, 5.0] {
+        stable.sticks(time, 0.9);
+        stable.slips(time + 1.0);
+    }
+    assert_eq!(stable.verdict(), Some(Verdict::Stable));
+    assert!(!stable.is_unstable());
 }
