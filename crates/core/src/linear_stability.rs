@@ -88,8 +88,11 @@ pub enum LinearStability {
 /// Critical products on the lattice, found when they are first asked for. Each is a function of the brake alone.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CriticalProducts {
-    corners: Arc<RwLock<HashMap<(i64, i64), Option<f64>>>>,
+    corners: Arc<RwLock<Corners>>,
 }
+
+/// By their place on the lattice: along the logarithm of the preload and along the friction coefficient.
+type Corners = HashMap<(i64, i64), Option<f64>>;
 
 impl CriticalProducts {
     fn at(&self, corner: (i64, i64), find: impl FnOnce() -> Option<f64>) -> Option<f64> {

@@ -92,6 +92,10 @@ pub(crate) struct Slip {
 pub(crate) enum Fate {
     /// It comes to rest relative to steady sliding.
     Home,
+    /// Its swings grow from this amplitude: what they grow to, [`PlanarMotion::settles`] finds out.
+    Grows { from: f64 },
+    /// A limit cycle without sticking lies between these amplitudes, and the motion outside it.
+    Trapped { inner: f64, outer: f64 },
     /// A limit cycle without sticking; half of its peak-to-peak displacement.
     SmoothCycle { amplitude: f64 },
     /// It reaches the disc's speed.
@@ -314,7 +318,7 @@ impl PlanarMotion {
         if change.is_nan() || change.abs() <= UNRESOLVED {
             Fate::Unresolved
         } else if change > 0.0 {
-            self.fate_of_growing(a)
+            Fate::Grows { from: a }
         } else {
             self.fate_of_shrinking(a)
         }
@@ -361,7 +365,7 @@ impl PlanarMotion {
                 return Fate::Unresolved;
             }
             if change >= 0.0 {
-                return self.cycle_between(inner, outer);
+                return Fate::Trapped { inner, outer };
             }
             if change == f64::NEG_INFINITY {
                 return Fate::Home;
@@ -373,7 +377,7 @@ impl PlanarMotion {
                 && before >= at_first
                 && let Some(growing) = self.growing_between(inner, first)
             {
-                return self.cycle_between(growing, first);
+                return Fate::Trapped { inner: growing, outer: first };
             }
             near_linear = if (change - linear).abs() <= LINEAR * linear.abs() { near_linear + 1 } else { 0 };
             if near_linear == 2 {
@@ -381,6 +385,15 @@ impl PlanarMotion {
             }
         }
         Fate::Unresolved
+    }
+
+    /// What a fate ends in: a cycle with its amplitude, or capture.
+    pub fn settles(&self, fate: Fate) -> Fate {
+        match fate {
+            Fate::Grows { from } => self.fate_of_growing(from),
+            Fate::Trapped { inner, outer } => self.cycle_between(inner, outer),
+            settled => settled,
+        }
     }
 
     /// The fate of a motion that grows at the amplitude `a`.
@@ -508,7 +521,7 @@ mod tests {
         let motion = motion(&[&SMOOTH[..], &[("operating_point.rotating_speed", 0.97214)]].concat());
         let x0 = motion.equilibrium();
         assert!(motion.damping_at_equilibrium() < 0.0);
-        let amplitudes = [1e-3, 0.05].map(|share| match motion.fate_of_swing(share * x0) {
+        let amplitudes = [1e-3, 0.05].map(|share| match motion.settles(motion.fate_of_swing(share * x0)) {
             Fate::SmoothCycle { amplitude } => amplitude / x0,
             fate => panic!("{share}: {fate:?}"),
         });

@@ -97,6 +97,8 @@ impl PlanarJudge {
         };
         match fate {
             Fate::Home if !self.grows => self.verdict = Some(Verdict::Stable),
+            Fate::Grows { .. } | Fate::Trapped { .. } if self.until_settled => self.ends_in(self.motion.settles(fate)),
+            Fate::Grows { .. } | Fate::Trapped { .. } => self.becomes_unstable(),
             Fate::SmoothCycle { amplitude } => {
                 self.amplitude = amplitude;
                 self.grows = true;
