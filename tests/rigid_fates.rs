@@ -1,5 +1,7 @@
 //! Verdicts on rigid brakes of all kinds against independent return maps.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
+
 use stickslip_core::{
     DiscModel, JudgedMotion, PadOnDisc, Parameters, RandomInputs, Start, TimeDomain, TimeDomainSettings, Verdict,
 };

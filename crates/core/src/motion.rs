@@ -316,7 +316,7 @@ fn resolved_step<E: Equations>(
             check(equations, &step.next)?;
             return Ok((step, h));
         }
-        // Not a number where the step left the range of numbers: a shorter one may not.
+        // Infinite accelerations ask for the deepest cut.
         let share = CUT / limits.excess(ends, step.acceleration, h);
         h *= if share > DEEPEST_CUT { share.min(CUT) } else { DEEPEST_CUT };
     }

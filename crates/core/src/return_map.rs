@@ -555,6 +555,38 @@ mod tests {
     }
 
     #[test]
+    fn up_to_exponent_one_swings_shrink_inside_one_amplitude_and_grow_outside() {
+        let mut cycles = 0;
+        for exponent in [0.4, 0.7, 1.0] {
+            for damping in [20.0, 300.0, 2000.0] {
+                for share in [1.001, 1.03, 1.3, 3.0] {
+                    let at = |speed: f64| {
+                        [
+                            ("friction.stribeck_exponent", exponent),
+                            ("damping.tangential", damping),
+                            ("operating_point.rotating_speed", speed),
+                        ]
+                    };
+                    let critical = PadOnDisc::preset_with(&at(10.0)).unstable_speeds().unwrap().to;
+                    let motion = motion(&at(share * critical));
+                    assert!(motion.has_no_inner_cycle());
+                    let largest = motion.disc_speed / motion.stiffness.sqrt();
+                    let changes: Vec<f64> =
+                        (1..=40).map(|i| motion.change(largest * libm::pow(0.8, f64::from(i)))).collect();
+                    // From the largest amplitude inwards: growing or captured, and then shrinking for good.
+                    let growing = changes.iter().take_while(|change| **change > 0.0).count();
+                    assert!(
+                        changes[growing..].iter().all(|change| *change < 0.0),
+                        "{exponent} {damping} {share}: {changes:?}"
+                    );
+                    cycles += usize::from(growing > 0);
+                }
+            }
+        }
+        assert!(cycles > 10, "{cycles}");
+    }
+
+    #[test]
     fn a_touch_inside_a_step_is_a_capture() {
         // The audit's brake: the saddle-node at 395.681 rad/s, not at 395.380 where a step jumps over the touch.
         let changes =

@@ -141,7 +141,6 @@ impl Observer for CoupledJudge {
         let comes_free = self.cycles.swings();
         if comes_free {
             self.settled = SettledAmplitude::new();
-            self.swings.forget();
         }
         if !self.cycles.goes_on() {
             self.judge_swing(time, amplitude);

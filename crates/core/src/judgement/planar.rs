@@ -177,7 +177,6 @@ impl Observer for PlanarJudge {
         if self.verdict.is_some() {
             return;
         }
-        self.last_top = None;
         self.sticks += 1;
         if self.sticks > 1 {
             self.grows = true;

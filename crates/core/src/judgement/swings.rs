@@ -118,11 +118,6 @@ impl Swings {
         }
     }
 
-    /// The next swing is the first to compare with.
-    pub fn forget(&mut self) {
-        self.restart(None);
-    }
-
     fn restart(&mut self, reference: Option<Reference>) {
         self.reference = reference;
         self.unclear = 0;
@@ -274,14 +269,5 @@ mod tests {
     fn a_stick_without_anything_to_compare_with_tells_of_no_growth() {
         assert!(!Swings::new(None).sticks(1.0));
         assert!(!Swings::new(Some(0.0)).sticks(1.0));
-    }
-
-    #[test]
-    fn what_is_forgotten_is_not_compared_with() {
-        let mut driven = Driven::new();
-        driven.swing(1.0, 0.0);
-        driven.swings.forget();
-        assert_eq!(driven.swing(2.0, 0.0), Trend::Unclear);
-        assert_eq!(driven.swing(1.9, 0.0), Trend::Shrinking);
     }
 }
