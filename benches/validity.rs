@@ -3,7 +3,12 @@
 //!
 //! `VALIDITY_BRAKES=20` or `VALIDITY_BRAKES=100..120` takes only these of the random brakes with a flexible disc.
 
-#![allow(clippy::expect_used, clippy::print_stdout, reason = "a sweep that cannot run should say so and stop")]
+#![allow(
+    clippy::expect_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a sweep that cannot run should say so and stop"
+)]
 
 #[path = "validity/brakes.rs"]
 mod brakes;
@@ -18,10 +23,12 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
+use std::time::Instant;
 
 use brakes::random_brake;
 use fates::{FATES, FATES_AT_BOUNDARIES, cases};
-use reference::{HORIZON, Motions};
+use reference::Equilibrium;
+use stickslip_core::time_domain::HORIZON;
 use stickslip_core::{DiscModel, PadOnDisc, RandomInputs, Start, TimeDomain, TimeDomainSettings, Verdict};
 use table::{Held, Place, print_cases, print_table};
 
@@ -41,14 +48,12 @@ fn main() {
     let range = asked_for();
     let brakes = range.len();
     let flexible: Vec<Held> = in_parallel(range, flexible_disc).into_iter().flatten().collect();
-    println!(
-        "\nFlexible disc: {brakes} brakes, verdicts with a horizon of {HORIZON} against motions of ten times that\n"
-    );
+    println!("\nFlexible disc: {brakes} brakes, verdicts with a horizon of {HORIZON} against longer motions\n");
     print_table(&flexible);
     println!("\nRigid disc, case by case:\n");
-    print_cases(&rigid);
+    print_cases(&rigid, &mut std::io::stdout());
     println!("\nFlexible disc, case by case:\n");
-    print_cases(&flexible);
+    print_cases(&flexible, &mut std::io::stdout());
 }
 
 /// The random brakes that the environment asks for.
@@ -102,29 +107,33 @@ fn rigid_disc() -> Vec<Held> {
 
 /// The verdicts on a random brake with a flexible disc, for each start.
 fn flexible_disc(index: usize) -> Vec<Held> {
+    let started = Instant::now();
     let (brake, modes) = random_brake(index);
-    let motions = Motions::new(&brake, modes);
-    let point = &brake.parameters().operating_point;
-    let inputs =
-        RandomInputs { preload: point.preload, static_friction: brake.parameters().friction.static_coefficient };
+    let parameters = brake.parameters();
+    let inputs = RandomInputs {
+        preload: parameters.operating_point.preload,
+        static_friction: parameters.friction.static_coefficient,
+    };
+    let equilibrium = Equilibrium::of(&brake, modes, inputs);
     let held = |start: Start| {
-        let settings = TimeDomainSettings { start, horizon: HORIZON, ..Default::default() };
-        let judge = |divisor: f64| {
-            let criterion = TimeDomain::new(&brake, &DiscModel::Flexible { modes }, settings);
-            let judged = criterion.expect("a random brake has a model").with_steps_divided_by(divisor).judge(inputs);
-            judged.verdict
-        };
-        let (reference, contradicted) = motions.reference(start);
+        let settings = TimeDomainSettings { start, ..Default::default() };
+        let criterion = TimeDomain::new(&brake, &DiscModel::Flexible { modes }, settings);
+        let criterion = criterion.expect("a random brake has a model");
+        let (reference, contradicted) = equilibrium.reference(&criterion, &settings);
         Held {
             place: Place::of(&brake, start),
             reference,
-            verdict: judge(1.0),
-            halved: judge(2.0),
+            verdict: criterion.judge(inputs).verdict,
+            halved: criterion.with_steps_divided_by(2.0).judge(inputs).verdict,
             contradicted,
             case: format!("brake {index}: {}", brakes::description(&brake, modes, start)),
         }
     };
-    [Start::NearEquilibrium, Start::Rest, Start::LimitCycle].map(held).into()
+    let all = [Start::NearEquilibrium, Start::Rest, Start::LimitCycle].map(held);
+    // Brakes take from a tenth of a second to a minute.
+    eprintln!("brake {index}: {:.1} s", started.elapsed().as_secs_f64());
+    print_cases(&all, &mut std::io::stderr());
+    all.into()
 }
 
 /// Whether a verdict is one at all.

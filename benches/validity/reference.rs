@@ -8,20 +8,16 @@
 //! | of the equilibrium's own eigenvalues one grows | unstable, whatever the start |
 //! | else: the swing has died to 1e-4 of the first | stable |
 //! | the swing and the share of stick are the same in three lengths of the motion, each three times the one before | unstable |
-//! | at the end: sticks in the last three lengths | unstable |
+//! | sticks in three lengths, the last of them beyond the horizon, and the swing differs by less than a hundredth | unstable |
 //! | at the end: without sticking, the swing falls in each length, and as fast as before | stable |
 //! | at the end: anything else | none |
 
 use stickslip_core::{
-    DiscModel, FlexibleBrake, LinearStability, PadOnDisc, RandomInputs, Start, TimeDomain, TimeDomainSettings, Verdict,
-    sweep,
+    FlexibleBrake, LinearStability, PadOnDisc, RandomInputs, Start, TimeDomain, TimeDomainSettings, Verdict, sweep,
 };
 
-/// Horizon of the verdicts.
-pub const HORIZON: f64 = 10_000.0;
-
-/// Lengths of the motions.
-const LENGTHS: [f64; 7] = [137.0, 411.0, 1234.0, 3704.0, 11_111.0, 33_333.0, 100_000.0];
+/// Lengths of the motions: to more than three times the horizon of the verdicts.
+const LENGTHS: [f64; 6] = [137.0, 411.0, 1234.0, 3704.0, 11_111.0, 33_333.0];
 
 /// Steps are divided by this.
 const DIVISOR: f64 = 8.0;
@@ -31,6 +27,9 @@ const AT_REST: f64 = 1e-4;
 
 /// Change of swing and share of stick between two lengths that is none.
 const SAME: f64 = 1e-5;
+
+/// The same for stick-slip whose cycles differ, because the disc rings along.
+const NEARLY_SAME: f64 = 1e-2;
 
 /// The least rate at which a motion near steady sliding still shrinks, over the rate before.
 const AS_FAST: f64 = 0.7;
@@ -46,90 +45,76 @@ struct Look {
     stick: f64,
 }
 
-/// The motions of one brake.
-pub struct Motions<'a> {
-    brake: &'a PadOnDisc,
-    modes: usize,
+/// Linear stability of one brake, and where its motions settle.
+pub struct Equilibrium {
     inputs: RandomInputs,
     /// x of steady sliding.
-    equilibrium: f64,
+    x: f64,
     /// Of the fastest growing or slowest shrinking mode.
     growth_rate: f64,
     stability: LinearStability,
 }
 
-impl<'a> Motions<'a> {
-    pub fn new(brake: &'a PadOnDisc, modes: usize) -> Self {
-        let parameters = brake.parameters();
-        let inputs = RandomInputs {
-            preload: parameters.operating_point.preload,
-            static_friction: parameters.friction.static_coefficient,
-        };
+impl Equilibrium {
+    pub fn of(brake: &PadOnDisc, modes: usize, inputs: RandomInputs) -> Self {
         let flexible = FlexibleBrake::with_modes(brake.clone(), modes).expect("a random brake has a model");
-        let equilibrium = flexible.sliding_equilibrium(inputs).expect("a random brake has an equilibrium")[0];
+        let x = flexible.sliding_equilibrium(inputs).expect("a random brake has an equilibrium")[0];
         let growth_rate = flexible.growth_rate(inputs).expect("it has eigenvalues");
         let stability = flexible.by_eigenvalues(inputs).expect("it has eigenvalues");
-        Self { brake, modes, inputs, equilibrium, growth_rate, stability }
+        Self { inputs, x, growth_rate, stability }
     }
 
-    /// What becomes of a motion with this start, undecided where nothing shows; and whether motion and eigenvalues contradict
-    /// each other.
-    pub fn reference(&self, start: Start) -> (Verdict, bool) {
+    /// What becomes of a motion, undecided where nothing shows; and whether motion and eigenvalues contradict each other.
+    pub fn reference(&self, criterion: &TimeDomain, settings: &TimeDomainSettings) -> (Verdict, bool) {
+        let near = settings.start == Start::NearEquilibrium;
+        let first_swing = 2.0 * self.x.abs() * if near { settings.displacement } else { 1.0 };
+        let motion = Motion { criterion: criterion.clone().with_steps_divided_by(DIVISOR), first_swing };
         if self.stability == LinearStability::Stable {
-            return (self.by_motion(start), false);
+            return (motion.fate(self.inputs), false);
         }
-        (Verdict::Unstable, start == Start::NearEquilibrium && !self.grows())
+        let time_to_grow = GROWTH / self.growth_rate;
+        let contradicted = near && time_to_grow < settings.horizon && !motion.grows(self.inputs, time_to_grow);
+        (Verdict::Unstable, contradicted)
     }
+}
 
-    /// Whether a motion from near an unstable equilibrium leaves it, if there is time enough to see it.
-    fn grows(&self) -> bool {
-        let length = GROWTH / self.growth_rate;
-        if length > HORIZON {
-            return true;
-        }
-        let look = self.look(Start::NearEquilibrium, length.max(LENGTHS[0]));
-        look.is_some_and(|look| look.stick > 0.0 || look.swing > 3.0 * self.first_swing(Start::NearEquilibrium))
-    }
+/// A motion that is looked at.
+struct Motion {
+    criterion: TimeDomain,
+    first_swing: f64,
+}
 
-    fn first_swing(&self, start: Start) -> f64 {
-        let displacement = if start == Start::NearEquilibrium { self.settings(start).displacement } else { 1.0 };
-        2.0 * displacement * self.equilibrium.abs()
-    }
-
-    fn settings(&self, start: Start) -> TimeDomainSettings {
-        TimeDomainSettings { start, ..Default::default() }
-    }
-
-    /// The last quarter of a motion, unless it breaks down.
-    fn look(&self, start: Start, length: f64) -> Option<Look> {
-        let disc = DiscModel::Flexible { modes: self.modes };
-        let criterion = TimeDomain::new(self.brake, &disc, self.settings(start)).expect("a random brake has a model");
-        let points = sweep(&[criterion.with_steps_divided_by(DIVISOR)], self.inputs, length).ok()?;
+impl Motion {
+    /// The last quarter of a motion of this length, unless it breaks down.
+    fn look(&self, inputs: RandomInputs, length: f64) -> Option<Look> {
+        let points = sweep(std::slice::from_ref(&self.criterion), inputs, length).ok()?;
         let point = points.first()?;
         Some(Look { length, swing: point.tangential_max - point.tangential_min, stick: point.stick_fraction })
     }
 
-    fn by_motion(&self, start: Start) -> Verdict {
+    fn grows(&self, inputs: RandomInputs, time: f64) -> bool {
+        let look = self.look(inputs, time.max(LENGTHS[0]));
+        look.is_some_and(|look| look.stick > 0.0 || look.swing > 3.0 * self.first_swing)
+    }
+
+    fn fate(&self, inputs: RandomInputs) -> Verdict {
         let mut looks = Vec::new();
         for length in LENGTHS {
-            let Some(look) = self.look(start, length) else { return Verdict::Undecided };
+            let Some(look) = self.look(inputs, length) else { return Verdict::Undecided };
             looks.push(look);
-            if look.stick == 0.0 && look.swing < AT_REST * self.first_swing(start) {
+            if look.stick == 0.0 && look.swing < AT_REST * self.first_swing {
                 return Verdict::Stable;
             }
-            if let [.., a, b, c] = looks[..]
-                && is_same(a, c)
-                && is_same(b, c)
-            {
+            let [.., a, b, c] = looks[..] else { continue };
+            let goes_on = |same: f64| is_same(a, c, same) && is_same(b, c, same);
+            if goes_on(SAME) || length > 10_000.0 && a.stick > 0.0 && goes_on(NEARLY_SAME) {
                 return Verdict::Unstable;
             }
         }
         let [.., a, b, c] = looks[..] else { return Verdict::Undecided };
         let shrinks = |from: Look, to: Look| libm::log(from.swing / to.swing) / (to.length - from.length);
-        let sticks = looks.iter().skip(1).filter(|look| look.stick > 0.0).count();
-        if a.stick > 0.0 && b.stick > 0.0 && c.stick > 0.0 {
-            Verdict::Unstable
-        } else if sticks == 0 && shrinks(a, b) > 0.0 && shrinks(b, c) > AS_FAST * shrinks(a, b) {
+        let slides = a.stick + b.stick + c.stick == 0.0;
+        if slides && shrinks(a, b) > 0.0 && shrinks(b, c) > AS_FAST * shrinks(a, b) {
             Verdict::Stable
         } else {
             Verdict::Undecided
@@ -137,10 +122,11 @@ impl<'a> Motions<'a> {
     }
 }
 
-/// Whether two looks show the same motion, one that goes on.
-fn is_same(one: Look, other: Look) -> bool {
-    let swings = (one.swing - other.swing).abs() <= SAME * other.swing;
+/// Whether two looks show the same motion.
+fn is_same(one: Look, other: Look, same: f64) -> bool {
     // The share of stick is cut at the ends of the quarter, which are no whole number of cycles apart.
-    let cut = 20.0 / one.length;
-    swings && (one.stick > 0.0) == (other.stick > 0.0) && (one.stick - other.stick).abs() <= cut * other.stick
+    let cut = same.max(20.0 / one.length);
+    (one.swing - other.swing).abs() <= same * other.swing
+        && (one.stick > 0.0) == (other.stick > 0.0)
+        && (one.stick - other.stick).abs() <= cut * other.stick
 }

@@ -1,30 +1,23 @@
 //! Verdicts beside their references, binned and printed as Markdown.
 
+use stickslip_core::validity::Quantity;
 use stickslip_core::{PadOnDisc, Start, Verdict};
 
 use crate::is_decided;
 
 /// Where a case lies in the range of brakes.
 pub struct Place {
-    speed_ratio: f64,
-    exponent: f64,
-    damping_ratio: f64,
-    friction_ratio: f64,
+    brake: PadOnDisc,
     start: Start,
 }
 
 impl Place {
     pub fn of(brake: &PadOnDisc, start: Start) -> Self {
-        let parameters = brake.parameters();
-        let friction = &parameters.friction;
-        let tangential = brake.tangential_stiffness();
-        Self {
-            speed_ratio: brake.disc_speed() / brake.friction_law().stribeck_velocity,
-            exponent: friction.stribeck_exponent,
-            damping_ratio: parameters.damping.tangential / (2.0 * (tangential * parameters.pad.mass).sqrt()),
-            friction_ratio: friction.static_coefficient / friction.kinetic_coefficient,
-            start,
-        }
+        Self { brake: brake.clone(), start }
+    }
+
+    fn value(&self, quantity: Quantity) -> f64 {
+        quantity.of(&self.brake)
     }
 }
 
@@ -70,7 +63,7 @@ pub fn print_table(all: &[Held]) {
     println!("| range | cases | wrong | undecided | share of both | no reference | changed by half steps |");
     println!("|---|---|---|---|---|---|---|");
     print_row("all", all, |_| true);
-    print_bins("v / v_s", all, &SPEED_RATIOS, |place| place.speed_ratio);
+    print_bins(Quantity::SpeedRatio, all, &SPEED_RATIOS);
     for (name, low, high) in [
         ("0.5 to less than 1", 0.5, 1.0),
         ("1", 1.0, 1.0),
@@ -82,10 +75,10 @@ pub fn print_table(all: &[Held]) {
             (low, high) if low < 1.0 => (low..high).contains(&exponent),
             (low, high) => exponent > low && exponent <= high,
         };
-        print_row(&format!("exponent {name}"), all, |held| contains(held.place.exponent));
+        print_row(&format!("exponent {name}"), all, |held| contains(held.place.value(Quantity::Exponent)));
     }
-    print_bins("damping ratio", all, &DAMPING_RATIOS, |place| place.damping_ratio);
-    print_bins("f_s / f_c", all, &FRICTION_RATIOS, |place| place.friction_ratio);
+    print_bins(Quantity::DampingRatio, all, &DAMPING_RATIOS);
+    print_bins(Quantity::FrictionRatio, all, &FRICTION_RATIOS);
     for (name, start) in
         [("near the equilibrium", Start::NearEquilibrium), ("rest", Start::Rest), ("limit cycle", Start::LimitCycle)]
     {
@@ -93,16 +86,14 @@ pub fn print_table(all: &[Held]) {
     }
 }
 
-fn print_bins(name: &str, all: &[Held], ends: &[f64], value: impl Fn(&Place) -> f64) {
-    for (index, pair) in ends.windows(2).enumerate() {
-        let is_last = index + 2 == ends.len();
-        let contains =
-            |held: &Held| (pair[0]..pair[1]).contains(&value(&held.place)) || is_last && value(&held.place) >= pair[1];
-        if is_last && all.iter().any(|held| value(&held.place) > pair[1]) {
-            print_row(&format!("{name} {} and more", pair[0]), all, contains);
-        } else {
-            print_row(&format!("{name} {} to {}", pair[0], pair[1]), all, contains);
-        }
+fn print_bins(quantity: Quantity, all: &[Held], ends: &[f64]) {
+    let last = ends[ends.len() - 1];
+    for pair in ends.windows(2) {
+        let is_last = pair[1] == last;
+        let contains = |value: f64| value >= pair[0] && (value < pair[1] || is_last);
+        let beyond = is_last && all.iter().any(|held| held.place.value(quantity) > last);
+        let upper = if beyond { "and more".to_owned() } else { format!("to {}", pair[1]) };
+        print_row(&format!("{quantity} {} {upper}", pair[0]), all, |held| contains(held.place.value(quantity)));
     }
 }
 
@@ -119,16 +110,17 @@ fn print_row(name: &str, all: &[Held], belongs: impl Fn(&Held) -> bool) {
 }
 
 /// Lists every case that the table counts anywhere but among the cases.
-pub fn print_cases(all: &[Held]) {
+pub fn print_cases(all: &[Held], out: &mut impl std::io::Write) {
     for held in all {
         let counted =
             held.is_wrong() || held.is_undecided() || held.changes() || held.contradicted || !held.has_reference();
         if counted {
             let contradicted = if held.contradicted { " (motion and eigenvalues contradict each other)" } else { "" };
-            println!(
+            let line = format!(
                 "- {:?}, with half steps {:?}, reference {:?}{contradicted}: {}",
                 held.verdict, held.halved, held.reference, held.case
             );
+            writeln!(out, "{line}").expect("somebody reads the cases");
         }
     }
 }
