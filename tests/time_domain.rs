@@ -39,6 +39,31 @@ fn result_columns_are_pinned() {
 }
 
 #[test]
+fn enough_disc_modes_are_chosen_and_too_few_are_warned_of() {
+    let place = Place::new();
+    let check = |modes: &str, model: &str| {
+        let spec = job("modes", 3, 10, modes).replace("[axes]", &format!("{model}\n\n[axes]"));
+        place.write("job.toml", &spec);
+        let checked = place.run("check job.toml").done();
+        (checked.stdout, checked.stderr)
+    };
+    let (default, _) = check("", "");
+    let (auto, quiet) = check("disc_modes = \"auto\"", "");
+    assert!(default.contains("disc_modes = 5\n") && auto.contains("disc_modes = 5\n"), "{default}\n{auto}");
+    assert!(!quiet.contains("warning"), "{quiet}");
+    let (_, warned) = check("disc_modes = 4", "");
+    assert!(
+        warned.contains("warning: 4 disc modes: growth rate") && warned.contains("use disc_modes = \"auto\""),
+        "{warned}"
+    );
+    let soft = "[model.disc]\nthickness = 0.010\nyoungs_modulus = 7e10";
+    let (chosen, _) = check("", soft);
+    assert!(!chosen.contains("disc_modes = 5\n"), "{chosen}");
+    let (_, warned) = check("disc_modes = 5", soft);
+    assert!(warned.contains("warning: 5 disc modes: growth rate"), "{warned}");
+}
+
+#[test]
 fn threads_shards_and_interruptions_do_not_change_a_byte() {
     let place = Place::new();
     // Several units in each cell, with amplitudes, whose sums would show any dependence on order.
@@ -200,13 +225,14 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
         ("index = { amplitude = -1.0 }", &["job.toml:14:9", "criterion.index.amplitude = -1"]),
         ("index = 0.1", &["expected a table, for example { amplitude = 0.002 }"]),
         ("disc_modes = -1", &["-1", "a whole number"]),
+        ("disc_modes = \"all\"", &["all", "\"auto\" or a whole number"]),
         ("index = { amplitud = 1.0 }", &["amplitud", "did you mean `amplitude`?"]),
         ("record = [\"amplitudes\"]", &["amplitudes", "did you mean `amplitude`?"]),
         ("disc = \"flexibel\"", &["flexibel", "did you mean `flexible`?"]),
         ("start = \"equilibrium\"", &["equilibrium", "near-equilibrium"]),
         ("disc_modes = 0", &["job.toml:14:14", "0 disc modes", "at least 1"]),
         ("disc_modes = 2", &["job.toml:14:14", "2 disc modes carry only 64 %", "4 modes"]),
-        ("disc_modes = 99", &["99 disc modes", "at most 16"]),
+        ("disc_modes = 99", &["99 disc modes", "at most 24"]),
         ("disc = \"rigid\"\ndisc_modes = 5", &["job.toml:15:14", "no meaning with disc = \"rigid\""]),
     ];
     for (line, texts) in cases {
@@ -251,11 +277,11 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
 #[test]
 fn samples_that_blow_up_are_failed_counted_and_shown() {
     let place = Place::new();
-    // A disc as soft as rubber: far from the expected values the equilibrium ceases to exist, or the motion runs away.
-    let spec = job("failing", 1, 400, "disc = \"flexible\"")
+    // A disc as soft as foam: far from the expected values the equilibrium ceases to exist, or the motion runs away.
+    let spec = job("failing", 1, 400, "disc = \"flexible\"\ndisc_modes = 5")
         .replace("{ from = 0.03, to = 0.30, points = 1 }", "0.3")
         .replace("{ from = 0.27, to = 0.50, points = 1 }", "1.0")
-        .replace("[axes]", "[model.disc]\nyoungs_modulus = 1e7\n\n[axes]")
+        .replace("[axes]", "[model.disc]\nyoungs_modulus = 1e6\n\n[axes]")
         .replace("relative_std = 0.2", "relative_std = 1.0");
     place.write("job.toml", &spec);
     let outcome = place.run("submit job.toml").done();

@@ -2,7 +2,7 @@
 
     python rigid_fates.py check rigid-fates.csv         every case of a file again; prints the disagreements
     python rigid_fates.py one FILE.csv ROW              one row in detail, its return map included
-    python rigid_fates.py make rigid-fates-more.csv     2000 cases around the boundaries of the verdicts
+    python rigid_fates.py make rigid-fates-more.csv     2000 cases around the boundaries of the verdicts, about 5 minutes
 
 Needs numpy and numba. Nothing here is taken from the program's own sources.
 
@@ -256,11 +256,6 @@ def after_turning(amplitude, p, home, tolerance):
     return follow(0, amplitude, 0.0, p, home, tolerance)
 
 
-@njit
-def after_release(p, home, tolerance):
-    return follow(1, 0.0, 0.0, p, home, tolerance)
-
-
 # ---------------------------------------------------------------------------------------------------- the verdict
 
 
@@ -295,7 +290,6 @@ class Scan:
         self.growth = float(half_growth(p))
         self.radius = certain_radius(p) if self.growth < 0.0 else 0.0
         self.overtaken = 0
-        self.points = []
 
     def change(self, amplitude):
         what, y, least, over = after_turning(amplitude, self.p, 1e-3 * self.radius, self.tolerance)
@@ -303,7 +297,6 @@ class Scan:
             raise ArithmeticError("the motion was not followed to its end")
         self.overtaken += over
         h = y / amplitude - 1.0 if what == TURNED else (math.inf if what == STUCK else -1.0)
-        self.points.append((amplitude, h, least, what))
         return what, h, least
 
     def extremum(self, left, right, sign):
@@ -463,7 +456,8 @@ def inwards(scan, turning, margin, verdict):
     why, at, nearest, _, depth = scan.run(turning, -1, -1.0, end)
     margin = min(margin, nearest)
     if why == "crossed":
-        return verdict("unstable", "smooth-cycle", min(margin, max(scan.growth, scan.beyond((at, depth), -1, -1.0))), "winds inwards to a smooth cycle")
+        inside = max(scan.growth, scan.beyond((at, depth), -1, -1.0))
+        return verdict("unstable", "smooth-cycle", min(margin, inside), "winds inwards to a smooth cycle")
     if scan.growth > 0.0:
         return verdict("unstable", "smooth-cycle", min(margin, scan.growth), "winds inwards, but its equilibrium is unstable")
     return verdict("stable", "equilibrium", min(margin, -scan.growth), "winds inwards to its equilibrium")
@@ -697,8 +691,8 @@ def make(path):
             done += 1
             overtaken += found.overtaken > 0
             ratio = case["damping.tangential"] / CRITICAL_DAMPING
-            row = {**case, "fate": found.fate, "kind": found.kind, "damping_ratio": ratio, "margin": found.margin, "why": found.why, "family": family.__name__}
-            rows.append(row)
+            rows.append({**case, "fate": found.fate, "kind": found.kind, "damping_ratio": ratio, "margin": found.margin,
+                         "why": found.why, "family": family.__name__})
         print(f"{family.__name__}: {count} in {time.time() - since:.0f} s", flush=True)
     with open(path, "w", newline="") as file:
         file.write(HEADER)

@@ -17,13 +17,13 @@ use crate::eigenvalues::EigenvalueError;
 use crate::pad_on_disc::PadOnDisc;
 
 /// Radial functions of the expansion. Sixteen give the first four frequencies of each nodal diameter to ten digits.
-const RADIAL_FUNCTIONS: usize = 16;
+pub(crate) const RADIAL_FUNCTIONS: usize = 16;
 
 /// Points of the Gauss-Legendre rule, exact for the polynomial part of the integrands and far beyond it.
 const QUADRATURE_POINTS: usize = 48;
 
 /// Modes of the disc that a model may keep, and the largest number of nodal diameters that is looked through for them.
-pub const MOST_DISC_MODES: usize = 16;
+pub const MOST_DISC_MODES: usize = 24;
 
 /// A clamped-free annular plate, by its two ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,9 +51,45 @@ impl PlateMode {
     /// The radial shape `R` at radius `r`, `a/b <= r <= 1`, with b as unit of length.
     #[must_use]
     pub fn shape(&self, r: f64) -> f64 {
-        let s = (r - self.radius_ratio) / (1.0 - self.radius_ratio);
-        let terms = self.coefficients.iter().enumerate();
-        s * s * terms.map(|(degree, c)| c * legendre(degree, 2.0 * s - 1.0).0).sum::<f64>()
+        let functions = RadialFunctions::at(r, self.radius_ratio);
+        let terms = self.coefficients.iter().zip(&functions.polynomials);
+        functions.factor * terms.map(|(c, p)| c * p).sum::<f64>()
+    }
+
+    /// Of the radial functions, see [`RadialFunctions`].
+    pub(crate) fn coefficients(&self) -> &[f64] {
+        &self.coefficients
+    }
+
+    /// a / b.
+    pub(crate) fn radius_ratio(&self) -> f64 {
+        self.radius_ratio
+    }
+}
+
+/// Values at one radius of what modes are expanded in, `s^2 P_k(2 s - 1)`.
+pub(crate) struct RadialFunctions {
+    factor: f64,
+    polynomials: [f64; RADIAL_FUNCTIONS],
+}
+
+impl RadialFunctions {
+    /// At radius `r` over b of a plate with this `a / b`.
+    pub fn at(r: f64, radius_ratio: f64) -> Self {
+        let s = (r - radius_ratio) / (1.0 - radius_ratio);
+        let x = 2.0 * s - 1.0;
+        let mut polynomials = [1.0; RADIAL_FUNCTIONS];
+        polynomials[1] = x;
+        for k in 2..RADIAL_FUNCTIONS {
+            let (a, b) = ((2 * k - 1) as f64 / k as f64, (k - 1) as f64 / k as f64);
+            polynomials[k] = a * x * polynomials[k - 1] - b * polynomials[k - 2];
+        }
+        Self { factor: s * s, polynomials }
+    }
+
+    /// One after the other.
+    pub fn values(&self) -> impl Iterator<Item = f64> {
+        self.polynomials.iter().map(|p| self.factor * p)
     }
 }
 

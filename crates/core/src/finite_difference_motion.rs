@@ -348,7 +348,8 @@ impl FiniteDifferenceBrake {
         }
         let at_end = if broken { Verdict::Failed } else { Verdict::Undecided };
         let settled = witness.diary.settled_motion(&moments, intervals, interval);
-        Ok(Trajectory { moments, interval, settled, verdict: witness.verdict.unwrap_or(at_end) })
+        let verdict = witness.verdict.unwrap_or(at_end);
+        Ok(Trajectory { moments, interval, settled, verdict, fed_by: None })
     }
 
     /// A motion at its beginning, and the equilibrium's x.

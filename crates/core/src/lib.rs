@@ -53,6 +53,8 @@ pub mod disc_modes;
 
 mod contact;
 
+mod partial_contact;
+
 pub mod flexible;
 
 mod flexible_stability;
@@ -60,6 +62,8 @@ mod flexible_stability;
 pub mod linear_stability;
 
 mod friction_steps;
+
+pub mod mode_count;
 
 mod motion;
 
@@ -96,6 +100,7 @@ pub use flexible::{ContactState, FlexibleBrake, FlexibleError};
 pub use friction::StribeckLaw;
 pub use lanes::InstructionSet;
 pub use linear_stability::{DegreeOfFreedom, LinearStability};
+pub use mode_count::{ModeCheck, ModeStudy};
 pub use pad_on_disc::{PadOnDisc, RandomInputs, Scales, SlidingEquilibrium};
 pub use parameters::{ParameterError, Parameters, Scalar};
 pub use stability::{SpeedRange, StabilityBoundary};

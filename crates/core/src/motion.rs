@@ -416,3 +416,6 @@ fn locate<S: Copy>(late: f64, state: &S, state_after: impl Fn(f64) -> S, value: 
     }
     (late, state)
 }
+
+#[cfg(test)]
+mod tests;

@@ -315,6 +315,18 @@ impl PadOnDisc {
     }
 }
 
+/// Numbers between 0 and 1 from a simple generator (Marsaglia's xorshift), for tests.
+#[cfg(test)]
+pub(crate) fn uniform_draws(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+    move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,10 +4,11 @@ use crate::contact::PadPosition;
 use crate::flexible::{ContactState, FlexibleError, PAD, sine_and_cosine};
 use crate::flexible_motion::{FlexibleSample, FlexibleState};
 use crate::friction_steps::FrictionSteps;
+use crate::linear_stability::DegreeOfFreedom;
 use crate::motion::{Equations, Motion, Observer, Reserve, Step, advance};
 use crate::pad_on_disc::RandomInputs;
 use crate::rigid::{RigidSample, RigidState};
-use crate::time_domain::{System, TimeDomain, TimeDomainSettings};
+use crate::time_domain::{JudgedMotion, System, TimeDomain, TimeDomainSettings};
 use crate::verdict::Verdict;
 
 /// Share of a trajectory, from its end, that is summarised as the settled motion.
@@ -70,6 +71,8 @@ pub struct Trajectory {
     pub settled: Option<SettledMotion>,
     /// The verdict on the motion, as a run would give it: certain before the trajectory ends or not.
     pub verdict: Verdict,
+    /// What feeds the motion if it is unstable; `None` too where nobody asked, on the finite-difference disc.
+    pub fed_by: Option<DegreeOfFreedom>,
 }
 
 /// Keeps the moments of sticking, release and turning.
@@ -302,7 +305,8 @@ impl TimeDomain {
             }
         };
         let settled = diary.settled_motion(&moments, steps, h);
-        Ok(Trajectory { moments, interval: h, settled, verdict: self.judge(inputs).verdict })
+        let JudgedMotion { verdict, fed_by, .. } = self.judge(inputs);
+        Ok(Trajectory { moments, interval: h, settled, verdict, fed_by })
     }
 }
 

@@ -158,7 +158,7 @@ pub struct TrajectoryArguments {
     /// The disc under the pad
     #[arg(long, value_enum, default_value_t = DiscArgument::Flexible)]
     pub disc: DiscArgument,
-    /// Modes of the flexible disc that are kept, those of lowest frequency [default: 5]
+    /// Modes of the flexible disc that are kept, those of lowest frequency [default: as many as the growth rate needs]
     #[arg(long, value_name = "N")]
     pub disc_modes: Option<usize>,
     /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc) [default: 8x8]

@@ -156,7 +156,8 @@ impl Observer for CoupledJudge {
         self.transients.sticks(time);
         self.cycles.sticks(time);
         let has_settled = self.until_settled && self.cycles.has_cycle() && self.settled.add(self.swings.amplitude());
-        if self.cycles.is_kept() {
+        let still_rings = self.transients.last_longer_than(self.cycles.duration());
+        if self.cycles.is_kept(still_rings) {
             self.grows = true;
             if has_settled || !self.until_settled {
                 self.verdict = Some(Verdict::Unstable);
@@ -170,3 +171,6 @@ impl Observer for CoupledJudge {
         self.cycles.slips(time);
     }
 }
+
+#[cfg(test)]
+mod tests;

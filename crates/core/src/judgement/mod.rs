@@ -9,13 +9,14 @@
 //!
 //! * An equilibrium that is **linearly unstable** attracts nothing. Whatever the start, such a sample is unstable, and no
 //!   motion needs to be followed for that (only for its settled amplitude).
-//! * With a **linearly stable** equilibrium the start decides, and the motion is followed.
+//! * With a **linearly stable** equilibrium the start decides, and the motion is followed: a displacement from the
+//!   equilibrium that lies outside an unstable cycle around it does not come back, however small it is.
 //!
 //! *Undecided* is a motion that shows neither before the horizon; *failed* one whose computation broke down.
 //!
 //! # How it is seen
 //!
-//! A judge is told of turning points, of sticking and of release ([`Observer`](crate::motion::Observer)), and is asked to
+//! A judge is told of turning points, of sticking and of release (by the integrator), and is asked to
 //! look at the motion itself from time to time.
 //!
 //! | module | what it knows |

@@ -128,3 +128,160 @@ impl Swings {
         self.unclear = 0;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Swings of any amplitudes, one every three units of time.
+    struct Driven {
+        swings: Swings,
+        time: f64,
+        x: f64,
+        side: f64,
+    }
+
+    impl Driven {
+        fn new() -> Self {
+            Self { swings: Swings::new(Some(0.0)), time: 0.0, x: 0.0, side: 1.0 }
+        }
+
+        fn swing(&mut self, amplitude: f64, feigned: f64) -> Trend {
+            self.time += 3.0;
+            self.x += 2.0 * self.side * amplitude;
+            self.side = -self.side;
+            let told = self.swings.turns(self.x).unwrap();
+            assert!((told - amplitude).abs() < 1e-12);
+            self.swings.trend(self.time, feigned)
+        }
+
+        fn trends(amplitudes: &[f64]) -> Vec<Trend> {
+            let mut driven = Self::new();
+            amplitudes.iter().map(|&amplitude| driven.swing(amplitude, 0.0)).collect()
+        }
+    }
+
+    /// The first trend of up to a thousand swings, and after how many.
+    fn first_trend(amplitude: impl Fn(f64) -> f64, feigned: f64) -> Option<(u32, Trend)> {
+        let mut driven = Driven::new();
+        let trends = (1..=1000).map(|count| (count, driven.swing(amplitude(f64::from(count)), feigned)));
+        trends.into_iter().find(|&(_, trend)| trend != Trend::Unclear)
+    }
+
+    #[test]
+    fn a_motion_that_does_not_start_turning_has_an_amplitude_after_its_second_turn() {
+        let mut swings = Swings::new(None);
+        assert_eq!(swings.turns(3.0), None);
+        assert_eq!(swings.turns(1.0), Some(1.0));
+        assert_eq!(swings.amplitude(), 1.0);
+    }
+
+    #[test]
+    fn the_first_swing_is_what_later_ones_are_compared_with() {
+        assert_eq!(Driven::trends(&[1.0, 1.01]), [Trend::Unclear, Trend::Growing]);
+        assert_eq!(Driven::trends(&[1.0, 0.99]), [Trend::Unclear, Trend::Shrinking]);
+    }
+
+    #[test]
+    fn a_swing_with_a_trend_is_the_next_to_compare_with() {
+        assert_eq!(Driven::trends(&[1.0, 2.0, 1.5])[2], Trend::Shrinking);
+        assert_eq!(Driven::trends(&[1.0, 0.5, 0.7])[2], Trend::Growing);
+    }
+
+    #[test]
+    fn changes_below_a_ten_thousandth_say_nothing() {
+        assert_eq!(Driven::trends(&[1.0, 1.000_09])[1], Trend::Unclear);
+        assert_eq!(Driven::trends(&[1.0, 0.999_91])[1], Trend::Unclear);
+        assert_eq!(Driven::trends(&[1.0, 1.000_11])[1], Trend::Growing);
+        assert_eq!(Driven::trends(&[1.0, 0.999_89])[1], Trend::Shrinking);
+    }
+
+    #[test]
+    fn slow_trends_add_up_until_they_are_seen() {
+        // 26 swings of these exceed a ten thousandth; the reference before is renewed when time has doubled.
+        for (rate, trend) in [(4e-6, Trend::Growing), (-4e-6, Trend::Shrinking)] {
+            let (count, found) = first_trend(|count| 1.0 + rate * count, 0.0).unwrap();
+            assert_eq!(found, trend);
+            assert!((26..100).contains(&count), "{count}");
+        }
+    }
+
+    #[test]
+    fn constant_swings_make_a_cycle_after_a_hundred_of_them_and_twice_the_time() {
+        // References at times 3, 27, 75, 171 and 363, each a swing after 20 and twice the time before; 128 swings later
+        // time has doubled once more.
+        assert_eq!(first_trend(|_| 0.7, 0.0), Some((249, Trend::Constant)));
+        let mut driven = Driven::new();
+        assert_eq!((1..=249).filter(|_| driven.swing(0.7, 0.0) == Trend::Constant).count(), 1);
+        assert_eq!(driven.swing(0.7, 0.0), Trend::Constant, "and it goes on");
+    }
+
+    #[test]
+    fn constant_swings_say_nothing_while_something_may_be_feigned() {
+        assert_eq!(first_trend(|_| 0.7, 0.71e-4), None);
+        assert_eq!(first_trend(|_| 0.7, 0.69e-4), Some((249, Trend::Constant)));
+    }
+
+    #[test]
+    fn the_reference_is_renewed_when_time_has_doubled() {
+        let growth_after = |waits: u32| {
+            let mut driven = Driven::new();
+            driven.swing(1.0, 0.0);
+            for _ in 0..waits {
+                assert_eq!(driven.swing(1.000_09, 0.0), Trend::Unclear);
+            }
+            driven.swing(1.000_18, 0.0)
+        };
+        // The first reference is of time 3: it is renewed after time 26.
+        assert_eq!(growth_after(7), Trend::Growing);
+        assert_eq!(growth_after(8), Trend::Unclear);
+    }
+
+    #[test]
+    fn beats_within_what_may_be_feigned_say_nothing() {
+        let beating = |count: f64| 1.0 + 0.02 * libm::sin(0.7 * count);
+        assert_eq!(first_trend(beating, 0.1), None);
+        assert!(first_trend(beating, 0.0).is_some());
+    }
+
+    #[test]
+    fn what_may_be_feigned_counts_whole_against_growth_and_half_against_shrinking() {
+        let second = |feigned: f64, amplitude: f64| {
+            let mut driven = Driven::new();
+            driven.swing(2.0, feigned);
+            // What may be feigned by the second swing does not matter.
+            driven.swing(amplitude, 0.0)
+        };
+        assert_eq!(second(0.1, 2.09), Trend::Unclear);
+        assert_eq!(second(0.1, 2.11), Trend::Growing);
+        assert_eq!(second(0.1, 1.96), Trend::Unclear);
+        assert_eq!(second(0.1, 1.94), Trend::Shrinking);
+    }
+
+    #[test]
+    fn a_stick_makes_an_end_of_the_reference_and_tells_of_growth_before_it() {
+        for (amplitude, has_grown) in [(1.5, true), (1.0, false), (0.5, false)] {
+            let mut driven = Driven::new();
+            driven.swing(1.0, 0.0);
+            let x = driven.x + 2.0 * driven.side * amplitude;
+            assert_eq!(driven.swings.sticks(x), has_grown);
+            assert_eq!(driven.swing(3.0, 0.0), Trend::Unclear);
+            assert_eq!(driven.swing(4.0, 0.0), Trend::Growing);
+        }
+    }
+
+    #[test]
+    fn a_stick_without_anything_to_compare_with_tells_of_no_growth() {
+        assert!(!Swings::new(None).sticks(1.0));
+        assert!(!Swings::new(Some(0.0)).sticks(1.0));
+    }
+
+    #[test]
+    fn what_is_forgotten_is_not_compared_with() {
+        let mut driven = Driven::new();
+        driven.swing(1.0, 0.0);
+        driven.swings.forget();
+        assert_eq!(driven.swing(2.0, 0.0), Trend::Unclear);
+        assert_eq!(driven.swing(1.9, 0.0), Trend::Shrinking);
+    }
+}

@@ -15,6 +15,9 @@
 /// at most as long as it takes the contact to pass the excitation on.
 pub(super) const FIRST_SWINGS: u32 = 3;
 
+/// The share of a ringing that does not matter any more: a hundredth of the amplitude it began with.
+const RUNG_OUT: f64 = 1e-2;
+
 /// What is left of transients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Transients {
@@ -59,6 +62,11 @@ impl Transients {
         self.excitation.max(amplitude) * self.left(time)
     }
 
+    /// Whether after this time more than [`RUNG_OUT`] of a ringing is left.
+    pub fn last_longer_than(&self, duration: f64) -> bool {
+        libm::exp(-self.rate * duration) > RUNG_OUT
+    }
+
     /// The share of the excitation that has not died away.
     fn left(&self, time: f64) -> f64 {
         libm::exp(-self.rate * (time - self.let_go))
@@ -77,6 +85,13 @@ mod tests {
         assert_eq!(transients.feigned(0.0, 1.0), 2.0);
         assert!((transients.feigned(10.0, 0.0) - 2.0 / std::f64::consts::E).abs() < 1e-15);
         assert_eq!(transients.feigned(0.0, 7.0), 7.0);
+    }
+
+    #[test]
+    fn ringing_lasts_until_a_hundredth_is_left() {
+        let transients = Transients::new(0.1);
+        assert!(transients.last_longer_than(46.0) && !transients.last_longer_than(46.1));
+        assert!(Transients::new(0.0).last_longer_than(1e9));
     }
 
     #[test]

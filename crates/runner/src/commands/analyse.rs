@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use stickslip_core::parameters::SCALARS;
-use stickslip_core::{FlexibleBrake, PadOnDisc, Parameters, RandomInputs};
+use stickslip_core::{DegreeOfFreedom, FlexibleBrake, LinearStability, PadOnDisc, Parameters, RandomInputs};
 
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
@@ -23,7 +23,13 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     let (limit_cycle, saddle_node) = (brake.limit_cycle(), brake.saddle_node_speed());
     let inputs =
         RandomInputs { preload: operating_point.preload, static_friction: parameters.friction.static_coefficient };
-    let coupled = FlexibleBrake::new(brake.clone()).and_then(|flexible| flexible.growth_rate(inputs));
+    let coupled = FlexibleBrake::with_enough_modes(brake.clone()).and_then(|flexible| {
+        Ok(Coupled {
+            growth_rate: flexible.growth_rate(inputs)?,
+            stability: flexible.by_eigenvalues(inputs)?,
+            modes: flexible.modes(),
+        })
+    });
     let critical_static_friction = boundary.critical_static_friction(operating_point.preload);
     let critical_preload = boundary.critical_preload(parameters.friction.static_coefficient);
     if arguments.json {
@@ -37,7 +43,10 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
             "eigenvalues": eigenvalues.iter().map(|value| [value.re, value.im]).collect::<Vec<_>>(),
             "growth_rate": brake.growth_rate(),
             "stable": stable,
-            "coupled_growth_rate": coupled.as_ref().ok(),
+            "coupled_growth_rate": coupled.as_ref().ok().map(|coupled| coupled.growth_rate),
+            "coupled_stable": coupled.as_ref().ok().map(|coupled| coupled.stability == LinearStability::Stable),
+            "coupled_fed_by": coupled.as_ref().ok().and_then(Coupled::fed_by).map(|freedom| freedom.to_string()),
+            "disc_modes": coupled.as_ref().ok().map(|coupled| coupled.modes),
             "unstable_speeds": match speeds {
                 None => json!("none"),
                 Some(speeds) if speeds.to.is_infinite() => json!("all"),
@@ -64,7 +73,7 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
         operating_point.rotating_speed,
         operating_point.preload,
         parameters.friction.static_coefficient,
-        if stable { "stable" } else { "UNSTABLE" }
+        headline(stable, coupled.as_ref().ok())
     );
     text += &format!(
         "equilibrium        x0 = {:.6e}, y0 = {:.6e} (times h = {} m), phi0 = {:.6e} rad\n",
@@ -89,7 +98,11 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     }
     text += &format!("growth rate        {:+.6} (tangential motion)\n", brake.growth_rate());
     text += &match coupled {
-        Ok(rate) => format!("coupled            {rate:+.6} (largest growth rate of pad and flexible disc)\n"),
+        Ok(Coupled { growth_rate, modes, .. }) => {
+            format!(
+                "coupled            {growth_rate:+.6} (largest growth rate of pad and flexible disc, {modes} disc modes)\n"
+            )
+        }
         Err(error) => format!("coupled            {error}\n"),
     };
     text += &match speeds {
@@ -120,6 +133,35 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     text += &format!("critical friction  {} at this preload and speed\n", finite(critical_static_friction));
     text += &format!("critical preload   {} at this friction and speed\n", finite(critical_preload));
     result(&text)
+}
+
+/// What the eigenvalues of pad and flexible disc say.
+struct Coupled {
+    growth_rate: f64,
+    stability: LinearStability,
+    modes: usize,
+}
+
+impl Coupled {
+    fn fed_by(&self) -> Option<DegreeOfFreedom> {
+        match self.stability {
+            LinearStability::Stable => None,
+            LinearStability::Unstable { fed_by } => Some(fed_by),
+        }
+    }
+}
+
+/// One verdict where both discs agree, else both.
+fn headline(stable_on_rigid_disc: bool, coupled: Option<&Coupled>) -> String {
+    let word = |stable: bool| if stable { "stable" } else { "UNSTABLE" };
+    let rigid = word(stable_on_rigid_disc);
+    let Some(coupled) = coupled else { return format!("{rigid} on a rigid disc") };
+    match coupled.fed_by() {
+        None if stable_on_rigid_disc => rigid.to_owned(),
+        Some(DegreeOfFreedom::Tangential) if !stable_on_rigid_disc => rigid.to_owned(),
+        None => format!("{rigid} on a rigid disc, stable on the flexible one"),
+        Some(freedom) => format!("{rigid} on a rigid disc, UNSTABLE on the flexible one, fed by the {freedom}"),
+    }
 }
 
 fn finite(value: f64) -> String {

@@ -7,7 +7,7 @@ use indicatif::{HumanCount, HumanDuration};
 use crate::cli::CheckArguments;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
-use crate::output::{note, result};
+use crate::output::result;
 use crate::run::{Engine, Slots};
 
 /// How long the cost of a sample is measured.
@@ -16,7 +16,8 @@ const TRIAL: Duration = Duration::from_millis(30);
 /// `stickslip check`.
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let job = JobSource::read(&arguments.job)?.job()?;
-    warn_of_validity(&job);
+    job.warn_of_few_modes();
+    job.warn_of_validity();
     let threads = arguments.threads.count();
     let lengths = job.grid.lengths();
     let work =
@@ -31,15 +32,6 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         lengths[2],
         lengths[3],
     ))
-}
-
-/// Says on standard error what of a job lies outside the range over which verdicts in time were tested, and what to do.
-pub fn warn_of_validity(job: &Job) {
-    for uncovered in job.uncovered() {
-        note(format_args!(
-            "warning: {uncovered}, the limit up to which verdicts in time were tested (cargo doc, page stickslip_core::validity). They may be right beyond it; look at single samples with `stickslip trajectory`, and compare the run with one of a tenfold criterion.horizon (`stickslip compare`)"
-        ));
-    }
 }
 
 /// What samples cost that are judged one by one.

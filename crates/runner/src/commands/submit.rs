@@ -6,7 +6,6 @@ use std::time::Instant;
 use indicatif::HumanCount;
 use stickslip_sampler::audit;
 
-use super::check::warn_of_validity;
 use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -26,7 +25,8 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
-    warn_of_validity(&job);
+    job.warn_of_few_modes();
+    job.warn_of_validity();
     if let (Some(shard), true) = (arguments.shard, job.is_integrated()) {
         let message =
             format!("--shard {shard}: method = \"exact\" draws no samples that could be shared out; submit it without");

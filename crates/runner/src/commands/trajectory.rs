@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use stickslip_core::flexible::DISC_MODES;
+use stickslip_core::mode_count::{ModeStudy, representative_inputs};
 use stickslip_core::{
     Allotment, DiscGrid, DiscModel, FiniteDifferenceBrake, FiniteDifferenceError, FlexibleError, Moment, PadOnDisc,
     RandomInputs, TimeDomain, TimeDomainSettings, Trajectory, Verdict,
@@ -13,7 +14,7 @@ use super::analyse::brake;
 use crate::cli::{AllotmentArgument, DiscArgument, ReplayArguments, TrajectoryArguments};
 use crate::failure::Failure;
 use crate::job::{Criterion, Deciders, RandomInput};
-use crate::output::{output_file, result};
+use crate::output::{note, output_file, result};
 use crate::picture::curves;
 use crate::run::{Batch, DescribedColumn, RunDirectory, Slots, write_columns};
 
@@ -52,7 +53,19 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let followed = match arguments.disc {
         DiscArgument::Rigid => follow(&pad, &DiscModel::Rigid, settings, inputs, arguments.horizon)?,
         DiscArgument::Flexible => {
-            let modes = arguments.disc_modes.unwrap_or(DISC_MODES);
+            let study = ModeStudy::new(&pad, &representative_inputs(&pad));
+            // What has no modes or no equilibrium is refused below, with any number.
+            let modes = match arguments.disc_modes {
+                None => study.and_then(|study| study.smallest()).unwrap_or(DISC_MODES),
+                Some(modes) => {
+                    if let Ok(check) = study.and_then(|study| study.check(modes))
+                        && !check.is_enough
+                    {
+                        note(format_args!("warning: {check}; leave out --disc-modes"));
+                    }
+                    modes
+                }
+            };
             follow(&pad, &DiscModel::Flexible { modes }, settings, inputs, arguments.horizon)?
         }
         DiscArgument::FiniteDifference => {
@@ -142,7 +155,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     facts["verdict_in_run"] = json!(name(verdict));
     let outside = match &pad {
         None => Some("failed: one of its values is not admissible; there is no motion to follow"),
-        Some(pad) if pad.is_outside_physics(inputs) => {
+        Some(pad) if pad.is_outside_physics(inputs) && verdict == Verdict::Stable => {
             Some("stable by definition: no preload, or friction that rises with speed; there is no motion to follow")
         }
         Some(_) => None,
@@ -205,6 +218,7 @@ fn report(facts: &Value, trajectory: &Trajectory, out: Option<&Path>, as_json: b
     if as_json {
         let mut summary = json!({
             "verdict": name(trajectory.verdict),
+            "fed_by": trajectory.fed_by.map(|freedom| freedom.to_string()),
             "x_max": settled.map(|settled| settled.tangential_max),
             "x_min": settled.map(|settled| settled.tangential_min),
             "x_mean": settled.map(|settled| settled.tangential_mean),
@@ -221,7 +235,8 @@ fn report(facts: &Value, trajectory: &Trajectory, out: Option<&Path>, as_json: b
         return result(&format!("{summary:#}\n"));
     }
     let mut text = lines(facts);
-    text += &format!("verdict            {}\n", name(trajectory.verdict));
+    let fed_by = trajectory.fed_by.map_or(String::new(), |freedom| format!(", fed by the {freedom}"));
+    text += &format!("verdict            {}{fed_by}\n", name(trajectory.verdict));
     match settled {
         None => text += &format!("the computation broke down at time {last:.3}\n"),
         Some(settled) => {

@@ -3,15 +3,15 @@
 use serde::Serialize;
 use stickslip_core::flexible::DISC_MODES;
 use stickslip_core::{
-    DiscModel, FlexibleBrake, FlexibleError, JudgedMotion, PadOnDisc, Parameters, RandomInputs, StabilityBoundary,
-    Start, TimeDomain, TimeDomainSettings, Verdict,
+    DiscModel, FlexibleBrake, FlexibleError, JudgedMotion, ModeCheck, ModeStudy, PadOnDisc, Parameters, RandomInputs,
+    StabilityBoundary, Start, TimeDomain, TimeDomainSettings, Verdict,
 };
 use stickslip_sampler::Grid;
 use toml::Spanned;
 
 use super::diagnosis::Complaint;
 use super::random::RandomInput;
-use super::spec::{CriterionKind, CriterionSpec, DiscKind, Record, StartKind};
+use super::spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record, StartKind};
 
 /// What decides whether a sample is stable.
 #[derive(Debug, Clone)]
@@ -129,13 +129,19 @@ impl Criterion {
     /// Checks every key, and that the model has modes and an equilibrium where the job needs them.
     pub fn validate(spec: &CriterionSpec, parameters: &Parameters, grid: &Grid) -> Result<Self, Complaint> {
         spec.refuse_foreign_keys()?;
-        let modes = spec.disc_modes.as_ref().map_or(DISC_MODES, |modes| *modes.get_ref());
+        let disc = spec.disc.as_ref().map_or(DiscKind::Flexible, |disc| *disc.get_ref());
+        let modes = match spec.disc_modes.as_ref().map(Spanned::get_ref) {
+            Some(ModesSpec::Given(modes)) => *modes,
+            _ if spec.kind == CriterionKind::Eigenvalue || disc == DiscKind::Rigid => DISC_MODES,
+            // A disc without modes or equilibrium is refused below, with any number.
+            _ => enough_modes(parameters, grid).unwrap_or(DISC_MODES),
+        };
         let criterion = match spec.kind {
             CriterionKind::Eigenvalue => Self::Eigenvalue,
             CriterionKind::CoupledEigenvalue => Self::CoupledEigenvalue { modes },
             CriterionKind::TimeDomain => {
                 let settings = spec.settings()?;
-                let disc = match spec.disc.as_ref().map_or(DiscKind::Flexible, |disc| *disc.get_ref()) {
+                let disc = match disc {
                     DiscKind::Rigid => DiscModel::Rigid,
                     DiscKind::Flexible => DiscModel::Flexible { modes },
                 };
@@ -148,13 +154,10 @@ impl Criterion {
 
     /// Builds the model at the slowest and the fastest speed, and looks for its equilibrium at the largest inputs.
     fn check_model(&self, spec: &CriterionSpec, parameters: &Parameters, grid: &Grid) -> Result<(), Complaint> {
-        let modes = match self {
-            Self::Eigenvalue => return Ok(()),
-            Self::TimeDomain { disc: DiscModel::Rigid, .. } => None,
-            Self::CoupledEigenvalue { modes } | Self::TimeDomain { disc: DiscModel::Flexible { modes }, .. } => {
-                Some(*modes)
-            }
-        };
+        if matches!(self, Self::Eigenvalue) {
+            return Ok(());
+        }
+        let modes = self.modes();
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         let inputs = RandomInputs {
             preload: largest(grid.preload.values()),
@@ -190,9 +193,50 @@ impl Criterion {
         })
     }
 
+    /// A rotating speed and a growth rate at which pad and disc are unstable without any fall of friction, if there is one
+    /// among the extremes of speeds and preloads.
+    pub fn growth_without_fall(&self, parameters: &Parameters, grid: &Grid) -> Option<(f64, f64)> {
+        let modes = self.modes()?;
+        let ends = |values: &[f64]| {
+            let positive = || values.iter().copied().filter(|value| *value > 0.0);
+            [positive().fold(f64::INFINITY, f64::min), positive().fold(0.0, f64::max)]
+        };
+        let static_friction = parameters.friction.kinetic_coefficient;
+        for speed in ends(grid.rotating_speed.values()) {
+            let mut parameters = parameters.clone();
+            parameters.operating_point.rotating_speed = speed;
+            let brake = FlexibleBrake::with_modes(PadOnDisc::new(parameters).ok()?, modes).ok()?;
+            for preload in ends(grid.preload.values()) {
+                match brake.growth_rate_without_fall(RandomInputs { preload, static_friction }) {
+                    Ok(rate) if rate > 0.0 => return Some((speed, rate)),
+                    _ => {}
+                }
+            }
+        }
+        None
+    }
+
     /// Whether other degrees of freedom than the pad's tangential motion may become unstable.
     pub fn has_flexible_disc(&self) -> bool {
-        !matches!(self, Self::Eigenvalue | Self::TimeDomain { disc: DiscModel::Rigid, .. })
+        self.modes().is_some()
+    }
+
+    /// Disc modes that are kept, on a flexible disc.
+    pub fn modes(&self) -> Option<usize> {
+        match self {
+            Self::Eigenvalue | Self::TimeDomain { disc: DiscModel::Rigid, .. } => None,
+            Self::CoupledEigenvalue { modes } | Self::TimeDomain { disc: DiscModel::Flexible { modes }, .. } => {
+                Some(*modes)
+            }
+        }
+    }
+
+    /// What the kept modes give and what more of them would give, if they are too few somewhere.
+    pub fn too_few_modes(&self, parameters: &Parameters, grid: &Grid) -> Option<ModeCheck> {
+        let modes = self.modes()?;
+        let studies = mode_studies(parameters, grid).ok()?;
+        let mut checks = studies.iter().filter_map(|study| study.check(modes).ok());
+        checks.find(|check| !check.is_enough)
     }
 
     /// Whether the settled amplitude is recorded.
@@ -233,6 +277,39 @@ impl Criterion {
             },
         }
     }
+}
+
+/// The disc of a job at its slowest and its fastest speed, at the corners of preloads and friction coefficients with some
+/// room for their scatter.
+fn mode_studies(parameters: &Parameters, grid: &Grid) -> Result<Vec<ModeStudy>, FlexibleError> {
+    let ends = |values: &[f64]| {
+        let positive = || values.iter().copied().filter(|value| *value > 0.0);
+        [positive().fold(f64::INFINITY, f64::min), positive().fold(0.0, f64::max)]
+    };
+    let [least, largest] = ends(grid.preload.values());
+    let mut inputs = Vec::new();
+    for preload in [0.5 * least, 1.5 * largest] {
+        for static_friction in ends(grid.static_friction.values()) {
+            inputs.push(RandomInputs { preload, static_friction });
+        }
+    }
+    let mut speeds = ends(grid.rotating_speed.values()).to_vec();
+    speeds.dedup();
+    let study = |speed: f64| {
+        let mut parameters = parameters.clone();
+        parameters.operating_point.rotating_speed = speed;
+        ModeStudy::new(&PadOnDisc::new(parameters)?, &inputs)
+    };
+    speeds.into_iter().map(study).collect()
+}
+
+/// The smallest number of disc modes that is enough for all of a job: a function of its parameters and axes alone.
+fn enough_modes(parameters: &Parameters, grid: &Grid) -> Result<usize, FlexibleError> {
+    let mut most = 1;
+    for study in mode_studies(parameters, grid)? {
+        most = most.max(study.smallest()?);
+    }
+    Ok(most)
 }
 
 impl CriterionSpec {

@@ -7,8 +7,9 @@ use std::fmt;
 use clap::ValueEnum;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{MapAccess, SeqAccess, Visitor};
+use serde::de::{MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
+use stickslip_core::disc_modes::MOST_DISC_MODES;
 use toml::Spanned;
 
 use super::random::RandomSpec;
@@ -211,9 +212,10 @@ pub struct CriterionSpec {
     /// The disc under the pad; "flexible" unless told.
     #[schemars(with = "Option<DiscKind>")]
     pub disc: Option<Spanned<DiscKind>>,
-    /// How many modes of the flexible disc are kept, those of lowest frequency; 5 unless told.
-    #[schemars(with = "Option<usize>", range(min = 1, max = 16))]
-    pub disc_modes: Option<Spanned<usize>>,
+    /// How many modes of the flexible disc are kept, those of lowest frequency; "auto" unless told: as many as the growth
+    /// rates of the job need.
+    #[schemars(with = "Option<ModesSpec>")]
+    pub disc_modes: Option<Spanned<ModesSpec>>,
     /// Where a motion starts; "near-equilibrium" unless told.
     #[schemars(with = "Option<StartKind>")]
     pub start: Option<Spanned<StartKind>>,
@@ -229,6 +231,53 @@ pub struct CriterionSpec {
     /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude.
     #[schemars(with = "Option<Vec<Record>>")]
     pub record: Option<Spanned<Vec<Record>>>,
+}
+
+/// A number of disc modes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModesSpec {
+    /// As many as the job needs.
+    Auto,
+    /// This many.
+    Given(usize),
+}
+
+impl<'de> Deserialize<'de> for ModesSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ModesVisitor;
+
+        impl Visitor<'_> for ModesVisitor {
+            type Value = ModesSpec;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("\"auto\" or a whole number, for example 5")
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<ModesSpec, E> {
+                let refused = |_| E::invalid_value(Unexpected::Signed(value), &self);
+                usize::try_from(value).map(ModesSpec::Given).map_err(refused)
+            }
+
+            fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<ModesSpec, E> {
+                if value == "auto" { Ok(ModesSpec::Auto) } else { Err(E::invalid_value(Unexpected::Str(value), &self)) }
+            }
+        }
+
+        deserializer.deserialize_any(ModesVisitor)
+    }
+}
+
+impl JsonSchema for ModesSpec {
+    fn schema_name() -> Cow<'static, str> {
+        "DiscModes".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "\"auto\", or a number of disc modes.",
+            "anyOf": [{ "const": "auto" }, { "type": "integer", "minimum": 1, "maximum": MOST_DISC_MODES }]
+        })
+    }
 }
 
 /// How a sample is decided.

@@ -9,11 +9,13 @@ use stickslip_sampler::interval;
 use stickslip_sampler::{Axis, BLOCK_SAMPLES, BinomialInterval, Grid, Points, SampleStream};
 use toml::Spanned;
 
+use crate::output::note;
+
 use super::criterion::{Criterion, Deciders, VaryingBrake};
 use super::diagnosis::{Complaint, nearest};
 use super::random::RandomInputSet;
 use super::sampling::{Effort, EvaluateMode, Sampling, SamplingMethod};
-use super::spec::{AxisSpec, JobSpec, ModelSpec, SECTIONS};
+use super::spec::{AxisSpec, JobSpec, ModelSpec, ModesSpec, SECTIONS};
 
 /// Cells at the most; their results are held in memory.
 const MOST_CELLS: u64 = 1_000_000;
@@ -38,6 +40,8 @@ pub struct Job {
     pub criterion: Criterion,
     /// How probabilities are found.
     pub sampling: Sampling,
+    /// Whether the spec itself says how many disc modes are kept.
+    pub modes_are_given: bool,
 }
 
 impl Job {
@@ -72,7 +76,21 @@ impl Job {
 
         let criterion = Criterion::validate(&spec.criterion, &parameters, &grid)?;
         let sampling = Sampling::validate(&spec.sampling, &random, &criterion, grid.checked_len().unwrap_or(u64::MAX))?;
-        let job = Self { name, description: spec.description, parameters, grid, random, criterion, sampling };
+        let disc_modes = spec.criterion.disc_modes.as_ref().map(Spanned::get_ref);
+        let modes_are_given = matches!(disc_modes, Some(ModesSpec::Given(_)));
+        let description = spec.description;
+        let job = Self { name, description, parameters, grid, random, criterion, sampling, modes_are_given };
+        if job.uses_maps()
+            && let Some((speed, rate)) = job.criterion.growth_without_fall(&job.parameters, &job.grid)
+        {
+            let span = spec.sampling.evaluate.as_ref().map(Spanned::span);
+            return Err(Complaint {
+                span: span.or(spec.sampling.method.as_ref().map(Spanned::span)),
+                message: format!(
+                    "a verdict map takes friction that rises with speed for stable, but at {speed} rad/s this brake is unstable even without falling friction (growth rate {rate:+.2e}). Use evaluate = \"each\", which counts what feeds each unstable sample"
+                ),
+            });
+        }
         let slots = job.cells().saturating_mul(job.parts());
         if slots > MOST_PARTS {
             let message = format!(
@@ -83,6 +101,15 @@ impl Job {
             return Err(Complaint { span: None, message });
         }
         Ok(job)
+    }
+
+    /// Says on standard error if the number of disc modes is given and too small.
+    pub fn warn_of_few_modes(&self) {
+        if self.modes_are_given
+            && let Some(check) = self.criterion.too_few_modes(&self.parameters, &self.grid)
+        {
+            note(format_args!("warning: {check}; use disc_modes = \"auto\""));
+        }
     }
 
     /// The number of cells.
@@ -184,9 +211,18 @@ impl Job {
         }
     }
 
-    /// What of the cells lies outside the range over which verdicts in time were tested, each value once. The scatter of the
-    /// inputs is not looked at.
-    pub fn uncovered(&self) -> Vec<Uncovered> {
+    /// Says on standard error what of the cells lies outside the range over which verdicts in time were tested, and what
+    /// to do. The scatter of the inputs is not looked at.
+    pub fn warn_of_validity(&self) {
+        for uncovered in self.uncovered() {
+            note(format_args!(
+                "warning: {uncovered}, the limit up to which verdicts in time were tested (cargo doc, page stickslip_core::validity). They may be right beyond it; look at single samples with `stickslip trajectory`, and compare the run with one of a tenfold criterion.horizon (`stickslip compare`)"
+            ));
+        }
+    }
+
+    /// What of the extremes of the axes lies outside that range, each value once.
+    fn uncovered(&self) -> Vec<Uncovered> {
         let Criterion::TimeDomain { disc, .. } = &self.criterion else { return Vec::new() };
         let mut found: Vec<Uncovered> = Vec::new();
         for speed in ends(&self.grid.rotating_speed) {

@@ -1,0 +1,238 @@
+//! Made-up motions on rigid discs, told swing by swing and stick by stick; the return map knows the true ones.
+
+use super::*;
+use crate::friction::StribeckLaw;
+
+fn motion(disc_speed: f64, damping: f64, stribeck_velocity: f64, exponent: f64) -> PlanarMotion {
+    let law = StribeckLaw { static_coefficient: 1.2, kinetic_coefficient: 1.0, stribeck_velocity, exponent };
+    PlanarMotion { stiffness: 1.0, damping, disc_speed, law }
+}
+
+/// Linearly stable, and stick-slip exists: swings of up to 1.4 surely shrink, those above 3 or so grow into sticking.
+fn bistable() -> PlanarMotion {
+    motion(4.0, 0.01, 1.0, 1.0)
+}
+
+/// Linearly unstable: all motions end in stick-slip.
+fn repelling() -> PlanarMotion {
+    motion(4.0, 0.002, 1.0, 1.0)
+}
+
+/// Linearly unstable a little below the crest of the friction law's slope: all motions end in a small smooth cycle.
+fn smooth() -> PlanarMotion {
+    let motion = motion(0.815, 0.0, 1.0, 2.5);
+    PlanarMotion { damping: -0.98 * motion.damping_at_equilibrium(), ..motion }
+}
+
+fn judge(motion: PlanarMotion, until_settled: bool, a: f64) -> PlanarJudge {
+    PlanarJudge::new(motion, until_settled, (motion.equilibrium() + a, 0.0), false)
+}
+
+/// Turns below and above the equilibrium at each of these distances, until there is a verdict.
+fn swings(judge: &mut PlanarJudge, tops: &[f64]) -> Option<Verdict> {
+    for top in tops {
+        judge.turns(0.0, judge.equilibrium - top);
+        judge.turns(0.0, judge.equilibrium + top);
+        if judge.verdict().is_some() {
+            break;
+        }
+    }
+    judge.verdict()
+}
+
+#[test]
+fn what_surely_comes_to_rest_is_stable_at_once() {
+    assert_eq!(judge(bistable(), false, 0.01).verdict(), Some(Verdict::Stable));
+    assert_eq!(judge(bistable(), true, 0.01).verdict(), Some(Verdict::Stable));
+    assert_eq!(judge(bistable(), false, 2.5).verdict(), None);
+}
+
+#[test]
+fn a_linearly_unstable_equilibrium_makes_a_motion_unstable_at_once() {
+    let at_once = judge(repelling(), false, 0.01);
+    assert_eq!(at_once.verdict(), Some(Verdict::Unstable));
+    let followed = judge(repelling(), true, 0.01);
+    assert_eq!(followed.verdict(), None);
+    assert!(at_once.is_unstable() && followed.is_unstable());
+    assert_eq!(followed.fed_by(), DegreeOfFreedom::Tangential);
+}
+
+#[test]
+fn a_swing_that_has_grown_by_more_than_a_percent_is_unstable() {
+    let mut judge = judge(bistable(), false, 2.5);
+    assert_eq!(swings(&mut judge, &[2.53]), Some(Verdict::Unstable));
+    assert!(judge.is_unstable());
+}
+
+#[test]
+fn swings_that_shrink_are_followed_until_they_surely_come_to_rest() {
+    let mut judge = judge(bistable(), false, 3.9);
+    assert_eq!(swings(&mut judge, &[3.8, 3.5, 3.0, 2.5, 2.0]), None);
+    assert!(!judge.is_unstable());
+    assert_eq!(swings(&mut judge, &[1.0]), Some(Verdict::Stable));
+}
+
+#[test]
+fn a_swing_is_compared_with_the_one_before() {
+    let mut judge = judge(bistable(), false, 3.9);
+    assert_eq!(swings(&mut judge, &[2.5, 2.6]), Some(Verdict::Unstable));
+}
+
+#[test]
+fn turns_below_the_equilibrium_are_compared_with_nothing() {
+    let mut judge = judge(bistable(), false, 3.0);
+    for below in [2.0, 4.0, 1.9, 1.9] {
+        judge.turns(0.0, judge.equilibrium - below);
+    }
+    assert_eq!(judge.verdict(), None);
+}
+
+#[test]
+fn of_slow_swings_the_return_map_says_what_comes() {
+    // Whether they seem to grow or to shrink.
+    for (first, second) in [(2.5, 2.51), (2.5, 2.49), (2.5, 2.5)] {
+        assert_eq!(swings(&mut judge(bistable(), false, first), &[second]), Some(Verdict::Stable));
+    }
+    for (first, second) in [(3.5, 3.51), (3.5, 3.49)] {
+        let mut judge = judge(bistable(), false, first);
+        assert_eq!(swings(&mut judge, &[second]), Some(Verdict::Unstable));
+        let (out, back) = bistable().slip_from_release();
+        assert_eq!(judge.amplitude(), 0.5 * (out.x - back.unwrap().smallest), "of the stick-slip that follows");
+    }
+}
+
+#[test]
+fn what_the_return_map_cannot_resolve_is_followed_further() {
+    // The unstable cycle between home and stick-slip, to the last digits.
+    let (mut home, mut captured) = (2.5, 3.5);
+    for _ in 0..60 {
+        let middle = 0.5 * (home + captured);
+        match bistable().fate_of_swing(middle) {
+            Fate::Home => home = middle,
+            Fate::Captured => captured = middle,
+            _ => (home, captured) = (middle, middle),
+        }
+    }
+    assert_eq!(bistable().fate_of_swing(home), Fate::Unresolved);
+    let mut judge = judge(bistable(), false, home);
+    assert_eq!(swings(&mut judge, &[home; 3]), None);
+    assert!(judge.is_unresolved, "and the map is not asked again");
+    assert_eq!(swings(&mut judge, &[0.98 * home]), None);
+    assert!(!judge.is_unresolved, "but of another swing");
+    assert_eq!(swings(&mut judge, &[0.98 * home]), Some(Verdict::Stable));
+}
+
+#[test]
+fn the_first_stick_says_nothing_and_the_second_that_all_cycles_are_the_same() {
+    let mut judge = judge(bistable(), false, 3.9);
+    judge.sticks(1.0, 0.9);
+    assert_eq!(judge.verdict(), None);
+    assert!(!judge.is_unstable());
+    judge.slips(2.0);
+    judge.sticks(3.0, 0.9);
+    assert_eq!(judge.verdict(), Some(Verdict::Unstable));
+    assert!(judge.is_unstable());
+}
+
+#[test]
+fn a_start_at_release_counts_as_a_stick() {
+    let motion = bistable();
+    let mut judge = PlanarJudge::new(motion, false, (motion.release(), motion.disc_speed), true);
+    assert_eq!(judge.verdict(), None);
+    judge.sticks(1.0, 0.9);
+    assert_eq!(judge.verdict(), Some(Verdict::Unstable));
+}
+
+#[test]
+fn a_swing_after_a_stick_is_not_compared_with_one_before_it() {
+    let mut told = judge(bistable(), false, 2.5);
+    told.sticks(1.0, 0.9);
+    told.slips(2.0);
+    assert_eq!(swings(&mut told, &[3.5]), None);
+    // Nor after a release of which no stick was told.
+    let mut told = judge(bistable(), false, 2.5);
+    told.slips(2.0);
+    assert_eq!(swings(&mut told, &[3.5]), None);
+}
+
+#[test]
+fn a_stick_too_long_to_wait_for_ends_as_its_release_does() {
+    // A disc so slow that it carries the pad to its release for 350 units of time; a light pad comes back to stick, one
+    // in honey creeps home.
+    for (damping, verdict) in [(0.1, Verdict::Unstable), (2.5, Verdict::Stable)] {
+        let motion = motion(1e-3, damping, 1e-4, 1.0);
+        let mut held = judge(motion, false, 0.15);
+        assert_eq!(held.verdict(), None);
+        held.sticks(1.0, motion.release() - 0.09);
+        assert_eq!(held.verdict(), None, "{damping}: 90 units of time are waited for");
+        let mut held = judge(motion, false, 0.15);
+        held.sticks(1.0, motion.release() - 0.35);
+        assert_eq!(held.verdict(), Some(verdict), "{damping}");
+    }
+}
+
+#[test]
+fn the_amplitude_of_stick_slip_is_half_of_its_last_swing() {
+    let mut judge = judge(bistable(), true, 2.5);
+    assert_eq!(swings(&mut judge, &[2.6]), None);
+    assert!(judge.is_unstable(), "known, but followed for its amplitude");
+    judge.sticks(1.0, 0.9);
+    judge.slips(2.0);
+    assert_eq!(swings(&mut judge, &[3.9]), None);
+    judge.sticks(3.0, 0.9);
+    assert_eq!(judge.verdict(), Some(Verdict::Unstable));
+    assert!((judge.amplitude() - 3.9).abs() < 1e-12, "{}", judge.amplitude());
+}
+
+#[test]
+fn the_amplitude_of_a_smooth_cycle_is_that_of_the_return_map() {
+    let Fate::SmoothCycle { amplitude } = smooth().fate_of_swing(0.05) else { panic!("there is a smooth cycle") };
+    let mut judge = judge(smooth(), true, 0.05);
+    assert_eq!(swings(&mut judge, &[0.06, 0.07]), None);
+    assert_eq!(swings(&mut judge, &[0.0701]), Some(Verdict::Unstable));
+    assert!((judge.amplitude() / amplitude - 1.0).abs() < 1e-6, "{} {amplitude}", judge.amplitude());
+    assert!(judge.is_unstable());
+}
+
+#[test]
+fn a_motion_known_to_be_unstable_does_not_come_to_rest() {
+    // As errors of steps might have it.
+    let mut judge = judge(bistable(), true, 2.5);
+    assert_eq!(swings(&mut judge, &[2.6, 1.0]), None);
+    judge.looks(judge.equilibrium, 0.0);
+    assert_eq!(judge.verdict(), None);
+}
+
+#[test]
+fn a_look_sees_what_surely_comes_to_rest_without_a_turn() {
+    let mut judge = judge(bistable(), false, 2.5);
+    judge.looks(judge.equilibrium + 1.0, 2.3);
+    assert_eq!(judge.verdict(), None);
+    judge.looks(judge.equilibrium + 0.5, 0.5);
+    assert_eq!(judge.verdict(), Some(Verdict::Stable));
+}
+
+#[test]
+fn of_a_start_that_grazes_the_return_map_says_what_comes() {
+    for (a, verdict) in [(2.5, Verdict::Stable), (3.5, Verdict::Unstable)] {
+        let mut judge = judge(bistable(), false, a);
+        judge.grazes();
+        assert_eq!(judge.verdict(), Some(verdict), "{a}");
+    }
+}
+
+#[test]
+fn of_a_release_that_grazes_the_return_map_says_what_comes_though_the_start_would_have_come_to_rest() {
+    let mut judge = judge(bistable(), false, 2.5);
+    judge.slips(1.0);
+    judge.grazes();
+    assert_eq!(judge.verdict(), Some(Verdict::Unstable));
+}
+
+#[test]
+fn only_the_first_swing_grazes() {
+    let mut judge = judge(bistable(), false, 3.9);
+    assert_eq!(swings(&mut judge, &[3.5]), None);
+    judge.grazes();
+    assert_eq!(judge.verdict(), None);
+}

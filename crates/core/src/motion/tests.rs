@@ -1,0 +1,505 @@
+//! Equations of motion with closed forms: a pad under a constant acceleration, and one on a spring.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::*;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Pad {
+    x: f64,
+    u: f64,
+}
+
+#[derive(Clone, Copy)]
+enum Law {
+    /// x'' in slip, and while the pad is faster than the disc.
+    Constant(f64, f64),
+    /// x'' = centre - x.
+    Spring(f64),
+    /// Steps that are longer than this leave the range of numbers, by their acceleration.
+    Violent(f64),
+    /// Nothing but NaN.
+    Broken,
+}
+
+/// A disc at speed 1 and a pad on it.
+struct Toy {
+    law: Law,
+    /// What static friction has in hand at x, against slip and against overtaking.
+    reserve: fn(f64) -> (f64, f64),
+    limits: FrictionSteps,
+}
+
+const V: f64 = 1.0;
+
+/// Static friction that always holds.
+const HOLDS: fn(f64) -> (f64, f64) = |_| (1.0, 1.0);
+
+/// A spring of stiffness 1 that static friction holds up to a force of 2, to either side.
+const HOLDS_TWO: fn(f64) -> (f64, f64) = |x| (2.0 - x, 2.0 + x);
+
+impl Toy {
+    /// With friction that asks nothing of steps.
+    fn new(law: Law, reserve: fn(f64) -> (f64, f64)) -> Self {
+        Self { law, reserve, limits: FrictionSteps::new(V, 0.0, 1.0, 0.0, 1.0) }
+    }
+
+    /// With a Stribeck velocity of 1 to whose friction steps have to keep.
+    fn steep(law: Law) -> Self {
+        Self { limits: FrictionSteps::new(V, 1.0, 1.0, 0.0, 1.0), ..Self::new(law, HOLDS) }
+    }
+}
+
+impl Equations for Toy {
+    type State = Pad;
+
+    fn step(&self, &Pad { x, u }: &Pad, contact: ContactState, h: f64) -> Step<Pad> {
+        let constant = |a: f64, told: f64| Step {
+            next: Pad { x: x + h * (u + 0.5 * h * a), u: u + h * a },
+            acceleration: (told, told),
+        };
+        match self.law {
+            _ if contact == ContactState::Stick => constant(0.0, 0.0),
+            Law::Constant(_, overtaking) if contact == ContactState::Overtaking => constant(overtaking, overtaking),
+            Law::Constant(a, _) => constant(a, a),
+            Law::Spring(centre) => {
+                let (sin, cos) = libm::sincos(h);
+                let next = Pad { x: centre + (x - centre) * cos + u * sin, u: u * cos - (x - centre) * sin };
+                Step { next, acceleration: (centre - x, centre - next.x) }
+            }
+            Law::Violent(longest) => constant(1.0, if h > longest { f64::INFINITY } else { 0.0 }),
+            Law::Broken => constant(f64::NAN, f64::NAN),
+        }
+    }
+
+    fn tangential(&self, state: &Pad) -> (f64, f64) {
+        (state.x, state.u)
+    }
+
+    fn disc_speed(&self) -> f64 {
+        V
+    }
+
+    fn moving_with_disc(&self, state: &Pad) -> Pad {
+        Pad { u: V, ..*state }
+    }
+
+    fn reserve(&self, state: &Pad) -> Reserve {
+        let (against_slip, against_overtaking) = (self.reserve)(state.x);
+        Reserve { against_slip, against_overtaking }
+    }
+
+    fn meeting_rate(&self) -> f64 {
+        1.0
+    }
+
+    fn friction_steps(&self) -> &FrictionSteps {
+        &self.limits
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Event {
+    Turns(f64, f64),
+    Sticks(f64, f64),
+    Slips(f64),
+    Grazes,
+}
+
+#[derive(Default)]
+struct Log(Vec<Event>);
+
+impl Observer for Log {
+    fn turns(&mut self, time: f64, x: f64) {
+        self.0.push(Event::Turns(time, x));
+    }
+    fn sticks(&mut self, time: f64, x: f64) {
+        self.0.push(Event::Sticks(time, x));
+    }
+    fn slips(&mut self, time: f64) {
+        self.0.push(Event::Slips(time));
+    }
+    fn grazes(&mut self) {
+        self.0.push(Event::Grazes);
+    }
+}
+
+fn pad(x: f64, u: f64) -> Pad {
+    Pad { x, u }
+}
+
+fn slipping(x: f64, u: f64) -> Motion<Pad> {
+    Motion { state: pad(x, u), contact: ContactState::Slip }
+}
+
+fn close(found: f64, expected: f64) -> bool {
+    (found - expected).abs() < 1e-12
+}
+
+#[track_caller]
+fn assert_part(part: &Part<Pad>, ending: Ending, contact: ContactState, time: f64, state: Pad) {
+    assert_eq!((part.ending, part.end.contact), (ending, contact), "{part:?}");
+    let is_there = close(part.time, time) && close(part.end.state.x, state.x) && close(part.end.state.u, state.u);
+    assert!(is_there, "{part:?}, not {time} {state:?}");
+}
+
+#[test]
+fn a_stuck_pad_moves_with_the_disc_while_friction_holds_it() {
+    let toy = Toy::new(Law::Spring(0.0), HOLDS_TWO);
+    let part = stick(&toy, &pad(1.0, V), 0.5).unwrap();
+    assert_part(&part, Ending::Completed, ContactState::Stick, 0.5, pad(1.5, V));
+}
+
+#[test]
+fn a_stuck_pad_slips_when_friction_holds_it_no_longer() {
+    let toy = Toy::new(Law::Spring(0.0), HOLDS_TWO);
+    let part = stick(&toy, &pad(1.7, V), 0.5).unwrap();
+    assert_part(&part, Ending::Released, ContactState::Slip, 0.3, pad(2.0, V));
+    let part = stick(&toy, &pad(2.0, V), 0.5).unwrap();
+    assert_part(&part, Ending::Released, ContactState::Slip, 0.0, pad(2.0, V));
+}
+
+#[test]
+fn a_stuck_pad_runs_ahead_when_friction_keeps_it_back_no_longer() {
+    let toy = Toy::new(Law::Spring(0.0), |x| (2.0 + x, 2.0 - x));
+    let part = stick(&toy, &pad(1.7, V), 0.5).unwrap();
+    assert_part(&part, Ending::Released, ContactState::Overtaking, 0.3, pad(2.0, V));
+}
+
+#[test]
+fn a_pad_that_is_carried_out_of_sight_has_broken_down() {
+    assert_eq!(stick(&Toy::new(Law::Spring(0.0), HOLDS), &pad(999.0, V), 2.0).err(), Some(Breakdown));
+    assert_eq!(stick(&Toy::new(Law::Spring(0.0), HOLDS), &pad(-1001.0, V), 0.5).err(), Some(Breakdown));
+    assert!(stick(&Toy::new(Law::Spring(0.0), HOLDS), &pad(999.0, V), 0.5).is_ok());
+}
+
+#[test]
+fn a_sliding_pad_that_meets_nothing_slides_on() {
+    let toy = Toy::new(Law::Constant(0.5, 0.0), HOLDS);
+    let part = slide(&toy, &slipping(0.0, 0.0), 1.0, false).unwrap();
+    assert_part(&part, Ending::Completed, ContactState::Slip, 1.0, pad(0.25, 0.5));
+    assert!(!part.grazes);
+    assert_eq!(part.acceleration, (0.5, 0.5));
+}
+
+#[test]
+fn a_sliding_pad_sticks_where_it_meets_the_disc_and_friction_holds_it() {
+    let toy = Toy::new(Law::Constant(2.0, 0.0), HOLDS_TWO);
+    let part = slide(&toy, &slipping(1.0, 0.0), 1.0, false).unwrap();
+    assert_part(&part, Ending::Stuck, ContactState::Stick, 0.5, pad(1.25, V));
+    assert_eq!(part.end.state.u, V, "exactly");
+    assert!(!part.grazes);
+}
+
+#[test]
+fn a_pad_that_runs_ahead_is_caught_by_the_disc_too() {
+    let toy = Toy::new(Law::Constant(0.0, -2.0), HOLDS);
+    let ahead = Motion { state: pad(0.0, 2.0), contact: ContactState::Overtaking };
+    let part = slide(&toy, &ahead, 1.0, false).unwrap();
+    assert_part(&part, Ending::Stuck, ContactState::Stick, 0.5, pad(0.75, V));
+    let part = slide(&toy, &ahead, 0.25, false).unwrap();
+    assert_part(&part, Ending::Completed, ContactState::Overtaking, 0.25, pad(0.4375, 1.5));
+}
+
+#[test]
+fn a_pad_that_friction_cannot_hold_passes_the_disc_where_its_spring_pulls_it() {
+    let toy = Toy::new(Law::Constant(2.0, 2.0), HOLDS_TWO);
+    let part = slide(&toy, &slipping(-5.0, 0.0), 1.0, false).unwrap();
+    assert_part(&part, Ending::Overtaken, ContactState::Overtaking, 0.5, pad(-4.75, V));
+    let part = slide(&toy, &slipping(5.0, 0.0), 1.0, false).unwrap();
+    assert_part(&part, Ending::Overtaken, ContactState::Slip, 0.5, pad(5.25, V));
+}
+
+#[test]
+fn friction_that_just_suffices_holds_the_pad() {
+    for reserve in [(|_| (0.0, 1.0)) as fn(f64) -> (f64, f64), |_| (1.0, 0.0)] {
+        let part = slide(&Toy::new(Law::Constant(2.0, 2.0), reserve), &slipping(0.0, 0.0), 1.0, false).unwrap();
+        assert_eq!(part.ending, Ending::Stuck);
+    }
+}
+
+/// A pad on a spring whose speed has a maximum `fastest` in the middle of a step of length 1.
+fn swings_by(fastest: f64) -> Part<Pad> {
+    let (sin, cos) = libm::sincos(0.5);
+    let toy = Toy::new(Law::Spring(0.0), HOLDS_TWO);
+    slide(&toy, &slipping(-fastest * sin, fastest * cos), 1.0, false).unwrap()
+}
+
+#[test]
+fn a_touch_inside_a_step_is_seen() {
+    for fastest in [1.1, 1.01, 1.000_001] {
+        let part = swings_by(fastest);
+        let before_middle = libm::acos(1.0 / fastest);
+        assert_eq!((part.ending, part.end.state.u), (Ending::Stuck, V));
+        // At the first of two moments, where the speed is nearly constant.
+        let tolerance = 1e-12 / before_middle;
+        assert!((part.time - (0.5 - before_middle)).abs() < tolerance, "{fastest}: {}", part.time);
+        assert!((part.end.state.x + fastest * libm::sin(before_middle)).abs() < 2.0 * tolerance);
+    }
+}
+
+#[test]
+fn what_passes_by_nearer_than_a_ten_thousandth_of_the_disc_speed_grazes() {
+    for (fastest, grazes) in [(0.9, false), (1.0 - 1.1e-4, false), (1.0 - 0.9e-4, true), (1.0 - 1e-9, true)] {
+        let part = swings_by(fastest);
+        assert_eq!((part.ending, part.grazes), (Ending::Completed, grazes), "{fastest}");
+    }
+}
+
+#[test]
+fn what_meets_the_disc_slowly_grazes() {
+    // The acceleration when they meet is sqrt(fastest^2 - 1), of a spring with the frequency 1.
+    for (rate, grazes) in [(0.029, true), (0.031, false)] {
+        let part = swings_by(f64::sqrt(1.0 + rate * rate));
+        assert_eq!((part.ending, part.grazes), (Ending::Stuck, grazes), "{rate}");
+    }
+}
+
+#[test]
+fn a_step_that_ends_next_to_the_disc_speed_grazes_unless_it_comes_from_there() {
+    let end = |from: f64, to: f64| {
+        let part = slide(&Toy::new(Law::Constant(to - from, 0.0), HOLDS), &slipping(0.0, from), 1.0, false).unwrap();
+        assert_eq!(part.ending, Ending::Completed);
+        part.grazes
+    };
+    assert!(end(0.5, 1.0 - 0.9e-4));
+    assert!(!end(0.5, 1.0 - 1.1e-4));
+    assert!(!end(1.0 - 0.1e-4, 1.0 - 0.9e-4));
+}
+
+#[test]
+fn a_pad_that_does_not_come_away_from_the_disc_after_its_release_may_as_well_have_stuck() {
+    let toy = Toy::new(Law::Constant(2.0, 0.0), HOLDS);
+    let part = slide(&toy, &slipping(0.0, V), 0.5, true).unwrap();
+    assert_part(&part, Ending::Stuck, ContactState::Stick, 0.5, pad(0.75, V));
+    let part = slide(&toy, &slipping(0.0, V), 0.5, false).unwrap();
+    assert_part(&part, Ending::Stuck, ContactState::Stick, 0.0, pad(0.0, V));
+}
+
+#[test]
+fn a_pad_that_comes_away_from_the_disc_slides() {
+    let toy = Toy::new(Law::Constant(-2.0, 0.0), HOLDS);
+    let part = slide(&toy, &slipping(0.0, V), 0.5, true).unwrap();
+    assert_part(&part, Ending::Completed, ContactState::Slip, 0.5, pad(0.25, 0.0));
+    assert!(!part.grazes);
+}
+
+fn resolved(toy: &Toy, state: Pad, h: f64) -> Result<(Step<Pad>, f64), Breakdown> {
+    resolved_step(toy, &state, ContactState::Slip, h)
+}
+
+#[test]
+fn a_step_is_cut_to_four_fifths_of_what_steep_friction_allows() {
+    // At the disc's speed a pad may change its speed by a quarter of the Stribeck velocity.
+    let (step, h) = resolved(&Toy::steep(Law::Constant(-1.0, 0.0)), pad(0.0, V), 1.0).unwrap();
+    assert!(close(h, 0.2) && close(step.next.u, 0.8), "{h} {step:?}");
+    let (step, h) = resolved(&Toy::steep(Law::Constant(-1.0, 0.0)), pad(0.0, V), 0.26).unwrap();
+    assert!(close(h, 0.8 * 0.25) && close(step.next.u, 0.8), "{h}");
+}
+
+#[test]
+fn a_step_is_not_cut_where_friction_allows_it() {
+    for (toy, h) in [
+        (Toy::steep(Law::Constant(-1.0, 0.0)), 0.249),
+        (Toy::steep(Law::Constant(-0.1, 0.0)), 1.0),
+        (Toy::new(Law::Constant(-1.0, 0.0), HOLDS), 1.0),
+    ] {
+        assert_eq!(resolved(&toy, pad(0.0, V), h).unwrap().1, h);
+    }
+    // Ten Stribeck velocities behind the disc five times as much is allowed.
+    assert_eq!(resolved(&Toy::steep(Law::Constant(-1.0, 0.0)), pad(0.0, -9.0), 1.24).unwrap().1, 1.24);
+}
+
+#[test]
+fn a_step_out_of_the_range_of_numbers_is_cut_by_a_thousandth_at_a_time() {
+    let (step, h) = resolved(&Toy::steep(Law::Violent(2e-4)), pad(0.0, 0.0), 1.0).unwrap();
+    assert!(close(h, 1e-6) && close(step.next.u, 1e-6), "{h}");
+}
+
+#[test]
+fn a_step_is_cut_no_further_than_makes_sense() {
+    let (_, h) = resolved(&Toy::steep(Law::Violent(0.0)), pad(0.0, 0.0), 1.0).unwrap();
+    assert!(h <= 1.001e-12 && h > 1e-16, "{h}");
+}
+
+#[test]
+fn what_is_not_a_number_is_given_up() {
+    for toy in [Toy::steep(Law::Broken), Toy::new(Law::Broken, HOLDS)] {
+        assert_eq!(resolved(&toy, pad(0.0, 0.0), 1.0).err(), Some(Breakdown));
+        assert_eq!(advance(&toy, &mut slipping(0.0, 0.0), 0.0, 1.0, &mut Log::default()), Err(Breakdown));
+    }
+}
+
+#[test]
+fn the_speed_turns_where_its_sign_changes() {
+    for (u, next, expected) in [
+        (1.0, -1.0, true),
+        (-1.0, 1.0, true),
+        (1.0, 0.0, true),
+        (-1.0, 0.0, true),
+        (0.0, 1.0, false),
+        (0.0, -1.0, false),
+        (0.0, 0.0, false),
+        (1.0, 2.0, false),
+        (-1.0, -2.0, false),
+    ] {
+        assert_eq!(turns(u, next), expected, "{u} {next}");
+    }
+}
+
+#[test]
+fn a_turning_point_is_exact_where_the_speed_is_a_cubic() {
+    // u = (s - 0.3)(s - 2)(s + 1), with s = t / h.
+    for h in [0.1, 1.0, 7.0] {
+        for sign in [1.0, -1.0] {
+            let accelerations = (sign * -1.7 / h, sign * -1.3 / h);
+            let (time, x) = turning_point(5.0, (sign * 0.6, sign * -1.4), accelerations, h);
+            assert!((time / h - 0.3).abs() < 5e-12, "{time}");
+            assert!(((x - 5.0) / (sign * h) - 0.093_825).abs() < 1e-12, "{x}");
+        }
+    }
+}
+
+#[test]
+fn a_turning_point_at_the_end_of_a_step_is_there() {
+    let (time, x) = turning_point(0.0, (1.0, 0.0), (-1.0, -1.0), 1.0);
+    assert!(close(time, 1.0) && close(x, 0.5), "{time} {x}");
+}
+
+#[test]
+fn a_turning_point_of_a_spring_is_found_to_the_fifth_order_of_the_step() {
+    let errors = [0.2, 0.1].map(|h| {
+        let begin = FRAC_PI_2 - 0.3 * h;
+        let speed = |time: f64| libm::cos(time);
+        let accelerations = (-libm::sin(begin), -libm::sin(begin + h));
+        let (time, x) = turning_point(libm::sin(begin), (speed(begin), speed(begin + h)), accelerations, h);
+        assert!((x - 1.0).abs() < 0.01 * h * h * h * h * h, "{h}: {:e}", x - 1.0);
+        (time - 0.3 * h).abs()
+    });
+    assert!(errors[0] < 1e-5 && errors[1] < errors[0] / 15.0, "{errors:?}");
+}
+
+#[test]
+fn an_event_is_located_to_the_last_digits_on_its_later_side() {
+    let events: [(fn(f64) -> f64, f64); 5] = [
+        (libm::cos, FRAC_PI_2),
+        (|t| 1.0 - t, 1.0),
+        (|t| 1.0 - t * t * t * t * t * t * t * t, 1.0),
+        (|t| libm::exp(-30.0 * t) - libm::exp(-30.0), 1.0),
+        (|t| if t < 1.3 { 1e9 } else { -1e-9 }, 1.3),
+    ];
+    for (index, (value, expected)) in events.into_iter().enumerate() {
+        let (time, state) = locate(2.0, &2.0, |part| part, |&state| value(state));
+        assert!((time - expected).abs() < 1e-14, "{index}: {time}");
+        assert_eq!(time, state, "the state is that of the time");
+        assert!(value(state) <= 0.0, "{index}: {}", value(state));
+    }
+}
+
+/// Follows a pad step by step, and keeps what is told of it.
+fn follow(toy: &Toy, motion: &mut Motion<Pad>, h: f64, steps: u32) -> Vec<Event> {
+    let mut log = Log::default();
+    for step in 0..steps {
+        advance(toy, motion, h * f64::from(step), h, &mut log).unwrap();
+    }
+    log.0
+}
+
+#[track_caller]
+fn assert_events(found: &[Event], expected: &[Event], tolerance: f64) {
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        let numbers = |event: &Event| match *event {
+            Event::Turns(time, x) | Event::Sticks(time, x) => [time, x],
+            Event::Slips(time) => [time, 0.0],
+            Event::Grazes => [0.0, 0.0],
+        };
+        assert_eq!(std::mem::discriminant(found), std::mem::discriminant(expected), "{found:?} {expected:?}");
+        let [[time, x], [expected_time, expected_x]] = [numbers(found), numbers(expected)];
+        assert!(
+            (time - expected_time).abs() < tolerance && (x - expected_x).abs() < tolerance,
+            "{found:?} {expected:?}"
+        );
+    }
+}
+
+#[test]
+fn stick_slip_on_a_spring_has_the_period_and_the_turns_of_its_closed_form() {
+    // Static friction holds up to x = 2, kinetic friction centres the spring at 1.5: slip is part of a circle around it.
+    let toy = Toy::new(Law::Spring(1.5), HOLDS_TWO);
+    let radius = f64::sqrt(1.0 + 0.25);
+    let to_turn = libm::atan(2.0);
+    let slip = 2.0 * (PI - libm::atan(0.5));
+    let mut expected = vec![];
+    for cycle in 0..3 {
+        let release = 0.25 + f64::from(cycle) * (slip + 1.0);
+        expected.extend([
+            Event::Slips(release),
+            Event::Turns(release + to_turn, 1.5 + radius),
+            Event::Turns(release + to_turn + PI, 1.5 - radius),
+            Event::Sticks(release + slip, 1.0),
+        ]);
+    }
+    for h in [0.05, 0.3, 0.71] {
+        let mut motion = Motion { state: pad(1.75, V), contact: ContactState::Stick };
+        let steps = libm::ceil((expected.len() as f64 / 4.0) * (slip + 1.0) / h);
+        let found = follow(&toy, &mut motion, h, steps as u32);
+        // Turning points are interpolated.
+        assert_events(&found[..12], &expected, 1e-4 + 0.02 * h * h * h * h);
+        let exact = |event: &&Event| !matches!(event, Event::Turns(..));
+        let [found, expected] =
+            [&found[..12], &expected].map(|log| log.iter().filter(exact).copied().collect::<Vec<_>>());
+        assert_events(&found, &expected, 1e-10);
+    }
+}
+
+#[test]
+fn several_events_in_one_step_are_told_in_their_order() {
+    // It turns, meets the disc, and is carried to where friction holds it no longer; then it slips away.
+    let toy = Toy::new(Law::Constant(2.0, 0.0), |x| (1.0 - x, 9.0));
+    let mut motion = slipping(0.0, -1.0);
+    let found = follow(&toy, &mut motion, 1.5, 1);
+    assert_events(&found, &[Event::Turns(0.5, -0.25), Event::Sticks(1.0, 0.0)], 5e-12);
+    assert_eq!(motion.contact, ContactState::Stick);
+    assert!(close(motion.state.x, 0.5) && motion.state.u == V, "{motion:?}");
+
+    let toy = Toy::new(Law::Constant(-1.0, 0.0), |x| (1.0 - x, 9.0));
+    let mut motion = Motion { state: pad(0.5, V), contact: ContactState::Stick };
+    let found = follow(&toy, &mut motion, 2.0, 1);
+    assert_events(&found, &[Event::Slips(0.5), Event::Turns(1.5, 1.5)], 5e-12);
+    assert_eq!(motion.contact, ContactState::Slip);
+    assert!(close(motion.state.x, 1.375) && close(motion.state.u, -0.5), "{motion:?}");
+}
+
+#[test]
+fn a_pad_that_overtakes_the_disc_is_followed_through_the_step_and_nothing_is_told() {
+    let toy = Toy::new(Law::Constant(1.0, 0.5), |_| (9.0, -1.0));
+    let mut motion = slipping(0.0, 0.0);
+    assert_eq!(follow(&toy, &mut motion, 2.0, 1), []);
+    assert_eq!(motion.contact, ContactState::Overtaking);
+    assert!(close(motion.state.x, 0.5 + 1.25) && close(motion.state.u, 1.5), "{motion:?}");
+}
+
+#[test]
+fn a_graze_is_told_before_the_stick_that_it_leads_to() {
+    let toy = Toy::new(Law::Constant(0.01, 0.0), HOLDS);
+    let found = follow(&toy, &mut slipping(0.0, 0.995), 1.0, 1);
+    assert_events(&found, &[Event::Grazes, Event::Sticks(0.5, 0.498_75)], 1e-12);
+}
+
+#[test]
+fn a_pad_that_has_not_come_away_since_its_release_has_not_come_back_either() {
+    let toy = Toy::new(Law::Constant(2.0, 0.0), |x| (x, 1.0));
+    let mut motion = Motion { state: pad(0.0, V), contact: ContactState::Stick };
+    assert_eq!(follow(&toy, &mut motion, 0.5, 1), [Event::Slips(0.0)]);
+    assert_eq!(motion.contact, ContactState::Stick);
+}
+
+#[test]
+fn the_parts_of_a_cut_step_make_up_the_whole_step() {
+    let toy = Toy::steep(Law::Constant(-1.0, 0.0));
+    let mut motion = slipping(0.0, V);
+    let found = follow(&toy, &mut motion, 4.0, 1);
+    assert_events(&found, &[Event::Turns(1.0, 0.5)], 5e-12);
+    assert!(close(motion.state.x, -4.0) && close(motion.state.u, -3.0), "{motion:?}");
+}
