@@ -1,8 +1,13 @@
 //! Random brakes with a flexible disc, around the preset and around their own boundaries.
 
+use std::ops::RangeInclusive;
+
 use stickslip_core::flexible::DISC_MODES;
 use stickslip_core::parameters::SCALARS;
 use stickslip_core::{FlexibleBrake, FlexibleError, PadOnDisc, Parameters, Start};
+
+/// v / v_s. On slower discs a pad sticks for longer than the horizon before anything happens.
+const SPEED_RATIOS: RangeInclusive<f64> = 1e-3..=1e3;
 
 /// Deviates of a brake: xorshift64*, seeded by its index through splitmix64.
 struct Deviates(u64);
@@ -44,6 +49,9 @@ pub fn random_brake(index: usize) -> (PadOnDisc, usize) {
         let mut parameters = random_parameters(&mut deviates);
         let resting = PadOnDisc::new(parameters.clone()).expect("every value is within its limits");
         parameters.operating_point.rotating_speed = random_speed(&resting, &mut deviates);
+        if !(SPEED_RATIOS.contains(&(parameters.operating_point.rotating_speed / stribeck_speed(&resting)))) {
+            continue;
+        }
         let brake = PadOnDisc::new(parameters).expect("every value is within its limits");
         // A disc whose modes are all too stiff, or that has no equilibrium, is drawn anew.
         match FlexibleBrake::with_modes(brake.clone(), DISC_MODES) {
@@ -92,8 +100,6 @@ fn random_parameters(deviates: &mut Deviates) -> Parameters {
 /// A speed near one of the boundaries, the nearer the likelier, from a third to three times of it; near the Stribeck velocity
 /// where there is no boundary.
 fn random_speed(brake: &PadOnDisc, deviates: &mut Deviates) -> f64 {
-    let law = &brake.parameters().friction;
-    let stribeck = law.stribeck_velocity / brake.parameters().disc.outer_radius;
     let linear = brake.unstable_speeds();
     let share = deviates.share();
     let boundary = match linear {
@@ -103,7 +109,12 @@ fn random_speed(brake: &PadOnDisc, deviates: &mut Deviates) -> f64 {
     };
     let offset = deviates.between(-1.0, 1.0);
     let factor = libm::exp(libm::log(3.0) * offset * offset * offset);
-    boundary.filter(|speed| speed.is_finite()).unwrap_or(stribeck) * factor
+    boundary.filter(|speed| speed.is_finite()).unwrap_or_else(|| stribeck_speed(brake)) * factor
+}
+
+/// The rotating speed at which the disc passes the pad with the Stribeck velocity, rad/s.
+fn stribeck_speed(brake: &PadOnDisc) -> f64 {
+    brake.rotating_speed(brake.friction_law().stribeck_velocity)
 }
 
 /// How `stickslip trajectory` is told of a case.
