@@ -4,7 +4,7 @@ CARGO  ?= cargo
 PYTHON ?= python3
 STICKSLIP = target/release/stickslip
 
-.PHONY: run test check bench bench-peers clean
+.PHONY: run test check bench bench-peers validity clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -40,6 +40,10 @@ check:
 # One line for each figure: name, value, unit.
 bench:
 	$(CARGO) bench --locked -p stickslip --bench figures --bench methods
+
+# The tables of the range of validity (docs of `stickslip_core::validity`): verdicts against independent references.
+validity:
+	$(CARGO) bench --locked -p stickslip-core --bench validity
 
 # The same jobs by NumPy, OpenTURNS, numba, SciPy and diffrax beside it.
 bench-peers: target/peers/ready

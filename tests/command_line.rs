@@ -324,7 +324,9 @@ fn check_shows_a_job_that_can_itself_be_submitted() {
             continue;
         }
         let job = path.display();
-        let normalised = place.run(&format!("check {job}")).done().stdout;
+        let checked = place.run(&format!("check {job}")).done();
+        assert!(!checked.stderr.contains("warning"), "{}", checked.stderr);
+        let normalised = checked.stdout;
         assert!(normalised.contains("samples/s on one, measured now"), "{normalised}");
         place.write("normalised.toml", &normalised);
         let again = place.run("check normalised.toml").done().stdout;
@@ -336,6 +338,33 @@ fn check_shows_a_job_that_can_itself_be_submitted() {
         place.run(&format!("submit {job} --samples 10")).done();
         place.run("submit normalised.toml --samples 10").done();
         assert!(place.path("runs").join(name).join("surface.parquet").exists());
+    }
+}
+
+#[test]
+fn jobs_in_time_outside_the_tested_range_are_warned_of_and_run() {
+    let place = Place::new();
+    // The slow end of the axis is covered, the fast one is 1875 Stribeck velocities.
+    let job = surface_job("beyond", 2, 10, 7)
+        .replace("rotating_speed = 15.0", "rotating_speed = [15.0, 10000.0]")
+        .replace("[axes]", "[model.damping]\ntangential = 1.0\n\n[axes]");
+    place.write("eigenvalue.toml", &job);
+    place.write("job.toml", &job.replace("\"eigenvalue\"", "\"time-domain\"\ndisc = \"rigid\""));
+    for command in ["check", "submit"] {
+        let said = place.run(&format!("{command} job.toml")).done().stderr;
+        for text in [
+            "warning: v / v_s = 1.8750e3 is above 1000",
+            "warning: the damping ratio of the tangential motion = 2.1544e-4 is below 0.001",
+            "stickslip trajectory",
+            "tenfold criterion.horizon",
+        ] {
+            assert_eq!(said.matches(text).count(), if text.starts_with("warning") { 1 } else { 2 }, "{text}: {said}");
+        }
+        let closed_form = place.run(&format!(
+            "{command} eigenvalue.toml --threads 1 {}",
+            if command == "submit" { "--out e" } else { "" }
+        ));
+        assert!(!closed_form.done().stderr.contains("warning"));
     }
 }
 

@@ -2,85 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 
-use stickslip_core::{
-    DiscModel, JudgedMotion, PadOnDisc, Parameters, RandomInputs, Start, TimeDomain, TimeDomainSettings, Verdict,
-};
+#[path = "data/fates.rs"]
+mod fates;
 
-/// One brake of a file of fates.
-struct Case {
-    line: usize,
-    parameters: Parameters,
-    start: Start,
-    displacement: f64,
-    fate: Verdict,
-}
-
-impl Case {
-    fn criterion(&self, divisor: f64) -> (TimeDomain, RandomInputs) {
-        let settings = TimeDomainSettings {
-            start: self.start,
-            displacement: self.displacement,
-            horizon: 1e5,
-            ..Default::default()
-        };
-        let brake = PadOnDisc::new(self.parameters.clone()).unwrap();
-        let criterion = TimeDomain::new(&brake, &DiscModel::Rigid, settings).unwrap().with_steps_divided_by(divisor);
-        let inputs = RandomInputs {
-            preload: self.parameters.operating_point.preload,
-            static_friction: self.parameters.friction.static_coefficient,
-        };
-        (criterion, inputs)
-    }
-
-    fn judge(&self, divisor: f64) -> JudgedMotion {
-        let (criterion, inputs) = self.criterion(divisor);
-        criterion.judge(inputs)
-    }
-}
-
-/// The cases of a file: columns named by their parameters, lines that begin with `#` are comments.
-fn cases(text: &str) -> Vec<Case> {
-    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.starts_with('#'));
-    let header: Vec<&str> = lines.next().unwrap().1.split(',').collect();
-    let case = |(line, row): (usize, &str)| {
-        let mut case = Case {
-            line: line + 1,
-            parameters: Parameters::sui_ding_2018(),
-            start: Start::Rest,
-            displacement: f64::NAN,
-            fate: Verdict::Failed,
-        };
-        for (name, value) in header.iter().zip(row.split(',')) {
-            let number = || value.parse::<f64>().unwrap();
-            match *name {
-                "preload" | "rotating_speed" => {
-                    case.parameters.set(&format!("operating_point.{name}"), number()).unwrap();
-                }
-                "static_friction" => case.parameters.set("friction.static_coefficient", number()).unwrap(),
-                "displacement" => case.displacement = number(),
-                "start" => {
-                    case.start = match value {
-                        "rest" => Start::Rest,
-                        "near-equilibrium" => Start::NearEquilibrium,
-                        "limit-cycle" => Start::LimitCycle,
-                        other => panic!("line {}: start {other}", line + 1),
-                    }
-                }
-                "fate" => {
-                    case.fate = match value {
-                        "stable" => Verdict::Stable,
-                        "unstable" => Verdict::Unstable,
-                        other => panic!("line {}: fate {other}", line + 1),
-                    }
-                }
-                "kind" | "damping_ratio" | "margin" => {}
-                key => case.parameters.set(key, number()).unwrap(),
-            }
-        }
-        case
-    };
-    lines.map(case).collect()
-}
+use fates::{FATES, FATES_AT_BOUNDARIES, cases};
+use stickslip_core::{JudgedMotion, Verdict};
 
 /// Judges every case of a file with steps divided by `divisor`, and holds the verdicts against the fates: how many are
 /// undecided.
@@ -99,13 +25,6 @@ fn assert_fates(text: &str, divisor: f64) -> usize {
     assert!(wrong.is_empty(), "steps / {divisor}: {wrong:#?}");
     undecided
 }
-
-/// 400 brakes of all kinds.
-const FATES: &str = include_str!("data/rigid-fates.csv");
-
-/// 2000 brakes around the boundaries of the verdicts, at distances from 1e-7 of them on; smooth cycles, very slow and very
-/// fast discs among them.
-const FATES_AT_BOUNDARIES: &str = include_str!("data/rigid-fates-more.csv");
 
 #[test]
 fn verdicts_are_those_of_an_independent_return_map() {

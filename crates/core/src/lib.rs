@@ -77,6 +77,8 @@ pub mod time_domain;
 
 pub mod lanes;
 
+pub mod validity;
+
 pub mod boundary_curve;
 
 pub mod verdict_map;

@@ -695,6 +695,36 @@ mod tests {
     }
 
     #[test]
+    fn ringing_after_a_long_stick_is_no_instability() {
+        // On a disc so slow the pad sticks for 2300 units of time, and what rings at its release beats for some hundred.
+        let changes = [
+            ("disc.youngs_modulus", 7.26e10),
+            ("disc.thickness", 0.0117),
+            ("disc.transverse_damping_ratio", 0.01025),
+            ("stiffness.calliper_tangential", 4.914e7),
+            ("stiffness.calliper_normal", 4.411e7),
+            ("stiffness.calliper_angular", 1.729e4),
+            ("stiffness.contact_normal", 2.214e7),
+            ("stiffness.contact_tangential_1", 1.3066e7),
+            ("stiffness.contact_tangential_2", 2.8613e7),
+            ("damping.tangential", 25.14),
+            ("damping.normal", 47.2),
+            ("damping.angular", 0.1022),
+            ("friction.kinetic_coefficient", 0.15916),
+            ("friction.stribeck_velocity", 0.3982),
+            ("friction.stribeck_exponent", 1.5),
+            ("operating_point.rotating_speed", 0.00151),
+        ];
+        let inputs = RandomInputs { preload: 0.0908, static_friction: 0.16947 };
+        let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
+        let criterion = TimeDomain::new(&PadOnDisc::preset_with(&changes), &FLEXIBLE, settings).unwrap();
+        let end = aftermath(&criterion, inputs, 8000.0);
+        assert!(end.amplitude() < 1e-10 && !end.sticks_after(3000.0), "it does not come to rest");
+        let judged = criterion.judge(inputs);
+        assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
+    }
+
+    #[test]
     fn smooth_cycles_are_unstable_up_to_the_speed_at_which_they_end() {
         // The audit: exponent 2, c_x 3000, from rest; sustained to 7.3237 rad/s.
         let at = |speed: f64, record_amplitude: bool| {

@@ -166,6 +166,7 @@ impl Observer for CoupledJudge {
 
     fn slips(&mut self, time: f64) {
         self.last_distance = None;
+        self.transients.slips(time);
         self.cycles.slips(time);
     }
 }

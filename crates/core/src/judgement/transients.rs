@@ -3,10 +3,10 @@
 //! Pad and disc ring when a motion is let go, at its start or at a release from stick, and what rings along is seen in the
 //! tangential motion as amplitudes that change from swing to swing though nothing feeds or damps them.
 //!
-//! | state | on a swing | on a stick |
-//! |---|---|---|
-//! | just let go, first swings to come | the excitation is the largest amplitude of these swings | let go anew |
-//! | ringing | nothing | let go anew; what still rings counts on |
+//! | state | on a swing | on a stick | on a release |
+//! |---|---|---|---|
+//! | just let go, first swings to come | the excitation is the largest amplitude of these swings | let go anew | let go from here |
+//! | ringing | nothing | let go anew; what still rings counts on | |
 //!
 //! What may be feigned is the excitation, dying away at the slowest damping rate of these degrees of freedom. It is an
 //! amplitude of its own: where the tangential motion has died away faster, beats of the ringing are no growth.
@@ -45,9 +45,15 @@ impl Transients {
 
     /// The motion sticks: all rings anew from here.
     pub fn sticks(&mut self, time: f64) {
+        self.slips(time);
+        self.first_swings = FIRST_SWINGS;
+    }
+
+    /// The motion is released, after a stick that may have taken longer than anything rings: the next swings excite from
+    /// here.
+    pub fn slips(&mut self, time: f64) {
         self.excitation *= self.left(time);
         self.let_go = time;
-        self.first_swings = FIRST_SWINGS;
     }
 
     /// The change of an amplitude that may still be feigned. A motion larger than it was when it was let go excites as
@@ -104,5 +110,17 @@ mod tests {
             transients.swings(amplitude);
         }
         assert_eq!(transients.feigned(200.0, 0.0), 0.3);
+    }
+    #[test]
+    fn a_release_excites_however_long_the_stick_before_it_was() {
+        let mut transients = Transients::new(0.1);
+        transients.swings(2.0);
+        transients.sticks(10.0);
+        transients.slips(1000.0);
+        for amplitude in [0.1, 0.3, 0.2] {
+            transients.swings(amplitude);
+        }
+        assert_eq!(transients.feigned(1000.0, 0.0), 0.3);
+        assert!((transients.feigned(1010.0, 0.0) - 0.3 / std::f64::consts::E).abs() < 1e-15);
     }
 }

@@ -17,6 +17,7 @@ const TRIAL: Duration = Duration::from_millis(30);
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let job = JobSource::read(&arguments.job)?.job()?;
     job.warn_of_few_modes();
+    job.warn_of_validity();
     let threads = arguments.threads.count();
     let lengths = job.grid.lengths();
     let work =

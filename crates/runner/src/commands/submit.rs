@@ -26,6 +26,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
     job.warn_of_few_modes();
+    job.warn_of_validity();
     if let (Some(shard), true) = (arguments.shard, job.is_integrated()) {
         let message =
             format!("--shard {shard}: method = \"exact\" draws no samples that could be shared out; submit it without");

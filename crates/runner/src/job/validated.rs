@@ -1,6 +1,7 @@
 //! The validated job: every value resolved and within its limits.
 
 use stickslip_core::parameters::{self, SCALARS};
+use stickslip_core::validity::{self, Uncovered};
 use stickslip_core::{
     FlexibleBrake, FlexibleError, PadOnDisc, ParameterError, Parameters, StabilityBoundary, TimeDomain,
 };
@@ -210,6 +211,36 @@ impl Job {
         }
     }
 
+    /// Says on standard error what of the cells lies outside the range over which verdicts in time were tested, and what
+    /// to do. The scatter of the inputs is not looked at.
+    pub fn warn_of_validity(&self) {
+        for uncovered in self.uncovered() {
+            note(format_args!(
+                "warning: {uncovered}, the limit up to which verdicts in time were tested (cargo doc, page stickslip_core::validity). They may be right beyond it; look at single samples with `stickslip trajectory`, and compare the run with one of a tenfold criterion.horizon (`stickslip compare`)"
+            ));
+        }
+    }
+
+    /// What of the extremes of the axes lies outside that range, each value once.
+    fn uncovered(&self) -> Vec<Uncovered> {
+        let Criterion::TimeDomain { disc, .. } = &self.criterion else { return Vec::new() };
+        let mut found: Vec<Uncovered> = Vec::new();
+        for speed in ends(&self.grid.rotating_speed) {
+            for static_friction in ends(&self.grid.static_friction) {
+                let mut parameters = self.parameters.clone();
+                parameters.operating_point.rotating_speed = speed;
+                parameters.friction.static_coefficient = static_friction;
+                let Ok(brake) = PadOnDisc::new(parameters) else { continue };
+                for uncovered in validity::uncovered(&brake, disc) {
+                    if !found.contains(&uncovered) {
+                        found.push(uncovered);
+                    }
+                }
+            }
+        }
+        found
+    }
+
     /// Whether other degrees of freedom than the pad's tangential motion may become unstable.
     pub fn has_flexible_disc(&self) -> bool {
         self.criterion.has_flexible_disc()
@@ -219,6 +250,12 @@ impl Job {
     pub fn records_amplitude(&self) -> bool {
         self.criterion.records_amplitude()
     }
+}
+
+/// The smallest and the largest value of an axis.
+fn ends(axis: &Axis) -> [f64; 2] {
+    let values = axis.values().iter().copied();
+    [values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max)]
 }
 
 /// The brake at each rotating speed.

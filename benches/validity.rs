@@ -1,0 +1,142 @@
+//! `make validity`: verdicts held against references that no judge had a part in, over the range of brakes; the tables of
+//! `stickslip_core::validity`.
+//!
+//! `VALIDITY_BRAKES=20` or `VALIDITY_BRAKES=100..120` takes only these of the random brakes with a flexible disc.
+
+#![allow(
+    clippy::expect_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a sweep that cannot run should say so and stop"
+)]
+
+#[path = "validity/brakes.rs"]
+mod brakes;
+#[path = "../tests/data/fates.rs"]
+mod fates;
+#[path = "validity/reference.rs"]
+mod reference;
+#[path = "validity/table.rs"]
+mod table;
+
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::Instant;
+
+use brakes::random_brake;
+use fates::{FATES, FATES_AT_BOUNDARIES, cases};
+use reference::Equilibrium;
+use stickslip_core::time_domain::HORIZON;
+use stickslip_core::{DiscModel, PadOnDisc, RandomInputs, Start, TimeDomain, TimeDomainSettings, Verdict};
+use table::{Held, Place, print_cases, print_table};
+
+/// Random brakes with a flexible disc, each with three starts.
+const BRAKES: usize = 300;
+
+const THREADS: usize = 2;
+
+fn main() {
+    // `cargo test --benches` runs this with --test: nothing to find out then.
+    if std::env::args().any(|argument| argument == "--test") {
+        return;
+    }
+    let rigid = rigid_disc();
+    println!("Rigid disc: {} verdicts with a horizon of 1e5 against independent return maps\n", rigid.len());
+    print_table(&rigid);
+    let range = asked_for();
+    let brakes = range.len();
+    let flexible: Vec<Held> = in_parallel(range, flexible_disc).into_iter().flatten().collect();
+    println!("\nFlexible disc: {brakes} brakes, verdicts with a horizon of {HORIZON} against longer motions\n");
+    print_table(&flexible);
+    println!("\nRigid disc, case by case:\n");
+    print_cases(&rigid, &mut std::io::stdout());
+    println!("\nFlexible disc, case by case:\n");
+    print_cases(&flexible, &mut std::io::stdout());
+}
+
+/// The random brakes that the environment asks for.
+fn asked_for() -> Range<usize> {
+    let Ok(text) = std::env::var("VALIDITY_BRAKES") else { return 0..BRAKES };
+    let number = |text: &str| text.parse::<usize>().expect("VALIDITY_BRAKES is COUNT or FROM..TO");
+    text.split_once("..").map_or_else(|| 0..number(&text), |(from, to)| number(from)..number(to))
+}
+
+/// What `compute` makes of every index, in their order, whichever thread computes which.
+fn in_parallel<T: Send>(range: Range<usize>, compute: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(range.start);
+    let results = Mutex::new(Vec::new());
+    thread::scope(|scope| {
+        for _ in 0..THREADS {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    if index >= range.end {
+                        break;
+                    }
+                    let result = compute(index);
+                    results.lock().expect("no other thread has panicked").push((index, result));
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner().expect("no thread has panicked");
+    results.sort_by_key(|&(index, _)| index);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+/// The verdicts on the fates of tests/data, with the steps in use and with steps half as long.
+fn rigid_disc() -> Vec<Held> {
+    let files = [("rigid-fates.csv", cases(FATES)), ("rigid-fates-more.csv", cases(FATES_AT_BOUNDARIES))];
+    let all: Vec<_> = files.iter().flat_map(|(file, cases)| cases.iter().map(move |case| (file, case))).collect();
+    in_parallel(0..all.len(), |index| {
+        let (file, case) = all[index];
+        let brake = PadOnDisc::new(case.parameters.clone()).expect("the file holds valid brakes");
+        let [verdict, halved] = [1.0, 2.0].map(|divisor| case.judge(divisor).verdict);
+        Held {
+            place: Place::of(&brake, case.start),
+            reference: case.fate,
+            verdict,
+            halved,
+            contradicted: false,
+            case: format!("{file}, line {}", case.line),
+        }
+    })
+}
+
+/// The verdicts on a random brake with a flexible disc, for each start.
+fn flexible_disc(index: usize) -> Vec<Held> {
+    let started = Instant::now();
+    let (brake, modes) = random_brake(index);
+    let parameters = brake.parameters();
+    let inputs = RandomInputs {
+        preload: parameters.operating_point.preload,
+        static_friction: parameters.friction.static_coefficient,
+    };
+    let equilibrium = Equilibrium::of(&brake, modes, inputs);
+    let held = |start: Start| {
+        let settings = TimeDomainSettings { start, ..Default::default() };
+        let criterion = TimeDomain::new(&brake, &DiscModel::Flexible { modes }, settings);
+        let criterion = criterion.expect("a random brake has a model");
+        let (reference, contradicted) = equilibrium.reference(&criterion, &settings);
+        Held {
+            place: Place::of(&brake, start),
+            reference,
+            verdict: criterion.judge(inputs).verdict,
+            halved: criterion.with_steps_divided_by(2.0).judge(inputs).verdict,
+            contradicted,
+            case: format!("brake {index}: {}", brakes::description(&brake, modes, start)),
+        }
+    };
+    let all = [Start::NearEquilibrium, Start::Rest, Start::LimitCycle].map(held);
+    // Brakes take from a tenth of a second to a minute.
+    eprintln!("brake {index}: {:.1} s", started.elapsed().as_secs_f64());
+    print_cases(&all, &mut std::io::stderr());
+    all.into()
+}
+
+/// Whether a verdict is one at all.
+fn is_decided(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::Stable | Verdict::Unstable)
+}

@@ -1,0 +1,151 @@
+//! Over which brakes verdicts in time were tested, and how often they were wrong or missing.
+//!
+//! TABLES
+//!
+//! # Outside the range
+//!
+//! [`uncovered`] says which quantity of a brake lies outside the ranges [`RIGID_DISC`] and [`FLEXIBLE_DISC`]; `stickslip check`
+//! and `stickslip submit` warn then. A verdict there may be right: nothing but experience is missing. Look at single
+//! samples with `stickslip trajectory`, and compare the run with one of a tenfold horizon (`stickslip compare`).
+
+use std::fmt;
+
+use crate::pad_on_disc::PadOnDisc;
+use crate::time_domain::DiscModel;
+
+/// A number without dimension on which verdicts in time depend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// v / v_s, the disc's speed under the pad over the Stribeck velocity.
+    SpeedRatio,
+    /// delta, the Stribeck exponent.
+    Exponent,
+    /// c_x over the critical damping of the tangential motion, `2 sqrt((k_x + k_t2) M)`.
+    DampingRatio,
+    /// f_s / f_c.
+    FrictionRatio,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::SpeedRatio, Self::Exponent, Self::DampingRatio, Self::FrictionRatio];
+
+    /// Its value for a brake; infinite where it divides by nothing.
+    #[must_use]
+    pub fn of(self, brake: &PadOnDisc) -> f64 {
+        let parameters = brake.parameters();
+        let friction = &parameters.friction;
+        match self {
+            Self::SpeedRatio => brake.disc_speed() / brake.friction_law().stribeck_velocity,
+            Self::Exponent => friction.stribeck_exponent,
+            Self::DampingRatio => {
+                let critical = 2.0 * (brake.tangential_stiffness() * parameters.pad.mass).sqrt();
+                parameters.damping.tangential / critical
+            }
+            Self::FrictionRatio if friction.static_coefficient == friction.kinetic_coefficient => 1.0,
+            Self::FrictionRatio => friction.static_coefficient / friction.kinetic_coefficient,
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::SpeedRatio => "v / v_s",
+            Self::Exponent => "the Stribeck exponent",
+            Self::DampingRatio => "the damping ratio of the tangential motion",
+            Self::FrictionRatio => "f_s / f_c",
+        })
+    }
+}
+
+/// The range of a quantity over which verdicts were tested, both ends included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Covered {
+    /// Of what.
+    pub quantity: Quantity,
+    /// Lower end.
+    pub from: f64,
+    /// Upper end.
+    pub to: f64,
+}
+
+const fn covered(quantity: Quantity, from: f64, to: f64) -> Covered {
+    Covered { quantity, from, to }
+}
+
+/// With a rigid disc. Source: the smallest and largest values in tests/data/rigid-fates.csv and rigid-fates-more.csv, drawn
+/// back to where the table has cases on both sides of the boundaries of the verdicts.
+pub const RIGID_DISC: [Covered; 4] = [
+    covered(Quantity::SpeedRatio, 1e-4, 1e3),
+    covered(Quantity::Exponent, 0.5, 3.0),
+    covered(Quantity::DampingRatio, 1e-3, 0.5),
+    covered(Quantity::FrictionRatio, 1.0, 3.0),
+];
+
+/// With a flexible disc. Source: what the random brakes of `make validity` are drawn from (benches/validity/brakes.rs).
+pub const FLEXIBLE_DISC: [Covered; 4] = [
+    covered(Quantity::SpeedRatio, 1e-2, 1e2),
+    covered(Quantity::Exponent, 0.5, 3.0),
+    covered(Quantity::DampingRatio, 3e-3, 0.3),
+    covered(Quantity::FrictionRatio, 1.0, 2.5),
+];
+
+/// A quantity of a brake outside the range over which verdicts were tested.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncovered {
+    /// The range.
+    pub covered: Covered,
+    /// The value of the brake.
+    pub value: f64,
+}
+
+impl fmt::Display for Uncovered {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Covered { quantity, from, to } = self.covered;
+        let (relation, limit) = if self.value < from { ("below", from) } else { ("above", to) };
+        write!(f, "{quantity} = {:.4e} is {relation} {limit}", self.value)
+    }
+}
+
+/// The quantities of a brake that lie outside the range over which verdicts on this disc were tested.
+#[must_use]
+pub fn uncovered(brake: &PadOnDisc, disc: &DiscModel) -> Vec<Uncovered> {
+    let ranges = match disc {
+        DiscModel::Rigid => RIGID_DISC,
+        DiscModel::Flexible { .. } => FLEXIBLE_DISC,
+    };
+    // What was typed in as the limit may come out of a formula as a little more.
+    let contains =
+        |covered: &Covered, value: f64| value >= covered.from * (1.0 - 1e-9) && value <= covered.to * (1.0 + 1e-9);
+    let values = ranges.into_iter().map(|covered| Uncovered { covered, value: covered.quantity.of(brake) });
+    values.filter(|found| !contains(&found.covered, found.value)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Parameters;
+
+    #[test]
+    fn the_preset_is_covered_and_each_quantity_has_its_limits() {
+        let flexible = DiscModel::Flexible { modes: 5 };
+        for disc in [&DiscModel::Rigid, &flexible] {
+            assert_eq!(uncovered(&PadOnDisc::preset_with(&[]), disc), []);
+        }
+        let stiffness = Parameters::sui_ding_2018().stiffness;
+        let critical = 2.0 * ((stiffness.calliper_tangential + stiffness.contact_tangential_2) * 0.1).sqrt();
+        for (key, inside, outside, quantity) in [
+            ("operating_point.rotating_speed", 0.72e3 / 0.135, 0.73e3 / 0.135, Quantity::SpeedRatio),
+            ("friction.stribeck_exponent", 0.5, 0.49, Quantity::Exponent),
+            ("damping.tangential", 0.5 * critical, 0.0, Quantity::DampingRatio),
+            ("friction.static_coefficient", 0.75, 0.76, Quantity::FrictionRatio),
+        ] {
+            assert_eq!(uncovered(&PadOnDisc::preset_with(&[(key, inside)]), &DiscModel::Rigid), [], "{key}");
+            let found = uncovered(&PadOnDisc::preset_with(&[(key, outside)]), &DiscModel::Rigid);
+            assert_eq!(found.iter().map(|found| found.covered.quantity).collect::<Vec<_>>(), [quantity]);
+        }
+        let frictionless = [("friction.static_coefficient", 0.0), ("friction.kinetic_coefficient", 0.0)];
+        assert_eq!(uncovered(&PadOnDisc::preset_with(&frictionless), &flexible), []);
+    }
+}
