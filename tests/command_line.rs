@@ -354,7 +354,7 @@ fn jobs_in_time_outside_the_tested_range_are_warned_of_and_run() {
         let said = place.run(&format!("{command} job.toml")).done().stderr;
         for text in [
             "warning: v / v_s = 1.8750e3 is above 1000",
-            "warning: the damping ratio of the tangential motion = 2.1544e-4 is below 0.001",
+            "warning: the damping ratio of the tangential motion = 2.1543e-4 is below 0.001",
             "stickslip trajectory",
             "tenfold criterion.horizon",
         ] {

@@ -5,6 +5,11 @@
 
 mod common;
 
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+
 use common::{Place, Table, other_build, repository, surface_job};
 
 /// A job over `points` by `points` cells around Figure 14b; `criterion` are lines after `kind = "time-domain"`.
@@ -244,7 +249,6 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
         ("[model.pad]\ninner_radius = 0.2", ["pad.inner_radius", "must be less than"]),
         ("[model.pad]\nhalf_angle = 4.0", ["pad.half_angle", "at most"]),
         ("[model.disc]\nyoungs_modulus = 1e5", ["criterion", "no sliding equilibrium"]),
-        ("[model.disc]\ntransverse_damping_ratio = 0", ["without falling friction", "coupled-eigenvalue"]),
     ] {
         let spec = job("bad", 3, 10, "").replace("[axes]", &format!("{section}\n\n[axes]"));
         place.write("job.toml", &spec);
@@ -272,6 +276,58 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
     std::os::unix::fs::symlink("/dev/null", place.path("link.parquet")).unwrap();
     place.run("trajectory --out link.parquet").refused(73, &["link.parquet is not an ordinary file"]);
     assert!(place.path("link.parquet").symlink_metadata().unwrap().is_symlink());
+}
+
+#[test]
+fn what_feeds_unstable_samples_is_counted_and_flutter_is_not_mapped() {
+    let place = Place::new();
+    let counts = |name: &str, kind: &str, section: &str| {
+        let spec = job(name, 3, 40, kind).replace("[axes]", &format!("{section}\n\n[axes]"));
+        place.write("job.toml", &spec);
+        place.run("submit job.toml").done();
+        let table = Table::read(&place.path(&format!("runs/{name}/surface.parquet")));
+        let sum = |column: &str| table.column(column).iter().sum::<f64>();
+        let fed = ["n_fed_tangential", "n_fed_normal", "n_fed_angular", "n_fed_disc"].map(sum);
+        assert_eq!(fed.iter().sum::<f64>(), sum("n_unstable"));
+        fed
+    };
+    let [tangential, others @ ..] = counts("groan", "disc_modes = 5", "");
+    assert!(tangential > 50.0 && others == [0.0; 3], "{tangential} {others:?}");
+    let undamped = "[model.disc]\ntransverse_damping_ratio = 0";
+    let [_, normal, angular, disc] = counts("flutter", "disc_modes = 5", undamped);
+    assert!(disc > 200.0 && normal == 0.0 && angular == 0.0, "{disc} {normal} {angular}");
+    // Friction that rises with speed would count as stable in a map.
+    let spec = job("mapped", 3, 40, "disc_modes = 5").replace("[axes]", &format!("{undamped}\n\n[axes]"));
+    place.write("job.toml", &spec.replace("[sampling]", "[sampling]\nevaluate = \"boundary\""));
+    place.run("submit job.toml").refused(65, &["unstable even without falling friction", "evaluate = \"each\""]);
+}
+
+#[test]
+fn a_run_of_other_verdicts_is_refused_with_the_remedy() {
+    let place = Place::new();
+    place.write("job.toml", &job("old", 2, 20, "disc = \"rigid\""));
+    place.run("submit job.toml").done();
+    // A piece as the version before wrote it: of another experiment, and without a word about verdicts.
+    let shards = place.path("runs/old/shards");
+    let piece = std::fs::read_dir(&shards).unwrap().next().unwrap().unwrap().path();
+    let bytes = rewritten_without_version(&piece);
+    std::fs::remove_file(&piece).unwrap();
+    std::fs::write(shards.join(format!("{}.parquet", &blake3::hash(&bytes).to_hex()[..32])), bytes).unwrap();
+    for command in ["resume runs/old", "submit job.toml"] {
+        place.run(command).refused(65, &["another version of stickslip", "verdicts version 2", "has 3", "--out"]);
+    }
+}
+
+/// The bytes of a piece whose owner is another experiment, and whose version of verdicts is not named.
+fn rewritten_without_version(piece: &std::path::Path) -> Vec<u8> {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(std::fs::File::open(piece).unwrap()).unwrap();
+    let owner = KeyValue::new("stickslip:experiment".to_owned(), "of an older version".to_owned());
+    let properties = WriterProperties::builder().set_key_value_metadata(Some(vec![owner])).build();
+    let mut writer = ArrowWriter::try_new(Vec::new(), builder.schema().clone(), Some(properties)).unwrap();
+    for batch in builder.build().unwrap() {
+        writer.write(&batch.unwrap()).unwrap();
+    }
+    writer.into_inner().unwrap()
 }
 
 #[test]

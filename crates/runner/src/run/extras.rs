@@ -54,8 +54,8 @@ impl Extras {
     pub fn of(job: &Job) -> Self {
         Self {
             lookups: job.uses_maps() && job.sampling.evaluate == EvaluateMode::Boundary,
-            // A map tells verdicts only.
-            sources: job.has_flexible_disc() && !job.uses_maps(),
+            // What a map tells is fed by the tangential motion: maps are refused where anything else grows.
+            sources: job.has_flexible_disc() && !job.is_integrated(),
             derivatives: job.sampling.derivatives,
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
         }
