@@ -6,6 +6,7 @@ use crate::finite_difference_plate::PlateMotion;
 use crate::flexible::{ContactForces, ContactState, FlexibleError, PadEquations, sine_and_cosine};
 use crate::friction_steps::FrictionSteps;
 use crate::judgement::{CoupledJudge, Judge, Rules};
+use crate::linear_stability::LinearStability;
 use crate::motion::{Equations, Motion, Observer, Reserve, Step, advance};
 use crate::pad_on_disc::RandomInputs;
 use crate::time_domain::{Start, TimeDomainSettings};
@@ -329,10 +330,15 @@ impl FiniteDifferenceBrake {
         let (mut course, equilibrium) = self.start(inputs, start, displacement, allotment)?;
         let (x, u) = (course.pad.state.q[0], course.pad.state.u[0]);
         let slowest_transient = self.modal.slowest_transient();
-        let rules = Rules { slowest_transient, until_settled: false, repelled_by: None };
+        // Linear stability is that of the modes: a motion on the grid would take long to show it.
+        let repelled_by = match self.modal.by_eigenvalues(inputs)? {
+            LinearStability::Stable => None,
+            LinearStability::Unstable { fed_by } => Some(fed_by),
+        };
+        let rules = Rules { slowest_transient, until_settled: false, repelled_by };
         let judge = CoupledJudge::new(rules, equilibrium, displacement, (u == 0.0).then_some(x));
-        let outside_physics = inputs.static_friction < self.modal.pad.kinetic_friction;
-        let verdict = outside_physics.then_some(Verdict::Stable);
+        let rises = inputs.static_friction < self.modal.pad.kinetic_friction;
+        let verdict = judge.verdict().or(rises.then_some(Verdict::Stable));
         let mut witness = Witness { diary: Diary::default(), judge, verdict };
 
         let every = (self.modal.step_length() / self.step_length).round().max(1.0) as u64;
@@ -349,7 +355,8 @@ impl FiniteDifferenceBrake {
         let at_end = if broken { Verdict::Failed } else { Verdict::Undecided };
         let settled = witness.diary.settled_motion(&moments, intervals, interval);
         let verdict = witness.verdict.unwrap_or(at_end);
-        Ok(Trajectory { moments, interval, settled, verdict, fed_by: None })
+        let fed_by = (verdict == Verdict::Unstable).then(|| witness.judge.fed_by());
+        Ok(Trajectory { moments, interval, settled, verdict, fed_by })
     }
 
     /// A motion at its beginning, and the equilibrium's x.
@@ -560,8 +567,8 @@ mod tests {
     fn verdicts_are_those_of_the_modal_disc() {
         for (speed, start, horizon, expected) in [
             (10.0, Start::LimitCycle, 60.0, Verdict::Unstable),
-            (10.0, Start::Rest, 60.0, Verdict::Unstable),
-            (10.0, Start::Rest, 5.0, Verdict::Undecided),
+            (22.0, Start::Rest, 60.0, Verdict::Unstable),
+            (22.0, Start::Rest, 5.0, Verdict::Undecided),
             (35.0, Start::Rest, 400.0, Verdict::Stable),
         ] {
             let trajectory = on_grid(speed, 6).trajectory(NOMINAL, start, 0.01, horizon, Allotment::Linear).unwrap();

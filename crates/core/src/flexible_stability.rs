@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::contact::{ContactLoads, ContactNode, PadPosition};
 use crate::eigenvalues::{Eigenvalue, eigenvalues};
 use crate::flexible::{ContactState, FlexibleBrake, FlexibleError, PAD, sine_and_cosine};
+use crate::friction::decay;
 use crate::pad_on_disc::RandomInputs;
 
 impl FlexibleBrake {
@@ -51,8 +52,7 @@ impl FlexibleBrake {
     /// [`FlexibleBrake::sliding_equilibrium`] at a friction coefficient `mu`, whatever law gives it.
     pub(crate) fn sliding_equilibrium_with(&self, preload: f64, mu: f64) -> Option<Vec<f64>> {
         let kinetic = self.pad.kinetic_friction;
-        // With a fall of 1 the coefficient exceeds the kinetic one by what is left of the fall at the disc's speed.
-        let left = self.pad.friction_coefficient(self.pad.disc_speed, kinetic + 1.0) - kinetic;
+        let left = decay(self.pad.disc_speed * self.pad.inverse_stribeck, self.pad.stribeck_exponent);
         let static_friction = if mu == kinetic { kinetic } else { kinetic + (mu - kinetic) / left };
         let q = self.sliding_equilibrium(RandomInputs { preload, static_friction }).ok()?;
         q.iter().all(|q| q.is_finite()).then_some(q)

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! resolution   h |x''| / v_s  <=  0.25 e(p) s(r)      e(p) = 1 + p/5 + p^2/50 <= exp(p/5)
-//! feedback     h lambda(r)    <=  0.3                 lambda(r) = G (f_s - f_c) |d exp(-p) / dv|
+//! feedback     h lambda(r)    <=  0.4                 lambda(r) = G (f_s - f_c) |d exp(-p) / dv|
 //! ```
 //!
 //! *Resolution*: `r` may change by a part of the length `s` over which `p` changes by one. The error of a fourth-order
@@ -33,7 +33,7 @@ use crate::friction::StribeckLaw;
 /// Measured together, see the tests: the saddle-node of stick-slip is where the adaptive reference finds it, to 1e-5, for
 /// disc speeds up to 1000 Stribeck velocities.
 const RESOLUTION: f64 = 0.25;
-const FEEDBACK: f64 = 0.3;
+const FEEDBACK: f64 = 0.4;
 
 /// Largest change of `r` in one step over `r` itself where derivatives of the law grow without bound at rest, and the
 /// sliding speed at which that ends.
@@ -83,7 +83,7 @@ impl FrictionSteps {
         let p = self.least_sliding(u);
         let per_acceleration = h * self.inverse_stribeck;
         let resolution = self.resolution_limit * widening(p);
-        let feedback = self.feedback_limit * (1.0 + p * (1.0 + p * 0.5));
+        let feedback = self.feedback_limit * growth(p);
         (per_acceleration * acceleration.0.abs() > resolution)
             | (per_acceleration * acceleration.1.abs() > resolution)
             | (h * self.feedback > feedback)
@@ -96,7 +96,7 @@ impl FrictionSteps {
         let least = self.least_sliding(u);
         let delta = self.exponent;
         if delta == 1.0 {
-            let feedback = self.feedback_limit * (1.0 + least * (1.0 + least * 0.5));
+            let feedback = self.feedback_limit * growth(least);
             return (change / (self.resolution_limit * widening(least))).max(h * self.feedback / feedback);
         }
         let r = least.max(FLOOR);
@@ -121,6 +121,12 @@ impl FrictionSteps {
         let least = if first < last { first } else { last };
         if crosses { 0.0 } else { least * self.inverse_stribeck }
     }
+}
+
+/// The beginning of the series of `exp(p)`, by which the feedback has fallen for the exponent 1 at least.
+#[inline(always)]
+fn growth(p: f64) -> f64 {
+    1.0 + p * (1.0 + p * (0.5 + p * (1.0 / 6.0 + p * (1.0 / 24.0))))
 }
 
 /// `e(p)`, how much more of a change is allowed where friction has fallen.
@@ -268,13 +274,13 @@ mod tests {
         ];
         for (exponent, slope) in steepest {
             let excess = limits(exponent, 7.0, 1.0).excess((speed(0.0), speed(1.0)), (0.0, 0.0), 0.1);
-            let expected = 0.1 * 7.0 * 2.0 * slope / 0.3;
+            let expected = 0.1 * 7.0 * 2.0 * slope / 0.4;
             assert!((excess / expected - 1.0).abs() < 1e-9, "{exponent}: {excess} {expected}");
         }
         // Farther away it is the less the more friction has fallen.
         let excess = limits(1.0, 7.0, 1.0).excess((speed(4.0), speed(2.0)), (0.0, 0.0), 0.1);
-        assert!((excess - 0.1 * 7.0 * 2.0 / (0.3 * 5.0)).abs() < 1e-9);
+        assert!((excess - 0.1 * 7.0 * 2.0 / (0.4 * 7.0)).abs() < 1e-9);
         let excess = limits(2.0, 7.0, 1.0).excess((speed(3.0), speed(2.0)), (0.0, 0.0), 0.1);
-        assert!((excess - 0.1 * 7.0 * 2.0 * 4.0 * libm::exp(-4.0) / 0.3).abs() < 1e-9);
+        assert!((excess - 0.1 * 7.0 * 2.0 * 4.0 * libm::exp(-4.0) / 0.4).abs() < 1e-9);
     }
 }

@@ -25,7 +25,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::eigenvalues::{Eigenvalue, eigenvalues};
+use crate::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 use crate::flexible::{FlexibleBrake, FlexibleError, PAD};
 use crate::flexible_stability::first_order;
 use crate::pad_on_disc::RandomInputs;
@@ -39,6 +39,9 @@ const FRICTION_SPACING: f64 = 0.02;
 
 /// Least distance from the critical products of a box at which they are believed, relative to them.
 const LEAST_MARGIN: f64 = 2e-3;
+
+/// Rows of the lattice, far beyond any friction coefficient.
+const FARTHEST_ROW: f64 = 1e6;
 
 /// Shares of the critical product below which a corner must be stable, and multiples at which it must be unstable. The
 /// negative ones stand for friction that rises with speed.
@@ -118,9 +121,9 @@ impl Linearisation {
         first_order(&self.stiffness, &(&self.damping + &self.damping_by_slope * slope))
     }
 
-    fn growth_rate(&self, slope: f64) -> Option<f64> {
-        let values = eigenvalues(&self.matrix(slope)).ok()?;
-        Some(values.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max))
+    fn growth_rate(&self, slope: f64) -> Result<f64, EigenvalueError> {
+        let values = eigenvalues(&self.matrix(slope))?;
+        Ok(values.first().map_or(f64::NEG_INFINITY, |value| value.re))
     }
 }
 
@@ -167,8 +170,7 @@ impl FlexibleBrake {
             return Ok(LinearStability::Stable);
         };
         let linearisation = self.linearisation(inputs)?;
-        let without_fall = linearisation.growth_rate(0.0).unwrap_or(f64::NAN);
-        let fed_by = if without_fall <= 0.0 {
+        let fed_by = if linearisation.growth_rate(0.0)? <= 0.0 {
             DegreeOfFreedom::Tangential
         } else {
             self.largest_share(&linearisation.matrix(self.friction_slope(inputs.static_friction)), *fastest)
@@ -182,9 +184,7 @@ impl FlexibleBrake {
     /// # Errors
     /// As [`FlexibleBrake::growth_rate`].
     pub fn growth_rate_without_fall(&self, inputs: RandomInputs) -> Result<f64, FlexibleError> {
-        let linearisation = self.linearisation(inputs)?;
-        let values = eigenvalues(&linearisation.matrix(0.0))?;
-        Ok(values.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max))
+        Ok(self.linearisation(inputs)?.growth_rate(0.0)?)
     }
 
     fn linearisation(&self, inputs: RandomInputs) -> Result<Linearisation, FlexibleError> {
@@ -203,7 +203,11 @@ impl FlexibleBrake {
         let pad = &self.pad;
         let mu = pad.friction_coefficient(pad.disc_speed, static_friction);
         let column = (libm::log(preload) / PRELOAD_SPACING).floor() as i64;
-        let row = ((mu - pad.kinetic_friction) / FRICTION_SPACING).floor() as i64;
+        let row = ((mu - pad.kinetic_friction) / FRICTION_SPACING).floor();
+        if row.abs() > FARTHEST_ROW {
+            return None;
+        }
+        let row = row as i64;
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for corner in [(column, row), (column + 1, row), (column, row + 1), (column + 1, row + 1)] {
             let critical = self.critical_products.at(corner, || self.critical_product(corner))?;
@@ -229,7 +233,7 @@ impl FlexibleBrake {
         let (stiffness, damping) = self.linearise_with(&q, mu, 0.0);
         let damping_by_slope = self.linearise_with(&q, mu, 1.0).1 - &damping;
         let linearisation = Linearisation { stiffness, damping, damping_by_slope };
-        let growth_rate = |slope: f64| linearisation.growth_rate(slope);
+        let growth_rate = |slope: f64| linearisation.growth_rate(slope).ok();
         let at_rest = growth_rate(0.0)?;
         let by_slope = linearisation.damping_by_slope[(0, 0)];
         if at_rest >= 0.0 || by_slope <= 0.0 {
@@ -336,6 +340,8 @@ mod tests {
             vec![("operating_point.rotating_speed", 15.4), ("disc.youngs_modulus", 4e9)],
             vec![("operating_point.rotating_speed", 24.0), ("friction.stribeck_exponent", 2.0)],
             vec![("operating_point.rotating_speed", 20.0), ("disc.transverse_damping_ratio", 0.0)],
+            // 50 Stribeck velocities: nothing is left of the fall of friction there.
+            vec![("operating_point.rotating_speed", 15.0), ("friction.stribeck_velocity", 0.0405)],
         ] {
             let flexible = flexible(&changes);
             let mut by_lattice = 0;

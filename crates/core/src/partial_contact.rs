@@ -532,19 +532,16 @@ impl Survey<'_> {
             };
             let line = self.line(region.at(from + width * share));
             let weight = 0.5 * weight * stretch * width * line.radius.r / area;
-            // The pieces of all lines between two cuts are alike.
-            if !self.pieces(&line, weight, visitor) {
-                break;
-            }
+            self.pieces(&line, weight, visitor);
         }
     }
 
-    /// The nodes of a line, `weight` for each radian; whether there are any.
-    fn pieces(&self, line: &Line, weight: f64, visitor: &mut impl Visitor) -> bool {
+    /// The nodes of a line, `weight` for each radian.
+    fn pieces(&self, line: &Line, weight: f64, visitor: &mut impl Visitor) {
         let psi = self.region.half_angle;
         let roots = self.roots(line, true);
         if roots.count == 0 && !roots.starts_pressed {
-            return false;
+            return;
         }
         let (mut pressed, mut from) = (roots.starts_pressed, -psi);
         let ends = roots.angles[..roots.count].iter().copied().chain([psi]);
@@ -555,7 +552,6 @@ impl Survey<'_> {
             (pressed, from) = (!pressed, to);
         }
         visitor.end_of_line(&line.radius);
-        true
     }
 
     fn piece(&self, line: &Line, (middle, half): (f64, f64), weight: f64, visitor: &mut impl Visitor) {

@@ -399,15 +399,16 @@ impl PlanarMotion {
     /// The fate of a motion that grows at the amplitude `a`.
     fn fate_of_growing(&self, a: f64) -> Fate {
         let mut inner = a;
-        loop {
+        for _ in 0..MOST_SCANNED {
             let outer = inner / SCAN_RATIO;
             match self.change(outer) {
                 f64::INFINITY => return Fate::Captured,
                 change if change > 0.0 => inner = outer,
                 change if change <= 0.0 => return self.cycle_between(inner, outer),
-                _ => return Fate::Unresolved,
+                _ => break,
             }
         }
+        Fate::Unresolved
     }
 
     /// An amplitude between two at which swings grow, where they shrink at both; by golden section towards the largest

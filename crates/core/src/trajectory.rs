@@ -71,7 +71,7 @@ pub struct Trajectory {
     pub settled: Option<SettledMotion>,
     /// The verdict on the motion, as a run would give it: certain before the trajectory ends or not.
     pub verdict: Verdict,
-    /// What feeds the motion if it is unstable; `None` too where nobody asked, on the finite-difference disc.
+    /// What feeds the motion if it is unstable.
     pub fed_by: Option<DegreeOfFreedom>,
 }
 

@@ -24,7 +24,9 @@ use crate::motion::Observer;
 use crate::verdict::Verdict;
 
 /// Largest distance from the equilibrium, over x0, at which a shrinking motion counts as having come home, however large
-/// the stated displacement: a stick-slip cycle is wider, since its pad swings as fast as the disc.
+/// the stated displacement: cycles of the preset and of the brakes in [`crate::validity`] are wider. A stable cycle that is
+/// smaller than the displacement and has a linearly stable equilibrium inside (possible for exponents above 1) is not
+/// told from rest on a flexible disc.
 const LARGEST_BASIN: f64 = 0.1;
 
 /// Distance from the equilibrium, over x0, at which a motion that does not turn has arrived: beyond all that numbers

@@ -88,8 +88,9 @@ impl PlanarJudge {
     /// What the return map says of a motion without sticking, or of one that is captured: it sticks and is released, and
     /// what follows is the same for all motions.
     fn ends_in(&mut self, fate: Fate) {
-        let fate = match fate {
-            Fate::Captured => match self.motion.fate_of_release() {
+        let settled = |fate: Fate| if self.until_settled { self.motion.settles(fate) } else { fate };
+        let fate = match settled(fate) {
+            Fate::Captured => match settled(self.motion.fate_of_release()) {
                 Fate::Captured => return self.ends_in_stick_slip(),
                 released => released,
             },
@@ -97,7 +98,6 @@ impl PlanarJudge {
         };
         match fate {
             Fate::Home if !self.grows => self.verdict = Some(Verdict::Stable),
-            Fate::Grows { .. } | Fate::Trapped { .. } if self.until_settled => self.ends_in(self.motion.settles(fate)),
             Fate::Grows { .. } | Fate::Trapped { .. } => self.becomes_unstable(),
             Fate::SmoothCycle { amplitude } => {
                 self.amplitude = amplitude;

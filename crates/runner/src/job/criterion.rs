@@ -193,8 +193,8 @@ impl Criterion {
         })
     }
 
-    /// A rotating speed and a growth rate at which pad and disc are unstable without any fall of friction, if there is one
-    /// among the extremes of speeds and preloads.
+    /// A rotating speed of the axis and a growth rate at which pad and disc are unstable without any fall of friction, if there
+    /// is one at half the least and one and a half times the largest preload.
     pub fn growth_without_fall(&self, parameters: &Parameters, grid: &Grid) -> Option<(f64, f64)> {
         let modes = self.modes()?;
         let ends = |values: &[f64]| {
@@ -202,11 +202,12 @@ impl Criterion {
             [positive().fold(f64::INFINITY, f64::min), positive().fold(0.0, f64::max)]
         };
         let static_friction = parameters.friction.kinetic_coefficient;
-        for speed in ends(grid.rotating_speed.values()) {
+        for &speed in grid.rotating_speed.values() {
             let mut parameters = parameters.clone();
             parameters.operating_point.rotating_speed = speed;
             let brake = FlexibleBrake::with_modes(PadOnDisc::new(parameters).ok()?, modes).ok()?;
-            for preload in ends(grid.preload.values()) {
+            let [least, largest] = ends(grid.preload.values());
+            for preload in [0.5 * least, 1.5 * largest] {
                 match brake.growth_rate_without_fall(RandomInputs { preload, static_friction }) {
                     Ok(rate) if rate > 0.0 => return Some((speed, rate)),
                     _ => {}

@@ -132,7 +132,7 @@ impl Extras {
         let count = |i: usize| counts.get(i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
         match SOURCES.iter().position(|other| *other == source) {
             Some(place) => count(place),
-            None => unstable - (0..SOURCES.len()).map(count).sum::<u64>(),
+            None => unstable.saturating_sub((0..SOURCES.len()).map(count).sum::<u64>()),
         }
     }
 

@@ -107,7 +107,7 @@ impl Owner {
             )
         } else {
             format!(
-                "{path} was computed by another version of stickslip, which judged motions otherwise (verdicts version {version}, this one has {VERDICTS_VERSION}); the two must not be mixed. Submit the run's job.toml into another directory with --out, or go on with the stickslip that began it"
+                "{path} was computed by another version of stickslip (verdicts version {version}, this one has {VERDICTS_VERSION}), or belongs to another job; the two must not be mixed. Submit the run's job.toml into another directory with --out, go on with the stickslip that began it, or restore job.toml if it was edited"
             )
         })
     }

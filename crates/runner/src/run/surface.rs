@@ -177,22 +177,22 @@ fn source_columns(extras: Extras) -> Vec<Column> {
     vec![
         column(
             "n_fed_tangential",
-            "unstable samples that would be stable if friction did not fall with speed, or that stick and slip from their start",
+            "unstable samples that would be stable if friction did not fall with speed, or whose fastest growing mode is the tangential motion of the pad",
             DegreeOfFreedom::Tangential,
         ),
         column(
             "n_fed_normal",
-            "unstable samples whose growth without falling friction is largest in the normal motion of the pad",
+            "unstable samples that grow even without falling friction, most in the normal motion of the pad",
             DegreeOfFreedom::Normal,
         ),
         column(
             "n_fed_angular",
-            "unstable samples whose growth without falling friction is largest in the rotation of the pad",
+            "unstable samples that grow even without falling friction, most in the rotation of the pad",
             DegreeOfFreedom::Angular,
         ),
         column(
             "n_fed_disc",
-            "unstable samples whose growth without falling friction is largest in the bending of the disc",
+            "unstable samples that grow even without falling friction, most in the bending of the disc",
             DegreeOfFreedom::Disc,
         ),
     ]
