@@ -329,7 +329,8 @@ impl FiniteDifferenceBrake {
         let (mut course, equilibrium) = self.start(inputs, start, displacement, allotment)?;
         let (x, u) = (course.pad.state.q[0], course.pad.state.u[0]);
         let slowest_transient = self.modal.slowest_transient();
-        let rules = Rules { slowest_transient, until_settled: false, repelled_by: None };
+        let smallest_cycle = self.modal.pad.smallest_cycle();
+        let rules = Rules { slowest_transient, smallest_cycle, until_settled: false, repelled_by: None };
         let judge = CoupledJudge::new(rules, equilibrium, displacement, (u == 0.0).then_some(x));
         let outside_physics = inputs.static_friction < self.modal.pad.kinetic_friction;
         let verdict = outside_physics.then_some(Verdict::Stable);
