@@ -7,7 +7,7 @@
 //! |---|---|
 //! | of the equilibrium's own eigenvalues one grows | unstable, whatever the start |
 //! | else: the swing has died to 1e-4 of the first | stable |
-//! | the swing is the same in two lengths to 1e-7, or in three to 1e-5, and so is the share of stick | unstable |
+//! | the swing is the same in two lengths to 1e-5, and so is the share of stick | unstable |
 //! | sticks in three lengths, the last of them at least the horizon, and the swing differs by less than a hundredth | unstable |
 //! | at the end: without sticking, the swing falls in each length, and as fast as before | stable |
 //! | at the end: anything else | none |
@@ -17,7 +17,7 @@ use stickslip_core::{
 };
 
 /// Lengths of the motions: to three times the horizon of the verdicts.
-const LENGTHS: [f64; 6] = [100.0, 300.0, 900.0, 2700.0, 10_000.0, 30_000.0];
+const LENGTHS: [f64; 7] = [60.0, 180.0, 540.0, 1620.0, 4860.0, 14_580.0, 30_000.0];
 
 /// Steps are divided by this.
 const DIVISOR: f64 = 4.0;
@@ -25,9 +25,8 @@ const DIVISOR: f64 = 4.0;
 /// The swing that is rest, over the first.
 const AT_REST: f64 = 1e-4;
 
-/// Change of the swing between two lengths that is none, and between three: motions that still change, change more over a
-/// time three times as long.
-const SAME_TWICE: f64 = 1e-7;
+/// Change of the swing between two lengths that is none: motions that still change, change more over a time three times as
+/// long.
 const SAME: f64 = 1e-5;
 
 /// The same for stick-slip whose cycles differ, because the disc rings along.
@@ -115,10 +114,14 @@ impl Motion {
             if look.stick == 0.0 && look.swing < AT_REST * self.first_swing {
                 return Verdict::Stable;
             }
-            let [.., a, b, c] = looks[..] else { continue };
-            let goes_on = |same: f64| is_same(a, c, same) && is_same(b, c, same);
-            let rings_along = length >= 10_000.0 && c.stick > 0.0;
-            if is_same(b, c, SAME_TWICE) || goes_on(SAME) || rings_along && goes_on(NEARLY_SAME) {
+            let goes_on = match looks[..] {
+                [.., b, c] if is_same(b, c, SAME) => true,
+                [.., a, b, c] if length >= 10_000.0 && c.stick > 0.0 => {
+                    is_same(a, c, NEARLY_SAME) && is_same(b, c, NEARLY_SAME)
+                }
+                _ => false,
+            };
+            if goes_on {
                 return Verdict::Unstable;
             }
         }

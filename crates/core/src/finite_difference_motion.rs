@@ -335,7 +335,8 @@ impl FiniteDifferenceBrake {
             LinearStability::Stable => None,
             LinearStability::Unstable { fed_by } => Some(fed_by),
         };
-        let rules = Rules { slowest_transient, until_settled: false, repelled_by };
+        let smallest_cycle = self.modal.pad.smallest_cycle();
+        let rules = Rules { slowest_transient, smallest_cycle, until_settled: false, repelled_by };
         let judge = CoupledJudge::new(rules, equilibrium, displacement, (u == 0.0).then_some(x));
         let rises = inputs.static_friction < self.modal.pad.kinetic_friction;
         let verdict = judge.verdict().or(rises.then_some(Verdict::Stable));

@@ -216,6 +216,11 @@ impl PadEquations {
         self.disc_speed * (self.tangential_stiffness + self.contact_tangential).sqrt()
     }
 
+    /// The amplitude of an oscillation at the natural frequency of the tangential motion that is as fast as the disc.
+    pub fn smallest_cycle(&self) -> f64 {
+        self.disc_speed / (self.tangential_stiffness + self.contact_tangential).sqrt()
+    }
+
     /// mu at a sliding speed, see [`decay`].
     #[inline(always)]
     pub fn friction_coefficient(&self, sliding_speed: f64, static_friction: f64) -> f64 {

@@ -276,6 +276,7 @@ impl TimeDomain {
         };
         let rules = Rules {
             slowest_transient: brake.slowest_transient(),
+            smallest_cycle: brake.pad.smallest_cycle(),
             until_settled: self.settings.until_settled(),
             repelled_by,
         };
@@ -453,7 +454,12 @@ mod tests {
         let System::Flexible(brake) = &criterion.system else { panic!("a flexible disc") };
         let sample = FlexibleSample::new(brake, inputs);
         let (motion, equilibrium) = criterion.flexible_start(&sample).unwrap();
-        let rules = Rules { slowest_transient: brake.slowest_transient(), until_settled: false, repelled_by: None };
+        let rules = Rules {
+            slowest_transient: brake.slowest_transient(),
+            smallest_cycle: brake.pad.smallest_cycle(),
+            until_settled: false,
+            repelled_by: None,
+        };
         let turning = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
         let judge = CoupledJudge::new(rules, equilibrium, criterion.settings.displacement, turning);
         criterion.follow(&sample, motion, judge, brake.step_length(), 0).verdict
@@ -740,6 +746,34 @@ mod tests {
         assert!(end.amplitude() < 1e-10 && !end.sticks_after(3000.0), "it does not come to rest");
         let judged = criterion.judge(inputs);
         assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
+    }
+
+    #[test]
+    fn a_disc_that_rings_longer_than_the_pad_swings_leaves_nothing_undecided() {
+        // Partial contact and little damping of the disc: beyond time 100 nothing but its beats is left to see.
+        let changes = [
+            ("disc.youngs_modulus", 2.726e10),
+            ("disc.thickness", 0.01058),
+            ("disc.transverse_damping_ratio", 0.002523),
+            ("stiffness.calliper_tangential", 4.598e7),
+            ("stiffness.calliper_normal", 1.2391e7),
+            ("stiffness.calliper_angular", 6.899e4),
+            ("stiffness.contact_normal", 1.1207e8),
+            ("stiffness.contact_tangential_1", 1.6564e7),
+            ("stiffness.contact_tangential_2", 2.3442e7),
+            ("damping.tangential", 1465.5),
+            ("damping.normal", 209.3),
+            ("damping.angular", 0.06608),
+            ("friction.kinetic_coefficient", 0.33254),
+            ("friction.stribeck_velocity", 1.8077),
+            ("friction.stribeck_exponent", 1.5),
+            ("operating_point.rotating_speed", 15.614),
+        ];
+        let inputs = RandomInputs { preload: 0.1146, static_friction: 0.64816 };
+        let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
+        let judged = TimeDomain::new(&PadOnDisc::preset_with(&changes), &FLEXIBLE, settings).unwrap().judge(inputs);
+        assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
+        assert!(judged.time < 4000.0, "{judged:?}");
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | shrinking, and no larger than the stated displacement | not known to be unstable | stable |
 //! | creeping: no turn and no stick between two looks, half as far from the equilibrium as before | the same | stable |
+//! | still: [`STILL_SWINGS`] swings in a row far smaller than any cycle | the same | stable |
 //! | growing, or constant | | unstable |
 //! | stick-slip is kept | | unstable |
 //!
@@ -33,11 +34,20 @@ const LARGEST_BASIN: f64 = 0.1;
 /// resolve of a creeping motion's last part.
 const ARRIVED: f64 = 1e-6;
 
+/// Swings smaller than this, over x0 and over the smallest cycle, are no motion any more, if so many come in a row. What
+/// swings them is the ringing of a disc that dies away more slowly than the tangential motion did: it beats, and next to
+/// what the first swings could feign it says nothing.
+const STILL: f64 = 1e-6;
+const STILL_SWINGS: u32 = 100;
+
 /// How a motion is judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rules {
     /// Slowest damping rate of the degrees of freedom that disturb the tangential motion.
     pub slowest_transient: f64,
+    /// Amplitude at which the pad swings as fast as the disc, that of the smallest stick-slip: on a slow disc far less
+    /// than x0.
+    pub smallest_cycle: f64,
     /// Whether an unstable motion is followed until its amplitude has settled.
     pub until_settled: bool,
     /// What feeds small motions about steady sliding, if it is linearly unstable: then the verdict is known, and only the
@@ -54,6 +64,9 @@ pub(crate) struct CoupledJudge {
     equilibrium: f64,
     /// Amplitude below which a shrinking motion has come home: the stated displacement.
     basin: f64,
+    /// Amplitude of swings that are none, and how many of them came in a row.
+    still: f64,
+    still_swings: u32,
     /// Distance from the equilibrium at the last look, unless the motion has turned, stuck or slipped since.
     last_distance: Option<f64>,
     verdict: Option<Verdict>,
@@ -74,6 +87,8 @@ impl CoupledJudge {
             repelled_by: rules.repelled_by,
             equilibrium,
             basin: displacement.min(LARGEST_BASIN) * equilibrium.abs(),
+            still: STILL * equilibrium.abs().min(rules.smallest_cycle),
+            still_swings: 0,
             last_distance: None,
             verdict: (rules.repelled_by.is_some() && !rules.until_settled).then_some(Verdict::Unstable),
             grows: rules.repelled_by.is_some(),
@@ -99,6 +114,10 @@ impl CoupledJudge {
             Trend::Shrinking if !self.grows && amplitude <= self.basin => self.verdict = Some(Verdict::Stable),
             Trend::Constant if self.grows || amplitude > self.basin => self.verdict = Some(Verdict::Unstable),
             Trend::Shrinking | Trend::Constant | Trend::Unclear => {}
+        }
+        self.still_swings = if amplitude <= self.still { self.still_swings + 1 } else { 0 };
+        if self.still_swings >= STILL_SWINGS && !self.grows && self.verdict.is_none() {
+            self.verdict = Some(Verdict::Stable);
         }
     }
 }

@@ -9,7 +9,7 @@ const RINGS_FOR_EVER: f64 = 0.0;
 const DISPLACEMENT: f64 = 0.01;
 
 fn rules(slowest_transient: f64) -> Rules {
-    Rules { slowest_transient, until_settled: false, repelled_by: None }
+    Rules { slowest_transient, smallest_cycle: 1.0, until_settled: false, repelled_by: None }
 }
 
 struct Driven {
@@ -293,8 +293,12 @@ fn a_motion_known_to_grow_does_not_creep_home() {
     assert_eq!(driven.looks(&[0.009, 0.004, 0.001]), None);
 }
 
-const REPELLED: Rules =
-    Rules { slowest_transient: RINGS_NEVER, until_settled: false, repelled_by: Some(DegreeOfFreedom::Normal) };
+const REPELLED: Rules = Rules {
+    slowest_transient: RINGS_NEVER,
+    smallest_cycle: 1.0,
+    until_settled: false,
+    repelled_by: Some(DegreeOfFreedom::Normal),
+};
 
 #[test]
 fn a_linearly_unstable_equilibrium_makes_a_motion_unstable_at_once() {
@@ -367,4 +371,22 @@ fn a_verdict_stands() {
     let mut driven = Driven::new(RINGS_NEVER);
     assert_eq!(driven.verdict_of_swings(|_| 0.05), Some(Verdict::Unstable));
     assert_eq!(driven.looks(&[0.009, 0.004, 0.001]), Some(Verdict::Unstable));
+}
+
+#[test]
+fn a_motion_that_has_come_to_rest_is_stable_however_what_rings_along_beats() {
+    // After a first swing that may be feigned for ever, 1e-7 of the equilibrium, beating.
+    let beats = |time: f64| 1e-7 * (1.5 + (0.3 * time).sin());
+    let verdict = |rules: Rules, amplitude: &dyn Fn(f64) -> f64| {
+        // So small a displacement that no swing is within it.
+        let mut driven = Driven::with(rules, 1e-8);
+        driven.swing(0.5);
+        (driven.verdict_of_swings(amplitude), driven.time)
+    };
+    let ringing = rules(RINGS_FOR_EVER);
+    assert_eq!(verdict(ringing, &beats), (Some(Verdict::Stable), 303.0));
+    let now_and_then_more = |time: f64| if time % 250.0 < 3.0 { 1e-5 } else { beats(time) };
+    assert_eq!(verdict(ringing, &now_and_then_more).0, None);
+    // On a slow disc a cycle may be as small.
+    assert_eq!(verdict(Rules { smallest_cycle: 1e-7, ..ringing }, &beats).0, None);
 }
