@@ -33,7 +33,7 @@ use stickslip_core::{DiscModel, PadOnDisc, RandomInputs, Start, TimeDomain, Time
 use table::{Held, Place, print_cases, print_table};
 
 /// Random brakes with a flexible disc, each with three starts.
-const BRAKES: usize = 80;
+const BRAKES: usize = 40;
 
 const THREADS: usize = 2;
 
