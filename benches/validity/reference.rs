@@ -1,7 +1,7 @@
 //! What becomes of motions on a flexible disc, seen without any judge.
 //!
-//! A motion is followed with steps a quarter of those in use, whose errors are 256 times smaller, for longer and longer, and its last quarter is looked at: how
-//! far x swings, and how much of the time pad and disc stick.
+//! A motion is followed with steps a quarter of those in use, whose errors are 256 times smaller, for longer and longer, and
+//! its last quarter is looked at: how far x swings, and how much of the time pad and disc stick.
 //!
 //! | the last quarters | reference |
 //! |---|---|

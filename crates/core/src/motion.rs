@@ -91,8 +91,9 @@ pub(crate) trait Observer {
 }
 
 /// A pad grazes where its sliding speed has a minimum below this share of the disc's speed, or where it meets the disc with
-/// less than this share of the disc's speed times its natural frequency: errors of the sliding speed are some 1e-6 of the disc's, and
-/// the acceleration goes with the square root of the distance to a mere touch.
+/// less than this share of the disc's speed times its natural frequency: errors of the sliding speed are some 1e-6 of the
+/// disc's where stick-slip ends (a test of the steps), and the acceleration goes with the square root of the distance to a
+/// mere touch.
 const GRAZING_SPEED: f64 = 1e-4;
 const GRAZING_RATE: f64 = 3e-2;
 

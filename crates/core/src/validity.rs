@@ -5,7 +5,7 @@
 //! # Outside the range
 //!
 //! [`uncovered`] says which quantity of a brake lies outside the ranges [`RIGID_DISC`] and [`FLEXIBLE_DISC`]; `stickslip check`
-//! and `stickslip submit` warn then. A verdict there may be right: nothing but experience is missing. Look at single
+//! and `stickslip submit` warn then. A verdict there may be right, but it was not tested. Look at single
 //! samples with `stickslip trajectory`, and compare the run with one of a tenfold horizon (`stickslip compare`).
 
 use std::fmt;
@@ -74,8 +74,8 @@ const fn covered(quantity: Quantity, from: f64, to: f64) -> Covered {
     Covered { quantity, from, to }
 }
 
-/// With a rigid disc. Source: the smallest and largest values in tests/data/rigid-fates.csv and rigid-fates-more.csv, drawn
-/// back to where the table has cases on both sides of the boundaries of the verdicts.
+/// With a rigid disc. Source: the smallest and largest values in tests/data/rigid-fates.csv and rigid-fates-more.csv, rounded
+/// inwards.
 pub const RIGID_DISC: [Covered; 4] = [
     covered(Quantity::SpeedRatio, 1e-4, 1e3),
     covered(Quantity::Exponent, 0.5, 3.0),
@@ -83,7 +83,8 @@ pub const RIGID_DISC: [Covered; 4] = [
     covered(Quantity::FrictionRatio, 1.0, 3.0),
 ];
 
-/// With a flexible disc. Source: what the random brakes of `make validity` are drawn from (benches/validity/brakes.rs).
+/// With a flexible disc. Source: what the random brakes of `make validity` are drawn from (benches/validity/brakes.rs); of v / v_s
+/// the decades in the middle, where most of them lie.
 pub const FLEXIBLE_DISC: [Covered; 4] = [
     covered(Quantity::SpeedRatio, 1e-2, 1e2),
     covered(Quantity::Exponent, 0.5, 3.0),

@@ -12,6 +12,7 @@
 //! | | sticks for the first time | held: until its release, which is the same for all motions that stick |
 //! | | sticks a second time, or a first time after a start at release | unstable: all cycles are the same from here |
 //! | | grazes the disc's speed in its first swing since the start or a release | the return map says what comes of that start or release |
+//! | | overtakes the disc | swinging, with nothing to compare with |
 //! | held | would stick for longer than [`LONGEST_STICK`] | the return map says what comes of the release |
 //! | | slips | swinging |
 //!
