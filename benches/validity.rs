@@ -34,7 +34,7 @@ use stickslip_core::{DiscModel, PadOnDisc, RandomInputs, Start, TimeDomain, Time
 use table::{Held, Place, print_cases, print_table};
 
 /// Random brakes with a flexible disc, each with three starts.
-const BRAKES: usize = 40;
+const BRAKES: usize = 20;
 
 const THREADS: usize = 2;
 
