@@ -295,7 +295,7 @@ fn what_feeds_unstable_samples_is_counted_and_flutter_is_not_mapped() {
     assert!(tangential > 50.0 && others == [0.0; 3], "{tangential} {others:?}");
     let undamped = "[model.disc]\ntransverse_damping_ratio = 0";
     let [_, normal, angular, disc] = counts("flutter", "disc_modes = 5", undamped);
-    assert!(disc > 200.0 && normal == 0.0 && angular == 0.0, "{disc} {normal} {angular}");
+    assert!(disc > 50.0 && normal == 0.0 && angular == 0.0, "{disc} {normal} {angular}");
     // Friction that rises with speed would count as stable in a map.
     let spec = job("mapped", 3, 40, "disc_modes = 5").replace("[axes]", &format!("{undamped}\n\n[axes]"));
     place.write("job.toml", &spec.replace("[sampling]", "[sampling]\nevaluate = \"boundary\""));
