@@ -84,11 +84,23 @@ fn estimate(counts: &VerdictCounts, bounds: impl Fn(u64, u64) -> (f64, f64)) -> 
 /// Which interval a binomial proportion gets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum IntervalKind {
-    /// Wilson's score interval: covers the true probability as often as it says on average over probabilities.
+    /// Wilson's score interval: covers the true probability as often as it says on average over probabilities. Near 0
+    /// and 1 it covers less: at 95 % never less than 0.838 (at `n p` = 0.177, for large `n`), at 99.9 % 0.925.
     Wilson,
     /// Clopper and Pearson's exact interval: covers at least as often as it says whatever the probability, and is
     /// wider.
     ClopperPearson,
+}
+
+/// Wilson's interval is not used beyond this confidence: the rarer a miss is to be, the more often it misses than it says.
+pub const MOST_WILSON_CONFIDENCE: f64 = 0.95;
+
+impl IntervalKind {
+    /// The interval for a confidence if nobody asks for one of them: Wilson's up to 95 %, Clopper and Pearson's beyond.
+    #[must_use]
+    pub fn for_confidence(confidence: f64) -> Self {
+        if confidence > MOST_WILSON_CONFIDENCE { Self::ClopperPearson } else { Self::Wilson }
+    }
 }
 
 /// A confidence interval for a binomial proportion, of either kind.

@@ -74,5 +74,5 @@ pub use interval::{BinomialInterval, Estimate, IntervalKind, WilsonInterval};
 pub use mapped::{MapRegions, MappedProbability};
 pub use samples::{SampleStream, Samples};
 pub use score::{CellNumber, ScoreSums, ScoreTotals};
-pub use sequential::Looks;
+pub use sequential::{Looks, Precision};
 pub use sobol::{ScrambledSobol, SobolCursor};

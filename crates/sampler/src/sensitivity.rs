@@ -1,9 +1,12 @@
 //! Sobol indices of the verdict: the shares of its variance that an input explains.
 
 /// Counts of verdicts on samples A, on independent samples B, and on the samples A_i that are A with input `i` of B.
+///
+/// Only those triples of A, B and A_i count of which all three are decided. An undecided or failed sample has no verdict:
+/// to call it stable would credit an input with its inadmissible values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct IndexCounts {
-    /// Samples.
+    /// Triples.
     pub samples: u64,
     /// Of A, unstable.
     pub first_unstable: u64,
@@ -15,6 +18,21 @@ pub struct IndexCounts {
     pub down: u64,
     /// A and A_i differ.
     pub turned: u64,
+}
+
+impl IndexCounts {
+    /// Adds the verdicts on A, B and A_i, where all three are decided; `None` is a sample without a verdict. Returns whether they are.
+    #[inline]
+    pub fn add(&mut self, first: Option<bool>, second: Option<bool>, mixed: Option<bool>) -> bool {
+        let (Some(a), Some(b), Some(ab)) = (first, second, mixed) else { return false };
+        self.samples += 1;
+        self.first_unstable += u64::from(a);
+        self.second_unstable += u64::from(b);
+        self.up += u64::from(b && ab && !a);
+        self.down += u64::from(b && !ab && a);
+        self.turned += u64::from(a != ab);
+        true
+    }
 }
 
 /// First-order and total index of one input, with their standard errors.
@@ -32,13 +50,15 @@ pub struct SobolIndices {
 
 /// The indices of one input; `None` where all samples agree.
 ///
-/// With the verdict f (1 unstable, 0 otherwise) of A, B and A_i:
+/// With the verdict f (1 unstable, 0 stable) of A, B and A_i:
 ///
 /// ```text
 /// S_i = E[f(B) (f(A_i) - f(A))] / V,   T_i = E[(f(A) - f(A_i))^2] / 2V,   V = p (1 - p)
 /// ```
 ///
-/// A. Saltelli et al., Comput. Phys. Commun. 181 (2010), table 2, rows b and f. The standard errors include that of V, and one
+/// A. Saltelli et al., Comput. Phys. Commun. 181 (2010), table 2, rows b and f. Where samples fail, or are undecided, these are the
+/// indices among those that are decided: exactly, if what is left out depends on each input by itself (a stiffness below
+/// zero), and else approximately. The standard errors include that of V, and one
 /// more count than was seen: what has not been seen in n samples may still have a share of some 1 / n.
 #[must_use]
 pub fn indices(counts: &IndexCounts) -> Option<SobolIndices> {
@@ -80,16 +100,11 @@ mod tests {
         let stream = |points| DeviateStream { seed, common_random_numbers: false, dimensions: 2, points };
         let first = stream(Points::Random).draw(0, 0, 0..samples);
         let second = stream(Points::SecondRandom).draw(0, 0, 0..samples);
-        let mut counts = [IndexCounts { samples, ..IndexCounts::default() }; 2];
+        let mut counts = [IndexCounts::default(); 2];
         for (a, b) in first.chunks_exact(2).zip(second.chunks_exact(2)) {
             let (in_a, in_b) = (verdict([a[0], a[1]]), verdict([b[0], b[1]]));
             for (counts, mixed) in counts.iter_mut().zip([[b[0], a[1]], [a[0], b[1]]]) {
-                let in_mixed = verdict(mixed);
-                counts.first_unstable += u64::from(in_a);
-                counts.second_unstable += u64::from(in_b);
-                counts.up += u64::from(in_b && in_mixed && !in_a);
-                counts.down += u64::from(in_b && !in_mixed && in_a);
-                counts.turned += u64::from(in_a != in_mixed);
+                assert!(counts.add(Some(in_a), Some(in_b), Some(verdict(mixed))));
             }
         }
         counts
@@ -112,6 +127,30 @@ mod tests {
         for mean in squares.into_iter().flatten().map(|sum| sum / runs) {
             assert!((0.55..1.2).contains(&mean), "{squares:?}");
         }
+    }
+
+    #[test]
+    fn an_input_that_only_fails_samples_explains_nothing() {
+        // The second input has no effect but that a quarter of its values have no verdict.
+        let stream = |points| DeviateStream { seed: 4, common_random_numbers: false, dimensions: 2, points };
+        let first = stream(Points::Random).draw(0, 0, 0..20_000);
+        let second = stream(Points::SecondRandom).draw(0, 0, 0..20_000);
+        let verdict = |z: [f64; 2]| (z[1] > -0.6745).then_some(z[0] > 0.3);
+        let (mut counts, mut left_out) = ([IndexCounts::default(); 2], [0; 2]);
+        for (a, b) in first.chunks_exact(2).zip(second.chunks_exact(2)) {
+            for (i, mixed) in [[b[0], a[1]], [a[0], b[1]]].into_iter().enumerate() {
+                let is_counted = counts[i].add(verdict([a[0], a[1]]), verdict([b[0], b[1]]), verdict(mixed));
+                left_out[i] += u32::from(!is_counted);
+            }
+        }
+        let [acts, fails] = counts.map(|counts| indices(&counts).unwrap());
+        assert_eq!((fails.total, fails.first_order), (0.0, 0.0));
+        assert!(fails.total_error < 1e-3, "{fails:?}");
+        assert!((acts.total - 1.0).abs() < 4.0 * acts.total_error && acts.total_error < 0.02, "{acts:?}");
+        assert!((acts.first_order - 1.0).abs() < 4.0 * acts.first_order_error, "{acts:?}");
+        // A or B fail with probability 1 - 0.75^2, and with the input of B no sample fails that does not with its own.
+        let share = left_out.map(|count| f64::from(count) / 20_000.0);
+        assert!(share.iter().all(|share| (share - 0.4375).abs() < 0.02), "{share:?}");
     }
 
     #[test]
