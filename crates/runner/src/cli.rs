@@ -67,7 +67,7 @@ pub struct SubmitArguments {
     /// Seed of the random numbers, instead of the job's
     #[arg(long, value_name = "S", value_parser = whole_number)]
     pub seed: Option<u64>,
-    /// Samples in each cell, instead of the job's; more than a finished run has extends it
+    /// Samples in each cell (with until: at most), instead of the job's; more than a finished run has extends it
     #[arg(long, value_name = "N", value_parser = whole_number)]
     pub samples: Option<u64>,
     /// Compute only one of N parts, to be merged later; I counts from 1 to N or from 0 to N-1
@@ -251,9 +251,12 @@ pub struct CompareArguments {
     /// Write one row for each pair of runs and cell to a Parquet file
     #[arg(long, value_name = "FILE.parquet")]
     pub out: Option<PathBuf>,
-    /// Confidence of the interval of each difference
+    /// Confidence of the intervals of the differences, all of them together
     #[arg(long, value_name = "C", default_value_t = 0.95, allow_negative_numbers = true)]
     pub confidence: f64,
+    /// Intervals that hold for each cell by itself, not for all together
+    #[arg(long)]
+    pub pointwise: bool,
     /// Summary as JSON
     #[arg(long)]
     pub json: bool,

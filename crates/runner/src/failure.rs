@@ -39,6 +39,9 @@ pub enum Failure {
     /// Reading or writing failed.
     #[error("{0}")]
     InputOutput(String),
+    /// The result is there, but its verdict map is wrong somewhere.
+    #[error("{0}")]
+    Audit(String),
     /// Another process works in the run directory.
     #[error("{0}")]
     Busy(String),
@@ -58,6 +61,7 @@ impl Failure {
         match self {
             Self::Usage(_) => 64,
             Self::Job(_) => 65,
+            Self::Audit(_) => 70,
             Self::CannotCreate(_) => 73,
             Self::InputOutput(_) => 74,
             Self::Busy(_) => 75,

@@ -12,6 +12,10 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// different versions are never mixed.
 pub const RESULTS_VERSION: u32 = 1;
 
+/// Version of what is made of counted verdicts: intervals, estimates, derivatives, indices. It changes when they do; runs whose
+/// results it touches are not continued by another version. The samples stay what they are.
+pub const ESTIMATES_VERSION: u32 = 2;
+
 /// Samples in one block; part of the results version.
 pub const BLOCK_SAMPLES: u64 = 1000;
 

@@ -185,6 +185,12 @@ pub fn simultaneous_confidence(confidence: f64, intervals: u64) -> f64 {
     1.0 - (1.0 - confidence) / intervals.max(1) as f64
 }
 
+/// The confidence of each of two intervals that hold together with `confidence`.
+#[must_use]
+pub fn half_of_the_error(confidence: f64) -> f64 {
+    0.5 + 0.5 * confidence
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -86,7 +86,6 @@ impl Precision {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Looks {
     precision: Precision,
-    confidence: f64,
     ends: Vec<u64>,
     regular: usize,
     intervals: Vec<BinomialInterval>,
@@ -116,9 +115,17 @@ impl Looks {
         }
         let mut ends: Vec<u64> = schedule.into_iter().take_while(|&end| end < at_most).collect();
         ends.push(at_most);
-        let mut looks = Self { precision, confidence, ends, regular, intervals: Vec::new() };
-        looks.intervals = (0..looks.ends.len()).map(|look| looks.interval_with(look, confidence)).collect();
+        let mut looks = Self { precision, ends, regular, intervals: Vec::new() };
+        let interval =
+            |look| BinomialInterval::new(IntervalKind::ClopperPearson, 1.0 - alpha * looks.error_share(look));
+        looks.intervals = (0..looks.ends.len()).map(interval).collect();
         looks
+    }
+
+    /// What the looks are to reach.
+    #[must_use]
+    pub fn precision(&self) -> Precision {
+        self.precision
     }
 
     /// Samples of the cell at each look, strictly increasing; the last is the most it may have.
@@ -127,14 +134,13 @@ impl Looks {
         &self.ends
     }
 
-    /// The interval of a look if all looks together have this confidence.
+    /// The share of the error that a look has.
     #[must_use]
-    pub fn interval_with(&self, look: usize, confidence: f64) -> BinomialInterval {
-        let share = match (look + 1).checked_sub(self.regular) {
+    pub fn error_share(&self, look: usize) -> f64 {
+        match (look + 1).checked_sub(self.regular) {
             None | Some(0) => REGULAR / self.regular as f64,
             Some(i) => (1.0 - REGULAR) / (i as f64 * (i as f64 + 1.0)),
-        };
-        BinomialInterval::new(IntervalKind::ClopperPearson, 1.0 - (1.0 - confidence) * share)
+        }
     }
 
     /// Whether to stop at a look: its interval is narrow enough, or it is the last.
@@ -324,8 +330,8 @@ mod tests {
                     assert!(pair[0] < pair[1] && pair[1] <= pair[0] + pair[0] / 4 + BLOCK_SAMPLES);
                     assert!(pair[1] == at_most || 4 * pair[1] >= 5 * pair[0]);
                 }
-                let spent: f64 = (0..ends.len()).map(|look| 1.0 - looks.interval_with(look, 0.95).confidence()).sum();
-                assert!(spent <= 0.05 + 1e-12, "{precision:?} {at_most}: {spent}");
+                let spent: f64 = (0..ends.len()).map(|look| looks.error_share(look)).sum();
+                assert!(spent <= 1.0 + 1e-12, "{precision:?} {at_most}: {spent}");
             }
         }
         let either = Precision { half_width: Some(1e-4), relative: Some(0.05) };

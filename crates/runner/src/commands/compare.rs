@@ -2,7 +2,7 @@
 //!
 //! Neither surfaces nor pieces hold the joint verdicts of two runs. They are found again: samples are pure functions of
 //! the seed, and their verdicts are cheap where a verdict map tells them. A cell is paired only if the verdicts found again
-//! are those that either run counted.
+//! are those that either run counted. Intervals hold for all cells together, unless they are wanted for each by itself.
 
 use std::fs;
 use std::ops::Range;
@@ -10,18 +10,20 @@ use std::path::PathBuf;
 
 use indicatif::HumanCount;
 use stickslip_core::{Verdict, VerdictCounts};
-use stickslip_sampler::difference::{paired_difference, unpaired_difference};
+use stickslip_sampler::difference::{dependent_difference, paired_difference, unpaired_difference};
 use stickslip_sampler::interval::simultaneous_confidence;
-use stickslip_sampler::{BLOCK_SAMPLES, BinomialInterval, Difference, Estimate, PairedCounts, replicates};
+use stickslip_sampler::{
+    BLOCK_SAMPLES, BinomialInterval, Difference, Estimate, IntervalKind, PairedCounts, replicates,
+};
 
 use super::differences::{Differences, Interval, Row, json, picture, summary, table};
-use super::matching::{Matching, Run};
+use super::matching::{Kinship, Matching, Run};
 use crate::cli::CompareArguments;
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
 use crate::job::Effort;
 use crate::output::{note, output_file, result};
-use crate::run::{Engine, IntegratedCell, Outcome, Progress, write_table};
+use crate::run::{Engine, IntegratedCell, Outcome, Progress, unaudited, write_table};
 
 /// Samples of a unit of work at the most.
 const MOST_UNIT_SAMPLES: u64 = 20 * BLOCK_SAMPLES;
@@ -46,31 +48,42 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
     let runs: Vec<Run> = arguments.runs.iter().map(|path| Run::open(path)).collect::<Result<_, _>>()?;
     let matchings: Vec<Matching> =
         runs[1..].iter().map(|second| Matching::new(&runs[0], second)).collect::<Result<_, _>>()?;
-    let is_paired: Vec<bool> = matchings.iter().map(|matching| matching.cells.iter().any(|cell| cell.2)).collect();
+    let is_paired: Vec<bool> =
+        matchings.iter().map(|matching| matching.cells.iter().any(|cell| cell.2 == Kinship::Paired)).collect();
     let maps: Vec<PathBuf> = runs.iter().map(|run| run.directory.maps()).collect();
     let mut readers = Vec::with_capacity(runs.len());
     for (i, run) in runs.iter().enumerate() {
         let needs_verdicts = if i == 0 { is_paired.contains(&true) } else { is_paired[i - 1] };
         readers.push(Reader::new(run, needs_verdicts, &maps, arguments.threads.count(), interrupt)?);
     }
+    // Every row is one of so many that are looked at together.
+    let cells =
+        if arguments.pointwise { 1 } else { matchings.iter().map(|matching| matching.cells.len() as u64).sum() };
+    let of_a_cell = simultaneous_confidence(confidence, cells);
     let (reference, others) = readers.split_at(1);
     let mut compared = Vec::with_capacity(others.len());
     for (second, matching) in others.iter().zip(&matchings) {
-        compared.push(differences(&reference[0], second, matching, confidence, interrupt)?);
+        compared.push(differences(&reference[0], second, matching, of_a_cell, interrupt)?);
     }
 
     if let Some((out, (directory, name))) = out {
         let footer = [
             ("stickslip:confidence", confidence.to_string()),
+            ("stickslip:simultaneous", (!arguments.pointwise).to_string()),
             ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
         ];
         write_table(&directory, &name, &table(&compared), &footer)?;
         note(format_args!("{}: {} rows", out.display(), rows(&compared)));
     }
     if arguments.json {
-        return result(&format!("{:#}\n", json(&compared, confidence)));
+        return result(&format!("{:#}\n", json(&compared, confidence, !arguments.pointwise)));
     }
-    let text = |compared: &Differences| format!("{}\n{}", summary(compared, confidence), picture(compared));
+    let meaning = if arguments.pointwise {
+        format!("of confidence {confidence} for each by itself")
+    } else {
+        format!("(confidence {confidence} for all together)")
+    };
+    let text = |compared: &Differences| format!("{}\n{}", summary(compared, &meaning), picture(compared));
     result(&compared.iter().map(text).collect::<String>())
 }
 
@@ -136,9 +149,30 @@ impl<'a> Reader<'a> {
         }
         if let Effort::Randomisations { .. } = job.sampling.effort {
             let parts: Vec<VerdictCounts> = slots.of(cell).map(|slot| tally.counts(slot)).collect();
-            return replicates::estimate(&parts, confidence);
+            return replicates::estimate(&parts, job.random.inputs.len(), confidence);
         }
-        BinomialInterval::new(job.interval().kind(), confidence).estimate(&self.run.counts(cell))
+        let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
+        let estimate = interval.estimate(&self.run.counts(cell));
+        // The unbiased estimate, if the cell was looked at until it was known well enough.
+        let probability =
+            slots.estimate_at_stop(tally, cell).map_or(estimate.probability, |at_stop| at_stop.probability);
+        Estimate { probability, ..estimate }
+    }
+
+    /// How much of a cell's probability the audit of its verdict map does not exclude to be wrong; 0 without an audit.
+    fn unaudited(&self, cell: u64, confidence: f64) -> f64 {
+        if !self.run.is_audited() {
+            return 0.0;
+        }
+        match self.integrated.get(cell as usize) {
+            Some(integrated) => unaudited(&integrated.lookups, None, confidence),
+            None => unaudited(&self.run.lookups(cell), Some(self.run.counts(cell).total()), confidence),
+        }
+    }
+
+    /// The share of the error that the look at which a cell stopped may take; 1 without looks.
+    fn error_share(&self, cell: u64) -> f64 {
+        self.run.slots.error_share_at_stop(&self.run.tally, cell)
     }
 }
 
@@ -214,18 +248,18 @@ fn count(counts: &mut PairedCounts, first: bool, second: bool) {
     }
 }
 
-/// Second minus first from independent counts; what is unknown widens both ends.
-fn unpaired(first: &VerdictCounts, second: &VerdictCounts, confidence: f64) -> Difference {
+/// Second minus first from counts that are independent, or depend on each other in an unknown way; what is unknown widens
+/// both ends.
+fn unpaired(first: &VerdictCounts, second: &VerdictCounts, kinship: Kinship, confidence: f64) -> Difference {
     let unknown = |counts: &VerdictCounts| counts.undecided + counts.failed;
-    let all = |up: u64, down: u64| {
-        unpaired_difference(second.unstable + up, second.total(), first.unstable + down, first.total(), confidence)
-    };
-    let value =
-        unpaired_difference(second.unstable, second.decided(), first.unstable, first.decided(), confidence).value;
+    let of = if kinship == Kinship::Independent { unpaired_difference } else { dependent_difference };
+    let all =
+        |up: u64, down: u64| of(second.unstable + up, second.total(), first.unstable + down, first.total(), confidence);
+    let value = of(second.unstable, second.decided(), first.unstable, first.decided(), confidence).value;
     Difference { value, low: all(0, unknown(first)).low, high: all(unknown(second), 0).high }
 }
 
-/// The differences of all cells of two runs.
+/// The differences of all cells of two runs, with intervals of this confidence each.
 fn differences<'a>(
     first: &'a Reader<'_>,
     second: &'a Reader<'_>,
@@ -234,15 +268,19 @@ fn differences<'a>(
     interrupt: &Interrupt,
 ) -> Result<Differences<'a>, Failure> {
     let joints = count_pairs(first, second, matching, interrupt)?;
-    // A run that stopped by precision was looked at so often; its counts are those of any of these looks.
-    let looks = |reader: &Reader<'_>| if reader.run.job.stops_by_precision() { reader.run.job.parts() } else { 1 };
-    let confidence = simultaneous_confidence(confidence, looks(first) * looks(second)).min(1.0 - 1e-15);
     let mut disagreed = 0_u64;
     let mut rows = Vec::with_capacity(matching.cells.len());
-    for (&(index, other, is_paired), joint) in matching.cells.iter().zip(&joints) {
+    for (&(index, other, kinship), joint) in matching.cells.iter().zip(&joints) {
         let counts = [first.run.counts(index), second.run.counts(other)];
         let found_again = joint.counts == counts;
+        let is_paired = kinship == Kinship::Paired;
         disagreed += u64::from(is_paired && !found_again);
+        // A run that stopped by precision was looked at more than once; its counts are those of any of these looks.
+        let share = first.error_share(index) * second.error_share(other);
+        // The audit of either run has a part of the error, as large as that of the counts.
+        let parts = 1.0 + [first, second].iter().filter(|reader| reader.run.is_audited()).count() as f64;
+        let of_audits = 1.0 - (1.0 - confidence) / parts;
+        let confidence = (1.0 - (1.0 - confidence) / parts * share).min(1.0 - 1e-15);
         let row = Row {
             cell: first.run.job.grid.cell(index),
             second_cell: other,
@@ -251,11 +289,11 @@ fn differences<'a>(
             first: None,
             second: None,
             difference: Difference { value: None, low: -1.0, high: 1.0 },
-            interval: Interval::Unpaired,
+            interval: if kinship == Kinship::Independent { Interval::Unpaired } else { Interval::Dependent },
         };
         let estimates = [first.estimate(index, confidence), second.estimate(other, confidence)];
         let [p_first, p_second] = estimates.map(|estimate| estimate.probability);
-        rows.push(if first.run.job.is_integrated() || second.run.job.is_integrated() {
+        let mut found = if first.run.job.is_integrated() || second.run.job.is_integrated() {
             let value = p_first.zip(p_second).map(|(first, second)| second - first);
             let (low, high) = (estimates[1].low - estimates[0].high, estimates[1].high - estimates[0].low);
             let difference = Difference { value, low, high };
@@ -276,13 +314,18 @@ fn differences<'a>(
                 ..row
             }
         } else {
-            let difference = unpaired(&counts[0], &counts[1], confidence);
-            Row { first: p_first, second: p_second, difference, ..row }
-        });
+            let found = unpaired(&counts[0], &counts[1], kinship, confidence);
+            let value = p_first.zip(p_second).map(|(first, second)| second - first).or(found.value);
+            Row { first: p_first, second: p_second, difference: Difference { value, ..found }, ..row }
+        };
+        let unaudited = first.unaudited(index, of_audits) + second.unaudited(other, of_audits);
+        found.difference.low = (found.difference.low - unaudited).max(-1.0);
+        found.difference.high = (found.difference.high + unaudited).min(1.0);
+        rows.push(found);
     }
     if disagreed > 0 {
         note(format_args!(
-            "warning: in {} of {} cells the verdicts that were found again are not those that {} and {} counted (another version, or a verdict map that is wrong somewhere); their intervals are those of unpaired samples",
+            "warning: in {} of {} cells the verdicts that were found again are not those that {} and {} counted (another version, or a verdict map that is wrong somewhere); their intervals are those of samples that depend on each other in an unknown way",
             HumanCount(disagreed),
             HumanCount(rows.len() as u64),
             first.run.name,
@@ -309,7 +352,8 @@ fn count_pairs(
     let length = first.run.job.unit_samples().min(second.run.job.unit_samples()).min(MOST_UNIT_SAMPLES);
     let mut units = Vec::new();
     let mut total = 0;
-    for (matched, &(index, other, _)) in matching.cells.iter().enumerate().filter(|(_, cell)| cell.2) {
+    for (matched, &(index, other, _)) in matching.cells.iter().enumerate().filter(|(_, cell)| cell.2 == Kinship::Paired)
+    {
         // Samples that only one run has are judged too: its counts are known for all of them together only.
         let lengths = first.run.lengths(index).into_iter().zip(second.run.lengths(other));
         for (randomisation, (a, b)) in lengths.enumerate() {
@@ -375,14 +419,16 @@ mod tests {
         let paired = joint.difference(0.95);
         assert_eq!(paired.value, Some(0.3));
         let [first, second] = joint.counts;
-        let unpaired = unpaired(&first, &second, 0.95);
+        let unpaired = unpaired(&first, &second, Kinship::Independent, 0.95);
         assert!((unpaired.value.unwrap() - 0.3).abs() < 1e-15);
         assert!(
             0.0 < unpaired.low && unpaired.low < paired.low && paired.high < unpaired.high,
             "{paired:?} {unpaired:?}"
         );
         let unknown = VerdictCounts { undecided: 10, ..first };
-        let wider = super::unpaired(&unknown, &second, 0.95);
+        let wider = super::unpaired(&unknown, &second, Kinship::Independent, 0.95);
         assert!(wider.low < unpaired.low);
+        let dependent = super::unpaired(&first, &second, Kinship::Dependent, 0.95);
+        assert!(dependent.low < unpaired.low && unpaired.high < dependent.high);
     }
 }

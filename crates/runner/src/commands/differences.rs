@@ -21,10 +21,12 @@ const SIGNS: [(f64, char); 5] = [(0.1, '#'), (0.01, '+'), (-0.01, ' '), (-0.1, '
 /// What the interval of a difference is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interval {
-    /// Tango's, from the verdicts on the same samples.
+    /// From the verdicts on the same samples.
     Paired,
-    /// Newcombe's, from independent counts.
+    /// From independent counts.
     Unpaired,
+    /// From counts that share random numbers, but not sample by sample.
+    Dependent,
     /// From the bounds of an integral, and the interval of the other run where that has samples.
     Bounds,
 }
@@ -35,6 +37,7 @@ impl Interval {
         match self {
             Self::Paired => "paired",
             Self::Unpaired => "unpaired",
+            Self::Dependent => "dependent",
             Self::Bounds => "bounds",
         }
     }
@@ -120,8 +123,8 @@ impl<'a> Facts<'a> {
     }
 }
 
-/// A block of text.
-pub fn summary(differences: &Differences<'_>, confidence: f64) -> String {
+/// A block of text; `meaning` says what the intervals hold for.
+pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
     let facts = Facts::of(differences);
     let Differences { first, second, .. } = differences;
     let mut text = format!(
@@ -149,7 +152,7 @@ pub fn summary(differences: &Differences<'_>, confidence: f64) -> String {
     });
     text += &format!("largest           {largest}\n");
     text += &format!(
-        "significant       {} of {} cells ({} higher, {} lower): their interval of confidence {confidence} excludes 0\n",
+        "significant       {} of {} cells ({} higher, {} lower): their interval {meaning} excludes 0\n",
         HumanCount((facts.higher + facts.lower) as u64),
         HumanCount(facts.cells as u64),
         HumanCount(facts.higher as u64),
@@ -184,7 +187,7 @@ fn percent(share: f64) -> String {
 }
 
 /// The summaries as JSON.
-pub fn json(compared: &[Differences<'_>], confidence: f64) -> Value {
+pub fn json(compared: &[Differences<'_>], confidence: f64, simultaneous: bool) -> Value {
     let of = |differences: &Differences<'_>| {
         let facts = Facts::of(differences);
         let shares = facts.shares();
@@ -194,6 +197,7 @@ pub fn json(compared: &[Differences<'_>], confidence: f64) -> Value {
             "cells": facts.cells,
             "cells_paired": facts.paired,
             "confidence": confidence,
+            "simultaneous": simultaneous,
             "mean_difference": facts.mean,
             "mean_absolute_difference": facts.mean_absolute,
             "largest": facts.largest.map(|row| object!({
@@ -345,7 +349,7 @@ pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
         real("difference", "probability in the second run minus that in the first", |row| row.difference.value),
         real("difference_low", "lower end of the interval of the difference", |row| Some(row.difference.low)),
         real("difference_high", "upper end of the interval of the difference", |row| Some(row.difference.high)),
-        text("interval", "paired (Tango), unpaired (Newcombe) or bounds (of integrated probabilities)", |_, row| row.interval.name().to_owned()),
+        text("interval", "paired (sample by sample), unpaired (independent samples), dependent (shared random numbers) or bounds (of integrated probabilities)", |_, row| row.interval.name().to_owned()),
     ];
     columns
 }

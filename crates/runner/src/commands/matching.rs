@@ -8,9 +8,9 @@ use stickslip_core::VerdictCounts;
 use stickslip_sampler::Cell;
 
 use crate::failure::Failure;
-use crate::job::{Criterion, Effort, EvaluateMode, Job};
+use crate::job::{Audit, Criterion, Effort, EvaluateMode, Job};
 use crate::output::{note, quoted};
-use crate::run::{Access, RunDirectory, Slots, Tally};
+use crate::run::{Access, Extras, Lookups, RunDirectory, Slots, Tally};
 
 /// A finished run.
 pub struct Run {
@@ -24,6 +24,8 @@ pub struct Run {
     pub slots: Slots,
     /// Its verdicts.
     pub tally: Tally,
+    /// Whether its own verdicts come from a verdict map, and which sums tell of the audit.
+    audited: Option<Extras>,
 }
 
 impl Run {
@@ -42,18 +44,34 @@ impl Run {
                 quoted(path)
             )));
         }
+        let audited = job.sampling.is_audited.then(|| Extras::of(&job));
         // A map gives the verdicts of "each", and a small part of the simulations.
         let can_have_map = !matches!(job.criterion, Criterion::Eigenvalue) && job.random.other().is_none();
         if can_have_map && !job.uses_maps() {
             job.sampling.evaluate = EvaluateMode::Boundary;
-            job.sampling.audit = 0.0;
+            job.sampling.audit = Audit::Samples(0);
+            job.sampling.is_audited = false;
         }
-        Ok(Self { name: path.display().to_string(), directory, job, slots, tally })
+        Ok(Self { name: path.display().to_string(), directory, job, slots, tally, audited })
     }
 
     /// Every verdict that was counted in a cell.
     pub fn counts(&self, cell: u64) -> VerdictCounts {
         self.slots.counts(&self.tally, cell)
+    }
+
+    /// Whether its verdicts come from a verdict map that was audited.
+    pub fn is_audited(&self) -> bool {
+        self.audited.is_some()
+    }
+
+    /// How the samples of a cell were judged, if they were counted.
+    pub fn lookups(&self, cell: u64) -> Lookups {
+        let mut lookups = Lookups::default();
+        for slot in self.slots.of(cell) {
+            lookups.add(self.audited.map(|extras| extras.read_lookups(self.tally.sums(slot))).unwrap_or_default());
+        }
+        lookups
     }
 
     /// Samples of a cell, for each of its randomisations.
@@ -65,37 +83,50 @@ impl Run {
     }
 }
 
-/// Why two runs do not draw the same samples, if they do not.
-fn why_unpaired(first: &Job, second: &Job) -> Option<String> {
+/// How the samples of a cell in two runs hang together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kinship {
+    /// Sample `j` of the one and sample `j` of the other have the same deviates, and no others do.
+    Paired,
+    /// They share random numbers in another way.
+    Dependent,
+    /// They share none.
+    Independent,
+}
+
+/// How two runs hang together in cells for which both draw from the same streams, and why not sample by sample.
+///
+/// What the deviates become (which inputs, with which distribution and correlation) does not matter: it is the deviates that
+/// make two verdicts depend on each other.
+fn kinship(first: &Job, second: &Job) -> (Kinship, Option<String>) {
     let (a, b) = (&first.sampling, &second.sampling);
-    let names = |job: &Job| job.random.inputs.iter().map(|input| input.name()).collect::<Vec<_>>();
+    let independent = |why: String| (Kinship::Independent, Some(why));
     if a.method != b.method {
-        return Some("their sampling.method differs".to_owned());
+        return independent("their sampling.method differs".to_owned());
     }
     if a.seed != b.seed {
-        return Some(format!("their seeds differ ({} and {})", a.seed, b.seed));
+        return independent(format!("their seeds differ ({} and {})", a.seed, b.seed));
     }
     if a.common_random_numbers != b.common_random_numbers {
-        return Some("only one of them has common_random_numbers".to_owned());
+        return independent("only one of them has common_random_numbers".to_owned());
     }
+    let dependent = |why: String| (Kinship::Dependent, Some(why));
     if let (Effort::Randomisations { count: a, .. }, Effort::Randomisations { count: b, .. }) = (&a.effort, &b.effort)
         && a != b
     {
-        return Some(format!("they have {a} and {b} randomisations"));
+        return dependent(format!("they have {a} and {b} randomisations"));
     }
-    if names(first) != names(second) {
-        return Some("their random.inputs differ".to_owned());
+    let inputs = [first, second].map(|job| job.random.inputs.len());
+    if inputs[0] != inputs[1] {
+        return dependent(format!("they have {} and {} random inputs", inputs[0], inputs[1]));
     }
-    if first.random.marginals != second.random.marginals || first.random.pairs != second.random.pairs {
-        return Some("distribution or correlation of their inputs differs".to_owned());
-    }
-    None
+    (Kinship::Paired, None)
 }
 
 /// The cells that two runs share.
 pub struct Matching {
-    /// Index in the first run, in the second, and whether both draw the same samples there.
-    pub cells: Vec<(u64, u64, bool)>,
+    /// Index in the first run, in the second, and how their samples hang together.
+    pub cells: Vec<(u64, u64, Kinship)>,
 }
 
 impl Matching {
@@ -116,14 +147,13 @@ impl Matching {
         let mut there: HashMap<Vec<u64>, Vec<u64>> = HashMap::new();
         (0..b.cells()).rev().for_each(|index| there.entry(values(b, index)).or_default().push(index));
         let exact = a.is_integrated() || b.is_integrated();
-        let why = if exact { None } else { why_unpaired(a, b) };
+        let (kinship, why) = if exact { (Kinship::Independent, None) } else { kinship(a, b) };
         let common = a.sampling.common_random_numbers;
         let mut cells = Vec::new();
         for index in 0..a.cells() {
             if let Some(other) = there.get_mut(&values(a, index)).and_then(Vec::pop) {
-                let same_stds = stds(a, index) == stds(b, other);
-                let is_paired = !exact && why.is_none() && same_stds && (common || index == other);
-                cells.push((index, other, is_paired));
+                let same_stream = common || index == other;
+                cells.push((index, other, if same_stream { kinship } else { Kinship::Independent }));
             }
         }
         let names = (&first.name, &second.name);
@@ -146,9 +176,13 @@ impl Matching {
                 names.1
             ));
         }
-        let unpaired = cells.iter().filter(|cell| !cell.2).count();
+        let unpaired = cells.iter().filter(|cell| cell.2 != Kinship::Paired).count();
         if let Some(why) = why {
-            note(format_args!("{} and {} cannot be paired: {why}; intervals are wider for it", names.0, names.1));
+            let and = match kinship {
+                Kinship::Dependent => ", though they share random numbers (the same seed)",
+                Kinship::Independent | Kinship::Paired => "",
+            };
+            note(format_args!("{} and {} cannot be paired: {why}{and}; intervals are wider for it", names.0, names.1));
         } else if unpaired > 0 && !exact {
             note(format_args!(
                 "{} of {} cells cannot be paired: they have other places in the two grids and draw other samples there (sampling.common_random_numbers = true gives every cell the same); their intervals are wider for it",

@@ -14,7 +14,7 @@ use crate::output::{note, quoted, result};
 use crate::picture::picture;
 use crate::run::{
     Access, Engine, IntegratedCell, Lookups, Outcome, Plan, Progress, RunDirectory, Session, Shard, Slots, Surface,
-    Tally,
+    SurfaceRow, Tally,
 };
 
 /// Confidence of what an audit says of the samples that were not audited.
@@ -226,9 +226,10 @@ fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Stan
         )));
     }
     let (wanted, there) = (job.sampling.samples, existing.sampling.samples);
+    let at_most = if job.stops_by_precision() { "at most " } else { "" };
     if wanted < there {
         return Err(Failure::Job(format!(
-            "{path} holds a run of this job with {there} samples in each cell, more than the {wanted} asked for. Ask for them with --samples {there}, or choose another directory with --out"
+            "{path} holds a run of this job with {at_most}{there} samples in each cell, more than the {wanted} asked for. Ask for them with --samples {there}, or choose another directory with --out"
         )));
     }
     let tally = directory.tally(&existing)?;
@@ -238,18 +239,19 @@ fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Stan
     }
     if !finished {
         return Err(Failure::CannotCreate(format!(
-            "{path} holds an unfinished run of this job with {there} samples in each cell; finish it with `stickslip resume {path}`, then ask for {wanted}"
+            "{path} holds an unfinished run of this job with {at_most}{there} samples in each cell; finish it with `stickslip resume {path}`, then ask for {wanted}"
         )));
     }
-    note(format_args!("{path}: from {there} to {wanted} samples in each cell"));
+    note(format_args!("{path}: from {at_most}{there} to {at_most}{wanted} samples in each cell"));
     directory.freeze(source)?;
-    Ok(Standing::Fresh(tally))
+    // With more samples a cell may have more parts.
+    directory.tally(job).map(Standing::Fresh)
 }
 
 /// The first line in which two normalised jobs differ.
 fn first_difference(existing: &str, new: &str) -> String {
     let ignored = |line: &&str| {
-        !line.starts_with("name = ") && !line.starts_with("description = ") && !line.starts_with("samples = ")
+        !["name = ", "description = ", "samples = ", "at_most = "].iter().any(|key| line.starts_with(key))
     };
     let (mut a, mut b) = (existing.lines().filter(ignored), new.lines().filter(ignored));
     loop {
@@ -387,27 +389,46 @@ fn count(
 /// Where the result is and what it looks like.
 fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Result<(), Failure> {
     let line = closing_line(&directory.surface(), job, surface);
-    result(&format!("{}{line}{}{}", picture(surface), without_verdict(surface), looked_up(job, surface)))
+    result(&format!("{}{line}{}{}", picture(surface), without_verdict(surface), looked_up(job, surface)))?;
+    let Lookups { audited, differed, .. } = surface.lookups();
+    if differed == 0 {
+        return Ok(());
+    }
+    Err(Failure::Audit(format!(
+        "{}: {} of {} audited samples were judged otherwise than looked up, so the verdict map is wrong somewhere (a region of another verdict that it does not see). p_low and p_high of each cell contain what its audit does not exclude; {}",
+        directory.surface().display(),
+        HumanCount(differed),
+        HumanCount(audited),
+        if job.is_integrated() {
+            "use method = \"monte-carlo\" with evaluate = \"each\" for this job"
+        } else {
+            "use evaluate = \"each\" for this job"
+        }
+    )))
 }
 
 /// A line on samples that were looked up in a verdict map, and what their audit says.
 fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
     let Lookups { simulated, audited, differed } = surface.lookups();
-    if !job.uses_maps() || job.is_integrated() {
+    if !job.uses_maps() {
         return String::new();
     }
-    let mut text = format!("looked up in a verdict map, {} simulated within its resolution", HumanCount(simulated));
-    if audited > 0 {
+    let mut text = if job.is_integrated() {
+        String::new()
+    } else {
+        format!("looked up in a verdict map, {} simulated within its resolution; ", HumanCount(simulated))
+    };
+    text += &if job.sampling.is_audited {
         let bound = audit::upper_bound(differed, audited, AUDIT_CONFIDENCE);
-        text += &format!(
-            "; audit: {} of {} differed (with 95 % confidence at most {bound:.1e} of all looked up)",
+        let widest = surface.rows().filter_map(|row| row.unaudited).fold(0.0, f64::max);
+        format!(
+            "audit: {} of {} differed (with 95 % confidence at most {bound:.1e} of all looked up, and of a cell's {widest:.1e}, see p_audit)",
             HumanCount(differed),
             HumanCount(audited)
-        );
-    }
-    if differed > 0 {
-        text += "\nwarning: the map is wrong somewhere (an island of another verdict?); use evaluate = \"each\" for this job";
-    }
+        )
+    } else {
+        "no audit: p_low and p_high take the map for right".to_owned()
+    };
     text + "\n"
 }
 
@@ -431,7 +452,8 @@ fn without_verdict(surface: &Surface<'_>) -> String {
 fn closing_line(path: &Path, job: &Job, surface: &Surface<'_>) -> String {
     let cells = HumanCount(job.cells());
     if job.is_integrated() {
-        let widest = surface.rows().map(|row| 0.5 * (row.estimate.high - row.estimate.low)).fold(0.0, f64::max);
+        let error = |row: SurfaceRow| 0.5 * (row.estimate.high - row.estimate.low) - row.unaudited.unwrap_or(0.0);
+        let widest = surface.rows().map(error).fold(0.0, f64::max);
         let undecided = surface.largest_undecided();
         let undecided = if undecided > 0.0 {
             format!("; up to {undecided:.1e} of a cell's samples would be undecided, see p_undecided")

@@ -13,7 +13,7 @@ mod source;
 
 pub use criterion::{Criterion, Deciders};
 pub use random::RandomInput;
-pub use sampling::{Effort, EvaluateMode, SamplingMethod};
+pub use sampling::{Audit, Effort, EvaluateMode, SamplingMethod};
 pub use source::{JobSource, Overrides};
 pub use spec::{JobSpec, StartKind};
 pub use validated::{Job, unknown_parameter};

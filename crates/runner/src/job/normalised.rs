@@ -6,7 +6,7 @@ use serde::Serialize;
 use stickslip_core::parameters::SCALARS;
 use stickslip_core::time_domain::VERDICTS_VERSION;
 use stickslip_core::verdict_map::MAP_VERSION;
-use stickslip_sampler::RESULTS_VERSION;
+use stickslip_sampler::{ESTIMATES_VERSION, RESULTS_VERSION};
 
 use super::criterion::{Criterion, NormalisedCriterion};
 use super::random::NormalisedRandom;
@@ -21,13 +21,13 @@ impl Job {
 
     /// Identifies the job: everything that its result depends on.
     pub fn hash(&self) -> String {
-        self.hash_text(&self.to_toml(&self.sampling.normalised(), "", ""))
+        self.hash_job(self.to_toml(&self.sampling.normalised(), "", ""))
     }
 
     /// Identifies the job but for the number of samples: runs that agree in it share their samples.
     pub fn experiment_hash(&self) -> String {
         let sampling = self.sampling.normalised().for_any_number();
-        self.hash_text(&self.to_toml(&sampling, "", ""))
+        self.hash_job(self.to_toml(&sampling, "", ""))
     }
 
     /// Identifies what decides a sample at one rotating speed: jobs that agree in it can share verdict maps.
@@ -38,6 +38,7 @@ impl Job {
         self.hash_text(&format!("verdict map {MAP_VERSION}\n{text}"))
     }
 
+    /// A hash of a text and of the versions behind results and verdicts.
     fn hash_text(&self, text: &str) -> String {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&RESULTS_VERSION.to_le_bytes());
@@ -46,6 +47,14 @@ impl Job {
         }
         hasher.update(text.as_bytes());
         hasher.finalize().to_hex().to_string()
+    }
+
+    /// The same of a text of the job, with the version of the estimates where that matters.
+    fn hash_job(&self, mut text: String) -> String {
+        if self.has_later_estimates() {
+            text += &format!("estimates version {ESTIMATES_VERSION}\n");
+        }
+        self.hash_text(&text)
     }
 
     fn model(&self) -> BTreeMap<&'static str, BTreeMap<&'static str, f64>> {

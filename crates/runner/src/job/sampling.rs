@@ -2,8 +2,8 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use stickslip_sampler::interval::simultaneous_confidence;
-use stickslip_sampler::{BLOCK_SAMPLES, IntervalKind, Looks};
+use stickslip_sampler::interval::{MOST_WILSON_CONFIDENCE, half_of_the_error, simultaneous_confidence};
+use stickslip_sampler::{IntervalKind, Looks, Precision};
 use toml::Spanned;
 
 use super::criterion::Criterion;
@@ -17,8 +17,14 @@ const MOST_SAMPLES: u64 = 1_000_000_000_000_000;
 const RANDOMISATIONS: u64 = 16;
 const MOST_RANDOMISATIONS: u64 = 1000;
 
-/// Share of the samples looked up in a verdict map that are simulated all the same, unless told otherwise.
-const AUDIT: f64 = 1e-4;
+/// Samples of each cell that are looked up in a verdict map and simulated all the same, unless told otherwise.
+const AUDIT: Audit = Audit::Samples(300);
+
+/// Samples in a cell at the most with `until`, unless told otherwise.
+const AT_MOST: u64 = 1_000_000;
+
+/// Audited samples in one cell at the most.
+const MOST_AUDITED: u64 = 100_000_000;
 
 /// Beyond, quantiles lose their meaning to rounding.
 const HIGHEST_CONFIDENCE: f64 = 1.0 - 1e-12;
@@ -42,9 +48,10 @@ pub struct SamplingSpec {
     /// Whether every sample is judged by itself ("each") or looked up in a map of the verdicts ("boundary").
     #[schemars(with = "Option<EvaluateMode>")]
     pub evaluate: Option<Spanned<EvaluateMode>>,
-    /// With evaluate = "boundary": the share of the looked-up samples that are simulated all the same; 0.0001 unless told.
-    #[schemars(with = "Option<f64>")]
-    pub audit: Option<Spanned<f64>>,
+    /// With a verdict map: how many looked-up samples of each cell are simulated all the same (a whole number), or which share
+    /// of them (less than 1, with evaluate = "boundary"); 300 unless told.
+    #[schemars(with = "Option<Audit>")]
+    pub audit: Option<Spanned<Audit>>,
     /// With method = "sobol": independent randomisations among which the samples are shared; 16 unless told.
     #[schemars(with = "Option<u64>", range(min = 2))]
     pub randomisations: Option<Spanned<u64>>,
@@ -54,7 +61,7 @@ pub struct SamplingSpec {
     /// Confidence of the interval p_low to p_high, between 0 and 1; 0.95 unless told.
     #[schemars(with = "Option<f64>")]
     pub confidence: Option<Spanned<f64>>,
-    /// The interval of Monte Carlo; "wilson" unless told.
+    /// The interval of Monte Carlo; "wilson" unless told, "clopper-pearson" where the confidence is above 0.95 or simultaneous.
     #[schemars(with = "Option<IntervalSpec>")]
     pub interval: Option<Spanned<IntervalSpec>>,
     /// Whether the intervals of all cells hold together with the confidence; false unless told.
@@ -68,16 +75,58 @@ pub struct SamplingSpec {
     pub sensitivity: Option<Spanned<bool>>,
 }
 
-/// When enough samples are drawn.
+/// When enough samples are drawn: half_width or relative is given, or both; then the first that is reached.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UntilSpec {
     /// Half of the width of the interval that is wanted, greater than 0 and less than 0.5.
-    pub half_width: f64,
+    pub half_width: Option<f64>,
+    /// The same over the middle of the interval, greater than 0 and less than 1.
+    pub relative: Option<f64>,
     /// Confidence of the interval; 0.95 unless told.
     pub confidence: Option<f64>,
-    /// Samples in a cell at the most.
-    pub at_most: u64,
+    /// Samples in a cell at the most; 1000000 unless told. It can be raised later.
+    pub at_most: Option<u64>,
+}
+
+impl UntilSpec {
+    fn at_most(&self) -> u64 {
+        self.at_most.unwrap_or(AT_MOST)
+    }
+
+    fn precision(&self) -> Result<Precision, String> {
+        let Self { half_width, relative, .. } = *self;
+        for (key, value, limit) in [("half_width", half_width, 0.5), ("relative", relative, 1.0)] {
+            if let Some(value) = value
+                && !(value > 0.0 && value < limit)
+            {
+                return Err(format!(
+                    "sampling.until.{key} = {value} is out of range: it must be greater than 0 and less than {limit}"
+                ));
+            }
+        }
+        if half_width.is_none() && relative.is_none() {
+            return Err("sampling.until does not say when a cell is known well enough: give half_width (of p_low to p_high) or relative (half of that width over its middle), for example until = { relative = 0.05 }".to_owned());
+        }
+        Ok(Precision { half_width, relative })
+    }
+}
+
+/// Which of the samples that a verdict map tells are simulated all the same.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Audit {
+    /// The first so many of each cell.
+    Samples(u64),
+    /// A share of all.
+    Share(f64),
+}
+
+impl Audit {
+    /// Whether none is.
+    pub fn is_nothing(self) -> bool {
+        matches!(self, Self::Samples(0)) || self == Self::Share(0.0)
+    }
 }
 
 /// How probabilities are found.
@@ -136,13 +185,8 @@ pub enum Effort {
         /// Points of each.
         points: u64,
     },
-    /// Until the interval is narrow enough; the samples between two looks are counted apart.
-    Until {
-        /// Half of the width that is wanted.
-        half_width: f64,
-        /// When it is looked at.
-        looks: Looks,
-    },
+    /// Until the interval is narrow enough, looking from time to time; the samples between two looks are counted apart.
+    Until(Looks),
     /// None: integrated.
     Integrated,
 }
@@ -160,16 +204,18 @@ pub struct Sampling {
     pub seed: u64,
     /// Which samples are judged.
     pub evaluate: EvaluateMode,
-    /// Share of looked-up samples that are simulated.
-    pub audit: f64,
+    /// Which looked-up samples are simulated all the same.
+    pub audit: Audit,
     /// Whether cells share their deviates.
     pub common_random_numbers: bool,
     /// Confidence of the intervals.
     pub confidence: f64,
-    /// Which interval.
-    pub interval: IntervalSpec,
+    /// Which interval, if the spec says so.
+    pub interval: Option<IntervalSpec>,
     /// Whether the intervals hold together.
     pub simultaneous: bool,
+    /// Whether verdicts are looked up in a map, and which of them is audited.
+    pub is_audited: bool,
     /// Whether derivatives are wanted.
     pub derivatives: bool,
     /// Whether Sobol indices are wanted.
@@ -184,11 +230,12 @@ impl Sampling {
         criterion: &Criterion,
         cells: u64,
     ) -> Result<Self, Complaint> {
-        spec.refuse_foreign_keys()?;
+        spec.refuse_foreign_keys(criterion)?;
         let confidence = spec.checked_confidence(cells)?;
+        spec.refuse_wilson_beyond_its_reach(confidence)?;
         let samples = match (&spec.until, &spec.samples) {
             _ if spec.method() == SamplingMethod::Exact => 0,
-            (Some(until), _) => until.get_ref().at_most,
+            (Some(until), _) => until.get_ref().at_most(),
             (None, samples) => samples.as_ref().map_or(10_000, |samples| *samples.get_ref()),
         };
         if spec.method() != SamplingMethod::Exact && (samples == 0 || samples > MOST_SAMPLES) {
@@ -198,17 +245,23 @@ impl Sampling {
                 format!("sampling.{key} = {samples} is out of range: it must be at least 1 and at most {MOST_SAMPLES}");
             return Err(Complaint { span, message });
         }
+        let evaluate = spec.evaluate.as_ref().map_or(EvaluateMode::Each, |evaluate| *evaluate.get_ref());
+        let audit = spec.checked_audit(criterion)?;
+        let uses_map = evaluate == EvaluateMode::Boundary || spec.method() == SamplingMethod::Exact;
+        let is_audited = uses_map && !matches!(criterion, Criterion::Eigenvalue) && !audit.is_nothing();
+        let of_a_cell = spec.confidence_of_a_cell(confidence, cells);
         let sampling = Self {
             method: spec.method(),
             samples,
-            effort: spec.effort(samples, spec.confidence_of_a_cell(confidence, cells))?,
+            effort: spec.effort(samples, if is_audited { half_of_the_error(of_a_cell) } else { of_a_cell })?,
             seed: spec.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
-            evaluate: spec.evaluate.as_ref().map_or(EvaluateMode::Each, |evaluate| *evaluate.get_ref()),
-            audit: spec.audit.as_ref().map_or(AUDIT, |audit| *audit.get_ref()),
+            evaluate,
+            audit,
             common_random_numbers: spec.common_random_numbers,
             confidence,
-            interval: spec.interval.as_ref().map_or(IntervalSpec::Wilson, |interval| *interval.get_ref()),
+            interval: spec.interval.as_ref().map(|interval| *interval.get_ref()),
             simultaneous: spec.is_simultaneous(),
+            is_audited,
             derivatives: spec.derivatives.as_ref().is_some_and(|derivatives| *derivatives.get_ref()),
             sensitivity: spec.sensitivity.as_ref().is_some_and(|sensitivity| *sensitivity.get_ref()),
         };
@@ -273,12 +326,21 @@ impl Sampling {
         Ok(())
     }
 
+    /// Which interval counted verdicts get at a confidence.
+    pub fn interval_kind(&self, confidence: f64) -> IntervalKind {
+        match (IntervalKind::for_confidence(confidence), self.interval) {
+            (IntervalKind::Wilson, Some(interval)) if !self.simultaneous => interval.into(),
+            (IntervalKind::Wilson, None) if !self.simultaneous => IntervalKind::Wilson,
+            _ => IntervalKind::ClopperPearson,
+        }
+    }
+
     /// Parts of a cell that are counted apart: how many samples each has at the most.
     pub fn parts(&self) -> Vec<u64> {
         match &self.effort {
             Effort::Samples(samples) => vec![*samples],
             Effort::Randomisations { count, points } => vec![*points; *count as usize],
-            Effort::Until { looks, .. } => {
+            Effort::Until(looks) => {
                 let ends = looks.ends();
                 (0..ends.len()).map(|i| ends[i] - if i == 0 { 0 } else { ends[i - 1] }).collect()
             }
@@ -291,28 +353,32 @@ impl Sampling {
         let samples = match self.effort {
             Effort::Samples(samples) => Some(samples),
             Effort::Randomisations { count, points } => Some(count * points),
-            Effort::Until { .. } | Effort::Integrated => None,
+            Effort::Until(_) | Effort::Integrated => None,
         };
         let until = match &self.effort {
-            Effort::Until { half_width, .. } => {
-                Some(NormalisedUntil { half_width: *half_width, confidence: self.confidence, at_most: self.samples })
+            Effort::Until(looks) => {
+                let Precision { half_width, relative } = looks.precision();
+                Some(NormalisedUntil { half_width, relative, confidence: self.confidence, at_most: self.samples })
             }
             _ => None,
         };
         let integrated = self.method == SamplingMethod::Exact;
+        // What is integrated over a map is audited with samples.
+        let without_samples = integrated && !self.is_audited;
         NormalisedSampling {
             method: self.method,
             samples,
-            seed: (!integrated).then_some(self.seed),
+            seed: (!without_samples).then_some(self.seed),
             evaluate: (!integrated).then_some(self.evaluate),
             common_random_numbers: (!integrated).then_some(self.common_random_numbers),
-            confidence: (!integrated && until.is_none()).then_some(self.confidence),
-            audit: (self.evaluate == EvaluateMode::Boundary).then_some(self.audit),
+            confidence: (!without_samples && until.is_none()).then_some(self.confidence),
+            audit: (self.is_audited || self.evaluate == EvaluateMode::Boundary || self.audit != AUDIT)
+                .then_some(self.audit),
             randomisations: match self.effort {
                 Effort::Randomisations { count, .. } => Some(count),
                 _ => None,
             },
-            interval: Some(self.interval).filter(|interval| *interval != IntervalSpec::Wilson),
+            interval: self.interval.filter(|interval| *interval != IntervalSpec::Wilson),
             simultaneous: self.simultaneous,
             derivatives: self.derivatives,
             sensitivity: self.sensitivity,
@@ -361,28 +427,55 @@ impl SamplingSpec {
         Err(Complaint { span, message })
     }
 
-    fn effort(&self, samples: u64, confidence: f64) -> Result<Effort, Complaint> {
-        if let Some(audit) = &self.audit
-            && !(0.0..=1.0).contains(audit.get_ref())
-        {
-            let message = format!(
-                "sampling.audit = {} is out of range: it is a share, at least 0 and at most 1",
-                audit.get_ref()
+    /// Wilson's interval misses far more often than it says where misses are to be rare.
+    fn refuse_wilson_beyond_its_reach(&self, confidence: f64) -> Result<(), Complaint> {
+        let Some(interval) = self.interval.as_ref().filter(|interval| *interval.get_ref() == IntervalSpec::Wilson)
+        else {
+            return Ok(());
+        };
+        let why = if self.is_simultaneous() {
+            "with sampling.simultaneous".to_owned()
+        } else if IntervalKind::for_confidence(confidence) == IntervalKind::ClopperPearson {
+            format!("at a confidence of {confidence}, above {MOST_WILSON_CONFIDENCE}")
+        } else {
+            return Ok(());
+        };
+        let message = format!(
+            "sampling.interval = \"wilson\" does not hold {why}: near 0 and 1 it misses far more often than it says. Remove it, or write \"clopper-pearson\""
+        );
+        Err(Complaint::at(interval.span(), message))
+    }
+
+    /// The audit of the verdict map, where there is one.
+    fn checked_audit(&self, criterion: &Criterion) -> Result<Audit, Complaint> {
+        let Some(spec) = &self.audit else { return Ok(AUDIT) };
+        let complain = |message: String| Err(Complaint::at(spec.span(), message));
+        if matches!(criterion, Criterion::Eigenvalue) && self.method() == SamplingMethod::Exact {
+            return complain(
+                "sampling.audit has no meaning where criterion.kind = \"eigenvalue\" is integrated in closed form; remove it".to_owned(),
             );
-            return Err(Complaint::at(audit.span(), message));
         }
+        match *spec.get_ref() {
+            Audit::Share(share) if !(0.0..=1.0).contains(&share) => complain(format!(
+                "sampling.audit = {share} is out of range: it is a share of the looked-up samples, at least 0 and at most 1, or a whole number of samples of each cell"
+            )),
+            Audit::Share(share) if self.method() == SamplingMethod::Exact => complain(format!(
+                "sampling.audit = {share} is a share of samples, and method = \"exact\" draws none but those of the audit: give their number in each cell, for example audit = 1000"
+            )),
+            Audit::Samples(samples) if samples > MOST_AUDITED => {
+                complain(format!("sampling.audit = {samples} is out of range: it must be at most {MOST_AUDITED}"))
+            }
+            audit => Ok(audit),
+        }
+    }
+
+    fn effort(&self, samples: u64, confidence: f64) -> Result<Effort, Complaint> {
         match (self.method(), &self.until) {
             (SamplingMethod::Exact, _) => Ok(Effort::Integrated),
             (SamplingMethod::MonteCarlo, None) => Ok(Effort::Samples(samples)),
             (SamplingMethod::MonteCarlo, Some(until)) => {
-                let half_width = until.get_ref().half_width;
-                if !(half_width > 0.0 && half_width < 0.5) {
-                    let message = format!(
-                        "sampling.until.half_width = {half_width} is out of range: it must be greater than 0 and less than 0.5"
-                    );
-                    return Err(Complaint::at(until.span(), message));
-                }
-                Ok(Effort::Until { half_width, looks: Looks::new(BLOCK_SAMPLES, samples, confidence) })
+                let precision = until.get_ref().precision().map_err(|message| Complaint::at(until.span(), message))?;
+                Ok(Effort::Until(Looks::new(precision, samples, confidence)))
             }
             (SamplingMethod::Sobol, _) => {
                 let count = self.randomisations.as_ref().map_or(RANDOMISATIONS, |count| *count.get_ref());
@@ -406,7 +499,8 @@ impl SamplingSpec {
         }
     }
 
-    fn refuse_foreign_keys(&self) -> Result<(), Complaint> {
+    fn refuse_foreign_keys(&self, criterion: &Criterion) -> Result<(), Complaint> {
+        let is_eigenvalue = matches!(criterion, Criterion::Eigenvalue);
         let is_exact = self.method() == SamplingMethod::Exact;
         let is_sobol = self.method() == SamplingMethod::Sobol;
         let is_boundary = self.evaluate.as_ref().is_some_and(|evaluate| *evaluate.get_ref() == EvaluateMode::Boundary);
@@ -427,14 +521,14 @@ impl SamplingSpec {
             ),
             (
                 confidence.clone(),
-                is_exact,
-                "sampling.confidence has no meaning with method = \"exact\": p_low and p_high bound its numerical error; remove it",
+                is_exact && is_eigenvalue,
+                "sampling.confidence has no meaning where criterion.kind = \"eigenvalue\" is integrated in closed form: p_low and p_high bound the numerical error; remove it",
             ),
             (interval.clone(), is_exact, "sampling.interval has no meaning with method = \"exact\"; remove it"),
             (
                 self.simultaneous.as_ref().map(Spanned::span),
-                is_exact,
-                "sampling.simultaneous has no meaning with method = \"exact\", whose bounds all hold; remove it",
+                is_exact && is_eigenvalue,
+                "sampling.simultaneous has no meaning where criterion.kind = \"eigenvalue\" is integrated in closed form, whose bounds all hold; remove it",
             ),
             (
                 self.evaluate.as_ref().map(Spanned::span),
@@ -473,8 +567,8 @@ impl SamplingSpec {
             ),
             (
                 self.audit.as_ref().map(Spanned::span),
-                !is_boundary,
-                "sampling.audit belongs to evaluate = \"boundary\"; remove it, or change evaluate",
+                !is_boundary && !is_exact,
+                "sampling.audit belongs to evaluate = \"boundary\" and to method = \"exact\"; remove it, or change one of these",
             ),
         ];
         for (span, is_foreign, message) in rules {
@@ -502,7 +596,7 @@ pub struct NormalisedSampling {
     #[serde(skip_serializing_if = "Option::is_none")]
     confidence: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    audit: Option<f64>,
+    audit: Option<Audit>,
     #[serde(skip_serializing_if = "Option::is_none")]
     randomisations: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -520,13 +614,17 @@ pub struct NormalisedSampling {
 impl NormalisedSampling {
     /// The same for any number of samples: jobs that agree in it share theirs.
     pub fn for_any_number(self) -> Self {
-        Self { samples: self.samples.map(|_| 0), ..self }
+        let until = self.until.map(|until| NormalisedUntil { at_most: 0, ..until });
+        Self { samples: self.samples.map(|_| 0), until, ..self }
     }
 }
 
 #[derive(Serialize)]
 struct NormalisedUntil {
-    half_width: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    half_width: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    relative: Option<f64>,
     confidence: f64,
     at_most: u64,
 }

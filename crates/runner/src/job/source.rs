@@ -22,7 +22,7 @@ pub struct JobSource {
 pub struct Overrides {
     /// `--seed`.
     pub seed: Option<u64>,
-    /// `--samples`.
+    /// `--samples`; with `until`, its `at_most`.
     pub samples: Option<u64>,
 }
 
@@ -47,7 +47,16 @@ impl JobSource {
                 Failure::Usage(format!("--{key} {value} is too large: it must be at most {}", i64::MAX))
             })?;
             let sampling = document.entry("sampling").or_insert_with(toml_edit::table);
-            let Some(table) = sampling.as_table_like_mut() else { return Ok(self) };
+            let Some(mut table) = sampling.as_table_like_mut() else { return Ok(self) };
+            // With `until` the number of samples is a limit.
+            let stops = key == "samples" && table.contains_key("until");
+            let key = if stops { "at_most" } else { key };
+            if stops {
+                let Some(until) = table.get_mut("until").and_then(toml_edit::Item::as_table_like_mut) else {
+                    return Ok(self);
+                };
+                table = until;
+            }
             let mut new = toml_edit::Value::from(value);
             if let Some(old) = table.get(key).and_then(toml_edit::Item::as_value) {
                 *new.decor_mut() = old.decor().clone();

@@ -6,7 +6,7 @@ use stickslip_core::{
     FlexibleBrake, FlexibleError, PadOnDisc, ParameterError, Parameters, StabilityBoundary, TimeDomain,
 };
 use stickslip_sampler::interval;
-use stickslip_sampler::{Axis, BLOCK_SAMPLES, BinomialInterval, Grid, Points, SampleStream};
+use stickslip_sampler::{Axis, BLOCK_SAMPLES, BinomialInterval, Grid, IntervalKind, Points, SampleStream};
 use toml::Spanned;
 
 use crate::output::note;
@@ -154,7 +154,7 @@ impl Job {
 
     /// Whether cells get as many samples as a precision takes.
     pub fn stops_by_precision(&self) -> bool {
-        matches!(self.sampling.effort, Effort::Until { .. })
+        matches!(self.sampling.effort, Effort::Until(_))
     }
 
     /// Whether samples are looked up in verdict maps, or integrated over them. The closed form needs none.
@@ -163,15 +163,44 @@ impl Job {
         wanted && !matches!(self.criterion, Criterion::Eigenvalue)
     }
 
-    /// The interval of the result columns.
+    /// The interval of the counted verdicts of one cell.
     pub fn interval(&self) -> BinomialInterval {
-        BinomialInterval::new(self.sampling.interval.into(), self.confidence())
+        let confidence = self.confidence();
+        BinomialInterval::new(self.sampling.interval_kind(confidence), confidence)
     }
 
-    /// The confidence of the interval of one cell.
+    /// The confidence of the interval of the counted verdicts of one cell. Where a verdict map is audited, the error is
+    /// shared with the audit.
     pub fn confidence(&self) -> f64 {
+        let of_a_cell = self.confidence_of_a_cell();
+        if self.sampling.is_audited { interval::half_of_the_error(of_a_cell) } else { of_a_cell }
+    }
+
+    /// The confidence of what the audit of a verdict map says of one cell.
+    pub fn audit_confidence(&self) -> f64 {
+        let of_a_cell = self.confidence_of_a_cell();
+        if self.is_integrated() { of_a_cell } else { interval::half_of_the_error(of_a_cell) }
+    }
+
+    /// The confidence of `p_low` to `p_high` of one cell.
+    fn confidence_of_a_cell(&self) -> f64 {
         let Sampling { confidence, simultaneous, .. } = self.sampling;
         if simultaneous { interval::simultaneous_confidence(confidence, self.cells()) } else { confidence }
+    }
+
+    /// Whether what is made of counted verdicts differs from what the first version made of them: all but one plain
+    /// interval for each cell.
+    pub fn has_later_estimates(&self) -> bool {
+        let Sampling { derivatives, sensitivity, is_audited, .. } = self.sampling;
+        let is_plain = matches!(self.sampling.effort, Effort::Samples(_));
+        let is_closed = self.is_integrated() && !self.uses_maps();
+        let interval = self.interval().kind();
+        let is_given = self.sampling.interval.is_some();
+        is_audited
+            || (derivatives && !is_closed)
+            || sensitivity
+            || !(is_plain || is_closed)
+            || (interval == IntervalKind::ClopperPearson && !is_given && !is_closed)
     }
 
     /// The stability boundary of the eigenvalue criterion at each rotating speed of the grid, in the order of the axis.

@@ -180,22 +180,26 @@ impl RunDirectory {
     /// Everything counted so far. Pieces that cannot be trusted are named on standard error and left out.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
         let slots = Slots::new(job);
-        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), slots.count(), Extras::of(job).count())?;
+        let is_slot = |stored: u64| slots.from_stored(stored).0 < job.cells();
+        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), is_slot, Extras::of(job).count())?;
         for complaint in &pieces.complaints {
             note(format_args!("warning: {complaint}"));
         }
-        let is_beyond = |segment: &&Segment| segment.samples.end > slots.most(slots.place(segment.slot).1);
-        if let Some(beyond) = pieces.segments.iter().find(is_beyond) {
-            return Err(Failure::Job(format!(
-                "{}: its pieces hold sample {} of cell {}, but its job.toml asks for {} samples only; was it edited?",
-                self.path.display(),
-                beyond.samples.end - 1,
-                slots.place(beyond.slot).0,
-                job.sampling.samples
-            )));
+        let mut segments = Vec::with_capacity(pieces.segments.len());
+        for segment in pieces.segments {
+            let (cell, slot) = slots.from_stored(segment.slot);
+            let wanted = slot.filter(|&slot| segment.samples.end <= slots.most(slots.place(slot).1));
+            let Some(slot) = wanted else {
+                return Err(Failure::Job(format!(
+                    "{}: its pieces hold more samples of cell {cell} than the {} that its job.toml asks for; was it edited?",
+                    self.path.display(),
+                    job.sampling.samples
+                )));
+            };
+            segments.push(Segment { slot, ..segment });
         }
         let mut tally = Tally::new(slots.count());
-        tally.add_all(pieces.segments).map_err(|message| {
+        tally.add_all(segments).map_err(|message| {
             Failure::InputOutput(format!(
                 "{}: {message}. One of them is wrong; move shards/ aside and compute again",
                 self.path.display()

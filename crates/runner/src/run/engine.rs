@@ -12,7 +12,7 @@ use stickslip_core::verdict_map::{Tile, TileIndex};
 use stickslip_core::{JudgedMotion, RandomInputs, Verdict, VerdictCounts};
 use stickslip_sampler::exact::{self, Derivatives};
 use stickslip_sampler::mapped::{MapRegions, MappedProbability};
-use stickslip_sampler::{Cell, Distribution, Estimate, Points, SampleStream, audit};
+use stickslip_sampler::{BLOCK_SAMPLES, Cell, Distribution, Estimate, Points, SampleStream, audit};
 
 use super::batch::Batch;
 use super::directory::RunDirectory;
@@ -26,7 +26,7 @@ use super::surface::IntegratedCell;
 use super::tally::{Segment, Tally};
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
-use crate::job::{Deciders, Job};
+use crate::job::{Audit, Deciders, Effort, Job};
 
 /// Segments waiting to be written at the most, whatever the clock says.
 const MOST_PENDING: usize = 100_000;
@@ -167,14 +167,41 @@ impl<'a> Engine<'a> {
 
     /// Which samples of a slot are audited: by their number in the cell, unless a randomisation numbers its own.
     fn audited(&self, slot: u64, samples: Range<u64>) -> Vec<bool> {
-        let share = self.job.sampling.audit;
-        if !self.extras.lookups() || share == 0.0 {
+        if !self.extras.lookups() || self.job.sampling.audit.is_nothing() {
             return Vec::new();
         }
         let (cell, part) = self.slots.place(slot);
         let first = self.slots.first_sample(part);
-        let key = if self.slots.are_decided_in_turn() { cell } else { slot };
-        audit::choose(self.job.sampling.seed, key, first + samples.start..first + samples.end, share)
+        let samples = first + samples.start..first + samples.end;
+        match self.job.sampling.audit {
+            Audit::Samples(wanted) => {
+                let randomisations = match self.job.sampling.effort {
+                    Effort::Randomisations { count, .. } => count,
+                    _ => 1,
+                };
+                let wanted = wanted.div_ceil(randomisations);
+                samples.map(|sample| sample < wanted).collect()
+            }
+            Audit::Share(share) => {
+                let key = if self.slots.are_decided_in_turn() { cell } else { slot };
+                audit::choose(self.job.sampling.seed, key, samples, share)
+            }
+        }
+    }
+
+    /// Looks the first samples of a cell up in its verdict map, and simulates them as well.
+    fn audit_integral(&self, cell: &Cell) -> Lookups {
+        let mut lookups = Lookups::default();
+        if let (Audit::Samples(wanted), true) = (self.job.sampling.audit, self.job.uses_maps()) {
+            let mut first = 0;
+            while first < wanted {
+                let end = wanted.min(first + BLOCK_SAMPLES);
+                let batch = Batch::draw(self.job, cell, 0, first..end, Points::Random);
+                self.judge(cell, &batch, &vec![true; batch.len()], &mut lookups);
+                first = end;
+            }
+        }
+        lookups
     }
 
     /// Verdicts on consecutive samples of a cell, of its randomisation `randomisation` where it has any: those that
@@ -284,16 +311,20 @@ impl<'a> Engine<'a> {
                 let wanted = self.extras.derivatives();
                 let derivatives = if wanted { exact::derivatives(&boundaries[speed], &cell) } else { unknown };
                 let estimate = Estimate { probability: Some(exact.value), low, high };
-                return (index, IntegratedCell { estimate, derivatives, undecided: 0.0 });
+                return (index, IntegratedCell { estimate, derivatives, undecided: 0.0, lookups: Lookups::default() });
             }
             let mapped = regions[speed].probability(&cell);
             let estimate = Estimate { probability: mapped.value, low: mapped.low, high: mapped.high };
             let MappedProbability { derivatives, undecided, .. } = mapped;
-            (index, IntegratedCell { estimate, derivatives, undecided })
+            (index, IntegratedCell { estimate, derivatives, undecided, lookups: self.audit_integral(&cell) })
         };
-        let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
-        let mut cells =
-            vec![IntegratedCell { estimate: nothing, derivatives: unknown, undecided: 0.0 }; self.job.cells() as usize];
+        let nothing = IntegratedCell {
+            estimate: Estimate { probability: None, low: 0.0, high: 1.0 },
+            derivatives: unknown,
+            undecided: 0.0,
+            lookups: Lookups::default(),
+        };
+        let mut cells = vec![nothing; self.job.cells() as usize];
         let outcome = self.for_each_in_parallel(self.job.cells(), interrupt, integrate, |(index, integrated)| {
             cells[index as usize] = integrated;
         })?;
@@ -333,6 +364,7 @@ impl<'a> Engine<'a> {
             if due && !pending.is_empty() {
                 // Units stay apart in a piece: two processes that do the same work write the same segments.
                 pending.sort_by_key(|segment| (segment.slot, segment.samples.start));
+                pending.iter_mut().for_each(|segment: &mut Segment| segment.slot = self.slots.stored(segment.slot));
                 piece::write(&shards, &experiment, &pending)?;
                 pending.clear();
                 written = Instant::now();

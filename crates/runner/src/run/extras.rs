@@ -45,9 +45,9 @@ impl Lookups {
 const LOOKUPS: usize = 3;
 /// Degrees of freedom that an unstable sample may be fed by, beside the tangential motion.
 const SOURCES: [DegreeOfFreedom; 3] = [DegreeOfFreedom::Normal, DegreeOfFreedom::Angular, DegreeOfFreedom::Disc];
-const DERIVATIVES: usize = 8;
-/// For each input: samples where fixing it turns the second verdict up, or down, and where it turns the first at all.
-const PER_INPUT: usize = 3;
+const DERIVATIVES: usize = ScoreSums::COUNT;
+/// For each input, the counts behind its indices, and the samples that are left out of them.
+const PER_INPUT: usize = 7;
 
 impl Extras {
     /// Of a job.
@@ -100,7 +100,7 @@ impl Extras {
 
     /// How many sums there are.
     pub fn count(self) -> usize {
-        self.sensitivity_at() + if self.sensitivity > 0 { 1 + PER_INPUT * self.sensitivity } else { 0 }
+        self.sensitivity_at() + PER_INPUT * self.sensitivity
     }
 
     /// Sums with nothing in them.
@@ -136,18 +136,18 @@ impl Extras {
         }
     }
 
-    /// Adds the scores of the unstable samples.
+    /// Adds the scores of the samples.
     pub fn add_scores(self, sums: &mut [i64], cell: &Cell, batch: &Batch, verdicts: &[Verdict]) {
         if !self.derivatives {
             return;
         }
         let mut scores = ScoreSums::default();
-        for (sample, _) in verdicts.iter().enumerate().filter(|(_, verdict)| **verdict == Verdict::Unstable) {
+        for (sample, &verdict) in verdicts.iter().enumerate() {
             let (preload, static_friction) = batch.deviates(sample);
-            scores.add(cell, preload, static_friction);
+            scores.add(cell, preload, static_friction, verdict);
         }
         let at = self.derivatives_at();
-        for (sum, score) in sums[at..at + DERIVATIVES].iter_mut().zip(scores.sums.into_iter().chain(scores.squares)) {
+        for (sum, score) in sums[at..at + DERIVATIVES].iter_mut().zip(scores.sums()) {
             *sum += score;
         }
     }
@@ -155,16 +155,20 @@ impl Extras {
     /// Adds the verdicts on samples `first` and `second` and, for each input, on the first ones with that input of the
     /// second.
     pub fn add_sensitivity(self, sums: &mut [i64], first: &[Verdict], second: &[Verdict], mixed: &[Vec<Verdict>]) {
-        let sums = &mut sums[self.sensitivity_at()..];
-        for (sample, (&a, &b)) in first.iter().zip(second).enumerate() {
-            let [a, b] = [a, b].map(|verdict| verdict == Verdict::Unstable);
-            sums[0] += i64::from(b);
-            for (verdicts, counts) in mixed.iter().zip(sums[1..].chunks_exact_mut(PER_INPUT)) {
-                let ab = verdicts[sample] == Verdict::Unstable;
-                counts[0] += i64::from(b && ab && !a);
-                counts[1] += i64::from(b && !ab && a);
-                counts[2] += i64::from(a != ab);
+        let is_unstable = |verdict: Verdict| match verdict {
+            Verdict::Unstable => Some(true),
+            Verdict::Stable => Some(false),
+            Verdict::Undecided | Verdict::Failed => None,
+        };
+        for (verdicts, sums) in mixed.iter().zip(sums[self.sensitivity_at()..].chunks_exact_mut(PER_INPUT)) {
+            let mut counts = IndexCounts::default();
+            let mut left_out = 0;
+            for ((&a, &b), &ab) in first.iter().zip(second).zip(verdicts) {
+                left_out += u64::from(!counts.add(is_unstable(a), is_unstable(b), is_unstable(ab)));
             }
+            let IndexCounts { samples, first_unstable, second_unstable, up, down, turned } = counts;
+            let counts = [samples, first_unstable, second_unstable, up, down, turned, left_out];
+            sums.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count.cast_signed());
         }
     }
 
@@ -179,25 +183,42 @@ impl Extras {
     }
 
     /// The derivative of the probability by a number of the cell, and its standard error.
-    pub fn read_derivative(self, sums: &[i128], number: CellNumber, cell: &Cell, decided: u64) -> Option<(f64, f64)> {
+    pub fn read_derivative(
+        self,
+        sums: &[i128],
+        number: CellNumber,
+        cell: &Cell,
+        counts: &VerdictCounts,
+        probability: Option<f64>,
+    ) -> Option<(f64, f64)> {
         let at = self.derivatives_at();
-        let parts = sums.get(at..at + DERIVATIVES)?;
-        let part = |from: usize| std::array::from_fn(|i| parts[from + i]);
-        ScoreTotals { sums: part(0), squares: part(4) }.derivative(number, cell, decided)
+        let sums: &[i128; DERIVATIVES] = sums.get(at..at + DERIVATIVES)?.try_into().ok()?;
+        ScoreTotals::from_sums(sums).derivative(number, cell, counts, probability?)
     }
 
-    /// The Sobol indices of an input; `None` where the verdict does not vary. Undecided and failed samples count as stable.
-    pub fn read_sensitivity(self, sums: &[i128], input: usize, counts: &VerdictCounts) -> Option<SobolIndices> {
-        let sums = sums.get(self.sensitivity_at()..).filter(|sums| !sums.is_empty())?;
-        let part = &sums[1 + PER_INPUT * input..][..PER_INPUT];
-        let [up, down, turned] = [part[0], part[1], part[2]].map(|count| u64::try_from(count).unwrap_or(0));
-        indices(&IndexCounts {
-            samples: counts.total(),
-            first_unstable: counts.unstable,
-            second_unstable: u64::try_from(sums[0]).unwrap_or(0),
-            up,
-            down,
-            turned,
-        })
+    /// The counts behind the Sobol indices of an input, and the samples that are left out of them because one of their
+    /// verdicts is undecided or failed.
+    fn index_counts(self, sums: &[i128], input: usize) -> Option<(IndexCounts, u64)> {
+        let part = sums.get(self.sensitivity_at() + PER_INPUT * input..)?.get(..PER_INPUT)?;
+        let count = |i: usize| u64::try_from(part[i]).unwrap_or(0);
+        let counts = IndexCounts {
+            samples: count(0),
+            first_unstable: count(1),
+            second_unstable: count(2),
+            up: count(3),
+            down: count(4),
+            turned: count(5),
+        };
+        Some((counts, count(6)))
+    }
+
+    /// The Sobol indices of an input; `None` where the verdict does not vary.
+    pub fn read_sensitivity(self, sums: &[i128], input: usize) -> Option<SobolIndices> {
+        indices(&self.index_counts(sums, input)?.0)
+    }
+
+    /// Samples that the Sobol indices of an input leave out.
+    pub fn read_left_out(self, sums: &[i128], input: usize) -> u64 {
+        self.index_counts(sums, input).map_or(0, |(_, left_out)| left_out)
     }
 }

@@ -18,12 +18,13 @@ mod tally;
 pub use batch::Batch;
 pub use directory::{Access, RunDirectory};
 pub use engine::{Engine, Outcome};
-pub use extras::Lookups;
+pub use extras::{Extras, Lookups};
 pub use plan::{Plan, Shard};
 pub use progress::Progress;
 pub use provenance::Session;
 pub use slots::Slots;
 pub use surface::{
-    DescribedColumn, IntegratedCell, Surface, SurfaceRow, TableColumn, TableValues, write_columns, write_table,
+    DescribedColumn, IntegratedCell, Surface, SurfaceRow, TableColumn, TableValues, unaudited, write_columns,
+    write_table,
 };
 pub use tally::Tally;

@@ -52,11 +52,16 @@ pub struct Pieces {
     pub complaints: Vec<String>,
 }
 
-/// Reads every piece in `directory`.
+/// Reads every piece in `directory`; `is_slot` tells the numbers that slots may have.
 ///
 /// # Errors
 /// A directory that cannot be read, or a sound piece of another experiment: these runs must not be mixed.
-pub fn read_all(directory: &Path, experiment: &str, slots: u64, sums: usize) -> Result<Pieces, Failure> {
+pub fn read_all(
+    directory: &Path,
+    experiment: &str,
+    is_slot: impl Fn(u64) -> bool,
+    sums: usize,
+) -> Result<Pieces, Failure> {
     let mut pieces = Pieces::default();
     for path in files(directory)? {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -79,7 +84,7 @@ pub fn read_all(directory: &Path, experiment: &str, slots: u64, sums: usize) -> 
         match decode(bytes) {
             Ok((owner, _)) if owner.experiment != experiment => return Err(owner.refused(&path)),
             Ok((_, segments))
-                if segments.iter().all(|s| s.slot < slots && s.sums.len() == sums && s.is_consistent()) =>
+                if segments.iter().all(|s| is_slot(s.slot) && s.sums.len() == sums && s.is_consistent()) =>
             {
                 pieces.segments.extend(segments);
             }

@@ -12,20 +12,23 @@ use stickslip_sampler::{Estimate, Looks};
 use super::tally::Tally;
 use crate::job::{Effort, Job};
 
+/// With looks, pieces number the parts of a cell as if there were so many: a higher limit of samples adds parts.
+const STORED_PARTS: u64 = 1024;
+
 /// The slots of a job.
 #[derive(Debug, Clone)]
 pub struct Slots {
     cells: u64,
     /// Samples of each part of a cell at the most.
     parts: Vec<u64>,
-    until: Option<(f64, Looks)>,
+    until: Option<Looks>,
 }
 
 impl Slots {
     /// Of a job.
     pub fn new(job: &Job) -> Self {
         let until = match &job.sampling.effort {
-            Effort::Until { half_width, looks } => Some((*half_width, looks.clone())),
+            Effort::Until(looks) => Some(looks.clone()),
             _ => None,
         };
         Self { cells: job.cells(), parts: job.sampling.parts(), until }
@@ -48,6 +51,23 @@ impl Slots {
         (slot / parts, (slot % parts) as usize)
     }
 
+    /// The number of a slot in pieces.
+    pub fn stored(&self, slot: u64) -> u64 {
+        let (cell, part) = self.place(slot);
+        cell * self.stored_parts() + part as u64
+    }
+
+    /// The cell of a slot by its number in pieces, and the slot itself, unless the job has no such part of its cells.
+    pub fn from_stored(&self, stored: u64) -> (u64, Option<u64>) {
+        let (cell, part) = (stored / self.stored_parts(), stored % self.stored_parts());
+        let parts = self.parts.len() as u64;
+        (cell, (cell < self.cells && part < parts).then(|| cell * parts + part))
+    }
+
+    fn stored_parts(&self) -> u64 {
+        if self.until.is_some() { STORED_PARTS } else { self.parts.len() as u64 }
+    }
+
     /// The slots of a cell.
     pub fn of(&self, cell: u64) -> Range<u64> {
         let parts = self.parts.len() as u64;
@@ -62,7 +82,7 @@ impl Slots {
     /// The number, in its cell, of the first sample of a part.
     pub fn first_sample(&self, part: usize) -> u64 {
         match &self.until {
-            Some((_, looks)) if part > 0 => looks.ends()[part - 1],
+            Some(looks) if part > 0 => looks.ends()[part - 1],
             _ => 0,
         }
     }
@@ -85,24 +105,24 @@ impl Slots {
     }
 
     /// How far a cell is: the parts that are wanted, as far as can be said now (all of them, or up to the next look), and the
-    /// last look that is complete with the counts there.
-    fn standing(&self, tally: &Tally, cell: u64) -> (usize, Option<(usize, VerdictCounts)>) {
-        let Some((half_width, looks)) = &self.until else { return (self.parts.len(), None) };
+    /// counts at every look that is complete.
+    fn standing(&self, tally: &Tally, cell: u64) -> (usize, Vec<VerdictCounts>) {
+        let Some(looks) = &self.until else { return (self.parts.len(), Vec::new()) };
         let mut counts = VerdictCounts::default();
-        let mut last = None;
+        let mut complete = Vec::new();
         for (part, slot) in self.of(cell).enumerate() {
             if !tally.is_complete(slot, self.parts[part]) {
-                return (part + 1, last);
+                return (part + 1, complete);
             }
             counts += tally.counts(slot);
-            last = Some((part, counts));
+            complete.push(counts);
             // Samples beyond a look are only there because it was not enough; that need not be found out again.
             let went_on = part + 1 < self.parts.len() && tally.counts(slot + 1).total() > 0;
-            if !went_on && looks.is_enough(part, &counts, *half_width) {
-                return (part + 1, last);
+            if !went_on && looks.is_enough(part, &counts) {
+                return (part + 1, complete);
             }
         }
-        (self.parts.len(), last)
+        (self.parts.len(), complete)
     }
 
     /// The samples that are wanted of each slot, as far as can be said now.
@@ -132,9 +152,13 @@ impl Slots {
 
     /// With `until`, the estimate at the look at which a cell stopped, or at the last one that is complete.
     pub fn estimate_at_stop(&self, tally: &Tally, cell: u64) -> Option<Estimate> {
-        let (_, looks) = self.until.as_ref()?;
-        let (_, last) = self.standing(tally, cell);
-        let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
-        Some(last.map_or(nothing, |(look, counts)| looks.interval(look, &counts)))
+        let looks = self.until.as_ref()?;
+        Some(looks.estimate(&self.standing(tally, cell).1))
+    }
+
+    /// The share of the error that belongs to the look at which a cell stopped; all of it without looks.
+    pub fn error_share_at_stop(&self, tally: &Tally, cell: u64) -> f64 {
+        let Some(looks) = &self.until else { return 1.0 };
+        self.standing(tally, cell).1.len().checked_sub(1).map_or(1.0, |look| looks.error_share(look))
     }
 }

@@ -20,7 +20,7 @@ use stickslip_core::{DegreeOfFreedom, VerdictCounts};
 use stickslip_sampler::exact::Derivatives;
 use stickslip_sampler::score::CellNumber;
 use stickslip_sampler::sensitivity::SobolIndices;
-use stickslip_sampler::{BinomialInterval, Cell, Distribution, Estimate, RESULTS_VERSION, replicates};
+use stickslip_sampler::{BinomialInterval, Cell, Distribution, Estimate, RESULTS_VERSION, audit, replicates};
 
 use super::extras::{Extras, Lookups};
 use super::publish::{publish, publish_with};
@@ -43,8 +43,12 @@ pub struct SurfaceRow {
     pub counts: VerdictCounts,
     /// Probability and interval.
     pub estimate: Estimate,
+    /// The share of samples whose looked-up verdict the audit does not exclude to be wrong; `None` without an audit.
+    pub unaudited: Option<f64>,
     /// Settled amplitudes of the unstable samples, if the job records them.
     pub amplitudes: Distribution,
+    /// How its samples, or those of its audit, were judged.
+    lookups: Lookups,
     /// Further sums that the job asks for.
     sums: Vec<i128>,
     /// What is known beside the probability, where it was integrated.
@@ -60,6 +64,8 @@ pub struct IntegratedCell {
     pub derivatives: Derivatives,
     /// The probability that a sample is undecided, or fails.
     pub undecided: f64,
+    /// The audit of the map behind it.
+    pub lookups: Lookups,
 }
 
 /// The result of a job.
@@ -150,20 +156,23 @@ fn amplitude_columns() -> Vec<Column> {
     ]
 }
 
-/// Columns of jobs that look samples up in a verdict map.
-fn lookup_columns(extras: Extras) -> Vec<Column> {
+/// Columns of jobs with a verdict map.
+fn lookup_columns() -> Vec<Column> {
     vec![
-        Column::integer(
-            "n_simulated",
-            "samples that the verdict map does not tell, and that were simulated",
-            move |row| extras.read_lookups(&row.sums).simulated,
+        Column::integer("n_simulated", "samples that the verdict map does not tell, and that were simulated", |row| {
+            row.lookups.simulated
+        }),
+        Column::integer("n_audited", "samples that were looked up and simulated all the same", |row| {
+            row.lookups.audited
+        }),
+        Column::integer("n_audit_differed", "audited samples that were judged otherwise than looked up", |row| {
+            row.lookups.differed
+        }),
+        Column::optional(
+            "p_audit",
+            "probability of samples whose looked-up verdict the audit does not exclude to be wrong; p_low and p_high contain it",
+            |row| row.unaudited,
         ),
-        Column::integer("n_audited", "samples that were looked up and simulated all the same", move |row| {
-            extras.read_lookups(&row.sums).audited
-        }),
-        Column::integer("n_audit_differed", "audited samples that were judged otherwise than looked up", move |row| {
-            extras.read_lookups(&row.sums).differed
-        }),
     ]
 }
 
@@ -228,7 +237,9 @@ fn derivative_columns(extras: Extras, integrated: bool) -> Vec<Column> {
             }));
             continue;
         }
-        let read = move |row: &SurfaceRow| extras.read_derivative(&row.sums, number, &row.cell, row.counts.decided());
+        let read = move |row: &SurfaceRow| {
+            extras.read_derivative(&row.sums, number, &row.cell, &row.counts, row.estimate.probability)
+        };
         columns.push(Column::optional(name, long_name, move |row| read(row).map(|(value, _)| value)));
         columns.push(Column::optional(format!("{name}_error"), format!("standard error of {name}"), move |row| {
             read(row).map(|(_, error)| error)
@@ -242,7 +253,7 @@ fn sensitivity_columns(extras: Extras, inputs: &[RandomInput]) -> Vec<Column> {
     let mut columns = Vec::new();
     for (i, input) in inputs.iter().enumerate() {
         let name = input.name();
-        let read = move |row: &SurfaceRow| extras.read_sensitivity(&row.sums, i, &row.counts);
+        let read = move |row: &SurfaceRow| extras.read_sensitivity(&row.sums, i);
         let alone = format!("share of the verdict's variance that {name} explains alone");
         let any = format!("share of the verdict's variance in which {name} takes part");
         let mut add = |kind: &str, meaning: &str, value: fn(SobolIndices) -> f64, error: fn(SobolIndices) -> f64| {
@@ -254,6 +265,12 @@ fn sensitivity_columns(extras: Extras, inputs: &[RandomInput]) -> Vec<Column> {
         };
         add("first_order", &alone, |indices| indices.first_order, |indices| indices.first_order_error);
         add("total", &any, |indices| indices.total, |indices| indices.total_error);
+        columns.push(Column::new(
+            format!("n_left_out_{name}"),
+            "1",
+            format!("samples that the Sobol indices of {name} leave out, because a verdict on them or their partners is undecided or failed"),
+            Values::Integer(Box::new(move |row| extras.read_left_out(&row.sums, i))),
+        ));
     }
     columns
 }
@@ -303,14 +320,22 @@ impl<'a> Surface<'a> {
             amplitudes.add_all(self.tally.amplitudes(slot));
             add_sums(&mut sums, self.tally.sums(slot));
         }
-        let integrated = self.integrated.get(cell as usize);
+        let integrated = self.integrated.get(cell as usize).copied();
+        let lookups = integrated.map_or_else(|| self.extras.read_lookups(&sums), |integrated| integrated.lookups);
+        let counted = integrated.map_or_else(|| self.estimate(cell, &counts), |integrated| integrated.estimate);
+        let unaudited =
+            self.job.sampling.is_audited.then(|| {
+                unaudited(&lookups, integrated.is_none().then_some(counts.total()), self.job.audit_confidence())
+            });
         SurfaceRow {
             cell: self.job.grid.cell(cell),
             counts,
-            estimate: integrated.map_or_else(|| self.estimate(cell, &counts), |integrated| integrated.estimate),
+            estimate: widened(&counted, unaudited.unwrap_or(0.0)),
+            unaudited,
             amplitudes,
+            lookups,
             sums,
-            integrated: integrated.copied(),
+            integrated,
         }
     }
 
@@ -319,9 +344,9 @@ impl<'a> Surface<'a> {
             Effort::Samples(_) | Effort::Integrated => self.interval.estimate(counts),
             Effort::Randomisations { .. } => {
                 let parts: Vec<VerdictCounts> = self.slots.of(cell).map(|slot| self.tally.counts(slot)).collect();
-                replicates::estimate(&parts, self.job.confidence())
+                replicates::estimate(&parts, self.job.random.inputs.len(), self.job.confidence())
             }
-            Effort::Until { .. } => {
+            Effort::Until(_) => {
                 let at_stop = self.slots.estimate_at_stop(self.tally, cell);
                 at_stop.unwrap_or_else(|| self.interval.estimate(counts))
             }
@@ -339,6 +364,7 @@ impl<'a> Surface<'a> {
         for slot in 0..self.slots.count() {
             lookups.add(self.extras.read_lookups(self.tally.sums(slot)));
         }
+        self.integrated.iter().for_each(|cell| lookups.add(cell.lookups));
         lookups
     }
 
@@ -376,8 +402,8 @@ impl<'a> Surface<'a> {
             let meaning = "probability that a sample is undecided, or fails";
             columns.push(Column::optional("p_undecided", meaning, |row| Some(row.integrated?.undecided)));
         }
-        if self.extras.lookups() {
-            columns.extend(lookup_columns(self.extras));
+        if self.extras.lookups() || (self.job.is_integrated() && self.job.sampling.is_audited) {
+            columns.extend(lookup_columns());
         }
         if self.extras.sources() {
             columns.extend(source_columns(self.extras));
@@ -420,6 +446,20 @@ impl<'a> Surface<'a> {
         let pairs = footer.map(|(key, value)| KeyValue::new(key.to_owned(), value)).to_vec();
         WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(Some(pairs)).build()
     }
+}
+
+/// The share of a cell whose looked-up verdicts may be wrong, as far as the audit does not exclude it. Of `samples` in all,
+/// those that were simulated are right; an integral has none.
+pub fn unaudited(lookups: &Lookups, samples: Option<u64>, confidence: f64) -> f64 {
+    let looked_up = samples.map_or(1.0, |samples| {
+        samples.saturating_sub(lookups.simulated + lookups.audited) as f64 / samples.max(1) as f64
+    });
+    looked_up * audit::upper_bound(lookups.differed, lookups.audited, confidence)
+}
+
+/// An estimate if so large a share of the samples may have the other verdict.
+pub fn widened(estimate: &Estimate, by: f64) -> Estimate {
+    Estimate { low: (estimate.low - by).max(0.0), high: (estimate.high + by).min(1.0), ..*estimate }
 }
 
 fn add_sums(total: &mut Vec<i128>, sums: &[i128]) {
