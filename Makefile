@@ -4,7 +4,7 @@ CARGO  ?= cargo
 PYTHON ?= python3
 STICKSLIP = target/release/stickslip
 
-.PHONY: run test check bench bench-peers validity clean
+.PHONY: run test check bench bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -44,6 +44,10 @@ bench:
 # The tables of the range of validity (docs of `stickslip_core::validity`): verdicts against references, case by case.
 validity:
 	$(CARGO) bench --locked -p stickslip-core --bench validity
+
+# The table of coverage: how often intervals contain the true value, by simulation.
+coverage:
+	$(CARGO) bench --locked -p stickslip-sampler --bench coverage
 
 # The same jobs by NumPy, OpenTURNS, numba, SciPy and diffrax beside it.
 bench-peers: target/peers/ready

@@ -172,6 +172,58 @@ fn other_samples_are_not_paired() {
 }
 
 #[test]
+fn two_seeds_of_one_job_do_not_differ() {
+    let grid = |name: &str, seed: u64| {
+        job(name, 15.0, EIGENVALUE, &format!("samples = 2000\nseed = {seed}"))
+            .replace("{ from = 0.3, to = 0.5, points = 3 }", "{ from = 0.3, to = 0.5, points = 40 }")
+    };
+    let place = Place::new();
+    for (name, seed) in [("a", 1), ("b", 2)] {
+        place.write("job.toml", &grid(name, seed));
+        place.run("submit job.toml").done();
+    }
+    let significant = |words: &str| {
+        let outcome = place.run(&format!("compare runs/a runs/b --json{words}")).done();
+        let summary: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+        let count = |key: &str| summary[0][key].as_u64().unwrap();
+        assert_eq!(summary[0]["simultaneous"], words.is_empty());
+        count("cells_significantly_higher") + count("cells_significantly_lower")
+    };
+    assert_eq!(significant(""), 0);
+    assert!(significant(" --pointwise") > 0, "one in twenty of 120 cells, by chance");
+    let text = place.run("compare runs/a runs/b").done().stdout;
+    assert!(text.contains("confidence 0.95 for all together"), "{text}");
+}
+
+#[test]
+fn runs_that_share_deviates_are_not_taken_for_independent() {
+    let place = Place::new();
+    let text = |name: &str, extra: &str| {
+        job(name, 15.0, EIGENVALUE, "samples = 500\nseed = 4")
+            .replace("\n[criterion]", &format!("{extra}\n[criterion]"))
+    };
+    let correlated = |rho: f64| format!("\ncorrelation = [[\"preload\", \"static_friction\", {rho}]]");
+    let third = text("third", "").replace(
+        "inputs = [\"preload\", \"static_friction\"]",
+        "inputs = [\"preload\", \"static_friction\", \"pad.mass\"]",
+    );
+    for (name, text) in
+        [("up", text("up", &correlated(0.9))), ("down", text("down", &correlated(-0.9))), ("third", third)]
+    {
+        place.write("job.toml", &text);
+        place.run("submit job.toml").done();
+        assert!(place.path("runs").join(name).is_dir());
+    }
+    // The same deviates become other inputs: sample by sample.
+    place.run("compare runs/up runs/down --out out.parquet").done();
+    assert_eq!(texts(&place, "out.parquet", "interval"), ["paired"; 9]);
+    // Another number of inputs: other samples of the same random numbers.
+    let outcome = place.run("compare runs/up runs/third --out out.parquet").done();
+    assert!(outcome.stderr.contains("2 and 3 random inputs, though they share random numbers"), "{}", outcome.stderr);
+    assert_eq!(texts(&place, "out.parquet", "interval"), ["dependent"; 9]);
+}
+
+#[test]
 fn runs_of_different_length_are_paired_where_both_have_samples() {
     let until = "until = { half_width = 0.08, at_most = 4000 }\nseed = 1";
     let place = runs(
@@ -201,7 +253,7 @@ fn sobol_points_are_paired_by_randomisation() {
     let intervals = texts(&place, "out.parquet", "interval");
     assert_eq!(
         (&intervals[..9], &intervals[9..]),
-        (&vec!["paired".to_owned(); 9][..], &vec!["unpaired".to_owned(); 9][..])
+        (&vec!["paired".to_owned(); 9][..], &vec!["dependent".to_owned(); 9][..])
     );
     assert_eq!(Table::read(&place.path("out.parquet")).column("n_paired")[..9], [512.0; 9]);
 }
@@ -209,7 +261,7 @@ fn sobol_points_are_paired_by_randomisation() {
 #[test]
 fn integrated_probabilities_have_bounds() {
     let place = runs(15.0, &[("exact", EIGENVALUE, "method = \"exact\""), ("drawn", EIGENVALUE, "samples = 1000")]);
-    place.run("compare runs/exact runs/drawn --out out.parquet").done();
+    place.run("compare runs/exact runs/drawn --pointwise --out out.parquet").done();
     assert_eq!(texts(&place, "out.parquet", "interval"), ["bounds"; 9]);
     let table = Table::read(&place.path("out.parquet"));
     let [exact, drawn] =
@@ -277,7 +329,7 @@ fn verdicts_that_are_not_those_counted_are_not_paired() {
     pieces.iter().for_each(|piece| exchange_verdicts(piece));
     let outcome = place.run("compare runs/a runs/b --out out.parquet").done();
     assert!(outcome.stderr.contains("warning: in 9 of 9 cells the verdicts"), "{}", outcome.stderr);
-    assert_eq!(texts(&place, "out.parquet", "interval"), ["unpaired"; 9]);
+    assert_eq!(texts(&place, "out.parquet", "interval"), ["dependent"; 9]);
     let table = Table::read(&place.path("out.parquet"));
     let counted = Table::read(&place.path("runs/b/surface.parquet"));
     assert_eq!(table.column("p_second"), counted.column("p_unstable"));

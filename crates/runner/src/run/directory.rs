@@ -190,8 +190,9 @@ impl RunDirectory {
             let (cell, slot) = slots.from_stored(segment.slot);
             let wanted = slot.filter(|&slot| segment.samples.end <= slots.most(slots.place(slot).1));
             let Some(slot) = wanted else {
+                let what = slot.map_or("more samples".to_owned(), |_| format!("sample {}", segment.samples.end - 1));
                 return Err(Failure::Job(format!(
-                    "{}: its pieces hold more samples of cell {cell} than the {} that its job.toml asks for; was it edited?",
+                    "{}: its pieces hold {what} of cell {cell}, but its job.toml asks for {} samples only; was it edited?",
                     self.path.display(),
                     job.sampling.samples
                 )));

@@ -1,0 +1,409 @@
+//! How often the intervals of the project contain the true value, by simulation and by exact sums: one line for each
+//! case, with the method, the samples, the probability, what is said and what is seen.
+//!
+//! `make coverage`. Replicates are seeded; the whole takes about a minute. Nothing here is simulated in time: verdicts are drawn with a
+//! known probability, or are those of a boundary in closed form.
+
+#![allow(clippy::print_stdout, clippy::disallowed_methods, reason = "a table for people")]
+#![allow(clippy::unwrap_used, reason = "a table that cannot be made should say so and stop")]
+
+use rand::SeedableRng;
+use rand_distr::{Binomial, Distribution};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use stickslip_core::{PadOnDisc, Parameters, StabilityBoundary, Verdict, VerdictCounts};
+use stickslip_sampler::difference::{dependent_difference, paired_difference, unpaired_difference};
+use stickslip_sampler::interval::simultaneous_confidence;
+use stickslip_sampler::score::{CellNumber, ScoreSums, ScoreTotals};
+use stickslip_sampler::sensitivity::{IndexCounts, indices};
+use stickslip_sampler::{
+    BinomialInterval, Cell, DeviateStream, IntervalKind, Looks, PairedCounts, Points, Precision, RelativeStd, audit,
+    normal, replicates,
+};
+
+/// One line of the table.
+struct Line<'a> {
+    method: &'a str,
+    samples: u64,
+    probability: f64,
+    nominal: f64,
+    seen: f64,
+    /// None for an exact sum over all counts.
+    replicates: Option<u64>,
+}
+
+fn print(line: &Line<'_>) {
+    let Line { method, samples, probability, nominal, seen, replicates } = line;
+    let replicates = replicates.map_or("exact".to_owned(), |count| count.to_string());
+    println!("{method:<70} {samples:>8} {probability:>10.2e} {nominal:>9} {seen:>8.4} {replicates:>8}");
+}
+
+fn heading(text: &str) {
+    println!("\n{text:<70} {:>8} {:>10} {:>9} {:>8} {:>8}", "n", "P", "nominal", "seen", "of");
+}
+
+fn generator(seed: u64) -> Xoshiro256PlusPlus {
+    Xoshiro256PlusPlus::seed_from_u64(seed)
+}
+
+fn draw(generator: &mut Xoshiro256PlusPlus, samples: u64, p: f64) -> u64 {
+    Binomial::new(samples, p).unwrap().sample(generator)
+}
+
+fn counts(unstable: u64, samples: u64) -> VerdictCounts {
+    VerdictCounts { unstable, stable: samples - unstable, ..VerdictCounts::default() }
+}
+
+/// Share of `replicates` for which `covers` holds.
+fn share(replicates: u64, mut covers: impl FnMut(u64) -> bool) -> f64 {
+    (0..replicates).filter(|&seed| covers(seed)).count() as f64 / replicates as f64
+}
+
+/// The probability that an interval contains `p`, summed over the counts.
+fn exact_coverage(interval: &BinomialInterval, samples: u64, p: f64) -> f64 {
+    let n = samples as f64;
+    let (mut covered, mut mass, mut k) = (0.0, (n * (-p).ln_1p()).exp(), 0);
+    while k <= samples && (mass > 1e-18 || (k as f64) < n * p) {
+        let (low, high) = interval.bounds(k, samples);
+        if low <= p && p <= high {
+            covered += mass;
+        }
+        mass *= (n - k as f64) / (k as f64 + 1.0) * p / (1.0 - p);
+        k += 1;
+    }
+    covered
+}
+
+fn binomial_intervals() {
+    heading("one cell");
+    let kinds = [("Wilson", IntervalKind::Wilson), ("Clopper-Pearson", IntervalKind::ClopperPearson)];
+    for (confidence, p) in [(0.95, 1.7e-5), (0.95, 0.3), (0.999, 7.8e-6)] {
+        for (name, kind) in kinds {
+            let interval = BinomialInterval::new(kind, confidence);
+            let seen = exact_coverage(&interval, 10_000, p);
+            print(&Line { method: name, samples: 10_000, probability: p, nominal: confidence, seen, replicates: None });
+        }
+    }
+    for confidence in [0.8, 0.9, 0.95, 0.99, 0.999] {
+        for (name, kind) in kinds {
+            let interval = BinomialInterval::new(kind, confidence);
+            // Between two counts' ends coverage changes smoothly: a fine geometric grid finds the worst.
+            let of = |i: i32| 1e-6 * (0.05 / 1e-6_f64).powf(f64::from(i) / 4000.0);
+            let at = |i: i32| (exact_coverage(&interval, 10_000, of(i)), of(i));
+            let (seen, p) = (0..=4000).map(at).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+            let method = format!("{name}, worst P up to 0.05");
+            print(&Line {
+                method: &method,
+                samples: 10_000,
+                probability: p,
+                nominal: confidence,
+                seen,
+                replicates: None,
+            });
+        }
+    }
+}
+
+fn whole_surfaces() {
+    heading("all cells together (simultaneous = true)");
+    let rare: Vec<f64> = (0..780).map(|i| 8e-7 * 15_f64.powf(f64::from(i) / 779.0)).collect();
+    let ordinary: Vec<f64> = (0..728).map(|i| normal::upper_tail(-3.0 + 6.0 * f64::from(i) / 727.0)).collect();
+    for (surface, samples, replicates) in [(&rare, 10_000, 1000), (&ordinary, 1000, 1000)] {
+        let cells = surface.len() as u64;
+        let each = simultaneous_confidence(0.95, cells);
+        for (name, kind) in [
+            ("Wilson, no longer offered", IntervalKind::Wilson),
+            ("Clopper-Pearson", IntervalKind::for_confidence(each)),
+        ] {
+            let interval = BinomialInterval::new(kind, each);
+            let seen = share(replicates, |seed| {
+                let mut generator = generator(seed);
+                surface.iter().all(|&p| {
+                    let (low, high) = interval.bounds(draw(&mut generator, samples, p), samples);
+                    low <= p && p <= high
+                })
+            });
+            let method = format!("{name}, {cells} cells");
+            print(&Line {
+                method: &method,
+                samples,
+                probability: surface[0],
+                nominal: 0.95,
+                seen,
+                replicates: Some(replicates),
+            });
+        }
+    }
+}
+
+fn stopping() {
+    heading("until: interval at the stop");
+    let mut biases = Vec::new();
+    for (half_width, relative, p) in [
+        (Some(0.002), None, 1e-4),
+        (Some(0.0005), None, 1e-4),
+        (Some(0.002), None, 1e-3),
+        (Some(0.01), None, 0.3),
+        (None, Some(0.2), 1e-2),
+    ] {
+        let precision = Precision { half_width, relative };
+        let looks = Looks::new(precision, 200_000, 0.95);
+        let (replicates, mut sum, mut of_shares, mut most) = (4000, 0.0, 0.0, 0);
+        let seen = share(replicates, |seed| {
+            let mut generator = generator(seed);
+            let mut path: Vec<VerdictCounts> = Vec::new();
+            loop {
+                let before = path.last().copied().unwrap_or_default();
+                let more = looks.ends()[path.len()] - before.total();
+                path.push(before + counts(draw(&mut generator, more, p), more));
+                if looks.is_enough(path.len() - 1, path.last().unwrap()) {
+                    break;
+                }
+            }
+            let (estimate, last) = (looks.estimate(&path), path.last().unwrap());
+            sum += estimate.probability.unwrap();
+            of_shares += last.unstable as f64 / last.total() as f64;
+            most = most.max(last.total());
+            estimate.low <= p && p <= estimate.high
+        });
+        let name = half_width.map_or_else(
+            || format!("relative = {}", relative.unwrap()),
+            |half_width| format!("half_width = {half_width}"),
+        );
+        print(&Line {
+            method: &name,
+            samples: most,
+            probability: p,
+            nominal: 0.95,
+            seen,
+            replicates: Some(replicates),
+        });
+        let mean = |sum: f64| 100.0 * (sum / replicates as f64 / p - 1.0);
+        biases.push((name, p, mean(of_shares), mean(sum)));
+    }
+    println!(
+        "\n{:<36} {:>10} {:>28} {:>20}",
+        "until: mean deviation from P, %", "P", "of the observed share", "of p_unstable"
+    );
+    for (name, p, share, estimate) in biases {
+        println!("{name:<36} {p:>10.2e} {share:>28.2} {estimate:>20.2}");
+    }
+}
+
+fn boundary() -> StabilityBoundary {
+    let mut parameters = Parameters::sui_ding_2018();
+    parameters.set("operating_point.rotating_speed", 15.0).unwrap();
+    PadOnDisc::new(parameters).unwrap().stability_boundary()
+}
+
+/// The derivative by the expected static friction coefficient of samples of which those with a deviate of the preload above
+/// `undecided_above` are undecided, so that the exact one is known.
+fn derivatives() {
+    heading("derivatives by the static friction coefficient, 1.96 standard errors");
+    let boundary = boundary();
+    for (preload, friction, undecided_above, samples, replicates) in [
+        (0.1, 0.39, f64::INFINITY, 2000, 2000),
+        (0.1, 0.39, 1.0, 2000, 2000),
+        (0.1, 0.272, f64::INFINITY, 1000, 1000),
+        (0.1, 0.272, f64::INFINITY, 100_000, 300),
+    ] {
+        let relative_std = RelativeStd { preload: 0.2, static_friction: 0.1 };
+        let cell = Cell { index: 0, rotating_speed: 15.0, relative_std, preload, static_friction: friction };
+        // P(unstable | decided), by the midpoint rule over the deviate of the preload.
+        let probability = |friction: f64| {
+            let (mut unstable, mut decided, step) = (0.0, 0.0, 1e-3);
+            let steps = ((f64::min(undecided_above, 9.0) + 9.0) / step).round() as u32;
+            for i in 0..steps {
+                let z = -9.0 + step * (f64::from(i) + 0.5);
+                let critical = boundary.critical_static_friction(preload * (1.0 + 0.2 * z));
+                decided += normal::density(z);
+                unstable += normal::density(z) * normal::upper_tail((critical / friction - 1.0) / 0.1);
+            }
+            unstable / decided
+        };
+        let h = 1e-4;
+        let truth = (probability(friction + h) - probability(friction - h)) / (2.0 * h);
+        let (mut given, mut covered) = (0, 0);
+        for seed in 0..replicates {
+            let stream = DeviateStream { seed, common_random_numbers: false, dimensions: 2, points: Points::Random };
+            let mut sums = ScoreSums::default();
+            let mut counts = VerdictCounts::default();
+            for z in stream.draw(0, 0, 0..samples).chunks_exact(2) {
+                let judged = boundary.verdict(preload * (1.0 + 0.2 * z[0]), friction * (1.0 + 0.1 * z[1]));
+                let verdict = if z[0] > undecided_above { Verdict::Undecided } else { judged };
+                sums.add(&cell, Some(z[0]), Some(z[1]), verdict);
+                counts += verdict.into();
+            }
+            let sums: Vec<i128> = sums.sums().map(i128::from).collect();
+            let totals = ScoreTotals::from_sums(&sums.try_into().unwrap());
+            let p = counts.unstable as f64 / counts.decided() as f64;
+            if let Some((value, error)) = totals.derivative(CellNumber::StaticFriction, &cell, &counts, p) {
+                given += 1;
+                covered += u64::from((value - truth).abs() <= 1.96 * error);
+            }
+        }
+        let p = probability(friction);
+        let undecided = 100.0 * normal::upper_tail(undecided_above);
+        let method = format!("{undecided:.0} % undecided; given in {given} of {replicates} replicates");
+        let seen = if given == 0 { f64::NAN } else { covered as f64 / given as f64 };
+        print(&Line { method: &method, samples, probability: p, nominal: 0.95, seen, replicates: Some(given) });
+    }
+}
+
+fn sobol_points() {
+    heading("Sobol points, 16 randomisations");
+    for (inputs, points, unstable) in
+        [(1, 64, 20.06), (1, 64, 20.5), (1, 1024, 100.1), (2, 64, 20.06), (2, 1024, 100.1)]
+    {
+        let p = unstable / points as f64;
+        let limit = -normal::quantile(p);
+        // With two inputs the boundary is a line across both.
+        let is_unstable = |z: &[f64]| if inputs == 1 { z[0] > limit } else { 0.6 * z[0] + 0.8 * z[1] > limit };
+        let seeds = 2000;
+        let seen = share(seeds, |seed| {
+            let stream =
+                DeviateStream { seed, common_random_numbers: false, dimensions: inputs, points: Points::Sobol };
+            let parts: Vec<VerdictCounts> = (0..16)
+                .map(|randomisation| {
+                    let deviates = stream.draw(0, randomisation, 0..points);
+                    counts(deviates.chunks_exact(inputs).filter(|z| is_unstable(z)).count() as u64, points)
+                })
+                .collect();
+            let estimate = replicates::estimate(&parts, inputs, 0.95);
+            estimate.low <= p && p <= estimate.high
+        });
+        let method = format!("{inputs} random input{}", if inputs == 1 { "" } else { "s" });
+        print(&Line {
+            method: &method,
+            samples: 16 * points,
+            probability: p,
+            nominal: 0.95,
+            seen,
+            replicates: Some(seeds),
+        });
+    }
+}
+
+fn sobol_indices() {
+    heading("Sobol indices, total, 1.96 standard errors");
+    let (samples, seeds) = (4000, 1000);
+    // The verdict is that of the first input; a quarter of the second one's values has none.
+    let verdict = |z: [f64; 2]| (z[1] > -0.6745).then_some(z[0] > 0.3);
+    for (i, name, truth) in [(0, "of the input that decides", 1.0), (1, "of one that only makes samples fail", 0.0)] {
+        let seen = share(seeds, |seed| {
+            let stream = |points| DeviateStream { seed, common_random_numbers: false, dimensions: 2, points };
+            let first = stream(Points::Random).draw(0, 0, 0..samples);
+            let second = stream(Points::SecondRandom).draw(0, 0, 0..samples);
+            let mut counts = IndexCounts::default();
+            for (a, b) in first.chunks_exact(2).zip(second.chunks_exact(2)) {
+                let mixed = if i == 0 { [b[0], a[1]] } else { [a[0], b[1]] };
+                counts.add(verdict([a[0], a[1]]), verdict([b[0], b[1]]), verdict(mixed));
+            }
+            let found = indices(&counts).unwrap();
+            (found.total - truth).abs() <= 1.96 * found.total_error
+        });
+        let probability = normal::upper_tail(0.3);
+        print(&Line { method: name, samples, probability, nominal: 0.95, seen, replicates: Some(seeds) });
+    }
+}
+
+fn differences() {
+    heading("differences of two runs");
+    let (samples, replicates) = (1000_u64, 4000);
+    // Unstable where the sum of two deviates, correlated by rho, is above a limit; the same deviates, rho = 0.9 and -0.9.
+    let limit = 0.5;
+    let p_of = |rho: f64| normal::upper_tail(limit / (2.0 + 2.0 * rho).sqrt());
+    let truth = p_of(0.9) - p_of(-0.9);
+    let (mut covered, names) = (
+        [0_u64; 3],
+        ["same deviates, paired", "same deviates, taken for independent", "same deviates, not paired: dependent"],
+    );
+    for seed in 0..replicates {
+        let stream = DeviateStream { seed, common_random_numbers: false, dimensions: 2, points: Points::Random };
+        let mut pairs = PairedCounts::default();
+        for z in stream.draw(0, 0, 0..samples).chunks_exact(2) {
+            let is_unstable = |rho: f64| z[0] + rho * z[0] + (1.0 - rho * rho).sqrt() * z[1] > limit;
+            match (is_unstable(0.9), is_unstable(-0.9)) {
+                (true, true) => pairs.both += 1,
+                (true, false) => pairs.only_first += 1,
+                (false, true) => pairs.only_second += 1,
+                (false, false) => pairs.neither += 1,
+            }
+        }
+        let (first, second) = (pairs.both + pairs.only_first, pairs.both + pairs.only_second);
+        let found = [
+            paired_difference(&pairs, 0.95),
+            unpaired_difference(first, samples, second, samples, 0.95),
+            dependent_difference(first, samples, second, samples, 0.95),
+        ];
+        for (covered, difference) in covered.iter_mut().zip(found) {
+            *covered += u64::from(difference.low <= truth && truth <= difference.high);
+        }
+    }
+    for (covered, name) in covered.into_iter().zip(names) {
+        let seen = covered as f64 / replicates as f64;
+        print(&Line {
+            method: name,
+            samples,
+            probability: p_of(0.9),
+            nominal: 0.95,
+            seen,
+            replicates: Some(replicates),
+        });
+    }
+    // Two seeds of one job: cells that are called different though nothing is.
+    let surface: Vec<f64> = (0..780).map(|i| normal::upper_tail(-3.0 + 6.0 * f64::from(i) / 779.0)).collect();
+    for (name, confidence) in [
+        ("780 cells without a difference, none called one (--pointwise)", 0.95),
+        ("780 cells without a difference, none called one", simultaneous_confidence(0.95, 780)),
+    ] {
+        let replicates = 300;
+        let seen = share(replicates, |seed| {
+            let mut generator = generator(seed);
+            surface.iter().all(|&p| {
+                let [a, b] = [(); 2].map(|()| draw(&mut generator, 10_000, p));
+                let difference = unpaired_difference(a, 10_000, b, 10_000, confidence);
+                difference.low <= 0.0 && 0.0 <= difference.high
+            })
+        });
+        print(&Line {
+            method: name,
+            samples: 10_000,
+            probability: surface[779],
+            nominal: 0.95,
+            seen,
+            replicates: Some(replicates),
+        });
+    }
+}
+
+fn audits() {
+    heading("verdict maps that are wrong: interval with the audit");
+    let confidence = 0.5 + 0.5 * 0.95;
+    let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
+    for (wrong, audited) in [(0.005, 300), (0.02, 300), (0.3, 300), (0.02, 0)] {
+        // Stable by the map, unstable in truth.
+        let (p, samples, replicates) = (0.2, 10_000_u64, 4000);
+        let seen = share(replicates, |seed| {
+            let mut generator = generator(seed);
+            let unstable = draw(&mut generator, samples, p - wrong);
+            let differed = if audited == 0 { 0 } else { draw(&mut generator, audited, wrong) };
+            let (low, high) = interval.bounds(unstable + differed, samples);
+            let reach = if audited == 0 { 0.0 } else { audit::upper_bound(differed, audited, confidence) };
+            low - reach <= p && p <= high + reach
+        });
+        let method = format!("{:.1} % of the verdicts wrong, {audited} audited", 100.0 * wrong);
+        print(&Line { method: &method, samples, probability: p, nominal: 0.95, seen, replicates: Some(replicates) });
+    }
+}
+
+fn main() {
+    println!("How often intervals contain the true value");
+    binomial_intervals();
+    whole_surfaces();
+    stopping();
+    derivatives();
+    sobol_points();
+    sobol_indices();
+    differences();
+    audits();
+}

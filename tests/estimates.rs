@@ -1,0 +1,191 @@
+//! Numbers that mean what they say, as a user asks for them: which interval a surface has, stopping by precision, derivatives
+//! and Sobol indices of samples without a verdict.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
+
+mod common;
+
+use common::{Place, Table};
+use stickslip_sampler::{BinomialInterval, IntervalKind};
+
+/// A job of 30 cells, with what is given under `[random]` and `[sampling]`.
+fn job(name: &str, random: &str, criterion: &str, sampling: &str) -> String {
+    format!(
+        "name = \"{name}\"\n\n[axes]\nrotating_speed = 15.0\npreload = {{ from = 0.05, to = 0.30, points = 6 }}\n\
+         static_friction = {{ from = 0.28, to = 0.50, points = 5 }}\n\n[random]\n{random}\n\n[criterion]\n{criterion}\n\n\
+         [sampling]\n{sampling}\n"
+    )
+}
+
+const BOTH: &str = "inputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.2";
+const EIGENVALUE: &str = "kind = \"eigenvalue\"";
+
+fn submitted(place: &Place, name: &str, text: &str) -> Table {
+    place.write(&format!("{name}.toml"), text);
+    place.run(&format!("submit {name}.toml --out {name}")).done();
+    Table::read(&place.path(&format!("{name}/surface.parquet")))
+}
+
+#[test]
+fn intervals_are_exact_where_misses_are_to_be_rare() {
+    let place = Place::new();
+    for (name, sampling, kind, confidence) in [
+        ("plain", "", IntervalKind::Wilson, 0.95),
+        ("exact", "interval = \"clopper-pearson\"", IntervalKind::ClopperPearson, 0.95),
+        ("sure", "confidence = 0.99", IntervalKind::ClopperPearson, 0.99),
+        ("band", "simultaneous = true", IntervalKind::ClopperPearson, 1.0 - 0.05 / 30.0),
+        ("low-band", "simultaneous = true\nconfidence = 0.5", IntervalKind::ClopperPearson, 1.0 - 0.5 / 30.0),
+    ] {
+        let table = submitted(&place, name, &job(name, BOTH, EIGENVALUE, &format!("samples = 2000\n{sampling}")));
+        let interval = BinomialInterval::new(kind, confidence);
+        for row in 0..30 {
+            let [unstable, low, high] = ["n_unstable", "p_low", "p_high"].map(|column| table.column(column)[row]);
+            let (expected_low, expected_high) = interval.bounds(unstable as u64, 2000);
+            assert!((low - expected_low).abs() < 1e-12 && (high - expected_high).abs() < 1e-12, "{name} {row}");
+        }
+    }
+    for (sampling, texts) in [
+        ("interval = \"wilson\"\nsimultaneous = true", ["job.toml:16", "clopper-pearson"]),
+        ("interval = \"wilson\"\nconfidence = 0.99", ["0.99, above 0.95", "clopper-pearson"]),
+    ] {
+        place.write("job.toml", &job("job", BOTH, EIGENVALUE, sampling));
+        place.run("check job.toml").refused(65, &texts);
+    }
+}
+
+#[test]
+fn a_relative_precision_is_reached_and_its_limit_can_be_raised() {
+    let place = Place::new();
+    let text = |at_most: u64| {
+        job(
+            "until",
+            BOTH,
+            EIGENVALUE,
+            &format!("until = {{ relative = 0.05, at_most = {at_most} }}\nderivatives = true"),
+        )
+    };
+    let first = submitted(&place, "short", &text(20_500));
+    let wanting = |table: &Table| {
+        let (low, high, samples) = (table.column("p_low"), table.column("p_high"), table.column("n_samples"));
+        let is_short = |row: &usize| high[*row] - low[*row] > 0.05 * (high[*row] + low[*row]);
+        (0..30).filter(is_short).map(|row| samples[row]).collect::<Vec<_>>()
+    };
+    assert!(wanting(&first).len() > 5 && wanting(&first).iter().all(|&samples| samples == 20_500.0));
+    // Raised by hand, by the command line, or asked for at once: the same bytes.
+    place.run("submit short.toml --out raised").done();
+    place.write("longer.toml", &text(150_000));
+    for run in ["short", "direct"] {
+        place.run(&format!("submit longer.toml --out {run}")).done();
+    }
+    let outcome = place.run("submit short.toml --out raised --samples 150000").done();
+    assert!(outcome.stderr.contains("from at most 20500 to at most 150000 samples"), "{}", outcome.stderr);
+    assert!(place.surface("short") == place.surface("direct") && place.surface("raised") == place.surface("direct"));
+    let direct = Table::read(&place.path("direct/surface.parquet"));
+    assert!(wanting(&direct).len() < wanting(&first).len());
+    place.run("submit short.toml --out direct").refused(65, &["at most 150000 samples", "--samples 150000"]);
+    // Both precisions at once: the first that is reached.
+    let either = "until = { relative = 0.1, half_width = 0.005 }";
+    let table = submitted(&place, "either", &job("either", BOTH, EIGENVALUE, either));
+    for row in 0..30 {
+        let [low, high] = ["p_low", "p_high"].map(|column| table.column(column)[row]);
+        assert!(high - low <= 0.01 || high - low <= 0.1 * (high + low), "{row}: {low} {high}");
+    }
+    for (until, text) in [
+        ("{ at_most = 5000 }", "half_width"),
+        ("{ relative = 1.5 }", "relative = 1.5 is out of range"),
+        ("{ relative = 0.0 }", "relative = 0 is out of range"),
+    ] {
+        place.write("job.toml", &job("job", BOTH, EIGENVALUE, &format!("until = {until}")));
+        place.run("check job.toml").refused(65, &["job.toml:16", text]);
+    }
+}
+
+#[test]
+fn rare_events_are_not_underestimated_when_stopping() {
+    // Means over 600 cells of one probability: of p_unstable, and of the shares that stopped early when few were unstable.
+    let place = Place::new();
+    let cells: Vec<String> = (0..600).map(|i| format!("{}", 0.05 + 1e-9 * f64::from(i))).collect();
+    let text = |sampling: &str| {
+        job("rare", BOTH, EIGENVALUE, sampling)
+            .replace("{ from = 0.05, to = 0.30, points = 6 }", &format!("[{}]", cells.join(", ")))
+            .replace("{ from = 0.28, to = 0.50, points = 5 }", "0.29")
+    };
+    let exact = submitted(&place, "exact", &text("method = \"exact\"")).column("p_unstable")[0];
+    assert!((5e-4..3e-3).contains(&exact), "{exact}");
+    let half_width = 2.0 * exact;
+    let table = submitted(&place, "until", &text(&format!("until = {{ half_width = {half_width} }}\nseed = 3")));
+    let [p, unstable, samples] = ["p_unstable", "n_unstable", "n_samples"].map(|column| table.column(column));
+    let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / 600.0;
+    let estimate = mean(&mut p.iter().copied());
+    let error = (mean(&mut p.iter().map(|p| (p - estimate) * (p - estimate))) / 600.0).sqrt();
+    let share = mean(&mut (0..600).map(|row| unstable[row] / samples[row]));
+    assert!((estimate - exact).abs() < 4.0 * error, "{estimate} +- {error}, {exact}");
+    assert!(exact - share > 0.05 * exact, "the share is biased: {share}, {exact}");
+}
+
+#[test]
+fn derivatives_are_given_where_they_are_known() {
+    let place = Place::new();
+    let text = |sampling: &str| job("d", BOTH, EIGENVALUE, &format!("{sampling}\nderivatives = true"));
+    let sampled = submitted(&place, "sampled", &text("samples = 3000"));
+    let [stable, unstable] = ["n_stable", "n_unstable"].map(|column| sampled.column(column));
+    let mut withheld = 0;
+    for column in ["dp_dpreload", "dp_dpreload_error", "dp_dstd_static_friction", "dp_dstd_static_friction_error"] {
+        for (row, value) in sampled.column(column).iter().enumerate() {
+            let is_rare = unstable[row].min(stable[row]) < 30.0;
+            withheld += u32::from(is_rare);
+            assert_eq!(value.is_nan(), is_rare, "{column} {row}: {value}");
+        }
+    }
+    assert!(withheld > 0);
+}
+
+#[test]
+fn derivatives_leave_undecided_samples_out_by_the_quotient_rule() {
+    // A horizon so short that many samples are undecided; the same from an integral over the verdict map.
+    let place = Place::new();
+    let criterion = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"\nhorizon = 4.0";
+    let text = |sampling: &str| {
+        job("d", BOTH, criterion, &format!("{sampling}\nderivatives = true"))
+            .replace("{ from = 0.05, to = 0.30, points = 6 }", "[0.1, 0.2]")
+            .replace("{ from = 0.28, to = 0.50, points = 5 }", "[0.36, 0.42]")
+    };
+    let exact = submitted(&place, "exact", &text("method = \"exact\"\naudit = 0"));
+    let sampled = submitted(&place, "sampled", &text("samples = 20_000"));
+    let mut checked = 0;
+    for row in 0..4 {
+        let undecided = sampled.column("n_undecided")[row] / 20_000.0;
+        for column in ["dp_dpreload", "dp_dstatic_friction"] {
+            let [value, error] = ["", "_error"].map(|suffix| sampled.column(&format!("{column}{suffix}"))[row]);
+            let truth = exact.column(column)[row];
+            if undecided > 0.05 && !value.is_nan() {
+                checked += 1;
+                assert!(
+                    (value - truth).abs() < 4.0 * error,
+                    "{column} {row}: {value} +- {error}, {truth}; {undecided}"
+                );
+            }
+        }
+    }
+    assert!(checked >= 2, "{checked}");
+}
+
+#[test]
+fn sobol_indices_do_not_credit_an_input_for_failing_samples() {
+    // The moment of inertia does not enter the tangential motion; one value in six is below zero.
+    let place = Place::new();
+    let inputs = "inputs = [\"preload\", \"static_friction\", \"pad.moment_of_inertia\"]\n\
+        relative_std = { preload = 0.2, static_friction = 0.2, \"pad.moment_of_inertia\" = 1.0 }";
+    let table = submitted(&place, "s", &job("s", inputs, EIGENVALUE, "samples = 3000\nsensitivity = true"));
+    let [failed, left_out] = ["n_failed", "n_left_out_pad.moment_of_inertia"].map(|name| table.column(name));
+    for row in 0..30 {
+        let total = table.column("total_pad.moment_of_inertia")[row];
+        assert!(total.is_nan() || total == 0.0, "{row}: {total}");
+        // The sample, its partner, or the mixture.
+        assert!(failed[row] > 300.0 && left_out[row] > failed[row] && left_out[row] < 3.0 * failed[row]);
+    }
+    assert!(table.column("total_preload").iter().any(|&total| total > 0.3));
+    let correlated = format!("{BOTH}\ncorrelation = [[\"preload\", \"static_friction\", 0.3]]");
+    place.write("job.toml", &job("job", &correlated, EIGENVALUE, "sensitivity = true"));
+    place.run("check job.toml").refused(65, &["sampling.sensitivity", "random.correlation"]);
+}
