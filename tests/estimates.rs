@@ -70,7 +70,7 @@ fn a_relative_precision_is_reached_and_its_limit_can_be_raised() {
         let is_short = |row: &usize| high[*row] - low[*row] > 0.05 * (high[*row] + low[*row]);
         (0..30).filter(is_short).map(|row| samples[row]).collect::<Vec<_>>()
     };
-    assert!(wanting(&first).len() > 5 && wanting(&first).iter().all(|&samples| samples == 20_500.0));
+    assert!(wanting(&first).len() > 3 && wanting(&first).iter().all(|&samples| samples == 20_500.0));
     // Raised by hand, by the command line, or asked for at once: the same bytes.
     place.run("submit short.toml --out raised").done();
     place.write("longer.toml", &text(150_000));
