@@ -284,7 +284,7 @@ fn stirling_error(a: f64) -> f64 {
 
 /// The positive half of the 32 nodes of the Gauss-Legendre rule on [-1, 1] with their weights (computed with 40 digits;
 /// Abramowitz and Stegun, table 25.4, agrees).
-const LEGENDRE: [(f64, f64); 16] = [
+pub(crate) const LEGENDRE: [(f64, f64); 16] = [
     (0.048_307_665_687_738_32, 0.096_540_088_514_727_8),
     (0.144_471_961_582_796_5, 0.095_638_720_079_274_86),
     (0.239_287_362_252_137_07, 0.093_844_399_080_804_57),
