@@ -623,8 +623,8 @@ fn result_columns_are_pinned() {
             ("exact", "d14ea0d09c533ba7eefb7db31bce257d"),
             ("mapped", "886438f18a3a54ac723b45b136c5b7ce"),
             ("boundary", "06c2299a3e6b2b5aa948d79e88962455"),
-            ("sobol", "ea9de6b561f6014386e70a191fe8ccfb"),
-            ("varied", "6841e686c39a9a0f7320489e2c38146a"),
+            ("sobol", "877a7a6722203b0241d51f2635dcfb81"),
+            ("varied", "2c91640535a957153ad2c99f5802d6e7"),
             ("until", "67293bfa2d258076be969c669c415fe1"),
         ]
     );

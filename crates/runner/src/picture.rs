@@ -1,5 +1,6 @@
 //! A small picture of a surface for the terminal.
 
+use crate::job::RandomInput;
 use crate::run::Surface;
 
 /// Rows and columns of a picture at the most; larger grids are thinned out.
@@ -39,9 +40,18 @@ pub fn picture(surface: &Surface<'_>) -> String {
 fn slice_title(surface: &Surface<'_>, first: u64) -> String {
     let cell = surface.row(first).cell;
     let mut scatter = Vec::new();
+    // That of measured values has many digits.
+    let rounded = |std: f64| (std * 1e6).round() / 1e6;
     for (name, std) in [("preload", cell.relative_std.preload), ("friction", cell.relative_std.static_friction)] {
         if std > 0.0 {
-            scatter.push(format!("{name} {std}"));
+            scatter.push(format!("{name} {}", rounded(std)));
+        }
+    }
+    let job = surface.job();
+    let stds = &job.random.relative_stds[job.grid.relative_std_index(first)];
+    for (input, &std) in job.random.inputs.iter().zip(stds) {
+        if matches!(input, RandomInput::Other(_)) && std > 0.0 {
+            scatter.push(format!("{} {}", input.name(), rounded(std)));
         }
     }
     let scatter = if scatter.is_empty() { "none".to_owned() } else { scatter.join(", ") };

@@ -50,7 +50,7 @@ impl Point {
     }
 }
 
-/// `I_x(a, b)`: probability that a beta variable is at most `x`, for `a`, `b` from 1/2 to 1e10 and `x` in [0, 1].
+/// `I_x(a, b)`: probability that a beta variable is at most `x`, for `a`, `b` from 0.01 to 1e10 and `x` in [0, 1].
 ///
 /// ```
 /// // At least 2 heads of 3: 3 p^2 (1 - p) + p^3.
@@ -68,7 +68,7 @@ pub fn upper_tail(a: f64, b: f64, x: f64) -> f64 {
     tails(a, b, Point { x, y: 1.0 - x }).1
 }
 
-/// The `x` with `I_x(a, b) = p`, for `a`, `b` from 1/2 to 1e10 and `p` in [0, 1], tails down to 1e-100.
+/// The `x` with `I_x(a, b) = p`, for `a`, `b` from 0.01 to 1e10 and `p` in [0, 1], tails down to 1e-100.
 ///
 /// ```
 /// // Rule of three: no event in 100 trials leaves probabilities up to about 3 / 100 possible.
@@ -284,7 +284,7 @@ fn stirling_error(a: f64) -> f64 {
 
 /// The positive half of the 32 nodes of the Gauss-Legendre rule on [-1, 1] with their weights (computed with 40 digits;
 /// Abramowitz and Stegun, table 25.4, agrees).
-const LEGENDRE: [(f64, f64); 16] = [
+pub(crate) const LEGENDRE: [(f64, f64); 16] = [
     (0.048_307_665_687_738_32, 0.096_540_088_514_727_8),
     (0.144_471_961_582_796_5, 0.095_638_720_079_274_86),
     (0.239_287_362_252_137_07, 0.093_844_399_080_804_57),
@@ -404,6 +404,25 @@ mod tests {
             for (value, expected) in quantiles {
                 assert!((value / expected - 1.0).abs() < 3e-15, "{a} {b} {p}: {value} instead of {expected}");
             }
+        }
+    }
+
+    #[test]
+    fn small_parameters_are_right_too() {
+        // mpmath 1.4 with 50 digits.
+        for (a, b, x, lower, upper) in [
+            (0.01, 0.01, 0.25, 0.494_586_974_254_139_1, 0.505_413_025_745_860_9),
+            (0.01, 0.01, 0.75, 0.505_413_025_745_860_9, 0.494_586_974_254_139_1),
+            (0.01, 5.0, 0.000_976_562_5, 0.952_570_819_623_530_5, 0.047_429_180_376_469_424),
+            (0.05, 300.0, 0.000_976_562_5, 0.953_489_467_112_266_7, 0.046_510_532_887_733_25),
+            (0.125, 0.031_25, 0.875, 0.243_329_868_513_793_58, 0.756_670_131_486_206_4),
+            (0.02, 1e5, 3.814_697_265_625e-6, 0.985_214_486_718_733_2, 0.014_785_513_281_266_823),
+        ] {
+            assert!((lower_tail(a, b, x) / lower - 1.0).abs() < 1e-13, "{a} {b} {x}: {}", lower_tail(a, b, x));
+            assert!((upper_tail(a, b, x) / upper - 1.0).abs() < 1e-13, "{a} {b} {x}: {}", upper_tail(a, b, x));
+            let odds = |x: f64| x / (1.0 - x);
+            // How far x moves with p: 1 / density over ln(odds) is at most some 100.
+            assert!((odds(quantile(a, b, lower)) / odds(x) - 1.0).abs() < 1e-11, "{a} {b} {x}");
         }
     }
 

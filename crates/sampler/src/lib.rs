@@ -69,7 +69,7 @@ pub use distribution::Distribution;
 pub use exact::{Derivatives, ExactProbability};
 pub use grid::{Axis, AxisError, Cell, Grid, RelativeStd};
 pub use identity::{BLOCK_SAMPLES, ESTIMATES_VERSION, Purpose, RESULTS_VERSION};
-pub use inputs::{Correlation, CorrelationError, Marginal, MarginalError};
+pub use inputs::{Correlation, CorrelationError, Empirical, EmpiricalError, Marginal, MarginalError};
 pub use interval::{BinomialInterval, Estimate, IntervalKind, WilsonInterval};
 pub use mapped::{MapRegions, MappedProbability};
 pub use samples::{SampleStream, Samples};

@@ -18,6 +18,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let job = JobSource::read(&arguments.job)?.job()?;
     job.warn_of_few_modes();
     job.warn_of_validity();
+    job.warn_of_missing_scatter();
     let threads = arguments.threads.count();
     let lengths = job.grid.lengths();
     let work =

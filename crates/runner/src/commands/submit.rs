@@ -27,6 +27,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let job = source.job()?;
     job.warn_of_few_modes();
     job.warn_of_validity();
+    job.warn_of_missing_scatter();
     if let (Some(shard), true) = (arguments.shard, job.is_integrated()) {
         let message =
             format!("--shard {shard}: method = \"exact\" draws no samples that could be shared out; submit it without");
@@ -212,7 +213,7 @@ fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Stan
         let tally = directory.tally(job);
         if directory.job_source()?.is_none() {
             let tally = tally?;
-            if directory.freeze_first(source)? {
+            if directory.freeze_first(source, job)? {
                 return Ok(Standing::Fresh(tally));
             }
         }
@@ -243,7 +244,7 @@ fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Stan
         )));
     }
     note(format_args!("{path}: from {at_most}{there} to {at_most}{wanted} samples in each cell"));
-    directory.freeze(source)?;
+    directory.freeze(source, job)?;
     // With more samples a cell may have more parts.
     directory.tally(job).map(Standing::Fresh)
 }
@@ -257,12 +258,24 @@ fn first_difference(existing: &str, new: &str) -> String {
     loop {
         match (a.next(), b.next()) {
             (Some(a), Some(b)) if a == b => {}
-            (Some(a), Some(b)) => return format!("it has `{a}`, the job has `{b}`"),
+            (Some(a), Some(b)) => return format!("it has `{}`, the job has `{}`", excerpt(a, b), excerpt(b, a)),
             (None, None) => return "it was made by another version".to_owned(),
-            (Some(a), None) => return format!("it has `{a}`, the job does not"),
-            (None, Some(b)) => return format!("the job has `{b}`, the run does not"),
+            (Some(a), None) => return format!("it has `{}`, the job does not", excerpt(a, "")),
+            (None, Some(b)) => return format!("the job has `{}`, the run does not", excerpt(b, "")),
         }
     }
+}
+
+/// A line that is not too long for a message, or the part of it where it begins to differ from another one.
+fn excerpt(line: &str, other: &str) -> String {
+    const LONGEST: usize = 120;
+    if line.chars().count() <= LONGEST {
+        return line.to_owned();
+    }
+    let common = line.chars().zip(other.chars()).take_while(|(a, b)| a == b).count();
+    let first = common.saturating_sub(LONGEST / 2);
+    let part: String = line.chars().skip(first).take(LONGEST).collect();
+    format!("{}{part}...", if first > 0 { "..." } else { "" })
 }
 
 /// Computes what is missing; without a shard, writes the surface.

@@ -3,6 +3,9 @@
 mod diagnosis;
 mod spec;
 
+mod distribution;
+mod measured;
+
 mod criterion;
 mod random;
 mod sampling;

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::path::Path;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
@@ -10,10 +11,15 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use stickslip_core::Parameters;
 use stickslip_core::parameters::{SCALARS, Scalar, scalar};
-use stickslip_sampler::{Correlation, CorrelationError, Grid, Marginal, RelativeStd};
+use stickslip_sampler::{Cell, Correlation, CorrelationError, Grid, Marginal, MarginalError, RelativeStd};
 use toml::Spanned;
 
 use super::diagnosis::{Complaint, nearest};
+use super::distribution::{DistributionSpec, MarginalSpec, NormalisedMarginal};
+use super::measured;
+
+/// Relative standard deviation at the most, for the widest distributions.
+const LARGEST_STD: f64 = 10.0;
 
 /// The random inputs.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -23,7 +29,8 @@ pub struct RandomSpec {
     /// parameter of the model by its path, for example "stiffness.contact_normal". May be empty.
     #[schemars(with = "Option<Vec<String>>")]
     pub inputs: Option<Spanned<Vec<Spanned<String>>>>,
-    /// Standard deviation over expected value, from 0 to 1. A list makes an axis of the grid.
+    /// Standard deviation over expected value, from 0 to what the distribution allows: 1 for a normal input. A list makes an
+    /// axis of the grid. An input with measured values has their own, and none here.
     #[schemars(with = "Option<RelativeStdSpec>")]
     pub relative_std: Option<Spanned<RelativeStdSpec>>,
     /// The distribution of every input, or a table by input; "normal" unless told.
@@ -120,7 +127,7 @@ impl JsonSchema for RelativeStdSpec {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let number = serde_json::json!({ "type": "number", "minimum": 0, "maximum": 1 });
+        let number = serde_json::json!({ "type": "number", "minimum": 0, "maximum": LARGEST_STD });
         let table = serde_json::json!({ "type": "object", "additionalProperties": number });
         json_schema!({
             "description": "A number, a table by input, or a list of these.",
@@ -130,55 +137,6 @@ impl JsonSchema for RelativeStdSpec {
                 { "type": "array", "items": { "anyOf": [number, table] }, "minItems": 1 },
             ]
         })
-    }
-}
-
-/// One distribution for every random input, or a table by input.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(
-    untagged,
-    expecting = "a distribution is \"normal\", \"lognormal\", \"uniform\" or { truncated-normal = [LOW, HIGH] } (in standard deviations from the expected value), or a table of these by input"
-)]
-pub enum DistributionSpec {
-    /// The same for every random input.
-    Common(MarginalSpec),
-    /// By input; those left out are normal.
-    Each(BTreeMap<String, MarginalSpec>),
-}
-
-/// A distribution.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum MarginalSpec {
-    /// Normal.
-    Normal,
-    /// Lognormal with this expected value and standard deviation.
-    Lognormal,
-    /// Uniform with this expected value and standard deviation.
-    Uniform,
-    /// Normal, cut off at these ends, in standard deviations from the expected value.
-    TruncatedNormal(f64, f64),
-}
-
-impl From<MarginalSpec> for Marginal {
-    fn from(spec: MarginalSpec) -> Self {
-        match spec {
-            MarginalSpec::Normal => Self::Normal,
-            MarginalSpec::Lognormal => Self::Lognormal,
-            MarginalSpec::Uniform => Self::Uniform,
-            MarginalSpec::TruncatedNormal(low, high) => Self::TruncatedNormal { low, high },
-        }
-    }
-}
-
-impl From<Marginal> for MarginalSpec {
-    fn from(marginal: Marginal) -> Self {
-        match marginal {
-            Marginal::Normal => Self::Normal,
-            Marginal::Lognormal => Self::Lognormal,
-            Marginal::Uniform => Self::Uniform,
-            Marginal::TruncatedNormal { low, high } => Self::TruncatedNormal(low, high),
-        }
     }
 }
 
@@ -199,7 +157,7 @@ impl RandomInput {
         match self {
             Self::Preload => "preload",
             Self::StaticFriction => "static_friction",
-            Self::Other(scalar) if scalar.key == "operating_point.rotating_speed" => "rotating_speed",
+            Self::Other(_) if self.is_rotating_speed() => "rotating_speed",
             Self::Other(scalar) => scalar.key,
         }
     }
@@ -234,6 +192,33 @@ impl RandomInput {
         ))
     }
 
+    /// Its expected value in a cell.
+    pub fn expected(self, cell: &Cell, parameters: &Parameters) -> f64 {
+        match self {
+            Self::Preload => cell.preload,
+            Self::StaticFriction => cell.static_friction,
+            Self::Other(_) if self.is_rotating_speed() => cell.rotating_speed,
+            Self::Other(scalar) => scalar.value(parameters),
+        }
+    }
+
+    /// Its expected values over all cells, and the key that has them.
+    fn all_expected(self, parameters: &Parameters, grid: &Grid) -> (Vec<f64>, String) {
+        match self {
+            Self::Preload => (grid.preload.values().to_vec(), "axes.preload".to_owned()),
+            Self::StaticFriction => (grid.static_friction.values().to_vec(), "axes.static_friction".to_owned()),
+            Self::Other(_) if self.is_rotating_speed() => {
+                (grid.rotating_speed.values().to_vec(), "axes.rotating_speed".to_owned())
+            }
+            Self::Other(scalar) => (vec![scalar.value(parameters)], format!("model.{}", scalar.key)),
+        }
+    }
+
+    /// Whether it is the rotating speed, which has an axis.
+    pub fn is_rotating_speed(self) -> bool {
+        matches!(self, Self::Other(scalar) if scalar.key == "operating_point.rotating_speed")
+    }
+
     /// Its place in the order in which deviates are drawn: preload, static friction, then the model's parameters.
     fn rank(self) -> usize {
         match self {
@@ -261,10 +246,12 @@ pub struct RandomInputSet {
 
 impl RandomInputSet {
     /// Checks every key but what depends on expected values, see [`RandomInputSet::check_expected`].
-    pub fn validate(random: &RandomSpec) -> Result<Self, Complaint> {
+    ///
+    /// Files of measured values are sought in `folder`.
+    pub fn validate(random: &RandomSpec, folder: &Path) -> Result<Self, Complaint> {
         let inputs = validate_inputs(random)?;
-        let relative_stds = validate_stds(random, &inputs)?;
-        let marginals = validate_distributions(random, &inputs)?;
+        let marginals = validate_distributions(random, &inputs, folder)?;
+        let relative_stds = validate_stds(random, &inputs, &marginals)?;
         let pairs = validate_pairs(random, &inputs)?;
         let correlation = Correlation::new(inputs.len(), &pairs).map_err(|error| Complaint {
             span: random.correlation.as_ref().map(Spanned::span),
@@ -308,25 +295,43 @@ impl RandomInputSet {
     /// Checks distributions that not every expected value allows.
     pub fn check_expected(&self, random: &RandomSpec, parameters: &Parameters, grid: &Grid) -> Result<(), Complaint> {
         for (i, (input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {
-            if *marginal == Marginal::Normal {
-                continue;
-            }
-            let expected = match input {
-                RandomInput::Preload => grid.preload.values().to_vec(),
-                RandomInput::StaticFriction => grid.static_friction.values().to_vec(),
-                RandomInput::Other(_) if input.name() == "rotating_speed" => grid.rotating_speed.values().to_vec(),
-                RandomInput::Other(scalar) => vec![scalar.value(parameters)],
-            };
+            let (expected, _) = input.all_expected(parameters, grid);
             for stds in &self.relative_stds {
-                for &value in &expected {
-                    marginal.check(value, stds[i]).map_err(|error| Complaint {
-                        span: random.distribution.as_ref().map(Spanned::span),
-                        message: format!("random.distribution of {}: {error}", input.name()),
-                    })?;
-                }
+                let check = |&value: &f64| match marginal {
+                    // It may stand for any expected value: where that is zero, it does not scatter.
+                    Marginal::Normal => marginal.check_scatter(stds[i]),
+                    _ => marginal.check(value, stds[i]),
+                };
+                expected.iter().try_for_each(check).map_err(|error| {
+                    let (key, span) = match error {
+                        MarginalError::NormalTooWide { .. } => {
+                            ("relative_std", random.relative_std.as_ref().map(Spanned::span))
+                        }
+                        _ => ("distribution", random.distribution.as_ref().map(Spanned::span)),
+                    };
+                    Complaint { span, message: format!("random.{key} of {}: {error}", input.name()) }
+                })?;
             }
         }
         Ok(())
+    }
+
+    /// The normal inputs that do not scatter in some cell although they are asked to, since they scatter in proportion to
+    /// an expected value of zero there: each in a sentence.
+    pub fn without_scatter(&self, parameters: &Parameters, grid: &Grid) -> Vec<String> {
+        let mut found = Vec::new();
+        for (i, (input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {
+            let (expected, key) = input.all_expected(parameters, grid);
+            let largest = self.relative_stds.iter().map(|stds| stds[i]).fold(0.0, f64::max);
+            if *marginal == Marginal::Normal && largest > 0.0 && expected.contains(&0.0) {
+                let cells = if expected.len() > 1 { "the cells where it is 0" } else { "any cell" };
+                found.push(format!(
+                    "{name} does not scatter in {cells}: its standard deviation is relative_std = {largest} times its expected value, {key} = 0. Give it a small expected value, or leave it out of random.inputs",
+                    name = input.name()
+                ));
+            }
+        }
+        found
     }
 
     /// As a normalised job writes it.
@@ -338,15 +343,24 @@ impl RandomInputSet {
             relative_std: self
                 .relative_stds
                 .iter()
+                .map(|stds| self.given_stds(stds))
                 .filter(|stds| !stds.is_empty())
-                .map(|stds| self.inputs.iter().zip(stds).map(|(input, &std)| (input.name(), std)).collect())
                 .collect(),
             distribution: distribution
                 .filter(|(_, marginal)| **marginal != Marginal::Normal)
-                .map(|(input, &marginal)| (input.name(), marginal.into()))
+                .map(|(input, marginal)| (input.name(), marginal.into()))
                 .collect(),
             correlation: self.pairs.iter().map(|&(i, j, rho)| (name(i), name(j), rho)).collect(),
         }
+    }
+
+    /// By input, but for those with measured values, which have their own.
+    fn given_stds(&self, stds: &[f64]) -> BTreeMap<&'static str, f64> {
+        let inputs = self.inputs.iter().zip(&self.marginals).zip(stds);
+        inputs
+            .filter(|((_, marginal), _)| own_std(marginal).is_none())
+            .map(|((input, _), &std)| (input.name(), std))
+            .collect()
     }
 }
 
@@ -359,7 +373,7 @@ pub struct NormalisedRandom {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     correlation: Vec<(&'static str, &'static str, f64)>,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    distribution: BTreeMap<&'static str, MarginalSpec>,
+    distribution: BTreeMap<&'static str, NormalisedMarginal>,
 }
 
 fn validate_inputs(random: &RandomSpec) -> Result<Vec<RandomInput>, Complaint> {
@@ -406,10 +420,23 @@ fn position(inputs: &[RandomInput], name: &str, key: &str) -> Result<usize, Stri
         .ok_or_else(|| format!("random.{key} gives a value for {name}, but random.inputs does not list {name}"))
 }
 
-fn validate_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<Vec<f64>>, Complaint> {
+/// The relative standard deviation that a distribution has of itself.
+fn own_std(marginal: &Marginal) -> Option<f64> {
+    match marginal {
+        Marginal::Empirical(measured) => Some(measured.relative_std()),
+        _ => None,
+    }
+}
+
+fn validate_stds(
+    random: &RandomSpec,
+    inputs: &[RandomInput],
+    marginals: &[Marginal],
+) -> Result<Vec<Vec<f64>>, Complaint> {
+    let own: Vec<Option<f64>> = marginals.iter().map(own_std).collect();
     let Some(spec) = &random.relative_std else {
-        if inputs.is_empty() {
-            return Ok(vec![Vec::new()]);
+        if let Some(stds) = own.iter().copied().collect() {
+            return Ok(vec![stds]);
         }
         let message = "random.relative_std is missing: how much do the inputs scatter? For example relative_std = 0.2";
         return Err(Complaint { span: random.inputs.as_ref().map(Spanned::span), message: message.to_owned() });
@@ -422,26 +449,10 @@ fn validate_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<Vec<
     }
     let mut all: Vec<Vec<f64>> = Vec::new();
     for entry in &spec.get_ref().0 {
-        let stds = match entry {
-            StdSpec::Common(value) => vec![*value; inputs.len()],
-            StdSpec::Each(table) => {
-                for name in table.keys() {
-                    position(inputs, name, "relative_std").map_err(&complain)?;
-                }
-                let value = |input: &RandomInput| {
-                    table.get(input.name()).copied().ok_or_else(|| {
-                        complain(format!(
-                            "random.relative_std has no value for {}, which random.inputs lists",
-                            input.name()
-                        ))
-                    })
-                };
-                inputs.iter().map(value).collect::<Result<_, _>>()?
-            }
-        };
-        if let Some(std) = stds.iter().find(|std| !(0.0..=1.0).contains(*std)) {
+        let stds = stds_of(entry, inputs, &own).map_err(complain)?;
+        if let Some(std) = stds.iter().find(|std| !(0.0..=LARGEST_STD).contains(*std)) {
             return Err(complain(format!(
-                "random.relative_std = {std} is out of range: it must be at least 0 and at most 1 (standard deviation over expected value)"
+                "random.relative_std = {std} is out of range: it must be at least 0 and at most {LARGEST_STD} (standard deviation over expected value, not per cent)"
             )));
         }
         if all.contains(&stds) {
@@ -455,20 +466,82 @@ fn validate_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<Vec<
     Ok(all)
 }
 
-fn validate_distributions(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<Marginal>, Complaint> {
+/// One entry of `relative_std`, for each input; those with measured values have their own.
+fn stds_of(entry: &StdSpec, inputs: &[RandomInput], own: &[Option<f64>]) -> Result<Vec<f64>, String> {
+    match entry {
+        StdSpec::Common(value) => match inputs.iter().zip(own).find_map(|(input, own)| Some((input, (*own)?))) {
+            Some((measured, std)) => {
+                let free = inputs.iter().zip(own).filter(|(_, own)| own.is_none());
+                let table: Vec<String> = free.map(|(input, _)| format!("{} = {value}", quoted_key(*input))).collect();
+                let remedy = match &table[..] {
+                    [] => "remove random.relative_std".to_owned(),
+                    table => format!("write relative_std = {{ {} }}", table.join(", ")),
+                };
+                Err(format!(
+                    "random.relative_std = {value} is for every input, but {} has measured values and scatters as they do (by {std:.4}); {remedy}",
+                    measured.name()
+                ))
+            }
+            None => Ok(vec![*value; inputs.len()]),
+        },
+        StdSpec::Each(table) => {
+            for (name, value) in table {
+                if let Some(std) = own[position(inputs, name, "relative_std")?] {
+                    return Err(format!(
+                        "random.relative_std gives {value} for {name}, but {name} has measured values and scatters as they do (by {std:.4}); remove {name} from it"
+                    ));
+                }
+            }
+            let value = |(input, own): (&RandomInput, &Option<f64>)| {
+                own.or_else(|| table.get(input.name()).copied()).ok_or_else(|| {
+                    format!("random.relative_std has no value for {}, which random.inputs lists", input.name())
+                })
+            };
+            inputs.iter().zip(own).map(value).collect()
+        }
+    }
+}
+
+/// The name of an input as a key of TOML.
+fn quoted_key(input: RandomInput) -> String {
+    if input.name().contains('.') { format!("\"{}\"", input.name()) } else { input.name().to_owned() }
+}
+
+fn validate_distributions(
+    random: &RandomSpec,
+    inputs: &[RandomInput],
+    folder: &Path,
+) -> Result<Vec<Marginal>, Complaint> {
     let Some(spec) = &random.distribution else { return Ok(vec![Marginal::Normal; inputs.len()]) };
+    let complain = |message: String| Complaint::at(spec.span(), message);
     match spec.get_ref() {
-        DistributionSpec::Common(marginal) => Ok(vec![(*marginal).into(); inputs.len()]),
+        DistributionSpec::Common(_) if inputs.is_empty() => Ok(Vec::new()),
+        DistributionSpec::Common(marginal) => {
+            let marginal =
+                resolve(marginal, folder).map_err(|message| complain(format!("random.distribution: {message}")))?;
+            Ok(vec![marginal; inputs.len()])
+        }
         DistributionSpec::Each(table) => {
             let mut marginals = vec![Marginal::Normal; inputs.len()];
-            for (name, &marginal) in table {
-                let at =
-                    position(inputs, name, "distribution").map_err(|message| Complaint::at(spec.span(), message))?;
-                marginals[at] = marginal.into();
+            for (name, marginal) in table {
+                let at = position(inputs, name, "distribution").map_err(complain)?;
+                marginals[at] = resolve(marginal, folder)
+                    .map_err(|message| complain(format!("random.distribution of {name}: {message}")))?;
             }
             Ok(marginals)
         }
     }
+}
+
+/// The distribution, with measured values read.
+fn resolve(spec: &MarginalSpec, folder: &Path) -> Result<Marginal, String> {
+    Ok(match spec {
+        MarginalSpec::Given(marginal) => marginal.clone(),
+        MarginalSpec::Values(values) => {
+            Marginal::Empirical(measured::from_values(values).map_err(|message| format!("values: {message}"))?)
+        }
+        MarginalSpec::Csv { file, column } => Marginal::Empirical(measured::from_csv(&folder.join(file), column)?),
+    })
 }
 
 fn validate_pairs(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<(usize, usize, f64)>, Complaint> {

@@ -3,6 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use stickslip_sampler::Marginal;
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+
 use super::diagnosis::Complaint;
 use super::spec::JobSpec;
 use super::validated::Job;
@@ -40,7 +43,7 @@ impl JobSource {
             return Ok(self);
         }
         // A text that does not parse is left to `job`, which says where and why.
-        let Ok(mut document) = self.text.parse::<toml_edit::DocumentMut>() else { return Ok(self) };
+        let Ok(mut document) = self.text.parse::<DocumentMut>() else { return Ok(self) };
         for (key, value) in changes {
             let Some(value) = value else { continue };
             let value = i64::try_from(value).map_err(|_| {
@@ -52,16 +55,16 @@ impl JobSource {
             let stops = key == "samples" && table.contains_key("until");
             let key = if stops { "at_most" } else { key };
             if stops {
-                let Some(until) = table.get_mut("until").and_then(toml_edit::Item::as_table_like_mut) else {
+                let Some(until) = table.get_mut("until").and_then(Item::as_table_like_mut) else {
                     return Ok(self);
                 };
                 table = until;
             }
-            let mut new = toml_edit::Value::from(value);
-            if let Some(old) = table.get(key).and_then(toml_edit::Item::as_value) {
+            let mut new = Value::from(value);
+            if let Some(old) = table.get(key).and_then(Item::as_value) {
                 *new.decor_mut() = old.decor().clone();
             }
-            table.insert(key, toml_edit::Item::Value(new));
+            table.insert(key, Item::Value(new));
         }
         self.text = document.to_string();
         Ok(self)
@@ -71,6 +74,37 @@ impl JobSource {
     pub fn job(&self) -> Result<Job, Failure> {
         let complain = |complaint: Complaint| Failure::Job(complaint.render(&self.path, &self.text));
         let spec: JobSpec = toml::from_str(&self.text).map_err(|error| complain(Complaint::from_parser(&error)))?;
-        Job::validate(spec).map_err(complain)
+        Job::validate(spec, self.path.parent().unwrap_or(Path::new(""))).map_err(complain)
     }
+
+    /// The spec as a run keeps it: measured values stand in it, in place of the file that they were read from.
+    pub fn frozen(&self, job: &Job) -> String {
+        let Ok(mut document) = self.text.parse::<DocumentMut>() else { return self.text.clone() };
+        let mut origins = String::new();
+        let distribution = document.get_mut("random").and_then(|random| random.get_mut("distribution"));
+        if let Some(distribution) = distribution.and_then(Item::as_table_like_mut) {
+            if let (true, Some(marginal)) = (distribution.contains_key("csv"), job.random.marginals.first()) {
+                origins += &put_values("random.distribution", distribution, marginal);
+            }
+            for (input, marginal) in job.random.inputs.iter().zip(&job.random.marginals) {
+                if let Some(own) = distribution.get_mut(input.name()).and_then(Item::as_table_like_mut)
+                    && own.contains_key("csv")
+                {
+                    origins += &put_values(&format!("random.distribution of {}", input.name()), own, marginal);
+                }
+            }
+        }
+        if origins.is_empty() { self.text.clone() } else { format!("{origins}{document}") }
+    }
+}
+
+/// Replaces the file in the table of a distribution by the values read from it; a comment that says what they were.
+fn put_values(key: &str, table: &mut dyn TableLike, marginal: &Marginal) -> String {
+    let Marginal::Empirical(measured) = marginal else { return String::new() };
+    let text = |key: &str| table.get(key).and_then(Item::as_str).unwrap_or_default().to_owned();
+    let origin = format!("# {key}: measured values from {:?}, column {:?}\n", text("csv"), text("column"));
+    table.remove("csv");
+    table.remove("column");
+    table.insert("values", Item::Value(Value::Array(measured.values().iter().copied().collect())));
+    origin
 }

@@ -1,5 +1,7 @@
 //! The validated job: every value resolved and within its limits.
 
+use std::path::Path;
+
 use stickslip_core::parameters::{self, SCALARS};
 use stickslip_core::validity::{self, Uncovered};
 use stickslip_core::{
@@ -45,8 +47,8 @@ pub struct Job {
 }
 
 impl Job {
-    /// Resolves a spec and checks every value of it.
-    pub fn validate(spec: JobSpec) -> Result<Self, Complaint> {
+    /// Resolves a spec and checks every value of it. Files that it names are sought in `folder`.
+    pub fn validate(spec: JobSpec, folder: &Path) -> Result<Self, Complaint> {
         let name = validate_name(&spec.name)?;
         let mut parameters = validate_model(&spec.model)?;
         let axes = &spec.axes;
@@ -60,7 +62,7 @@ impl Job {
         }
         parameters.validate().map_err(|error| model_complaint(&spec, &error))?;
 
-        let random = RandomInputSet::validate(&spec.random)?;
+        let random = RandomInputSet::validate(&spec.random, folder)?;
         let grid = Grid { rotating_speed, relative_std: random.axis(), preload, static_friction };
         random.check_expected(&spec.random, &parameters, &grid)?;
         match grid.checked_len() {
@@ -247,6 +249,13 @@ impl Job {
             note(format_args!(
                 "warning: {uncovered}, the limit up to which verdicts in time were tested (cargo doc, page stickslip_core::validity). They may be right beyond it; look at single samples with `stickslip trajectory`, and compare the run with one of a tenfold criterion.horizon (`stickslip compare`)"
             ));
+        }
+    }
+
+    /// Says on standard error which normal inputs do not scatter in some cell.
+    pub fn warn_of_missing_scatter(&self) {
+        for sentence in self.random.without_scatter(&self.parameters, &self.grid) {
+            note(format_args!("warning: {sentence}"));
         }
     }
 

@@ -67,12 +67,7 @@ impl Batch {
         let stds = &job.random.relative_stds[job.grid.relative_std_index(cell.index)];
         let mut column = vec![0.0; self.samples];
         for (i, (input, marginal)) in job.random.inputs.iter().zip(&job.random.marginals).enumerate() {
-            let expected = match input {
-                RandomInput::Preload => cell.preload,
-                RandomInput::StaticFriction => cell.static_friction,
-                RandomInput::Other(_) if input.name() == "rotating_speed" => cell.rotating_speed,
-                RandomInput::Other(scalar) => scalar.value(&job.parameters),
-            };
+            let expected = input.expected(cell, &job.parameters);
             for (value, sample) in column.iter_mut().zip(self.values.chunks_exact(self.dimensions)) {
                 *value = sample[i];
             }

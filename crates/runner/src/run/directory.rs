@@ -161,13 +161,13 @@ impl RunDirectory {
     }
 
     /// Freezes the job, unless another process has just frozen one; false then.
-    pub fn freeze_first(&self, source: &JobSource) -> Result<bool, Failure> {
-        publish_first(&self.path, "job.toml", source.text.as_bytes())
+    pub fn freeze_first(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
+        publish_first(&self.path, "job.toml", source.frozen(job).as_bytes())
     }
 
     /// Freezes the job in place of the one that is there.
-    pub fn freeze(&self, source: &JobSource) -> Result<(), Failure> {
-        publish(&self.path, "job.toml", source.text.as_bytes())
+    pub fn freeze(&self, source: &JobSource, job: &Job) -> Result<(), Failure> {
+        publish(&self.path, "job.toml", source.frozen(job).as_bytes())
     }
 
     /// Removes what killed processes left behind.

@@ -20,7 +20,7 @@ use stickslip_core::{DegreeOfFreedom, VerdictCounts};
 use stickslip_sampler::exact::Derivatives;
 use stickslip_sampler::score::CellNumber;
 use stickslip_sampler::sensitivity::SobolIndices;
-use stickslip_sampler::{BinomialInterval, Cell, Distribution, Estimate, RESULTS_VERSION, audit, replicates};
+use stickslip_sampler::{BinomialInterval, Cell, Distribution, Estimate, Marginal, RESULTS_VERSION, audit, replicates};
 
 use super::extras::{Extras, Lookups};
 use super::publish::{publish, publish_with};
@@ -275,6 +275,57 @@ fn sensitivity_columns(extras: Extras, inputs: &[RandomInput]) -> Vec<Column> {
     columns
 }
 
+/// Adds what the first columns do not say of the inputs: expected value and standard deviation of those other than preload
+/// and static friction; mean and standard deviation of those that are truncated, whose other columns are named parameters.
+fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
+    for (i, (&input, marginal)) in job.random.inputs.iter().zip(&job.random.marginals).enumerate() {
+        let name = input.name();
+        let stds: Vec<f64> = job.random.relative_stds.iter().map(|stds| stds[i]).collect();
+        let grid = job.grid.clone();
+        let std = move |cell: &Cell| stds[grid.relative_std_index(cell.index)];
+        let mut expected_column = name;
+        let unit = match input {
+            RandomInput::Preload | RandomInput::StaticFriction => "1",
+            RandomInput::Other(scalar) => {
+                if input.is_rotating_speed() {
+                    expected_column = "rotating_speed_rad_s";
+                } else {
+                    let value = scalar.value(&job.parameters);
+                    let long_name = format!("expected value of {name}: {}", scalar.description);
+                    columns.push(Column::new(name, scalar.unit, long_name, Values::Real(Box::new(move |_| value))));
+                }
+                let (of_cell, long_name) =
+                    (std.clone(), format!("standard deviation of {name} over its expected value"));
+                let read = Values::Real(Box::new(move |row| of_cell(&row.cell)));
+                columns.push(Column::new(format!("std_{name}"), "1", long_name, read));
+                scalar.unit
+            }
+        };
+        if !matches!(marginal, Marginal::TruncatedNormal { .. }) {
+            continue;
+        }
+        let (marginal, parameters) = (marginal.clone(), job.parameters.clone());
+        let moments = move |row: &SurfaceRow| marginal.moments(input.expected(&row.cell, &parameters), std(&row.cell));
+        let means = moments.clone();
+        let (mean_name, scatter_name) = (format!("mean_{name}"), format!("scatter_{name}"));
+        for (column, instead) in [(expected_column, &mean_name), (&format!("std_{name}"), &scatter_name)] {
+            if let Some(column) = columns.iter_mut().find(|other| other.name == column) {
+                let long_name = &column.long_name;
+                column.long_name =
+                    format!("{long_name}, before it is truncated: a parameter of its distribution, see {instead}")
+                        .into();
+            }
+        }
+        let long_name = format!("mean of {name}, which is truncated");
+        columns.push(Column::new(mean_name, unit, long_name, Values::Real(Box::new(move |row| means(row).0))));
+        let long_name = format!("standard deviation of {name}, which is truncated, over its mean");
+        columns.push(Column::optional(scatter_name, long_name, move |row| {
+            let (mean, std) = moments(row);
+            (mean > 0.0).then_some(std / mean)
+        }));
+    }
+}
+
 impl Column {
     fn field(&self) -> Field {
         let (data_type, nullable) = match &self.values {
@@ -414,6 +465,7 @@ impl<'a> Surface<'a> {
         if self.extras.sensitivity() > 0 {
             columns.extend(sensitivity_columns(self.extras, &self.job.random.inputs));
         }
+        add_input_columns(&mut columns, self.job);
         columns
     }
 

@@ -1,0 +1,272 @@
+//! Correlation of the normal deviates behind the inputs.
+
+use thiserror::Error;
+
+/// Why a correlation was refused. Inputs are counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CorrelationError {
+    /// An input that does not exist.
+    #[error("there is no input {input}; the {inputs} inputs are numbered from 0")]
+    NoInput {
+        /// The number given.
+        input: usize,
+        /// How many inputs there are.
+        inputs: usize,
+    },
+    /// An input correlated with itself.
+    #[error("input {input} is paired with itself; a correlation joins two different inputs")]
+    SameInput {
+        /// The input.
+        input: usize,
+    },
+    /// A coefficient that is not between -1 and 1, or NaN.
+    #[error("the correlation of inputs {first} and {second} is {coefficient}; it must lie between -1 and 1")]
+    OutOfRange {
+        /// One input.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// The coefficient given.
+        coefficient: f64,
+    },
+    /// The same pair twice, in whichever order.
+    #[error("the correlation of inputs {first} and {second} is given twice")]
+    Repeated {
+        /// One input.
+        first: usize,
+        /// The other.
+        second: usize,
+    },
+    /// Coefficients that contradict each other.
+    #[error(
+        "the correlations contradict each other: no input {input} can have those given for it and the inputs before \
+         it (the matrix is not positive definite)"
+    )]
+    NotPositiveDefinite {
+        /// The first input at which the matrix fails.
+        input: usize,
+    },
+}
+
+/// Correlation of the normal deviates behind the inputs, as the Cholesky factor of its matrix.
+///
+/// The coefficients are those of the deviates. Normal inputs inherit them; others are correlated a little less, by
+/// `(exp(rho t_1 t_2) - 1) / (s_1 s_2)` if both are lognormal. The rank correlation is `6 asin(rho / 2) / pi`
+/// whatever the marginals (W. H. Kruskal, Ordinal measures of association, J. Am. Stat. Assoc. 53 (1958) 814-861).
+///
+/// ```
+/// let correlation = stickslip_sampler::Correlation::new(2, &[(0, 1, 0.6)])?;
+/// let mut deviates = [1.0, 0.5];
+/// correlation.apply(&mut deviates);
+/// assert_eq!(deviates, [1.0, 0.6 * 1.0 + 0.8 * 0.5]);
+/// # Ok::<(), stickslip_sampler::CorrelationError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Correlation {
+    inputs: usize,
+    /// Row by row, each up to its diagonal; nothing for the unit matrix.
+    factor: Vec<f64>,
+}
+
+/// Where row `row` of a packed lower triangle begins.
+fn row_start(row: usize) -> usize {
+    row * (row + 1) / 2
+}
+
+impl Correlation {
+    /// Square of the smallest diagonal element of the factor; below, rounding could have made it.
+    const SMALLEST_PIVOT: f64 = 1e-14;
+
+    /// No correlation.
+    #[must_use]
+    pub fn independent(inputs: usize) -> Self {
+        Self { inputs, factor: Vec::new() }
+    }
+
+    /// Correlates pairs `(i, j, rho)` of inputs, counted from 0; pairs not given are uncorrelated.
+    ///
+    /// # Errors
+    /// [`CorrelationError`] if a pair is impossible or given twice, or the matrix not positive definite.
+    pub fn new(inputs: usize, pairs: &[(usize, usize, f64)]) -> Result<Self, CorrelationError> {
+        let mut factor = vec![0.0; row_start(inputs)];
+        let mut given = vec![false; factor.len()];
+        for row in 0..inputs {
+            factor[row_start(row) + row] = 1.0;
+        }
+        for &(first, second, coefficient) in pairs {
+            if let Some(&input) = [first, second].iter().find(|&&input| input >= inputs) {
+                return Err(CorrelationError::NoInput { input, inputs });
+            }
+            if first == second {
+                return Err(CorrelationError::SameInput { input: first });
+            }
+            if coefficient.is_nan() || coefficient.abs() >= 1.0 {
+                return Err(CorrelationError::OutOfRange { first, second, coefficient });
+            }
+            let position = row_start(first.max(second)) + first.min(second);
+            if given[position] {
+                return Err(CorrelationError::Repeated { first, second });
+            }
+            given[position] = true;
+            factor[position] = coefficient;
+        }
+        if factor.iter().filter(|&&element| element != 0.0).count() == inputs {
+            return Ok(Self::independent(inputs));
+        }
+        factorise(inputs, &mut factor)?;
+        Ok(Self { inputs, factor })
+    }
+
+    /// How many inputs there are.
+    #[must_use]
+    pub fn inputs(&self) -> usize {
+        self.inputs
+    }
+
+    /// Whether no inputs are correlated, so that [`Correlation::apply`] does nothing.
+    #[must_use]
+    pub fn is_independent(&self) -> bool {
+        self.factor.is_empty()
+    }
+
+    /// Replaces the independent standard normal deviates `z` of the inputs by correlated ones, `L z`. Those of
+    /// independent inputs stay as they are, bit for bit.
+    ///
+    /// # Panics
+    /// If `z` is not as long as there are inputs.
+    #[inline]
+    pub fn apply(&self, z: &mut [f64]) {
+        assert_eq!(z.len(), self.inputs, "deviates of one sample");
+        if self.factor.is_empty() {
+            return;
+        }
+        // From the last on: each needs only itself and those before it.
+        for row in (0..self.inputs).rev() {
+            let elements = &self.factor[row_start(row)..=row_start(row) + row];
+            z[row] = elements.iter().zip(&*z).map(|(element, z)| element * z).sum();
+        }
+    }
+}
+
+/// Cholesky's factorisation in place, row by row.
+fn factorise(inputs: usize, matrix: &mut [f64]) -> Result<(), CorrelationError> {
+    for row in 0..inputs {
+        let (before, current) = matrix.split_at_mut(row_start(row));
+        for column in 0..=row {
+            // On the diagonal the row meets itself.
+            let known: f64 = if column < row {
+                let other = &before[row_start(column)..][..column];
+                current[..column].iter().zip(other).map(|(a, b)| a * b).sum()
+            } else {
+                current[..row].iter().map(|a| a * a).sum()
+            };
+            let rest = current[column] - known;
+            current[column] = if column < row {
+                rest / before[row_start(column) + column]
+            } else if rest > Correlation::SMALLEST_PIVOT {
+                rest.sqrt()
+            } else {
+                return Err(CorrelationError::NotPositiveDefinite { input: row });
+            };
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Marginal;
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    const EXPECTED: f64 = 0.39;
+
+    #[test]
+    fn independent_deviates_stay_as_they_are() {
+        let deviates = [-0.0, 1e-320, f64::INFINITY, -1.5];
+        for correlation in [Correlation::independent(4), Correlation::new(4, &[(0, 3, 0.0)]).unwrap()] {
+            let mut z = deviates;
+            correlation.apply(&mut z);
+            assert!(correlation.is_independent());
+            assert_eq!(z.map(f64::to_bits), deviates.map(f64::to_bits));
+        }
+    }
+
+    #[test]
+    fn the_factor_agrees_with_numpy() {
+        // numpy.linalg.cholesky of numpy 2, times (0.7, -1.1, 0.4).
+        let correlation = Correlation::new(3, &[(1, 0, 0.5), (0, 2, -0.3), (2, 1, 0.2)]).unwrap();
+        let mut z = [0.7, -1.1, 0.4];
+        correlation.apply(&mut z);
+        for (z, expected) in z.into_iter().zip([0.7, -0.6026279441628826, -0.30892020336092596]) {
+            assert!((z - expected).abs() < 1e-15, "{z}");
+        }
+    }
+
+    #[test]
+    fn impossible_correlations_are_refused() {
+        use CorrelationError as E;
+        let refused = |pairs: &[(usize, usize, f64)]| Correlation::new(3, pairs).unwrap_err();
+        assert_eq!(refused(&[(0, 3, 0.5)]), E::NoInput { input: 3, inputs: 3 });
+        assert_eq!(refused(&[(1, 1, 0.5)]), E::SameInput { input: 1 });
+        for coefficient in [1.0, -1.0, f64::INFINITY] {
+            assert_eq!(refused(&[(0, 1, coefficient)]), E::OutOfRange { first: 0, second: 1, coefficient });
+        }
+        assert!(matches!(refused(&[(0, 1, f64::NAN)]), E::OutOfRange { .. }));
+        assert_eq!(refused(&[(0, 1, 0.5), (1, 0, 0.5)]), E::Repeated { first: 1, second: 0 });
+        assert_eq!(refused(&[(0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9)]), E::NotPositiveDefinite { input: 2 });
+        // Singular: the third is the sum of the other two, scaled.
+        let half = 0.5f64.sqrt();
+        assert_eq!(refused(&[(0, 2, half), (1, 2, half)]), E::NotPositiveDefinite { input: 2 });
+        assert!(Correlation::new(2, &[(0, 1, 0.999_999)]).is_ok());
+    }
+
+    /// Pearson's coefficient.
+    fn correlation_of(a: &[f64], b: &[f64]) -> f64 {
+        let n = a.len() as f64;
+        let [mean_a, mean_b] = [a, b].map(|values| values.iter().sum::<f64>() / n);
+        let sum =
+            |f: &dyn Fn(f64, f64) -> f64| -> f64 { a.iter().zip(b).map(|(a, b)| f(a - mean_a, b - mean_b)).sum() };
+        sum(&|a, b| a * b) / (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt()
+    }
+
+    #[test]
+    fn drawn_inputs_have_the_correlation_asked_for() {
+        const SAMPLES: usize = 200_000;
+        let coefficients = [(0, 1, 0.5), (0, 2, -0.3), (1, 2, 0.2)];
+        let correlation = Correlation::new(3, &coefficients).unwrap();
+        let mut generator = Xoshiro256PlusPlus::seed_from_u64(2018);
+        let mut columns = [const { Vec::new() }; 3];
+        for _ in 0..SAMPLES {
+            let mut z: [f64; 3] = std::array::from_fn(|_| generator.sample(StandardNormal));
+            correlation.apply(&mut z);
+            for (column, z) in columns.iter_mut().zip(z) {
+                column.push(z);
+            }
+        }
+        let tolerance = 4.0 / (SAMPLES as f64).sqrt();
+        for column in &columns {
+            let variance = column.iter().map(|z| z * z).sum::<f64>() / SAMPLES as f64;
+            assert!((variance - 1.0).abs() < std::f64::consts::SQRT_2 * tolerance, "{variance}");
+        }
+        let drawn = |marginal: Marginal, i: usize| -> Vec<f64> {
+            let mut values = columns[i].clone();
+            marginal.apply(EXPECTED, 0.25, &mut values);
+            values
+        };
+        for (i, j, coefficient) in coefficients {
+            let normal = correlation_of(&drawn(Marginal::Normal, i), &drawn(Marginal::Normal, j));
+            assert!((normal - coefficient).abs() < tolerance, "{i}, {j}: {normal}");
+            // Uniform inputs are ranks.
+            let rank = correlation_of(&drawn(Marginal::Uniform, i), &drawn(Marginal::Uniform, j));
+            let expected = 6.0 / std::f64::consts::PI * (0.5 * coefficient).asin();
+            assert!((rank - expected).abs() < tolerance, "{i}, {j}: rank correlation {rank}");
+            let lognormal = correlation_of(&drawn(Marginal::Lognormal, i), &drawn(Marginal::Lognormal, j));
+            let expected = ((coefficient * 0.0625f64.ln_1p()).exp() - 1.0) / 0.0625;
+            assert!((lognormal - expected).abs() < tolerance, "{i}, {j}: lognormal {lognormal}");
+        }
+    }
+}
