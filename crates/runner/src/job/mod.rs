@@ -5,6 +5,7 @@ mod spec;
 
 mod distribution;
 mod measured;
+mod scatter;
 
 mod criterion;
 mod random;
