@@ -180,14 +180,14 @@ impl RunDirectory {
     /// Everything counted so far. Pieces that cannot be trusted are named on standard error and left out.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
         let slots = Slots::new(job);
-        let is_slot = |stored: u64| slots.from_stored(stored).0 < job.cells();
+        let is_slot = |stored: u64| slots.locate_stored(stored).0 < job.cells();
         let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), is_slot, Extras::of(job).count())?;
         for complaint in &pieces.complaints {
             note(format_args!("warning: {complaint}"));
         }
         let mut segments = Vec::with_capacity(pieces.segments.len());
         for segment in pieces.segments {
-            let (cell, slot) = slots.from_stored(segment.slot);
+            let (cell, slot) = slots.locate_stored(segment.slot);
             let wanted = slot.filter(|&slot| segment.samples.end <= slots.most(slots.place(slot).1));
             let Some(slot) = wanted else {
                 let what = slot.map_or("more samples".to_owned(), |_| format!("sample {}", segment.samples.end - 1));

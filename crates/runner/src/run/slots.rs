@@ -58,7 +58,7 @@ impl Slots {
     }
 
     /// The cell of a slot by its number in pieces, and the slot itself, unless the job has no such part of its cells.
-    pub fn from_stored(&self, stored: u64) -> (u64, Option<u64>) {
+    pub fn locate_stored(&self, stored: u64) -> (u64, Option<u64>) {
         let (cell, part) = (stored / self.stored_parts(), stored % self.stored_parts());
         let parts = self.parts.len() as u64;
         (cell, (cell < self.cells && part < parts).then(|| cell * parts + part))
