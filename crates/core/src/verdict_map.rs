@@ -12,8 +12,7 @@
 //! What a map cannot see: an island of another verdict that is smaller than the grid of its box (1/32 below 1) and
 //! touches no point of it. That is why lookups are audited.
 
-use std::cell::Cell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::boundary_curve::{BoundaryCurve, Box2, Point, Search};
 use crate::pad_on_disc::RandomInputs;
@@ -31,8 +30,8 @@ pub const TILES: u32 = TILES_TO_ONE + 6 * TILES_TO_ONE / 2;
 /// Boxes are halved this often at the most: to a 131 072nd of a tile.
 const DEEPEST: u32 = 17;
 
-/// A tile is cut no further once it has taken this many questions: where verdicts have no order, simulating the samples
-/// themselves is cheaper.
+/// A tile takes no more questions than this; what they do not resolve stays unresolved. Where verdicts have no order,
+/// simulating the samples themselves is cheaper.
 const MOST_QUESTIONS: u64 = 50_000;
 
 /// The guards of a boundary: a wider one only in boxes so small already that cutting them would cost more than the samples
@@ -184,31 +183,22 @@ impl Tile {
     }
 
     /// Resolves a tile by asking for verdicts, many at once: `judge` takes points (preload, falling friction).
-    pub fn resolve(index: TileIndex, mut judge: impl FnMut(&[[f64; 2]]) -> Vec<Verdict>) -> Self {
+    pub fn resolve(index: TileIndex, judge: impl FnMut(&[[f64; 2]]) -> Vec<Verdict>) -> Self {
         let tile = index.bounds();
-        let questions = Cell::new(0);
-        let mut ask = |points: &[Point]| {
-            questions.set(questions.get() + points.len() as u64);
-            if points.is_empty() { Vec::new() } else { judge(points) }
-        };
+        let mut questions = Questions { judge, asked: 0 };
         let mut known = BTreeMap::new();
         let mut nodes = vec![Node::Unresolved];
         let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0 }];
         while !open.is_empty() {
-            let wanted: Vec<Lattice> = {
-                let mut wanted: Vec<Lattice> = open.iter().flat_map(OpenBox::grid).collect();
-                wanted.retain(|point| !known.contains_key(point));
-                wanted.sort_unstable();
-                wanted.dedup();
-                wanted
-            };
-            let verdicts = ask(&wanted.iter().map(|point| lattice_point(&tile, *point)).collect::<Vec<_>>());
-            known.extend(wanted.into_iter().zip(verdicts));
-
+            questions.complete_grids(&tile, &open, &mut known);
             let mut searches = Vec::new();
             let mut to_cut = Vec::new();
             for open_box in open {
-                let grid: Vec<Verdict> = open_box.grid().map(|point| known[&point]).collect();
+                // A grid that is not complete was not affordable: the box stays unresolved, and so do the others like it.
+                let Some(grid) = open_box.grid().map(|point| known.get(&point).copied()).collect::<Option<Vec<_>>>()
+                else {
+                    continue;
+                };
                 if grid.iter().all(|verdict| *verdict == grid[0]) {
                     nodes[open_box.place] = Node::Uniform(grid[0]);
                 } else if let Some(crossing) = Crossing::of(&grid) {
@@ -217,7 +207,7 @@ impl Tile {
                     to_cut.push(open_box);
                 }
             }
-            for (open_box, curve) in locate(searches, &mut ask) {
+            for (open_box, curve) in locate(searches, &mut questions) {
                 match curve {
                     Some(curve) => nodes[open_box.place] = Node::Crossed(curve),
                     None => to_cut.push(open_box),
@@ -225,14 +215,64 @@ impl Tile {
             }
             to_cut.sort_unstable_by_key(|open_box| open_box.place);
             open = Vec::new();
-            to_cut.retain(|open_box| open_box.depth < DEEPEST && questions.get() < MOST_QUESTIONS);
+            to_cut.retain(|open_box| open_box.depth < DEEPEST && questions.asked < MOST_QUESTIONS);
             for open_box in to_cut {
                 nodes[open_box.place] = Node::Cut(nodes.len() as u32);
                 open.extend((0..4).map(|child| open_box.child(nodes.len() + child, child)));
                 nodes.extend([Node::Unresolved; 4]);
             }
         }
-        Self { nodes, questions: questions.get() }
+        Self { nodes, questions: questions.asked }
+    }
+}
+
+/// The questions of a tile: whom they are put to, and how many were.
+struct Questions<J> {
+    judge: J,
+    asked: u64,
+}
+
+impl<J: FnMut(&[Point]) -> Vec<Verdict>> Questions<J> {
+    /// Whether so many more may be asked.
+    fn may_ask(&self, count: usize) -> bool {
+        self.asked + count as u64 <= MOST_QUESTIONS
+    }
+
+    fn ask(&mut self, points: &[Point]) -> Vec<Verdict> {
+        self.asked += points.len() as u64;
+        if points.is_empty() { Vec::new() } else { (self.judge)(points) }
+    }
+
+    /// Asks for several lists of points at once: in their order, as far as they are affordable. `None` for the others.
+    fn ask_lists(&mut self, lists: impl Iterator<Item = Vec<Point>>) -> Vec<Option<Vec<Verdict>>> {
+        let mut points = Vec::new();
+        let lengths: Vec<Option<usize>> = lists
+            .map(|list| {
+                let is_affordable = self.may_ask(points.len() + list.len());
+                is_affordable.then(|| {
+                    points.extend_from_slice(&list);
+                    list.len()
+                })
+            })
+            .collect();
+        let mut verdicts = self.ask(&points).into_iter();
+        lengths.into_iter().map(|length| length.map(|length| verdicts.by_ref().take(length).collect())).collect()
+    }
+
+    /// Asks for what is not known of the grids of boxes, one box after the other, as far as it is affordable.
+    fn complete_grids(&mut self, tile: &Box2, boxes: &[OpenBox], known: &mut BTreeMap<Lattice, Verdict>) {
+        let mut wanted = BTreeSet::new();
+        for open_box in boxes {
+            let new: Vec<Lattice> =
+                open_box.grid().filter(|point| !known.contains_key(point) && !wanted.contains(point)).collect();
+            if !self.may_ask(wanted.len() + new.len()) {
+                break;
+            }
+            wanted.extend(new);
+        }
+        let points: Vec<Point> = wanted.iter().map(|point| lattice_point(tile, *point)).collect();
+        let verdicts = self.ask(&points);
+        known.extend(wanted.into_iter().zip(verdicts));
     }
 }
 
@@ -335,42 +375,45 @@ impl Crossing {
     }
 }
 
-/// Locates boundaries, all of them in step, so that many verdicts are asked for at once.
-fn locate(
-    searches: Vec<(OpenBox, Search)>,
-    ask: &mut impl FnMut(&[Point]) -> Vec<Verdict>,
+/// A box and the search for the boundary in it.
+type BoxSearch = (OpenBox, Search);
+
+/// Locates boundaries, all of them in step, so that many verdicts are asked for at once. No curve for what is no piece of a
+/// boundary, contradicts itself, or took more questions than are left.
+fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
+    searches: Vec<BoxSearch>,
+    questions: &mut Questions<J>,
 ) -> Vec<(OpenBox, Option<BoundaryCurve>)> {
     let mut found = Vec::with_capacity(searches.len());
-    let mut going = Vec::new();
-    let mut to_widen = Vec::new();
-    let ends = in_step(searches.iter().map(|(_, search)| search.ends()), ask);
-    for ((open_box, mut search), verdicts) in searches.into_iter().zip(ends) {
-        if search.accepts_ends(&verdicts) {
-            going.push((open_box, search));
-        } else {
-            search.widen();
-            to_widen.push((open_box, search));
-        }
-    }
-    let ends = in_step(to_widen.iter().map(|(_, search)| search.ends()), ask);
-    for ((open_box, search), verdicts) in to_widen.into_iter().zip(ends) {
-        if search.accepts_ends(&verdicts) { going.push((open_box, search)) } else { found.push((open_box, None)) }
-    }
+    let (mut going, mut to_widen) = accept_ends(searches, questions);
+    to_widen.iter_mut().for_each(|(_, search)| search.widen());
+    let (widened, failed) = accept_ends(to_widen, questions);
+    going.extend(widened);
+    found.extend(failed.into_iter().map(|(open_box, _)| (open_box, None)));
     loop {
-        let answers = in_step(going.iter().map(|(_, search)| search.questions()), ask);
-        if answers.iter().all(Vec::is_empty) {
+        let answers = questions.ask_lists(going.iter().map(|(_, search)| search.questions()));
+        if answers.iter().flatten().all(Vec::is_empty) && answers.iter().all(Option::is_some) {
             break;
         }
-        for ((_, search), verdicts) in going.iter_mut().zip(&answers) {
-            search.learn(verdicts);
+        let mut agreed = Vec::with_capacity(going.len());
+        for ((open_box, mut search), verdicts) in going.into_iter().zip(answers) {
+            if let Some(verdicts) = &verdicts {
+                search.learn(verdicts);
+            }
+            if verdicts.is_some() && !search.is_contradicted() {
+                agreed.push((open_box, search));
+            } else {
+                found.push((open_box, None));
+            }
         }
+        going = agreed;
     }
     for guard in GUARDS {
         let curves: Vec<_> = going.iter().map(|(_, search)| search.curve(guard.factor)).collect();
-        let proofs = in_step(curves.iter().map(|(_, proof)| proof.clone()), ask);
+        let proofs = questions.ask_lists(curves.iter().map(|(_, proof)| proof.clone()));
         let mut failed = Vec::new();
         for (((open_box, search), (curve, _)), verdicts) in going.into_iter().zip(curves).zip(proofs) {
-            if search.accepts_proof(&verdicts) {
+            if verdicts.is_some_and(|verdicts| search.accepts_proof(&verdicts)) {
                 found.push((open_box, Some(curve)));
             } else {
                 failed.push((open_box, search));
@@ -385,20 +428,18 @@ fn locate(
     found
 }
 
-/// Asks for the verdicts at several lists of points at once.
-fn in_step(
-    lists: impl Iterator<Item = Vec<Point>>,
-    ask: &mut impl FnMut(&[Point]) -> Vec<Verdict>,
-) -> Vec<Vec<Verdict>> {
-    let lists: Vec<Vec<Point>> = lists.collect();
-    let verdicts = ask(&lists.concat());
-    let mut rest = verdicts.as_slice();
-    let take = |list: &Vec<Point>| {
-        let (mine, others) = rest.split_at(list.len());
-        rest = others;
-        mine.to_vec()
-    };
-    lists.iter().map(take).collect()
+/// Parts searches into those whose ends are as they should be, and the others.
+fn accept_ends<J: FnMut(&[Point]) -> Vec<Verdict>>(
+    searches: Vec<BoxSearch>,
+    questions: &mut Questions<J>,
+) -> (Vec<BoxSearch>, Vec<BoxSearch>) {
+    let answers = questions.ask_lists(searches.iter().map(|(_, search)| search.ends()));
+    let is_accepted =
+        |search: &Search, verdicts: Option<Vec<Verdict>>| verdicts.is_some_and(|v| search.accepts_ends(&v));
+    let judged = searches.into_iter().zip(answers).map(|(found, answer)| (is_accepted(&found.1, answer), found));
+    let (accepted, others): (Vec<_>, Vec<_>) = judged.partition(|(is_accepted, _)| *is_accepted);
+    let searches = |judged: Vec<(bool, BoxSearch)>| judged.into_iter().map(|(_, search)| search).collect();
+    (searches(accepted), searches(others))
 }
 
 /// Tiles of the plane at one rotating speed.

@@ -126,3 +126,45 @@ fn parts_that_are_no_tree_are_refused() {
         assert_eq!(Tile::from_nodes(nodes, 1), None);
     }
 }
+
+/// Stripes of verdicts across a boundary, each narrower than the last: nothing along a line is in order.
+fn stripes([x, y]: Point) -> Verdict {
+    let distance = x * y - 0.0135;
+    match (libm::log2(distance.abs()) * 3.0) as i64 % 3 {
+        _ if distance.abs() > 2e-3 => {
+            if distance > 0.0 {
+                Verdict::Unstable
+            } else {
+                Verdict::Stable
+            }
+        }
+        0 => Verdict::Stable,
+        -1 => Verdict::Undecided,
+        _ => Verdict::Unstable,
+    }
+}
+
+#[test]
+fn a_tile_never_takes_more_than_its_limit_of_questions() {
+    let noise = |point: Point| {
+        let bits = (point[0].to_bits() ^ point[1].to_bits().rotate_left(17)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        [Verdict::Stable, Verdict::Unstable, Verdict::Undecided][(bits >> 33) as usize % 3]
+    };
+    let ragged = |[x, y]: Point| match x * y + 1e-4 * libm::sin(1e7 * (x - y)) {
+        product if product > 0.0137 => Verdict::Unstable,
+        product if product > 0.0133 => noise([x, y]),
+        _ => Verdict::Stable,
+    };
+    let judges: [&dyn Fn(Point) -> Verdict; 3] = [&stripes, &noise, &ragged];
+    for (number, judge) in judges.into_iter().enumerate() {
+        for (column, row) in [(0, 0), (0, 1), (1, 0), (0, 3), (7, 0)] {
+            let mut asked = 0;
+            let tile = Tile::resolve(TileIndex { column, row }, |points| {
+                asked += points.len() as u64;
+                assert!(asked <= MOST_QUESTIONS, "{number} {column} {row}: {asked}");
+                points.iter().map(|&point| judge(point)).collect()
+            });
+            assert_eq!(tile.questions, asked);
+        }
+    }
+}
