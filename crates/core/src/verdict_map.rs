@@ -7,6 +7,11 @@
 //! corners and ends of boundaries. A sample in a box is looked up unless it is within the resolution of a curve, or in an
 //! unresolved box: then it has to be judged itself.
 //!
+//! Undecided regions have no simple edges: whether a motion shows what it will do just before its horizon depends on where
+//! in its cycle the horizon falls, and lines of decided samples, too thin for any grid, run through them. A sample in such a
+//! region is therefore judged itself, too; what the map says of it serves integration, where undecided regions count for
+//! either side. Boxes that meet an undecided verdict are believed only from some depth on, and given up at another.
+//!
 //! A tile is a pure function of the verdicts, whoever asks for it: maps of different jobs can be joined.
 //!
 //! What a map cannot see: an island of another verdict that is smaller than the grid of its box (1/32 below 1) and
@@ -19,7 +24,9 @@ use crate::pad_on_disc::RandomInputs;
 use crate::verdict::Verdict;
 
 /// Version of how tiles are resolved; maps of different versions are never joined.
-pub const MAP_VERSION: u32 = 1;
+///
+/// 2: a tile ends within its limit of questions; finer near undecided verdicts, which are not looked up.
+pub const MAP_VERSION: u32 = 2;
 
 /// Tiles between 0 and 1; twice as wide in each octave beyond.
 const TILES_TO_ONE: u32 = 8;
@@ -33,6 +40,14 @@ const DEEPEST: u32 = 17;
 /// A tile takes no more questions than this; what they do not resolve stays unresolved. Where verdicts have no order,
 /// simulating the samples themselves is cheaper.
 const MOST_QUESTIONS: u64 = 50_000;
+
+/// A box that met a verdict that is not decided is cut at least this often before anything in it is believed (its grid is
+/// then 1/256 wide below 1): the edges of undecided regions are ragged, and slivers of them run on beside boundaries.
+const LEAST_DEPTH_IF_UNDECIDED: u32 = 3;
+
+/// ... and no more often than this. What it would resolve by then is one part in a thousand of the tile, next to samples that
+/// are simulated anyway.
+const MOST_DEPTH_IF_UNDECIDED: u32 = 4;
 
 /// The guards of a boundary: a wider one only in boxes so small already that cutting them would cost more than the samples
 /// inside the guard.
@@ -188,7 +203,7 @@ impl Tile {
         let mut questions = Questions { judge, asked: 0 };
         let mut known = BTreeMap::new();
         let mut nodes = vec![Node::Unresolved];
-        let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0 }];
+        let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0, met_undecided: false }];
         while !open.is_empty() {
             questions.complete_grids(&tile, &open, &mut known);
             let mut searches = Vec::new();
@@ -199,9 +214,11 @@ impl Tile {
                 else {
                     continue;
                 };
+                let met_undecided = !grid.iter().all(|verdict| verdict.is_decided());
+                let open_box = OpenBox { met_undecided, ..open_box };
                 if grid.iter().all(|verdict| *verdict == grid[0]) {
                     nodes[open_box.place] = Node::Uniform(grid[0]);
-                } else if let Some(crossing) = Crossing::of(&grid) {
+                } else if let (true, Some(crossing)) = (open_box.is_small_enough(), Crossing::of(&grid)) {
                     searches.push((open_box, crossing.search(&open_box.bounds)));
                 } else {
                     to_cut.push(open_box);
@@ -209,13 +226,13 @@ impl Tile {
             }
             for (open_box, curve) in locate(searches, &mut questions) {
                 match curve {
-                    Some(curve) => nodes[open_box.place] = Node::Crossed(curve),
-                    None => to_cut.push(open_box),
+                    Some(curve) if open_box.is_small_enough() => nodes[open_box.place] = Node::Crossed(curve),
+                    _ => to_cut.push(open_box),
                 }
             }
             to_cut.sort_unstable_by_key(|open_box| open_box.place);
             open = Vec::new();
-            to_cut.retain(|open_box| open_box.depth < DEEPEST && questions.asked < MOST_QUESTIONS);
+            to_cut.retain(|open_box| open_box.may_be_cut() && questions.asked < MOST_QUESTIONS);
             for open_box in to_cut {
                 nodes[open_box.place] = Node::Cut(nodes.len() as u32);
                 open.extend((0..4).map(|child| open_box.child(nodes.len() + child, child)));
@@ -310,6 +327,8 @@ struct OpenBox {
     /// Its lower corner on the lattice.
     corner: Lattice,
     depth: u32,
+    /// Whether its grid, or the search in it, met a verdict that is not decided.
+    met_undecided: bool,
 }
 
 impl OpenBox {
@@ -327,7 +346,16 @@ impl OpenBox {
     fn child(&self, place: usize, child: usize) -> Self {
         let half = self.spacing() * INTERVALS / 2;
         let corner = [self.corner[0] + half * (child & 1) as i64, self.corner[1] + half * (child >> 1) as i64];
-        Self { place, bounds: quarter(&self.bounds, child), corner, depth: self.depth + 1 }
+        Self { place, bounds: quarter(&self.bounds, child), corner, depth: self.depth + 1, met_undecided: false }
+    }
+
+    /// Whether a boundary in it would be believed.
+    fn is_small_enough(&self) -> bool {
+        !self.met_undecided || self.depth >= LEAST_DEPTH_IF_UNDECIDED
+    }
+
+    fn may_be_cut(&self) -> bool {
+        self.depth < if self.met_undecided { MOST_DEPTH_IF_UNDECIDED } else { DEEPEST }
     }
 }
 
@@ -396,9 +424,10 @@ fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
             break;
         }
         let mut agreed = Vec::with_capacity(going.len());
-        for ((open_box, mut search), verdicts) in going.into_iter().zip(answers) {
+        for ((mut open_box, mut search), verdicts) in going.into_iter().zip(answers) {
             if let Some(verdicts) = &verdicts {
                 search.learn(verdicts);
+                open_box.met_undecided |= !verdicts.iter().all(|verdict| verdict.is_decided());
             }
             if verdicts.is_some() && !search.is_contradicted() {
                 agreed.push((open_box, search));
@@ -412,7 +441,8 @@ fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
         let curves: Vec<_> = going.iter().map(|(_, search)| search.curve(guard.factor)).collect();
         let proofs = questions.ask_lists(curves.iter().map(|(_, proof)| proof.clone()));
         let mut failed = Vec::new();
-        for (((open_box, search), (curve, _)), verdicts) in going.into_iter().zip(curves).zip(proofs) {
+        for (((mut open_box, search), (curve, _)), verdicts) in going.into_iter().zip(curves).zip(proofs) {
+            open_box.met_undecided |= !verdicts.iter().flatten().all(|verdict| verdict.is_decided());
             if verdicts.is_some_and(|verdicts| search.accepts_proof(&verdicts)) {
                 found.push((open_box, Some(curve)));
             } else {
@@ -485,8 +515,8 @@ impl VerdictMap {
         self.tiles.iter().enumerate().filter_map(move |(i, tile)| Some((place(i), tile.as_ref()?)))
     }
 
-    /// The verdict on a sample, `None` where the map does not tell: outside its tiles, or within the resolution of a
-    /// boundary. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable by definition.
+    /// The verdict on a sample, `None` where the map does not tell: outside its tiles, within the resolution of a boundary,
+    /// or in an undecided region. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable by definition.
     #[inline]
     #[must_use]
     pub fn look_up(&self, inputs: RandomInputs) -> Option<Verdict> {
@@ -495,7 +525,7 @@ impl VerdictMap {
             return Some(Verdict::Stable);
         }
         let index = TileIndex::of(inputs.preload, falling)?;
-        self.tile(index)?.look_up(index, [inputs.preload, falling])
+        self.tile(index)?.look_up(index, [inputs.preload, falling]).filter(|verdict| verdict.is_decided())
     }
 }
 
