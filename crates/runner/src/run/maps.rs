@@ -40,6 +40,8 @@ pub struct Maps {
     /// Tiles that the job's samples need.
     needed: Vec<Vec<TileIndex>>,
     maps: Vec<VerdictMap>,
+    /// Simulations that the needed tiles may take together; more, and the samples themselves take fewer.
+    most_questions: Option<u128>,
 }
 
 impl Maps {
@@ -48,13 +50,27 @@ impl Maps {
         let kinetic_coefficient = job.parameters.friction.kinetic_coefficient;
         let speeds = job.grid.rotating_speed.values();
         if !job.uses_maps() {
-            return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new() };
+            return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new(), most_questions: None };
         }
         Self {
             keys: speeds.iter().map(|&speed| job.map_key(speed)).collect(),
             needed: (0..speeds.len()).map(|speed| needed_tiles(job, speed)).collect(),
             maps: vec![VerdictMap::new(kinetic_coefficient); speeds.len()],
+            most_questions: (!job.is_integrated()).then(|| job.verdicts_of_samples()),
         }
+    }
+
+    /// Whether a map that takes so many simulations takes more than the samples themselves.
+    ///
+    /// Only the sum over all needed tiles decides, which depends on the job alone: not on threads, shards, interruptions,
+    /// or where tiles come from. As it only grows, a part of it that is too large already is enough.
+    pub fn are_too_costly(&self, questions: u64) -> bool {
+        self.most_questions.is_some_and(|most| u128::from(questions) > most)
+    }
+
+    /// Gives the maps up: every sample is judged by itself.
+    pub fn give_up(&mut self) {
+        self.maps.clear();
     }
 
     /// The map at a rotating speed, if the job uses any.
@@ -78,6 +94,11 @@ impl Maps {
     /// How many tiles the job needs.
     pub fn needed(&self) -> usize {
         self.needed.iter().map(Vec::len).sum()
+    }
+
+    /// How many tiles are there.
+    pub fn resolved(&self) -> usize {
+        self.maps.iter().map(|map| map.tiles().count()).sum()
     }
 
     /// Simulations that all tiles together took, whenever.
