@@ -15,7 +15,8 @@
 //! A tile is a pure function of the verdicts, whoever asks for it: maps of different jobs can be joined.
 //!
 //! What a map cannot see: an island of another verdict that is smaller than the grid of its box (1/32 below 1) and
-//! touches no point of it. That is why lookups are audited.
+//! touches no point of it. At short horizons these occur: a sliver of undecided samples some thousandths wide may run along
+//! a boundary through a tile none of whose points is undecided. That is why lookups are audited.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -132,12 +133,14 @@ pub struct Tile {
     nodes: Vec<Node>,
     /// Verdicts that were asked for.
     pub questions: u64,
+    /// How many of them were undecided.
+    pub undecided: u64,
 }
 
 impl Tile {
     /// A tile from its parts; `None` if they are no tree.
     #[must_use]
-    pub fn from_nodes(nodes: Vec<Node>, questions: u64) -> Option<Self> {
+    pub fn from_nodes(nodes: Vec<Node>, questions: u64, undecided: u64) -> Option<Self> {
         // Children come in fours, after their parent, each once.
         let mut next = 1;
         for (place, node) in nodes.iter().enumerate() {
@@ -148,7 +151,7 @@ impl Tile {
                 next += 4;
             }
         }
-        (next == nodes.len()).then_some(Self { nodes, questions })
+        (next == nodes.len()).then_some(Self { nodes, questions, undecided })
     }
 
     /// Its boxes, cut or not, as [`Tile::from_nodes`] takes them.
@@ -200,7 +203,7 @@ impl Tile {
     /// Resolves a tile by asking for verdicts, many at once: `judge` takes points (preload, falling friction).
     pub fn resolve(index: TileIndex, judge: impl FnMut(&[[f64; 2]]) -> Vec<Verdict>) -> Self {
         let tile = index.bounds();
-        let mut questions = Questions { judge, asked: 0 };
+        let mut questions = Questions { judge, asked: 0, undecided: 0 };
         let mut known = BTreeMap::new();
         let mut nodes = vec![Node::Unresolved];
         let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0, met_undecided: false }];
@@ -239,14 +242,15 @@ impl Tile {
                 nodes.extend([Node::Unresolved; 4]);
             }
         }
-        Self { nodes, questions: questions.asked }
+        Self { nodes, questions: questions.asked, undecided: questions.undecided }
     }
 }
 
-/// The questions of a tile: whom they are put to, and how many were.
+/// The questions of a tile: whom they are put to, and how many were, with which answers.
 struct Questions<J> {
     judge: J,
     asked: u64,
+    undecided: u64,
 }
 
 impl<J: FnMut(&[Point]) -> Vec<Verdict>> Questions<J> {
@@ -257,7 +261,9 @@ impl<J: FnMut(&[Point]) -> Vec<Verdict>> Questions<J> {
 
     fn ask(&mut self, points: &[Point]) -> Vec<Verdict> {
         self.asked += points.len() as u64;
-        if points.is_empty() { Vec::new() } else { (self.judge)(points) }
+        let verdicts = if points.is_empty() { Vec::new() } else { (self.judge)(points) };
+        self.undecided += verdicts.iter().filter(|verdict| **verdict == Verdict::Undecided).count() as u64;
+        verdicts
     }
 
     /// Asks for several lists of points at once: in their order, as far as they are affordable. `None` for the others.

@@ -22,7 +22,7 @@ fn map_of(judge: impl Fn(Point) -> Verdict) -> (VerdictMap, u64) {
             let index = TileIndex { column, row };
             let tile = Tile::resolve(index, |points| points.iter().map(|&point| judge(point)).collect());
             questions += tile.questions;
-            assert_eq!(Tile::from_nodes(tile.nodes().to_vec(), tile.questions), Some(tile.clone()));
+            assert_eq!(Tile::from_nodes(tile.nodes().to_vec(), tile.questions, tile.undecided), Some(tile.clone()));
             map.insert(index, tile);
         }
     }
@@ -93,10 +93,27 @@ fn undecided_samples_have_a_region_of_their_own() {
         product if product > 0.02999 => Verdict::Failed,
         _ => Verdict::Stable,
     };
+    let (map, questions) = map_of(judge);
+    let index = TileIndex::of(0.2, 0.2).unwrap();
+    assert_eq!(map.tile(index).unwrap().look_up(index, [0.2, 0.2]), Some(Verdict::Undecided));
+    assert_eq!(map.look_up(map.inputs([0.2, 0.2])), None, "such a sample is judged itself");
+    // Undecided are 4 % of the plane; what lies beside them is known but for the smallest boxes at the corners of bands.
+    let silent = assert_right(&map, judge);
+    let undecided = 0.05 * (1.0 - 0.05_f64.ln()) - 0.03 * (1.0 - 0.03_f64.ln());
+    assert!((silent - undecided).abs() < 5e-3 && questions < 120_000, "{silent} {undecided} {questions}");
+}
+
+#[test]
+fn slivers_beside_undecided_regions_are_met() {
+    // An undecided wedge that runs out in a band between two parts of the same verdict, a third of the first grid wide.
+    let judge = |[x, y]: Point| match y - 0.2 - 0.3 * x {
+        height if height < 0.0 => Verdict::Stable,
+        height if (height - 0.02).abs() < (0.012 * (0.9 - x)).max(0.006) => Verdict::Undecided,
+        _ => Verdict::Unstable,
+    };
     let (map, _) = map_of(judge);
     let silent = assert_right(&map, judge);
-    assert!(silent < 1e-3, "{silent}");
-    assert_eq!(map.look_up(map.inputs([0.2, 0.2])), Some(Verdict::Undecided));
+    assert!(silent < 0.02, "{silent}");
 }
 
 #[test]
@@ -123,7 +140,7 @@ fn parts_that_are_no_tree_are_refused() {
     for nodes in
         [vec![], vec![leaf, leaf], vec![Node::Cut(1), leaf, leaf, leaf], vec![Node::Cut(0), leaf, leaf, leaf, leaf]]
     {
-        assert_eq!(Tile::from_nodes(nodes, 1), None);
+        assert_eq!(Tile::from_nodes(nodes, 1, 0), None);
     }
 }
 

@@ -58,7 +58,7 @@ fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
     let tiles = engine.maps().needed() as u64;
     let trial = engine.try_maps(TRIAL_OF_MAPS);
     let share = tiles as f64 / trial.tiles.max(1) as f64;
-    let simulations = (trial.simulations as f64 * share) as u64;
+    let [simulations, undecided] = [trial.simulations, trial.undecided].map(|count| (count as f64 * share) as u64);
     // A tile that was dropped counts with what it took until then.
     let (about, unfinished) = match trial.unfinished {
         0 => ("about", String::new()),
@@ -74,12 +74,12 @@ fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
     if job.is_integrated() {
         return Ok(format!("# no samples; {map}\n"));
     }
-    let is_given_up = engine.maps().are_too_costly(simulations);
+    let is_given_up = engine.maps().are_too_costly(simulations, undecided);
     let what_it_does = match (is_given_up, trial.unfinished) {
-        (true, _) => "the map takes more: it will be given up and each sample simulated",
-        (false, 0) => "the map takes fewer: samples will be looked up in it",
+        (true, _) => "the map costs more: it will be given up and each sample simulated",
+        (false, 0) => "the map costs less: samples will be looked up in it",
         (false, _) => {
-            "the map may take fewer: samples will be looked up in it, unless it turns out to take more and is given up"
+            "the map may cost less: samples will be looked up in it, unless it turns out to cost more and is given up"
         }
     };
     let samples = job.verdicts_of_samples();

@@ -35,7 +35,7 @@ use crate::job::{Deciders, Job};
 const MOST_PENDING: usize = 100_000;
 
 /// Verdicts of a tile that are asked for at once; a signal is looked for between.
-const TILE_BATCH: usize = 256;
+const TILE_BATCH: usize = 64;
 
 /// Tiles of a trial at the most.
 const MOST_TRIAL_TILES: usize = 32;
@@ -61,19 +61,21 @@ pub struct CompletedMaps {
     pub simulations: u64,
     /// Needed tiles that are resolved.
     pub tiles: u64,
-    /// With maps that take more simulations than the samples: how many had been asked for, ever, when that was known.
-    pub given_up: Option<u64>,
+    /// With maps that cost more than the samples: simulations when that was known, whenever made, and how many of them were
+    /// undecided.
+    pub given_up: Option<(u64, u64)>,
 }
 
 impl CompletedMaps {
     /// What to say of maps that were given up, if they were.
     pub fn why_given_up(&self, job: &Job) -> Option<String> {
-        let asked = self.given_up?;
+        let (asked, undecided) = self.given_up?;
         Some(format!(
-            "the verdict map is given up after {} simulations ({} tiles were resolved), as the samples take {} altogether: each is simulated by itself, as with evaluate = \"each\"",
+            "the verdict map is given up after {} simulations, {} of them up to the horizon ({} tiles were resolved), as simulating the {} samples costs less: each is simulated by itself, as with evaluate = \"each\"",
             HumanCount(asked),
+            HumanCount(undecided),
             HumanCount(self.tiles),
-            job.verdicts_of_samples()
+            job.total_samples()
         ))
     }
 }
@@ -87,6 +89,8 @@ pub struct MapTrial {
     pub unfinished: u64,
     /// Verdicts that were asked for.
     pub simulations: u64,
+    /// How many of them were undecided.
+    pub undecided: u64,
     /// How long it took.
     pub seconds: f64,
 }
@@ -271,16 +275,17 @@ impl<'a> Engine<'a> {
         }
         let missing = self.maps.missing();
         let known = self.maps.questions();
-        let asked = AtomicU64::new(known);
+        let (asked, undecided) = (AtomicU64::new(known), AtomicU64::new(self.maps.undecided()));
         let mut progress = Progress::new(missing.len() as u128, "tiles");
         let mut finished: Vec<(usize, TileIndex, Tile)> = Vec::new();
         let mut written = 0;
         let mut since = Instant::now();
         let resolve = |unit: u64| {
             let (speed, index) = missing[unit as usize];
-            let tile = self.resolve(speed, index, |questions| {
-                let asked = asked.fetch_add(questions, Ordering::Relaxed) + questions;
-                interrupt.signal().is_none() && !self.maps.are_too_costly(asked)
+            let tile = self.resolve(speed, index, |verdicts| {
+                let undecided = count(&undecided, undecided_of(verdicts));
+                let asked = count(&asked, verdicts.len() as u64);
+                interrupt.signal().is_none() && !self.maps.are_too_costly(asked, undecided)
             });
             (speed, index, tile)
         };
@@ -302,13 +307,13 @@ impl<'a> Engine<'a> {
         for (speed, index, tile) in finished {
             self.maps.insert(speed, index, tile);
         }
-        let asked = asked.into_inner();
-        let given_up = outcome == Outcome::Finished && self.maps.are_too_costly(asked);
+        let (asked, undecided) = (asked.into_inner(), undecided.into_inner());
+        let given_up = outcome == Outcome::Finished && self.maps.are_too_costly(asked, undecided);
         let completed = CompletedMaps {
             outcome,
             simulations: asked - known,
             tiles: self.maps.resolved() as u64,
-            given_up: given_up.then_some(asked),
+            given_up: given_up.then_some((asked, undecided)),
         };
         if given_up {
             self.maps.give_up();
@@ -316,25 +321,27 @@ impl<'a> Engine<'a> {
         Ok(completed)
     }
 
-    /// Resolves one tile; `None` if `may_ask`, which is told how many more verdicts are about to be asked for, said no.
-    fn resolve(&self, speed: usize, index: TileIndex, may_ask: impl Fn(u64) -> bool) -> Option<Tile> {
+    /// Resolves one tile; `None` if `goes_on`, which is told the verdicts as they come, said no.
+    fn resolve(&self, speed: usize, index: TileIndex, goes_on: impl Fn(&[Verdict]) -> bool) -> Option<Tile> {
         let map = self.maps.get(speed)?;
-        let mut goes_on = true;
+        let mut is_stopped = !goes_on(&[]);
         let tile = Tile::resolve(index, |points| {
             let mut verdicts = Vec::with_capacity(points.len());
             for points in points.chunks(TILE_BATCH) {
-                goes_on = goes_on && may_ask(points.len() as u64);
-                if !goes_on {
+                if is_stopped {
                     // The tile is dropped; the sooner it is done, the better.
                     verdicts.extend(points.iter().map(|_| Verdict::Stable));
                     continue;
                 }
                 let inputs: Vec<RandomInputs> = points.iter().map(|&point| map.inputs(point)).collect();
-                verdicts.extend(self.deciders.judge(speed, &inputs).into_iter().map(|judged| judged.verdict));
+                let judged = self.deciders.judge(speed, &inputs).into_iter();
+                let from = verdicts.len();
+                verdicts.extend(judged.map(|judged| judged.verdict));
+                is_stopped = !goes_on(&verdicts[from..]);
             }
             verdicts
         });
-        goes_on.then_some(tile)
+        (!is_stopped).then_some(tile)
     }
 
     /// Resolves some of the tiles that are missing, evenly spread, for about `time`: what they say of the cost of all. A tile
@@ -348,15 +355,16 @@ impl<'a> Engine<'a> {
             let place = (0.5 + turn as f64 * GOLDEN_SECTION).fract() * missing.len() as f64;
             let (speed, index) = missing[place as usize];
             let begun = Instant::now();
-            let questions = Counter::new(0);
-            let tile = self.resolve(speed, index, |asked| {
-                let goes_on = started.elapsed() < time && begun.elapsed() < time / 4;
-                questions.set(questions.get() + if goes_on { asked } else { 0 });
-                goes_on
+            let counts = Counter::new((0, 0));
+            let tile = self.resolve(speed, index, |verdicts| {
+                let (asked, undecided) = counts.get();
+                counts.set((asked + verdicts.len() as u64, undecided + undecided_of(verdicts)));
+                started.elapsed() < time && begun.elapsed() < time / 4
             });
             trial.tiles += 1;
             trial.unfinished += u64::from(tile.is_none());
-            trial.simulations += questions.get();
+            trial.simulations += counts.get().0;
+            trial.undecided += counts.get().1;
             if started.elapsed() >= time {
                 break;
             }
@@ -482,6 +490,15 @@ impl<'a> Engine<'a> {
             Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped))
         })
     }
+}
+
+/// Adds to a counter that threads share; what it is then.
+fn count(counter: &AtomicU64, more: u64) -> u64 {
+    counter.fetch_add(more, Ordering::Relaxed) + more
+}
+
+fn undecided_of(verdicts: &[Verdict]) -> u64 {
+    verdicts.iter().filter(|verdict| **verdict == Verdict::Undecided).count() as u64
 }
 
 /// Takes what is finished until the workers are done.

@@ -37,7 +37,7 @@ struct MapUse {
     map_tiles: u64,
     /// Of this session; tiles that were there already cost none.
     map_simulations: u64,
-    /// Whether they would have taken more simulations than the samples, which were simulated instead.
+    /// Whether they would have cost more than the samples, which were simulated instead.
     #[serde(default)]
     map_given_up: bool,
 }
