@@ -193,6 +193,65 @@ fn looked_up_verdicts_are_those_of_simulated_samples() {
 }
 
 #[test]
+fn samples_in_undecided_regions_are_simulated() {
+    // Lines of decided samples, too thin for any grid, run through what is undecided at so short a horizon.
+    let place = Place::new();
+    let short = |name: &str, sampling: &str| {
+        let scatter = BOTH.replace("= 0.2", "= 0.1");
+        let text = job(name, &format!("{FROM_REST}\nhorizon = 3.0"), &scatter, sampling);
+        text.replace("{ from = 0.05, to = 0.30, points = 6 }", "0.08")
+            .replace("{ from = 0.28, to = 0.50, points = 5 }", "0.33")
+    };
+    let each = submitted(&place, "each", &short("each", "samples = 40_000"));
+    let looked_up = submitted(&place, "map", &short("map", "samples = 40_000\nevaluate = \"boundary\"\naudit = 0.0"));
+    for column in each.names() {
+        assert_eq!(each.column(column), looked_up.column(column), "{column}");
+    }
+    assert!(each.column("n_undecided")[0] > 30_000.0 && each.column("n_unstable")[0] > 600.0);
+    let simulated = looked_up.column("n_simulated")[0];
+    assert!(simulated >= each.column("n_undecided")[0] && simulated < 38_000.0, "{simulated}");
+}
+
+#[test]
+fn a_map_that_costs_more_than_the_samples_is_given_up() {
+    let place = Place::new();
+    let undamped = |text: String| text.replace("[axes]", "[model.damping]\ntangential = 0.0\n\n[axes]");
+    for (name, text) in [
+        ("undamped", undamped(job("undamped", RIGID, BOTH, "SAMPLING"))),
+        ("short", job("short", &format!("{FROM_REST}\nhorizon = 3.0"), BOTH, "SAMPLING")),
+        ("few", job("few", FROM_REST, BOTH, "SAMPLING")),
+    ] {
+        let sampled = |how: &str| text.replace("SAMPLING", &format!("samples = 100\n{how}"));
+        let each = submitted(&place, &format!("{name}-each"), &sampled(""));
+        place.write("map.toml", &sampled("evaluate = \"boundary\"\naudit = 0.5"));
+        let said = place.run(&format!("submit map.toml --out {name} --threads 2")).done().stderr;
+        assert!(said.contains("the verdict map is given up after"), "{said}");
+        let table = Table::read(&place.path(&format!("{name}/surface.parquet")));
+        for column in each.names() {
+            assert_eq!(each.column(column), table.column(column), "{name}: {column}");
+        }
+        assert_eq!(table.column("n_simulated"), table.column("n_samples"));
+        assert!(table.column("n_audited").iter().all(|&n| n == 0.0));
+        // Two threads find out within a batch each.
+        let session = last_session(&place, name);
+        assert_eq!(session["map_given_up"].as_bool(), Some(true));
+        assert!(session["map_simulations"].as_u64() <= Some(3000 + 2 * 64), "{session}");
+        // However the run is made, and whatever of the map is there.
+        place.run(&format!("submit map.toml --out {name}-1 --threads 1")).done();
+        place.run(&format!("submit map.toml --out {name}-2 --shard 1/2")).done();
+        place.run(&format!("submit map.toml --out {name}-2 --shard 2/2")).done();
+        place.run(&format!("merge {name}-2")).done();
+        for run in ["-1", "-2"] {
+            assert!(place.surface(name) == place.surface(&format!("{name}{run}")), "{name}{run}");
+        }
+        let compared = place.run(&format!("compare {name} {name}-each")).done();
+        assert!(compared.stderr.contains("the verdict map is given up"), "{}", compared.stderr);
+        let checked = place.run("check map.toml").done().stdout;
+        assert!(checked.contains("takes 3000 simulations; the map "), "{checked}");
+    }
+}
+
+#[test]
 fn a_flexible_disc_is_mapped_too() {
     let place = Place::new();
     let text = |sampling: &str| job("flexible", "kind = \"time-domain\"", BOTH, sampling);

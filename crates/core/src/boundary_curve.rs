@@ -2,7 +2,8 @@
 //!
 //! The plane is that of preload `Delta` and falling friction `f_s - f_c`. A piece is the graph of one of the two over an
 //! interval of the other: on one side of it every sample has one verdict, on the other side another. Where a verdict of a
-//! third kind lies between them (samples that are undecided at the horizon), each side has a graph of its own.
+//! third kind lies between them (samples that are undecided at the horizon), each side has a graph of its own. An answer of one
+//! side beyond a verdict of a third kind contradicts that, and ends the search.
 //!
 //! Verdicts are all that is known of a motion, so a point of a graph is found by bisection, to a few millionths of its
 //! coordinate, at eight Chebyshev nodes; the polynomial through them is then tried at the nine points between and beside
@@ -113,6 +114,7 @@ pub(crate) struct Search {
     below: Verdict,
     above: Verdict,
     nodes: [NodeSearch; NODES],
+    is_contradicted: bool,
 }
 
 /// The graph at one node: `below` up to `below_at`, `above` from `above_at`; `other`, if any, are the ends of what is
@@ -136,13 +138,18 @@ impl NodeSearch {
         intervals.into_iter().find(|(from, to)| to - from > tolerance).map(|(from, to)| 0.5 * (from + to))
     }
 
-    fn learn(&mut self, at: f64, verdict: Verdict, below: Verdict, above: Verdict) {
+    /// Takes an answer. Whether it agrees with the earlier ones: nothing is `below` above what has neither verdict, nor
+    /// `above` below it.
+    fn learn(&mut self, at: f64, verdict: Verdict, below: Verdict, above: Verdict) -> bool {
         if verdict == below {
             self.below_at = at;
+            self.other.is_none_or(|(from, _)| at < from)
         } else if verdict == above {
             self.above_at = at;
+            self.other.is_none_or(|(_, to)| at > to)
         } else {
             self.other = Some(self.other.map_or((at, at), |(from, to)| (from.min(at), to.max(at))));
+            true
         }
     }
 }
@@ -161,7 +168,7 @@ impl Search {
             let (below_at, above_at) = expected(coordinate);
             NodeSearch { coordinate, below_at, above_at, other: None }
         });
-        Self { within, over, below, above, nodes }
+        Self { within, over, below, above, nodes, is_contradicted: false }
     }
 
     /// Looks farther: the graph was not where it was expected.
@@ -189,8 +196,16 @@ impl Search {
         verdicts.chunks_exact(2).all(|pair| pair == [self.below, self.above])
     }
 
-    /// The points to ask next; empty when every node is located.
+    /// Whether an answer contradicted an earlier one: the boundary is no graph here, and there is nothing to locate.
+    pub fn is_contradicted(&self) -> bool {
+        self.is_contradicted
+    }
+
+    /// The points to ask next; empty when every node is located, or one is contradicted.
     pub fn questions(&self) -> Vec<Point> {
+        if self.is_contradicted {
+            return Vec::new();
+        }
         self.nodes.iter().filter_map(|node| Some(self.point(node.coordinate, node.next()?))).collect()
     }
 
@@ -200,8 +215,9 @@ impl Search {
         for node in &mut self.nodes {
             if let Some(value) = node.next()
                 && let Some(&verdict) = answers.next()
+                && !node.learn(value, verdict, self.below, self.above)
             {
-                node.learn(value, verdict, self.below, self.above);
+                self.is_contradicted = true;
             }
         }
     }
@@ -307,5 +323,48 @@ mod tests {
             assert_eq!(curve.verdict(&BOX, [x, 0.0133 / x]), Some(Verdict::Stable));
             assert_eq!(curve.verdict(&BOX, [x, 0.0137 / x]), Some(Verdict::Unstable));
         }
+    }
+
+    #[test]
+    fn verdicts_without_order_along_a_line_end_the_search() {
+        // From below: stable, undecided, stable again, unstable, undecided, unstable; and the other way round.
+        let stripes = |value: f64| match (value * 1600.0) as i64 % 8 {
+            0 | 1 | 4 => Verdict::Stable,
+            3 | 5 => Verdict::Undecided,
+            _ => Verdict::Unstable,
+        };
+        for shift in 0..200 {
+            let shift = f64::from(shift) * 7.3e-5;
+            let judge = |point: Point| match point[1] + shift {
+                value if value < 0.064 => Verdict::Stable,
+                value if value > 0.136 => Verdict::Unstable,
+                value => stripes(value),
+            };
+            let mut search = Search::new(BOX, 0, (Verdict::Stable, Verdict::Unstable), |coordinate| {
+                (0.05, 0.1375 + 0.01 * coordinate)
+            });
+            let mut rounds = 0;
+            while !search.questions().is_empty() {
+                let verdicts: Vec<Verdict> = search.questions().into_iter().map(judge).collect();
+                search.learn(&verdicts);
+                rounds += 1;
+                assert!(rounds < 60, "{shift}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_answer_on_the_wrong_side_of_a_third_verdict_is_a_contradiction() {
+        let (below, above, third) = (Verdict::Stable, Verdict::Unstable, Verdict::Undecided);
+        let open = NodeSearch { coordinate: 0.0, below_at: 0.0, above_at: 1.0, other: None };
+        let met = NodeSearch { other: Some((0.5, 0.5)), ..open };
+        let agrees = |node: NodeSearch, at: f64, verdict: Verdict| {
+            let mut node = node;
+            node.learn(at, verdict, below, above)
+        };
+        assert!([below, above, third].into_iter().all(|verdict| agrees(open, 0.5, verdict)));
+        assert!([below, third].into_iter().all(|verdict| agrees(met, 0.25, verdict)));
+        assert!([above, third].into_iter().all(|verdict| agrees(met, 0.75, verdict)));
+        assert!(!agrees(met, 0.25, above) && !agrees(met, 0.75, below));
     }
 }

@@ -15,6 +15,14 @@ pub enum Verdict {
     Failed,
 }
 
+impl Verdict {
+    /// Whether it counts towards a probability: stable or unstable.
+    #[must_use]
+    pub fn is_decided(self) -> bool {
+        matches!(self, Self::Stable | Self::Unstable)
+    }
+}
+
 /// How many samples received each verdict. Integers, so that no sum depends on its order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct VerdictCounts {

@@ -7,20 +7,27 @@
 //! corners and ends of boundaries. A sample in a box is looked up unless it is within the resolution of a curve, or in an
 //! unresolved box: then it has to be judged itself.
 //!
+//! Undecided regions have no simple edges: whether a motion shows what it will do just before its horizon depends on where
+//! in its cycle the horizon falls, and lines of decided samples, too thin for any grid, run through them. A sample in such a
+//! region is therefore judged itself, too; what the map says of it serves integration, where undecided regions count for
+//! either side. Boxes that meet an undecided verdict are believed only from some depth on, and given up at another.
+//!
 //! A tile is a pure function of the verdicts, whoever asks for it: maps of different jobs can be joined.
 //!
 //! What a map cannot see: an island of another verdict that is smaller than the grid of its box (1/32 below 1) and
-//! touches no point of it. That is why lookups are audited.
+//! touches no point of it. At short horizons these occur: a sliver of undecided samples some thousandths wide may run along
+//! a boundary through a tile none of whose points is undecided. That is why lookups are audited.
 
-use std::cell::Cell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::boundary_curve::{BoundaryCurve, Box2, Point, Search};
 use crate::pad_on_disc::RandomInputs;
 use crate::verdict::Verdict;
 
 /// Version of how tiles are resolved; maps of different versions are never joined.
-pub const MAP_VERSION: u32 = 1;
+///
+/// 2: a tile ends within its limit of questions; finer near undecided verdicts, which are not looked up.
+pub const MAP_VERSION: u32 = 2;
 
 /// Tiles between 0 and 1; twice as wide in each octave beyond.
 const TILES_TO_ONE: u32 = 8;
@@ -31,9 +38,17 @@ pub const TILES: u32 = TILES_TO_ONE + 6 * TILES_TO_ONE / 2;
 /// Boxes are halved this often at the most: to a 131 072nd of a tile.
 const DEEPEST: u32 = 17;
 
-/// A tile is cut no further once it has taken this many questions: where verdicts have no order, simulating the samples
-/// themselves is cheaper.
+/// A tile takes no more questions than this; what they do not resolve stays unresolved. Where verdicts have no order,
+/// simulating the samples themselves is cheaper.
 const MOST_QUESTIONS: u64 = 50_000;
+
+/// A box that met a verdict that is not decided is cut at least this often before anything in it is believed (its grid is
+/// then 1/256 wide below 1): the edges of undecided regions are ragged, and slivers of them run on beside boundaries.
+const LEAST_DEPTH_IF_UNDECIDED: u32 = 3;
+
+/// ... and no more often than this. What it would resolve by then is one part in a thousand of the tile, next to samples that
+/// are simulated anyway.
+const MOST_DEPTH_IF_UNDECIDED: u32 = 4;
 
 /// The guards of a boundary: a wider one only in boxes so small already that cutting them would cost more than the samples
 /// inside the guard.
@@ -118,12 +133,14 @@ pub struct Tile {
     nodes: Vec<Node>,
     /// Verdicts that were asked for.
     pub questions: u64,
+    /// How many of them were undecided.
+    pub undecided: u64,
 }
 
 impl Tile {
     /// A tile from its parts; `None` if they are no tree.
     #[must_use]
-    pub fn from_nodes(nodes: Vec<Node>, questions: u64) -> Option<Self> {
+    pub fn from_nodes(nodes: Vec<Node>, questions: u64, undecided: u64) -> Option<Self> {
         // Children come in fours, after their parent, each once.
         let mut next = 1;
         for (place, node) in nodes.iter().enumerate() {
@@ -134,7 +151,7 @@ impl Tile {
                 next += 4;
             }
         }
-        (next == nodes.len()).then_some(Self { nodes, questions })
+        (next == nodes.len()).then_some(Self { nodes, questions, undecided })
     }
 
     /// Its boxes, cut or not, as [`Tile::from_nodes`] takes them.
@@ -184,55 +201,101 @@ impl Tile {
     }
 
     /// Resolves a tile by asking for verdicts, many at once: `judge` takes points (preload, falling friction).
-    pub fn resolve(index: TileIndex, mut judge: impl FnMut(&[[f64; 2]]) -> Vec<Verdict>) -> Self {
+    pub fn resolve(index: TileIndex, judge: impl FnMut(&[[f64; 2]]) -> Vec<Verdict>) -> Self {
         let tile = index.bounds();
-        let questions = Cell::new(0);
-        let mut ask = |points: &[Point]| {
-            questions.set(questions.get() + points.len() as u64);
-            if points.is_empty() { Vec::new() } else { judge(points) }
-        };
+        let mut questions = Questions { judge, asked: 0, undecided: 0 };
         let mut known = BTreeMap::new();
         let mut nodes = vec![Node::Unresolved];
-        let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0 }];
+        let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0, met_undecided: false }];
         while !open.is_empty() {
-            let wanted: Vec<Lattice> = {
-                let mut wanted: Vec<Lattice> = open.iter().flat_map(OpenBox::grid).collect();
-                wanted.retain(|point| !known.contains_key(point));
-                wanted.sort_unstable();
-                wanted.dedup();
-                wanted
-            };
-            let verdicts = ask(&wanted.iter().map(|point| lattice_point(&tile, *point)).collect::<Vec<_>>());
-            known.extend(wanted.into_iter().zip(verdicts));
-
+            questions.complete_grids(&tile, &open, &mut known);
             let mut searches = Vec::new();
             let mut to_cut = Vec::new();
             for open_box in open {
-                let grid: Vec<Verdict> = open_box.grid().map(|point| known[&point]).collect();
+                // A grid that is not complete was not affordable: the box stays unresolved, and so do the others like it.
+                let Some(grid) = open_box.grid().map(|point| known.get(&point).copied()).collect::<Option<Vec<_>>>()
+                else {
+                    continue;
+                };
+                let met_undecided = !grid.iter().all(|verdict| verdict.is_decided());
+                let open_box = OpenBox { met_undecided, ..open_box };
                 if grid.iter().all(|verdict| *verdict == grid[0]) {
                     nodes[open_box.place] = Node::Uniform(grid[0]);
-                } else if let Some(crossing) = Crossing::of(&grid) {
+                } else if let (true, Some(crossing)) = (open_box.is_small_enough(), Crossing::of(&grid)) {
                     searches.push((open_box, crossing.search(&open_box.bounds)));
                 } else {
                     to_cut.push(open_box);
                 }
             }
-            for (open_box, curve) in locate(searches, &mut ask) {
+            for (open_box, curve) in locate(searches, &mut questions) {
                 match curve {
-                    Some(curve) => nodes[open_box.place] = Node::Crossed(curve),
-                    None => to_cut.push(open_box),
+                    Some(curve) if open_box.is_small_enough() => nodes[open_box.place] = Node::Crossed(curve),
+                    _ => to_cut.push(open_box),
                 }
             }
             to_cut.sort_unstable_by_key(|open_box| open_box.place);
             open = Vec::new();
-            to_cut.retain(|open_box| open_box.depth < DEEPEST && questions.get() < MOST_QUESTIONS);
+            to_cut.retain(|open_box| open_box.may_be_cut() && questions.asked < MOST_QUESTIONS);
             for open_box in to_cut {
                 nodes[open_box.place] = Node::Cut(nodes.len() as u32);
                 open.extend((0..4).map(|child| open_box.child(nodes.len() + child, child)));
                 nodes.extend([Node::Unresolved; 4]);
             }
         }
-        Self { nodes, questions: questions.get() }
+        Self { nodes, questions: questions.asked, undecided: questions.undecided }
+    }
+}
+
+/// The questions of a tile: whom they are put to, and how many were, with which answers.
+struct Questions<J> {
+    judge: J,
+    asked: u64,
+    undecided: u64,
+}
+
+impl<J: FnMut(&[Point]) -> Vec<Verdict>> Questions<J> {
+    /// Whether so many more may be asked.
+    fn may_ask(&self, count: usize) -> bool {
+        self.asked + count as u64 <= MOST_QUESTIONS
+    }
+
+    fn ask(&mut self, points: &[Point]) -> Vec<Verdict> {
+        self.asked += points.len() as u64;
+        let verdicts = if points.is_empty() { Vec::new() } else { (self.judge)(points) };
+        self.undecided += verdicts.iter().filter(|verdict| **verdict == Verdict::Undecided).count() as u64;
+        verdicts
+    }
+
+    /// Asks for several lists of points at once: in their order, as far as they are affordable. `None` for the others.
+    fn ask_lists(&mut self, lists: impl Iterator<Item = Vec<Point>>) -> Vec<Option<Vec<Verdict>>> {
+        let mut points = Vec::new();
+        let lengths: Vec<Option<usize>> = lists
+            .map(|list| {
+                let is_affordable = self.may_ask(points.len() + list.len());
+                is_affordable.then(|| {
+                    points.extend_from_slice(&list);
+                    list.len()
+                })
+            })
+            .collect();
+        let mut verdicts = self.ask(&points).into_iter();
+        lengths.into_iter().map(|length| length.map(|length| verdicts.by_ref().take(length).collect())).collect()
+    }
+
+    /// Asks for what is not known of the grids of boxes, one box after the other, as far as it is affordable.
+    fn complete_grids(&mut self, tile: &Box2, boxes: &[OpenBox], known: &mut BTreeMap<Lattice, Verdict>) {
+        let mut wanted = BTreeSet::new();
+        for open_box in boxes {
+            let new: Vec<Lattice> =
+                open_box.grid().filter(|point| !known.contains_key(point) && !wanted.contains(point)).collect();
+            if !self.may_ask(wanted.len() + new.len()) {
+                break;
+            }
+            wanted.extend(new);
+        }
+        let points: Vec<Point> = wanted.iter().map(|point| lattice_point(tile, *point)).collect();
+        let verdicts = self.ask(&points);
+        known.extend(wanted.into_iter().zip(verdicts));
     }
 }
 
@@ -270,6 +333,8 @@ struct OpenBox {
     /// Its lower corner on the lattice.
     corner: Lattice,
     depth: u32,
+    /// Whether its grid, or the search in it, met a verdict that is not decided.
+    met_undecided: bool,
 }
 
 impl OpenBox {
@@ -287,7 +352,16 @@ impl OpenBox {
     fn child(&self, place: usize, child: usize) -> Self {
         let half = self.spacing() * INTERVALS / 2;
         let corner = [self.corner[0] + half * (child & 1) as i64, self.corner[1] + half * (child >> 1) as i64];
-        Self { place, bounds: quarter(&self.bounds, child), corner, depth: self.depth + 1 }
+        Self { place, bounds: quarter(&self.bounds, child), corner, depth: self.depth + 1, met_undecided: false }
+    }
+
+    /// Whether a boundary in it would be believed.
+    fn is_small_enough(&self) -> bool {
+        !self.met_undecided || self.depth >= LEAST_DEPTH_IF_UNDECIDED
+    }
+
+    fn may_be_cut(&self) -> bool {
+        self.depth < if self.met_undecided { MOST_DEPTH_IF_UNDECIDED } else { DEEPEST }
     }
 }
 
@@ -335,42 +409,47 @@ impl Crossing {
     }
 }
 
-/// Locates boundaries, all of them in step, so that many verdicts are asked for at once.
-fn locate(
-    searches: Vec<(OpenBox, Search)>,
-    ask: &mut impl FnMut(&[Point]) -> Vec<Verdict>,
+/// A box and the search for the boundary in it.
+type BoxSearch = (OpenBox, Search);
+
+/// Locates boundaries, all of them in step, so that many verdicts are asked for at once. No curve for what is no piece of a
+/// boundary, contradicts itself, or took more questions than are left.
+fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
+    searches: Vec<BoxSearch>,
+    questions: &mut Questions<J>,
 ) -> Vec<(OpenBox, Option<BoundaryCurve>)> {
     let mut found = Vec::with_capacity(searches.len());
-    let mut going = Vec::new();
-    let mut to_widen = Vec::new();
-    let ends = in_step(searches.iter().map(|(_, search)| search.ends()), ask);
-    for ((open_box, mut search), verdicts) in searches.into_iter().zip(ends) {
-        if search.accepts_ends(&verdicts) {
-            going.push((open_box, search));
-        } else {
-            search.widen();
-            to_widen.push((open_box, search));
-        }
-    }
-    let ends = in_step(to_widen.iter().map(|(_, search)| search.ends()), ask);
-    for ((open_box, search), verdicts) in to_widen.into_iter().zip(ends) {
-        if search.accepts_ends(&verdicts) { going.push((open_box, search)) } else { found.push((open_box, None)) }
-    }
+    let (mut going, mut to_widen) = accept_ends(searches, questions);
+    to_widen.iter_mut().for_each(|(_, search)| search.widen());
+    let (widened, failed) = accept_ends(to_widen, questions);
+    going.extend(widened);
+    found.extend(failed.into_iter().map(|(open_box, _)| (open_box, None)));
     loop {
-        let answers = in_step(going.iter().map(|(_, search)| search.questions()), ask);
-        if answers.iter().all(Vec::is_empty) {
+        let answers = questions.ask_lists(going.iter().map(|(_, search)| search.questions()));
+        if answers.iter().flatten().all(Vec::is_empty) && answers.iter().all(Option::is_some) {
             break;
         }
-        for ((_, search), verdicts) in going.iter_mut().zip(&answers) {
-            search.learn(verdicts);
+        let mut agreed = Vec::with_capacity(going.len());
+        for ((mut open_box, mut search), verdicts) in going.into_iter().zip(answers) {
+            if let Some(verdicts) = &verdicts {
+                search.learn(verdicts);
+                open_box.met_undecided |= !verdicts.iter().all(|verdict| verdict.is_decided());
+            }
+            if verdicts.is_some() && !search.is_contradicted() {
+                agreed.push((open_box, search));
+            } else {
+                found.push((open_box, None));
+            }
         }
+        going = agreed;
     }
     for guard in GUARDS {
         let curves: Vec<_> = going.iter().map(|(_, search)| search.curve(guard.factor)).collect();
-        let proofs = in_step(curves.iter().map(|(_, proof)| proof.clone()), ask);
+        let proofs = questions.ask_lists(curves.iter().map(|(_, proof)| proof.clone()));
         let mut failed = Vec::new();
-        for (((open_box, search), (curve, _)), verdicts) in going.into_iter().zip(curves).zip(proofs) {
-            if search.accepts_proof(&verdicts) {
+        for (((mut open_box, search), (curve, _)), verdicts) in going.into_iter().zip(curves).zip(proofs) {
+            open_box.met_undecided |= !verdicts.iter().flatten().all(|verdict| verdict.is_decided());
+            if verdicts.is_some_and(|verdicts| search.accepts_proof(&verdicts)) {
                 found.push((open_box, Some(curve)));
             } else {
                 failed.push((open_box, search));
@@ -385,20 +464,18 @@ fn locate(
     found
 }
 
-/// Asks for the verdicts at several lists of points at once.
-fn in_step(
-    lists: impl Iterator<Item = Vec<Point>>,
-    ask: &mut impl FnMut(&[Point]) -> Vec<Verdict>,
-) -> Vec<Vec<Verdict>> {
-    let lists: Vec<Vec<Point>> = lists.collect();
-    let verdicts = ask(&lists.concat());
-    let mut rest = verdicts.as_slice();
-    let take = |list: &Vec<Point>| {
-        let (mine, others) = rest.split_at(list.len());
-        rest = others;
-        mine.to_vec()
-    };
-    lists.iter().map(take).collect()
+/// Parts searches into those whose ends are as they should be, and the others.
+fn accept_ends<J: FnMut(&[Point]) -> Vec<Verdict>>(
+    searches: Vec<BoxSearch>,
+    questions: &mut Questions<J>,
+) -> (Vec<BoxSearch>, Vec<BoxSearch>) {
+    let answers = questions.ask_lists(searches.iter().map(|(_, search)| search.ends()));
+    let is_accepted =
+        |search: &Search, verdicts: Option<Vec<Verdict>>| verdicts.is_some_and(|v| search.accepts_ends(&v));
+    let judged = searches.into_iter().zip(answers).map(|(found, answer)| (is_accepted(&found.1, answer), found));
+    let (accepted, others): (Vec<_>, Vec<_>) = judged.partition(|(is_accepted, _)| *is_accepted);
+    let searches = |judged: Vec<(bool, BoxSearch)>| judged.into_iter().map(|(_, search)| search).collect();
+    (searches(accepted), searches(others))
 }
 
 /// Tiles of the plane at one rotating speed.
@@ -444,8 +521,8 @@ impl VerdictMap {
         self.tiles.iter().enumerate().filter_map(move |(i, tile)| Some((place(i), tile.as_ref()?)))
     }
 
-    /// The verdict on a sample, `None` where the map does not tell: outside its tiles, or within the resolution of a
-    /// boundary. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable by definition.
+    /// The verdict on a sample, `None` where the map does not tell: outside its tiles, within the resolution of a boundary,
+    /// or in an undecided region. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable by definition.
     #[inline]
     #[must_use]
     pub fn look_up(&self, inputs: RandomInputs) -> Option<Verdict> {
@@ -454,139 +531,9 @@ impl VerdictMap {
             return Some(Verdict::Stable);
         }
         let index = TileIndex::of(inputs.preload, falling)?;
-        self.tile(index)?.look_up(index, [inputs.preload, falling])
+        self.tile(index)?.look_up(index, [inputs.preload, falling]).filter(|verdict| verdict.is_decided())
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tiles_cover_the_plane_without_gaps() {
-        for index in 0..TILES {
-            let (from, to) = (edge(index), edge(index + 1));
-            assert!(from < to);
-            for coordinate in [from, 0.5 * (from + to), to.next_down()] {
-                assert_eq!(tile_at(coordinate), Some(index), "{coordinate}");
-            }
-        }
-        assert_eq!(edge(TILES), 64.0);
-        assert_eq!([-1e-300, 64.0, f64::NAN, f64::INFINITY].map(tile_at), [None; 4]);
-    }
-
-    /// A map of all tiles up to 1 of a plane whose verdicts are known, and the questions that it took.
-    fn map_of(judge: impl Fn(Point) -> Verdict) -> (VerdictMap, u64) {
-        let mut map = VerdictMap::new(0.25);
-        let mut questions = 0;
-        for row in 0..8 {
-            for column in 0..8 {
-                let index = TileIndex { column, row };
-                let tile = Tile::resolve(index, |points| points.iter().map(|&point| judge(point)).collect());
-                questions += tile.questions;
-                assert_eq!(Tile::from_nodes(tile.nodes().to_vec(), tile.questions), Some(tile.clone()));
-                map.insert(index, tile);
-            }
-        }
-        (map, questions)
-    }
-
-    /// Looks up a fine grid: every answer has to be right. Returns the share without an answer.
-    fn assert_right(map: &VerdictMap, judge: impl Fn(Point) -> Verdict) -> f64 {
-        let (mut silent, count) = (0, 1500);
-        for i in 0..count {
-            for j in 0..count {
-                // Irrational steps, so that no point of the grid of a box is hit.
-                let point =
-                    [(f64::from(i) + 0.414_213) / f64::from(count), (f64::from(j) + 0.732_05) / f64::from(count)];
-                match map.look_up(map.inputs(point)) {
-                    Some(verdict) => assert_eq!(verdict, judge(point), "{point:?}"),
-                    None => silent += 1,
-                }
-            }
-        }
-        f64::from(silent) / f64::from(count * count)
-    }
-
-    #[test]
-    fn a_hyperbola_is_mapped() {
-        let judge = |[x, y]: Point| if x * y > 0.0135 { Verdict::Unstable } else { Verdict::Stable };
-        let (map, questions) = map_of(judge);
-        let silent = assert_right(&map, judge);
-        assert!(silent < 1e-5 && questions < 30_000, "{silent} {questions}");
-    }
-
-    #[test]
-    fn two_branches_a_corner_and_an_island_are_mapped() {
-        let judge = |[x, y]: Point| {
-            let hyperbola = x * y > 0.02 && y > 0.11 - 0.05 * x;
-            let lens = (x - 0.6).powi(2) + (2.0 * (y - 0.05)).powi(2) < 0.0025;
-            let gap = (x - 0.5).powi(2) + (y - 0.7).powi(2) < 0.01;
-            if (hyperbola || lens) && !gap { Verdict::Unstable } else { Verdict::Stable }
-        };
-        let (map, questions) = map_of(judge);
-        let silent = assert_right(&map, judge);
-        assert!(silent < 1e-5 && questions < 100_000, "{silent} {questions}");
-    }
-
-    #[test]
-    fn a_boundary_that_dips_into_a_tile_between_its_grid_points_is_seen() {
-        // Discs that reach 0.0004 beyond a line between tiles, and that far only between two points of the grid.
-        let radius = 0.2664;
-        for (centre, tip) in [(0.516, 0.516 - radius), (0.484, 0.484 + radius)] {
-            let judge = |[x, y]: Point| {
-                let is_inside = (x - centre).powi(2) + (y - centre).powi(2) < radius * radius;
-                if is_inside { Verdict::Unstable } else { Verdict::Stable }
-            };
-            let (map, _) = map_of(judge);
-            let just_inside = tip + 1e-4 * (centre - tip).signum();
-            for point in [[centre, just_inside], [just_inside, centre]] {
-                assert_eq!(judge(point), Verdict::Unstable);
-                assert_eq!(map.look_up(map.inputs(point)), Some(Verdict::Unstable), "{point:?}");
-            }
-            assert_right(&map, judge);
-        }
-    }
-
-    #[test]
-    fn undecided_samples_have_a_region_of_their_own() {
-        let judge = |[x, y]: Point| match x * y {
-            product if product > 0.05 => Verdict::Unstable,
-            product if product > 0.03 => Verdict::Undecided,
-            product if product > 0.02999 => Verdict::Failed,
-            _ => Verdict::Stable,
-        };
-        let (map, _) = map_of(judge);
-        let silent = assert_right(&map, judge);
-        assert!(silent < 1e-3, "{silent}");
-        assert_eq!(map.look_up(map.inputs([0.2, 0.2])), Some(Verdict::Undecided));
-    }
-
-    #[test]
-    fn noise_is_left_unresolved_and_outside_is_known() {
-        // Verdicts without any order: nothing may be looked up, and the work is bounded.
-        let mut map = VerdictMap::new(0.25);
-        let index = TileIndex { column: 3, row: 5 };
-        let judge = |point: &Point| {
-            let bits = (point[0].to_bits() ^ point[1].to_bits().rotate_left(17)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            if bits >> 63 == 0 && (point[0] - 0.22).abs() < 1e-4 { Verdict::Unstable } else { Verdict::Stable }
-        };
-        map.insert(index, Tile::resolve(index, |points| points.iter().map(judge).collect()));
-        assert!(map.tile(index).unwrap().questions < 2 * MOST_QUESTIONS);
-        for (preload, static_friction) in [(0.0, 0.5), (-1.0, 0.5), (0.2, 0.2), (-1.0, 0.1)] {
-            assert_eq!(map.look_up(RandomInputs { preload, static_friction }), Some(Verdict::Stable));
-        }
-        assert_eq!(map.look_up(RandomInputs { preload: 0.5, static_friction: 0.5 }), None, "no such tile");
-        assert_eq!(map.look_up(RandomInputs { preload: f64::NAN, static_friction: 0.5 }), None);
-    }
-
-    #[test]
-    fn parts_that_are_no_tree_are_refused() {
-        let leaf = Node::Uniform(Verdict::Stable);
-        for nodes in
-            [vec![], vec![leaf, leaf], vec![Node::Cut(1), leaf, leaf, leaf], vec![Node::Cut(0), leaf, leaf, leaf, leaf]]
-        {
-            assert_eq!(Tile::from_nodes(nodes, 1), None);
-        }
-    }
-}
+mod tests;

@@ -67,8 +67,15 @@
 //! **Assumes** that only preload and static friction scatter, and that the verdict, over the plane of these two, is constant
 //! but for curves which the grid of the map can see
 //! ([`stickslip_core::verdict_map`]: points 1/32 apart in both up to 1, and closer wherever verdicts differ). Samples within
-//! the resolution of a curve (about 1e-5 of the coordinate), in boxes that did not resolve, and beyond six standard deviations
-//! are simulated themselves.
+//! the resolution of a curve (about 1e-5 of the coordinate), in boxes that did not resolve, in undecided regions, and beyond
+//! six standard deviations are simulated themselves.
+//!
+//! A map that costs more than the samples is given up, and every sample simulated, as a note on standard error says. That is
+//! decided by the job alone: by the verdicts that all needed tiles take together, against those that the samples take; one that
+//! ends at the horizon counts for a tenth of that horizon, at least for one. `stickslip check` says beforehand what to expect.
+//! Samples are not all alike: those near a boundary, which a map asks for, take longer. So a map may still take more time than
+//! the samples of a small job; it pays from some hundred thousand samples on. A run that is extended says of its first samples
+//! how they were judged then.
 //!
 //! With `kind = "eigenvalue"` it changes nothing: the closed form decides as fast as a map would. With `sensitivity` the
 //! verdicts on the second set of samples are looked up too, and not audited.
@@ -76,7 +83,8 @@
 //! **Gives** the counts of `evaluate = "each"` from a thousandth of the simulations, and serves with `--map` any other job of the
 //! same model, speed and criterion.
 //!
-//! **Fails** where a region of another verdict lies between the points of the grid: its samples are looked up wrongly.
+//! **Fails** where a region of another verdict lies between the points of the grid: its samples are looked up wrongly. Horizons
+//! so short that many samples are undecided make such regions: slivers beside boundaries.
 //! **Notice**: the audit. Of each cell the first looked-up samples, 300 unless told (`audit = 300`, or a share of all of them, `audit = 0.01`),
 //! are simulated all the same; an audited sample counts by its simulated verdict. With none of `n` differing, the share of
 //! wrong ones is below `3 / n` with 95 % confidence ([`audit`](crate::audit)). What the audit of a cell does not exclude is in

@@ -13,6 +13,9 @@ use crate::run::{Engine, Slots};
 /// How long the cost of a sample is measured.
 const TRIAL: Duration = Duration::from_millis(30);
 
+/// How long tiles of verdict maps are resolved to measure theirs.
+const TRIAL_OF_MAPS: Duration = Duration::from_secs(1);
+
 /// `stickslip check`.
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let job = JobSource::read(&arguments.job)?.job()?;
@@ -21,8 +24,11 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     job.warn_of_missing_scatter();
     let threads = arguments.threads.count();
     let lengths = job.grid.lengths();
-    let work =
-        if job.is_integrated() || job.uses_maps() { cost_of_maps(&job)? } else { cost_of_samples(&job, threads)? };
+    let work = match (job.uses_maps(), job.is_integrated()) {
+        (true, _) => cost_of_maps(&job, threads)?,
+        (false, true) => "# no samples: the boundary is known in closed form\n".to_owned(),
+        (false, false) => cost_of_samples(&job, threads)?,
+    };
     result(&format!(
         "{}\n# {} is valid.\n# {} cells: {} rotating speeds x {} standard deviations x {} preloads x {} static friction coefficients\n{work}",
         job.normalised(),
@@ -38,12 +44,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
 /// What samples cost that are judged one by one.
 fn cost_of_samples(job: &Job, threads: usize) -> Result<String, Failure> {
     let rate = samples_per_second(job)?;
-    let seconds = job.total_samples() as f64 / rate / threads as f64;
-    let cost = if seconds < 1.0 {
-        format!("{seconds:.2} seconds")
-    } else {
-        HumanDuration(Duration::from_secs_f64(seconds.min(1e15))).to_string()
-    };
+    let cost = duration(job.total_samples() as f64 / rate / threads as f64);
     let at_most = if job.stops_by_precision() { "at most " } else { "" };
     Ok(format!(
         "# {at_most}{} samples, {at_most}about {cost} on {threads} threads ({} samples/s on one, measured now)\n",
@@ -52,18 +53,50 @@ fn cost_of_samples(job: &Job, threads: usize) -> Result<String, Failure> {
     ))
 }
 
-/// What a verdict map costs; how many simulations its boundaries take is only known afterwards.
-fn cost_of_maps(job: &Job) -> Result<String, Failure> {
-    let tiles = Engine::new(job, 1)?.maps().needed();
-    let samples = if job.is_integrated() { "no".to_owned() } else { job.total_samples().to_string() };
-    let map = match job.uses_maps() {
-        false => "the boundary is known in closed form".to_owned(),
-        true => format!(
-            "a verdict map of {} tiles: some 40 simulations each, and some hundreds more for each that a boundary crosses",
-            HumanCount(tiles as u64)
-        ),
+/// What verdict maps cost, by some of their tiles, and whether they are worth it.
+fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
+    let engine = Engine::new(job, 1)?;
+    let tiles = engine.maps().needed() as u64;
+    let trial = engine.try_maps(TRIAL_OF_MAPS);
+    let share = tiles as f64 / trial.tiles.max(1) as f64;
+    let [simulations, undecided] = [trial.simulations, trial.undecided].map(|count| (count as f64 * share) as u64);
+    // A tile that was dropped counts with what it took until then.
+    let (about, unfinished) = match trial.unfinished {
+        0 => ("about", String::new()),
+        unfinished => ("at least", format!(", {} of which took too long to finish", HumanCount(unfinished))),
     };
-    Ok(format!("# {samples} samples, {map}\n"))
+    let map = format!(
+        "{about} {} simulations for the verdict map of {} tiles (measured on {} of them{unfinished}), {about} {} on {threads} threads",
+        HumanCount(simulations),
+        HumanCount(tiles),
+        HumanCount(trial.tiles),
+        duration(trial.seconds * share / threads as f64),
+    );
+    if job.is_integrated() {
+        return Ok(format!("# no samples; {map}\n"));
+    }
+    let is_given_up = engine.maps().are_too_costly(simulations, undecided);
+    let what_it_does = match (is_given_up, trial.unfinished) {
+        (true, _) => "the map costs more: it will be given up and each sample simulated",
+        (false, 0) => "the map costs less: samples will be looked up in it",
+        (false, _) => {
+            "the map may cost less: samples will be looked up in it, unless it turns out to cost more and is given up"
+        }
+    };
+    let samples = job.verdicts_of_samples();
+    Ok(format!(
+        "# {map}\n{}# each sample by itself takes {samples} simulations; {what_it_does}\n",
+        cost_of_samples(job, threads)?
+    ))
+}
+
+/// A time in words.
+fn duration(seconds: f64) -> String {
+    if seconds < 1.0 {
+        format!("{seconds:.2} seconds")
+    } else {
+        HumanDuration(Duration::from_secs_f64(seconds.min(1e15))).to_string()
+    }
 }
 
 /// The rate of one thread, from samples of the job itself.

@@ -117,16 +117,18 @@ impl<'a> Reader<'a> {
             for other in maps.iter().filter(|other| **other != own) {
                 borrowed |= engine.load_maps(other)? > 0;
             }
-            let (outcome, asked) = engine.complete_maps(is_ours.then_some(own.as_path()), borrowed, interrupt)?;
-            if let Outcome::Stopped(signal) = outcome {
+            let completed = engine.complete_maps(is_ours.then_some(own.as_path()), borrowed, interrupt)?;
+            if let Outcome::Stopped(signal) = completed.outcome {
                 return Err(stopped(signal));
             }
-            if asked > 0 {
+            if let Some(why) = completed.why_given_up(&run.job) {
+                note(format_args!("{}: {why}", run.name));
+            } else if completed.simulations > 0 {
                 note(format_args!(
                     "{}: verdict map of {} tiles from {} simulations{}",
                     run.name,
                     HumanCount(engine.maps().needed() as u64),
-                    HumanCount(asked),
+                    HumanCount(completed.simulations),
                     if is_ours { "; kept in the run for the next time" } else { "" }
                 ));
             }

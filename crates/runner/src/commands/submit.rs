@@ -316,15 +316,19 @@ fn compute(
                 note(format_args!("{}: no tile of this model, speed and criterion that is needed", other.display()));
             }
         }
-        let (ended, simulations) = engine.complete_maps(Some(&own), borrowed, interrupt).map_err(kept)?;
-        outcome = ended;
+        let completed = engine.complete_maps(Some(&own), borrowed, interrupt).map_err(kept)?;
+        outcome = completed.outcome;
         if outcome == Outcome::Finished {
-            session.maps(engine.maps().needed() as u64, simulations);
+            session.maps(&completed);
+        }
+        if let Some(why) = completed.why_given_up(&job) {
+            note(format_args!("{why} ({:.2} s)", started.elapsed().as_secs_f64()));
+        } else if outcome == Outcome::Finished {
             note(format_args!(
                 "verdict map: {} tiles from {} simulations, {} of them new ({:.2} s)",
                 HumanCount(engine.maps().needed() as u64),
                 HumanCount(engine.maps().questions()),
-                HumanCount(simulations),
+                HumanCount(completed.simulations),
                 started.elapsed().as_secs_f64()
             ));
         }

@@ -129,6 +129,13 @@ impl Job {
         u128::from(self.cells()) * u128::from(self.sampling.samples)
     }
 
+    /// Verdicts that counting its samples takes, at the most, if each is simulated: of a sample with Sobol indices also those
+    /// of the second sample and of the mixed ones.
+    pub fn verdicts_of_samples(&self) -> u128 {
+        let of_a_sample = if self.sampling.sensitivity { 2 + self.random.inputs.len() } else { 1 };
+        self.total_samples() * of_a_sample as u128
+    }
+
     /// Where the samples come from, if only preload and static friction scatter, normal and independent.
     pub fn stream(&self) -> SampleStream {
         SampleStream {

@@ -1,11 +1,14 @@
 //! The computation: units of work on all cores, finished pieces on disk.
 
+use std::cell::Cell as Counter;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use indicatif::HumanCount;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use stickslip_core::verdict_map::{Tile, TileIndex};
@@ -32,7 +35,13 @@ use crate::job::{Audit, Deciders, Effort, Job};
 const MOST_PENDING: usize = 100_000;
 
 /// Verdicts of a tile that are asked for at once; a signal is looked for between.
-const TILE_BATCH: usize = 256;
+const TILE_BATCH: usize = 64;
+
+/// Tiles of a trial at the most.
+const MOST_TRIAL_TILES: usize = 32;
+
+/// The golden section.
+const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
 
 /// How a computation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,6 +50,49 @@ pub enum Outcome {
     Finished,
     /// A signal came; what was finished is on disk.
     Stopped(Signal),
+}
+
+/// What became of the verdict maps of a job.
+#[derive(Debug, Clone, Copy)]
+pub struct CompletedMaps {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Verdicts that were asked for.
+    pub simulations: u64,
+    /// Needed tiles that are resolved.
+    pub tiles: u64,
+    /// With maps that cost more than the samples: simulations when that was known, whenever made, and how many of them were
+    /// undecided.
+    pub given_up: Option<(u64, u64)>,
+}
+
+impl CompletedMaps {
+    /// What to say of maps that were given up, if they were.
+    pub fn why_given_up(&self, job: &Job) -> Option<String> {
+        let (asked, undecided) = self.given_up?;
+        Some(format!(
+            "the verdict map is given up after {} simulations, {} of them up to the horizon ({} tiles were resolved), as simulating the {} samples costs less: each is simulated by itself, as with evaluate = \"each\"",
+            HumanCount(asked),
+            HumanCount(undecided),
+            HumanCount(self.tiles),
+            job.total_samples()
+        ))
+    }
+}
+
+/// What resolving some tiles took.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MapTrial {
+    /// Tiles that were begun.
+    pub tiles: u64,
+    /// How many of them were dropped because they took too long.
+    pub unfinished: u64,
+    /// Verdicts that were asked for.
+    pub simulations: u64,
+    /// How many of them were undecided.
+    pub undecided: u64,
+    /// How long it took.
+    pub seconds: f64,
 }
 
 /// Everything that deciding a sample of a job takes.
@@ -146,7 +198,10 @@ impl<'a> Engine<'a> {
         }
         let speed = self.job.grid.rotating_speed_index(place.index);
         let inputs: Vec<RandomInputs> = (0..batch.len()).map(|sample| batch.inputs(sample)).collect();
-        let Some(map) = self.maps.get(speed) else { return self.deciders.judge(speed, &inputs) };
+        let Some(map) = self.maps.get(speed) else {
+            lookups.simulated += inputs.len() as u64;
+            return self.deciders.judge(speed, &inputs);
+        };
         let told: Vec<Option<Verdict>> = inputs.iter().map(|&inputs| map.look_up(inputs)).collect();
         let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
         let to_judge: Vec<usize> = (0..inputs.len()).filter(|&i| told[i].is_none() || is_audited(i)).collect();
@@ -234,25 +289,32 @@ impl<'a> Engine<'a> {
         self.maps.load(source)
     }
 
-    /// Completes the verdict maps by asking. What is new is kept in `keep`, if there is such a directory, and so is what was
-    /// `borrowed` from others. Returns how many verdicts were asked for.
+    /// Completes the verdict maps by asking, or gives them up when they take more simulations than the samples. What is new
+    /// is kept in `keep`, if there is such a directory, and so is what was `borrowed` from others.
     pub fn complete_maps(
         &mut self,
         keep: Option<&Path>,
         borrowed: bool,
         interrupt: &Interrupt,
-    ) -> Result<(Outcome, u64), Failure> {
+    ) -> Result<CompletedMaps, Failure> {
         if let (Some(keep), true) = (keep, borrowed) {
             self.maps.write_all(keep)?;
         }
         let missing = self.maps.missing();
+        let known = self.maps.questions();
+        let (asked, undecided) = (AtomicU64::new(known), AtomicU64::new(self.maps.undecided()));
         let mut progress = Progress::new(missing.len() as u128, "tiles");
         let mut finished: Vec<(usize, TileIndex, Tile)> = Vec::new();
         let mut written = 0;
         let mut since = Instant::now();
         let resolve = |unit: u64| {
             let (speed, index) = missing[unit as usize];
-            (speed, index, self.resolve(speed, index, interrupt))
+            let tile = self.resolve(speed, index, |verdicts| {
+                let undecided = count(&undecided, undecided_of(verdicts));
+                let asked = count(&asked, verdicts.len() as u64);
+                interrupt.signal().is_none() && !self.maps.are_too_costly(asked, undecided)
+            });
+            (speed, index, tile)
         };
         let outcome = self.in_parallel(missing.len() as u64, interrupt, resolve, |event| {
             if let Event::Unit((speed, index, Some(tile))) = event {
@@ -269,30 +331,73 @@ impl<'a> Engine<'a> {
             Ok(())
         })?;
         progress.finish();
-        let questions = finished.iter().map(|(_, _, tile)| tile.questions).sum();
         for (speed, index, tile) in finished {
             self.maps.insert(speed, index, tile);
         }
-        Ok((outcome, questions))
+        let (asked, undecided) = (asked.into_inner(), undecided.into_inner());
+        let given_up = outcome == Outcome::Finished && self.maps.are_too_costly(asked, undecided);
+        let completed = CompletedMaps {
+            outcome,
+            simulations: asked - known,
+            tiles: self.maps.resolved() as u64,
+            given_up: given_up.then_some((asked, undecided)),
+        };
+        if given_up {
+            self.maps.give_up();
+        }
+        Ok(completed)
     }
 
-    /// Resolves one tile; `None` if a signal came in between.
-    fn resolve(&self, speed: usize, index: TileIndex, interrupt: &Interrupt) -> Option<Tile> {
+    /// Resolves one tile; `None` if `goes_on`, which is told the verdicts as they come, said no.
+    fn resolve(&self, speed: usize, index: TileIndex, goes_on: impl Fn(&[Verdict]) -> bool) -> Option<Tile> {
         let map = self.maps.get(speed)?;
+        let mut is_stopped = !goes_on(&[]);
         let tile = Tile::resolve(index, |points| {
             let mut verdicts = Vec::with_capacity(points.len());
             for points in points.chunks(TILE_BATCH) {
-                if interrupt.signal().is_some() {
+                if is_stopped {
                     // The tile is dropped; the sooner it is done, the better.
                     verdicts.extend(points.iter().map(|_| Verdict::Stable));
                     continue;
                 }
                 let inputs: Vec<RandomInputs> = points.iter().map(|&point| map.inputs(point)).collect();
-                verdicts.extend(self.deciders.judge(speed, &inputs).into_iter().map(|judged| judged.verdict));
+                let judged = self.deciders.judge(speed, &inputs).into_iter();
+                let from = verdicts.len();
+                verdicts.extend(judged.map(|judged| judged.verdict));
+                is_stopped = !goes_on(&verdicts[from..]);
             }
             verdicts
         });
-        interrupt.signal().is_none().then_some(tile)
+        (!is_stopped).then_some(tile)
+    }
+
+    /// Resolves some of the tiles that are missing, evenly spread, for about `time`: what they say of the cost of all. A tile
+    /// that takes more than a quarter of it is dropped.
+    pub fn try_maps(&self, time: Duration) -> MapTrial {
+        let missing = self.maps.missing();
+        let started = Instant::now();
+        let mut trial = MapTrial::default();
+        for turn in 0..MOST_TRIAL_TILES.min(missing.len()) {
+            // Multiples of the golden section, so that however many there is time for, they are spread evenly.
+            let place = (0.5 + turn as f64 * GOLDEN_SECTION).fract() * missing.len() as f64;
+            let (speed, index) = missing[place as usize];
+            let begun = Instant::now();
+            let counts = Counter::new((0, 0));
+            let tile = self.resolve(speed, index, |verdicts| {
+                let (asked, undecided) = counts.get();
+                counts.set((asked + verdicts.len() as u64, undecided + undecided_of(verdicts)));
+                started.elapsed() < time && begun.elapsed() < time / 4
+            });
+            trial.tiles += 1;
+            trial.unfinished += u64::from(tile.is_none());
+            trial.simulations += counts.get().0;
+            trial.undecided += counts.get().1;
+            if started.elapsed() >= time {
+                break;
+            }
+        }
+        trial.seconds = started.elapsed().as_secs_f64();
+        trial
     }
 
     /// The probability of every cell by integration.
@@ -417,6 +522,15 @@ impl<'a> Engine<'a> {
             Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped))
         })
     }
+}
+
+/// Adds to a counter that threads share; what it is then.
+fn count(counter: &AtomicU64, more: u64) -> u64 {
+    counter.fetch_add(more, Ordering::Relaxed) + more
+}
+
+fn undecided_of(verdicts: &[Verdict]) -> u64 {
+    verdicts.iter().filter(|verdict| **verdict == Verdict::Undecided).count() as u64
 }
 
 /// Takes what is finished until the workers are done.

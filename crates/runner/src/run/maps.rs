@@ -31,6 +31,10 @@ use crate::output::note;
 /// Samples beyond this many standard deviations together are judged by themselves: one in 6.6e7.
 const REACH: f64 = 6.0;
 
+/// Scaled time that a simulation counts for when it ends at the horizon: most end within it. Near a line where nothing
+/// grows or falls, a map asks for motions up to the horizon that no sample comes near.
+const TIME_OF_A_SIMULATION: f64 = 10.0;
+
 const KEY: &str = "stickslip:verdict_map";
 
 /// A verdict map for each rotating speed of a job.
@@ -40,6 +44,10 @@ pub struct Maps {
     /// Tiles that the job's samples need.
     needed: Vec<Vec<TileIndex>>,
     maps: Vec<VerdictMap>,
+    /// What the needed tiles may cost together, in simulations; more, and the samples themselves cost less.
+    most: Option<u128>,
+    /// What a simulation costs that ends at the horizon.
+    cost_if_undecided: u64,
 }
 
 impl Maps {
@@ -48,13 +56,32 @@ impl Maps {
         let kinetic_coefficient = job.parameters.friction.kinetic_coefficient;
         let speeds = job.grid.rotating_speed.values();
         if !job.uses_maps() {
-            return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new() };
+            return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new(), most: None, cost_if_undecided: 1 };
         }
         Self {
             keys: speeds.iter().map(|&speed| job.map_key(speed)).collect(),
             needed: (0..speeds.len()).map(|speed| needed_tiles(job, speed)).collect(),
             maps: vec![VerdictMap::new(kinetic_coefficient); speeds.len()],
+            most: (!job.is_integrated()).then(|| job.verdicts_of_samples()),
+            cost_if_undecided: job
+                .criterion
+                .horizon()
+                .map_or(1, |horizon| (horizon / TIME_OF_A_SIMULATION).max(1.0) as u64),
         }
+    }
+
+    /// Whether a map of so many simulations costs more than the samples themselves.
+    ///
+    /// Only the sum over all needed tiles decides, which depends on the job alone: not on threads, shards, interruptions,
+    /// or where tiles come from. As it only grows, a part of it that is too large already is enough.
+    pub fn are_too_costly(&self, questions: u64, undecided: u64) -> bool {
+        let cost = u128::from(questions) + u128::from(undecided) * u128::from(self.cost_if_undecided - 1);
+        self.most.is_some_and(|most| cost > most)
+    }
+
+    /// Gives the maps up: every sample is judged by itself.
+    pub fn give_up(&mut self) {
+        self.maps.clear();
     }
 
     /// The map at a rotating speed, if the job uses any.
@@ -78,6 +105,16 @@ impl Maps {
     /// How many tiles the job needs.
     pub fn needed(&self) -> usize {
         self.needed.iter().map(Vec::len).sum()
+    }
+
+    /// How many tiles are there.
+    pub fn resolved(&self) -> usize {
+        self.maps.iter().map(|map| map.tiles().count()).sum()
+    }
+
+    /// How many of the simulations of all tiles were undecided.
+    pub fn undecided(&self) -> u64 {
+        self.maps.iter().flat_map(VerdictMap::tiles).map(|(_, tile)| tile.undecided).sum()
     }
 
     /// Simulations that all tiles together took, whenever.
@@ -219,7 +256,7 @@ fn spread(job: &Job, cell: &Cell) -> [Spread; 2] {
 }
 
 /// Integer columns of a piece: name and meaning.
-const INTEGERS: [(&str, &str); 8] = [
+const INTEGERS: [(&str, &str); 9] = [
     ("tile_column", "position of the tile along the preload"),
     ("tile_row", "position of the tile along the falling friction"),
     ("questions", "verdicts that the tile took"),
@@ -228,6 +265,7 @@ const INTEGERS: [(&str, &str); 8] = [
     ("verdict_below", "verdict below the curve, or of a uniform box: 0 stable, 1 unstable, 2 undecided, 3 failed"),
     ("verdict_above", "verdict above the curve"),
     ("cut", "how often the tile was cut for this box"),
+    ("undecided", "how many of the verdicts that the tile took were undecided"),
 ];
 
 const GUARD: &str = "guard";
@@ -277,6 +315,7 @@ fn encode(key: &str, tiles: &[&(usize, TileIndex, Tile)]) -> Result<Vec<u8>, par
                 below,
                 above,
                 depths[place],
+                tile.undecided.cast_signed(),
             ];
             integers.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
             let (guard, coefficients) = match node {
@@ -318,7 +357,7 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
     let metadata = builder.metadata().file_metadata().key_value_metadata();
     let key = metadata.and_then(|pairs| pairs.iter().find(|pair| pair.key == KEY));
     let key = key.and_then(|pair| pair.value.clone()).ok_or("it is no verdict map")?;
-    let mut tiles: BTreeMap<TileIndex, (Vec<Node>, u64)> = BTreeMap::new();
+    let mut tiles: BTreeMap<TileIndex, (Vec<Node>, [u64; 2])> = BTreeMap::new();
     for batch in builder.build().map_err(|e| text(&e))? {
         let batch = batch.map_err(|e| text(&e))?;
         let column = |name: &str| batch.column_by_name(name).ok_or_else(|| format!("column {name} is missing"));
@@ -354,13 +393,16 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
                 4 => Node::Unresolved,
                 kind => return Err(format!("{kind} is no kind of box")),
             };
-            let questions = u64::try_from(value(2)).map_err(|_| "a count is negative")?;
-            let tile = tiles.entry(index).or_insert_with(|| (Vec::new(), questions));
+            let count = |column: usize| u64::try_from(value(column)).map_err(|_| "a count is negative");
+            let counts = [count(2)?, count(8)?];
+            let tile = tiles.entry(index).or_insert_with(|| (Vec::new(), counts));
             tile.0.push(node);
         }
     }
-    let tile = |(index, (nodes, questions)): (TileIndex, (Vec<Node>, u64))| {
-        Tile::from_nodes(nodes, questions).map(|tile| (index, tile)).ok_or("the boxes of a tile do not fit together")
+    let tile = |(index, (nodes, [questions, undecided])): (TileIndex, (Vec<Node>, [u64; 2]))| {
+        Tile::from_nodes(nodes, questions, undecided)
+            .map(|tile| (index, tile))
+            .ok_or("the boxes of a tile do not fit together")
     };
     Ok((key, tiles.into_iter().map(tile).collect::<Result<_, _>>()?))
 }
@@ -384,7 +426,7 @@ mod tests {
     fn a_tile_reads_back_as_written() {
         let leaves = [Verdict::Stable, Verdict::Unstable, Verdict::Undecided].map(Node::Uniform);
         let nodes = vec![Node::Cut(1), leaves[0], leaves[1], leaves[2], Node::Unresolved];
-        let handmade = Tile::from_nodes(nodes, 77).unwrap();
+        let handmade = Tile::from_nodes(nodes, 77, 5).unwrap();
         let mut tiles = vec![(0, TileIndex { column: 5, row: 7 }, handmade)];
         tiles.extend((0..3).map(|row| TileIndex { column: 1, row }).map(|index| (0, index, tile(index))));
         assert!(tiles.iter().any(|(_, _, tile)| tile.nodes().iter().any(|node| matches!(node, Node::Crossed(_)))));

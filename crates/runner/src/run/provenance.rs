@@ -6,6 +6,7 @@ use std::time::{Instant, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
+use super::engine::CompletedMaps;
 use super::extras::Lookups;
 use super::publish::publish;
 use crate::failure::Failure;
@@ -36,6 +37,9 @@ struct MapUse {
     map_tiles: u64,
     /// Of this session; tiles that were there already cost none.
     map_simulations: u64,
+    /// Whether they would have cost more than the samples, which were simulated instead.
+    #[serde(default)]
+    map_given_up: bool,
 }
 
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -67,8 +71,12 @@ impl Session {
     }
 
     /// Notes how many tiles the verdict maps have, and how many simulations this session spent on them.
-    pub fn maps(&mut self, map_tiles: u64, map_simulations: u64) {
-        self.maps = Some(MapUse { map_tiles, map_simulations });
+    pub fn maps(&mut self, completed: &CompletedMaps) {
+        self.maps = Some(MapUse {
+            map_tiles: completed.tiles,
+            map_simulations: completed.simulations,
+            map_given_up: completed.given_up.is_some(),
+        });
     }
 
     /// Notes how the samples of the run were judged.
