@@ -27,7 +27,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let work = match (job.uses_maps(), job.is_integrated()) {
         (true, _) => cost_of_maps(&job, threads)?,
         (false, true) => "# no samples: the boundary is known in closed form\n".to_owned(),
-        (false, false) => cost_of_samples(&job, threads)?,
+        (false, false) => cost_of_samples(&job, samples_per_second(&job)?, threads),
     };
     result(&format!(
         "{}\n# {} is valid.\n# {} cells: {} rotating speeds x {} standard deviations x {} preloads x {} static friction coefficients\n{work}",
@@ -42,15 +42,14 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
 }
 
 /// What samples cost that are judged one by one.
-fn cost_of_samples(job: &Job, threads: usize) -> Result<String, Failure> {
-    let rate = samples_per_second(job)?;
+fn cost_of_samples(job: &Job, rate: f64, threads: usize) -> String {
     let cost = duration(job.total_samples() as f64 / rate / threads as f64);
     let at_most = if job.stops_by_precision() { "at most " } else { "" };
-    Ok(format!(
+    format!(
         "# {at_most}{} samples, {at_most}about {cost} on {threads} threads ({} samples/s on one, measured now)\n",
         job.total_samples(),
         HumanCount(rate as u64),
-    ))
+    )
 }
 
 /// What verdict maps cost, by some of their tiles, and whether they are worth it.
@@ -73,20 +72,25 @@ fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
         duration(trial.seconds * share / threads as f64),
     );
     if job.is_integrated() {
-        return Ok(format!("# no samples; {map}\n"));
+        return Ok(format!("# no samples; {map}\n# {} simulations for its audit\n", job.audited_samples()));
     }
     let is_given_up = engine.maps().are_too_costly(simulations, undecided);
     let what_it_does = match (is_given_up, trial.unfinished) {
-        (true, _) => "the map costs more: it will be given up and each sample simulated",
-        (false, 0) => "the map costs less: samples will be looked up in it",
+        (true, _) => "the map takes more: it will be given up and each sample simulated",
+        (false, 0) => "the map takes fewer: samples will be looked up in it",
         (false, _) => {
-            "the map may cost less: samples will be looked up in it, unless it turns out to cost more and is given up"
+            "the map may take fewer: samples will be looked up in it, unless it turns out to take more and is given up"
         }
     };
+    // Simulations of a map lie near boundaries and may be slower than those of samples.
+    let rate = samples_per_second(job)?;
+    let is_faster = !is_given_up && job.verdicts_of_samples() as f64 / rate < trial.seconds * share;
+    let hint = if is_faster { "; but evaluate = \"each\" takes less time for this job" } else { "" };
     let samples = job.verdicts_of_samples();
     Ok(format!(
-        "# {map}\n{}# each sample by itself takes {samples} simulations; {what_it_does}\n",
-        cost_of_samples(job, threads)?
+        "# {map}\n# {} simulations for its audit\n{}# each sample by itself takes {samples} simulations; {what_it_does}{hint}\n",
+        job.audited_samples(),
+        cost_of_samples(job, rate, threads)
     ))
 }
 

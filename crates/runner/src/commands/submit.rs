@@ -430,6 +430,10 @@ fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
     if !job.uses_maps() {
         return String::new();
     }
+    let counted: u128 = surface.rows().map(|row| u128::from(row.counts.total())).sum();
+    if !job.is_integrated() && u128::from(simulated) == counted {
+        return "every sample was simulated, none looked up in a verdict map\n".to_owned();
+    }
     let mut text = if job.is_integrated() {
         String::new()
     } else {

@@ -16,7 +16,7 @@ use crate::output::note;
 use super::criterion::{Criterion, Deciders, VaryingBrake};
 use super::diagnosis::{Complaint, nearest};
 use super::random::RandomInputSet;
-use super::sampling::{Effort, EvaluateMode, Sampling, SamplingMethod};
+use super::sampling::{Audit, Effort, EvaluateMode, Sampling, SamplingMethod};
 use super::spec::{AxisSpec, JobSpec, ModelSpec, ModesSpec, SECTIONS};
 
 /// Cells at the most; their results are held in memory.
@@ -136,6 +136,15 @@ impl Job {
         self.total_samples() * of_a_sample as u128
     }
 
+    /// Samples that are looked up and simulated all the same, about so many over all cells.
+    pub fn audited_samples(&self) -> u128 {
+        match self.sampling.audit {
+            Audit::Samples(samples) if self.is_integrated() => u128::from(self.cells()) * u128::from(samples),
+            Audit::Samples(samples) => u128::from(self.cells()) * u128::from(samples.min(self.sampling.samples)),
+            Audit::Share(share) => (share * self.total_samples() as f64) as u128,
+        }
+    }
+
     /// Where the samples come from, if only preload and static friction scatter, normal and independent.
     pub fn stream(&self) -> SampleStream {
         SampleStream {
@@ -172,17 +181,16 @@ impl Job {
         wanted && !matches!(self.criterion, Criterion::Eigenvalue)
     }
 
-    /// The interval of the counted verdicts of one cell.
-    pub fn interval(&self) -> BinomialInterval {
-        let confidence = self.confidence();
+    /// The interval of counted verdicts at a confidence.
+    pub fn interval(&self, confidence: f64) -> BinomialInterval {
         BinomialInterval::new(self.sampling.interval_kind(confidence), confidence)
     }
 
-    /// The confidence of the interval of the counted verdicts of one cell. Where a verdict map is audited, the error is
-    /// shared with the audit.
-    pub fn confidence(&self) -> f64 {
+    /// The confidence of the interval of the counted verdicts of one cell. Where a part of them is known from the audit of
+    /// a verdict map only, the error is shared with it.
+    pub fn confidence(&self, is_audited: bool) -> f64 {
         let of_a_cell = self.confidence_of_a_cell();
-        if self.sampling.is_audited { interval::half_of_the_error(of_a_cell) } else { of_a_cell }
+        if is_audited { interval::half_of_the_error(of_a_cell) } else { of_a_cell }
     }
 
     /// The confidence of what the audit of a verdict map says of one cell.
@@ -203,7 +211,7 @@ impl Job {
         let Sampling { derivatives, sensitivity, is_audited, .. } = self.sampling;
         let is_plain = matches!(self.sampling.effort, Effort::Samples(_));
         let is_closed = self.is_integrated() && !self.uses_maps();
-        let interval = self.interval().kind();
+        let interval = self.sampling.interval_kind(self.confidence_of_a_cell());
         let is_given = self.sampling.interval.is_some();
         is_audited
             || (derivatives && !is_closed)

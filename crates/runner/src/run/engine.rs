@@ -70,12 +70,15 @@ impl CompletedMaps {
     /// What to say of maps that were given up, if they were.
     pub fn why_given_up(&self, job: &Job) -> Option<String> {
         let (asked, undecided) = self.given_up?;
+        let audited = job.audited_samples();
+        let audit = if audited > 0 { format!(" than the map and its audit of {audited}") } else { String::new() };
         Some(format!(
-            "the verdict map is given up after {} simulations, {} of them up to the horizon ({} tiles were resolved), as simulating the {} samples costs less: each is simulated by itself, as with evaluate = \"each\"",
+            "the verdict map is given up after {} simulations, {} of them up to the horizon ({} tiles were resolved), as simulating the {} samples costs less{}: each is simulated by itself, as with evaluate = \"each\"",
             HumanCount(asked),
             HumanCount(undecided),
             HumanCount(self.tiles),
-            job.total_samples()
+            job.total_samples(),
+            audit
         ))
     }
 }

@@ -44,7 +44,8 @@ pub struct Maps {
     /// Tiles that the job's samples need.
     needed: Vec<Vec<TileIndex>>,
     maps: Vec<VerdictMap>,
-    /// What the needed tiles may cost together, in simulations; more, and the samples themselves cost less.
+    /// What the needed tiles may cost together, in simulations, beside the audit; more, and the samples themselves cost
+    /// less.
     most: Option<u128>,
     /// What a simulation costs that ends at the horizon.
     cost_if_undecided: u64,
@@ -62,7 +63,7 @@ impl Maps {
             keys: speeds.iter().map(|&speed| job.map_key(speed)).collect(),
             needed: (0..speeds.len()).map(|speed| needed_tiles(job, speed)).collect(),
             maps: vec![VerdictMap::new(kinetic_coefficient); speeds.len()],
-            most: (!job.is_integrated()).then(|| job.verdicts_of_samples()),
+            most: (!job.is_integrated()).then(|| job.verdicts_of_samples().saturating_sub(job.audited_samples())),
             cost_if_undecided: job
                 .criterion
                 .horizon()

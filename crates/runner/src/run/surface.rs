@@ -20,7 +20,7 @@ use stickslip_core::{DegreeOfFreedom, VerdictCounts};
 use stickslip_sampler::exact::Derivatives;
 use stickslip_sampler::score::CellNumber;
 use stickslip_sampler::sensitivity::SobolIndices;
-use stickslip_sampler::{BinomialInterval, Cell, Distribution, Estimate, Marginal, RESULTS_VERSION, audit, replicates};
+use stickslip_sampler::{Cell, Distribution, Estimate, Marginal, RESULTS_VERSION, audit, replicates};
 
 use super::extras::{Extras, Lookups};
 use super::publish::{publish, publish_with};
@@ -77,7 +77,6 @@ pub struct Surface<'a> {
     integrated: &'a [IntegratedCell],
     slots: Slots,
     extras: Extras,
-    interval: BinomialInterval,
 }
 
 /// A column: name, unit, meaning, and its values.
@@ -349,7 +348,7 @@ impl Column {
 impl<'a> Surface<'a> {
     /// The surface of a run in its present state.
     pub fn new(job: &'a Job, tally: &'a Tally) -> Self {
-        Self { job, tally, integrated: &[], slots: Slots::new(job), extras: Extras::of(job), interval: job.interval() }
+        Self { job, tally, integrated: &[], slots: Slots::new(job), extras: Extras::of(job) }
     }
 
     /// The surface of a job that integrates, one probability for each cell.
@@ -373,7 +372,11 @@ impl<'a> Surface<'a> {
         }
         let integrated = self.integrated.get(cell as usize).copied();
         let lookups = integrated.map_or_else(|| self.extras.read_lookups(&sums), |integrated| integrated.lookups);
-        let counted = integrated.map_or_else(|| self.estimate(cell, &counts), |integrated| integrated.estimate);
+        // With a map that was given up, or audited as a whole, every sample was simulated.
+        let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
+        let confidence = self.job.confidence(is_audited);
+        let counted =
+            integrated.map_or_else(|| self.estimate(cell, &counts, confidence), |integrated| integrated.estimate);
         let unaudited =
             self.job.sampling.is_audited.then(|| {
                 unaudited(&lookups, integrated.is_none().then_some(counts.total()), self.job.audit_confidence())
@@ -390,16 +393,17 @@ impl<'a> Surface<'a> {
         }
     }
 
-    fn estimate(&self, cell: u64, counts: &VerdictCounts) -> Estimate {
+    /// The probability of a cell, and the interval that its counts give at a confidence.
+    fn estimate(&self, cell: u64, counts: &VerdictCounts, confidence: f64) -> Estimate {
         match self.job.sampling.effort {
-            Effort::Samples(_) | Effort::Integrated => self.interval.estimate(counts),
+            Effort::Samples(_) | Effort::Integrated => self.job.interval(confidence).estimate(counts),
             Effort::Randomisations { .. } => {
                 let parts: Vec<VerdictCounts> = self.slots.of(cell).map(|slot| self.tally.counts(slot)).collect();
-                replicates::estimate(&parts, self.job.random.inputs.len(), self.job.confidence())
+                replicates::estimate(&parts, self.job.random.inputs.len(), confidence)
             }
             Effort::Until(_) => {
                 let at_stop = self.slots.estimate_at_stop(self.tally, cell);
-                at_stop.unwrap_or_else(|| self.interval.estimate(counts))
+                at_stop.unwrap_or_else(|| self.job.interval(confidence).estimate(counts))
             }
         }
     }
