@@ -102,8 +102,9 @@ fn duration(seconds: f64) -> String {
 fn samples_per_second(job: &Job) -> Result<f64, Failure> {
     let engine = Engine::new(job, 1)?;
     let started = Instant::now();
-    // A hundredth of a unit: the costlier the samples, the fewer at once.
-    let trial = job.unit_samples() / 100;
+    // A hundredth of a unit: the costlier the samples, the fewer at once. Units of jobs with a map are large, as most of their
+    // samples are looked up; here none is.
+    let trial = job.unit_samples() / if job.uses_maps() { 10_000 } else { 100 };
     let slots = Slots::new(job);
     let (mut samples, mut cell) = (0, 0);
     while started.elapsed() < TRIAL {
