@@ -46,9 +46,9 @@ const MOST_QUESTIONS: u64 = 50_000;
 /// then 1/256 wide below 1): the edges of undecided regions are ragged, and slivers of them run on beside boundaries.
 const LEAST_DEPTH_IF_UNDECIDED: u32 = 3;
 
-/// ... and no more often than this. What it would resolve by then is one part in a thousand of the tile, next to samples that
-/// are simulated anyway.
-const MOST_DEPTH_IF_UNDECIDED: u32 = 4;
+/// ... and no more often than this: regions with smooth edges are resolved by then, and cutting a ragged one further costs
+/// more than the samples in a four-thousandth of the tile, next to others that are simulated anyway.
+const MOST_DEPTH_IF_UNDECIDED: u32 = 6;
 
 /// The guards of a boundary: a wider one only in boxes so small already that cutting them would cost more than the samples
 /// inside the guard.
