@@ -322,7 +322,7 @@ fn exchange_verdicts(piece: &Path) {
 
 #[test]
 fn verdicts_that_are_not_those_counted_are_not_paired() {
-    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 1000"), ("b", RIGID, "samples = 1000")]);
+    let place = runs(15.0, &[("a", EIGENVALUE, "samples = 2000"), ("b", RIGID, "samples = 2000")]);
     place.run("compare runs/a runs/b").done();
     // A verdict map that tells the opposite, under a good checksum.
     let pieces: Vec<_> = fs::read_dir(place.path("runs/b/map")).unwrap().map(|entry| entry.unwrap().path()).collect();

@@ -46,9 +46,9 @@ const MOST_QUESTIONS: u64 = 50_000;
 /// then 1/256 wide below 1): the edges of undecided regions are ragged, and slivers of them run on beside boundaries.
 const LEAST_DEPTH_IF_UNDECIDED: u32 = 3;
 
-/// ... and no more often than this. What it would resolve by then is one part in a thousand of the tile, next to samples that
-/// are simulated anyway.
-const MOST_DEPTH_IF_UNDECIDED: u32 = 4;
+/// ... and no more often than this: regions with smooth edges are resolved by then, and cutting a ragged one further costs
+/// more than the samples in a four-thousandth of the tile, next to others that are simulated anyway.
+const MOST_DEPTH_IF_UNDECIDED: u32 = 6;
 
 /// The guards of a boundary: a wider one only in boxes so small already that cutting them would cost more than the samples
 /// inside the guard.
@@ -133,14 +133,14 @@ pub struct Tile {
     nodes: Vec<Node>,
     /// Verdicts that were asked for.
     pub questions: u64,
-    /// How many of them were undecided.
-    pub undecided: u64,
+    /// What they cost, as whoever gives the verdicts counts it.
+    pub cost: u64,
 }
 
 impl Tile {
     /// A tile from its parts; `None` if they are no tree.
     #[must_use]
-    pub fn from_nodes(nodes: Vec<Node>, questions: u64, undecided: u64) -> Option<Self> {
+    pub fn from_nodes(nodes: Vec<Node>, questions: u64, cost: u64) -> Option<Self> {
         // Children come in fours, after their parent, each once.
         let mut next = 1;
         for (place, node) in nodes.iter().enumerate() {
@@ -151,7 +151,7 @@ impl Tile {
                 next += 4;
             }
         }
-        (next == nodes.len()).then_some(Self { nodes, questions, undecided })
+        (next == nodes.len()).then_some(Self { nodes, questions, cost })
     }
 
     /// Its boxes, cut or not, as [`Tile::from_nodes`] takes them.
@@ -200,10 +200,10 @@ impl Tile {
         }
     }
 
-    /// Resolves a tile by asking for verdicts, many at once: `judge` takes points (preload, falling friction).
+    /// Resolves a tile by asking for verdicts, many at once: `judge` takes points (preload, falling friction). Its cost is 0.
     pub fn resolve(index: TileIndex, judge: impl FnMut(&[[f64; 2]]) -> Vec<Verdict>) -> Self {
         let tile = index.bounds();
-        let mut questions = Questions { judge, asked: 0, undecided: 0 };
+        let mut questions = Questions { judge, asked: 0 };
         let mut known = BTreeMap::new();
         let mut nodes = vec![Node::Unresolved];
         let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0, met_undecided: false }];
@@ -242,15 +242,14 @@ impl Tile {
                 nodes.extend([Node::Unresolved; 4]);
             }
         }
-        Self { nodes, questions: questions.asked, undecided: questions.undecided }
+        Self { nodes, questions: questions.asked, cost: 0 }
     }
 }
 
-/// The questions of a tile: whom they are put to, and how many were, with which answers.
+/// The questions of a tile: whom they are put to, and how many were.
 struct Questions<J> {
     judge: J,
     asked: u64,
-    undecided: u64,
 }
 
 impl<J: FnMut(&[Point]) -> Vec<Verdict>> Questions<J> {
@@ -261,9 +260,7 @@ impl<J: FnMut(&[Point]) -> Vec<Verdict>> Questions<J> {
 
     fn ask(&mut self, points: &[Point]) -> Vec<Verdict> {
         self.asked += points.len() as u64;
-        let verdicts = if points.is_empty() { Vec::new() } else { (self.judge)(points) };
-        self.undecided += verdicts.iter().filter(|verdict| **verdict == Verdict::Undecided).count() as u64;
-        verdicts
+        if points.is_empty() { Vec::new() } else { (self.judge)(points) }
     }
 
     /// Asks for several lists of points at once: in their order, as far as they are affordable. `None` for the others.

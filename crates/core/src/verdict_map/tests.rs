@@ -22,7 +22,7 @@ fn map_of(judge: impl Fn(Point) -> Verdict) -> (VerdictMap, u64) {
             let index = TileIndex { column, row };
             let tile = Tile::resolve(index, |points| points.iter().map(|&point| judge(point)).collect());
             questions += tile.questions;
-            assert_eq!(Tile::from_nodes(tile.nodes().to_vec(), tile.questions, tile.undecided), Some(tile.clone()));
+            assert_eq!(Tile::from_nodes(tile.nodes().to_vec(), tile.questions, tile.cost), Some(tile.clone()));
             map.insert(index, tile);
         }
     }

@@ -54,11 +54,12 @@ fn cost_of_samples(job: &Job, rate: f64, threads: usize) -> String {
 
 /// What verdict maps cost, by some of their tiles, and whether they are worth it.
 fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
-    let engine = Engine::new(job, 1)?;
+    let mut engine = Engine::new(job, 1)?;
+    engine.limit_maps();
     let tiles = engine.maps().needed() as u64;
     let trial = engine.try_maps(TRIAL_OF_MAPS);
     let share = tiles as f64 / trial.tiles.max(1) as f64;
-    let [simulations, undecided] = [trial.simulations, trial.undecided].map(|count| (count as f64 * share) as u64);
+    let [simulations, cost] = [trial.simulations, trial.cost].map(|count| (count as f64 * share) as u64);
     // A tile that was dropped counts with what it took until then.
     let (about, unfinished) = match trial.unfinished {
         0 => ("about", String::new()),
@@ -74,7 +75,7 @@ fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
     if job.is_integrated() {
         return Ok(format!("# no samples; {map}\n# {} simulations for its audit\n", job.audited_samples()));
     }
-    let is_given_up = engine.maps().are_too_costly(simulations, undecided);
+    let is_given_up = engine.maps().are_too_costly(cost);
     let what_it_does = match (is_given_up, trial.unfinished) {
         (true, _) => "the map takes more: it will be given up and each sample simulated",
         (false, 0) => "the map takes fewer: samples will be looked up in it",
@@ -107,8 +108,9 @@ fn duration(seconds: f64) -> String {
 fn samples_per_second(job: &Job) -> Result<f64, Failure> {
     let engine = Engine::new(job, 1)?;
     let started = Instant::now();
-    // A hundredth of a unit: the costlier the samples, the fewer at once.
-    let trial = job.unit_samples() / 100;
+    // A hundredth of a unit: the costlier the samples, the fewer at once. Units of jobs with a map are large, as most of their
+    // samples are looked up; here none is.
+    let trial = job.unit_samples() / if job.uses_maps() { 10_000 } else { 100 };
     let slots = Slots::new(job);
     let (mut samples, mut cell) = (0, 0);
     while started.elapsed() < TRIAL {

@@ -222,14 +222,6 @@ impl Criterion {
         self.modes().is_some()
     }
 
-    /// The scaled time after which a motion is undecided, where one is followed.
-    pub fn horizon(&self) -> Option<f64> {
-        match self {
-            Self::TimeDomain { settings, .. } => Some(settings.horizon),
-            _ => None,
-        }
-    }
-
     /// Disc modes that are kept, on a flexible disc.
     pub fn modes(&self) -> Option<usize> {
         match self {

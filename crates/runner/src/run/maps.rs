@@ -31,10 +31,6 @@ use crate::output::note;
 /// Samples beyond this many standard deviations together are judged by themselves: one in 6.6e7.
 const REACH: f64 = 6.0;
 
-/// Scaled time that a simulation counts for when it ends at the horizon: most end within it. Near a line where nothing
-/// grows or falls, a map asks for motions up to the horizon that no sample comes near.
-const TIME_OF_A_SIMULATION: f64 = 10.0;
-
 const KEY: &str = "stickslip:verdict_map";
 
 /// A verdict map for each rotating speed of a job.
@@ -44,11 +40,8 @@ pub struct Maps {
     /// Tiles that the job's samples need.
     needed: Vec<Vec<TileIndex>>,
     maps: Vec<VerdictMap>,
-    /// What the needed tiles may cost together, in simulations, beside the audit; more, and the samples themselves cost
-    /// less.
+    /// What the needed tiles may cost together, beside the audit; more, and the samples themselves cost less.
     most: Option<u128>,
-    /// What a simulation costs that ends at the horizon.
-    cost_if_undecided: u64,
 }
 
 impl Maps {
@@ -57,27 +50,27 @@ impl Maps {
         let kinetic_coefficient = job.parameters.friction.kinetic_coefficient;
         let speeds = job.grid.rotating_speed.values();
         if !job.uses_maps() {
-            return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new(), most: None, cost_if_undecided: 1 };
+            return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new(), most: None };
         }
         Self {
             keys: speeds.iter().map(|&speed| job.map_key(speed)).collect(),
             needed: (0..speeds.len()).map(|speed| needed_tiles(job, speed)).collect(),
             maps: vec![VerdictMap::new(kinetic_coefficient); speeds.len()],
-            most: (!job.is_integrated()).then(|| job.verdicts_of_samples().saturating_sub(job.audited_samples())),
-            cost_if_undecided: job
-                .criterion
-                .horizon()
-                .map_or(1, |horizon| (horizon / TIME_OF_A_SIMULATION).max(1.0) as u64),
+            most: None,
         }
     }
 
-    /// Whether a map of so many simulations costs more than the samples themselves.
+    /// Limits what the needed tiles may cost together.
+    pub fn limit(&mut self, most: u128) {
+        self.most = Some(most);
+    }
+
+    /// Whether tiles of such a cost are more than the samples themselves.
     ///
     /// Only the sum over all needed tiles decides, which depends on the job alone: not on threads, shards, interruptions,
     /// or where tiles come from. As it only grows, a part of it that is too large already is enough.
-    pub fn are_too_costly(&self, questions: u64, undecided: u64) -> bool {
-        let cost = u128::from(questions) + u128::from(undecided) * u128::from(self.cost_if_undecided - 1);
-        self.most.is_some_and(|most| cost > most)
+    pub fn are_too_costly(&self, cost: u64) -> bool {
+        self.most.is_some_and(|most| u128::from(cost) > most)
     }
 
     /// Gives the maps up: every sample is judged by itself.
@@ -113,9 +106,9 @@ impl Maps {
         self.maps.iter().map(|map| map.tiles().count()).sum()
     }
 
-    /// How many of the simulations of all tiles were undecided.
-    pub fn undecided(&self) -> u64 {
-        self.maps.iter().flat_map(VerdictMap::tiles).map(|(_, tile)| tile.undecided).sum()
+    /// What all tiles together cost, whenever.
+    pub fn cost(&self) -> u64 {
+        self.maps.iter().flat_map(VerdictMap::tiles).map(|(_, tile)| tile.cost).sum()
     }
 
     /// Simulations that all tiles together took, whenever.
@@ -266,7 +259,7 @@ const INTEGERS: [(&str, &str); 9] = [
     ("verdict_below", "verdict below the curve, or of a uniform box: 0 stable, 1 unstable, 2 undecided, 3 failed"),
     ("verdict_above", "verdict above the curve"),
     ("cut", "how often the tile was cut for this box"),
-    ("undecided", "how many of the verdicts that the tile took were undecided"),
+    ("cost", "what the verdicts that the tile took cost, in units of scaled time"),
 ];
 
 const GUARD: &str = "guard";
@@ -316,7 +309,7 @@ fn encode(key: &str, tiles: &[&(usize, TileIndex, Tile)]) -> Result<Vec<u8>, par
                 below,
                 above,
                 depths[place],
-                tile.undecided.cast_signed(),
+                tile.cost.cast_signed(),
             ];
             integers.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
             let (guard, coefficients) = match node {
@@ -400,8 +393,8 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
             tile.0.push(node);
         }
     }
-    let tile = |(index, (nodes, [questions, undecided])): (TileIndex, (Vec<Node>, [u64; 2]))| {
-        Tile::from_nodes(nodes, questions, undecided)
+    let tile = |(index, (nodes, [questions, cost])): (TileIndex, (Vec<Node>, [u64; 2]))| {
+        Tile::from_nodes(nodes, questions, cost)
             .map(|tile| (index, tile))
             .ok_or("the boxes of a tile do not fit together")
     };
