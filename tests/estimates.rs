@@ -189,3 +189,53 @@ fn sobol_indices_do_not_credit_an_input_for_failing_samples() {
     place.write("job.toml", &job("job", &correlated, EIGENVALUE, "sensitivity = true"));
     place.run("check job.toml").refused(65, &["sampling.sensitivity", "random.correlation"]);
 }
+
+const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";
+
+#[test]
+fn a_run_that_gave_its_map_up_stays_honest_when_it_is_extended() {
+    let place = Place::new();
+    let text = job("few", BOTH, FROM_REST, "samples = 400\nevaluate = \"boundary\"");
+    place.write("few.toml", &text);
+    let outcome = place.run("submit few.toml --out few").done();
+    assert!(outcome.stderr.contains("the verdict map is given up"), "{}", outcome.stderr);
+    let outcome = place.run("submit few.toml --out few --samples 5000").done();
+    assert!(outcome.stderr.contains("submit the job into another directory with --out"), "{}", outcome.stderr);
+    assert!(outcome.stdout.contains("every sample was simulated"), "{}", outcome.stdout);
+    let extended = Table::read(&place.path("few/surface.parquet"));
+    let each = submitted(&place, "each", &job("each", BOTH, FROM_REST, "samples = 5000"));
+    for column in each.names() {
+        assert_eq!(each.column(column), extended.column(column), "{column}");
+    }
+    // Asked for at once, it has a map and an audit.
+    let outcome = place.run("submit few.toml --out direct --samples 5000").done();
+    assert!(outcome.stdout.contains("audit: 0 of 9,000 differed"), "{}", outcome.stdout);
+}
+
+#[test]
+fn a_half_width_is_shared_with_the_audit_of_a_map() {
+    let place = Place::new();
+    let text = |sampling: &str| job("u", BOTH, FROM_REST, &format!("{sampling}\nevaluate = \"boundary\""));
+    let table = submitted(&place, "u", &text("until = { half_width = 0.02 }"));
+    for row in 0..30 {
+        let [low, high, audit] = ["p_low", "p_high", "p_audit"].map(|column| table.column(column)[row]);
+        assert!(0.5 * (high - low) <= 0.02 && (0.005..0.011).contains(&audit), "{row}: {low} {high} {audit}");
+    }
+    for (sampling, texts) in [
+        (
+            "until = { half_width = 0.005 }\naudit = 300",
+            ["half_width = 0.005 cannot be reached with sampling.audit = 300", "audit = 0"],
+        ),
+        ("until = { relative = 0.05 }", ["sampling.until.relative cannot be kept with a verdict map", "audit = 0"]),
+        ("until = { half_width = 0.01 }\naudit = 0.1", ["whole number", "job.toml:18"]),
+        ("audit = 1", ["audit = 1.0", "job.toml:18"]),
+        ("audit = \"all\"", ["whole number of samples", "300"]),
+        ("until = 0.01", ["until = { half_width = 0.005 }", "job.toml:18"]),
+    ] {
+        place.write("job.toml", &text(sampling));
+        place.run("check job.toml").refused(65, &texts);
+    }
+    // Taken for right, the map leaves all of it to the counts.
+    let table = submitted(&place, "trusted", &text("until = { relative = 0.2, at_most = 20_000 }\naudit = 0"));
+    assert!(table.column("p_audit").iter().all(|share| share.is_nan()));
+}

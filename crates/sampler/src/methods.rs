@@ -39,9 +39,12 @@
 //! share the error among all looks (and with `simultaneous` among all cells), so they hold at whichever look a cell stops; they are about half again as wide as a
 //! single one of as many samples. That is the price, and the reason why `samples` is better where the number is known.
 //!
-//! The share of unstable samples at a stop is too low for rare events: a cell stops early when few of them have come. So
-//! `p_unstable` is not that share but the unbiased estimate of this design. It differs from the share where few samples are
-//! unstable.
+//! The share of unstable samples at a stop is biased: with `half_width` too low for rare events, as a cell stops early when few of
+//! them have come, with `relative` too high. So `p_unstable` is not that share but the unbiased estimate of this design. It
+//! differs from the share where few samples are unstable.
+//!
+//! With a verdict map the half width is shared: its audit is made so large that half of it remains for the counts, unless
+//! `audit` says otherwise. A relative precision cannot be kept beside an audit, and is refused.
 //!
 //! `at_most` (a million unless told) can be raised later, like `samples`: no look depends on it.
 //!
@@ -57,6 +60,8 @@
 //! **Interval**: Student's, from the scatter of the randomisations ([`replicates`](crate::replicates)); where fewer than 30
 //! samples are on one side, or all randomisations agree, widened to include that of as many independent samples. With one
 //! random input, and wherever the randomisations' counts differ by no more than one, a binomial interval takes the place of Student's.
+//! Student's interval takes the randomisations' shares for normally distributed: at the confidence of a band over many cells
+//! (`simultaneous`), a miss may be twice as frequent as it says.
 //!
 //! **Fails** softly: at worst it is about as good as independent samples. Numbers of points that are no power of two lose most
 //! of the gain. **Notice**: `p_high - p_low` does not shrink faster than with independent samples. The standard errors of
@@ -70,12 +75,12 @@
 //! the resolution of a curve (about 1e-5 of the coordinate), in boxes that did not resolve, in undecided regions, and beyond
 //! six standard deviations are simulated themselves.
 //!
-//! A map that costs more than the samples is given up, and every sample simulated, as a note on standard error says. That is
-//! decided by the job alone: by the verdicts that all needed tiles take together, against those that the samples take; one that
-//! ends at the horizon counts for a tenth of that horizon, at least for one. `stickslip check` says beforehand what to expect.
-//! Samples are not all alike: those near a boundary, which a map asks for, take longer. So a map may still take more time than
-//! the samples of a small job; it pays from some hundred thousand samples on. A run that is extended says of its first samples
-//! how they were judged then.
+//! A map that costs more than the samples, less those of the audit, is given up, and every sample simulated, as a note on standard error says. That is
+//! decided by the job alone: a verdict costs 1 and the scaled time that its motion is followed; those of all needed tiles are
+//! set against those of the samples, estimated from the first four of up to 64 cells. `stickslip check` says beforehand what to
+//! expect, in simulations and in seconds. What follows a motion near a boundary may take longer than that time says, so that a map can still take a
+//! second or more where the samples of a small job take less. A run that gave its map up simulates the samples by which it is
+//! extended as well.
 //!
 //! With `kind = "eigenvalue"` it changes nothing: the closed form decides as fast as a map would. With `sensitivity` the
 //! verdicts on the second set of samples are looked up too, and not audited.
@@ -129,4 +134,5 @@
 //! cells together unless told otherwise, share the error among the looks of runs with `until`, and contain what the audits of
 //! both runs do not exclude; those of Sobol runs take their points for independent samples, which is on the safe side. Runs with
 //! the same seed share their deviates: they are paired, whatever the deviates become, and where that is not possible (another
-//! number of random inputs) the interval holds however they depend on each other.
+//! number of random inputs) the interval holds however they depend on each other. Paired differences of runs with `until` are
+//! those of the observed shares, which are biased where few samples are unstable.

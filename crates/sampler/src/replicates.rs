@@ -3,10 +3,11 @@
 use stickslip_core::VerdictCounts;
 
 use crate::beta::student_quantile;
-use crate::interval::{BinomialInterval, Estimate, IntervalKind};
+use crate::interval::{BinomialInterval, Estimate, IntervalKind, MOST_WILSON_CONFIDENCE};
 
-/// With fewer samples than this on either side, the scatter of a few randomisations does not tell the error.
-const RARE: u64 = 30;
+/// With fewer samples than this on either side, the scatter of a few randomisations does not tell the error; beyond a
+/// confidence of 95 %, whose quantile asks more of the shares' distribution, with fewer than the second.
+const RARE: [u64; 2] = [30, 200];
 
 /// The estimate from randomisations of equal size: the mean of their shares `p_r` and, with Student's quantile `t` for
 /// `R - 1` degrees of freedom,
@@ -16,12 +17,12 @@ const RARE: u64 = 30;
 /// ```
 ///
 /// Undecided and failed samples count as stable for the low end and as unstable for the high one. Where fewer than 30
-/// samples are on one side, or all shares agree, the shares say little of their error; the interval then includes that of
+/// samples (200 beyond 95 %) are on one side, or all shares agree, the shares say little of their error; the interval then includes that of
 /// Clopper and Pearson for as many independent samples. (The variance of a scrambled net is at most a small multiple of
 /// that of independent samples: A. B. Owen, SIAM J. Numer. Anal. 34, 1997.)
 ///
-/// **One input.** `N` points over one input have one in each of `N` strata, so that a boundary decides all points but one
-/// wherever it lies: the counts of the randomisations are `c` or `c + 1`, the latter with the probability `f` that makes
+/// **One input.** `N` points over one input, `N` a power of two, have one in each of `N` strata, so that a boundary decides all
+/// points but one wherever it lies: the counts of the randomisations are `c` or `c + 1`, the latter with the probability `f` that makes
 /// the true probability `(c + f) / N`. That is a binomial proportion of `R` trials, to which Student's interval is a poor
 /// approximation (it covers 0.88 for 0.95). Wherever the counts differ by no more than one, the interval includes Clopper
 /// and Pearson's for `f`; with one input, whose counts are nothing else, it does not need that for independent samples.
@@ -58,8 +59,10 @@ pub fn estimate(parts: &[VerdictCounts], inputs: usize, confidence: f64) -> Esti
     }
     // Their mean may round to another share: counts tell whether all agree.
     let all_agree = |counts: &[(u64, u64)]| counts.windows(2).all(|pair| pair[0] == pair[1]);
-    let is_rare = pooled.unstable.min(pooled.stable) < RARE || all_agree(&lower) || all_agree(&upper);
-    let is_stratified = inputs == 1 && strata.iter().all(Option::is_some);
+    let rare = RARE[usize::from(confidence > MOST_WILSON_CONFIDENCE)];
+    let is_rare = pooled.unstable.min(pooled.stable) < rare || all_agree(&lower) || all_agree(&upper);
+    let is_stratified =
+        inputs == 1 && strata.iter().all(Option::is_some) && parts.iter().all(|part| part.total().is_power_of_two());
     if is_rare && !is_stratified {
         low = low.min(binomial.low);
         high = high.max(binomial.high);
@@ -170,11 +173,15 @@ mod tests {
 
     #[test]
     fn strata_are_narrower_than_independent_samples() {
-        let one = estimate(&[part(900, 100, 0); 16], 1, 0.95);
-        let two = estimate(&[part(900, 100, 0); 16], 2, 0.95);
-        // Clopper and Pearson's 0 of 16 is 0 to 0.2059.
-        assert!((one.high - 0.100_205_9).abs() < 1e-7 && (one.low - 0.099_794_1).abs() < 1e-7, "{one:?}");
+        let one = estimate(&[part(924, 100, 0); 16], 1, 0.95);
+        let two = estimate(&[part(924, 100, 0); 16], 2, 0.95);
+        // Clopper and Pearson's 0 of 16 is 0 to 0.205907.
+        let reach = 0.205_907;
+        assert!((1024.0 * one.high - 100.0 - reach).abs() < 1e-5 && (1024.0 * one.low - 100.0 + reach).abs() < 1e-5);
         assert!(two.low < one.low && two.high > one.high);
+        // Points that are no power of two have no strata.
+        let [other, pooled] = [1, 2].map(|inputs| estimate(&[part(900, 100, 0); 16], inputs, 0.95));
+        assert_eq!(other, pooled);
     }
 
     #[test]

@@ -72,8 +72,8 @@ impl Precision {
 /// With sample counts that grow by a quarter (at the start by a block) a stop is at most that much later than need be,
 /// and `K` grows with the logarithm of the precision only.
 ///
-/// **Estimate.** The share of unstable samples at the stop is biased: at a probability of 1e-4 by -17 % with a half width
-/// of 0.0005. The share at the first look is not, but scatters. Its expected value given the counts at the stop is unbiased and scatters least
+/// **Estimate.** The share of unstable samples at the stop is biased: with a half width of 0.0005 it is 17 % too low at a
+/// probability of 1e-4, with a relative precision too high. The share at the first look is not, but scatters. Its expected value given the counts at the stop is unbiased and scatters least
 /// (M. A. Girshick, F. Mosteller, L. J. Savage, Ann. Math. Stat. 17, 1946): over all orders in which the samples may have
 /// come that do not stop earlier. Given the count at a look, that at the look before is hypergeometric.
 ///
@@ -120,12 +120,6 @@ impl Looks {
             |look| BinomialInterval::new(IntervalKind::ClopperPearson, 1.0 - alpha * looks.error_share(look));
         looks.intervals = (0..looks.ends.len()).map(interval).collect();
         looks
-    }
-
-    /// What the looks are to reach.
-    #[must_use]
-    pub fn precision(&self) -> Precision {
-        self.precision
     }
 
     /// Samples of the cell at each look, strictly increasing; the last is the most it may have.
@@ -193,6 +187,7 @@ impl Looks {
 
     /// Whether no earlier look could have been enough, but with a probability of rounding errors.
     fn goes_on(&self, earlier: usize, weights: &Weights, here: &VerdictCounts, counts: &VerdictCounts) -> bool {
+        let Some(steps) = (weights.values.len() as u64).checked_sub(1) else { return true };
         let (decided, all) = (counts.decided(), here.decided() as f64);
         let part = decided as f64 / all;
         // Hypergeometric: nine standard deviations, and ten more for few counts.
@@ -200,7 +195,7 @@ impl Looks {
             let share = unstable as f64 / all;
             9.0 * (decided as f64 * share * (1.0 - share) * (1.0 - part)).sqrt() + 10.0
         };
-        let (from, to) = (weights.from, weights.from + weights.values.len() as u64 - 1);
+        let (from, to) = (weights.from, weights.from + steps);
         let low = (from as f64 * part - reach(from)).max(0.0) as u64;
         let high = ((to as f64 * part + reach(to)) as u64).min(decided);
         // Intervals are widest in the middle, so that what lies between two counts that go on goes on as well.

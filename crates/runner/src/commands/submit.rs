@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use indicatif::HumanCount;
-use stickslip_sampler::audit;
 
 use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
 use crate::failure::Failure;
@@ -16,9 +15,6 @@ use crate::run::{
     Access, Engine, IntegratedCell, Lookups, Outcome, Plan, Progress, RunDirectory, Session, Shard, Slots, Surface,
     SurfaceRow, Tally,
 };
-
-/// Confidence of what an audit says of the samples that were not audited.
-const AUDIT_CONFIDENCE: f64 = 0.95;
 
 /// `stickslip submit`.
 pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -305,7 +301,14 @@ fn compute(
     let mut outcome = Outcome::Finished;
     // The eigenvalues of a flexible disc, and motions, are decided once for each place in the plane; not if all is counted.
     let counts_something = || Plan::new(&tally, &Slots::new(&job), job.unit_samples(), shard).units() > 0;
-    if job.uses_maps() && (job.is_integrated() || counts_something()) {
+    if gave_its_map_up(&job, &tally) {
+        engine.give_maps_up();
+        if counts_something() {
+            note(format_args!(
+                "{path}: the samples counted so far were simulated, as a verdict map would have cost more, and so are the others; for a map, submit the job into another directory with --out"
+            ));
+        }
+    } else if job.uses_maps() && (job.is_integrated() || counts_something()) {
         let own = directory.maps();
         engine.load_maps(&own)?;
         let mut borrowed = false;
@@ -379,6 +382,17 @@ fn compute(
     Ok(run)
 }
 
+/// Whether what is counted of an audited run was simulated without a map. The audit of a cell begins with its first
+/// sample: one that began without a map cannot be audited later.
+fn gave_its_map_up(job: &Job, tally: &Tally) -> bool {
+    if !job.sampling.is_audited || job.is_integrated() {
+        return false;
+    }
+    let surface = Surface::new(job, tally);
+    let simulated = surface.lookups().simulated;
+    simulated > 0 && u128::from(simulated) == tally.counted()
+}
+
 /// Counts the samples that are missing; where more may be wanted after a look at them, in rounds.
 fn count(
     engine: &Engine<'_>,
@@ -440,10 +454,9 @@ fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
         format!("looked up in a verdict map, {} simulated within its resolution; ", HumanCount(simulated))
     };
     text += &if job.sampling.is_audited {
-        let bound = audit::upper_bound(differed, audited, AUDIT_CONFIDENCE);
         let widest = surface.rows().filter_map(|row| row.unaudited).fold(0.0, f64::max);
         format!(
-            "audit: {} of {} differed (with 95 % confidence at most {bound:.1e} of all looked up, and of a cell's {widest:.1e}, see p_audit)",
+            "audit: {} of {} differed, which leaves up to {widest:.1e} of a cell's samples open (p_audit)",
             HumanCount(differed),
             HumanCount(audited)
         )

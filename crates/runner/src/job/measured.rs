@@ -30,7 +30,7 @@ pub fn from_csv(path: &Path, column: &str) -> Result<Empirical, String> {
         let hint = nearest(column, &names).map_or(String::new(), |name| format!("; did you mean \"{name}\"?"));
         let there: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
         return Err(format!(
-            "{shown}:1: there is no column \"{column}\"{hint} (the first line names {}; columns are parted by commas)",
+            "{shown}:1: there is no column \"{column}\"{hint} (the first line should name the columns, parted by commas; it has {})",
             there.join(", ")
         ));
     };

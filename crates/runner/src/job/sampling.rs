@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stickslip_sampler::interval::{MOST_WILSON_CONFIDENCE, half_of_the_error, simultaneous_confidence};
-use stickslip_sampler::{IntervalKind, Looks, Precision};
+use stickslip_sampler::{IntervalKind, Looks, Precision, audit};
 use toml::Spanned;
 
 use super::criterion::Criterion;
@@ -77,7 +77,10 @@ pub struct SamplingSpec {
 
 /// When enough samples are drawn: half_width or relative is given, or both; then the first that is reached.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table, for example until = { half_width = 0.005 } or until = { relative = 0.05 }"
+)]
 pub struct UntilSpec {
     /// Half of the width of the interval that is wanted, greater than 0 and less than 0.5.
     pub half_width: Option<f64>,
@@ -114,7 +117,10 @@ impl UntilSpec {
 
 /// Which of the samples that a verdict map tells are simulated all the same.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "sampling.audit is a whole number of samples of each cell, for example 300, or a share of the looked-up samples, for example 0.01"
+)]
 pub enum Audit {
     /// The first so many of each cell.
     Samples(u64),
@@ -198,6 +204,8 @@ pub struct Sampling {
     pub method: SamplingMethod,
     /// Samples in each cell (at the most, with `until`; 0 for integrals).
     pub samples: u64,
+    /// The precision that is wanted of each cell, with `until`.
+    until: Option<Precision>,
     /// How they are shared.
     pub effort: Effort,
     /// Seed.
@@ -232,7 +240,7 @@ impl Sampling {
     ) -> Result<Self, Complaint> {
         spec.refuse_foreign_keys(criterion)?;
         let confidence = spec.checked_confidence(cells)?;
-        spec.refuse_wilson_beyond_its_reach(confidence)?;
+
         let samples = match (&spec.until, &spec.samples) {
             _ if spec.method() == SamplingMethod::Exact => 0,
             (Some(until), _) => until.get_ref().at_most(),
@@ -248,12 +256,24 @@ impl Sampling {
         let evaluate = spec.evaluate.as_ref().map_or(EvaluateMode::Each, |evaluate| *evaluate.get_ref());
         let audit = spec.checked_audit(criterion)?;
         let uses_map = evaluate == EvaluateMode::Boundary || spec.method() == SamplingMethod::Exact;
-        let is_audited = uses_map && !matches!(criterion, Criterion::Eigenvalue) && !audit.is_nothing();
+        let uses_map = uses_map && !matches!(criterion, Criterion::Eigenvalue);
+        let is_audited = uses_map && !audit.unwrap_or(AUDIT).is_nothing();
+        spec.refuse_wilson_beyond_its_reach(confidence, is_audited)?;
         let of_a_cell = spec.confidence_of_a_cell(confidence, cells);
+        let for_counts = if is_audited { half_of_the_error(of_a_cell) } else { of_a_cell };
+        let precision = spec.precision()?;
+        let (audit, precision) = match precision {
+            Some(precision) if is_audited => {
+                let (audit, precision) = spec.share_precision(precision, audit, for_counts)?;
+                (audit, Some(precision))
+            }
+            precision => (audit.unwrap_or(AUDIT), precision),
+        };
         let sampling = Self {
             method: spec.method(),
             samples,
-            effort: spec.effort(samples, if is_audited { half_of_the_error(of_a_cell) } else { of_a_cell })?,
+            until: spec.precision()?,
+            effort: spec.effort(samples, for_counts, precision)?,
             seed: spec.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
             evaluate,
             audit,
@@ -356,10 +376,12 @@ impl Sampling {
             Effort::Until(_) | Effort::Integrated => None,
         };
         let until = match &self.effort {
-            Effort::Until(looks) => {
-                let Precision { half_width, relative } = looks.precision();
-                Some(NormalisedUntil { half_width, relative, confidence: self.confidence, at_most: self.samples })
-            }
+            Effort::Until(_) => self.until.map(|Precision { half_width, relative }| NormalisedUntil {
+                half_width,
+                relative,
+                confidence: self.confidence,
+                at_most: self.samples,
+            }),
             _ => None,
         };
         let integrated = self.method == SamplingMethod::Exact;
@@ -427,8 +449,53 @@ impl SamplingSpec {
         Err(Complaint { span, message })
     }
 
+    /// What is wanted of each cell, with `until`.
+    fn precision(&self) -> Result<Option<Precision>, Complaint> {
+        let precision = |until: &Spanned<UntilSpec>| {
+            until.get_ref().precision().map_err(|message| Complaint::at(until.span(), message))
+        };
+        self.until.as_ref().map(precision).transpose()
+    }
+
+    /// Shares the half width that is wanted among the audit of a verdict map, of which no sample differs, and the counts:
+    /// the audit that it takes, and what is left for the counts.
+    fn share_precision(
+        &self,
+        precision: Precision,
+        audit: Option<Audit>,
+        confidence: f64,
+    ) -> Result<(Audit, Precision), Complaint> {
+        let complain = |message: String| Err(Complaint { span: self.until.as_ref().map(Spanned::span), message });
+        let (Some(half_width), None) = (precision.half_width, precision.relative) else {
+            return complain(
+                "sampling.until.relative cannot be kept with a verdict map, whose audit leaves the same share open whatever the probability: use half_width, evaluate = \"each\", or audit = 0 (the map is then taken for right)".to_owned(),
+            );
+        };
+        // The map may not tell some of the first samples.
+        let open = |samples: u64| audit::upper_bound(0, samples - samples / 20, confidence);
+        let wanted = |reach: f64| (libm::log(1.0 - confidence) / libm::log1p(-reach) / 0.95).ceil() as u64 + 2;
+        let audit = match audit {
+            Some(Audit::Share(_)) => {
+                return complain(
+                    "sampling.until needs to know how many samples are audited: give sampling.audit as a whole number of samples of each cell".to_owned(),
+                );
+            }
+            Some(Audit::Samples(samples)) => samples,
+            None => wanted(0.5 * half_width),
+        };
+        let left = half_width - open(audit);
+        if left <= 0.1 * half_width {
+            return complain(format!(
+                "sampling.until.half_width = {half_width} cannot be reached with sampling.audit = {audit}, which leaves {:.2e} of the samples of a cell open: audit = {} leaves half of it, audit = 0 takes the verdict map for right",
+                open(audit),
+                wanted(0.5 * half_width)
+            ));
+        }
+        Ok((Audit::Samples(audit), Precision { half_width: Some(left), relative: None }))
+    }
+
     /// Wilson's interval misses far more often than it says where misses are to be rare.
-    fn refuse_wilson_beyond_its_reach(&self, confidence: f64) -> Result<(), Complaint> {
+    fn refuse_wilson_beyond_its_reach(&self, confidence: f64, is_audited: bool) -> Result<(), Complaint> {
         let Some(interval) = self.interval.as_ref().filter(|interval| *interval.get_ref() == IntervalSpec::Wilson)
         else {
             return Ok(());
@@ -437,6 +504,13 @@ impl SamplingSpec {
             "with sampling.simultaneous".to_owned()
         } else if IntervalKind::for_confidence(confidence) == IntervalKind::ClopperPearson {
             format!("at a confidence of {confidence}, above {MOST_WILSON_CONFIDENCE}")
+        } else if is_audited
+            && IntervalKind::for_confidence(half_of_the_error(confidence)) == IntervalKind::ClopperPearson
+        {
+            format!(
+                "beside an audit, which takes half of the error: {} is above {MOST_WILSON_CONFIDENCE}",
+                half_of_the_error(confidence)
+            )
         } else {
             return Ok(());
         };
@@ -447,8 +521,8 @@ impl SamplingSpec {
     }
 
     /// The audit of the verdict map, where there is one.
-    fn checked_audit(&self, criterion: &Criterion) -> Result<Audit, Complaint> {
-        let Some(spec) = &self.audit else { return Ok(AUDIT) };
+    fn checked_audit(&self, criterion: &Criterion) -> Result<Option<Audit>, Complaint> {
+        let Some(spec) = &self.audit else { return Ok(None) };
         let complain = |message: String| Err(Complaint::at(spec.span(), message));
         if matches!(criterion, Criterion::Eigenvalue) && self.method() == SamplingMethod::Exact {
             return complain(
@@ -459,22 +533,25 @@ impl SamplingSpec {
             Audit::Share(share) if !(0.0..=1.0).contains(&share) => complain(format!(
                 "sampling.audit = {share} is out of range: it is a share of the looked-up samples, at least 0 and at most 1, or a whole number of samples of each cell"
             )),
+            Audit::Share(0.0) => Ok(Some(Audit::Samples(0))),
+            Audit::Samples(1) => complain(
+                "sampling.audit = 1 is one sample of each cell, which says nothing; write audit = 1.0 for all samples, or a larger number".to_owned(),
+            ),
             Audit::Share(share) if self.method() == SamplingMethod::Exact => complain(format!(
                 "sampling.audit = {share} is a share of samples, and method = \"exact\" draws none but those of the audit: give their number in each cell, for example audit = 1000"
             )),
             Audit::Samples(samples) if samples > MOST_AUDITED => {
                 complain(format!("sampling.audit = {samples} is out of range: it must be at most {MOST_AUDITED}"))
             }
-            audit => Ok(audit),
+            audit => Ok(Some(audit)),
         }
     }
 
-    fn effort(&self, samples: u64, confidence: f64) -> Result<Effort, Complaint> {
-        match (self.method(), &self.until) {
+    fn effort(&self, samples: u64, confidence: f64, precision: Option<Precision>) -> Result<Effort, Complaint> {
+        match (self.method(), precision) {
             (SamplingMethod::Exact, _) => Ok(Effort::Integrated),
             (SamplingMethod::MonteCarlo, None) => Ok(Effort::Samples(samples)),
-            (SamplingMethod::MonteCarlo, Some(until)) => {
-                let precision = until.get_ref().precision().map_err(|message| Complaint::at(until.span(), message))?;
+            (SamplingMethod::MonteCarlo, Some(precision)) => {
                 Ok(Effort::Until(Looks::new(precision, samples, confidence)))
             }
             (SamplingMethod::Sobol, _) => {

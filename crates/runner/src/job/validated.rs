@@ -208,12 +208,12 @@ impl Job {
     /// Whether what is made of counted verdicts differs from what the first version made of them: all but one plain
     /// interval for each cell.
     pub fn has_later_estimates(&self) -> bool {
-        let Sampling { derivatives, sensitivity, is_audited, .. } = self.sampling;
+        let Sampling { derivatives, sensitivity, .. } = self.sampling;
         let is_plain = matches!(self.sampling.effort, Effort::Samples(_));
         let is_closed = self.is_integrated() && !self.uses_maps();
         let interval = self.sampling.interval_kind(self.confidence_of_a_cell());
         let is_given = self.sampling.interval.is_some();
-        is_audited
+        self.uses_maps()
             || (derivatives && !is_closed)
             || sensitivity
             || !(is_plain || is_closed)

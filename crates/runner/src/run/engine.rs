@@ -294,6 +294,11 @@ impl<'a> Engine<'a> {
         self.maps.load(source)
     }
 
+    /// Gives the verdict maps up: every sample is simulated.
+    pub fn give_maps_up(&mut self) {
+        self.maps.give_up();
+    }
+
     /// Limits the cost of the verdict maps to that of simulating the samples, less what the audit takes of it. That is
     /// estimated from the first samples of some cells: a function of the job alone.
     pub fn limit_maps(&mut self) {

@@ -1,6 +1,7 @@
 //! `surface.parquet`: one row for each cell, sorted by cell.
 
 use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -20,7 +21,9 @@ use stickslip_core::{DegreeOfFreedom, VerdictCounts};
 use stickslip_sampler::exact::Derivatives;
 use stickslip_sampler::score::CellNumber;
 use stickslip_sampler::sensitivity::SobolIndices;
-use stickslip_sampler::{Cell, Distribution, Estimate, Marginal, RESULTS_VERSION, audit, replicates};
+use stickslip_sampler::{
+    Cell, Distribution, ESTIMATES_VERSION, Estimate, Marginal, RESULTS_VERSION, audit, replicates,
+};
 
 use super::extras::{Extras, Lookups};
 use super::publish::{publish, publish_with};
@@ -77,6 +80,8 @@ pub struct Surface<'a> {
     integrated: &'a [IntegratedCell],
     slots: Slots,
     extras: Extras,
+    /// With looks, the estimate of each cell: rows are made more than once.
+    at_stop: OnceCell<Vec<Estimate>>,
 }
 
 /// A column: name, unit, meaning, and its values.
@@ -138,7 +143,7 @@ fn columns() -> Vec<Column> {
         Column::integer("n_unstable", "samples judged unstable", |row| row.counts.unstable),
         Column::integer("n_undecided", "samples without a certain verdict", |row| row.counts.undecided),
         Column::integer("n_failed", "samples whose computation broke down", |row| row.counts.failed),
-        Column::optional("p_unstable", "probability of instability, unstable over decided samples", |row| row.estimate.probability),
+        Column::optional("p_unstable", "probability of instability: unstable over decided samples; with until the unbiased estimate, by integration the integral", |row| row.estimate.probability),
         Column::real("p_low", "lower end of the confidence interval of the probability", |row| row.estimate.low),
         Column::real("p_high", "upper end of the confidence interval of the probability", |row| row.estimate.high),
     ]
@@ -348,7 +353,7 @@ impl Column {
 impl<'a> Surface<'a> {
     /// The surface of a run in its present state.
     pub fn new(job: &'a Job, tally: &'a Tally) -> Self {
-        Self { job, tally, integrated: &[], slots: Slots::new(job), extras: Extras::of(job) }
+        Self { job, tally, integrated: &[], slots: Slots::new(job), extras: Extras::of(job), at_stop: OnceCell::new() }
     }
 
     /// The surface of a job that integrates, one probability for each cell.
@@ -402,8 +407,9 @@ impl<'a> Surface<'a> {
                 replicates::estimate(&parts, self.job.random.inputs.len(), confidence)
             }
             Effort::Until(_) => {
-                let at_stop = self.slots.estimate_at_stop(self.tally, cell);
-                at_stop.unwrap_or_else(|| self.job.interval(confidence).estimate(counts))
+                let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
+                let of_cell = |cell| self.slots.estimate_at_stop(self.tally, cell).unwrap_or(nothing);
+                self.at_stop.get_or_init(|| (0..self.job.cells()).map(of_cell).collect())[cell as usize]
             }
         }
     }
@@ -492,14 +498,17 @@ impl<'a> Surface<'a> {
 
     /// The footer: the job and what makes its values, and nothing that differs between two runs of one job.
     fn properties(&self) -> WriterProperties {
-        let footer = [
+        let mut footer = vec![
             ("stickslip:job", self.job.normalised()),
             (JOB_HASH_KEY, self.job.hash()),
             ("stickslip:seed", self.job.sampling.seed.to_string()),
             ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
             ("stickslip:results_version", RESULTS_VERSION.to_string()),
         ];
-        let pairs = footer.map(|(key, value)| KeyValue::new(key.to_owned(), value)).to_vec();
+        if self.job.has_later_estimates() {
+            footer.push(("stickslip:estimates_version", ESTIMATES_VERSION.to_string()));
+        }
+        let pairs = footer.into_iter().map(|(key, value)| KeyValue::new(key.to_owned(), value)).collect();
         WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(Some(pairs)).build()
     }
 }
