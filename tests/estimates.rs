@@ -5,26 +5,8 @@
 
 mod common;
 
-use common::{Place, Table};
+use common::{BOTH, EIGENVALUE, Place, Table, job, submitted};
 use stickslip_sampler::{BinomialInterval, IntervalKind};
-
-/// A job of 30 cells, with what is given under `[random]` and `[sampling]`.
-fn job(name: &str, random: &str, criterion: &str, sampling: &str) -> String {
-    format!(
-        "name = \"{name}\"\n\n[axes]\nrotating_speed = 15.0\npreload = {{ from = 0.05, to = 0.30, points = 6 }}\n\
-         static_friction = {{ from = 0.28, to = 0.50, points = 5 }}\n\n[random]\n{random}\n\n[criterion]\n{criterion}\n\n\
-         [sampling]\n{sampling}\n"
-    )
-}
-
-const BOTH: &str = "inputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.2";
-const EIGENVALUE: &str = "kind = \"eigenvalue\"";
-
-fn submitted(place: &Place, name: &str, text: &str) -> Table {
-    place.write(&format!("{name}.toml"), text);
-    place.run(&format!("submit {name}.toml --out {name}")).done();
-    Table::read(&place.path(&format!("{name}/surface.parquet")))
-}
 
 #[test]
 fn intervals_are_exact_where_misses_are_to_be_rare() {
@@ -36,7 +18,7 @@ fn intervals_are_exact_where_misses_are_to_be_rare() {
         ("band", "simultaneous = true", IntervalKind::ClopperPearson, 1.0 - 0.05 / 30.0),
         ("low-band", "simultaneous = true\nconfidence = 0.5", IntervalKind::ClopperPearson, 1.0 - 0.5 / 30.0),
     ] {
-        let table = submitted(&place, name, &job(name, BOTH, EIGENVALUE, &format!("samples = 2000\n{sampling}")));
+        let table = submitted(&place, name, &job(name, EIGENVALUE, BOTH, &format!("samples = 2000\n{sampling}")));
         let interval = BinomialInterval::new(kind, confidence);
         for row in 0..30 {
             let [unstable, low, high] = ["n_unstable", "p_low", "p_high"].map(|column| table.column(column)[row]);
@@ -48,7 +30,7 @@ fn intervals_are_exact_where_misses_are_to_be_rare() {
         ("interval = \"wilson\"\nsimultaneous = true", ["job.toml:16", "clopper-pearson"]),
         ("interval = \"wilson\"\nconfidence = 0.99", ["0.99, above 0.95", "clopper-pearson"]),
     ] {
-        place.write("job.toml", &job("job", BOTH, EIGENVALUE, sampling));
+        place.write("job.toml", &job("job", EIGENVALUE, BOTH, sampling));
         place.run("check job.toml").refused(65, &texts);
     }
 }
@@ -59,8 +41,8 @@ fn a_relative_precision_is_reached_and_its_limit_can_be_raised() {
     let text = |at_most: u64| {
         job(
             "until",
-            BOTH,
             EIGENVALUE,
+            BOTH,
             &format!("until = {{ relative = 0.05, at_most = {at_most} }}\nderivatives = true"),
         )
     };
@@ -85,7 +67,7 @@ fn a_relative_precision_is_reached_and_its_limit_can_be_raised() {
     place.run("submit short.toml --out direct").refused(65, &["at most 150000 samples", "--samples 150000"]);
     // Both precisions at once: the first that is reached.
     let either = "until = { relative = 0.1, half_width = 0.005 }";
-    let table = submitted(&place, "either", &job("either", BOTH, EIGENVALUE, either));
+    let table = submitted(&place, "either", &job("either", EIGENVALUE, BOTH, either));
     for row in 0..30 {
         let [low, high] = ["p_low", "p_high"].map(|column| table.column(column)[row]);
         assert!(high - low <= 0.01 || high - low <= 0.1 * (high + low), "{row}: {low} {high}");
@@ -95,7 +77,7 @@ fn a_relative_precision_is_reached_and_its_limit_can_be_raised() {
         ("{ relative = 1.5 }", "relative = 1.5 is out of range"),
         ("{ relative = 0.0 }", "relative = 0 is out of range"),
     ] {
-        place.write("job.toml", &job("job", BOTH, EIGENVALUE, &format!("until = {until}")));
+        place.write("job.toml", &job("job", EIGENVALUE, BOTH, &format!("until = {until}")));
         place.run("check job.toml").refused(65, &["job.toml:16", text]);
     }
 }
@@ -106,7 +88,7 @@ fn rare_events_are_not_underestimated_when_stopping() {
     let place = Place::new();
     let cells: Vec<String> = (0..600).map(|i| format!("{}", 0.05 + 1e-9 * f64::from(i))).collect();
     let text = |sampling: &str| {
-        job("rare", BOTH, EIGENVALUE, sampling)
+        job("rare", EIGENVALUE, BOTH, sampling)
             .replace("{ from = 0.05, to = 0.30, points = 6 }", &format!("[{}]", cells.join(", ")))
             .replace("{ from = 0.28, to = 0.50, points = 5 }", "0.29")
     };
@@ -126,7 +108,7 @@ fn rare_events_are_not_underestimated_when_stopping() {
 #[test]
 fn derivatives_are_given_where_they_are_known() {
     let place = Place::new();
-    let text = |sampling: &str| job("d", BOTH, EIGENVALUE, &format!("{sampling}\nderivatives = true"));
+    let text = |sampling: &str| job("d", EIGENVALUE, BOTH, &format!("{sampling}\nderivatives = true"));
     let sampled = submitted(&place, "sampled", &text("samples = 3000"));
     let [stable, unstable] = ["n_stable", "n_unstable"].map(|column| sampled.column(column));
     let mut withheld = 0;
@@ -146,7 +128,7 @@ fn derivatives_leave_undecided_samples_out_by_the_quotient_rule() {
     let place = Place::new();
     let criterion = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"\nhorizon = 4.0";
     let text = |sampling: &str| {
-        job("d", BOTH, criterion, &format!("{sampling}\nderivatives = true"))
+        job("d", criterion, BOTH, &format!("{sampling}\nderivatives = true"))
             .replace("{ from = 0.05, to = 0.30, points = 6 }", "[0.1, 0.2]")
             .replace("{ from = 0.28, to = 0.50, points = 5 }", "[0.36, 0.42]")
     };
@@ -176,7 +158,7 @@ fn sobol_indices_do_not_credit_an_input_for_failing_samples() {
     let place = Place::new();
     let inputs = "inputs = [\"preload\", \"static_friction\", \"pad.moment_of_inertia\"]\n\
         relative_std = { preload = 0.2, static_friction = 0.2, \"pad.moment_of_inertia\" = 1.0 }";
-    let table = submitted(&place, "s", &job("s", inputs, EIGENVALUE, "samples = 3000\nsensitivity = true"));
+    let table = submitted(&place, "s", &job("s", EIGENVALUE, inputs, "samples = 3000\nsensitivity = true"));
     let [failed, left_out] = ["n_failed", "n_left_out_pad.moment_of_inertia"].map(|name| table.column(name));
     for row in 0..30 {
         let total = table.column("total_pad.moment_of_inertia")[row];
@@ -186,7 +168,7 @@ fn sobol_indices_do_not_credit_an_input_for_failing_samples() {
     }
     assert!(table.column("total_preload").iter().any(|&total| total > 0.3));
     let correlated = format!("{BOTH}\ncorrelation = [[\"preload\", \"static_friction\", 0.3]]");
-    place.write("job.toml", &job("job", &correlated, EIGENVALUE, "sensitivity = true"));
+    place.write("job.toml", &job("job", EIGENVALUE, &correlated, "sensitivity = true"));
     place.run("check job.toml").refused(65, &["sampling.sensitivity", "random.correlation"]);
 }
 
@@ -195,7 +177,7 @@ const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"res
 #[test]
 fn a_run_that_gave_its_map_up_stays_honest_when_it_is_extended() {
     let place = Place::new();
-    let text = job("few", BOTH, FROM_REST, "samples = 400\nevaluate = \"boundary\"");
+    let text = job("few", FROM_REST, BOTH, "samples = 400\nevaluate = \"boundary\"");
     place.write("few.toml", &text);
     let outcome = place.run("submit few.toml --out few").done();
     assert!(outcome.stderr.contains("the verdict map is given up"), "{}", outcome.stderr);
@@ -203,7 +185,7 @@ fn a_run_that_gave_its_map_up_stays_honest_when_it_is_extended() {
     assert!(outcome.stderr.contains("submit the job into another directory with --out"), "{}", outcome.stderr);
     assert!(outcome.stdout.contains("every sample was simulated"), "{}", outcome.stdout);
     let extended = Table::read(&place.path("few/surface.parquet"));
-    let each = submitted(&place, "each", &job("each", BOTH, FROM_REST, "samples = 5000"));
+    let each = submitted(&place, "each", &job("each", FROM_REST, BOTH, "samples = 5000"));
     for column in each.names() {
         assert_eq!(each.column(column), extended.column(column), "{column}");
     }
@@ -215,7 +197,7 @@ fn a_run_that_gave_its_map_up_stays_honest_when_it_is_extended() {
 #[test]
 fn a_half_width_is_shared_with_the_audit_of_a_map() {
     let place = Place::new();
-    let text = |sampling: &str| job("u", BOTH, FROM_REST, &format!("{sampling}\nevaluate = \"boundary\""));
+    let text = |sampling: &str| job("u", FROM_REST, BOTH, &format!("{sampling}\nevaluate = \"boundary\""));
     let table = submitted(&place, "u", &text("until = { half_width = 0.02 }"));
     for row in 0..30 {
         let [low, high, audit] = ["p_low", "p_high", "p_audit"].map(|column| table.column(column)[row]);

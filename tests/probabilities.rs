@@ -8,30 +8,13 @@ mod common;
 
 use std::fs;
 
-use common::{Place, Table};
+use common::{BOTH, EIGENVALUE, Place, Table, job, submitted};
 use serde_json::Value;
 use stickslip_core::{PadOnDisc, Parameters, StabilityBoundary};
 use stickslip_sampler::normal;
 
-/// A job over a grid, with what is given under `[random]` and `[sampling]`.
-fn job(name: &str, criterion: &str, random: &str, sampling: &str) -> String {
-    format!(
-        "name = \"{name}\"\n\n[axes]\nrotating_speed = 15.0\npreload = {{ from = 0.05, to = 0.30, points = 6 }}\n\
-         static_friction = {{ from = 0.28, to = 0.50, points = 5 }}\n\n[random]\n{random}\n\n[criterion]\n{criterion}\n\n\
-         [sampling]\n{sampling}\n"
-    )
-}
-
-const BOTH: &str = "inputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.2";
-const EIGENVALUE: &str = "kind = \"eigenvalue\"";
 const RIGID: &str = "kind = \"time-domain\"\ndisc = \"rigid\"";
 const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";
-
-fn submitted(place: &Place, name: &str, text: &str) -> Table {
-    place.write(&format!("{name}.toml"), text);
-    place.run(&format!("submit {name}.toml --out {name}")).done();
-    Table::read(&place.path(&format!("{name}/surface.parquet")))
-}
 
 /// What a submitted job says.
 fn submitted_text(place: &Place, name: &str, text: &str) -> String {

@@ -228,3 +228,23 @@ impl Table {
         hasher.finalize().to_hex()[..32].to_owned()
     }
 }
+
+/// A job of 30 cells, with a criterion and what is given under `[random]` and `[sampling]`.
+pub fn job(name: &str, criterion: &str, random: &str, sampling: &str) -> String {
+    format!(
+        "name = \"{name}\"\n\n[axes]\nrotating_speed = 15.0\npreload = {{ from = 0.05, to = 0.30, points = 6 }}\n\
+         static_friction = {{ from = 0.28, to = 0.50, points = 5 }}\n\n[random]\n{random}\n\n[criterion]\n{criterion}\n\n\
+         [sampling]\n{sampling}\n"
+    )
+}
+
+pub const BOTH: &str = "inputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.2";
+pub const EIGENVALUE: &str = "kind = \"eigenvalue\"";
+
+/// The surface of a job that is submitted under its name.
+#[track_caller]
+pub fn submitted(place: &Place, name: &str, text: &str) -> Table {
+    place.write(&format!("{name}.toml"), text);
+    place.run(&format!("submit {name}.toml --out {name}")).done();
+    Table::read(&place.path(&format!("{name}/surface.parquet")))
+}
