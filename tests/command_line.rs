@@ -543,3 +543,29 @@ fn the_readme_has_no_gaps() {
         assert!(readme.contains(&format!("`{target}`")), "{target}");
     }
 }
+
+#[test]
+fn a_seed_that_toml_does_not_allow_does_not_swallow_the_command_line() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("large", 2, 100, 7).replace("seed = 7", "seed = 9223372036854775808"));
+    place.run("submit job.toml --samples 500").refused(65, &["job.toml: --seed and --samples cannot be noted in it"]);
+    assert!(!place.path("runs/large").exists());
+}
+
+#[test]
+fn what_has_no_verdict_is_not_drawn_as_safe() {
+    let place = Place::new();
+    let text = surface_job("short", 3, 200, 7)
+        .replace("kind = \"eigenvalue\"", "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"\nhorizon = 0.5");
+    assert!(text.contains("horizon"), "{text}");
+    place.write("job.toml", &text);
+    let outcome = place.run("submit job.toml").done();
+    assert!(outcome.stdout.contains("??"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("? more than 10 % of the samples undecided or failed"), "{}", outcome.stdout);
+    assert!(place.run("check job.toml").done().stdout.contains(": 1 rotating speed x 1 standard deviation x "));
+    place.write(
+        "sobol.toml",
+        &surface_job("sobol", 2, 137_438_953_472, 7).replace("[sampling]", "[sampling]\nmethod = \"sobol\""),
+    );
+    place.run("check sobol.toml").refused(65, &["137438953472 are too many for 16 randomisations", "68719476736"]);
+}

@@ -1,7 +1,7 @@
 //! A small picture of a surface for the terminal.
 
 use crate::job::RandomInput;
-use crate::run::Surface;
+use crate::run::{Surface, SurfaceRow};
 
 /// Rows and columns of a picture at the most; larger grids are thinned out.
 const MOST_ROWS: usize = 15;
@@ -15,6 +15,9 @@ const BAR: usize = 40;
 
 /// Shades with the probability from which they hold.
 const SHADES: [(f64, char); 6] = [(0.8, '█'), (0.6, '▓'), (0.4, '▒'), (0.2, '░'), (0.01, '·'), (0.0, ' ')];
+
+/// Where more of the samples than this have no verdict, the probability among the others is not drawn.
+const MOST_UNKNOWN: f64 = 0.1;
 
 /// The probability of instability over preload and static friction, a slice for each speed and standard deviation;
 /// bars where only one of the two varies.
@@ -71,10 +74,12 @@ fn heat_map(surface: &Surface<'_>, first: u64, preloads: usize, frictions: usize
     let width = if columns.len() <= MOST_COLUMNS / 2 { 2 } else { 1 };
     let row_at = |preload: usize, friction: usize| surface.row(first + (preload * frictions + friction) as u64);
     let mut text = " preload\n".to_owned();
+    let mut has_unknown = false;
     for preload in thinned(preloads, MOST_ROWS).into_iter().rev() {
         text += &format!("{:>8.4} |", row_at(preload, 0).cell.preload);
         for &friction in &columns {
-            let shade = row_at(preload, friction).estimate.probability.map_or('?', shade);
+            let shade = known_probability(&row_at(preload, friction)).map_or('?', shade);
+            has_unknown |= shade == '?';
             text.extend(std::iter::repeat_n(shade, width));
         }
         text += "|\n";
@@ -84,8 +89,16 @@ fn heat_map(surface: &Surface<'_>, first: u64, preloads: usize, frictions: usize
     let inside = columns.len() * width;
     let gap = inside.saturating_sub(from.len() + to.len()).max(1);
     text += &format!("{:9}+{}+\n{:10}{from}{:gap$}{to}  static friction\n", "", "-".repeat(inside), "", "");
-    text += "          ' ' below 1 %, · 1 to 20, ░ 20 to 40, ▒ 40 to 60, ▓ 60 to 80, █ 80 % and more\n\n";
-    text
+    text += "          ' ' below 1 %, · 1 to 20, ░ 20 to 40, ▒ 40 to 60, ▓ 60 to 80, █ 80 % and more\n";
+    if has_unknown {
+        text += "          ? more than 10 % of the samples undecided or failed\n";
+    }
+    text + "\n"
+}
+
+/// The probability of a cell, if most samples have a verdict.
+fn known_probability(row: &SurfaceRow) -> Option<f64> {
+    row.estimate.probability.filter(|_| row.unknown_share() <= MOST_UNKNOWN)
 }
 
 fn shade(probability: f64) -> char {
@@ -103,7 +116,12 @@ fn bars(surface: &Surface<'_>, first: u64, preloads: usize, frictions: usize) ->
             Some(p) => {
                 let filled = (p * BAR as f64).round() as usize;
                 let bar = format!("{}{}", "█".repeat(filled), " ".repeat(BAR - filled));
-                format!("{bar}| {p:.4}  ({:.4} to {:.4})", row.estimate.low, row.estimate.high)
+                let unknown = if row.unknown_share() > MOST_UNKNOWN {
+                    format!("  {:.0} % of the samples undecided or failed", 100.0 * row.unknown_share())
+                } else {
+                    String::new()
+                };
+                format!("{bar}| {p:.4}  ({:.4} to {:.4}){unknown}", row.estimate.low, row.estimate.high)
             }
         };
         text += &format!("{value:>8.4} |{line}\n");

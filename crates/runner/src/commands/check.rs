@@ -30,15 +30,20 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         (false, false) => cost_of_samples(&job, samples_per_second(&job)?, threads),
     };
     result(&format!(
-        "{}\n# {} is valid.\n# {} cells: {} rotating speeds x {} standard deviations x {} preloads x {} static friction coefficients\n{work}",
+        "{}\n# {} is valid.\n# {}: {} x {} x {} x {}\n{work}",
         job.normalised(),
         arguments.job.display(),
-        HumanCount(job.cells()),
-        lengths[0],
-        lengths[1],
-        lengths[2],
-        lengths[3],
+        counted(job.cells(), "cell", "cells"),
+        counted(lengths[0], "rotating speed", "rotating speeds"),
+        counted(lengths[1], "standard deviation", "standard deviations"),
+        counted(lengths[2], "preload", "preloads"),
+        counted(lengths[3], "static friction coefficient", "static friction coefficients"),
     ))
+}
+
+/// A number of things, in words.
+fn counted(count: u64, one: &str, many: &str) -> String {
+    format!("{} {}", HumanCount(count), if count == 1 { one } else { many })
 }
 
 /// What samples cost that are judged one by one.

@@ -23,6 +23,9 @@ const AUDIT: Audit = Audit::Samples(300);
 /// Samples in a cell at the most with `until`, unless told otherwise.
 const AT_MOST: u64 = 1_000_000;
 
+/// Points of one randomisation at the most: Sobol numbers of 32 bits.
+const MOST_SOBOL_POINTS: u64 = 1 << 32;
+
 /// Audited samples in one cell at the most.
 const MOST_AUDITED: u64 = 100_000_000;
 
@@ -563,7 +566,14 @@ impl SamplingSpec {
                     );
                     return Err(Complaint { span, message });
                 }
-                if !samples.is_multiple_of(count) || samples / count > 1 << 32 {
+                if samples / count > MOST_SOBOL_POINTS {
+                    let message = format!(
+                        "sampling.samples = {samples} are too many for {count} randomisations: each has at most 2^32 points, all together {}",
+                        count * MOST_SOBOL_POINTS
+                    );
+                    return Err(Complaint { span: self.samples.as_ref().map(Spanned::span), message });
+                }
+                if !samples.is_multiple_of(count) {
                     let span = self.samples.as_ref().map(Spanned::span).or(span);
                     let near = (samples / count).max(1).next_power_of_two() * count;
                     let message = format!(

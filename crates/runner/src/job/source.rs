@@ -42,8 +42,18 @@ impl JobSource {
         if changes.iter().all(|(_, value)| value.is_none()) {
             return Ok(self);
         }
-        // A text that does not parse is left to `job`, which says where and why.
-        let Ok(mut document) = self.text.parse::<DocumentMut>() else { return Ok(self) };
+        let mut document = match self.text.parse::<DocumentMut>() {
+            Ok(document) => document,
+            // What is no job either is left to `job`, which says where and why.
+            Err(_) if self.job().is_err() => return Ok(self),
+            Err(error) => {
+                return Err(Failure::Job(format!(
+                    "{}: --seed and --samples cannot be noted in it: {}",
+                    self.path.display(),
+                    error.message()
+                )));
+            }
+        };
         for (key, value) in changes {
             let Some(value) = value else { continue };
             let value = i64::try_from(value).map_err(|_| {

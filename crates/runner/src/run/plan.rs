@@ -12,6 +12,8 @@ use super::tally::Tally;
 pub struct Shard {
     index: u64,
     count: u64,
+    /// As typed: the last one is N or 0.
+    typed: u64,
 }
 
 impl FromStr for Shard {
@@ -27,14 +29,13 @@ impl FromStr for Shard {
         if count == 0 || index > count || count > 1_000_000 {
             return Err(wrong());
         }
-        Ok(Self { index: index % count, count })
+        Ok(Self { index: index % count, count, typed: index })
     }
 }
 
 impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let index = if self.index == 0 { self.count } else { self.index };
-        write!(f, "{index}/{}", self.count)
+        write!(f, "{}/{}", self.typed, self.count)
     }
 }
 
@@ -63,7 +64,7 @@ struct Gap {
 impl Gap {
     /// `units_before` units of all slots come before those of this one.
     fn new(slot: u64, samples: Range<u64>, unit: u64, units_before: u128, shard: Option<Shard>) -> Self {
-        let Shard { index, count } = shard.unwrap_or(Shard { index: 0, count: 1 });
+        let Shard { index, count, .. } = shard.unwrap_or(Shard { index: 0, count: 1, typed: 1 });
         let (from, to) = (samples.start / unit, samples.end.div_ceil(unit));
         let number = (units_before + u128::from(from)) % u128::from(count);
         let first = from + (index + count - number as u64) % count;
@@ -107,7 +108,7 @@ impl Plan {
         let gaps = missing.filter_map(|(slot, gap)| {
             let (cell, part) = slots.place(slot);
             match shard {
-                Some(Shard { index, count }) if slots.are_decided_in_turn() => {
+                Some(Shard { index, count, .. }) if slots.are_decided_in_turn() => {
                     (cell % count == index).then(|| Gap::whole(slot, gap, unit_samples))
                 }
                 _ => {
@@ -217,6 +218,6 @@ mod tests {
             assert!(text.parse::<Shard>().is_err(), "{text}");
         }
         assert_eq!("3/3".parse::<Shard>().unwrap().to_string(), "3/3");
-        assert_eq!("0/3".parse::<Shard>().unwrap().to_string(), "3/3");
+        assert_eq!("0/3".parse::<Shard>().unwrap().to_string(), "0/3");
     }
 }

@@ -71,6 +71,14 @@ pub struct IntegratedCell {
     pub lookups: Lookups,
 }
 
+impl SurfaceRow {
+    /// The share of samples without a verdict, undecided or failed.
+    pub fn unknown_share(&self) -> f64 {
+        let counted = (self.counts.undecided + self.counts.failed) as f64 / self.counts.total().max(1) as f64;
+        self.integrated.map_or(counted, |integrated| integrated.undecided)
+    }
+}
+
 /// The result of a job.
 #[derive(Debug)]
 pub struct Surface<'a> {
@@ -438,9 +446,10 @@ impl<'a> Surface<'a> {
     /// already.
     pub fn publish(&self, directory: &Path) -> Result<bool, Failure> {
         let target = directory.join("surface.parquet");
+        // The same bytes may be there already; a hash tells without holding them.
+        let present = hash_of_file(&target).map_err(|error| Failure::reading(&target, error))?;
         let written = || -> Result<bool, ParquetError> {
-            // The same bytes may be there already; a hash tells without holding them.
-            if let Some(present) = hash_of_file(&target)?
+            if let Some(present) = present
                 && present == self.encode(blake3::Hasher::new())?.finalize()
             {
                 return Ok(false);
