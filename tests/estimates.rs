@@ -221,3 +221,21 @@ fn a_half_width_is_shared_with_the_audit_of_a_map() {
     let table = submitted(&place, "trusted", &text("until = { relative = 0.2, at_most = 20_000 }\naudit = 0"));
     assert!(table.column("p_audit").iter().all(|share| share.is_nan()));
 }
+
+#[test]
+fn replay_tells_a_looked_up_verdict_from_a_simulated_one() {
+    let place = Place::new();
+    submitted(&place, "map", &job("map", FROM_REST, BOTH, "samples = 3000\nevaluate = \"boundary\""));
+    submitted(&place, "few", &job("few", FROM_REST, BOTH, "samples = 100\nevaluate = \"boundary\""));
+    let replayed = |words: &str| -> serde_json::Value {
+        serde_json::from_str(&place.run(&format!("replay {words} --horizon 5 --json")).done().stdout).unwrap()
+    };
+    let looked_up = replayed("map --cell 7 --sample 2000");
+    assert_eq!(looked_up["verdict_looked_up"], looked_up["verdict_in_run"]);
+    assert_eq!(looked_up["verdict_simulated"], looked_up["verdict_in_run"]);
+    // Of the audit, and of a run whose map was given up.
+    for simulated in ["map --cell 7 --sample 200", "few --cell 7 --sample 99"] {
+        let simulated = replayed(simulated);
+        assert!(simulated["verdict_in_run"].is_string() && simulated["verdict_looked_up"].is_null());
+    }
+}

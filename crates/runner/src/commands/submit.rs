@@ -301,7 +301,8 @@ fn compute(
     let mut outcome = Outcome::Finished;
     // The eigenvalues of a flexible disc, and motions, are decided once for each place in the plane; not if all is counted.
     let counts_something = || Plan::new(&tally, &Slots::new(&job), job.unit_samples(), shard).units() > 0;
-    if gave_its_map_up(&job, &tally) {
+    // The audit of a cell begins with its first sample: one that began without a map cannot be audited later.
+    if job.sampling.is_audited && was_counted_without_map(&job, &tally) {
         engine.give_maps_up();
         if counts_something() {
             note(format_args!(
@@ -382,12 +383,8 @@ fn compute(
     Ok(run)
 }
 
-/// Whether what is counted of an audited run was simulated without a map. The audit of a cell begins with its first
-/// sample: one that began without a map cannot be audited later.
-fn gave_its_map_up(job: &Job, tally: &Tally) -> bool {
-    if !job.sampling.is_audited || job.is_integrated() {
-        return false;
-    }
+/// Whether all that is counted of a run was simulated, as its verdict map was given up.
+pub fn was_counted_without_map(job: &Job, tally: &Tally) -> bool {
     let surface = Surface::new(job, tally);
     let simulated = surface.lookups().simulated;
     simulated > 0 && u128::from(simulated) == tally.counted()

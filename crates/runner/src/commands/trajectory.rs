@@ -11,12 +11,13 @@ use stickslip_core::{
 };
 
 use super::analyse::brake;
+use super::submit::was_counted_without_map;
 use crate::cli::{AllotmentArgument, DiscArgument, ReplayArguments, TrajectoryArguments};
 use crate::failure::Failure;
-use crate::job::{Criterion, Deciders, RandomInput};
+use crate::job::{Criterion, Deciders, Job, RandomInput};
 use crate::output::{note, output_file, result};
 use crate::picture::curves;
-use crate::run::{Batch, DescribedColumn, RunDirectory, Slots, write_columns};
+use crate::run::{Batch, DescribedColumn, Engine, RunDirectory, Slots, write_columns};
 
 /// Scaled time that a trajectory follows unless told otherwise: some 150 cycles of the pad.
 const HORIZON: f64 = 500.0;
@@ -153,6 +154,11 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
         }
     }
     facts["verdict_in_run"] = json!(name(verdict));
+    if let Some(counted) = looked_up(&directory, &job, arguments)? {
+        facts["verdict_in_run"] = json!(name(counted));
+        facts["verdict_looked_up"] = json!(name(counted));
+        facts["verdict_simulated"] = json!(name(verdict));
+    }
     let outside = match &pad {
         None => Some("failed: one of its values is not admissible; there is no motion to follow"),
         Some(pad) if pad.is_outside_physics(inputs) && verdict == Verdict::Stable => {
@@ -160,16 +166,28 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
         }
         Some(_) => None,
     };
-    let (Some(pad), None) = (pad, outside) else {
-        let why = outside.unwrap_or_default();
+    let without_motion = |why: &str| {
         if arguments.out.is_some() {
             return Err(Failure::Usage(format!("--out: this sample is {why}")));
         }
-        let text = if arguments.json { format!("{facts:#}\n") } else { format!("{}{why}\n", lines(&facts)) };
-        return result(&text);
+        result(&if arguments.json { format!("{facts:#}\n") } else { format!("{}{why}\n", lines(&facts)) })
     };
+    let (Some(pad), None) = (pad, outside) else { return without_motion(outside.unwrap_or_default()) };
+    if let Err(error) = TimeDomain::new(&pad, &disc, settings) {
+        return without_motion(&format!("{}; its motion cannot be followed: {error}", name(verdict)));
+    }
     let followed = follow(&pad, &disc, settings, inputs, arguments.horizon)?;
     report(&facts, &followed, arguments.out.as_deref(), arguments.json)
+}
+
+/// The verdict that a run looked up for a sample in its map; `None` if it simulated it.
+fn looked_up(directory: &RunDirectory, job: &Job, arguments: &ReplayArguments) -> Result<Option<Verdict>, Failure> {
+    if !job.uses_maps() || was_counted_without_map(job, &directory.tally(job)?) {
+        return Ok(None);
+    }
+    let mut engine = Engine::new(job, 1)?;
+    engine.load_maps(&directory.maps())?;
+    Ok(engine.looked_up(arguments.cell, arguments.sample))
 }
 
 /// Follows one motion.

@@ -264,6 +264,19 @@ impl<'a> Engine<'a> {
         lookups
     }
 
+    /// The verdict of a map on a sample, numbered over all parts of its cell; `None` if the sample is simulated, because the
+    /// map does not tell or for the audit.
+    pub fn looked_up(&self, cell: u64, sample: u64) -> Option<Verdict> {
+        let place = self.job.grid.cell(cell);
+        let (part, index) = self.slots.locate(sample);
+        let is_audited = self.audited(self.slots.of(cell).start + part as u64, index..index + 1);
+        if is_audited.contains(&true) {
+            return None;
+        }
+        let inputs = Batch::of_sample(self.job, &place, sample).inputs(0);
+        self.maps.get(self.job.grid.rotating_speed_index(cell))?.look_up(inputs)
+    }
+
     /// Verdicts on consecutive samples of a cell, of its randomisation `randomisation` where it has any: those that
     /// [`Engine::compute`] counts.
     pub fn verdicts(&self, cell: u64, randomisation: usize, samples: Range<u64>) -> Vec<Verdict> {
