@@ -297,6 +297,8 @@ fn an_audit_finds_a_map_that_is_wrong() {
     }
     assert!(own.column("n_audit_differed").iter().all(|&differed| differed == 0.0));
     assert!(own.column("p_audit").iter().all(|&share| share > 0.0 && share < 0.0145));
+    assert!(place.run("status audited").done().stdout.contains("audited samples differed"));
+    assert!(place.run("compare audited own").done().stderr.contains("warning: audited: "));
     // Merging or finding it finished says it again.
     place.run("submit own.toml --out audited --map forged").refused(70, &["wrong somewhere"]);
 }

@@ -23,7 +23,7 @@ use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
 use crate::job::Effort;
 use crate::output::{note, output_file, result};
-use crate::run::{Engine, IntegratedCell, Outcome, Progress, unaudited, write_table};
+use crate::run::{Engine, IntegratedCell, Lookups, Outcome, Progress, unaudited, write_table};
 
 /// Samples of a unit of work at the most.
 const MOST_UNIT_SAMPLES: u64 = 20 * BLOCK_SAMPLES;
@@ -60,6 +60,7 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
     let cells =
         if arguments.pointwise { 1 } else { matchings.iter().map(|matching| matching.cells.len() as u64).sum() };
     let of_a_cell = simultaneous_confidence(confidence, cells);
+    readers.iter().for_each(warn_of_audit);
     let (reference, others) = readers.split_at(1);
     let mut compared = Vec::with_capacity(others.len());
     for (second, matching) in others.iter().zip(&matchings) {
@@ -89,6 +90,25 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
 
 fn rows(compared: &[Differences]) -> HumanCount {
     HumanCount(compared.iter().map(|differences| differences.rows.len() as u64).sum())
+}
+
+/// Says of a run that its verdict map is wrong somewhere, if its audit found that.
+fn warn_of_audit(reader: &Reader<'_>) {
+    let run = reader.run;
+    let of_cell = |cell: u64| match reader.integrated.get(cell as usize) {
+        Some(integrated) => integrated.lookups,
+        None => run.lookups(cell),
+    };
+    let mut lookups = Lookups::default();
+    (0..run.job.cells()).for_each(|cell| lookups.add(of_cell(cell)));
+    if lookups.differed > 0 {
+        note(format_args!(
+            "warning: {}: {} of {} audited samples differed, so its verdict map is wrong somewhere; the intervals contain what the audit leaves open",
+            run.name,
+            HumanCount(lookups.differed),
+            HumanCount(lookups.audited)
+        ));
+    }
 }
 
 /// A run with what finds its verdicts again.

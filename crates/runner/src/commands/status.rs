@@ -5,7 +5,7 @@ use serde_json::json;
 use crate::cli::StatusArguments;
 use crate::failure::Failure;
 use crate::output::{quoted, result};
-use crate::run::{RunDirectory, Slots};
+use crate::run::{Lookups, RunDirectory, Slots, Surface};
 
 /// `stickslip status`.
 pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
@@ -30,6 +30,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     let share = if by_cells { complete_cells as f64 / job.cells() as f64 } else { counted as f64 / total as f64 };
     let undecided: u64 = (0..slots.count()).map(|slot| tally.counts(slot).undecided).sum();
     let failed: u64 = (0..slots.count()).map(|slot| tally.counts(slot).failed).sum();
+    let Lookups { audited, differed, .. } = Surface::new(&job, &tally).lookups();
     if arguments.json {
         let status = json!({
             "run": arguments.run.display().to_string(),
@@ -44,6 +45,8 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
             "share_done": share,
             "samples_undecided": undecided,
             "samples_failed": failed,
+            "samples_audited": audited,
+            "samples_audit_differed": differed,
             "surface": is_written.then(|| surface.display().to_string()),
             "job_hash": job.hash(),
         });
@@ -54,12 +57,15 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
         "complete, not merged" => format!("\nwrite the surface with `stickslip merge {}`", quoted(&arguments.run)),
         _ => String::new(),
     };
-    let without_verdict = match (undecided, failed) {
+    let mut remarks = match (undecided, failed) {
         (0, 0) => String::new(),
         _ => format!("; {undecided} samples undecided, {failed} failed"),
     };
+    if differed > 0 {
+        remarks += &format!("; {differed} of {audited} audited samples differed: the verdict map is wrong somewhere");
+    }
     result(&format!(
-        "{}: {state}, {:.1} % ({counted} of {}{total} samples, {complete_cells} of {} cells complete){without_verdict}{next}\n",
+        "{}: {state}, {:.1} % ({counted} of {}{total} samples, {complete_cells} of {} cells complete){remarks}{next}\n",
         job.name,
         100.0 * share,
         if job.stops_by_precision() { "at most " } else { "" },
