@@ -553,6 +553,19 @@ fn a_seed_that_toml_does_not_allow_does_not_swallow_the_command_line() {
 }
 
 #[test]
+fn a_renamed_job_does_not_rename_a_finished_run() {
+    let place = Place::new();
+    let text = surface_job("before", 2, 100, 7);
+    place.write("job.toml", &text);
+    place.run("submit job.toml --out run").done();
+    let surface = place.surface("run");
+    place.write("job.toml", &text.replace("before", "after"));
+    let outcome = place.run("submit job.toml --out run").done();
+    assert!(outcome.stderr.contains("nothing to do") && !outcome.stderr.contains("anew"), "{}", outcome.stderr);
+    assert!(place.surface("run") == surface && fs::read_to_string(place.path("run/job.toml")).unwrap() == text);
+}
+
+#[test]
 fn what_has_no_verdict_is_not_drawn_as_safe() {
     let place = Place::new();
     let text = surface_job("short", 3, 200, 7)

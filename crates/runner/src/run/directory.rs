@@ -200,10 +200,14 @@ impl RunDirectory {
             segments.push(Segment { slot, ..segment });
         }
         let mut tally = Tally::new(slots.count());
-        tally.add_all(segments).map_err(|message| {
+        tally.add_all(segments).map_err(|(slot, samples)| {
+            let (cell, part) = slots.place(slot);
+            let of = if slots.of(0).end > 1 { format!("part {part} of cell {cell}") } else { format!("cell {cell}") };
             Failure::InputOutput(format!(
-                "{}: {message}. One of them is wrong; move shards/ aside and compute again",
-                self.path.display()
+                "{}: two pieces disagree on samples {} to {} of {of}. One of them is wrong; move shards/ aside and compute again",
+                self.path.display(),
+                samples.start,
+                samples.end - 1
             ))
         })?;
         Ok(tally)

@@ -83,18 +83,13 @@ impl Tally {
     /// started twice); samples that are already counted are not counted again.
     ///
     /// # Errors
-    /// Two segments over the same samples with different verdicts: one of them is wrong, and nothing tells which.
-    pub fn add_all(&mut self, mut segments: Vec<Segment>) -> Result<(), String> {
+    /// The slot and the samples of two segments with different verdicts on them: one is wrong, and nothing tells which.
+    pub fn add_all(&mut self, mut segments: Vec<Segment>) -> Result<(), (u64, Range<u64>)> {
         segments.sort_by_key(|segment| (segment.slot, segment.samples.start, Reverse(segment.samples.end)));
         for pair in segments.windows(2) {
             let same_samples = pair[0].slot == pair[1].slot && pair[0].samples == pair[1].samples;
             if same_samples && pair[0] != pair[1] {
-                return Err(format!(
-                    "two pieces disagree on samples {} to {} of cell {}",
-                    pair[0].samples.start,
-                    pair[0].samples.end - 1,
-                    pair[0].slot
-                ));
+                return Err((pair[0].slot, pair[0].samples.clone()));
             }
         }
         for segment in &segments {
@@ -209,6 +204,6 @@ mod tests {
     fn disagreement_is_an_error() {
         let wrong = Segment { counts: VerdictCounts { stable: 10, ..Default::default() }, ..segment(0, 0..10) };
         let error = Tally::new(1).add_all(vec![segment(0, 0..10), wrong]).unwrap_err();
-        assert_eq!(error, "two pieces disagree on samples 0 to 9 of cell 0");
+        assert_eq!(error, (0, 0..10));
     }
 }
