@@ -1,8 +1,8 @@
 //! Intervals for a difference `p1 - p2` of two probabilities: of paired samples (two models or two cells with common
 //! random numbers), of independent ones, and of samples that depend on each other in an unknown way.
 //!
-//! Up to a confidence of 95 % the intervals are approximate, and cover what they say on average. Beyond, as where many of them have
-//! to hold together, they are made of Clopper and Pearson's intervals ([`IntervalKind::for_confidence`]).
+//! Up to a confidence of 95 % the intervals are approximate, and cover what they say on average. Beyond, as where many
+//! of them have to hold together, they are made of Clopper and Pearson's intervals ([`IntervalKind::for_confidence`]).
 
 use crate::interval::{BinomialInterval, IntervalKind, half_of_the_error};
 use crate::normal;
@@ -44,8 +44,8 @@ impl Difference {
     const UNKNOWN: Self = Self { value: None, low: -1.0, high: 1.0 };
 }
 
-/// The interval for the difference of two probabilities from paired samples, two-sided. Pairs with an undecided sample are the
-/// caller's to place. For `n` up to 1e10; (-1, 1) without pairs.
+/// The interval for the difference of two probabilities from paired samples, two-sided. Pairs with an undecided sample
+/// are the caller's to place. For `n` up to 1e10; (-1, 1) without pairs.
 ///
 /// Up to a confidence of 95 % it is Tango's score interval (T. Tango, Statistics in Medicine 17, 1998, p. 891): the
 /// differences `d` with
@@ -58,9 +58,9 @@ impl Difference {
 /// the latter most likely at difference `d`. It is never empty, also where `b = c = 0`, and stays inside [-1, 1].
 ///
 /// Beyond 95 % it is the range of `d = w (2 t - 1)` where `w`, the probability that a pair differs, is in Clopper and
-/// Pearson's interval for `b + c` of `n`, and `t`, the probability that it is then the first that is unstable, in theirs
-/// for `b` of `b + c`, each with half of the error. By Bonferroni's inequality it covers at least as often as it says; for many pairs
-/// with `b` near `c` it is little wider than Tango's.
+/// Pearson's interval for `b + c` of `n`, and `t`, the probability that it is then the first that is unstable, in
+/// theirs for `b` of `b + c`, each with half of the error. By Bonferroni's inequality it covers at least as often as it
+/// says; for many pairs with `b` near `c` it is little wider than Tango's.
 ///
 /// ```
 /// use stickslip_sampler::difference::{PairedCounts, paired_difference};

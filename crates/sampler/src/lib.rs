@@ -15,8 +15,8 @@
 //!
 //! Where it is known which inputs are unstable, no samples are needed: [`exact`] gives the probability and its
 //! derivatives from a boundary in closed form, [`mapped`] from a verdict map, with what the map does not tell as
-//! limits. [`score`] estimates the same derivatives from samples, [`sensitivity`] the Sobol indices of the inputs. [`methods`] says which method is for which question, and
-//! how a user notices that one has failed.
+//! limits. [`score`] estimates the same derivatives from samples, [`sensitivity`] the Sobol indices of the inputs.
+//! [`methods`] says which method is for which question, and how a user notices that one has failed.
 //!
 //! Modules are declared in reading order. Nothing here knows of threads, files or the terminal.
 

@@ -17,15 +17,16 @@ const RARE: [u64; 2] = [30, 200];
 /// ```
 ///
 /// Undecided and failed samples count as stable for the low end and as unstable for the high one. Where fewer than 30
-/// samples (200 beyond 95 %) are on one side, or all shares agree, the shares say little of their error; the interval then includes that of
-/// Clopper and Pearson for as many independent samples. (The variance of a scrambled net is at most a small multiple of
-/// that of independent samples: A. B. Owen, SIAM J. Numer. Anal. 34, 1997.)
+/// samples (200 beyond 95 %) are on one side, or all shares agree, the shares say little of their error; the interval
+/// then includes that of Clopper and Pearson for as many independent samples. (The variance of a scrambled net is at
+/// most a small multiple of that of independent samples: A. B. Owen, SIAM J. Numer. Anal. 34, 1997.)
 ///
-/// **One input.** `N` points over one input, `N` a power of two, have one in each of `N` strata, so that a boundary decides all
-/// points but one wherever it lies: the counts of the randomisations are `c` or `c + 1`, the latter with the probability `f` that makes
-/// the true probability `(c + f) / N`. That is a binomial proportion of `R` trials, to which Student's interval is a poor
-/// approximation (it covers 0.88 for 0.95). Wherever the counts differ by no more than one, the interval includes Clopper
-/// and Pearson's for `f`; with one input, whose counts are nothing else, it does not need that for independent samples.
+/// **One input.** `N` points over one input, `N` a power of two, have one in each of `N` strata, so that a boundary
+/// decides all points but one wherever it lies: the counts of the randomisations are `c` or `c + 1`, the latter with
+/// the probability `f` that makes the true probability `(c + f) / N`. That is a binomial proportion of `R` trials, to
+/// which Student's interval is a poor approximation (it covers 0.88 for 0.95). Wherever the counts differ by no more
+/// than one, the interval includes Clopper and Pearson's for `f`; with one input, whose counts are nothing else, it
+/// does not need that for independent samples.
 ///
 /// ```
 /// use stickslip_core::VerdictCounts;
@@ -136,7 +137,8 @@ mod tests {
         assert!((doubtful.low - certain.low).abs() < 1e-12 && (doubtful.high - certain.high - 0.1).abs() < 1e-12);
     }
 
-    /// The share of seeds whose interval contains the probability of what a test of one coordinate of Sobol points holds for.
+    /// The share of seeds whose interval contains the probability of what a test of one coordinate of Sobol points
+    /// holds for.
     fn coverage(points: u64, dimensions: usize, p: f64, is_unstable: impl Fn(f64) -> bool) -> f64 {
         let seeds = 1000;
         let covered = (0..seeds).filter(|&seed| {

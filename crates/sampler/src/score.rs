@@ -8,8 +8,8 @@
 //! ```
 //!
 //! (R. Y. Rubinstein, A. Shapiro, Discrete Event Systems, 1993). With `p = U / (U + S)`, where `U` and `S` are the
-//! probabilities that a sample is unstable and stable, and `E_U`, `E_S` the mean scores of those that are, the derivatives of `U` and `S`
-//! are `U E_U` and `S E_S`, and the quotient rule gives
+//! probabilities that a sample is unstable and stable, and `E_U`, `E_S` the mean scores of those that are, the
+//! derivatives of `U` and `S` are `U E_U` and `S E_S`, and the quotient rule gives
 //!
 //! ```text
 //! dp = p (1 - p) (E_U - E_S)
@@ -159,7 +159,8 @@ impl ScoreTotals {
     /// that were added and the estimate `probability` from them.
     ///
     /// It is that of `P(unstable | decided)`. `None` for an input without scatter, and where fewer than
-    /// [`LEAST_SAMPLES`] are unstable or stable: a derivative of 0 +- 0 would say that the probability is known not to change.
+    /// [`LEAST_SAMPLES`] are unstable or stable: a derivative of 0 +- 0 would say that the probability is known not to
+    /// change.
     #[must_use]
     pub fn derivative(
         &self,

@@ -21,7 +21,8 @@ pub struct IndexCounts {
 }
 
 impl IndexCounts {
-    /// Adds the verdicts on A, B and A_i, where all three are decided; `None` is a sample without a verdict. Returns whether they are.
+    /// Adds the verdicts on A, B and A_i, where all three are decided; `None` is a sample without a verdict. Returns
+    /// whether they are.
     #[inline]
     pub fn add(&mut self, first: Option<bool>, second: Option<bool>, mixed: Option<bool>) -> bool {
         let (Some(a), Some(b), Some(ab)) = (first, second, mixed) else { return false };
@@ -56,10 +57,10 @@ pub struct SobolIndices {
 /// S_i = E[f(B) (f(A_i) - f(A))] / V,   T_i = E[(f(A) - f(A_i))^2] / 2V,   V = p (1 - p)
 /// ```
 ///
-/// A. Saltelli et al., Comput. Phys. Commun. 181 (2010), table 2, rows b and f. Where samples fail, or are undecided, these are the
-/// indices among those that are decided: exactly, if what is left out depends on each input by itself (a stiffness below
-/// zero), and else approximately. The standard errors include that of V, and one
-/// more count than was seen: what has not been seen in n samples may still have a share of some 1 / n.
+/// A. Saltelli et al., Comput. Phys. Commun. 181 (2010), table 2, rows b and f. Where samples fail, or are undecided,
+/// these are the indices among those that are decided: exactly, if what is left out depends on each input by itself (a
+/// stiffness below zero), and else approximately. The standard errors include that of V, and one more count than was
+/// seen: what has not been seen in n samples may still have a share of some 1 / n.
 #[must_use]
 pub fn indices(counts: &IndexCounts) -> Option<SobolIndices> {
     let samples = counts.samples as f64;

@@ -59,23 +59,24 @@ impl Precision {
 /// The sample counts at which a cell is looked at, intervals that hold whichever look is the last, and the estimate that
 /// is right on average.
 ///
-/// **Intervals.** Look `j` has a Clopper-Pearson interval of error `alpha_j`, and all `alpha_j` together are `1 - c`. By
-/// Bonferroni's inequality all of them contain the true probability together with probability `c` or more, and so does
-/// the one at which any rule stops. This holds for finite samples and for every probability: Clopper-Pearson is exact,
-/// and the bound asks nothing of how the looks depend on one another, nor of the stopping rule. Looks begin where a stop
-/// becomes possible. The `K` regular ones, up to the sample count at which every probability stops (with a relative
-/// precision those from 1e-6 on), share nine tenths of the error equally, which makes the worst look's interval the
-/// narrowest; look `K + i` has the part `1 / (i (i + 1))` of the rest. The limit of samples does not enter, so it can be
-/// raised later: an interval at the limit has the share of the next look. (Boundaries that use the looks' dependence, S. J. Pocock,
-/// Biometrika 64, 1977, hold for normal means, not for few counts.)
+/// **Intervals.** Look `j` has a Clopper-Pearson interval of error `alpha_j`, and all `alpha_j` together are `1 - c`.
+/// By Bonferroni's inequality all of them contain the true probability together with probability `c` or more, and so
+/// does the one at which any rule stops. This holds for finite samples and for every probability: Clopper-Pearson is
+/// exact, and the bound asks nothing of how the looks depend on one another, nor of the stopping rule. Looks begin
+/// where a stop becomes possible. The `K` regular ones, up to the sample count at which every probability stops (with a
+/// relative precision those from 1e-6 on), share nine tenths of the error equally, which makes the worst look's
+/// interval the narrowest; look `K + i` has the part `1 / (i (i + 1))` of the rest. The limit of samples does not
+/// enter, so it can be raised later: an interval at the limit has the share of the next look. (Boundaries that use the
+/// looks' dependence, S. J. Pocock, Biometrika 64, 1977, hold for normal means, not for few counts.)
 ///
 /// With sample counts that grow by a quarter (at the start by a block) a stop is at most that much later than need be,
 /// and `K` grows with the logarithm of the precision only.
 ///
-/// **Estimate.** The share of unstable samples at the stop is biased: with a half width of 0.0005 it is 17 % too low at a
-/// probability of 1e-4, with a relative precision too high. The share at the first look is not, but scatters. Its expected value given the counts at the stop is unbiased and scatters least
-/// (M. A. Girshick, F. Mosteller, L. J. Savage, Ann. Math. Stat. 17, 1946): over all orders in which the samples may have
-/// come that do not stop earlier. Given the count at a look, that at the look before is hypergeometric.
+/// **Estimate.** The share of unstable samples at the stop is biased: with a half width of 0.0005 it is 17 % too low at
+/// a probability of 1e-4, with a relative precision too high. The share at the first look is not, but scatters. Its
+/// expected value given the counts at the stop is unbiased and scatters least (M. A. Girshick, F. Mosteller, L. J.
+/// Savage, Ann. Math. Stat. 17, 1946): over all orders in which the samples may have come that do not stop earlier.
+/// Given the count at a look, that at the look before is hypergeometric.
 ///
 /// ```
 /// use stickslip_sampler::{Looks, Precision};

@@ -51,8 +51,8 @@ pub struct SamplingSpec {
     /// Whether every sample is judged by itself ("each") or looked up in a map of the verdicts ("boundary").
     #[schemars(with = "Option<EvaluateMode>")]
     pub evaluate: Option<Spanned<EvaluateMode>>,
-    /// With a verdict map: how many looked-up samples of each cell are simulated all the same (a whole number), or which share
-    /// of them (less than 1, with evaluate = "boundary"); 300 unless told.
+    /// With a verdict map: how many looked-up samples of each cell are simulated all the same (a whole number), or
+    /// which share of them (less than 1, with evaluate = "boundary"); 300 unless told.
     #[schemars(with = "Option<Audit>")]
     pub audit: Option<Spanned<Audit>>,
     /// With method = "sobol": independent randomisations among which the samples are shared; 16 unless told.
@@ -64,7 +64,8 @@ pub struct SamplingSpec {
     /// Confidence of the interval p_low to p_high, between 0 and 1; 0.95 unless told.
     #[schemars(with = "Option<f64>")]
     pub confidence: Option<Spanned<f64>>,
-    /// The interval of Monte Carlo; "wilson" unless told, "clopper-pearson" where the confidence is above 0.95 or simultaneous.
+    /// The interval of Monte Carlo; "wilson" unless told, "clopper-pearson" where the confidence is above 0.95 or
+    /// simultaneous.
     #[schemars(with = "Option<IntervalSpec>")]
     pub interval: Option<Spanned<IntervalSpec>>,
     /// Whether the intervals of all cells hold together with the confidence; false unless told.

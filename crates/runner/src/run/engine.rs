@@ -332,7 +332,8 @@ impl<'a> Engine<'a> {
         self.maps.limit(others.saturating_mul(u128::from(cost)) / u128::from((trial * samples).max(1)));
     }
 
-    /// Completes the verdict maps by asking, or gives them up when they cost more than the samples. What is new is kept in `keep`, if there is such a directory, and so is what was `borrowed` from others.
+    /// Completes the verdict maps by asking, or gives them up when they cost more than the samples. What is new is kept
+    /// in `keep`, if there is such a directory, and so is what was `borrowed` from others.
     pub fn complete_maps(
         &mut self,
         keep: Option<&Path>,
@@ -416,8 +417,8 @@ impl<'a> Engine<'a> {
         (!is_stopped).then_some(tile)
     }
 
-    /// Resolves some of the tiles that are missing, evenly spread, for about `time`: what they say of the cost of all. A tile
-    /// that takes more than a quarter of it is dropped.
+    /// Resolves some of the tiles that are missing, evenly spread, for about `time`: what they say of the cost of all.
+    /// A tile that takes more than a quarter of it is dropped.
     pub fn try_maps(&self, time: Duration) -> MapTrial {
         let missing = self.maps.missing();
         let started = Instant::now();
