@@ -23,7 +23,7 @@ use stickslip_sampler::{Cell, Marginal};
 
 use super::piece::digest;
 use super::publish::{files, is_temporary, publish};
-use super::surface::described_field;
+use super::tables::described_field;
 use crate::failure::Failure;
 use crate::job::{Job, RandomInput};
 use crate::output::note;

@@ -2,6 +2,7 @@
 //! comes out.
 
 mod batch;
+mod columns;
 mod directory;
 mod engine;
 mod extras;
@@ -11,8 +12,10 @@ mod plan;
 mod progress;
 mod provenance;
 mod publish;
+mod row;
 mod slots;
 mod surface;
+mod tables;
 mod tally;
 
 pub use batch::Batch;
@@ -22,9 +25,8 @@ pub use extras::{Extras, Lookups};
 pub use plan::{Plan, Shard};
 pub use progress::Progress;
 pub use provenance::Session;
+pub use row::{IntegratedCell, SurfaceRow, unaudited};
 pub use slots::Slots;
-pub use surface::{
-    DescribedColumn, IntegratedCell, Surface, SurfaceRow, TableColumn, TableValues, unaudited, write_columns,
-    write_table,
-};
+pub use surface::Surface;
+pub use tables::{DescribedColumn, TableColumn, TableValues, write_columns, write_table};
 pub use tally::Tally;
