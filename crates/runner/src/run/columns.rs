@@ -13,7 +13,7 @@ use stickslip_sampler::{Cell, Marginal};
 use super::extras::Extras;
 use super::row::{IntegratedCell, SurfaceRow};
 use super::tables::described_field;
-use crate::job::{Job, RandomInput, SamplingMethod};
+use crate::job::{Effort, Job, RandomInput, SamplingMethod};
 
 /// A column: name, unit, meaning, and its values.
 pub struct Column {
@@ -61,7 +61,13 @@ impl Column {
 
 /// The columns of a job's surface, in their order.
 pub fn of(job: &Job, extras: Extras) -> Vec<Column> {
-    let mut columns = first_columns();
+    let mut columns = first_columns(match job.sampling.effort {
+        Effort::Samples(_) | Effort::Randomisations { .. } => {
+            "probability of instability, unstable over decided samples"
+        }
+        Effort::Until(_) => "probability of instability, the unbiased estimate of stopping by precision",
+        Effort::Integrated => "probability of instability, the integral",
+    });
     if job.records_amplitude() {
         columns.extend(amplitude_columns());
     }
@@ -85,9 +91,9 @@ pub fn of(job: &Job, extras: Extras) -> Vec<Column> {
     columns
 }
 
-/// The columns of every surface.
+/// The columns of every surface; `probability` says what that is.
 #[rustfmt::skip]
-fn first_columns() -> Vec<Column> {
+fn first_columns(probability: &'static str) -> Vec<Column> {
     vec![
         Column::integer("cell", "0-based index of the cell", |row| row.cell.index),
         Column::new("rotating_speed_rad_s", "rad/s", "rotating speed of the disc", Values::Real(Box::new(|row| row.cell.rotating_speed))),
@@ -100,7 +106,7 @@ fn first_columns() -> Vec<Column> {
         Column::integer("n_unstable", "samples judged unstable", |row| row.counts.unstable),
         Column::integer("n_undecided", "samples without a certain verdict", |row| row.counts.undecided),
         Column::integer("n_failed", "samples whose computation broke down", |row| row.counts.failed),
-        Column::optional("p_unstable", "probability of instability: unstable over decided samples; with until the unbiased estimate, by integration the integral", |row| row.estimate.probability),
+        Column::optional("p_unstable", probability, |row| row.estimate.probability),
         Column::real("p_low", "lower end of the confidence interval of the probability", |row| row.estimate.low),
         Column::real("p_high", "upper end of the confidence interval of the probability", |row| row.estimate.high),
     ]
