@@ -10,6 +10,7 @@ mod scatter;
 mod criterion;
 mod random;
 mod sampling;
+mod sampling_spec;
 mod validated;
 
 mod normalised;
@@ -17,7 +18,8 @@ mod source;
 
 pub use criterion::{Criterion, Deciders};
 pub use random::RandomInput;
-pub use sampling::{Audit, Effort, EvaluateMode, SamplingMethod};
+pub use sampling::Effort;
+pub use sampling_spec::{Audit, EvaluateMode, SamplingMethod};
 pub use source::{JobSource, Overrides};
 pub use spec::{JobSpec, StartKind};
 pub use validated::{Job, unknown_parameter};

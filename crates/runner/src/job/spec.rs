@@ -13,7 +13,7 @@ use stickslip_core::disc_modes::MOST_DISC_MODES;
 use toml::Spanned;
 
 use super::random::RandomSpec;
-use super::sampling::SamplingSpec;
+use super::sampling_spec::SamplingSpec;
 
 /// A stickslip job: the probability of instability of a brake over a grid of operating points.
 #[derive(Debug, Deserialize, JsonSchema)]

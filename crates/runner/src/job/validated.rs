@@ -16,7 +16,8 @@ use crate::output::note;
 use super::criterion::{Criterion, Deciders, VaryingBrake};
 use super::diagnosis::{Complaint, nearest};
 use super::random::RandomInputSet;
-use super::sampling::{Audit, Effort, EvaluateMode, Sampling, SamplingMethod};
+use super::sampling::{Effort, Sampling};
+use super::sampling_spec::{Audit, EvaluateMode, SamplingMethod};
 use super::spec::{AxisSpec, JobSpec, ModelSpec, ModesSpec, SECTIONS};
 
 /// Cells at the most; their results are held in memory.

@@ -1,0 +1,357 @@
+//! The sampling keys of a job spec as written, and what can be said of them one by one.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use stickslip_sampler::interval::{MOST_WILSON_CONFIDENCE, half_of_the_error, simultaneous_confidence};
+use stickslip_sampler::{IntervalKind, Precision};
+use toml::Spanned;
+
+use super::criterion::Criterion;
+use super::diagnosis::Complaint;
+
+/// Samples of each cell that are looked up in a verdict map and simulated all the same, unless told otherwise.
+pub const AUDIT: Audit = Audit::Samples(300);
+
+/// Samples in a cell at the most with `until`, unless told otherwise.
+const AT_MOST: u64 = 1_000_000;
+
+/// Audited samples in one cell at the most.
+const MOST_AUDITED: u64 = 100_000_000;
+
+/// Beyond, quantiles lose their meaning to rounding.
+const HIGHEST_CONFIDENCE: f64 = 1.0 - 1e-12;
+
+/// Sampling of the random inputs.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SamplingSpec {
+    /// How probabilities are found; "monte-carlo" unless told.
+    #[schemars(with = "Option<SamplingMethod>")]
+    pub method: Option<Spanned<SamplingMethod>>,
+    /// Samples in each cell, at least 1; 10000 unless told.
+    #[schemars(with = "Option<u64>", range(min = 1))]
+    pub samples: Option<Spanned<u64>>,
+    /// Instead of `samples`: draw until the interval is narrow enough.
+    #[schemars(with = "Option<UntilSpec>")]
+    pub until: Option<Spanned<UntilSpec>>,
+    /// Seed of the random numbers, 0 unless told. The same seed gives the same result on every machine.
+    #[schemars(with = "Option<u64>")]
+    pub seed: Option<Spanned<u64>>,
+    /// Whether every sample is judged by itself ("each") or looked up in a map of the verdicts ("boundary").
+    #[schemars(with = "Option<EvaluateMode>")]
+    pub evaluate: Option<Spanned<EvaluateMode>>,
+    /// With a verdict map: how many looked-up samples of each cell are simulated all the same (a whole number), or
+    /// which share of them (less than 1, with evaluate = "boundary"); 300 unless told.
+    #[schemars(with = "Option<Audit>")]
+    pub audit: Option<Spanned<Audit>>,
+    /// With method = "sobol": independent randomisations among which the samples are shared; 16 unless told.
+    #[schemars(with = "Option<u64>", range(min = 2))]
+    pub randomisations: Option<Spanned<u64>>,
+    /// Whether all cells draw the same deviates; false unless told.
+    #[serde(default)]
+    pub common_random_numbers: bool,
+    /// Confidence of the interval p_low to p_high, between 0 and 1; 0.95 unless told.
+    #[schemars(with = "Option<f64>")]
+    pub confidence: Option<Spanned<f64>>,
+    /// The interval of Monte Carlo; "wilson" unless told, "clopper-pearson" where the confidence is above 0.95 or
+    /// simultaneous.
+    #[schemars(with = "Option<IntervalSpec>")]
+    pub interval: Option<Spanned<IntervalSpec>>,
+    /// Whether the intervals of all cells hold together with the confidence; false unless told.
+    #[schemars(with = "Option<bool>")]
+    pub simultaneous: Option<Spanned<bool>>,
+    /// Whether the derivatives of the probability are written, as further columns; false unless told.
+    #[schemars(with = "Option<bool>")]
+    pub derivatives: Option<Spanned<bool>>,
+    /// Whether first-order and total Sobol indices of the inputs are written, as further columns; false unless told.
+    #[schemars(with = "Option<bool>")]
+    pub sensitivity: Option<Spanned<bool>>,
+}
+
+/// When enough samples are drawn: half_width or relative is given, or both; then the first that is reached.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table, for example until = { half_width = 0.005 } or until = { relative = 0.05 }"
+)]
+pub struct UntilSpec {
+    /// Half of the width of the interval that is wanted, greater than 0 and less than 0.5.
+    pub half_width: Option<f64>,
+    /// The same over the middle of the interval, greater than 0 and less than 1.
+    pub relative: Option<f64>,
+    /// Confidence of the interval; 0.95 unless told.
+    pub confidence: Option<f64>,
+    /// Samples in a cell at the most; 1000000 unless told. It can be raised later.
+    pub at_most: Option<u64>,
+}
+
+impl UntilSpec {
+    /// Samples in a cell at the most.
+    pub fn at_most(&self) -> u64 {
+        self.at_most.unwrap_or(AT_MOST)
+    }
+
+    /// What is wanted of each cell.
+    fn precision(&self) -> Result<Precision, String> {
+        let Self { half_width, relative, .. } = *self;
+        for (key, value, limit) in [("half_width", half_width, 0.5), ("relative", relative, 1.0)] {
+            if let Some(value) = value
+                && !(value > 0.0 && value < limit)
+            {
+                return Err(format!(
+                    "sampling.until.{key} = {value} is out of range: it must be greater than 0 and less than {limit}"
+                ));
+            }
+        }
+        if half_width.is_none() && relative.is_none() {
+            return Err("sampling.until does not say when a cell is known well enough: give half_width (of p_low to p_high) or relative (half of that width over its middle), for example until = { relative = 0.05 }".to_owned());
+        }
+        Ok(Precision { half_width, relative })
+    }
+}
+
+/// Which of the samples that a verdict map tells are simulated all the same.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "sampling.audit is a whole number of samples of each cell, for example 300, or a share of the looked-up samples, for example 0.01"
+)]
+pub enum Audit {
+    /// The first so many of each cell.
+    Samples(u64),
+    /// A share of all.
+    Share(f64),
+}
+
+impl Audit {
+    /// Whether none is.
+    pub fn is_nothing(self) -> bool {
+        matches!(self, Self::Samples(0)) || self == Self::Share(0.0)
+    }
+}
+
+/// How probabilities are found.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SamplingMethod {
+    /// Independent samples.
+    #[default]
+    MonteCarlo,
+    /// Scrambled Sobol points.
+    Sobol,
+    /// The normal measure of the unstable side of the boundary.
+    Exact,
+}
+
+/// Which samples are judged.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum EvaluateMode {
+    /// Every sample by itself.
+    #[default]
+    Each,
+    /// Those within the resolution of a map of the verdicts; the others are looked up in it.
+    Boundary,
+}
+
+/// An interval for counted verdicts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum IntervalSpec {
+    /// Wilson's score interval: right on average.
+    #[default]
+    Wilson,
+    /// Clopper and Pearson's: never less than the confidence, and wider.
+    ClopperPearson,
+}
+
+impl From<IntervalSpec> for IntervalKind {
+    fn from(spec: IntervalSpec) -> Self {
+        match spec {
+            IntervalSpec::Wilson => Self::Wilson,
+            IntervalSpec::ClopperPearson => Self::ClopperPearson,
+        }
+    }
+}
+
+impl SamplingSpec {
+    pub fn method(&self) -> SamplingMethod {
+        self.method.as_ref().map_or(SamplingMethod::MonteCarlo, |method| *method.get_ref())
+    }
+
+    pub fn is_simultaneous(&self) -> bool {
+        self.simultaneous.as_ref().is_some_and(|simultaneous| *simultaneous.get_ref())
+    }
+
+    /// The confidence that one of so many intervals needs, for all of them to hold together if they are to.
+    pub fn confidence_of_a_cell(&self, confidence: f64, cells: u64) -> f64 {
+        if self.is_simultaneous() { simultaneous_confidence(confidence, cells) } else { confidence }
+    }
+
+    pub fn checked_confidence(&self, cells: u64) -> Result<f64, Complaint> {
+        let (key, value, span) = match &self.until {
+            Some(until) => ("until.confidence", until.get_ref().confidence.unwrap_or(0.95), Some(until.span())),
+            None => (
+                "confidence",
+                self.confidence.as_ref().map_or(0.95, |confidence| *confidence.get_ref()),
+                self.confidence.as_ref().map(Spanned::span),
+            ),
+        };
+        // The bounds keep the quantile of the interval finite and its definition meaningful.
+        if 0.0 < value && value <= HIGHEST_CONFIDENCE {
+            let each = self.confidence_of_a_cell(value, cells);
+            if each <= HIGHEST_CONFIDENCE {
+                return Ok(value);
+            }
+            let message = format!(
+                "sampling.{key} = {value} for {cells} cells together takes more than the highest confidence of one, 1 - 1e-12; lower it, or remove sampling.simultaneous"
+            );
+            return Err(Complaint { span, message });
+        }
+        let message = format!(
+            "sampling.{key} = {value} is out of range: it must be greater than 0 and less than 1, for example 0.95"
+        );
+        Err(Complaint { span, message })
+    }
+
+    /// What is wanted of each cell, with `until`.
+    pub fn precision(&self) -> Result<Option<Precision>, Complaint> {
+        let precision = |until: &Spanned<UntilSpec>| {
+            until.get_ref().precision().map_err(|message| Complaint::at(until.span(), message))
+        };
+        self.until.as_ref().map(precision).transpose()
+    }
+
+    /// Wilson's interval misses far more often than it says where misses are to be rare.
+    pub fn refuse_wilson_beyond_its_reach(&self, confidence: f64, is_audited: bool) -> Result<(), Complaint> {
+        let Some(interval) = self.interval.as_ref().filter(|interval| *interval.get_ref() == IntervalSpec::Wilson)
+        else {
+            return Ok(());
+        };
+        let why = if self.is_simultaneous() {
+            "with sampling.simultaneous".to_owned()
+        } else if IntervalKind::for_confidence(confidence) == IntervalKind::ClopperPearson {
+            format!("at a confidence of {confidence}, above {MOST_WILSON_CONFIDENCE}")
+        } else if is_audited
+            && IntervalKind::for_confidence(half_of_the_error(confidence)) == IntervalKind::ClopperPearson
+        {
+            format!(
+                "beside an audit, which takes half of the error: {} is above {MOST_WILSON_CONFIDENCE}",
+                half_of_the_error(confidence)
+            )
+        } else {
+            return Ok(());
+        };
+        let message = format!(
+            "sampling.interval = \"wilson\" does not hold {why}: near 0 and 1 it misses far more often than it says. Remove it, or write \"clopper-pearson\""
+        );
+        Err(Complaint::at(interval.span(), message))
+    }
+
+    /// The audit of the verdict map, where there is one.
+    pub fn checked_audit(&self, criterion: &Criterion) -> Result<Option<Audit>, Complaint> {
+        let Some(spec) = &self.audit else { return Ok(None) };
+        let complain = |message: String| Err(Complaint::at(spec.span(), message));
+        if matches!(criterion, Criterion::Eigenvalue) && self.method() == SamplingMethod::Exact {
+            return complain(
+                "sampling.audit has no meaning where criterion.kind = \"eigenvalue\" is integrated in closed form; remove it".to_owned(),
+            );
+        }
+        match *spec.get_ref() {
+            Audit::Share(share) if !(0.0..=1.0).contains(&share) => complain(format!(
+                "sampling.audit = {share} is out of range: it is a share of the looked-up samples, at least 0 and at most 1, or a whole number of samples of each cell"
+            )),
+            Audit::Share(0.0) => Ok(Some(Audit::Samples(0))),
+            Audit::Samples(1) => complain(
+                "sampling.audit = 1 is one sample of each cell, which says nothing; write audit = 1.0 for all samples, or a larger number".to_owned(),
+            ),
+            Audit::Share(share) if self.method() == SamplingMethod::Exact => complain(format!(
+                "sampling.audit = {share} is a share of samples, and method = \"exact\" draws none but those of the audit: give their number in each cell, for example audit = 1000"
+            )),
+            Audit::Samples(samples) if samples > MOST_AUDITED => {
+                complain(format!("sampling.audit = {samples} is out of range: it must be at most {MOST_AUDITED}"))
+            }
+            audit => Ok(Some(audit)),
+        }
+    }
+
+    pub fn refuse_foreign_keys(&self, criterion: &Criterion) -> Result<(), Complaint> {
+        let is_eigenvalue = matches!(criterion, Criterion::Eigenvalue);
+        let is_exact = self.method() == SamplingMethod::Exact;
+        let is_sobol = self.method() == SamplingMethod::Sobol;
+        let is_boundary = self.evaluate.as_ref().is_some_and(|evaluate| *evaluate.get_ref() == EvaluateMode::Boundary);
+        let samples = self.samples.as_ref().map(Spanned::span);
+        let until = self.until.as_ref().map(Spanned::span);
+        let confidence = self.confidence.as_ref().map(Spanned::span);
+        let interval = self.interval.as_ref().map(Spanned::span);
+        let rules = [
+            (
+                samples.clone(),
+                is_exact,
+                "sampling.samples has no meaning with method = \"exact\", which draws none; remove it (or --samples)",
+            ),
+            (
+                until.clone(),
+                is_exact,
+                "sampling.until has no meaning with method = \"exact\", which draws no samples; remove it",
+            ),
+            (
+                confidence.clone(),
+                is_exact && is_eigenvalue,
+                "sampling.confidence has no meaning where criterion.kind = \"eigenvalue\" is integrated in closed form: p_low and p_high bound the numerical error; remove it",
+            ),
+            (interval.clone(), is_exact, "sampling.interval has no meaning with method = \"exact\"; remove it"),
+            (
+                self.simultaneous.as_ref().map(Spanned::span),
+                is_exact && is_eigenvalue,
+                "sampling.simultaneous has no meaning where criterion.kind = \"eigenvalue\" is integrated in closed form, whose bounds all hold; remove it",
+            ),
+            (
+                self.evaluate.as_ref().map(Spanned::span),
+                is_exact,
+                "sampling.evaluate has no meaning with method = \"exact\", which draws no samples; remove it",
+            ),
+            (
+                until,
+                is_sobol,
+                "sampling.until needs method = \"monte-carlo\": Sobol points are only good in full powers of two; give `samples`",
+            ),
+            (
+                interval.clone(),
+                is_sobol,
+                "sampling.interval has no meaning with method = \"sobol\", whose interval comes from the randomisations; remove it",
+            ),
+            (
+                samples,
+                self.until.is_some(),
+                "sampling.samples and sampling.until exclude each other: give one of them (with until, at_most limits the samples)",
+            ),
+            (
+                confidence,
+                self.until.is_some(),
+                "sampling.confidence and sampling.until exclude each other: write until = { ..., confidence = ... }",
+            ),
+            (
+                interval,
+                self.until.is_some(),
+                "sampling.interval has no meaning with sampling.until, whose interval stays valid under repeated looks; remove it",
+            ),
+            (
+                self.randomisations.as_ref().map(Spanned::span),
+                !is_sobol,
+                "sampling.randomisations belongs to method = \"sobol\"; remove it, or change the method",
+            ),
+            (
+                self.audit.as_ref().map(Spanned::span),
+                !is_boundary && !is_exact,
+                "sampling.audit belongs to evaluate = \"boundary\" and to method = \"exact\"; remove it, or change one of these",
+            ),
+        ];
+        for (span, is_foreign, message) in rules {
+            if let (Some(span), true) = (span, is_foreign) {
+                return Err(Complaint::at(span, message.to_owned()));
+            }
+        }
+        Ok(())
+    }
+}
