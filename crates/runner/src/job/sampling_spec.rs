@@ -175,10 +175,12 @@ impl From<IntervalSpec> for IntervalKind {
 }
 
 impl SamplingSpec {
+    /// How probabilities are found.
     pub fn method(&self) -> SamplingMethod {
         self.method.as_ref().map_or(SamplingMethod::MonteCarlo, |method| *method.get_ref())
     }
 
+    /// Whether the intervals of all cells hold together.
     pub fn is_simultaneous(&self) -> bool {
         self.simultaneous.as_ref().is_some_and(|simultaneous| *simultaneous.get_ref())
     }
@@ -188,6 +190,7 @@ impl SamplingSpec {
         if self.is_simultaneous() { simultaneous_confidence(confidence, cells) } else { confidence }
     }
 
+    /// The confidence of the intervals.
     pub fn checked_confidence(&self, cells: u64) -> Result<f64, Complaint> {
         let (key, value, span) = match &self.until {
             Some(until) => ("until.confidence", until.get_ref().confidence.unwrap_or(0.95), Some(until.span())),
@@ -275,6 +278,7 @@ impl SamplingSpec {
         }
     }
 
+    /// Refuses keys that have no meaning beside others.
     pub fn refuse_foreign_keys(&self, criterion: &Criterion) -> Result<(), Complaint> {
         let is_eigenvalue = matches!(criterion, Criterion::Eigenvalue);
         let is_exact = self.method() == SamplingMethod::Exact;
