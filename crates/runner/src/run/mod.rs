@@ -6,6 +6,7 @@ mod columns;
 mod directory;
 mod engine;
 mod extras;
+mod mapping;
 mod maps;
 mod piece;
 mod plan;

@@ -6,8 +6,8 @@ use std::time::{Instant, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
-use super::engine::CompletedMaps;
 use super::extras::Lookups;
+use super::mapping::CompletedMaps;
 use super::publish::publish;
 use crate::failure::Failure;
 
