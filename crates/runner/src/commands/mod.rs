@@ -1,8 +1,11 @@
-//! The commands, one file each.
+//! The commands, and what several of them share.
 
+mod adoption;
 mod analyse;
 mod check;
+mod closing;
 mod compare;
+mod completion;
 mod describe;
 mod differences;
 mod matching;
@@ -13,7 +16,8 @@ mod trajectory;
 pub use analyse::analyse;
 pub use check::check;
 pub use compare::compare;
+pub use completion::{FinishedRun, complete_run};
 pub use describe::{completions, man, schema};
 pub use status::status;
-pub use submit::{FinishedRun, complete_run, merge, resume, submit};
+pub use submit::{merge, resume, submit};
 pub use trajectory::{columns, follow, replay, trajectory};

@@ -11,7 +11,7 @@ use stickslip_core::{
 };
 
 use super::analyse::brake;
-use super::submit::was_counted_without_map;
+use super::completion::was_counted_without_map;
 use crate::cli::{AllotmentArgument, DiscArgument, ReplayArguments, TrajectoryArguments};
 use crate::failure::Failure;
 use crate::job::{Criterion, Deciders, Job, RandomInput};

@@ -1,0 +1,111 @@
+//! What a finished run says of itself.
+
+use std::path::Path;
+
+use indicatif::HumanCount;
+
+use crate::failure::Failure;
+use crate::job::Job;
+use crate::output::result;
+use crate::picture::picture;
+use crate::run::{Lookups, RunDirectory, Surface, SurfaceRow};
+
+/// Where the result is and what it looks like.
+pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Result<(), Failure> {
+    let line = closing_line(&directory.surface(), job, surface);
+    result(&format!("{}{line}{}{}", picture(surface), without_verdict(surface), looked_up(job, surface)))?;
+    let Lookups { audited, differed, .. } = surface.lookups();
+    if differed == 0 {
+        return Ok(());
+    }
+    Err(Failure::Audit(format!(
+        "{}: {} of {} audited samples were judged otherwise than looked up, so the verdict map is wrong somewhere (a region of another verdict that it does not see). p_low and p_high of each cell contain what its audit does not exclude; {}",
+        directory.surface().display(),
+        HumanCount(differed),
+        HumanCount(audited),
+        if job.is_integrated() {
+            "use method = \"monte-carlo\" with evaluate = \"each\" for this job"
+        } else {
+            "use evaluate = \"each\" for this job"
+        }
+    )))
+}
+
+/// A line on samples that were looked up in a verdict map, and what their audit says.
+fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
+    let Lookups { simulated, audited, differed } = surface.lookups();
+    if !job.uses_maps() {
+        return String::new();
+    }
+    let counted: u128 = surface.rows().map(|row| u128::from(row.counts.total())).sum();
+    if !job.is_integrated() && u128::from(simulated) == counted {
+        return "every sample was simulated, none looked up in a verdict map\n".to_owned();
+    }
+    let mut text = if job.is_integrated() {
+        String::new()
+    } else {
+        format!("looked up in a verdict map, {} simulated within its resolution; ", HumanCount(simulated))
+    };
+    text += &if job.sampling.is_audited {
+        let widest = surface.rows().filter_map(|row| row.unaudited).fold(0.0, f64::max);
+        format!(
+            "audit: {} of {} differed, which leaves up to {widest:.1e} of a cell's samples open (p_audit)",
+            HumanCount(differed),
+            HumanCount(audited)
+        )
+    } else {
+        "no audit: p_low and p_high take the map for right".to_owned()
+    };
+    text + "\n"
+}
+
+/// A line on the samples without a verdict, if there are any: they are counted, and widen the interval.
+fn without_verdict(surface: &Surface<'_>) -> String {
+    let (mut undecided, mut failed) = (0, 0);
+    for row in surface.rows() {
+        undecided += row.counts.undecided;
+        failed += row.counts.failed;
+    }
+    match (undecided, failed) {
+        (0, 0) => String::new(),
+        _ => format!(
+            "{} samples undecided, {} failed; p_low and p_high count them for either side\n",
+            HumanCount(undecided),
+            HumanCount(failed)
+        ),
+    }
+}
+
+fn closing_line(path: &Path, job: &Job, surface: &Surface<'_>) -> String {
+    let cells = HumanCount(job.cells());
+    if job.is_integrated() {
+        let error = |row: SurfaceRow| 0.5 * (row.estimate.high - row.estimate.low) - row.unaudited.unwrap_or(0.0);
+        let widest = surface.rows().map(error).fold(0.0, f64::max);
+        let undecided = surface.largest_undecided();
+        let undecided = if undecided > 0.0 {
+            format!("; up to {undecided:.1e} of a cell's samples would be undecided, see p_undecided")
+        } else {
+            String::new()
+        };
+        return format!("{}: {cells} cells, integrated, error at most {widest:.1e}{undecided}\n", path.display());
+    }
+    let samples = if job.stops_by_precision() {
+        let counted: u128 = surface.rows().map(|row| u128::from(row.counts.total())).sum();
+        format!("{} samples in all, at most {} each", HumanCount128(counted), HumanCount(job.sampling.samples))
+    } else {
+        format!("{} samples each", HumanCount(job.sampling.samples))
+    };
+    format!("{}: {cells} cells, {samples}, seed {}\n", path.display(), job.sampling.seed)
+}
+
+/// A count of any size with separators.
+pub struct HumanCount128(pub u128);
+
+impl std::fmt::Display for HumanCount128 {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match u64::try_from(self.0) {
+            Ok(count) => HumanCount(count).fmt(f),
+            Err(_) => self.0.fmt(f),
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! From a job and what is there of it to a finished run.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::HumanCount;
+
+use super::adoption::adopt;
+use super::closing::HumanCount128;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::job::{Job, JobSource};
+use crate::output::{note, quoted};
+use crate::run::{
+    Access, Engine, IntegratedCell, Outcome, Plan, Progress, RunDirectory, Session, Shard, Slots, Surface, Tally,
+};
+
+/// A run with all its samples counted and its surface written.
+pub struct FinishedRun {
+    /// Where it is.
+    pub directory: RunDirectory,
+    /// Its job.
+    pub job: Job,
+    /// Its verdicts.
+    pub tally: Tally,
+    /// Its probabilities, where they are integrated.
+    integrated: Vec<IntegratedCell>,
+}
+
+impl FinishedRun {
+    /// Its result.
+    pub fn surface(&self) -> Surface<'_> {
+        Surface::integrated(&self.job, &self.tally, &self.integrated)
+    }
+}
+
+/// How a run is computed.
+pub struct Work<'a> {
+    /// On so many threads.
+    pub threads: usize,
+    /// As a part of it.
+    pub shard: Option<Shard>,
+    /// Directories of verdict maps that may be used.
+    pub maps: Vec<PathBuf>,
+    /// By which command.
+    pub command: &'a str,
+}
+
+/// Brings a run of `source` to its end, whatever of it is there already.
+pub fn complete_run(
+    source: &JobSource,
+    out: &Path,
+    threads: usize,
+    interrupt: &Interrupt,
+) -> Result<FinishedRun, Failure> {
+    let job = source.job()?;
+    let work = Work { threads, shard: None, maps: Vec::new(), command: "reproduce" };
+    let directory = RunDirectory::create(out, Access::Alone)?;
+    // A run that was extended answers as well, and better.
+    if let Some(existing) = directory.job_source()?.map(|frozen| frozen.job()).transpose()?
+        && existing.experiment_hash() == job.experiment_hash()
+        && existing.sampling.samples > job.sampling.samples
+    {
+        let tally = directory.tally(&existing)?;
+        return compute(directory, existing, tally, &work, interrupt);
+    }
+    let tally = adopt(&directory, source, &job)?.into_tally();
+    compute(directory, job, tally, &work, interrupt)
+}
+
+/// Computes what is missing; without a shard, writes the surface.
+pub fn compute(
+    directory: RunDirectory,
+    job: Job,
+    mut tally: Tally,
+    work: &Work<'_>,
+    interrupt: &Interrupt,
+) -> Result<FinishedRun, Failure> {
+    let Work { threads, shard, .. } = *work;
+    if shard.is_none() {
+        directory.tidy()?;
+    }
+    let mut session = Session::start(work.command, threads);
+    let started = Instant::now();
+    let before = tally.counted();
+    let path = quoted(directory.path());
+    let how = match shard {
+        None => format!("stickslip resume {path}"),
+        Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
+    };
+    let kept =
+        |failure: Failure| failure.with_remedy(&format!("what was written before is kept; continue with `{how}`"));
+    let mut engine = Engine::new(&job, threads)?;
+    let mut integrated = Vec::new();
+    let mut outcome = Outcome::Finished;
+    // The eigenvalues of a flexible disc, and motions, are decided once for each place in the plane; not if all is counted.
+    let counts_something = || Plan::new(&tally, &Slots::new(&job), job.unit_samples(), shard).units() > 0;
+    // The audit of a cell begins with its first sample: one that began without a map cannot be audited later.
+    if job.sampling.is_audited && was_counted_without_map(&job, &tally) {
+        engine.give_maps_up();
+        if counts_something() {
+            note(format_args!(
+                "{path}: the samples counted so far were simulated, as a verdict map would have cost more, and so are the others; for a map, submit the job into another directory with --out"
+            ));
+        }
+    } else if job.uses_maps() && (job.is_integrated() || counts_something()) {
+        let own = directory.maps();
+        engine.load_maps(&own)?;
+        let mut borrowed = false;
+        for other in &work.maps {
+            let loaded = engine.load_maps(other)?;
+            borrowed |= loaded > 0;
+            if loaded == 0 && !engine.maps().missing().is_empty() {
+                note(format_args!("{}: no tile of this model, speed and criterion that is needed", other.display()));
+            }
+        }
+        let completed = engine.complete_maps(Some(&own), borrowed, interrupt).map_err(kept)?;
+        outcome = completed.outcome;
+        if outcome == Outcome::Finished {
+            session.maps(&completed);
+        }
+        if let Some(why) = completed.why_given_up(&job) {
+            note(format_args!("{why} ({:.2} s)", started.elapsed().as_secs_f64()));
+        } else if outcome == Outcome::Finished {
+            note(format_args!(
+                "verdict map: {} tiles from {} simulations, {} of them new ({:.2} s)",
+                HumanCount(engine.maps().needed() as u64),
+                HumanCount(engine.maps().questions()),
+                HumanCount(completed.simulations),
+                started.elapsed().as_secs_f64()
+            ));
+        }
+    }
+    if outcome == Outcome::Finished && job.is_integrated() {
+        (outcome, integrated) = engine.integrate(interrupt)?;
+    } else if outcome == Outcome::Finished {
+        outcome = count(&engine, &directory, &job, &mut tally, shard, interrupt).map_err(kept)?;
+    }
+    let computed = u64::try_from(tally.counted() - before).unwrap_or(u64::MAX);
+    let seconds = started.elapsed().as_secs_f64();
+    if computed > 0 {
+        note(format_args!(
+            "{} samples in {seconds:.2} s on {threads} threads ({} samples/s)",
+            HumanCount(computed),
+            HumanCount((computed as f64 / seconds.max(1e-9)) as u64)
+        ));
+    }
+    if let Outcome::Stopped(signal) = outcome {
+        if shard.is_none() {
+            session.record(directory.path(), &signal.to_string(), computed)?;
+        }
+        let message = if job.is_integrated() {
+            format!("finished tiles of the verdict map are kept; continue with `{how}`")
+        } else {
+            format!(
+                "{} of {}{} samples{} are kept; continue with `{how}`",
+                HumanCount128(tally.counted()),
+                if job.stops_by_precision() { "at most " } else { "" },
+                HumanCount128(job.total_samples()),
+                if job.uses_maps() { " and the finished tiles of the verdict map" } else { "" }
+            )
+        };
+        return Err(Failure::Stopped { signal, message });
+    }
+    let run = FinishedRun { directory, job, tally, integrated };
+    if shard.is_none() {
+        let surface = run.surface();
+        let is_new = surface.publish(run.directory.path())?;
+        if run.job.is_integrated() && !is_new {
+            note(format_args!("{} is finished already; its surface came out the same", run.directory.path().display()));
+        }
+        if computed > 0 || is_new {
+            session.lookups(surface.lookups());
+            session.record(run.directory.path(), "finished", computed)?;
+        }
+    }
+    Ok(run)
+}
+
+/// Whether all that is counted of a run was simulated, as its verdict map was given up.
+pub fn was_counted_without_map(job: &Job, tally: &Tally) -> bool {
+    let surface = Surface::new(job, tally);
+    let simulated = surface.lookups().simulated;
+    simulated > 0 && u128::from(simulated) == tally.counted()
+}
+
+/// Counts the samples that are missing; where more may be wanted after a look at them, in rounds.
+fn count(
+    engine: &Engine<'_>,
+    directory: &RunDirectory,
+    job: &Job,
+    tally: &mut Tally,
+    shard: Option<Shard>,
+    interrupt: &Interrupt,
+) -> Result<Outcome, Failure> {
+    let slots = Slots::new(job);
+    loop {
+        let plan = Plan::new(tally, &slots, job.unit_samples(), shard);
+        if plan.units() == 0 {
+            return Ok(Outcome::Finished);
+        }
+        let mut progress = Progress::new(plan.samples(), "samples");
+        let outcome = engine.run(&plan, tally, directory, &mut progress, interrupt);
+        progress.finish();
+        if outcome? != Outcome::Finished {
+            return Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped));
+        }
+    }
+}
