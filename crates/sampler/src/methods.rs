@@ -59,8 +59,8 @@
 //! like `samples^-0.75` with two inputs, less fast with more of them.
 //!
 //! **Interval**: Student's, from the scatter of the randomisations ([`replicates`](crate::replicates)); where fewer than 30
-//! samples are on one side, or all randomisations agree, widened to include that of as many independent samples. With one
-//! random input, and wherever the randomisations' counts differ by no more than one, a binomial interval takes the place of
+//! samples (200 above 95 %) are on one side, or all randomisations agree, widened to include that of as many independent
+//! samples. With one random input, and wherever the randomisations' counts differ by no more than one, a binomial interval takes the place of
 //! Student's. Student's interval takes the randomisations' shares for normally distributed: at the confidence of a band over
 //! many cells (`simultaneous`), a miss may be twice as frequent as it says.
 //!
@@ -78,9 +78,9 @@
 //! A map that costs more than the samples, less those of the audit, is given up, and every sample simulated, as a note on
 //! standard error says. That is decided by the job alone: a verdict costs 1 and the scaled time that its motion is followed;
 //! those of all needed tiles are set against those of the samples, estimated from the first four of up to 64 cells.
-//! `stickslip check` says beforehand what to expect, in simulations and in seconds. What follows a motion near a boundary
-//! may take longer than that time says, so that a map can still take a second or more where the samples of a small job take
-//! less. A run that gave its map up simulates the samples by which it is extended as well.
+//! `stickslip check` says beforehand what to expect, in simulations and in seconds. A motion near a boundary may take more
+//! computing than its time suggests, so that a map can still take a second or more where the samples of a small job take
+//! less. A run that gave its map up also simulates the samples by which it is extended.
 //!
 //! With `kind = "eigenvalue"` it changes nothing: the closed form decides as fast as a map would. With `sensitivity` the
 //! verdicts on the second set of samples are looked up too, and not audited.
