@@ -24,16 +24,17 @@ impl Standing {
     }
 }
 
-/// Makes the directory one of this job, or refuses if it belongs to another.
-pub fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<Standing, Failure> {
+/// Makes the directory one of this job, or refuses if it belongs to another. Gives the job as the run has it: it keeps the
+/// name and the description under which it began.
+pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(Job, Standing), Failure> {
     if directory.job_source()?.is_none() {
         // Pieces may be there without a job (a job.toml removed by hand): those of this job count, others are refused
         // before anything is written. Unless another shard has frozen the job in the meantime.
-        let tally = directory.tally(job);
+        let tally = directory.tally(&job);
         if directory.job_source()?.is_none() {
             let tally = tally?;
-            if directory.freeze_first(source, job)? {
-                return Ok(Standing::Fresh(tally));
+            if directory.freeze_first(source, &job)? {
+                return Ok((job, Standing::Fresh(tally)));
             }
         }
     }
@@ -55,7 +56,7 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<
     let tally = directory.tally(&existing)?;
     let finished = Slots::new(&existing).complete_cells(&tally) == existing.cells();
     if wanted == there {
-        return Ok(if finished { Standing::Finished(tally) } else { Standing::Unfinished(tally) });
+        return Ok((existing, if finished { Standing::Finished(tally) } else { Standing::Unfinished(tally) }));
     }
     if !finished {
         return Err(Failure::CannotCreate(format!(
@@ -63,9 +64,10 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: &Job) -> Result<
         )));
     }
     note(format_args!("{path}: from {at_most}{there} to {at_most}{wanted} samples in each cell"));
-    directory.freeze(source, job)?;
+    directory.freeze(source, &job)?;
     // With more samples a cell may have more parts.
-    directory.tally(job).map(Standing::Fresh)
+    let tally = directory.tally(&job)?;
+    Ok((job, Standing::Fresh(tally)))
 }
 
 /// The first line in which two normalised jobs differ.

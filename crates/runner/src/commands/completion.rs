@@ -64,8 +64,8 @@ pub fn complete_run(
         let tally = directory.tally(&existing)?;
         return compute(directory, existing, tally, &work, interrupt);
     }
-    let tally = adopt(&directory, source, &job)?.into_tally();
-    compute(directory, job, tally, &work, interrupt)
+    let (job, standing) = adopt(&directory, source, job)?;
+    compute(directory, job, standing.into_tally(), &work, interrupt)
 }
 
 /// Computes what is missing; without a shard, writes the surface.

@@ -30,9 +30,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let access = if arguments.shard.is_some() { Access::Shared } else { Access::Alone };
     let directory = RunDirectory::create(&out, access)?;
     let threads = arguments.threads.count();
-    let standing = adopt(&directory, &source, &job)?;
-    // A run keeps the name and the description under which it began.
-    let job = directory.job()?;
+    let (job, standing) = adopt(&directory, &source, job)?;
     match standing {
         Standing::Finished(tally) if arguments.shard.is_none() && !job.is_integrated() => {
             note(format_args!("{} is finished already; nothing to do", out.display()));
