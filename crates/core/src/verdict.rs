@@ -43,6 +43,12 @@ impl VerdictCounts {
         self.stable + self.unstable + self.undecided + self.failed
     }
 
+    /// Samples that may be either stable or unstable: undecided and failed.
+    #[must_use]
+    pub fn without_verdict(&self) -> u64 {
+        self.undecided + self.failed
+    }
+
     /// Samples with a verdict that counts towards a probability.
     #[must_use]
     pub fn decided(&self) -> u64 {

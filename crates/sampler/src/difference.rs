@@ -163,20 +163,18 @@ pub fn unpaired_difference(
     trials_second: u64,
     confidence: f64,
 ) -> Difference {
-    if trials_first == 0 || trials_second == 0 {
-        return Difference::UNKNOWN;
-    }
     let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
-    let first = successes_first as f64 / trials_first as f64;
-    let second = successes_second as f64 / trials_second as f64;
-    let (first_low, first_high) = interval.bounds(successes_first, trials_first);
-    let (second_low, second_high) = interval.bounds(successes_second, trials_second);
+    let share = |successes, trials| Share::of(successes, trials, &interval);
+    let (Some(first), Some(second)) = (share(successes_first, trials_first), share(successes_second, trials_second))
+    else {
+        return Difference::UNKNOWN;
+    };
     let length = |a: f64, b: f64| (a * a + b * b).sqrt();
-    let value = first - second;
+    let value = first.value - second.value;
     Difference {
         value: Some(value),
-        low: (value - length(first - first_low, second_high - second)).max(-1.0),
-        high: (value + length(first_high - first, second - second_low)).min(1.0),
+        low: (value - length(first.value - first.low, second.high - second.value)).max(-1.0),
+        high: (value + length(first.high - first.value, second.value - second.low)).min(1.0),
     }
 }
 
@@ -192,16 +190,27 @@ pub fn dependent_difference(
     trials_second: u64,
     confidence: f64,
 ) -> Difference {
-    if trials_first == 0 || trials_second == 0 {
-        return Difference::UNKNOWN;
-    }
     let interval = BinomialInterval::new(IntervalKind::ClopperPearson, half_of_the_error(confidence));
-    let (first_low, first_high) = interval.bounds(successes_first, trials_first);
-    let (second_low, second_high) = interval.bounds(successes_second, trials_second);
-    Difference {
-        value: Some(successes_first as f64 / trials_first as f64 - successes_second as f64 / trials_second as f64),
-        low: first_low - second_high,
-        high: first_high - second_low,
+    let share = |successes, trials| Share::of(successes, trials, &interval);
+    let (Some(first), Some(second)) = (share(successes_first, trials_first), share(successes_second, trials_second))
+    else {
+        return Difference::UNKNOWN;
+    };
+    Difference { value: Some(first.value - second.value), low: first.low - second.high, high: first.high - second.low }
+}
+
+/// An observed share with the ends of its interval.
+struct Share {
+    value: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Share {
+    /// `None` without trials.
+    fn of(successes: u64, trials: u64, interval: &BinomialInterval) -> Option<Self> {
+        let (low, high) = interval.bounds(successes, trials);
+        (trials > 0).then(|| Self { value: successes as f64 / trials as f64, low, high })
     }
 }
 

@@ -75,7 +75,7 @@ impl WilsonInterval {
 fn estimate(counts: &VerdictCounts, bounds: impl Fn(u64, u64) -> (f64, f64)) -> Estimate {
     let (decided, total) = (counts.decided(), counts.total());
     let probability = (decided > 0).then(|| counts.unstable as f64 / decided as f64);
-    let doubtful = counts.undecided + counts.failed;
+    let doubtful = counts.without_verdict();
     let (low, _) = bounds(counts.unstable, total);
     let (_, high) = bounds(counts.unstable + doubtful, total);
     Estimate { probability, low, high }

@@ -44,10 +44,9 @@ pub fn estimate(parts: &[VerdictCounts], inputs: usize, confidence: f64) -> Esti
     if parts.len() < 2 {
         return binomial;
     }
-    let doubtful = |part: &VerdictCounts| part.undecided + part.failed;
-    let total = |part: &VerdictCounts| part.total();
-    let lower: Vec<(u64, u64)> = parts.iter().map(|part| (part.unstable, total(part))).collect();
-    let upper: Vec<(u64, u64)> = parts.iter().map(|part| (part.unstable + doubtful(part), total(part))).collect();
+    let lower: Vec<(u64, u64)> = parts.iter().map(|part| (part.unstable, part.total())).collect();
+    let upper: Vec<(u64, u64)> =
+        parts.iter().map(|part| (part.unstable + part.without_verdict(), part.total())).collect();
     let (low_mean, low_reach) = reach(&lower, confidence);
     let (high_mean, high_reach) = reach(&upper, confidence);
     let (mut low, mut high) = (low_mean - low_reach, high_mean + high_reach);

@@ -95,12 +95,8 @@ fn rows(compared: &[Differences]) -> HumanCount {
 /// Says of a run that its verdict map is wrong somewhere, if its audit found that.
 fn warn_of_audit(reader: &Reader<'_>) {
     let run = reader.run;
-    let of_cell = |cell: u64| match reader.integrated.get(cell as usize) {
-        Some(integrated) => integrated.lookups,
-        None => run.lookups(cell),
-    };
     let mut lookups = Lookups::default();
-    (0..run.job.cells()).for_each(|cell| lookups.add(of_cell(cell)));
+    (0..run.job.cells()).for_each(|cell| lookups.add(reader.lookups(cell)));
     if lookups.differed > 0 {
         note(format_args!(
             "warning: {}: {} of {} audited samples differed, so its verdict map is wrong somewhere; the intervals contain what the audit leaves open",
@@ -181,15 +177,18 @@ impl<'a> Reader<'a> {
         Estimate { probability, ..estimate }
     }
 
+    /// How the samples of a cell, or those of its audit, were judged.
+    fn lookups(&self, cell: u64) -> Lookups {
+        self.integrated.get(cell as usize).map_or_else(|| self.run.lookups(cell), |integrated| integrated.lookups)
+    }
+
     /// How much of a cell's probability the audit of its verdict map does not exclude to be wrong; 0 without an audit.
     fn unaudited(&self, cell: u64, confidence: f64) -> f64 {
         if !self.run.is_audited() {
             return 0.0;
         }
-        match self.integrated.get(cell as usize) {
-            Some(integrated) => unaudited(&integrated.lookups, None, confidence),
-            None => unaudited(&self.run.lookups(cell), Some(self.run.counts(cell).total()), confidence),
-        }
+        let samples = (!self.run.job.is_integrated()).then(|| self.run.counts(cell).total());
+        unaudited(&self.lookups(cell), samples, confidence)
     }
 
     /// The share of the error that the look at which a cell stopped may take; 1 without looks.
@@ -273,7 +272,7 @@ fn count(counts: &mut PairedCounts, first: bool, second: bool) {
 /// Second minus first from counts that are independent, or depend on each other in an unknown way; what is unknown widens
 /// both ends.
 fn unpaired(first: &VerdictCounts, second: &VerdictCounts, kinship: Kinship, confidence: f64) -> Difference {
-    let unknown = |counts: &VerdictCounts| counts.undecided + counts.failed;
+    let unknown = VerdictCounts::without_verdict;
     let of = if kinship == Kinship::Independent { unpaired_difference } else { dependent_difference };
     let all =
         |up: u64, down: u64| of(second.unstable + up, second.total(), first.unstable + down, first.total(), confidence);

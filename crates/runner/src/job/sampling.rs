@@ -63,7 +63,7 @@ pub struct Sampling {
     pub interval: Option<IntervalSpec>,
     /// Whether the intervals hold together.
     pub simultaneous: bool,
-    /// Whether verdicts are looked up in a map, and which of them is audited.
+    /// Whether verdicts are looked up in a map that is audited.
     pub is_audited: bool,
     /// Whether derivatives are wanted.
     pub derivatives: bool,
@@ -81,7 +81,6 @@ impl Sampling {
     ) -> Result<Self, Complaint> {
         spec.refuse_foreign_keys(criterion)?;
         let confidence = spec.checked_confidence(cells)?;
-
         let samples = match (&spec.until, &spec.samples) {
             _ if spec.method() == SamplingMethod::Exact => 0,
             (Some(until), _) => until.get_ref().at_most(),
@@ -102,8 +101,8 @@ impl Sampling {
         spec.refuse_wilson_beyond_its_reach(confidence, is_audited)?;
         let of_a_cell = spec.confidence_of_a_cell(confidence, cells);
         let for_counts = if is_audited { half_of_the_error(of_a_cell) } else { of_a_cell };
-        let precision = spec.precision()?;
-        let (audit, precision) = match precision {
+        let until = spec.precision()?;
+        let (audit, precision) = match until {
             Some(precision) if is_audited => {
                 let (audit, precision) = spec.share_precision(precision, audit, for_counts)?;
                 (audit, Some(precision))
@@ -113,7 +112,7 @@ impl Sampling {
         let sampling = Self {
             method: spec.method(),
             samples,
-            until: spec.precision()?,
+            until,
             effort: spec.effort(samples, for_counts, precision)?,
             seed: spec.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
             evaluate,
@@ -216,15 +215,12 @@ impl Sampling {
             Effort::Randomisations { count, points } => Some(count * points),
             Effort::Until(_) | Effort::Integrated => None,
         };
-        let until = match &self.effort {
-            Effort::Until(_) => self.until.map(|Precision { half_width, relative }| NormalisedUntil {
-                half_width,
-                relative,
-                confidence: self.confidence,
-                at_most: self.samples,
-            }),
-            _ => None,
-        };
+        let until = self.until.map(|Precision { half_width, relative }| NormalisedUntil {
+            half_width,
+            relative,
+            confidence: self.confidence,
+            at_most: self.samples,
+        });
         let integrated = self.method == SamplingMethod::Exact;
         // What is integrated over a map is audited with samples.
         let without_samples = integrated && !self.is_audited;

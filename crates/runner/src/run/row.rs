@@ -43,7 +43,7 @@ pub struct IntegratedCell {
 impl SurfaceRow {
     /// The share of samples without a verdict, undecided or failed.
     pub fn unknown_share(&self) -> f64 {
-        let counted = (self.counts.undecided + self.counts.failed) as f64 / self.counts.total().max(1) as f64;
+        let counted = self.counts.without_verdict() as f64 / self.counts.total().max(1) as f64;
         self.integrated.map_or(counted, |integrated| integrated.undecided)
     }
 }
