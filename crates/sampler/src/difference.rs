@@ -393,6 +393,10 @@ mod tests {
         let ratio = (exact.1 - exact.0) / (score.1 - score.0);
         assert!((1.0..1.2).contains(&ratio), "{ratio}");
         assert_eq!(exact_paired(&pairs(0, 0, 0, 100), 0.99).0, -exact_paired(&pairs(0, 0, 0, 100), 0.99).1);
+        // Each of the two intervals has half of the error: 40 of 40 differ, all in one direction.
+        let end = 0.0025_f64.powf(1.0 / 40.0);
+        let all = exact_paired(&pairs(0, 40, 0, 0), 0.99);
+        assert!((all.0 - end * (2.0 * end - 1.0)).abs() < 1e-12 && all.1 == 1.0, "{all:?}");
     }
 
     #[test]
