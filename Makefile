@@ -41,7 +41,7 @@ check:
 bench:
 	$(CARGO) bench --locked -p stickslip --bench figures --bench methods
 
-# The tables of the range of validity (docs of `stickslip_core::validity`): verdicts against references, case by case.
+# The tables of the range of validity (docs of `stickslip_core::criterion::validity`): verdicts against references, case by case.
 validity:
 	$(CARGO) bench --locked -p stickslip-core --bench validity
 

@@ -10,15 +10,21 @@
 use rand::SeedableRng;
 use rand_distr::{Binomial, Distribution};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use stickslip_core::{PadOnDisc, Parameters, StabilityBoundary, Verdict, VerdictCounts};
-use stickslip_sampler::difference::{dependent_difference, paired_difference, unpaired_difference};
-use stickslip_sampler::interval::simultaneous_confidence;
-use stickslip_sampler::score::{CellNumber, ScoreSums, ScoreTotals};
-use stickslip_sampler::sensitivity::{IndexCounts, indices};
-use stickslip_sampler::{
-    BinomialInterval, Cell, DeviateStream, IntervalKind, Looks, PairedCounts, Points, Precision, RelativeStd, audit,
-    normal, replicates,
-};
+use stickslip_core::parameters::Parameters;
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_sampler::draw::deviates::{DeviateStream, Points};
+use stickslip_sampler::estimate::difference::PairedCounts;
+use stickslip_sampler::estimate::difference::{dependent_difference, paired_difference, unpaired_difference};
+use stickslip_sampler::estimate::interval::simultaneous_confidence;
+use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
+use stickslip_sampler::estimate::score::{CellNumber, ScoreSums, ScoreTotals};
+use stickslip_sampler::estimate::sensitivity::{IndexCounts, indices};
+use stickslip_sampler::estimate::sequential::{Looks, Precision};
+use stickslip_sampler::estimate::{audit, replicates};
+use stickslip_sampler::grid::{Cell, RelativeStd};
+use stickslip_sampler::special_functions::normal;
 
 /// One line of the table.
 struct Line<'a> {

@@ -13,12 +13,16 @@ use std::time::{Duration, Instant};
 
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
-use stickslip_core::{
-    DiscModel, InstructionSet, JudgedMotion, Moment, PadOnDisc, Parameters, RandomInputs, Start, TimeDomain,
-    TimeDomainSettings, VerdictCounts,
-};
-use stickslip_sampler::identity::block_generator;
-use stickslip_sampler::{BLOCK_SAMPLES, Cell, Purpose, RelativeStd, SampleStream};
+use stickslip_core::criterion::time_domain::{DiscModel, JudgedMotion, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::lanes::InstructionSet;
+use stickslip_core::parameters::Parameters;
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::trajectory::Moment;
+use stickslip_core::verdict::VerdictCounts;
+use stickslip_sampler::draw::identity::block_generator;
+use stickslip_sampler::draw::identity::{BLOCK_SAMPLES, Purpose};
+use stickslip_sampler::draw::samples::SampleStream;
+use stickslip_sampler::grid::{Cell, RelativeStd};
 
 const CELL: Cell = Cell {
     index: 17,

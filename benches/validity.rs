@@ -1,5 +1,5 @@
 //! `make validity`: verdicts held against references that no judge had a part in, over the range of brakes; the tables of
-//! `stickslip_core::validity`. With a rigid disc the references are an independent program's; with a flexible one they are
+//! `stickslip_core::criterion::validity`. With a rigid disc the references are an independent program's; with a flexible one they are
 //! longer motions of the same equations with finer steps.
 //!
 //! `VALIDITY_BRAKES=20` or `VALIDITY_BRAKES=100..120` takes only these of the random brakes with a flexible disc.
@@ -29,8 +29,10 @@ use std::time::Instant;
 use brakes::random_brake;
 use fates::{FATES, FATES_AT_BOUNDARIES, cases};
 use reference::Equilibrium;
-use stickslip_core::time_domain::HORIZON;
-use stickslip_core::{DiscModel, PadOnDisc, RandomInputs, Start, TimeDomain, TimeDomainSettings, Verdict};
+use stickslip_core::criterion::time_domain::HORIZON;
+use stickslip_core::criterion::time_domain::{DiscModel, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::verdict::Verdict;
 use table::{Held, Place, print_cases, print_table};
 
 /// Random brakes with a flexible disc, each with three starts.

@@ -15,7 +15,8 @@ use std::thread;
 use std::time::Duration;
 
 use common::{Place, Table, other_build, repository, surface_job};
-use stickslip_sampler::{Cell, RelativeStd, SampleStream};
+use stickslip_sampler::draw::samples::SampleStream;
+use stickslip_sampler::grid::{Cell, RelativeStd};
 
 /// Job specs whose columns are pinned, with the digest of every value. Regression values of results version 1: they
 /// change only together with `RESULTS_VERSION`.

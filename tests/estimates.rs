@@ -6,7 +6,7 @@
 mod common;
 
 use common::{BOTH, EIGENVALUE, Place, Table, job, submitted};
-use stickslip_sampler::{BinomialInterval, IntervalKind};
+use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 
 #[test]
 fn intervals_are_exact_where_misses_are_to_be_rare() {

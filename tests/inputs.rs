@@ -10,7 +10,8 @@ use std::fs::{self, File};
 
 use common::{Place, Table};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use stickslip_core::{PadOnDisc, Parameters};
+use stickslip_core::parameters::Parameters;
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 
 /// A job of one cell, with what is given under `[random]` and `[sampling]`.
 fn job(random: &str, sampling: &str) -> String {

@@ -10,8 +10,10 @@ use std::fs;
 
 use common::{BOTH, EIGENVALUE, Place, Table, job, submitted};
 use serde_json::Value;
-use stickslip_core::{PadOnDisc, Parameters, StabilityBoundary};
-use stickslip_sampler::normal;
+use stickslip_core::parameters::Parameters;
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_sampler::special_functions::normal;
 
 const RIGID: &str = "kind = \"time-domain\"\ndisc = \"rigid\"";
 const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";

@@ -6,7 +6,8 @@
 mod fates;
 
 use fates::{FATES, FATES_AT_BOUNDARIES, cases};
-use stickslip_core::{JudgedMotion, Verdict};
+use stickslip_core::criterion::time_domain::JudgedMotion;
+use stickslip_core::verdict::Verdict;
 
 /// Judges every case of a file with steps divided by `divisor`, and holds the verdicts against the fates: how many are
 /// undecided.

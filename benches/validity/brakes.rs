@@ -2,9 +2,12 @@
 
 use std::ops::RangeInclusive;
 
-use stickslip_core::flexible::DISC_MODES;
+use stickslip_core::criterion::time_domain::Start;
+use stickslip_core::flexible_disc::brake::DISC_MODES;
+use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
+use stickslip_core::parameters::Parameters;
 use stickslip_core::parameters::SCALARS;
-use stickslip_core::{FlexibleBrake, FlexibleError, PadOnDisc, Parameters, Start};
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 
 /// v / v_s. On slower discs a pad sticks for longer than the horizon before anything happens.
 const SPEED_RATIOS: RangeInclusive<f64> = 1e-3..=1e3;

@@ -12,9 +12,12 @@
 //! | at the end: without sticking, the swing falls in each length, and as fast as before | stable |
 //! | at the end: anything else | none |
 
-use stickslip_core::{
-    FlexibleBrake, LinearStability, PadOnDisc, RandomInputs, Start, TimeDomain, TimeDomainSettings, Verdict, sweep,
-};
+use stickslip_core::criterion::time_domain::{Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::flexible_disc::brake::FlexibleBrake;
+use stickslip_core::flexible_disc::linear_stability::LinearStability;
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::trajectory::sweep;
+use stickslip_core::verdict::Verdict;
 
 /// Lengths of the motions: to three times the horizon of the verdicts.
 const LENGTHS: [f64; 7] = [60.0, 180.0, 540.0, 1620.0, 4860.0, 14_580.0, 30_000.0];

@@ -1,7 +1,9 @@
 //! Verdicts beside their references, binned and printed as Markdown.
 
-use stickslip_core::validity::Quantity;
-use stickslip_core::{PadOnDisc, Start, Verdict};
+use stickslip_core::criterion::time_domain::Start;
+use stickslip_core::criterion::validity::Quantity;
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::verdict::Verdict;
 
 use crate::is_decided;
 

@@ -2,9 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a file that cannot be read should say so and stop")]
 
-use stickslip_core::{
-    DiscModel, JudgedMotion, PadOnDisc, Parameters, RandomInputs, Start, TimeDomain, TimeDomainSettings, Verdict,
-};
+use stickslip_core::criterion::time_domain::{DiscModel, JudgedMotion, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::parameters::Parameters;
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::verdict::Verdict;
 
 /// 400 brakes of all kinds.
 pub const FATES: &str = include_str!("rigid-fates.csv");

@@ -1,6 +1,6 @@
 //! The Stribeck friction law.
 
-use crate::exponential::exp;
+use crate::numerics::exponential::exp;
 
 /// Friction that falls with sliding speed:
 ///
@@ -12,7 +12,7 @@ use crate::exponential::exp;
 /// they are scaled speeds.
 ///
 /// ```
-/// use stickslip_core::StribeckLaw;
+/// use stickslip_core::friction::StribeckLaw;
 /// let law = StribeckLaw { static_coefficient: 0.39, kinetic_coefficient: 0.25, stribeck_velocity: 0.72, exponent: 1.0 };
 /// assert_eq!(law.coefficient(0.0), 0.39);
 /// assert!((law.coefficient(0.72) - (0.25 + 0.14 / std::f64::consts::E)).abs() < 1e-15);

@@ -13,17 +13,17 @@
 
 #![allow(unsafe_code, reason = "calls to functions compiled for an instruction set, after asking the processor for it")]
 
-use crate::exponential::exp;
-use crate::flexible::{ContactState, FlexibleBrake, PAD, SERIES_ANGLE, small_sine_and_cosine};
-use crate::flexible_motion::{FlexibleSample, FlexibleState, MOST_FREEDOMS};
-use crate::friction_steps::FrictionSteps;
-use crate::judgement::{CoupledJudge, Judge, PlanarJudge, is_time_to_look};
-use crate::motion::{
+use crate::criterion::judge::{CoupledJudge, Judge, PlanarJudge, is_time_to_look};
+use crate::criterion::time_domain::{JudgedMotion, System, TimeDomain};
+use crate::flexible_disc::brake::{ContactState, FlexibleBrake, PAD, SERIES_ANGLE, small_sine_and_cosine};
+use crate::motion::flexible::{FlexibleSample, FlexibleState, MOST_FREEDOMS};
+use crate::motion::friction_steps::FrictionSteps;
+use crate::motion::integrator::{
     Breakdown, Equations, FARTHEST, Motion, Observer as _, advance, grazes_at_end, may_touch, turning_point, turns,
 };
-use crate::pad_on_disc::RandomInputs;
-use crate::rigid::{RigidBrake, RigidSample, RigidState};
-use crate::time_domain::{JudgedMotion, System, TimeDomain};
+use crate::motion::rigid::{RigidBrake, RigidSample, RigidState};
+use crate::numerics::exponential::exp;
+use crate::rigid_disc::pad_on_disc::RandomInputs;
 use crate::verdict::Verdict;
 
 /// Lanes of a rigid disc: enough independent chains to hide the latency of the friction law.
@@ -495,7 +495,7 @@ fn found(bits: u64) -> Finding {
     }
 }
 
-/// What a step of slip from `u` to `next_u` has met; the conditions of [`crate::motion`], as bits.
+/// What a step of slip from `u` to `next_u` has met; the conditions of [`crate::motion::integrator`], as bits.
 #[inline(always)]
 fn findings(
     steps: &FrictionSteps,
@@ -513,7 +513,7 @@ fn findings(
     u64::from(touches | grazes | too_long | !ordinary) * EVENT + u64::from(turns(u.0, u.1)) * TURN
 }
 
-/// [`crate::rigid`]'s step of slip.
+/// [`crate::motion::rigid`]'s step of slip.
 #[inline(always)]
 fn rigid_step(brake: &RigidBrake, lanes: &mut RigidArrays) {
     type Lanes = [f64; RIGID_LANES];
@@ -600,7 +600,7 @@ struct ContactRows {
     follower: Vec<Row>,
 }
 
-/// The averages of [`crate::contact`], one after the other: for each product its factors in the loads on some rows.
+/// The averages of [`crate::flexible_disc::contact`], one after the other: for each product its factors in the loads on some rows.
 struct Tables {
     even_even: Vec<f64>,
     odd_odd: Vec<f64>,
@@ -762,7 +762,7 @@ macro_rules! row {
     }};
 }
 
-/// [`crate::flexible_motion`]'s step of slip.
+/// [`crate::motion::flexible`]'s step of slip.
 #[inline(always)]
 fn flexible_step(brake: &FlexibleBrake, tables: &Tables, lanes: &mut FlexibleArrays, h: f64) {
     let (half, sixth) = (0.5 * h, h / 6.0);
@@ -956,8 +956,8 @@ fn accumulate_some<const ROWS: usize>(rows: &mut [Row], first: usize, factors: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pad_on_disc::PadOnDisc;
-    use crate::time_domain::{DiscModel, Start, TimeDomainSettings};
+    use crate::criterion::time_domain::{DiscModel, Start, TimeDomainSettings};
+    use crate::rigid_disc::pad_on_disc::PadOnDisc;
 
     /// Inputs all over the plane, in no order: deep in either region, near the boundary, outside physics.
     fn inputs(count: usize) -> Vec<RandomInputs> {

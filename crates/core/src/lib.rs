@@ -4,7 +4,7 @@
 //! The model is the pad-on-disc system of X. Sui and Q. Ding, "Instability and stochastic analyses of a
 //! pad-on-disc frictional system in moving interactions", Nonlinear Dynamics (2018),
 //! doi 10.1007/s11071-018-4280-4, called "the paper" below. Its Table 1 (the parameter values) did not survive in
-//! the copy that this crate was written from: the preset [`Parameters::sui_ding_2018`] is a reconstruction.
+//! the copy that this crate was written from: the preset [`Parameters::sui_ding_2018`](parameters::Parameters::sui_ding_2018) is a reconstruction.
 //!
 //! # Notation
 //!
@@ -33,78 +33,22 @@
 
 pub mod parameters;
 
-pub mod exponential;
+pub mod numerics;
 
 pub mod friction;
 
-pub mod pad_on_disc;
-
-pub mod stability;
-
-pub mod eigenvalues;
-
 pub mod verdict;
 
-mod return_map;
+pub mod rigid_disc;
 
-pub mod stick_slip;
-
-pub mod disc_modes;
-
-mod contact;
-
-mod partial_contact;
-
-pub mod flexible;
-
-mod flexible_stability;
-
-pub mod linear_stability;
-
-mod friction_steps;
-
-pub mod mode_count;
+pub mod flexible_disc;
 
 mod motion;
 
-mod rigid;
-
-mod flexible_motion;
-
-pub mod judgement;
-
-pub mod time_domain;
+pub mod criterion;
 
 pub mod lanes;
 
-pub mod validity;
-
-pub mod boundary_curve;
-
-pub mod verdict_map;
-
 pub mod trajectory;
 
-mod finite_difference_plate;
-
-mod finite_difference_patch;
-
 pub mod finite_difference;
-
-mod finite_difference_motion;
-
-pub use disc_modes::{AnnularPlate, PlateMode};
-pub use eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
-pub use finite_difference::{Allotment, DiscGrid, FiniteDifferenceBrake, FiniteDifferenceError};
-pub use flexible::{ContactState, FlexibleBrake, FlexibleError};
-pub use friction::StribeckLaw;
-pub use lanes::InstructionSet;
-pub use linear_stability::{DegreeOfFreedom, LinearStability};
-pub use mode_count::{ModeCheck, ModeStudy};
-pub use pad_on_disc::{PadOnDisc, RandomInputs, Scales, SlidingEquilibrium};
-pub use parameters::{ParameterError, Parameters, Scalar};
-pub use stability::{SpeedRange, StabilityBoundary};
-pub use stick_slip::LimitCycle;
-pub use time_domain::{DiscModel, JudgedMotion, SettingsError, Start, TimeDomain, TimeDomainSettings};
-pub use trajectory::{Moment, SettledMotion, SweepPoint, Trajectory, sweep};
-pub use verdict::{Verdict, VerdictCounts};

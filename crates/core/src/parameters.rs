@@ -93,7 +93,7 @@ pub struct OperatingPoint {
 
 /// All parameters of the model, in SI units.
 ///
-/// A plain record: [`PadOnDisc::new`](crate::PadOnDisc::new) validates it once, and everything that computes
+/// A plain record: [`PadOnDisc::new`](crate::rigid_disc::pad_on_disc::PadOnDisc::new) validates it once, and everything that computes
 /// takes the validated type.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {

@@ -1,14 +1,14 @@
 //! One motion written down: what the pad and the disc did, moment by moment, and what it settled to.
 
-use crate::contact::PadPosition;
-use crate::flexible::{ContactState, FlexibleError, PAD, sine_and_cosine};
-use crate::flexible_motion::{FlexibleSample, FlexibleState};
-use crate::friction_steps::FrictionSteps;
-use crate::linear_stability::DegreeOfFreedom;
-use crate::motion::{Equations, Motion, Observer, Reserve, Step, advance};
-use crate::pad_on_disc::RandomInputs;
-use crate::rigid::{RigidSample, RigidState};
-use crate::time_domain::{JudgedMotion, System, TimeDomain, TimeDomainSettings};
+use crate::criterion::time_domain::{JudgedMotion, System, TimeDomain, TimeDomainSettings};
+use crate::flexible_disc::brake::{ContactState, FlexibleError, PAD, sine_and_cosine};
+use crate::flexible_disc::contact::PadPosition;
+use crate::flexible_disc::linear_stability::DegreeOfFreedom;
+use crate::motion::flexible::{FlexibleSample, FlexibleState};
+use crate::motion::friction_steps::FrictionSteps;
+use crate::motion::integrator::{Equations, Motion, Observer, Reserve, Step, advance};
+use crate::motion::rigid::{RigidSample, RigidState};
+use crate::rigid_disc::pad_on_disc::RandomInputs;
 use crate::verdict::Verdict;
 
 /// Share of a trajectory, from its end, that is summarised as the settled motion.
@@ -452,8 +452,8 @@ impl FlexibleSample<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pad_on_disc::{PadOnDisc, RandomInputs};
-    use crate::time_domain::{DiscModel, Start};
+    use crate::criterion::time_domain::{DiscModel, Start};
+    use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 
     const NOMINAL: RandomInputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
 

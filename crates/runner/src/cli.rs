@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
-use stickslip_core::DiscGrid;
+use stickslip_core::finite_difference::brake::DiscGrid;
 
 use crate::job::StartKind;
 use crate::reproduce::target::Target;
-use crate::run::Shard;
+use crate::schedule::plan::Shard;
 
 /// Probability that a brake pad sticks and slips, by parallel Monte Carlo.
 #[derive(Debug, Parser)]

@@ -11,7 +11,13 @@ mod interrupt;
 
 mod job;
 
-mod run;
+mod store;
+
+mod evaluate;
+
+mod schedule;
+
+mod tables;
 
 mod picture;
 

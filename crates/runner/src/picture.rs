@@ -1,7 +1,8 @@
 //! A small picture of a surface for the terminal.
 
 use crate::job::RandomInput;
-use crate::run::{Surface, SurfaceRow};
+use crate::tables::row::SurfaceRow;
+use crate::tables::surface::Surface;
 
 /// Rows and columns of a picture at the most; larger grids are thinned out.
 const MOST_ROWS: usize = 15;

@@ -9,7 +9,7 @@
 //!
 //! **Costs** `p (1 - p) / error^2` samples in each cell: four times as many for half of the error.
 //!
-//! **Interval**: up to a confidence of 95 % Wilson's ([`WilsonInterval`](crate::WilsonInterval)), which is right on average
+//! **Interval**: up to a confidence of 95 % Wilson's ([`WilsonInterval`](crate::estimate::interval::WilsonInterval)), which is right on average
 //! over `p`; beyond, and with `simultaneous = true`, Clopper and Pearson's, which is never short, and wider. `interval =
 //! "clopper-pearson"` takes the latter always. How often they contain the true probability where they do worst, for 10,000
 //! samples (`make coverage`):
@@ -32,7 +32,7 @@
 //! # Until precise enough: `until = { half_width }` or `until = { relative }`
 //!
 //! **Assumes** nothing more. Each cell is looked at first where a stop becomes possible, then after a quarter more samples
-//! each time ([`Looks`](crate::Looks)), and stops when half of the width of its interval is at most `half_width`, or at most
+//! each time ([`Looks`](crate::estimate::sequential::Looks)), and stops when half of the width of its interval is at most `half_width`, or at most
 //! `relative` times the middle of the interval; with both, at the first that is reached.
 //!
 //! A plain interval that is looked at again and again, until it looks good, misses more often than it says. These intervals
@@ -55,10 +55,10 @@
 //! # Sobol points: `method = "sobol"`
 //!
 //! **Assumes** that the unstable region is no wild set: a boundary of some length is enough. The points of each of 16
-//! randomisations ([`ScrambledSobol`](crate::ScrambledSobol)) fill the space of inputs evenly, and the error falls about
+//! randomisations ([`ScrambledSobol`](crate::draw::sobol::ScrambledSobol)) fill the space of inputs evenly, and the error falls about
 //! like `samples^-0.75` with two inputs, less fast with more of them.
 //!
-//! **Interval**: Student's, from the scatter of the randomisations ([`replicates`](crate::replicates)); where fewer than 30
+//! **Interval**: Student's, from the scatter of the randomisations ([`replicates`](crate::estimate::replicates)); where fewer than 30
 //! samples (200 above 95 %) are on one side, or all randomisations agree, widened to include that of as many independent
 //! samples. With one random input, and wherever the randomisations' counts differ by no more than one, a binomial interval takes the place of
 //! Student's. Student's interval takes the randomisations' shares for normally distributed: at the confidence of a band over
@@ -71,7 +71,7 @@
 //! # Looked up: `evaluate = "boundary"`
 //!
 //! **Assumes** that only preload and static friction scatter, and that the verdict, over the plane of these two, is constant
-//! but for curves which the grid of the map can see ([`stickslip_core::verdict_map`]: points 1/32 apart in both up to 1, and
+//! but for curves which the grid of the map can see ([`crate::verdict_map::map`]: points 1/32 apart in both up to 1, and
 //! closer wherever verdicts differ). Samples within the resolution of a curve (about 1e-5 of the coordinate), in boxes that
 //! did not resolve, in undecided regions, and beyond six standard deviations are simulated themselves.
 //!
@@ -92,7 +92,7 @@
 //! Horizons so short that many samples are undecided make such regions: slivers beside boundaries. **Notice**: the audit. Of
 //! each cell the first looked-up samples, 300 unless told (`audit = 300`, or a share of all of them, `audit = 0.01`), are
 //! simulated all the same; an audited sample counts by its simulated verdict. With none of `n` differing, the share of wrong
-//! ones is below `3 / n` with 95 % confidence ([`audit`](crate::audit)). What the audit of a cell does not exclude is in the
+//! ones is below `3 / n` with 95 % confidence ([`audit`](crate::estimate::audit)). What the audit of a cell does not exclude is in the
 //! column `p_audit`, and `p_low` and `p_high` contain it: the error is shared equally between the counts and the audit. A
 //! larger audit makes it smaller; `audit = 0` takes the map for right. If a single audited sample differs, the map is wrong
 //! somewhere: the command says so and ends with exit code 70, its result written.
@@ -100,9 +100,9 @@
 //! # Integrated: `method = "exact"`
 //!
 //! **Assumes** what the map does, and independent normal inputs; for `kind = "eigenvalue"` nothing, as its boundary is known
-//! in closed form ([`exact`](crate::exact), error about 1e-14 for scatter above 0.01).
+//! in closed form ([`exact`](crate::integrate::closed_form), error about 1e-14 for scatter above 0.01).
 //!
-//! **Gives** the probability without samples ([`mapped`](crate::mapped)), but for those of the audit, which are drawn and
+//! **Gives** the probability without samples ([`mapped`](crate::integrate::mapped)), but for those of the audit, which are drawn and
 //! simulated as above. `p_low` and `p_high` bound the numerical error (the measure of all that the map does not tell:
 //! resolution of the curves, undecided regions, the plane beyond six standard deviations) and, with the job's confidence,
 //! what the audit does not exclude. `p_high - p_audit` and `p_low + p_audit` are the numerical bounds alone. `p_undecided`
@@ -115,7 +115,7 @@
 //!
 //! `derivatives = true`: the slopes of the probability over the expected values (at constant relative standard deviation)
 //! and over the relative standard deviations, exact where the probability is integrated, elsewhere by the score function
-//! ([`score`](crate::score)) from the same samples, with their standard errors. They assume independent normal inputs and
+//! ([`score`](crate::estimate::score)) from the same samples, with their standard errors. They assume independent normal inputs and
 //! are null for an input without scatter (whose score does not exist; of the eigenvalue criterion, integrated, the slope
 //! over its expected value is still known). A score estimate scatters like `1 / std`: small scatter needs many samples.
 //! Undecided and failed samples are left out by the quotient rule: the slope is that of the probability among decided
@@ -130,7 +130,7 @@
 //! # What no interval says
 //!
 //! How good the model is, with the criterion and the parameters given. The eigenvalue criterion calls a brake quiet that
-//! squeals once disturbed; `stickslip compare` shows in how many samples ([`difference`](crate::difference)). Its intervals
+//! squeals once disturbed; `stickslip compare` shows in how many samples ([`difference`](crate::estimate::difference)). Its intervals
 //! hold for all cells together unless told otherwise, share the error among the looks of runs with `until`, and contain what
 //! the audits of both runs do not exclude; those of Sobol runs take their points for independent samples, which is on the
 //! safe side. Runs with the same seed share their deviates: they are paired, whatever the deviates become, and where that is

@@ -3,7 +3,9 @@
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::{note, quoted};
-use crate::run::{RunDirectory, Slots, Tally};
+use crate::schedule::slots::Slots;
+use crate::store::directory::RunDirectory;
+use crate::store::tally::Tally;
 
 /// What a directory holds of a job that is submitted to it.
 pub enum Standing {

@@ -1,8 +1,11 @@
 //! `analyse`: one parameter point.
 
 use serde_json::{Value, json};
+use stickslip_core::flexible_disc::brake::FlexibleBrake;
+use stickslip_core::flexible_disc::linear_stability::{DegreeOfFreedom, LinearStability};
+use stickslip_core::parameters::Parameters;
 use stickslip_core::parameters::SCALARS;
-use stickslip_core::{DegreeOfFreedom, FlexibleBrake, LinearStability, PadOnDisc, Parameters, RandomInputs};
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
@@ -12,7 +15,7 @@ use crate::output::result;
 /// `stickslip analyse`.
 pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     let brake = brake(&arguments.set)?;
-    let eigenvalues = stickslip_core::eigenvalues(&brake.jacobian())
+    let eigenvalues = stickslip_core::numerics::eigenvalues::eigenvalues(&brake.jacobian())
         .map_err(|error| Failure::InputOutput(format!("eigenvalues of steady sliding: {error}")))?;
     let equilibrium = brake.sliding_equilibrium();
     let boundary = brake.stability_boundary();
@@ -184,7 +187,7 @@ pub(super) fn brake(changes: &[String]) -> Result<PadOnDisc, Failure> {
         let number: f64 =
             value.parse().map_err(|_| Failure::Usage(format!("--set {key}={value}: {value:?} is not a number")))?;
         parameters.set(key, number).map_err(|error| match error {
-            stickslip_core::ParameterError::Unknown { .. } => {
+            stickslip_core::parameters::ParameterError::Unknown { .. } => {
                 Failure::Usage(format!("--set {change}: {}", unknown_parameter(key)))
             }
             other => Failure::Usage(format!("--set {change}: {other}")),

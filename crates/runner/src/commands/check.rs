@@ -8,7 +8,8 @@ use crate::cli::CheckArguments;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::result;
-use crate::run::{Engine, Slots};
+use crate::schedule::engine::Engine;
+use crate::schedule::slots::Slots;
 
 /// How long the cost of a sample is measured.
 const TRIAL: Duration = Duration::from_millis(30);

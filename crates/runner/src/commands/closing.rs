@@ -4,11 +4,14 @@ use std::path::Path;
 
 use indicatif::HumanCount;
 
+use crate::evaluate::extras::Lookups;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::result;
 use crate::picture::picture;
-use crate::run::{Lookups, RunDirectory, Surface, SurfaceRow};
+use crate::store::directory::RunDirectory;
+use crate::tables::row::SurfaceRow;
+use crate::tables::surface::Surface;
 
 /// Where the result is and what it looks like.
 pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Result<(), Failure> {

@@ -9,21 +9,26 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use indicatif::HumanCount;
-use stickslip_core::{Verdict, VerdictCounts};
-use stickslip_sampler::difference::{dependent_difference, paired_difference, unpaired_difference};
-use stickslip_sampler::interval::simultaneous_confidence;
-use stickslip_sampler::{
-    BLOCK_SAMPLES, BinomialInterval, Difference, Estimate, IntervalKind, PairedCounts, replicates,
-};
+use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
+use stickslip_sampler::estimate::difference::{Difference, PairedCounts};
+use stickslip_sampler::estimate::difference::{dependent_difference, paired_difference, unpaired_difference};
+use stickslip_sampler::estimate::interval::simultaneous_confidence;
+use stickslip_sampler::estimate::interval::{BinomialInterval, Estimate, IntervalKind};
+use stickslip_sampler::estimate::replicates;
 
 use super::differences::{Differences, Interval, Row, json, picture, summary, table};
 use super::matching::{Kinship, Matching, Run};
 use crate::cli::CompareArguments;
+use crate::evaluate::extras::Lookups;
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
 use crate::job::Effort;
 use crate::output::{note, output_file, result};
-use crate::run::{Engine, IntegratedCell, Lookups, Outcome, Progress, unaudited, write_table};
+use crate::schedule::engine::{Engine, Outcome};
+use crate::schedule::progress::Progress;
+use crate::tables::row::{IntegratedCell, unaudited};
+use crate::tables::table::write_table;
 
 /// Samples of a unit of work at the most.
 const MOST_UNIT_SAMPLES: u64 = 20 * BLOCK_SAMPLES;

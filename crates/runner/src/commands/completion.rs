@@ -11,9 +11,15 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
 use crate::output::{note, quoted};
-use crate::run::{
-    Access, Engine, IntegratedCell, Outcome, Plan, Progress, RunDirectory, Session, Shard, Slots, Surface, Tally,
-};
+use crate::schedule::engine::{Engine, Outcome};
+use crate::schedule::plan::{Plan, Shard};
+use crate::schedule::progress::Progress;
+use crate::schedule::slots::Slots;
+use crate::store::directory::{Access, RunDirectory};
+use crate::store::provenance::Session;
+use crate::store::tally::Tally;
+use crate::tables::row::IntegratedCell;
+use crate::tables::surface::Surface;
 
 /// A run with all its samples counted and its surface written.
 pub struct FinishedRun {

@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use indicatif::HumanCount;
 use serde_json::{Value, json as object};
-use stickslip_sampler::{Cell, Difference, Grid, PairedCounts};
+use stickslip_sampler::estimate::difference::{Difference, PairedCounts};
+use stickslip_sampler::grid::{Cell, Grid};
 
-use crate::run::{TableColumn, TableValues};
+use crate::tables::table::{TableColumn, TableValues};
 
 /// Rows and columns of a picture at the most; larger grids are thinned out.
 const MOST_ROWS: usize = 15;

@@ -4,13 +4,16 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use indicatif::HumanCount;
-use stickslip_core::VerdictCounts;
-use stickslip_sampler::Cell;
+use stickslip_core::verdict::VerdictCounts;
+use stickslip_sampler::grid::Cell;
 
+use crate::evaluate::extras::{Extras, Lookups};
 use crate::failure::Failure;
 use crate::job::{Audit, Criterion, Effort, EvaluateMode, Job};
 use crate::output::{note, quoted};
-use crate::run::{Access, Extras, Lookups, RunDirectory, Slots, Tally};
+use crate::schedule::slots::Slots;
+use crate::store::directory::{Access, RunDirectory};
+use crate::store::tally::Tally;
 
 /// A finished run.
 pub struct Run {

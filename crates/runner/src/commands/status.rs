@@ -3,9 +3,12 @@
 use serde_json::json;
 
 use crate::cli::StatusArguments;
+use crate::evaluate::extras::Lookups;
 use crate::failure::Failure;
 use crate::output::{quoted, result};
-use crate::run::{Lookups, RunDirectory, Slots, Surface};
+use crate::schedule::slots::Slots;
+use crate::store::directory::RunDirectory;
+use crate::tables::surface::Surface;
 
 /// `stickslip status`.
 pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {

@@ -10,7 +10,10 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::output::{note, quoted};
-use crate::run::{Access, RunDirectory, Session, Slots, Surface};
+use crate::schedule::slots::Slots;
+use crate::store::directory::{Access, RunDirectory};
+use crate::store::provenance::Session;
+use crate::tables::surface::Surface;
 
 /// `stickslip submit`.
 pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), Failure> {

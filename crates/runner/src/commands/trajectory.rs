@@ -3,21 +3,27 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use stickslip_core::flexible::DISC_MODES;
-use stickslip_core::mode_count::{ModeStudy, representative_inputs};
-use stickslip_core::{
-    Allotment, DiscGrid, DiscModel, FiniteDifferenceBrake, FiniteDifferenceError, FlexibleError, Moment, PadOnDisc,
-    RandomInputs, TimeDomain, TimeDomainSettings, Trajectory, Verdict,
-};
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainSettings};
+use stickslip_core::finite_difference::brake::{Allotment, DiscGrid, FiniteDifferenceBrake, FiniteDifferenceError};
+use stickslip_core::flexible_disc::brake::DISC_MODES;
+use stickslip_core::flexible_disc::brake::FlexibleError;
+use stickslip_core::flexible_disc::mode_count::{ModeStudy, representative_inputs};
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::trajectory::{Moment, Trajectory};
+use stickslip_core::verdict::Verdict;
 
 use super::analyse::brake;
 use super::completion::was_counted_without_map;
 use crate::cli::{AllotmentArgument, DiscArgument, ReplayArguments, TrajectoryArguments};
+use crate::evaluate::batch::Batch;
 use crate::failure::Failure;
 use crate::job::{Criterion, Deciders, Job, RandomInput};
 use crate::output::{note, output_file, result};
 use crate::picture::curves;
-use crate::run::{Batch, DescribedColumn, Engine, RunDirectory, Slots, write_columns};
+use crate::schedule::engine::Engine;
+use crate::schedule::slots::Slots;
+use crate::store::directory::RunDirectory;
+use crate::tables::table::{DescribedColumn, write_columns};
 
 /// Scaled time that a trajectory follows unless told otherwise: some 150 cycles of the pad.
 const HORIZON: f64 = 500.0;

@@ -1,12 +1,15 @@
 //! The criterion of a job: its settings, checked, and what decides samples by them.
 
 use serde::Serialize;
-use stickslip_core::flexible::DISC_MODES;
-use stickslip_core::{
-    DiscModel, FlexibleBrake, FlexibleError, JudgedMotion, ModeCheck, ModeStudy, PadOnDisc, Parameters, RandomInputs,
-    StabilityBoundary, Start, TimeDomain, TimeDomainSettings, Verdict,
-};
-use stickslip_sampler::Grid;
+use stickslip_core::criterion::time_domain::{DiscModel, JudgedMotion, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::flexible_disc::brake::DISC_MODES;
+use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
+use stickslip_core::flexible_disc::mode_count::{ModeCheck, ModeStudy};
+use stickslip_core::parameters::Parameters;
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::verdict::Verdict;
+use stickslip_sampler::grid::Grid;
 use toml::Spanned;
 
 use super::diagnosis::Complaint;
@@ -359,7 +362,7 @@ impl CriterionSpec {
             record_amplitude: self.record.as_ref().is_some_and(|record| record.get_ref().contains(&Record::Amplitude)),
         };
         settings.validate().map_err(|error| {
-            let stickslip_core::SettingsError::OutOfRange { key, .. } = &error else {
+            let stickslip_core::criterion::time_domain::SettingsError::OutOfRange { key, .. } = &error else {
                 return Complaint { span: None, message: format!("criterion.{error}") };
             };
             let span = match *key {

@@ -7,7 +7,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::json;
-use stickslip_sampler::Marginal;
+use stickslip_sampler::inputs::Marginal;
 
 use super::diagnosis::nearest;
 

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::Path;
 
 use csv::{ErrorKind, ReaderBuilder, Trim};
-use stickslip_sampler::{Empirical, EmpiricalError};
+use stickslip_sampler::inputs::{Empirical, EmpiricalError};
 
 use super::diagnosis::nearest;
 

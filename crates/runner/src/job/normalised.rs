@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
 use stickslip_core::parameters::SCALARS;
-use stickslip_core::time_domain::VERDICTS_VERSION;
-use stickslip_core::verdict_map::MAP_VERSION;
-use stickslip_sampler::{ESTIMATES_VERSION, RESULTS_VERSION};
+use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
+use stickslip_sampler::verdict_map::map::MAP_VERSION;
 
 use super::criterion::{Criterion, NormalisedCriterion};
 use super::random::NormalisedRandom;

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use stickslip_core::Parameters;
+use stickslip_core::parameters::Parameters;
 use stickslip_core::parameters::{SCALARS, Scalar, scalar};
-use stickslip_sampler::{Cell, Correlation, CorrelationError, Grid, Marginal, MarginalError, RelativeStd};
+use stickslip_sampler::grid::{Cell, Grid, RelativeStd};
+use stickslip_sampler::inputs::{Correlation, CorrelationError, Marginal, MarginalError};
 use toml::Spanned;
 
 use super::diagnosis::{Complaint, nearest};

@@ -1,8 +1,10 @@
 //! How the probabilities of a job are found: its sampling keys, checked.
 
 use serde::Serialize;
-use stickslip_sampler::interval::half_of_the_error;
-use stickslip_sampler::{IntervalKind, Looks, Precision, audit};
+use stickslip_sampler::estimate::audit;
+use stickslip_sampler::estimate::interval::IntervalKind;
+use stickslip_sampler::estimate::interval::half_of_the_error;
+use stickslip_sampler::estimate::sequential::{Looks, Precision};
 use toml::Spanned;
 
 use super::criterion::Criterion;

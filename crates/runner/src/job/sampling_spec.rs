@@ -2,8 +2,9 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use stickslip_sampler::interval::{MOST_WILSON_CONFIDENCE, half_of_the_error, simultaneous_confidence};
-use stickslip_sampler::{IntervalKind, Precision};
+use stickslip_sampler::estimate::interval::IntervalKind;
+use stickslip_sampler::estimate::interval::{MOST_WILSON_CONFIDENCE, half_of_the_error, simultaneous_confidence};
+use stickslip_sampler::estimate::sequential::Precision;
 use toml::Spanned;
 
 use super::criterion::Criterion;

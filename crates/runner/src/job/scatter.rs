@@ -8,7 +8,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use stickslip_sampler::Marginal;
+use stickslip_sampler::inputs::Marginal;
 use toml::Spanned;
 
 use super::diagnosis::Complaint;

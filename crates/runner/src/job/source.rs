@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use stickslip_sampler::Marginal;
+use stickslip_sampler::inputs::Marginal;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use super::diagnosis::Complaint;

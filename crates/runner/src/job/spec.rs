@@ -9,7 +9,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
-use stickslip_core::disc_modes::MOST_DISC_MODES;
+use stickslip_core::flexible_disc::plate_modes::MOST_DISC_MODES;
 use toml::Spanned;
 
 use super::random::RandomSpec;

@@ -2,13 +2,21 @@
 
 use std::path::Path;
 
-use stickslip_core::parameters::{self, SCALARS};
-use stickslip_core::validity::{self, Uncovered};
-use stickslip_core::{
-    FlexibleBrake, FlexibleError, PadOnDisc, ParameterError, Parameters, StabilityBoundary, TimeDomain,
-};
-use stickslip_sampler::interval;
-use stickslip_sampler::{Axis, BLOCK_SAMPLES, BinomialInterval, Grid, IntervalKind, Points, SampleStream};
+use stickslip_core::criterion::time_domain::TimeDomain;
+use stickslip_core::criterion::validity;
+use stickslip_core::criterion::validity::Uncovered;
+use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
+use stickslip_core::parameters;
+use stickslip_core::parameters::SCALARS;
+use stickslip_core::parameters::{ParameterError, Parameters};
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_sampler::draw::deviates::Points;
+use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
+use stickslip_sampler::draw::samples::SampleStream;
+use stickslip_sampler::estimate::interval;
+use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
+use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
 
 use crate::output::note;
@@ -263,7 +271,7 @@ impl Job {
     pub fn warn_of_validity(&self) {
         for uncovered in self.uncovered() {
             note(format_args!(
-                "warning: {uncovered}, the limit up to which verdicts in time were tested (cargo doc, page stickslip_core::validity). They may be right beyond it; look at single samples with `stickslip trajectory`, and compare the run with one of a tenfold criterion.horizon (`stickslip compare`)"
+                "warning: {uncovered}, the limit up to which verdicts in time were tested (cargo doc, page stickslip_core::criterion::validity). They may be right beyond it; look at single samples with `stickslip trajectory`, and compare the run with one of a tenfold criterion.horizon (`stickslip compare`)"
             ));
         }
     }

@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
-use stickslip_core::flexible::DISC_MODES;
-use stickslip_core::{
-    DiscModel, PadOnDisc, Parameters, RandomInputs, SweepPoint, TimeDomain, TimeDomainSettings, sweep,
-};
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainSettings};
+use stickslip_core::flexible_disc::brake::DISC_MODES;
+use stickslip_core::parameters::Parameters;
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::trajectory::{SweepPoint, sweep};
 
 use crate::failure::Failure;
 use crate::picture::curves;
-use crate::run::{DescribedColumn, write_columns};
+use crate::tables::table::{DescribedColumn, write_columns};
 
 /// Speeds of the sweep, rad/s.
 const SLOWEST: f64 = 10.0;

@@ -1,11 +1,13 @@
 //! A Monte Carlo surface against the exact probabilities.
 
-use stickslip_sampler::{exact, normal, poisson};
+use stickslip_sampler::integrate::closed_form;
+use stickslip_sampler::special_functions::{normal, poisson};
 
 use crate::commands::FinishedRun;
 use crate::failure::Failure;
 use crate::job::Criterion;
-use crate::run::{Surface, SurfaceRow};
+use crate::tables::row::SurfaceRow;
+use crate::tables::surface::Surface;
 
 /// Unstable (or stable) samples that a cell must be expected to have before its deviation is called normal.
 const ENOUGH: f64 = 10.0;
@@ -51,7 +53,8 @@ pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
     let boundaries = run.job.boundaries().map_err(|error| Failure::Job(error.to_string()))?;
     let surface = Surface::new(&run.job, &run.tally);
     let compared = surface.rows().map(|row| {
-        let exact = exact::probability(&boundaries[run.job.grid.rotating_speed_index(row.cell.index)], &row.cell).value;
+        let exact =
+            closed_form::probability(&boundaries[run.job.grid.rotating_speed_index(row.cell.index)], &row.cell).value;
         let estimate = row.estimate.probability.unwrap_or(f64::NAN);
         let error = (exact * (1.0 - exact) / row.counts.decided() as f64).sqrt();
         ComparedRow { row, estimate, exact, z: (error > 0.0).then(|| (estimate - exact) / error) }

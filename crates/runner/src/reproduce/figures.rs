@@ -1,13 +1,14 @@
 //! Figures 4, 12, 13, 14 and 15.
 
-use stickslip_core::PadOnDisc;
-use stickslip_sampler::normal;
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::special_functions::normal;
 
 use super::comparison::{compare, summary};
 use crate::commands::FinishedRun;
 use crate::failure::Failure;
 use crate::picture::{curves, picture};
-use crate::run::{DescribedColumn, Surface, write_columns};
+use crate::tables::surface::Surface;
+use crate::tables::table::{DescribedColumn, write_columns};
 
 /// Figures 14 and 15: a surface, and how it compares with the exact one.
 pub fn surface(run: &FinishedRun) -> Result<String, Failure> {

@@ -2,15 +2,18 @@
 
 use std::path::Path;
 
-use stickslip_core::flexible::DISC_MODES;
-use stickslip_core::{DiscModel, Moment, PadOnDisc, Parameters, RandomInputs, Start, TimeDomainSettings, Trajectory};
+use stickslip_core::criterion::time_domain::{DiscModel, Start, TimeDomainSettings};
+use stickslip_core::flexible_disc::brake::DISC_MODES;
+use stickslip_core::parameters::Parameters;
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::trajectory::{Moment, Trajectory};
 
 use super::spectrum::{Spectrum, spectrum};
 use super::target::Target;
 use crate::commands::{columns, follow};
 use crate::failure::Failure;
 use crate::picture::curves;
-use crate::run::{DescribedColumn, write_columns};
+use crate::tables::table::{DescribedColumn, write_columns};
 
 /// Scaled time of a motion, some 280 cycles of the pad; the last part of it is looked at.
 const HORIZON: f64 = 1000.0;

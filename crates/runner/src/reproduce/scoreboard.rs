@@ -2,8 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use stickslip_core::{PadOnDisc, Parameters};
-use stickslip_sampler::{Cell, RelativeStd, exact};
+use stickslip_core::parameters::Parameters;
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::grid::{Cell, RelativeStd};
+use stickslip_sampler::integrate::closed_form;
 
 use super::motions;
 use super::tables::PAPER_TABLE_3;
@@ -127,7 +129,7 @@ fn table_3_line() -> Result<String, Failure> {
         for (std, paper) in [0.10, 0.20, 0.25, 0.30].into_iter().zip(paper) {
             let relative_std = RelativeStd { preload: 0.0, static_friction: std };
             let cell = Cell { index: 0, rotating_speed: 16.0, relative_std, preload: 0.1, static_friction };
-            let deviation = exact::probability(&boundary, &cell).value - paper;
+            let deviation = closed_form::probability(&boundary, &cell).value - paper;
             squares += deviation * deviation;
             largest = largest.max(deviation.abs());
         }
@@ -146,7 +148,7 @@ fn table_2_line() -> Result<String, Failure> {
     let relative_std = RelativeStd { preload: 0.2, static_friction: 0.0 };
     let probability = |preload| {
         let cell = Cell { index: 0, rotating_speed: 16.0, relative_std, preload, static_friction: 0.39 };
-        exact::probability(&boundary, &cell).value
+        closed_form::probability(&boundary, &cell).value
     };
     Ok(format!(
         "Table 2: over its range of preloads, 0.072 to 0.256, the probability rises from {:.3} to {:.3} (independent check).\n",

@@ -56,11 +56,11 @@ pub enum CorrelationError {
 /// whatever the marginals (W. H. Kruskal, Ordinal measures of association, J. Am. Stat. Assoc. 53 (1958) 814-861).
 ///
 /// ```
-/// let correlation = stickslip_sampler::Correlation::new(2, &[(0, 1, 0.6)])?;
+/// let correlation = stickslip_sampler::inputs::Correlation::new(2, &[(0, 1, 0.6)])?;
 /// let mut deviates = [1.0, 0.5];
 /// correlation.apply(&mut deviates);
 /// assert_eq!(deviates, [1.0, 0.6 * 1.0 + 0.8 * 0.5]);
-/// # Ok::<(), stickslip_sampler::CorrelationError>(())
+/// # Ok::<(), stickslip_sampler::inputs::CorrelationError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correlation {
@@ -177,7 +177,7 @@ fn factorise(inputs: usize, matrix: &mut [f64]) -> Result<(), CorrelationError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Marginal;
+    use crate::inputs::Marginal;
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
     use rand_xoshiro::Xoshiro256PlusPlus;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::normal;
+use crate::special_functions::normal;
 
 /// The distribution of measured values.
 ///

@@ -19,7 +19,7 @@ pub(super) const WIDEST_UNIFORM: f64 = 0.577_350_269_189_625_8;
 /// a probability of 6e-16.
 const FARTHEST_INTERVAL: f64 = 8.0;
 
-/// Shape parameters of a beta distribution for which [`crate::beta`] is tested.
+/// Shape parameters of a beta distribution for which [`crate::special_functions::beta`] is tested.
 const BETA_SHAPES: [f64; 2] = [0.01, 1e10];
 
 /// The distribution of one input of expected value `m > 0` and relative standard deviation `s >= 0`, its standard
@@ -246,7 +246,7 @@ impl Marginal {
     /// Only meaningful where [`Marginal::check`] finds no error.
     ///
     /// ```
-    /// use stickslip_sampler::Marginal;
+    /// use stickslip_sampler::inputs::Marginal;
     /// // Cut off at zero.
     /// let (mean, std) = Marginal::TruncatedNormal { low: -1.0, high: f64::INFINITY }.moments(0.1, 1.0);
     /// assert!((mean - 0.128_76).abs() < 1e-5 && (std - 0.079_35).abs() < 1e-5);
@@ -268,7 +268,7 @@ impl Marginal {
     /// Only meaningful where [`Marginal::check`] finds no error.
     ///
     /// ```
-    /// use stickslip_sampler::Marginal;
+    /// use stickslip_sampler::inputs::Marginal;
     /// assert_eq!(Marginal::Normal.value(0.4, 0.1, 1.5), 0.4 * (1.0 + 0.1 * 1.5));
     /// assert_eq!(Marginal::Uniform.value(0.4, 0.1, 0.0), 0.4);
     /// ```

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use super::empirical::Empirical;
 use super::marginal::{Marginal, beta_shapes};
 use super::weibull::inverse_shape;
-use crate::{beta, normal};
+use crate::special_functions::{beta, normal};
 
 /// Euler's constant.
 const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;

@@ -1,6 +1,6 @@
 //! Moments of a truncated normal distribution.
 
-use crate::beta::LEGENDRE;
+use crate::special_functions::beta::LEGENDRE;
 
 /// What is less likely than the exponential of minus this, relative to the most likely value, is left out.
 const DEPTH: f64 = 45.0;

@@ -1,0 +1,136 @@
+//! Eigenvalues of a general real matrix, computed so that nothing can hang or fail unseen.
+//!
+//! This is the oracle that closed forms are tested against, and the way to eigenvalues where no closed form
+//! exists.
+
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
+use nalgebra::{Complex, DMatrix, Schur};
+use thiserror::Error;
+
+/// One eigenvalue; its real part is a growth rate, its imaginary part an angular frequency.
+pub type Eigenvalue = Complex<f64>;
+
+/// QR sweeps allowed for each row of the matrix. Two or three are usual; nalgebra without a cap can run forever
+/// (seen on the companion matrix of x^4 + 1).
+const SWEEPS_PER_ROW: usize = 60;
+
+/// Why eigenvalues could not be computed.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum EigenvalueError {
+    /// The matrix contains NaN or an infinity.
+    #[error("the matrix has an entry that is not a finite number (row {row}, column {column})")]
+    NotFinite {
+        /// Row of the first such entry.
+        row: usize,
+        /// Column of the first such entry.
+        column: usize,
+    },
+    /// The QR iteration reached its cap.
+    #[error("the eigenvalue iteration did not converge within {sweeps} sweeps")]
+    NotConverged {
+        /// The cap.
+        sweeps: usize,
+    },
+}
+
+/// The eigenvalues of a square matrix, sorted by falling real part, then by falling imaginary part.
+///
+/// The matrix is scaled by a power of two and balanced (Parlett and Reinsch), both exact in floating point, and
+/// then reduced to real Schur form.
+///
+/// # Errors
+/// [`EigenvalueError::NotFinite`] and [`EigenvalueError::NotConverged`].
+///
+/// # Panics
+/// If the matrix is not square.
+///
+/// ```
+/// use nalgebra::dmatrix;
+/// let rotation = dmatrix![0.0, -2.0; 2.0, 0.0];
+/// let values = stickslip_core::numerics::eigenvalues::eigenvalues(&rotation)?;
+/// assert_eq!((values[0].re, values[0].im, values[1].im), (0.0, 2.0, -2.0));
+/// # Ok::<(), stickslip_core::numerics::eigenvalues::EigenvalueError>(())
+/// ```
+pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Eigenvalue>, EigenvalueError> {
+    for column in 0..matrix.ncols() {
+        for row in 0..matrix.nrows() {
+            if !matrix[(row, column)].is_finite() {
+                return Err(EigenvalueError::NotFinite { row, column });
+            }
+        }
+    }
+    let largest = matrix.amax();
+    if largest == 0.0 {
+        return Ok(vec![Eigenvalue::new(0.0, 0.0); matrix.nrows()]);
+    }
+    let scale = power_of_two_near(largest);
+    let mut scaled = matrix / scale;
+    balance_parlett_reinsch(&mut scaled);
+    let sweeps = SWEEPS_PER_ROW * matrix.nrows();
+    let schur = Schur::try_new(scaled, f64::EPSILON, sweeps).ok_or(EigenvalueError::NotConverged { sweeps })?;
+    let mut values: Vec<Eigenvalue> = schur.complex_eigenvalues().iter().map(|value| value * scale).collect();
+    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    Ok(values)
+}
+
+/// The largest power of two not above `value`, kept away from the ends of the exponent range.
+fn power_of_two_near(value: f64) -> f64 {
+    let (_, exponent) = libm::frexp(value);
+    libm::ldexp(1.0, (exponent - 1).clamp(-1000, 1000))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::dmatrix;
+
+    #[test]
+    fn a_matrix_that_defeats_an_uncapped_iteration_ends() {
+        // Companion matrix of x^4 + 1: eigenvalues are the primitive eighth roots of one.
+        let companion = dmatrix![
+            0.0, 0.0, 0.0, -1.0;
+            1.0, 0.0, 0.0, 0.0;
+            0.0, 1.0, 0.0, 0.0;
+            0.0, 0.0, 1.0, 0.0
+        ];
+        match eigenvalues(&companion) {
+            Ok(values) => {
+                for value in values {
+                    assert!((value.re.abs() - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12, "{value}");
+                    assert!((value.im.abs() - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12, "{value}");
+                }
+            }
+            Err(error) => assert_eq!(error, EigenvalueError::NotConverged { sweeps: 240 }),
+        }
+    }
+
+    #[test]
+    fn bad_entries_are_named() {
+        let mut matrix = DMatrix::identity(3, 3);
+        matrix[(2, 1)] = f64::NAN;
+        assert_eq!(eigenvalues(&matrix), Err(EigenvalueError::NotFinite { row: 2, column: 1 }));
+    }
+
+    #[test]
+    fn badly_scaled_matrices_keep_their_small_eigenvalues() {
+        // Similar to diag(1, 2, 3) by diag(1, 1e8, 1e-8).
+        let d = [1.0, 1e8, 1e-8];
+        let base = dmatrix![1.0, 0.5, 0.25; 0.0, 2.0, 0.5; 0.0, 0.0, 3.0];
+        let rotated = {
+            let basis = dmatrix![1.0, 2.0, 0.0; 0.0, 1.0, 3.0; 1.0, 0.0, 1.0];
+            let inverse = basis.clone().try_inverse().unwrap();
+            basis * base * inverse
+        };
+        let scaled = DMatrix::from_fn(3, 3, |i, j| rotated[(i, j)] * d[i] / d[j]);
+        let values = eigenvalues(&scaled).unwrap();
+        for (value, expected) in values.iter().zip([3.0, 2.0, 1.0]) {
+            assert!((value.re - expected).abs() < 1e-10 && value.im.abs() < 1e-10, "{value} {expected}");
+        }
+    }
+
+    #[test]
+    fn the_zero_matrix_has_zero_eigenvalues() {
+        assert_eq!(eigenvalues(&DMatrix::zeros(2, 2)).unwrap(), vec![Eigenvalue::new(0.0, 0.0); 2]);
+    }
+}

@@ -1,0 +1,226 @@
+//! Stick-slip of the pad on a rigid disc: the limit cycle and where it ends.
+//!
+//! With constant contact force N the tangential motion is that of a mass on a moving belt,
+//!
+//! ```text
+//! slip (x' < v):   M eta0 x'' = -(k_x + k_t2) x - c_x sqrt(eta0) x' + (k_t2 / k_t1) mu(v - x') N
+//! stick (x' = v):  until the friction needed, (k_t1 / k_t2) [(k_x + k_t2) x + c_x sqrt(eta0) v], exceeds f_s N
+//! ```
+//!
+//! Stick and slip are states with located ends, not a smoothed sign function: a switch at step ends chatters.
+
+use crate::friction::StribeckLaw;
+use crate::rigid_disc::pad_on_disc::PadOnDisc;
+use crate::rigid_disc::return_map::{PlanarMotion, SlipEnd};
+
+/// The highest admissible rotating speed, see `operating_point.rotating_speed`; the search for the saddle-node ends
+/// there.
+const HIGHEST_SPEED: f64 = 1e5;
+
+/// A stick-slip limit cycle, in scaled time and length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimitCycle {
+    /// Duration of one cycle.
+    pub period: f64,
+    /// Largest tangential displacement.
+    pub tangential_max: f64,
+    /// Smallest tangential displacement.
+    pub tangential_min: f64,
+    /// Share of the period spent in stick.
+    pub stick_fraction: f64,
+}
+
+impl PadOnDisc {
+    /// The stick-slip limit cycle on a rigid disc with constant contact force, or `None` if there is none at this
+    /// operating point.
+    ///
+    /// The cycle is followed from the release from stick: all motions that stick leave it at the same point, by the
+    /// same slip phase. Accuracy some 1e-10 (Dormand-Prince 5(4), located ends; the pad's speed may touch the disc's
+    /// between two steps). A slip phase that takes more than 20 000 steps, of a pad far lighter or more damped than any
+    /// brake's, counts as not recaptured.
+    #[must_use]
+    pub fn limit_cycle(&self) -> Option<LimitCycle> {
+        let motion = self.planar_motion();
+        if motion.release() <= 0.0 {
+            return None;
+        }
+        let (out, Some(back)) = motion.slip_from_release() else { return None };
+        if back.end != SlipEnd::Captured {
+            return None;
+        }
+        let stick = (motion.release() - back.x) / motion.disc_speed;
+        let period = out.duration + back.duration + stick;
+        (stick > 0.0).then_some(LimitCycle {
+            period,
+            tangential_max: out.x,
+            tangential_min: back.smallest,
+            stick_fraction: stick / period,
+        })
+    }
+
+    /// The tangential motion at the operating point.
+    fn planar_motion(&self) -> PlanarMotion {
+        let mass = self.scaled_mass();
+        let gain = self.friction_transmission() * self.normal_force() / mass;
+        let law = self.friction_law();
+        PlanarMotion {
+            stiffness: self.tangential_stiffness() / mass,
+            damping: self.scaled_tangential_damping() / mass,
+            disc_speed: self.disc_speed(),
+            law: StribeckLaw {
+                static_coefficient: gain * law.static_coefficient,
+                kinetic_coefficient: gain * law.kinetic_coefficient,
+                ..*law
+            },
+        }
+    }
+
+    /// The rotating speed (rad/s) above which no stick-slip limit cycle exists on a rigid disc: there the slip phase
+    /// released from stick just fails to reach the disc's speed again, and the limit cycle vanishes in a saddle-node
+    /// bifurcation. `None` if there is no limit cycle at any speed, or up to any speed.
+    ///
+    /// Bisection to 1e-10 of the speed between neighbours of a logarithmic scan, from the highest admissible speed
+    /// to far below both speeds that matter: the Stribeck velocity, and that of an oscillation as wide as the drop in
+    /// friction.
+    #[must_use]
+    pub fn saddle_node_speed(&self) -> Option<f64> {
+        let cycles = |speed: f64| {
+            let mut parameters = self.parameters().clone();
+            parameters.operating_point.rotating_speed = speed;
+            PadOnDisc::new(parameters).is_ok_and(|brake| brake.limit_cycle().is_some())
+        };
+        let motion = self.planar_motion();
+        let drop = motion.law.static_coefficient - motion.law.kinetic_coefficient;
+        let oscillation = self.rotating_speed(drop / motion.stiffness.sqrt());
+        let stribeck = self.rotating_speed(motion.law.stribeck_velocity);
+        if oscillation <= 0.0 {
+            return None;
+        }
+        let lowest = (1e-4 * oscillation.min(stribeck)).clamp(1e-5, HIGHEST_SPEED);
+        let points = 1 + (15.0 * libm::log10(HIGHEST_SPEED / lowest)).ceil() as u32;
+        let ratio = libm::pow(HIGHEST_SPEED / lowest, 1.0 / f64::from(points));
+        let scan: Vec<f64> =
+            (0..points).scan(HIGHEST_SPEED, |speed, _| Some(std::mem::replace(speed, *speed / ratio))).collect();
+        // Falling speeds: the first one with a limit cycle lies below the saddle-node, the one before it above.
+        let first = scan.iter().position(|&speed| cycles(speed))?;
+        let (mut with, mut without) = (scan[first], scan[first.checked_sub(1)?]);
+        while without - with > 1e-10 * with {
+            let middle = 0.5 * (with + without);
+            if cycles(middle) {
+                with = middle;
+            } else {
+                without = middle;
+            }
+        }
+        Some(0.5 * (with + without))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// G of a brake with the preset's kinetic friction.
+    fn gain(motion: &PlanarMotion) -> f64 {
+        motion.law.kinetic_coefficient / 0.25
+    }
+
+    #[test]
+    fn limit_cycles_agree_with_an_independent_integration() {
+        // Adaptive Runge-Kutta, tolerance 1e-11, located events, outside Rust; preset, Delta = 0.1, f_s = 0.39:
+        // speed, period, max x, min x, share in stick.
+        for (speed, period, max, min, stick) in [
+            (10.0, 3.56373, 0.014309, 0.003465, 0.3756),
+            (15.56, 3.21741, 0.015334, 0.002579, 0.2556),
+            (20.0, 3.10909, 0.016207, 0.001879, 0.1873),
+        ] {
+            let cycle = PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]).limit_cycle().unwrap();
+            assert!((cycle.period - period).abs() < 1e-5, "{cycle:?}");
+            assert!((cycle.tangential_max - max).abs() < 1e-6, "{cycle:?}");
+            assert!((cycle.tangential_min - min).abs() < 1e-6, "{cycle:?}");
+            assert!((cycle.stick_fraction - stick).abs() < 1e-4, "{cycle:?}");
+        }
+    }
+
+    #[test]
+    fn the_saddle_node_is_where_an_independent_integration_finds_it() {
+        let speed = PadOnDisc::preset_with(&[]).saddle_node_speed().unwrap();
+        assert!((speed - 30.197).abs() < 0.01, "{speed}");
+        assert!(PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed * 0.999)]).limit_cycle().is_some());
+        assert!(PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed * 1.001)]).limit_cycle().is_none());
+    }
+
+    #[test]
+    fn on_a_very_slow_disc_the_cycle_is_nearly_all_stick() {
+        // The slip phase no longer depends on the disc's speed, so the stick phase lasts its width over the speed.
+        let slow =
+            |speed: f64| PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]).limit_cycle().unwrap();
+        let reference = slow(1e-4);
+        for speed in [1e-5, 1e-6] {
+            let cycle = slow(speed);
+            assert!((cycle.tangential_min / reference.tangential_min - 1.0).abs() < 1e-3, "{speed}: {cycle:?}");
+            assert!((cycle.period * speed / (reference.period * 1e-4) - 1.0).abs() < 1e-2, "{speed}: {cycle:?}");
+        }
+    }
+
+    #[test]
+    fn without_falling_friction_nothing_sticks_and_slips() {
+        let flat = PadOnDisc::preset_with(&[("friction.kinetic_coefficient", 0.39)]);
+        assert_eq!(flat.limit_cycle(), None);
+        assert_eq!(flat.saddle_node_speed(), None);
+        assert_eq!(PadOnDisc::preset_with(&[("operating_point.preload", 0.0)]).limit_cycle(), None);
+    }
+
+    #[test]
+    fn an_undamped_pad_sticks_and_slips_at_every_speed() {
+        let undamped = PadOnDisc::preset_with(&[("damping.tangential", 0.0)]);
+        assert!(undamped.limit_cycle().is_some());
+        assert_eq!(undamped.saddle_node_speed(), None);
+    }
+
+    #[test]
+    fn with_constant_slip_friction_the_saddle_node_is_that_of_a_damped_oscillator() {
+        // Friction that drops at once: the slip phase is x_c + exp(-beta t) (A cos + B sin), and the saddle-node is the
+        // disc speed that its return just reaches.
+        let sharp = PadOnDisc::preset_with(&[("friction.stribeck_velocity", 1e-6)]);
+        let motion = sharp.planar_motion();
+        let (beta, centre) = (0.5 * motion.damping, 0.25 * gain(&motion) / motion.stiffness);
+        let omega = (motion.stiffness - beta * beta).sqrt();
+        let fastest_return = |speed: f64| {
+            let release = (0.39 * gain(&motion) - motion.damping * speed) / motion.stiffness;
+            let a = release - centre;
+            let b = (speed + beta * a) / omega;
+            let velocity = |t: f64| {
+                (-beta * t).exp()
+                    * ((b * omega - beta * a) * (omega * t).cos() - (a * omega + beta * b) * (omega * t).sin())
+            };
+            let period = std::f64::consts::TAU / omega;
+            (0..200_000).map(|i| velocity(period * (0.4 + 0.8e-5 * f64::from(i)))).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let (mut slow, mut fast) = (1e-6, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (slow + fast);
+            if fastest_return(middle) > middle { slow = middle } else { fast = middle }
+        }
+        let expected = sharp.rotating_speed(slow);
+        let speed = sharp.saddle_node_speed().unwrap();
+        assert!((speed / expected - 1.0).abs() < 1e-3, "{speed} {expected}");
+    }
+
+    #[test]
+    fn with_constant_slip_friction_the_slip_phase_is_a_harmonic_arc() {
+        // A Stribeck velocity far below all speeds: friction drops at once from f_s to f_c, and without damping the
+        // slip phase is an arc about x_c with amplitude sqrt((x_r - x_c)^2 + (v / omega)^2).
+        let sharp = PadOnDisc::preset_with(&[
+            ("damping.tangential", 0.0),
+            ("friction.stribeck_velocity", 1e-7),
+            ("operating_point.rotating_speed", 10.0),
+        ]);
+        let cycle = sharp.limit_cycle().unwrap();
+        let motion = sharp.planar_motion();
+        let centre = 0.25 * gain(&motion) / motion.stiffness;
+        let amplitude = f64::hypot(motion.release() - centre, motion.disc_speed / motion.stiffness.sqrt());
+        assert!((cycle.tangential_max - (centre + amplitude)).abs() < 1e-6, "{cycle:?}");
+        assert!((cycle.tangential_min - (centre - amplitude)).abs() < 1e-6, "{cycle:?}");
+    }
+}

@@ -1,0 +1,405 @@
+//! The validated model at one operating point: scales, steady sliding, and its linearisation.
+
+use nalgebra::DMatrix;
+
+use crate::friction::StribeckLaw;
+use crate::parameters::{ParameterError, Parameters};
+
+/// The scales that make the equations of motion dimensionless.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scales {
+    /// Flexural rigidity D = E h^3 / (12 (1 - nu^2)), N m.
+    pub flexural_rigidity: f64,
+    /// Length scale h, m.
+    pub length: f64,
+    /// Time scale tau = sqrt(rho h^4 / D): one unit of scaled time, taken as seconds.
+    pub time: f64,
+    /// Speed scale h / tau = sqrt(D / (rho h^2)), m/s.
+    pub speed: f64,
+    /// eta0 = 1 / tau^2.
+    pub eta0: f64,
+}
+
+impl Scales {
+    fn new(parameters: &Parameters) -> Self {
+        let disc = &parameters.disc;
+        let h = disc.thickness;
+        let flexural_rigidity =
+            disc.youngs_modulus * h * h * h / (12.0 * (1.0 - disc.poissons_ratio * disc.poissons_ratio));
+        let eta0 = flexural_rigidity / (disc.density * h * h * h * h);
+        let time = 1.0 / eta0.sqrt();
+        Self { flexural_rigidity, length: h, time, speed: h / time, eta0 }
+    }
+}
+
+/// What a sample perturbs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RandomInputs {
+    /// Delta.
+    pub preload: f64,
+    /// f_s.
+    pub static_friction: f64,
+}
+
+/// Steady sliding of the pad on a rigid disc: where pad and friction are in balance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlidingEquilibrium {
+    /// x0, tangential displacement over h.
+    pub tangential: f64,
+    /// y0, normal displacement over h; negative, the contact is pressed together.
+    pub normal: f64,
+    /// phi0, rotation of the pad, rad.
+    pub angle: f64,
+    /// N, contact force over h, N/m.
+    pub normal_force: f64,
+    /// mu0, friction coefficient at the sliding speed.
+    pub friction_coefficient: f64,
+}
+
+/// A damped oscillator `u'' + damping u' + stiffness u = 0` in scaled time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Oscillator {
+    /// Coefficient of the velocity; negative when friction feeds the motion.
+    pub damping: f64,
+    /// Coefficient of the displacement, the square of the undamped angular frequency.
+    pub stiffness: f64,
+}
+
+/// The pad-on-disc system at one operating point, validated.
+///
+/// Rigid disc, `sin(phi) = 0`, `cos(phi) = 1`, as in section 3.3 of the paper.
+///
+/// ```
+/// use stickslip_core::{PadOnDisc, Parameters};
+/// let mut parameters = Parameters::sui_ding_2018();
+/// parameters.set("operating_point.rotating_speed", 35.0)?;
+/// let brake = PadOnDisc::new(parameters)?;
+/// let equilibrium = brake.sliding_equilibrium();
+/// assert!((equilibrium.tangential - 8.15e-3).abs() < 5e-6); // the paper's printed value
+/// # Ok::<(), stickslip_core::parameters::ParameterError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct PadOnDisc {
+    parameters: Parameters,
+    scales: Scales,
+    friction: StribeckLaw,
+}
+
+impl PadOnDisc {
+    /// Validates `parameters`.
+    ///
+    /// # Errors
+    /// The first [`ParameterError`] found.
+    pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
+        parameters.validate()?;
+        let scales = Scales::new(&parameters);
+        let law = &parameters.friction;
+        let friction = StribeckLaw {
+            static_coefficient: law.static_coefficient,
+            kinetic_coefficient: law.kinetic_coefficient,
+            stribeck_velocity: law.stribeck_velocity / scales.speed,
+            exponent: law.stribeck_exponent,
+        };
+        let brake = Self { parameters, scales, friction };
+        brake.check_derived_values()?;
+        Ok(brake)
+    }
+
+    /// The preset with some values changed, for tests.
+    #[cfg(test)]
+    pub(crate) fn preset_with(changes: &[(&str, f64)]) -> Self {
+        let mut parameters = Parameters::sui_ding_2018();
+        for (key, value) in changes {
+            parameters.set(key, *value).unwrap();
+        }
+        Self::new(parameters).unwrap()
+    }
+
+    /// Everything derived must be an ordinary positive number, or verdicts would rest on infinities.
+    fn check_derived_values(&self) -> Result<(), ParameterError> {
+        let derived = [
+            ("the flexural rigidity of the disc", self.scales.flexural_rigidity),
+            ("the time scale", self.scales.time),
+            ("the speed scale", self.scales.speed),
+            ("eta0", self.scales.eta0),
+            ("the scaled speed of the disc", self.disc_speed()),
+            ("the scaled Stribeck velocity", self.friction.stribeck_velocity),
+            ("the contact force for one unit of preload", self.normal_force_per_preload()),
+            ("k_t2 / k_t1", self.friction_transmission()),
+            ("the tangential stiffness over the mass", self.tangential_oscillator().stiffness),
+            ("the normal stiffness over the mass", self.normal_oscillator().stiffness),
+            ("the angular stiffness over the inertia", self.angular_oscillator().stiffness),
+        ];
+        if let Some(&(quantity, value)) = derived.iter().find(|(_, value)| !(value.is_normal() && *value > 0.0)) {
+            return Err(ParameterError::NotComputable { quantity, value });
+        }
+        let damping = [
+            ("the tangential damping over the mass", self.tangential_oscillator().damping),
+            ("the normal damping over the mass", self.normal_oscillator().damping),
+            ("the angular damping over the inertia", self.angular_oscillator().damping),
+        ];
+        match damping.iter().find(|(_, value)| !value.is_finite()) {
+            Some(&(quantity, value)) => Err(ParameterError::NotComputable { quantity, value }),
+            None => Ok(()),
+        }
+    }
+
+    /// The parameters as validated.
+    #[must_use]
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Length, time and speed scale.
+    #[must_use]
+    pub fn scales(&self) -> &Scales {
+        &self.scales
+    }
+
+    /// The friction law over scaled speeds.
+    #[must_use]
+    pub fn friction_law(&self) -> &StribeckLaw {
+        &self.friction
+    }
+
+    /// v, the scaled speed of the disc under the pad, `b Omega` over the speed scale.
+    #[must_use]
+    pub fn disc_speed(&self) -> f64 {
+        self.parameters.disc.outer_radius * self.parameters.operating_point.rotating_speed / self.scales.speed
+    }
+
+    /// The rotating speed (rad/s) at which the disc passes the pad with scaled speed `disc_speed`.
+    #[must_use]
+    pub fn rotating_speed(&self, disc_speed: f64) -> f64 {
+        disc_speed * self.scales.speed / self.parameters.disc.outer_radius
+    }
+
+    /// The contact force over h that one unit of preload produces, `k_en k_y / (k_en + k_y)`, N/m.
+    #[must_use]
+    pub fn normal_force_per_preload(&self) -> f64 {
+        let stiffness = &self.parameters.stiffness;
+        stiffness.contact_normal * stiffness.calliper_normal / (stiffness.contact_normal + stiffness.calliper_normal)
+    }
+
+    /// N, the contact force over h of steady sliding, N/m.
+    #[must_use]
+    pub fn normal_force(&self) -> f64 {
+        self.normal_force_per_preload() * self.parameters.operating_point.preload
+    }
+
+    /// Whether a sample is stable by definition: without preload there is no contact force, and with `f_s < f_c` friction
+    /// rises with speed.
+    #[must_use]
+    pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
+        inputs.preload <= 0.0 || inputs.static_friction < self.friction.kinetic_coefficient
+    }
+
+    /// k_t2 / k_t1, the share of the friction force that reaches the pad.
+    #[must_use]
+    pub fn friction_transmission(&self) -> f64 {
+        self.parameters.stiffness.contact_tangential_2 / self.parameters.stiffness.contact_tangential_1
+    }
+
+    /// a2 = k_x + k_t2, tangential stiffness that holds the pad, N/m.
+    #[must_use]
+    pub fn tangential_stiffness(&self) -> f64 {
+        self.parameters.stiffness.calliper_tangential + self.parameters.stiffness.contact_tangential_2
+    }
+
+    /// c_x sqrt(eta0), the tangential damper over scaled time, N/m.
+    #[must_use]
+    pub fn scaled_tangential_damping(&self) -> f64 {
+        self.parameters.damping.tangential * self.scales.eta0.sqrt()
+    }
+
+    /// M eta0, the mass over scaled time, N/m.
+    #[must_use]
+    pub fn scaled_mass(&self) -> f64 {
+        self.parameters.pad.mass * self.scales.eta0
+    }
+
+    /// The equilibrium of steady sliding on a rigid disc:
+    ///
+    /// ```text
+    /// N = k_en k_y Delta / (k_en + k_y),   y0 = -k_y Delta / (k_en + k_y),   x0 = (k_t2 / k_t1) mu0 N / (k_x + k_t2),
+    /// k_s phi0 = (q h / 2) k_t2 (mu0 N / k_t1 - x0)
+    /// ```
+    #[must_use]
+    pub fn sliding_equilibrium(&self) -> SlidingEquilibrium {
+        self.sliding_equilibrium_at(RandomInputs {
+            preload: self.parameters.operating_point.preload,
+            static_friction: self.parameters.friction.static_coefficient,
+        })
+    }
+
+    /// [`PadOnDisc::sliding_equilibrium`] with other values of preload and static friction.
+    #[must_use]
+    pub fn sliding_equilibrium_at(&self, inputs: RandomInputs) -> SlidingEquilibrium {
+        let Parameters { stiffness, pad, .. } = &self.parameters;
+        let normal_force = self.normal_force_per_preload() * inputs.preload;
+        let law = StribeckLaw { static_coefficient: inputs.static_friction, ..self.friction };
+        let friction_coefficient = law.coefficient(self.disc_speed());
+        let friction_force = friction_coefficient * normal_force;
+        let tangential = self.friction_transmission() * friction_force / self.tangential_stiffness();
+        let normal =
+            -stiffness.calliper_normal * inputs.preload / (stiffness.calliper_normal + stiffness.contact_normal);
+        let contact_spring = friction_force / stiffness.contact_tangential_1 - tangential;
+        let moment = 0.5 * pad.moment_arm * self.scales.length * stiffness.contact_tangential_2 * contact_spring;
+        let angle = moment / stiffness.calliper_angular;
+        SlidingEquilibrium { tangential, normal, angle, normal_force, friction_coefficient }
+    }
+
+    /// `(h q / 2) M / I_s`: angular acceleration for one unit of acceleration by the contact spring.
+    pub(crate) fn angular_arm(&self) -> f64 {
+        let pad = &self.parameters.pad;
+        0.5 * pad.moment_arm * self.scales.length * pad.mass / pad.moment_of_inertia
+    }
+
+    /// The fall of the friction force with the pad's speed, `(k_t2 / k_t1) N (f_s - f_c) w(v)`, N/m: what friction
+    /// takes away from the damping of the tangential motion.
+    fn friction_weakening_force(&self) -> f64 {
+        let falling = self.friction.static_coefficient - self.friction.kinetic_coefficient;
+        self.friction_transmission() * self.normal_force() * falling * self.friction.weakening(self.disc_speed())
+    }
+
+    /// The tangential motion near steady sliding; its damping is `-m1` of the paper's equation (3.8).
+    #[must_use]
+    pub fn tangential_oscillator(&self) -> Oscillator {
+        Oscillator {
+            damping: (self.scaled_tangential_damping() - self.friction_weakening_force()) / self.scaled_mass(),
+            stiffness: self.tangential_stiffness() / self.scaled_mass(),
+        }
+    }
+
+    /// The normal motion near steady sliding.
+    #[must_use]
+    pub fn normal_oscillator(&self) -> Oscillator {
+        let Parameters { stiffness, damping, .. } = &self.parameters;
+        Oscillator {
+            damping: damping.normal * self.scales.eta0.sqrt() / self.scaled_mass(),
+            stiffness: (stiffness.calliper_normal + stiffness.contact_normal) / self.scaled_mass(),
+        }
+    }
+
+    /// The rotation of the pad near steady sliding.
+    #[must_use]
+    pub fn angular_oscillator(&self) -> Oscillator {
+        let inertia = self.parameters.pad.moment_of_inertia * self.scales.eta0;
+        Oscillator {
+            damping: self.parameters.damping.angular * self.scales.eta0.sqrt() / inertia,
+            stiffness: self.parameters.stiffness.calliper_angular / inertia,
+        }
+    }
+
+    /// The 6x6 Jacobian of the scaled equations at steady sliding, the paper's equation (3.8), for the state
+    /// `(x, x', y, y', phi, phi')` and scaled time.
+    #[must_use]
+    pub fn jacobian(&self) -> DMatrix<f64> {
+        let Parameters { stiffness, pad, .. } = &self.parameters;
+        let [x, y, phi] = [self.tangential_oscillator(), self.normal_oscillator(), self.angular_oscillator()];
+        let mass = self.scaled_mass();
+        let friction_by_normal = self.friction.coefficient(self.disc_speed()) * stiffness.contact_normal;
+        let arm = 0.5 * pad.moment_arm * self.scales.length / (pad.moment_of_inertia * self.scales.eta0);
+
+        let mut jacobian = DMatrix::zeros(6, 6);
+        for (row, oscillator) in [(0, x), (2, y), (4, phi)] {
+            jacobian[(row, row + 1)] = 1.0;
+            jacobian[(row + 1, row)] = -oscillator.stiffness;
+            jacobian[(row + 1, row + 1)] = -oscillator.damping;
+        }
+        jacobian[(1, 2)] = -self.friction_transmission() * friction_by_normal / mass;
+        jacobian[(5, 0)] = -arm * stiffness.contact_tangential_2;
+        jacobian[(5, 1)] = arm * self.friction_weakening_force();
+        jacobian[(5, 2)] = -arm * self.friction_transmission() * friction_by_normal;
+        jacobian
+    }
+}
+
+/// Numbers between 0 and 1 from a simple generator (Marsaglia's xorshift), for tests.
+#[cfg(test)]
+pub(crate) fn uniform_draws(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+    move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The scaled equations of motion (2.5) for a rigid disc, sin(phi) = 0, cos(phi) = 1, sliding forward; written
+    /// from the paper, independently of the linearisation.
+    fn right_hand_side(brake: &PadOnDisc, state: &[f64; 6]) -> [f64; 6] {
+        let [x, vx, y, vy, phi, vphi] = *state;
+        let p = brake.parameters();
+        let (k, c) = (&p.stiffness, &p.damping);
+        let (eta0, root) = (brake.scales().eta0, brake.scales().eta0.sqrt());
+        let contact = k.contact_normal * (-y).max(0.0);
+        let friction = brake.friction_law().coefficient(brake.disc_speed() - vx) * contact;
+        let spring = k.contact_tangential_2 * (x - friction / k.contact_tangential_1);
+        let ax = -(k.calliper_tangential * x + c.tangential * root * vx + spring) / (p.pad.mass * eta0);
+        let ay = -(k.calliper_normal * (p.operating_point.preload + y) + c.normal * root * vy - contact)
+            / (p.pad.mass * eta0);
+        let moment = spring * p.disc.thickness * p.pad.moment_arm / 2.0;
+        let aphi = -(k.calliper_angular * phi + c.angular * root * vphi + moment) / (p.pad.moment_of_inertia * eta0);
+        [vx, ax, vy, ay, vphi, aphi]
+    }
+
+    fn brakes() -> Vec<PadOnDisc> {
+        let points = [(16.0, 0.1, 1.0), (35.0, 0.1, 1.0), (4.0, 0.3, 2.0), (12.0, 0.05, 0.6)];
+        let brake = |(speed, preload, exponent)| {
+            PadOnDisc::preset_with(&[
+                ("operating_point.rotating_speed", speed),
+                ("operating_point.preload", preload),
+                ("friction.stribeck_exponent", exponent),
+            ])
+        };
+        points.map(brake).to_vec()
+    }
+
+    #[test]
+    fn nothing_moves_at_the_equilibrium() {
+        for brake in brakes() {
+            let e = brake.sliding_equilibrium();
+            let rate = right_hand_side(&brake, &[e.tangential, 0.0, e.normal, 0.0, e.angle, 0.0]);
+            for component in rate {
+                assert!(component.abs() < 1e-15, "{rate:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_jacobian_is_the_derivative_of_the_equations_of_motion() {
+        for brake in brakes() {
+            let e = brake.sliding_equilibrium();
+            let at = [e.tangential, 0.0, e.normal, 0.0, e.angle, 0.0];
+            let jacobian = brake.jacobian();
+            for column in 0..6 {
+                let step = 1e-6;
+                let [mut ahead, mut behind] = [at, at];
+                ahead[column] += step;
+                behind[column] -= step;
+                let [ahead, behind] = [right_hand_side(&brake, &ahead), right_hand_side(&brake, &behind)];
+                for row in 0..6 {
+                    let difference = (ahead[row] - behind[row]) / (2.0 * step);
+                    let entry = jacobian[(row, column)];
+                    assert!(
+                        (difference - entry).abs() < 2e-7 * (1.0 + entry.abs()),
+                        "({row}, {column}): {difference} {entry}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn friction_settles_around_a_quarter_at_35_rad_per_s() {
+        // The paper, section 3.4: "the friction coefficient will be settled in a range around 0.25".
+        let brake = &brakes()[1];
+        assert!((brake.sliding_equilibrium().friction_coefficient - 0.25).abs() < 5e-3);
+    }
+}

@@ -1,0 +1,4 @@
+//! Samples evaluated: their inputs drawn, their verdicts found, looked up or simulated.
+
+pub mod batch;
+pub mod extras;

@@ -1,0 +1,223 @@
+//! Cutting the missing samples into units of work, and sharing them among shards.
+
+use std::fmt;
+use std::ops::Range;
+use std::str::FromStr;
+
+use crate::schedule::slots::Slots;
+use crate::store::tally::Tally;
+
+/// One of several processes that share a job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    index: u64,
+    count: u64,
+    /// As typed: the last one is N or 0.
+    typed: u64,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    /// `I/N`. Both counts from 0 to N - 1 and from 1 to N reach every shard: N is taken for 0.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong =
+            || format!("{text:?} is not a shard; write I/N, for example 1/16, with I from 1 to N (or from 0 to N-1)");
+        let (index, count) = text.split_once('/').ok_or_else(wrong)?;
+        let index: u64 = index.parse().map_err(|_| wrong())?;
+        let count: u64 = count.parse().map_err(|_| wrong())?;
+        if count == 0 || index > count || count > 1_000_000 {
+            return Err(wrong());
+        }
+        Ok(Self { index: index % count, count, typed: index })
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.typed, self.count)
+    }
+}
+
+/// The units of work of one process, without a list of them: 10^10 samples take no more memory than 10^4.
+#[derive(Debug)]
+pub struct Plan {
+    gaps: Vec<Gap>,
+    /// Samples of a unit at the most. Units start at multiples of it, whatever is counted already, so that shards agree
+    /// on them.
+    unit_samples: u64,
+    /// For each gap the number of units before it; one more entry at the end.
+    units_before: Vec<u64>,
+}
+
+/// Missing samples of one slot, and the units among them that this process computes.
+#[derive(Debug)]
+struct Gap {
+    slot: u64,
+    samples: Range<u64>,
+    /// Number of the first unit in the slot, and the distance to the next.
+    first: u64,
+    step: u64,
+    units: u64,
+}
+
+impl Gap {
+    /// `units_before` units of all slots come before those of this one.
+    fn new(slot: u64, samples: Range<u64>, unit: u64, units_before: u128, shard: Option<Shard>) -> Self {
+        let Shard { index, count, .. } = shard.unwrap_or(Shard { index: 0, count: 1, typed: 1 });
+        let (from, to) = (samples.start / unit, samples.end.div_ceil(unit));
+        let number = (units_before + u128::from(from)) % u128::from(count);
+        let first = from + (index + count - number as u64) % count;
+        Self { slot, samples, first, step: count, units: to.saturating_sub(first).div_ceil(count) }
+    }
+
+    /// All of a gap, for one process.
+    fn whole(slot: u64, samples: Range<u64>, unit: u64) -> Self {
+        let (first, to) = (samples.start / unit, samples.end.div_ceil(unit));
+        Self { slot, samples, first, step: 1, units: to - first }
+    }
+
+    /// The samples of the i-th unit.
+    fn unit(&self, i: u64, unit_samples: u64) -> Range<u64> {
+        let start = (self.first + i * self.step) * unit_samples;
+        self.samples.start.max(start)..self.samples.end.min(start + unit_samples)
+    }
+
+    /// Samples over all units: only the outer ones may be cut.
+    fn total(&self, unit_samples: u64) -> u128 {
+        let length = |i: u64| u128::from(self.unit(i, unit_samples).end - self.unit(i, unit_samples).start);
+        match self.units {
+            0 => 0,
+            1 => length(0),
+            units => length(0) + length(units - 1) + u128::from(units - 2) * u128::from(unit_samples),
+        }
+    }
+}
+
+impl Plan {
+    /// The units that are missing of the samples that `slots` want now.
+    ///
+    /// Consecutive units, counted over all slots, go to different shards, so that jobs of one cell and jobs of many are
+    /// shared alike; but cells whose slots are decided in turn go to a shard as a whole.
+    pub fn new(tally: &Tally, slots: &Slots, unit_samples: u64, shard: Option<Shard>) -> Self {
+        let parts = slots.of(0).end as usize;
+        let part_units: Vec<u128> =
+            (0..parts).map(|part| u128::from(slots.most(part).div_ceil(unit_samples))).collect();
+        let cell_units: u128 = part_units.iter().sum();
+        let missing = tally.gaps(&slots.wanted(tally)).into_iter();
+        let gaps = missing.filter_map(|(slot, gap)| {
+            let (cell, part) = slots.place(slot);
+            match shard {
+                Some(Shard { index, count, .. }) if slots.are_decided_in_turn() => {
+                    (cell % count == index).then(|| Gap::whole(slot, gap, unit_samples))
+                }
+                _ => {
+                    let before = u128::from(cell) * cell_units + part_units[..part].iter().sum::<u128>();
+                    Some(Gap::new(slot, gap, unit_samples, before, shard))
+                }
+            }
+        });
+        let gaps: Vec<Gap> = gaps.filter(|gap| gap.units > 0).collect();
+        let mut units_before = Vec::with_capacity(gaps.len() + 1);
+        let mut units = 0;
+        for gap in &gaps {
+            units_before.push(units);
+            units += gap.units;
+        }
+        units_before.push(units);
+        Self { gaps, unit_samples, units_before }
+    }
+
+    /// The number of units.
+    pub fn units(&self) -> u64 {
+        self.units_before[self.gaps.len()]
+    }
+
+    /// Samples over all units.
+    pub fn samples(&self) -> u128 {
+        self.gaps.iter().map(|gap| gap.total(self.unit_samples)).sum()
+    }
+
+    /// The unit at `index`: its slot and samples.
+    pub fn unit(&self, index: u64) -> (u64, Range<u64>) {
+        let position = self.units_before.partition_point(|&before| before <= index) - 1;
+        let gap = &self.gaps[position];
+        (gap.slot, gap.unit(index - self.units_before[position], self.unit_samples))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::tally::Segment;
+    use stickslip_core::verdict::VerdictCounts;
+    use stickslip_sampler::estimate::distribution::Distribution;
+
+    const SAMPLES: u64 = 3_500_000;
+
+    const UNIT_SAMPLES: u64 = 1_000_000;
+
+    fn tally_with_holes() -> Tally {
+        let mut tally = Tally::new(7);
+        for (cell, samples) in [(0, 0..3_500_000), (2, 1_000_000..1_000_001), (3, 0..10_000), (6, 999_999..2_000_000)] {
+            let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
+            tally.add(&Segment { slot: cell, samples, counts, amplitudes: Distribution::default(), sums: Vec::new() });
+        }
+        tally
+    }
+
+    fn units(tally: &Tally, shard: Option<Shard>) -> Vec<(u64, Range<u64>)> {
+        let plan = Plan::new(tally, &Slots::plain(7, SAMPLES), UNIT_SAMPLES, shard);
+        let units: Vec<_> = (0..plan.units()).map(|index| plan.unit(index)).collect();
+        let samples: u128 = units.iter().map(|(_, samples)| u128::from(samples.end - samples.start)).sum();
+        assert_eq!(samples, plan.samples());
+        units
+    }
+
+    #[test]
+    fn units_fill_the_gaps_and_nothing_else() {
+        let mut tally = tally_with_holes();
+        for (cell, samples) in units(&tally, None) {
+            let before = tally.counted();
+            let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
+            assert!(samples.start / UNIT_SAMPLES == (samples.end - 1) / UNIT_SAMPLES);
+            tally.add(&Segment { slot: cell, samples, counts, amplitudes: Distribution::default(), sums: Vec::new() });
+            assert_eq!(tally.counted() - before, u128::from(counts.total()), "no overlap");
+        }
+        assert!(tally.gaps(&[SAMPLES; 7]).is_empty());
+    }
+
+    #[test]
+    fn shards_part_the_units_however_they_are_counted() {
+        let tally = tally_with_holes();
+        let mut whole = units(&tally, None);
+        whole.sort_by_key(|(cell, samples)| (*cell, samples.start));
+        for (count, first) in [(1, 0), (1, 1), (4, 0), (4, 1), (16, 1), (100, 0)] {
+            let mut parts = Vec::new();
+            for index in first..first + count {
+                parts.extend(units(&tally, Some(format!("{index}/{count}").parse().unwrap())));
+            }
+            parts.sort_by_key(|(cell, samples)| (*cell, samples.start));
+            assert_eq!(parts, whole, "{count} shards from {first}");
+        }
+    }
+
+    #[test]
+    fn a_shard_is_the_same_whatever_is_done_already() {
+        let shard: Shard = "2/3".parse().unwrap();
+        let fresh = units(&Tally::new(7), Some(shard));
+        for (cell, samples) in units(&tally_with_holes(), Some(shard)) {
+            let inside = |(c, s): &(u64, Range<u64>)| *c == cell && s.start <= samples.start && samples.end <= s.end;
+            assert!(fresh.iter().any(inside), "{cell} {samples:?}");
+        }
+    }
+
+    #[test]
+    fn silly_shards_are_refused() {
+        for text in ["", "3", "4/3", "1/0", "a/b", "-1/3", "1/3/5", "0/0"] {
+            assert!(text.parse::<Shard>().is_err(), "{text}");
+        }
+        assert_eq!("3/3".parse::<Shard>().unwrap().to_string(), "3/3");
+        assert_eq!("0/3".parse::<Shard>().unwrap().to_string(), "0/3");
+    }
+}

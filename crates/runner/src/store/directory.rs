@@ -1,0 +1,229 @@
+//! The run directory: who may write in it, and what job it belongs to.
+
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
+
+use crate::evaluate::extras::Extras;
+use crate::failure::Failure;
+use crate::job::{Job, JobSource};
+use crate::output::note;
+use crate::schedule::slots::Slots;
+use crate::store::piece;
+use crate::store::publish::{is_temporary, publish, publish_first, remove_temporary};
+use crate::store::tally::{Segment, Tally};
+use crate::tables::surface::job_hash_of_file;
+
+/// How a process works in a run directory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// Alone: it may tidy up and write the surface.
+    Alone,
+    /// Beside others: a shard, which only adds pieces.
+    Shared,
+}
+
+/// A run directory that this process may work in.
+#[derive(Debug)]
+pub struct RunDirectory {
+    path: PathBuf,
+    /// Holds the lock on the directory as long as it is open.
+    _lock: Option<File>,
+}
+
+impl RunDirectory {
+    /// Opens `path` for a job, creating it if there is nothing yet.
+    pub fn create(path: &Path, access: Access) -> Result<Self, Failure> {
+        if path.exists() && !path.is_dir() {
+            let message = format!("{} is a file; a run needs a directory. Choose another with --out", path.display());
+            return Err(Failure::CannotCreate(message));
+        }
+        if path.is_dir() && !path.join("job.toml").exists() && !looks_empty(path)? {
+            let message = format!("{} is not empty and not a run directory. Choose another with --out", path.display());
+            return Err(Failure::CannotCreate(message));
+        }
+        let shards = path.join("shards");
+        fs::create_dir_all(&shards).map_err(|error| Failure::creating(path, error))?;
+        Self::lock(path, access)
+    }
+
+    /// Opens an existing run.
+    pub fn open(path: &Path, access: Access) -> Result<Self, Failure> {
+        Self::require_run(path)?;
+        Self::lock(path, access)
+    }
+
+    /// Opens an existing run to look at it, whoever works in it.
+    pub fn view(path: &Path) -> Result<Self, Failure> {
+        Self::require_run(path)?;
+        Ok(Self { path: path.to_owned(), _lock: None })
+    }
+
+    fn require_run(path: &Path) -> Result<(), Failure> {
+        let why = if !path.exists() {
+            "it does not exist"
+        } else if !path.is_dir() {
+            "it is a file"
+        } else if !path.join("job.toml").is_file() || !path.join("shards").is_dir() {
+            "it has no job.toml and shards/"
+        } else {
+            return Ok(());
+        };
+        Err(Failure::InputOutput(format!("{} is not a run directory: {why}", path.display())))
+    }
+
+    fn lock(path: &Path, access: Access) -> Result<Self, Failure> {
+        let directory = File::open(path).map_err(|error| Failure::reading(path, error))?;
+        let try_lock = || match access {
+            Access::Alone => directory.try_lock(),
+            Access::Shared => directory.try_lock_shared(),
+        };
+        // `status` holds the lock for an instant; that must not look like a run.
+        let mut locked = try_lock();
+        for _ in 0..10 {
+            if !matches!(locked, Err(TryLockError::WouldBlock)) {
+                break;
+            }
+            thread::sleep(Duration::from_millis(20));
+            locked = try_lock();
+        }
+        match locked {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let message =
+                    format!("{} is in use by another stickslip; wait for it, or stop it first", path.display());
+                return Err(Failure::Busy(message));
+            }
+            // Some network file systems have no locks. Pieces are safe without (whole files under names of their
+            // own, counted once), so a missing lock costs at worst work done twice.
+            Err(TryLockError::Error(error)) => {
+                note(format_args!(
+                    "note: {} cannot be locked ({error}); make sure that nothing else runs in it",
+                    path.display()
+                ));
+            }
+        }
+        Ok(Self { path: path.to_owned(), _lock: Some(directory) })
+    }
+
+    /// Whether another process works in this run now.
+    pub fn in_use(&self) -> bool {
+        File::open(&self.path).is_ok_and(|directory| matches!(directory.try_lock(), Err(TryLockError::WouldBlock)))
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The finished pieces.
+    pub fn shards(&self) -> PathBuf {
+        self.path.join("shards")
+    }
+
+    /// The verdict maps.
+    pub fn maps(&self) -> PathBuf {
+        self.path.join("map")
+    }
+
+    /// The result.
+    pub fn surface(&self) -> PathBuf {
+        self.path.join("surface.parquet")
+    }
+
+    /// Whether the result is there and says that it is of this job.
+    pub fn has_surface_of(&self, job: &Job) -> bool {
+        job_hash_of_file(&self.surface()) == Some(job.hash())
+    }
+
+    /// Cells of a job that are complete; an integrated surface is there as a whole or not at all.
+    pub fn complete_cells(&self, job: &Job, tally: &Tally) -> u64 {
+        match job.is_integrated() {
+            false => Slots::new(job).complete_cells(tally),
+            true if self.has_surface_of(job) => job.cells(),
+            true => 0,
+        }
+    }
+
+    /// The frozen job, if one is there yet.
+    pub fn job_source(&self) -> Result<Option<JobSource>, Failure> {
+        let path = self.path.join("job.toml");
+        if path.exists() { JobSource::read(&path).map(Some) } else { Ok(None) }
+    }
+
+    /// The frozen job of an existing run.
+    pub fn job(&self) -> Result<Job, Failure> {
+        match self.job_source()? {
+            Some(source) => source.job(),
+            None => Err(Failure::InputOutput(format!("{} has no job.toml", self.path.display()))),
+        }
+    }
+
+    /// Freezes the job, unless another process has just frozen one; false then.
+    pub fn freeze_first(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
+        publish_first(&self.path, "job.toml", source.frozen(job).as_bytes())
+    }
+
+    /// Freezes the job in place of the one that is there.
+    pub fn freeze(&self, source: &JobSource, job: &Job) -> Result<(), Failure> {
+        publish(&self.path, "job.toml", source.frozen(job).as_bytes())
+    }
+
+    /// Removes what killed processes left behind.
+    pub fn tidy(&self) -> Result<(), Failure> {
+        remove_temporary(&self.path)?;
+        remove_temporary(&self.shards())?;
+        if self.maps().is_dir() { remove_temporary(&self.maps()) } else { Ok(()) }
+    }
+
+    /// Everything counted so far. Pieces that cannot be trusted are named on standard error and left out.
+    pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
+        let slots = Slots::new(job);
+        let is_slot = |stored: u64| slots.locate_stored(stored).0 < job.cells();
+        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), is_slot, Extras::of(job).count())?;
+        for complaint in &pieces.complaints {
+            note(format_args!("warning: {complaint}"));
+        }
+        let mut segments = Vec::with_capacity(pieces.segments.len());
+        for segment in pieces.segments {
+            let (cell, slot) = slots.locate_stored(segment.slot);
+            let wanted = slot.filter(|&slot| segment.samples.end <= slots.most(slots.place(slot).1));
+            let Some(slot) = wanted else {
+                let what = slot.map_or("more samples".to_owned(), |_| format!("sample {}", segment.samples.end - 1));
+                return Err(Failure::Job(format!(
+                    "{}: its pieces hold {what} of cell {cell}, but its job.toml asks for {} samples only; was it edited?",
+                    self.path.display(),
+                    job.sampling.samples
+                )));
+            };
+            segments.push(Segment { slot, ..segment });
+        }
+        let mut tally = Tally::new(slots.count());
+        tally.add_all(segments).map_err(|(slot, samples)| {
+            let (cell, part) = slots.place(slot);
+            let of = if slots.of(0).end > 1 { format!("part {part} of cell {cell}") } else { format!("cell {cell}") };
+            Failure::InputOutput(format!(
+                "{}: two pieces disagree on samples {} to {} of {of}. One of them is wrong; move shards/ aside and compute again",
+                self.path.display(),
+                samples.start,
+                samples.end - 1
+            ))
+        })?;
+        Ok(tally)
+    }
+}
+
+fn looks_empty(path: &Path) -> Result<bool, Failure> {
+    let entries = fs::read_dir(path).map_err(|error| Failure::reading(path, error))?;
+    for entry in entries {
+        let entry = entry.map_err(|error| Failure::reading(path, error))?;
+        // What a submit killed in its first moment leaves.
+        let name = entry.file_name();
+        // A job.toml that another shard has just put there makes it a run.
+        if name != "shards" && name != "job.toml" && !is_temporary(&entry.path()) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}

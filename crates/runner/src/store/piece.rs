@@ -1,0 +1,318 @@
+//! Pieces: files of finished work, the only state that a resumed run trusts.
+//!
+//! A piece is a small Parquet file of segments, named by the hash of its own bytes, written under a temporary name
+//! and renamed when it is on disk. A piece that is torn, altered or from another job is never read as good.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use arrow::array::{Array as _, ArrayRef, Int64Array, Int64Builder, ListArray, ListBuilder, RecordBatch};
+use arrow::datatypes::{DataType, Field, Schema};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
+use stickslip_core::verdict::VerdictCounts;
+use stickslip_sampler::estimate::distribution::Distribution;
+
+use crate::failure::Failure;
+use crate::store::publish::{files, is_temporary, publish};
+use crate::store::tally::Segment;
+
+const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
+
+/// Of pieces that hold settled amplitudes: their sum, and a list of bins, each followed by its count.
+const AMPLITUDE_SUM: &str = "amplitude_sum";
+const AMPLITUDE_BINS: &str = "amplitude_bins";
+
+/// Of pieces with further sums.
+const SUMS: &str = "sums";
+
+const EXPERIMENT_KEY: &str = "stickslip:experiment";
+const VERDICTS_KEY: &str = "stickslip:verdicts_version";
+
+/// Pieces that do not say by which version of the verdicts they were made are of this one or an older one.
+const UNNAMED_VERDICTS: u32 = 2;
+
+/// Writes segments as a new piece in `directory`.
+pub fn write(directory: &Path, experiment: &str, segments: &[Segment]) -> Result<(), Failure> {
+    let bytes = encode(experiment, segments).map_err(|error| Failure::writing(directory, error))?;
+    let name = format!("{}.parquet", digest(&bytes));
+    publish(directory, &name, &bytes)
+}
+
+/// What the pieces of a directory hold, and what was wrong with those that were left out.
+#[derive(Debug, Default)]
+pub struct Pieces {
+    /// Segments of every sound piece.
+    pub segments: Vec<Segment>,
+    /// One line for each piece that was not.
+    pub complaints: Vec<String>,
+}
+
+/// Reads every piece in `directory`; `is_slot` tells the numbers that slots may have.
+///
+/// # Errors
+/// A directory that cannot be read, or a sound piece of another experiment: these runs must not be mixed.
+pub fn read_all(
+    directory: &Path,
+    experiment: &str,
+    is_slot: impl Fn(u64) -> bool,
+    sums: usize,
+) -> Result<Pieces, Failure> {
+    let mut pieces = Pieces::default();
+    for path in files(directory)? {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        // Whatever else lies there (.DS_Store, say) is none of our business.
+        if is_temporary(&path) || path.extension().is_none_or(|extension| extension != "parquet") {
+            continue;
+        }
+        let damaged = |why: &str| format!("{} is ignored, its samples will be computed again: {why}", path.display());
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                pieces.complaints.push(damaged(&error.to_string()));
+                continue;
+            }
+        };
+        if name != format!("{}.parquet", digest(&bytes)) {
+            pieces.complaints.push(damaged("its content does not match the checksum in its name"));
+            continue;
+        }
+        match decode(bytes) {
+            Ok((owner, _)) if owner.experiment != experiment => return Err(owner.refused(&path)),
+            Ok((_, segments))
+                if segments.iter().all(|s| is_slot(s.slot) && s.sums.len() == sums && s.is_consistent()) =>
+            {
+                pieces.segments.extend(segments);
+            }
+            Ok(_) => pieces.complaints.push(damaged("its counts do not add up")),
+            Err(error) => pieces.complaints.push(damaged(&error)),
+        }
+    }
+    Ok(pieces)
+}
+
+/// What a piece says of the run that it belongs to.
+struct Owner {
+    experiment: String,
+    verdicts_version: u32,
+}
+
+impl Owner {
+    /// Why a piece of another job or version is not used, and what to do.
+    fn refused(&self, path: &Path) -> Failure {
+        let path = path.display();
+        let version = self.verdicts_version;
+        Failure::Job(if version == VERDICTS_VERSION {
+            format!(
+                "{path} belongs to another job or another version of stickslip. Was the run's job.toml edited or removed? Restore it, or choose another directory with --out"
+            )
+        } else {
+            format!(
+                "{path} was computed by another version of stickslip (verdicts version {version}, this one has {VERDICTS_VERSION}), or belongs to another job; the two must not be mixed. Submit the run's job.toml into another directory with --out, go on with the stickslip that began it, or restore job.toml if it was edited"
+            )
+        })
+    }
+}
+
+/// The name of a piece: a hash of its content.
+pub fn digest(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex()[..32].to_owned()
+}
+
+fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
+    let column = |value: fn(&Segment) -> u64| -> ArrayRef {
+        // Counts stay far below 2^63, see the limit on samples.
+        Arc::new(segments.iter().map(|segment| value(segment).cast_signed()).collect::<Int64Array>())
+    };
+    let mut columns = vec![
+        column(|s| s.slot),
+        column(|s| s.samples.start),
+        column(Segment::len),
+        column(|s| s.counts.stable),
+        column(|s| s.counts.unstable),
+        column(|s| s.counts.undecided),
+        column(|s| s.counts.failed),
+    ];
+    let mut fields = COLUMNS.map(|name| Field::new(name, DataType::Int64, false)).to_vec();
+    if segments.iter().any(|segment| segment.amplitudes.count() > 0) {
+        let mut bins = ListBuilder::new(Int64Builder::new());
+        for segment in segments {
+            for (bin, count) in segment.amplitudes.bins() {
+                bins.values().append_slice(&[i64::from(bin), count.cast_signed()]);
+            }
+            bins.append(true);
+        }
+        let bins = bins.finish();
+        fields.push(Field::new(AMPLITUDE_SUM, DataType::Int64, false));
+        columns.push(column(|s| s.amplitudes.sum()));
+        fields.push(Field::new(AMPLITUDE_BINS, bins.data_type().clone(), false));
+        columns.push(Arc::new(bins));
+    }
+    if segments.iter().any(|segment| !segment.sums.is_empty()) {
+        let mut sums = ListBuilder::new(Int64Builder::new());
+        for segment in segments {
+            sums.values().append_slice(&segment.sums);
+            sums.append(true);
+        }
+        let sums = sums.finish();
+        fields.push(Field::new(SUMS, sums.data_type().clone(), false));
+        columns.push(Arc::new(sums));
+    }
+    let schema = Arc::new(Schema::new(fields));
+    let owner = vec![
+        KeyValue::new(EXPERIMENT_KEY.to_owned(), experiment.to_owned()),
+        KeyValue::new(VERDICTS_KEY.to_owned(), VERDICTS_VERSION.to_string()),
+    ];
+    let properties = WriterProperties::builder().set_key_value_metadata(Some(owner)).build();
+    let mut writer = ArrowWriter::try_new(Vec::new(), schema.clone(), Some(properties))?;
+    writer.write(&RecordBatch::try_new(schema, columns)?)?;
+    writer.into_inner()
+}
+
+fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<Segment>), String> {
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let builder = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes)).map_err(|e| text(&e))?;
+    let metadata = builder.metadata().file_metadata().key_value_metadata();
+    let value_of = |key: &str| metadata?.iter().find(|pair| pair.key == key)?.value.clone();
+    let owner = Owner {
+        experiment: value_of(EXPERIMENT_KEY).ok_or("it does not say which job it belongs to")?,
+        verdicts_version: value_of(VERDICTS_KEY).and_then(|text| text.parse().ok()).unwrap_or(UNNAMED_VERDICTS),
+    };
+    let mut segments = Vec::new();
+    for batch in builder.build().map_err(|e| text(&e))? {
+        let batch = batch.map_err(|e| text(&e))?;
+        let mut columns = Vec::new();
+        for name in COLUMNS {
+            let column = batch.column_by_name(name).and_then(|column| column.as_any().downcast_ref::<Int64Array>());
+            columns.push(column.ok_or_else(|| format!("column {name} is missing"))?);
+        }
+        for row in 0..batch.num_rows() {
+            let value = |column: usize| u64::try_from(columns[column].value(row)).map_err(|_| "a count is negative");
+            let start = value(1)?;
+            let end = start.checked_add(value(2)?).ok_or("a range of samples overflows")?;
+            let counts =
+                VerdictCounts { stable: value(3)?, unstable: value(4)?, undecided: value(5)?, failed: value(6)? };
+            let amplitudes = decode_amplitudes(&batch, row)?;
+            let sums = match batch.column_by_name(SUMS) {
+                Some(sums) => integers(sums, row)?,
+                None => Vec::new(),
+            };
+            segments.push(Segment { slot: value(0)?, samples: start..end, counts, amplitudes, sums });
+        }
+    }
+    Ok((owner, segments))
+}
+
+/// The settled amplitudes in one row, if the piece holds any.
+fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, String> {
+    let (Some(sums), Some(bins)) = (batch.column_by_name(AMPLITUDE_SUM), batch.column_by_name(AMPLITUDE_BINS)) else {
+        return Ok(Distribution::default());
+    };
+    let sums = sums.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not as they should be")?;
+    let bins = integers(bins, row)?;
+    let mut pairs = Vec::with_capacity(bins.len() / 2);
+    for pair in bins.chunks_exact(2) {
+        let bin = u32::try_from(pair[0]).ok().filter(|&bin| Distribution::is_bin(bin));
+        let bin = bin.ok_or("a bin of amplitudes is out of range")?;
+        if pairs.last().is_some_and(|(before, _)| *before >= bin) {
+            return Err("the bins of amplitudes are not in order".to_owned());
+        }
+        pairs.push((bin, u64::try_from(pair[1]).map_err(|_| "a count is negative")?));
+    }
+    Ok(Distribution::from_parts(sums.value(row).cast_unsigned(), pairs))
+}
+
+/// The list of integers in one row of a column.
+fn integers(column: &ArrayRef, row: usize) -> Result<Vec<i64>, String> {
+    let lists = column.as_any().downcast_ref::<ListArray>().ok_or("a column of lists is not as it should be")?;
+    let list = lists.value(row);
+    let list = list.as_any().downcast_ref::<Int64Array>().ok_or("a column of lists is not as it should be")?;
+    Ok(list.values().to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    fn some_segments() -> Vec<Segment> {
+        (0..50)
+            .map(|cell| Segment {
+                slot: cell,
+                samples: 1000 * cell..1000 * cell + 10,
+                counts: VerdictCounts { stable: 4, unstable: 3, undecided: 2, failed: 1 },
+                amplitudes: amplitudes(cell),
+                sums: vec![-(cell as i64), i64::MAX],
+            })
+            .collect()
+    }
+
+    /// Of the three unstable samples in some segments, none in others.
+    fn amplitudes(cell: u64) -> Distribution {
+        let mut amplitudes = Distribution::default();
+        (0..3 * (cell % 2)).for_each(|i| amplitudes.add(1e-3 * (cell + i) as f64));
+        amplitudes
+    }
+
+    fn written() -> (tempfile::TempDir, PathBuf) {
+        let directory = tempfile::tempdir().unwrap();
+        write(directory.path(), "experiment", &some_segments()).unwrap();
+        let piece = files(directory.path()).unwrap().remove(0);
+        (directory, piece)
+    }
+
+    #[test]
+    fn a_piece_reads_back_as_written() {
+        let (directory, _) = written();
+        let pieces = read_all(directory.path(), "experiment", |slot| slot < 50, 2).unwrap();
+        assert_eq!(pieces.segments, some_segments());
+        assert!(pieces.complaints.is_empty());
+    }
+
+    #[test]
+    fn any_damaged_byte_is_noticed() {
+        let (directory, piece) = written();
+        let sound = fs::read(&piece).unwrap();
+        for position in (0..sound.len()).step_by(7) {
+            let mut bytes = sound.clone();
+            bytes[position] ^= 0x10;
+            fs::write(&piece, &bytes).unwrap();
+            let pieces = read_all(directory.path(), "experiment", |slot| slot < 50, 2).unwrap();
+            assert!(pieces.segments.is_empty() && pieces.complaints.len() == 1, "byte {position}");
+        }
+        for length in [0, 1, sound.len() / 2, sound.len() - 1] {
+            fs::write(&piece, &sound[..length]).unwrap();
+            let pieces = read_all(directory.path(), "experiment", |slot| slot < 50, 2).unwrap();
+            assert!(pieces.segments.is_empty() && pieces.complaints.len() == 1, "length {length}");
+        }
+    }
+
+    #[test]
+    fn counts_that_do_not_add_up_are_refused_even_with_a_good_checksum() {
+        let directory = tempfile::tempdir().unwrap();
+        let mut segments = some_segments();
+        segments[7].counts.stable += 1;
+        write(directory.path(), "experiment", &segments).unwrap();
+        let pieces = read_all(directory.path(), "experiment", |slot| slot < 50, 2).unwrap();
+        assert!(pieces.segments.is_empty() && pieces.complaints[0].contains("do not add up"));
+    }
+
+    #[test]
+    fn a_piece_of_another_job_is_an_error() {
+        let (directory, _) = written();
+        assert!(matches!(read_all(directory.path(), "other", |slot| slot < 50, 2), Err(Failure::Job(_))));
+    }
+
+    #[test]
+    fn unfinished_files_are_not_read() {
+        let (directory, _) = written();
+        fs::write(directory.path().join(".unfinished-123-x.parquet"), "half").unwrap();
+        assert_eq!(read_all(directory.path(), "experiment", |slot| slot < 50, 2).unwrap().segments.len(), 50);
+        crate::store::publish::remove_temporary(directory.path()).unwrap();
+        assert_eq!(files(directory.path()).unwrap().len(), 1);
+    }
+}

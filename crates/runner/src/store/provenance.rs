@@ -1,0 +1,99 @@
+//! `run.json`: what may differ between identical runs: when, where, with how many threads, by which build.
+
+use std::fs;
+use std::path::Path;
+use std::time::{Instant, SystemTime};
+
+use serde::{Deserialize, Serialize};
+
+use crate::evaluate::extras::Lookups;
+use crate::failure::Failure;
+use crate::schedule::mapping::CompletedMaps;
+use crate::store::publish::publish;
+
+/// One stretch of work on a run.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Session {
+    command: String,
+    started: String,
+    seconds: f64,
+    outcome: String,
+    samples_computed: u64,
+    #[serde(flatten, default)]
+    maps: Option<MapUse>,
+    #[serde(flatten, default)]
+    lookups: Option<Lookups>,
+    threads: usize,
+    host: String,
+    version: String,
+    build: String,
+    #[serde(skip, default = "Instant::now")]
+    clock: Instant,
+}
+
+/// The verdict maps that a run used.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct MapUse {
+    map_tiles: u64,
+    /// Of this session; tiles that were there already cost none.
+    map_simulations: u64,
+    /// Whether they would have cost more than the samples, which were simulated instead.
+    #[serde(default)]
+    map_given_up: bool,
+}
+
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Record {
+    sessions: Vec<Session>,
+}
+
+impl Session {
+    /// Starts the clock.
+    pub fn start(command: &str, threads: usize) -> Self {
+        Self {
+            command: command.to_owned(),
+            started: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
+            seconds: 0.0,
+            outcome: String::new(),
+            samples_computed: 0,
+            maps: None,
+            lookups: None,
+            threads,
+            host: gethostname::gethostname().to_string_lossy().into_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            build: format!(
+                "{} for {}",
+                if cfg!(debug_assertions) { "debug" } else { "release" },
+                std::env::consts::ARCH
+            ),
+            clock: Instant::now(),
+        }
+    }
+
+    /// Notes how many tiles the verdict maps have, and how many simulations this session spent on them.
+    pub fn maps(&mut self, completed: &CompletedMaps) {
+        self.maps = Some(MapUse {
+            map_tiles: completed.tiles,
+            map_simulations: completed.simulations,
+            map_given_up: completed.given_up.is_some(),
+        });
+    }
+
+    /// Notes how the samples of the run were judged.
+    pub fn lookups(&mut self, lookups: Lookups) {
+        self.lookups = self.maps.map(|_| lookups);
+    }
+
+    /// Appends the finished session to `run.json`. A record that cannot be read is begun anew: nothing depends on it.
+    pub fn record(mut self, directory: &Path, outcome: &str, samples: u64) -> Result<(), Failure> {
+        self.seconds = self.clock.elapsed().as_secs_f64();
+        self.outcome = outcome.to_owned();
+        self.samples_computed = samples;
+        let path = directory.join("run.json");
+        let mut record: Record =
+            fs::read(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default();
+        record.sessions.push(self);
+        let text = serde_json::to_string_pretty(&record).map_err(|error| Failure::writing(&path, error))?;
+        publish(directory, "run.json", (text + "\n").as_bytes())
+    }
+}

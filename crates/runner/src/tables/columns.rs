@@ -1,0 +1,315 @@
+//! The columns of `surface.parquet`: name, unit, meaning, and how a row has the value.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use arrow::array::{ArrayRef, Float64Array, Int64Array};
+use arrow::datatypes::{DataType, Field};
+use stickslip_core::flexible_disc::linear_stability::DegreeOfFreedom;
+use stickslip_sampler::estimate::score::CellNumber;
+use stickslip_sampler::estimate::sensitivity::SobolIndices;
+use stickslip_sampler::grid::Cell;
+use stickslip_sampler::inputs::Marginal;
+
+use crate::evaluate::extras::Extras;
+use crate::job::{Effort, Job, RandomInput, SamplingMethod};
+use crate::tables::row::{IntegratedCell, SurfaceRow};
+use crate::tables::table::described_field;
+
+/// A column: name, unit, meaning, and its values.
+pub struct Column {
+    name: Cow<'static, str>,
+    unit: Cow<'static, str>,
+    long_name: Cow<'static, str>,
+    values: Values,
+}
+
+pub enum Values {
+    Integer(Read<u64>),
+    Real(Read<f64>),
+    OptionalReal(Read<Option<f64>>),
+}
+
+/// A value of a row.
+pub type Read<T> = Box<dyn Fn(&SurfaceRow) -> T>;
+
+impl Column {
+    pub fn new(
+        name: impl Into<Cow<'static, str>>,
+        unit: impl Into<Cow<'static, str>>,
+        long_name: impl Into<Cow<'static, str>>,
+        values: Values,
+    ) -> Self {
+        Self { name: name.into(), unit: unit.into(), long_name: long_name.into(), values }
+    }
+
+    pub fn integer(name: &'static str, long_name: &'static str, value: impl Fn(&SurfaceRow) -> u64 + 'static) -> Self {
+        Self::new(name, "1", long_name, Values::Integer(Box::new(value)))
+    }
+
+    pub fn real(name: &'static str, long_name: &'static str, value: impl Fn(&SurfaceRow) -> f64 + 'static) -> Self {
+        Self::new(name, "1", long_name, Values::Real(Box::new(value)))
+    }
+
+    pub fn optional(
+        name: impl Into<Cow<'static, str>>,
+        long_name: impl Into<Cow<'static, str>>,
+        value: impl Fn(&SurfaceRow) -> Option<f64> + 'static,
+    ) -> Self {
+        Self::new(name, "1", long_name, Values::OptionalReal(Box::new(value)))
+    }
+}
+
+/// The columns of a job's surface, in their order.
+pub fn of(job: &Job, extras: Extras) -> Vec<Column> {
+    let mut columns = first_columns(match job.sampling.effort {
+        Effort::Samples(_) | Effort::Randomisations { .. } => {
+            "probability of instability, unstable over decided samples"
+        }
+        Effort::Until(_) => "probability of instability, the unbiased estimate of stopping by precision",
+        Effort::Integrated => "probability of instability, the integral",
+    });
+    if job.records_amplitude() {
+        columns.extend(amplitude_columns());
+    }
+    if job.is_integrated() && job.uses_maps() {
+        let meaning = "probability that a sample is undecided, or fails";
+        columns.push(Column::optional("p_undecided", meaning, |row| Some(row.integrated?.undecided)));
+    }
+    if extras.lookups() || (job.is_integrated() && job.sampling.is_audited) {
+        columns.extend(lookup_columns());
+    }
+    if extras.sources() {
+        columns.extend(source_columns(extras));
+    }
+    if extras.derivatives() {
+        columns.extend(derivative_columns(extras, job.sampling.method == SamplingMethod::Exact));
+    }
+    if extras.sensitivity() > 0 {
+        columns.extend(sensitivity_columns(extras, &job.random.inputs));
+    }
+    add_input_columns(&mut columns, job);
+    columns
+}
+
+/// The columns of every surface; `probability` says what that is.
+#[rustfmt::skip]
+fn first_columns(probability: &'static str) -> Vec<Column> {
+    vec![
+        Column::integer("cell", "0-based index of the cell", |row| row.cell.index),
+        Column::new("rotating_speed_rad_s", "rad/s", "rotating speed of the disc", Values::Real(Box::new(|row| row.cell.rotating_speed))),
+        Column::real("std_preload", "standard deviation of the preload over its expected value", |row| row.cell.relative_std.preload),
+        Column::real("std_static_friction", "standard deviation of the static friction coefficient over its expected value", |row| row.cell.relative_std.static_friction),
+        Column::real("preload", "expected preload, calliper displacement over disc thickness", |row| row.cell.preload),
+        Column::real("static_friction", "expected static friction coefficient", |row| row.cell.static_friction),
+        Column::integer("n_samples", "samples", |row| row.counts.total()),
+        Column::integer("n_stable", "samples judged stable", |row| row.counts.stable),
+        Column::integer("n_unstable", "samples judged unstable", |row| row.counts.unstable),
+        Column::integer("n_undecided", "samples without a certain verdict", |row| row.counts.undecided),
+        Column::integer("n_failed", "samples whose computation broke down", |row| row.counts.failed),
+        Column::optional("p_unstable", probability, |row| row.estimate.probability),
+        Column::real("p_low", "lower end of the confidence interval of the probability", |row| row.estimate.low),
+        Column::real("p_high", "upper end of the confidence interval of the probability", |row| row.estimate.high),
+    ]
+}
+
+/// Columns of jobs that record the settled amplitude.
+#[rustfmt::skip]
+fn amplitude_columns() -> Vec<Column> {
+    vec![
+        Column::optional("amplitude_mean", "mean settled amplitude of the unstable samples, half peak to peak of x over disc thickness", |row| row.amplitudes.mean()),
+        Column::optional("amplitude_p05", "settled amplitude that 5 % of the unstable samples do not exceed", |row| row.amplitudes.quantile(0.05)),
+        Column::optional("amplitude_p50", "median settled amplitude of the unstable samples", |row| row.amplitudes.quantile(0.5)),
+        Column::optional("amplitude_p95", "settled amplitude that 95 % of the unstable samples do not exceed", |row| row.amplitudes.quantile(0.95)),
+    ]
+}
+
+/// Columns of jobs with a verdict map.
+fn lookup_columns() -> Vec<Column> {
+    vec![
+        Column::integer("n_simulated", "samples that the verdict map does not tell, and that were simulated", |row| {
+            row.lookups.simulated
+        }),
+        Column::integer("n_audited", "samples that were looked up and simulated all the same", |row| {
+            row.lookups.audited
+        }),
+        Column::integer("n_audit_differed", "audited samples that were judged otherwise than looked up", |row| {
+            row.lookups.differed
+        }),
+        Column::optional(
+            "p_audit",
+            "probability of samples whose looked-up verdict the audit does not exclude to be wrong; p_low and p_high contain it",
+            |row| row.unaudited,
+        ),
+    ]
+}
+
+/// Columns of jobs on a flexible disc: what feeds the unstable samples.
+fn source_columns(extras: Extras) -> Vec<Column> {
+    let column = |name, meaning, source| {
+        Column::integer(name, meaning, move |row: &SurfaceRow| {
+            extras.read_source(&row.sums, source, row.counts.unstable)
+        })
+    };
+    vec![
+        column(
+            "n_fed_tangential",
+            "unstable samples that would be stable if friction did not fall with speed, or whose fastest growing mode is the tangential motion of the pad",
+            DegreeOfFreedom::Tangential,
+        ),
+        column(
+            "n_fed_normal",
+            "unstable samples that grow even without falling friction, most in the normal motion of the pad",
+            DegreeOfFreedom::Normal,
+        ),
+        column(
+            "n_fed_angular",
+            "unstable samples that grow even without falling friction, most in the rotation of the pad",
+            DegreeOfFreedom::Angular,
+        ),
+        column(
+            "n_fed_disc",
+            "unstable samples that grow even without falling friction, most in the bending of the disc",
+            DegreeOfFreedom::Disc,
+        ),
+    ]
+}
+
+/// Columns of jobs with derivatives: exact where probabilities are integrated, else with their standard errors.
+fn derivative_columns(extras: Extras, integrated: bool) -> Vec<Column> {
+    let numbers = [
+        (CellNumber::Preload, "dp_dpreload", "expected preload at constant relative standard deviation"),
+        (
+            CellNumber::StaticFriction,
+            "dp_dstatic_friction",
+            "expected static friction coefficient at constant relative standard deviation",
+        ),
+        (CellNumber::StdPreload, "dp_dstd_preload", "relative standard deviation of the preload"),
+        (
+            CellNumber::StdStaticFriction,
+            "dp_dstd_static_friction",
+            "relative standard deviation of the static friction coefficient",
+        ),
+    ];
+    let mut columns = Vec::new();
+    for (number, name, by) in numbers {
+        let long_name = format!("derivative of the probability of instability by the {by}");
+        if integrated {
+            columns.push(Column::optional(name, long_name, move |row| {
+                row.integrated.and_then(|IntegratedCell { derivatives, .. }| match number {
+                    CellNumber::Preload => derivatives.preload,
+                    CellNumber::StaticFriction => derivatives.static_friction,
+                    CellNumber::StdPreload => derivatives.std_preload,
+                    CellNumber::StdStaticFriction => derivatives.std_static_friction,
+                })
+            }));
+            continue;
+        }
+        let read = move |row: &SurfaceRow| {
+            extras.read_derivative(&row.sums, number, &row.cell, &row.counts, row.estimate.probability)
+        };
+        columns.push(Column::optional(name, long_name, move |row| read(row).map(|(value, _)| value)));
+        columns.push(Column::optional(format!("{name}_error"), format!("standard error of {name}"), move |row| {
+            read(row).map(|(_, error)| error)
+        }));
+    }
+    columns
+}
+
+/// Columns of jobs with Sobol indices.
+fn sensitivity_columns(extras: Extras, inputs: &[RandomInput]) -> Vec<Column> {
+    let mut columns = Vec::new();
+    for (i, input) in inputs.iter().enumerate() {
+        let name = input.name();
+        let read = move |row: &SurfaceRow| extras.read_sensitivity(&row.sums, i);
+        let alone = format!("share of the verdict's variance that {name} explains alone");
+        let any = format!("share of the verdict's variance in which {name} takes part");
+        let mut add = |kind: &str, meaning: &str, value: fn(SobolIndices) -> f64, error: fn(SobolIndices) -> f64| {
+            let column = format!("{kind}_{name}");
+            let error_meaning = format!("standard error of {column}");
+            let error_name = format!("{column}_error");
+            columns.push(Column::optional(column, format!("Sobol index: {meaning}"), move |row| read(row).map(value)));
+            columns.push(Column::optional(error_name, error_meaning, move |row| read(row).map(error)));
+        };
+        add("first_order", &alone, |indices| indices.first_order, |indices| indices.first_order_error);
+        add("total", &any, |indices| indices.total, |indices| indices.total_error);
+        columns.push(Column::new(
+            format!("n_left_out_{name}"),
+            "1",
+            format!("samples that the Sobol indices of {name} leave out, because a verdict on them or their partners is undecided or failed"),
+            Values::Integer(Box::new(move |row| extras.read_left_out(&row.sums, i))),
+        ));
+    }
+    columns
+}
+
+/// Adds what the first columns do not say of the inputs: expected value and standard deviation of those other than preload
+/// and static friction; mean and standard deviation of those that are truncated, whose other columns are named parameters.
+fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
+    for (i, (&input, marginal)) in job.random.inputs.iter().zip(&job.random.marginals).enumerate() {
+        let name = input.name();
+        let stds: Vec<f64> = job.random.relative_stds.iter().map(|stds| stds[i]).collect();
+        let grid = job.grid.clone();
+        let std = move |cell: &Cell| stds[grid.relative_std_index(cell.index)];
+        let mut expected_column = name;
+        let unit = match input {
+            RandomInput::Preload | RandomInput::StaticFriction => "1",
+            RandomInput::Other(scalar) => {
+                if input.is_rotating_speed() {
+                    expected_column = "rotating_speed_rad_s";
+                } else {
+                    let value = scalar.value(&job.parameters);
+                    let long_name = format!("expected value of {name}: {}", scalar.description);
+                    columns.push(Column::new(name, scalar.unit, long_name, Values::Real(Box::new(move |_| value))));
+                }
+                let (of_cell, long_name) =
+                    (std.clone(), format!("standard deviation of {name} over its expected value"));
+                let read = Values::Real(Box::new(move |row| of_cell(&row.cell)));
+                columns.push(Column::new(format!("std_{name}"), "1", long_name, read));
+                scalar.unit
+            }
+        };
+        if !matches!(marginal, Marginal::TruncatedNormal { .. }) {
+            continue;
+        }
+        let (marginal, parameters) = (marginal.clone(), job.parameters.clone());
+        let moments = move |row: &SurfaceRow| marginal.moments(input.expected(&row.cell, &parameters), std(&row.cell));
+        let means = moments.clone();
+        let (mean_name, scatter_name) = (format!("mean_{name}"), format!("scatter_{name}"));
+        for (column, instead) in [(expected_column, &mean_name), (&format!("std_{name}"), &scatter_name)] {
+            if let Some(column) = columns.iter_mut().find(|other| other.name == column) {
+                let long_name = &column.long_name;
+                column.long_name =
+                    format!("{long_name}, before it is truncated: a parameter of its distribution, see {instead}")
+                        .into();
+            }
+        }
+        let long_name = format!("mean of {name}, which is truncated");
+        columns.push(Column::new(mean_name, unit, long_name, Values::Real(Box::new(move |row| means(row).0))));
+        let long_name = format!("standard deviation of {name}, which is truncated, over its mean");
+        columns.push(Column::optional(scatter_name, long_name, move |row| {
+            let (mean, std) = moments(row);
+            (mean > 0.0).then_some(std / mean)
+        }));
+    }
+}
+
+impl Column {
+    pub fn field(&self) -> Field {
+        let (data_type, nullable) = match &self.values {
+            Values::Integer(_) => (DataType::Int64, false),
+            Values::Real(_) => (DataType::Float64, false),
+            Values::OptionalReal(_) => (DataType::Float64, true),
+        };
+        described_field(&self.name, &self.unit, &self.long_name, data_type, nullable)
+    }
+
+    pub fn array(&self, rows: &[SurfaceRow]) -> ArrayRef {
+        match &self.values {
+            // Counts stay far below 2^63, see the limit on samples.
+            Values::Integer(value) => Arc::new(rows.iter().map(|row| value(row).cast_signed()).collect::<Int64Array>()),
+            Values::Real(value) => Arc::new(rows.iter().map(|row| Some(value(row))).collect::<Float64Array>()),
+            Values::OptionalReal(value) => Arc::new(rows.iter().map(value).collect::<Float64Array>()),
+        }
+    }
+}

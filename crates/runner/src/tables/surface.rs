@@ -1,0 +1,210 @@
+//! `surface.parquet`: one row for each cell, sorted by cell.
+
+use std::cell::OnceCell;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+use arrow::array::RecordBatch;
+use arrow::datatypes::Schema;
+use parquet::arrow::ArrowWriter;
+use parquet::basic::Compression;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::FileReader as _;
+use parquet::file::serialized_reader::SerializedFileReader;
+use stickslip_core::verdict::VerdictCounts;
+use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
+use stickslip_sampler::estimate::distribution::Distribution;
+use stickslip_sampler::estimate::interval::Estimate;
+use stickslip_sampler::estimate::replicates;
+
+use crate::evaluate::extras::{Extras, Lookups};
+use crate::failure::Failure;
+use crate::job::{Effort, Job};
+use crate::schedule::slots::Slots;
+use crate::store::publish::publish_with;
+use crate::store::tally::Tally;
+use crate::tables::columns::{self, Column};
+use crate::tables::row::{IntegratedCell, SurfaceRow, unaudited, widened};
+
+/// Rows that are held in memory at once; also the size of a row group.
+const BATCH_ROWS: u64 = 65_536;
+
+const JOB_HASH_KEY: &str = "stickslip:job_hash";
+
+/// The result of a job.
+#[derive(Debug)]
+pub struct Surface<'a> {
+    job: &'a Job,
+    tally: &'a Tally,
+    /// One for each cell where probabilities are integrated, else none.
+    integrated: &'a [IntegratedCell],
+    slots: Slots,
+    extras: Extras,
+    /// With looks, the estimate of each cell: rows are made more than once.
+    at_stop: OnceCell<Vec<Estimate>>,
+}
+
+impl<'a> Surface<'a> {
+    /// The surface of a run in its present state.
+    pub fn new(job: &'a Job, tally: &'a Tally) -> Self {
+        Self { job, tally, integrated: &[], slots: Slots::new(job), extras: Extras::of(job), at_stop: OnceCell::new() }
+    }
+
+    /// The surface of a job that integrates, one probability for each cell.
+    pub fn integrated(job: &'a Job, tally: &'a Tally, integrated: &'a [IntegratedCell]) -> Self {
+        Self { integrated, ..Self::new(job, tally) }
+    }
+
+    /// The job behind it.
+    pub fn job(&self) -> &Job {
+        self.job
+    }
+
+    /// The row of one cell.
+    pub fn row(&self, cell: u64) -> SurfaceRow {
+        let counts = self.slots.counts(self.tally, cell);
+        let mut amplitudes = Distribution::default();
+        let mut sums = Vec::new();
+        for slot in self.slots.of(cell) {
+            amplitudes.add_all(self.tally.amplitudes(slot));
+            add_sums(&mut sums, self.tally.sums(slot));
+        }
+        let integrated = self.integrated.get(cell as usize).copied();
+        let lookups = integrated.map_or_else(|| self.extras.read_lookups(&sums), |integrated| integrated.lookups);
+        // With a map that was given up, or audited as a whole, every sample was simulated.
+        let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
+        let confidence = self.job.confidence(is_audited);
+        let counted =
+            integrated.map_or_else(|| self.estimate(cell, &counts, confidence), |integrated| integrated.estimate);
+        let unaudited =
+            self.job.sampling.is_audited.then(|| {
+                unaudited(&lookups, integrated.is_none().then_some(counts.total()), self.job.audit_confidence())
+            });
+        SurfaceRow {
+            cell: self.job.grid.cell(cell),
+            counts,
+            estimate: widened(&counted, unaudited.unwrap_or(0.0)),
+            unaudited,
+            amplitudes,
+            lookups,
+            sums,
+            integrated,
+        }
+    }
+
+    /// The probability of a cell, and the interval that its counts give at a confidence.
+    fn estimate(&self, cell: u64, counts: &VerdictCounts, confidence: f64) -> Estimate {
+        match self.job.sampling.effort {
+            Effort::Samples(_) | Effort::Integrated => self.job.interval(confidence).estimate(counts),
+            Effort::Randomisations { .. } => {
+                let parts: Vec<VerdictCounts> = self.slots.of(cell).map(|slot| self.tally.counts(slot)).collect();
+                replicates::estimate(&parts, self.job.random.inputs.len(), confidence)
+            }
+            Effort::Until(_) => {
+                let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
+                let of_cell = |cell| self.slots.estimate_at_stop(self.tally, cell).unwrap_or(nothing);
+                self.at_stop.get_or_init(|| (0..self.job.cells()).map(of_cell).collect())[cell as usize]
+            }
+        }
+    }
+
+    /// The largest probability that a sample is undecided, where probabilities are integrated.
+    pub fn largest_undecided(&self) -> f64 {
+        self.integrated.iter().map(|cell| cell.undecided).fold(0.0, f64::max)
+    }
+
+    /// How the samples of all cells were judged, where they are looked up in a map.
+    pub fn lookups(&self) -> Lookups {
+        let mut lookups = Lookups::default();
+        for slot in 0..self.slots.count() {
+            lookups.add(self.extras.read_lookups(self.tally.sums(slot)));
+        }
+        self.integrated.iter().for_each(|cell| lookups.add(cell.lookups));
+        lookups
+    }
+
+    /// All rows, in order.
+    pub fn rows(&self) -> impl Iterator<Item = SurfaceRow> + '_ {
+        (0..self.job.cells()).map(|cell| self.row(cell))
+    }
+
+    /// Writes `surface.parquet` into `directory`, whole or not at all. Returns false if the same bytes are there
+    /// already.
+    pub fn publish(&self, directory: &Path) -> Result<bool, Failure> {
+        let target = directory.join("surface.parquet");
+        // The same bytes may be there already; a hash tells without holding them.
+        let present = hash_of_file(&target).map_err(|error| Failure::reading(&target, error))?;
+        let written = || -> Result<bool, ParquetError> {
+            if let Some(present) = present
+                && present == self.encode(blake3::Hasher::new())?.finalize()
+            {
+                return Ok(false);
+            }
+            publish_with(directory, "surface.parquet", |file| -> Result<(), ParquetError> {
+                self.encode(BufWriter::new(file))?.flush()?;
+                Ok(())
+            })?;
+            Ok(true)
+        };
+        written().map_err(|error| Failure::writing(&target, error))
+    }
+
+    fn encode<W: Write + Send>(&self, out: W) -> Result<W, ParquetError> {
+        let columns = columns::of(self.job, self.extras);
+        let schema = Arc::new(Schema::new(columns.iter().map(Column::field).collect::<Vec<_>>()));
+        let mut writer = ArrowWriter::try_new(out, schema.clone(), Some(self.properties()))?;
+        let cells = self.job.cells();
+        let mut first = 0;
+        while first < cells {
+            let end = cells.min(first + BATCH_ROWS);
+            let rows: Vec<SurfaceRow> = (first..end).map(|cell| self.row(cell)).collect();
+            let arrays = columns.iter().map(|column| column.array(&rows)).collect();
+            writer.write(&RecordBatch::try_new(schema.clone(), arrays)?)?;
+            writer.flush()?;
+            first = end;
+        }
+        writer.into_inner()
+    }
+
+    /// The footer: the job and what makes its values, and nothing that differs between two runs of one job.
+    fn properties(&self) -> WriterProperties {
+        let mut footer = vec![
+            ("stickslip:job", self.job.normalised()),
+            (JOB_HASH_KEY, self.job.hash()),
+            ("stickslip:seed", self.job.sampling.seed.to_string()),
+            ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("stickslip:results_version", RESULTS_VERSION.to_string()),
+        ];
+        if self.job.has_later_estimates() {
+            footer.push(("stickslip:estimates_version", ESTIMATES_VERSION.to_string()));
+        }
+        let pairs = footer.into_iter().map(|(key, value)| KeyValue::new(key.to_owned(), value)).collect();
+        WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(Some(pairs)).build()
+    }
+}
+
+fn add_sums(total: &mut Vec<i128>, sums: &[i128]) {
+    total.resize(total.len().max(sums.len()), 0);
+    total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
+}
+
+/// The job that a surface on disk says it is of; `None` if there is none, or none that can be read.
+pub fn job_hash_of_file(path: &Path) -> Option<String> {
+    let reader = SerializedFileReader::new(File::open(path).ok()?).ok()?;
+    let pairs = reader.metadata().file_metadata().key_value_metadata()?;
+    pairs.iter().find(|pair| pair.key == JOB_HASH_KEY)?.value.clone()
+}
+
+/// The hash of a file's content, if there is one.
+fn hash_of_file(path: &Path) -> io::Result<Option<blake3::Hash>> {
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let mut hasher = blake3::Hasher::new();
+    io::copy(&mut File::open(path)?, &mut hasher)?;
+    Ok(Some(hasher.finalize()))
+}

@@ -1,0 +1,120 @@
+//! Tables beside the surface: columns of equal length, each with its unit and meaning, as one Parquet file.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use arrow::array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
+use arrow::datatypes::{DataType, Field, Schema};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::Compression;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+
+use crate::failure::Failure;
+use crate::store::publish::publish;
+
+/// A field that says its unit and meaning.
+pub fn described_field(name: &str, unit: &str, long_name: &str, data_type: DataType, nullable: bool) -> Field {
+    let pairs = [("unit", unit), ("long_name", long_name)];
+    let metadata: HashMap<String, String> = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).into();
+    Field::new(name, data_type, nullable).with_metadata(metadata)
+}
+
+/// A column of real numbers beside the surface, for figures.
+pub struct DescribedColumn {
+    /// Name.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Meaning.
+    pub long_name: &'static str,
+    /// Values.
+    pub values: Vec<f64>,
+}
+
+/// Writes columns of equal length as `name` into `directory`, whole or not at all.
+pub fn write_columns(directory: &Path, name: &str, columns: &[DescribedColumn]) -> Result<(), Failure> {
+    let field = |c: &DescribedColumn| described_field(c.name, c.unit, c.long_name, DataType::Float64, false);
+    let array = |c: &DescribedColumn| -> ArrayRef { Arc::new(Float64Array::from(c.values.clone())) };
+    let (fields, arrays) = (columns.iter().map(field).collect(), columns.iter().map(array).collect());
+    write_batch(directory, name, fields, arrays, None)
+}
+
+/// Writes one batch of columns as a file of its own, whole or not at all.
+fn write_batch(
+    directory: &Path,
+    name: &str,
+    fields: Vec<Field>,
+    arrays: Vec<ArrayRef>,
+    footer: Option<Vec<KeyValue>>,
+) -> Result<(), Failure> {
+    let encoded = (|| {
+        let schema = Arc::new(Schema::new(fields));
+        let batch = RecordBatch::try_new(schema.clone(), arrays)?;
+        let properties =
+            WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(footer).build();
+        let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties))?;
+        writer.write(&batch)?;
+        writer.into_inner()
+    })();
+    let bytes = encoded.map_err(|error: ParquetError| Failure::writing(&directory.join(name), error))?;
+    publish(directory, name, &bytes)
+}
+
+/// The values of a [`TableColumn`].
+pub enum TableValues {
+    /// Counts and indices.
+    Integer(Vec<u64>),
+    /// Numbers that may be unknown.
+    Real(Vec<Option<f64>>),
+    /// Names.
+    Text(Vec<String>),
+}
+
+/// A column of any type in a file of its own.
+pub struct TableColumn {
+    /// Name.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Meaning.
+    pub long_name: &'static str,
+    /// Values.
+    pub values: TableValues,
+}
+
+impl TableColumn {
+    fn field(&self) -> Field {
+        let (data_type, nullable) = match &self.values {
+            TableValues::Integer(_) => (DataType::Int64, false),
+            TableValues::Real(_) => (DataType::Float64, true),
+            TableValues::Text(_) => (DataType::Utf8, false),
+        };
+        described_field(self.name, self.unit, self.long_name, data_type, nullable)
+    }
+
+    fn array(&self) -> ArrayRef {
+        match &self.values {
+            TableValues::Integer(values) => {
+                Arc::new(values.iter().map(|value| value.cast_signed()).collect::<Int64Array>())
+            }
+            TableValues::Real(values) => Arc::new(Float64Array::from(values.clone())),
+            TableValues::Text(values) => Arc::new(StringArray::from_iter_values(values)),
+        }
+    }
+}
+
+/// Writes a table of columns of equal length as `name` into `directory`, whole or not at all, with pairs of key and value
+/// in its footer.
+pub fn write_table(
+    directory: &Path,
+    name: &str,
+    columns: &[TableColumn],
+    footer: &[(&str, String)],
+) -> Result<(), Failure> {
+    let pairs = footer.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone())).collect();
+    let fields = columns.iter().map(TableColumn::field).collect();
+    write_batch(directory, name, fields, columns.iter().map(TableColumn::array).collect(), Some(pairs))
+}

@@ -1,0 +1,78 @@
+//! The audit of a verdict map: which of the samples that were looked up in it are simulated all the same, and what their
+//! verdicts say of the others.
+
+use std::ops::Range;
+
+use rand::RngExt;
+
+use crate::draw::identity::{BLOCK_SAMPLES, Purpose, block_generator};
+use crate::special_functions::beta;
+
+/// Whether each sample of `range` is audited: a seeded choice of a `share` of them, independent of the samples
+/// themselves and the same whoever computes them.
+#[must_use]
+pub fn choose(seed: u64, slot: u64, range: Range<u64>, share: f64) -> Vec<bool> {
+    let mut chosen = Vec::with_capacity((range.end - range.start) as usize);
+    let mut next = range.start;
+    while next < range.end {
+        let block = next / BLOCK_SAMPLES;
+        let mut generator = block_generator(seed, Purpose::Audit, slot, block);
+        let whole: Vec<bool> = (0..BLOCK_SAMPLES).map(|_| generator.random::<f64>() < share).collect();
+        let end = range.end.min((block + 1) * BLOCK_SAMPLES);
+        let first = (next - block * BLOCK_SAMPLES) as usize;
+        chosen.extend_from_slice(&whole[first..first + (end - next) as usize]);
+        next = end;
+    }
+    chosen
+}
+
+/// With the given one-sided confidence, no more than this share of the looked-up samples have another verdict: the upper
+/// limit of Clopper and Pearson for `differed` out of `audited`; 1 without an audit.
+///
+/// ```
+/// // The rule of three.
+/// let bound = stickslip_sampler::estimate::audit::upper_bound(0, 1000, 0.95);
+/// assert!((bound - 3.0 / 1000.0).abs() < 1e-5);
+/// ```
+#[must_use]
+pub fn upper_bound(differed: u64, audited: u64, confidence: f64) -> f64 {
+    if differed >= audited {
+        return 1.0;
+    }
+    beta::upper_quantile(differed as f64 + 1.0, (audited - differed) as f64, 1.0 - confidence)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_choice_has_its_share_and_does_not_depend_on_the_range() {
+        let whole = choose(7, 3, 0..200_000, 0.01);
+        let chosen = whole.iter().filter(|&&chosen| chosen).count() as f64;
+        assert!((chosen - 2000.0).abs() < 4.0 * 2000_f64.sqrt(), "{chosen}");
+        for (from, to) in [(0, 1), (999, 1001), (1500, 150_000)] {
+            assert_eq!(choose(7, 3, from..to, 0.01), whole[from as usize..to as usize]);
+        }
+        assert_ne!(choose(8, 3, 0..200_000, 0.01), whole);
+        assert_ne!(choose(7, 4, 0..200_000, 0.01), whole);
+        assert!(choose(7, 3, 0..5000, 0.0).iter().all(|&chosen| !chosen));
+        assert!(choose(7, 3, 0..5000, 1.0).iter().all(|&chosen| chosen));
+    }
+
+    #[test]
+    fn the_bound_solves_its_definition() {
+        // P(at most k of n) = 1 - confidence at the bound.
+        for (k, n) in [(0_u32, 10_u32), (1, 10), (3, 50)] {
+            let p = upper_bound(u64::from(k), u64::from(n), 0.95);
+            let mut mass = (1.0 - p).powi(n as i32);
+            let mut sum = 0.0;
+            for i in 0..=k {
+                sum += mass;
+                mass *= f64::from(n - i) / f64::from(i + 1) * p / (1.0 - p);
+            }
+            assert!((sum - 0.05).abs() < 1e-12, "{k} of {n}: {sum}");
+        }
+        assert_eq!([upper_bound(0, 0, 0.95), upper_bound(5, 5, 0.95)], [1.0, 1.0]);
+    }
+}

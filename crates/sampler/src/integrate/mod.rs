@@ -1,0 +1,5 @@
+//! Probabilities without samples: from a boundary in closed form, and from a verdict map.
+
+pub mod closed_form;
+
+pub mod mapped;

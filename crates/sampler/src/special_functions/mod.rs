@@ -1,0 +1,7 @@
+//! Distribution functions and their inverses, to full precision in both tails.
+
+pub mod normal;
+
+pub mod poisson;
+
+pub mod beta;
