@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
-use stickslip_core::criterion::time_domain::{DiscModel, JudgedMotion, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::time_domain::{Decision, DiscModel, Start, TimeDomain, TimeDomainSettings};
 use stickslip_core::lanes::InstructionSet;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
@@ -241,7 +241,7 @@ fn lanes() {
         let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
         let criterion = TimeDomain::new(&brake_at(22.0), &disc, settings).expect("the preset is valid");
         let mut inputs = inputs(count);
-        let judged = criterion.judge_all(&inputs);
+        let judged = criterion.decide_all(&inputs);
         let steps: f64 = judged.iter().map(|judged| (judged.time / criterion.step_length()).round()).sum();
         let mut is_followed = judged.iter().map(|judged| judged.time > 0.0);
         inputs.retain(|_| is_followed.next() == Some(true));
@@ -250,11 +250,11 @@ fn lanes() {
         let mut set_times = vec![Vec::new(); sets.len()];
         for _ in 0..7 {
             scalar_times.push(seconds(|| {
-                black_box(inputs.iter().map(|&inputs| criterion.judge(inputs)).collect::<Vec<_>>());
+                black_box(inputs.iter().map(|&inputs| criterion.decide(inputs)).collect::<Vec<_>>());
             }));
             for (set, times) in sets.iter().zip(&mut set_times) {
                 times.push(seconds(|| {
-                    black_box(criterion.judge_all_with(&inputs, *set));
+                    black_box(criterion.decide_all_with(&inputs, *set));
                 }));
             }
         }
@@ -309,8 +309,8 @@ fn convergence() {
             criterion.with_steps_divided_by(divisor)
         };
         let inputs = inputs(count);
-        let verdicts = |divisor: f64| criterion(divisor).judge_all(&inputs);
-        let converged: Vec<JudgedMotion> = verdicts(8.0);
+        let verdicts = |divisor: f64| criterion(divisor).decide_all(&inputs);
+        let converged: Vec<Decision> = verdicts(8.0);
         for divisor in [0.5, 1.0, 2.0] {
             let differing = verdicts(divisor).iter().zip(&converged).filter(|(a, b)| a.verdict != b.verdict).count();
             let label =

@@ -96,7 +96,7 @@ fn rigid_disc() -> Vec<Held> {
     in_parallel(0..all.len(), |index| {
         let (file, case) = all[index];
         let brake = PadOnDisc::new(case.parameters.clone()).expect("the file holds valid brakes");
-        let [verdict, halved] = [1.0, 2.0].map(|divisor| case.judge(divisor).verdict);
+        let [verdict, halved] = [1.0, 2.0].map(|divisor| case.decide(divisor).verdict);
         Held {
             place: Place::of(&brake, case.start),
             reference: case.fate,
@@ -126,8 +126,8 @@ fn flexible_disc(index: usize) -> Vec<Held> {
         Held {
             place: Place::of(&brake, start),
             reference,
-            verdict: criterion.judge(inputs).verdict,
-            halved: criterion.with_steps_divided_by(2.0).judge(inputs).verdict,
+            verdict: criterion.decide(inputs).verdict,
+            halved: criterion.with_steps_divided_by(2.0).decide(inputs).verdict,
             contradicted,
             case: format!("brake {index}: {}", brakes::description(&brake, modes, start)),
         }

@@ -6,7 +6,7 @@
 mod fates;
 
 use fates::{FATES, FATES_AT_BOUNDARIES, cases};
-use stickslip_core::criterion::time_domain::JudgedMotion;
+use stickslip_core::criterion::time_domain::Decision;
 use stickslip_core::verdict::Verdict;
 
 /// Judges every case of a file with steps divided by `divisor`, and holds the verdicts against the fates: how many are
@@ -16,7 +16,7 @@ fn assert_fates(text: &str, divisor: f64) -> usize {
     let mut undecided = 0;
     let mut wrong = Vec::new();
     for case in cases(text) {
-        let judged = case.judge(divisor);
+        let judged = case.decide(divisor);
         if judged.verdict == Verdict::Undecided {
             undecided += 1;
         } else if judged.verdict != case.fate {
@@ -45,10 +45,10 @@ fn shorter_steps_change_no_verdict() {
 fn lanes_and_scalar_code_agree_on_brakes_of_all_kinds() {
     for case in cases(FATES).iter().step_by(4) {
         let (criterion, inputs) = case.criterion(1.0);
-        let bits = |judged: JudgedMotion| (judged.verdict, judged.time.to_bits(), judged.fed_by);
-        let expected = bits(criterion.judge(inputs));
+        let bits = |judged: Decision| (judged.verdict, judged.time.to_bits(), judged.fed_by);
+        let expected = bits(criterion.decide(inputs));
         // The same sample many times over fills the lanes.
-        for judged in criterion.judge_all(&[inputs; 70]) {
+        for judged in criterion.decide_all(&[inputs; 70]) {
             assert_eq!(bits(judged), expected, "line {}", case.line);
         }
     }

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a file that cannot be read should say so and stop")]
 
-use stickslip_core::criterion::time_domain::{DiscModel, JudgedMotion, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::time_domain::{Decision, DiscModel, Start, TimeDomain, TimeDomainSettings};
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::verdict::Verdict;
@@ -42,9 +42,9 @@ impl Case {
     }
 
     /// The verdict with steps divided by `divisor`.
-    pub fn judge(&self, divisor: f64) -> JudgedMotion {
+    pub fn decide(&self, divisor: f64) -> Decision {
         let (criterion, inputs) = self.criterion(divisor);
-        criterion.judge(inputs)
+        criterion.decide(inputs)
     }
 }
 

@@ -14,7 +14,7 @@
 #![allow(unsafe_code, reason = "calls to functions compiled for an instruction set, after asking the processor for it")]
 
 use crate::criterion::judge::{CoupledJudge, Judge, PlanarJudge, is_time_to_look};
-use crate::criterion::time_domain::{JudgedMotion, System, TimeDomain};
+use crate::criterion::time_domain::{Decision, System, TimeDomain};
 use crate::flexible_disc::brake::{ContactState, FlexibleBrake, PAD, SERIES_ANGLE, small_sine_and_cosine};
 use crate::motion::flexible::{FlexibleSample, FlexibleState, MOST_FREEDOMS};
 use crate::motion::friction_steps::FrictionSteps;
@@ -133,7 +133,7 @@ trait Bundle {
         criterion: &TimeDomain,
         lane: usize,
         inputs: RandomInputs,
-    ) -> Result<(ContactState, Self::Judge), JudgedMotion>;
+    ) -> Result<(ContactState, Self::Judge), Decision>;
 
     /// Puts the motion of a sample into the next state of a lane, decided or not.
     fn place(&mut self, criterion: &TimeDomain, lane: usize, inputs: RandomInputs);
@@ -165,7 +165,7 @@ trait Bundle {
     fn step_length(&self) -> f64;
 
     /// Follows the sample of a lane to its end by the scalar code, `steps` steps after its beginning.
-    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &Slot<Self::Judge>, steps: u64) -> JudgedMotion;
+    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &Slot<Self::Judge>, steps: u64) -> Decision;
 }
 
 /// What is known of the sample in a lane.
@@ -185,7 +185,7 @@ impl TimeDomain {
     /// # Panics
     /// If this processor does not have `set`.
     #[must_use]
-    pub fn judge_all_with(&self, inputs: &[RandomInputs], set: InstructionSet) -> Vec<JudgedMotion> {
+    pub fn decide_all_with(&self, inputs: &[RandomInputs], set: InstructionSet) -> Vec<Decision> {
         assert!(InstructionSet::available().contains(&set), "this processor has no {set:?}");
         match &self.system {
             System::Rigid(brake) if brake.stribeck_exponent == 1.0 => {
@@ -194,7 +194,7 @@ impl TimeDomain {
             System::Flexible(brake) if brake.pad.stribeck_exponent == 1.0 => {
                 run(self, inputs, &mut FlexibleBundle::new(brake), set)
             }
-            _ => inputs.iter().map(|&inputs| self.judge(inputs)).collect(),
+            _ => inputs.iter().map(|&inputs| self.decide(inputs)).collect(),
         }
     }
 }
@@ -267,17 +267,17 @@ fn run<B: Bundle>(
     inputs: &[RandomInputs],
     bundle: &mut B,
     set: InstructionSet,
-) -> Vec<JudgedMotion> {
+) -> Vec<Decision> {
     let h = bundle.step_length();
     let limit = criterion.steps_to_horizon(h);
-    let mut outcomes = vec![JudgedMotion::OUTSIDE_PHYSICS; inputs.len()];
+    let mut outcomes = vec![Decision::OUTSIDE_PHYSICS; inputs.len()];
     let mut waiting = 0..inputs.len();
     let mut slots: Vec<Option<Slot<B::Judge>>> = vec![None; B::LANES];
     let mut busy = 0;
     let mut now = 0_u64;
     // The first step at which a lane may have reached its horizon.
     let mut deadline = limit;
-    let mut refill = |bundle: &mut B, lane: usize, outcomes: &mut [JudgedMotion], now: u64| {
+    let mut refill = |bundle: &mut B, lane: usize, outcomes: &mut [Decision], now: u64| {
         for index in waiting.by_ref() {
             match bundle.begin(criterion, lane, inputs[index]) {
                 Err(known) => outcomes[index] = known,
@@ -422,7 +422,7 @@ impl Bundle for RigidBundle<'_> {
         criterion: &TimeDomain,
         lane: usize,
         inputs: RandomInputs,
-    ) -> Result<(ContactState, PlanarJudge), JudgedMotion> {
+    ) -> Result<(ContactState, PlanarJudge), Decision> {
         let sample = self.brake.sample(inputs);
         let (motion, judge) = criterion.start_rigid(&sample, inputs)?;
         self.set_next(lane, inputs, &sample, &motion.state);
@@ -478,7 +478,7 @@ impl Bundle for RigidBundle<'_> {
         self.brake.step
     }
 
-    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &Slot<Self::Judge>, steps: u64) -> JudgedMotion {
+    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &Slot<Self::Judge>, steps: u64) -> Decision {
         let sample = self.brake.sample(self.inputs[lane]);
         let motion = Motion { state: self.present(lane), contact: slot.contact };
         criterion.follow(&sample, motion, slot.judge, self.brake.step, steps)
@@ -687,7 +687,7 @@ impl Bundle for FlexibleBundle<'_> {
         criterion: &TimeDomain,
         lane: usize,
         inputs: RandomInputs,
-    ) -> Result<(ContactState, CoupledJudge), JudgedMotion> {
+    ) -> Result<(ContactState, CoupledJudge), Decision> {
         let sample = FlexibleSample::new(self.brake, inputs);
         let (motion, judge) = criterion.start_flexible(&sample, FlexibleBrake::linear_stability)?;
         self.set_sample(lane, &sample);
@@ -744,7 +744,7 @@ impl Bundle for FlexibleBundle<'_> {
         self.step
     }
 
-    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &Slot<Self::Judge>, steps: u64) -> JudgedMotion {
+    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &Slot<Self::Judge>, steps: u64) -> Decision {
         let sample = FlexibleSample::new(self.brake, self.inputs[lane]);
         let motion = Motion { state: self.present(lane), contact: slot.contact };
         criterion.follow(&sample, motion, slot.judge, self.step, steps)
@@ -977,12 +977,12 @@ mod tests {
 
     #[track_caller]
     fn assert_lanes_agree(criterion: &TimeDomain, inputs: &[RandomInputs]) -> [usize; 4] {
-        let expected: Vec<JudgedMotion> = inputs.iter().map(|&inputs| criterion.judge(inputs)).collect();
+        let expected: Vec<Decision> = inputs.iter().map(|&inputs| criterion.decide(inputs)).collect();
         for set in InstructionSet::available() {
-            let found = criterion.judge_all_with(inputs, set);
+            let found = criterion.decide_all_with(inputs, set);
             for ((inputs, expected), found) in inputs.iter().zip(&expected).zip(&found) {
                 let bits =
-                    |judged: &JudgedMotion| (judged.verdict, judged.time.to_bits(), judged.amplitude.map(f64::to_bits));
+                    |judged: &Decision| (judged.verdict, judged.time.to_bits(), judged.amplitude.map(f64::to_bits));
                 assert_eq!(bits(found), bits(expected), "{set:?} {inputs:?} {found:?} {expected:?}");
             }
         }
@@ -1043,7 +1043,7 @@ mod tests {
         let hashes = [DiscModel::Rigid, DiscModel::Flexible { modes: 5 }].map(|disc| {
             let criterion = criterion(&disc, settings, &[("operating_point.rotating_speed", 15.0)]);
             let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-            for judged in criterion.judge_all(&inputs(40)) {
+            for judged in criterion.decide_all(&inputs(40)) {
                 for word in [judged.verdict as u64, judged.time.to_bits(), judged.amplitude.map_or(0, f64::to_bits)] {
                     for byte in word.to_le_bytes() {
                         hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);

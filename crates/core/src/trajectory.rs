@@ -1,6 +1,6 @@
 //! One motion written down: what the pad and the disc did, moment by moment, and what it settled to.
 
-use crate::criterion::time_domain::{JudgedMotion, System, TimeDomain, TimeDomainSettings};
+use crate::criterion::time_domain::{Decision, System, TimeDomain, TimeDomainSettings};
 use crate::flexible_disc::brake::{ContactState, FlexibleError, PAD, sine_and_cosine};
 use crate::flexible_disc::contact::PadPosition;
 use crate::flexible_disc::linear_stability::DegreeOfFreedom;
@@ -305,7 +305,7 @@ impl TimeDomain {
             }
         };
         let settled = diary.settled_motion(&moments, steps, h);
-        let JudgedMotion { verdict, fed_by, .. } = self.judge(inputs);
+        let Decision { verdict, fed_by, .. } = self.decide(inputs);
         Ok(Trajectory { moments, interval: h, settled, verdict, fed_by })
     }
 }

@@ -135,7 +135,7 @@ pub enum DiscModel {
 
 /// What became of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JudgedMotion {
+pub struct Decision {
     /// The verdict.
     pub verdict: Verdict,
     /// Settled amplitude of an unstable motion, where settings ask for it.
@@ -147,14 +147,14 @@ pub struct JudgedMotion {
     pub fed_by: Option<DegreeOfFreedom>,
 }
 
-impl From<Verdict> for JudgedMotion {
+impl From<Verdict> for Decision {
     /// A verdict that no motion had to be followed for.
     fn from(verdict: Verdict) -> Self {
         Self { verdict, amplitude: None, time: 0.0, fed_by: None }
     }
 }
 
-impl JudgedMotion {
+impl Decision {
     pub(crate) const OUTSIDE_PHYSICS: Self =
         Self { verdict: Verdict::Stable, amplitude: None, time: 0.0, fed_by: None };
     pub(crate) const FAILED: Self = Self { verdict: Verdict::Failed, amplitude: None, time: 0.0, fed_by: None };
@@ -211,7 +211,7 @@ impl TimeDomain {
     /// Follows one sample until it is decided. A sample without preload presses nothing together and is stable; so is one
     /// whose friction rises with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction.
     #[must_use]
-    pub fn judge(&self, inputs: RandomInputs) -> JudgedMotion {
+    pub fn decide(&self, inputs: RandomInputs) -> Decision {
         match &self.system {
             System::Rigid(brake) => {
                 let sample = brake.sample(inputs);
@@ -234,8 +234,8 @@ impl TimeDomain {
     /// [`FlexibleBrake::linear_stability`]'s here and [`FlexibleBrake::by_eigenvalues`]' there, which tests hold against
     /// each other.
     #[must_use]
-    pub fn judge_all(&self, inputs: &[RandomInputs]) -> Vec<JudgedMotion> {
-        self.judge_all_with(inputs, InstructionSet::widest())
+    pub fn decide_all(&self, inputs: &[RandomInputs]) -> Vec<Decision> {
+        self.decide_all_with(inputs, InstructionSet::widest())
     }
 
     /// The motion that a sample starts with, and its judge; or what is known of it without following it.
@@ -243,9 +243,9 @@ impl TimeDomain {
         &self,
         sample: &RigidSample<'_>,
         inputs: RandomInputs,
-    ) -> Result<(Motion<RigidState>, PlanarJudge), JudgedMotion> {
+    ) -> Result<(Motion<RigidState>, PlanarJudge), Decision> {
         if self.brake.is_outside_physics(inputs) {
-            return Err(JudgedMotion::OUTSIDE_PHYSICS);
+            return Err(Decision::OUTSIDE_PHYSICS);
         }
         let motion = self.rigid_start(sample);
         let starts_at_release = motion.contact == ContactState::Stick;
@@ -261,18 +261,18 @@ impl TimeDomain {
         &self,
         sample: &FlexibleSample<'_>,
         stability: impl Fn(&FlexibleBrake, RandomInputs) -> Result<LinearStability, FlexibleError>,
-    ) -> Result<(Motion<FlexibleState>, CoupledJudge), JudgedMotion> {
+    ) -> Result<(Motion<FlexibleState>, CoupledJudge), Decision> {
         let (brake, inputs) = (sample.brake, sample.inputs);
         if inputs.preload <= 0.0 {
-            return Err(JudgedMotion::OUTSIDE_PHYSICS);
+            return Err(Decision::OUTSIDE_PHYSICS);
         }
         let repelled_by = match stability(brake, inputs) {
             Ok(LinearStability::Stable) if self.brake.is_outside_physics(inputs) => {
-                return Err(JudgedMotion::OUTSIDE_PHYSICS);
+                return Err(Decision::OUTSIDE_PHYSICS);
             }
             Ok(LinearStability::Stable) => None,
             Ok(LinearStability::Unstable { fed_by }) => Some(fed_by),
-            Err(_) => return Err(JudgedMotion::FAILED),
+            Err(_) => return Err(Decision::FAILED),
         };
         let rules = Rules {
             slowest_transient: brake.slowest_transient(),
@@ -280,13 +280,13 @@ impl TimeDomain {
             until_settled: self.settings.until_settled(),
             repelled_by,
         };
-        let (motion, equilibrium) = self.flexible_start(sample).map_err(|_| JudgedMotion::FAILED)?;
+        let (motion, equilibrium) = self.flexible_start(sample).map_err(|_| Decision::FAILED)?;
         let starts_turning_at = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
         let judge = CoupledJudge::new(rules, equilibrium, self.settings.displacement, starts_turning_at);
         self.unless_decided(motion, judge)
     }
 
-    fn unless_decided<S, J: Judge>(&self, motion: Motion<S>, judge: J) -> Result<(Motion<S>, J), JudgedMotion> {
+    fn unless_decided<S, J: Judge>(&self, motion: Motion<S>, judge: J) -> Result<(Motion<S>, J), Decision> {
         match judge.verdict() {
             None => Ok((motion, judge)),
             Some(verdict) => Err(self.conclude(verdict, &judge, 0.0)),
@@ -329,7 +329,7 @@ impl TimeDomain {
         mut judge: J,
         h: f64,
         begun: u64,
-    ) -> JudgedMotion {
+    ) -> Decision {
         let steps = self.steps_to_horizon(h);
         for step in begun..steps {
             let time = step as f64 * h;
@@ -349,10 +349,10 @@ impl TimeDomain {
 
     /// The outcome of a motion that ended at the horizon or broke down. One that is known to be unstable is so without
     /// a settled amplitude, unless that amplitude is what decides.
-    pub(crate) fn conclude_without_verdict<J: Judge>(&self, otherwise: Verdict, judge: &J, time: f64) -> JudgedMotion {
+    pub(crate) fn conclude_without_verdict<J: Judge>(&self, otherwise: Verdict, judge: &J, time: f64) -> Decision {
         let known = judge.is_unstable() && self.settings.amplitude_index.is_none();
         let verdict = if known { Verdict::Unstable } else { otherwise };
-        JudgedMotion { verdict, amplitude: None, time, fed_by: known.then(|| judge.fed_by()) }
+        Decision { verdict, amplitude: None, time, fed_by: known.then(|| judge.fed_by()) }
     }
 
     pub(crate) fn steps_to_horizon(&self, h: f64) -> u64 {
@@ -360,14 +360,14 @@ impl TimeDomain {
     }
 
     /// The outcome of a motion with this verdict; with the paper's index the settled amplitude has the last word.
-    pub(crate) fn conclude<J: Judge>(&self, verdict: Verdict, judge: &J, time: f64) -> JudgedMotion {
+    pub(crate) fn conclude<J: Judge>(&self, verdict: Verdict, judge: &J, time: f64) -> Decision {
         let amplitude = (verdict == Verdict::Unstable && self.settings.until_settled()).then(|| judge.amplitude());
         let verdict = match (self.settings.amplitude_index, amplitude) {
             (Some(limit), Some(amplitude)) if amplitude <= limit => Verdict::Stable,
             _ => verdict,
         };
         let is_unstable = verdict == Verdict::Unstable;
-        JudgedMotion {
+        Decision {
             verdict,
             amplitude: amplitude.filter(|_| is_unstable),
             time,
@@ -467,7 +467,7 @@ mod tests {
 
     /// Follows a sample ten times as long as its verdict took, and at least for some hundred cycles, and finds the same.
     fn assert_verdict_holds(criterion: &TimeDomain, inputs: RandomInputs, context: &str) -> Verdict {
-        let judged = criterion.judge(inputs);
+        let judged = criterion.decide(inputs);
         let soon = judged.time.max(60.0);
         let late = 10.0 * soon;
         let at_verdict = aftermath(criterion, inputs, soon).amplitude();
@@ -518,7 +518,7 @@ mod tests {
                     end.amplitude() < 2e-5 && !end.sticks_after(50.0),
                     "{speed} {inputs:?}: it does not come to rest"
                 );
-                assert_eq!(criterion.judge(inputs).verdict, Verdict::Stable, "{speed} {inputs:?}");
+                assert_eq!(criterion.decide(inputs).verdict, Verdict::Stable, "{speed} {inputs:?}");
             }
         }
     }
@@ -551,7 +551,7 @@ mod tests {
                 System::Rigid(_) => criterion.brake.growth_rate() > 0.0,
                 System::Flexible(brake) => brake.growth_rate(NOMINAL).unwrap() > 0.0,
             });
-            let by_criterion = boundary(&|criterion| criterion.judge(NOMINAL).verdict == Verdict::Unstable);
+            let by_criterion = boundary(&|criterion| criterion.decide(NOMINAL).verdict == Verdict::Unstable);
             // What is left is the damping of the method, a part in 10^5; the criterion itself has none.
             for in_time in in_time {
                 assert!((in_time - by_eigenvalues).abs() < 1e-3, "{disc:?} {in_time} {by_eigenvalues}");
@@ -572,7 +572,7 @@ mod tests {
                     [Start::NearEquilibrium, Start::Rest, Start::LimitCycle].into_iter().zip(expected)
                 {
                     let criterion = criterion(speed, &disc, TimeDomainSettings { start, ..Default::default() });
-                    assert_eq!(criterion.judge(NOMINAL).verdict, expected, "{disc:?} {speed} {start:?}");
+                    assert_eq!(criterion.decide(NOMINAL).verdict, expected, "{disc:?} {speed} {start:?}");
                 }
             }
         }
@@ -585,9 +585,9 @@ mod tests {
             let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]);
             let cycle = brake.limit_cycle().unwrap();
             let expected = 0.5 * (cycle.tangential_max - cycle.tangential_min);
-            let rigid = criterion(speed, &DiscModel::Rigid, settings).judge(NOMINAL).amplitude.unwrap();
+            let rigid = criterion(speed, &DiscModel::Rigid, settings).decide(NOMINAL).amplitude.unwrap();
             assert!((rigid / expected - 1.0).abs() < 2e-4, "{speed}: {rigid} {expected}");
-            let flexible = criterion(speed, &FLEXIBLE, settings).judge(NOMINAL).amplitude.unwrap();
+            let flexible = criterion(speed, &FLEXIBLE, settings).decide(NOMINAL).amplitude.unwrap();
             assert!((flexible / expected - 1.0).abs() < 0.05, "{speed}: {flexible} {expected}");
         }
     }
@@ -596,7 +596,7 @@ mod tests {
     fn the_papers_index_is_a_limit_on_the_settled_amplitude() {
         let judge = |limit: f64| {
             let settings = TimeDomainSettings { amplitude_index: Some(limit), ..Default::default() };
-            criterion(12.0, &DiscModel::Rigid, settings).judge(NOMINAL).verdict
+            criterion(12.0, &DiscModel::Rigid, settings).decide(NOMINAL).verdict
         };
         // The limit cycle at 12 rad/s has an amplitude of 0.0057.
         assert_eq!([judge(0.005), judge(0.006)], [Verdict::Unstable, Verdict::Stable]);
@@ -606,11 +606,11 @@ mod tests {
     fn inputs_outside_physics_are_stable_and_blown_up_ones_failed() {
         let criterion = criterion(10.0, &FLEXIBLE, TimeDomainSettings::default());
         for (preload, static_friction) in [(0.0, 0.4), (-0.1, 0.4), (0.1, 0.2), (0.1, 0.0), (-0.1, 0.2)] {
-            let judged = criterion.judge(RandomInputs { preload, static_friction });
+            let judged = criterion.decide(RandomInputs { preload, static_friction });
             assert_eq!((judged.verdict, judged.time), (Verdict::Stable, 0.0));
         }
-        assert_eq!(criterion.judge(RandomInputs { preload: 0.1, static_friction: f64::NAN }).verdict, Verdict::Failed);
-        assert_eq!(criterion.judge(RandomInputs { preload: f64::NAN, static_friction: 0.4 }).verdict, Verdict::Failed);
+        assert_eq!(criterion.decide(RandomInputs { preload: 0.1, static_friction: f64::NAN }).verdict, Verdict::Failed);
+        assert_eq!(criterion.decide(RandomInputs { preload: f64::NAN, static_friction: 0.4 }).verdict, Verdict::Failed);
     }
 
     #[test]
@@ -622,7 +622,7 @@ mod tests {
                 let [plain, recording] = [plain, recording].map(|settings| criterion(15.0, &disc, settings));
                 for i in 0..120 {
                     let inputs = RandomInputs { preload: 0.003 * f64::from(i), static_friction: 0.39 };
-                    let (plain, recording) = (plain.judge(inputs), recording.judge(inputs));
+                    let (plain, recording) = (plain.decide(inputs), recording.decide(inputs));
                     assert_eq!(plain.verdict, recording.verdict, "{disc:?} {start:?} {inputs:?}");
                     assert!(recording.amplitude.is_none() || recording.verdict == Verdict::Unstable);
                 }
@@ -636,11 +636,11 @@ mod tests {
             for displacement in [0.5, 5.0, 20.0] {
                 let settings = TimeDomainSettings { displacement, ..Default::default() };
                 assert_eq!(
-                    criterion(10.0, &disc, settings).judge(NOMINAL).verdict,
+                    criterion(10.0, &disc, settings).decide(NOMINAL).verdict,
                     Verdict::Unstable,
                     "{displacement}"
                 );
-                assert_eq!(criterion(40.0, &disc, settings).judge(NOMINAL).verdict, Verdict::Stable, "{displacement}");
+                assert_eq!(criterion(40.0, &disc, settings).decide(NOMINAL).verdict, Verdict::Stable, "{displacement}");
             }
         }
     }
@@ -652,14 +652,14 @@ mod tests {
                 for start in [Start::NearEquilibrium, Start::Rest] {
                     let brake = PadOnDisc::preset_with(&[("damping.tangential", damping)]);
                     let settings = TimeDomainSettings { start, ..Default::default() };
-                    let judged = TimeDomain::new(&brake, &disc, settings).unwrap().judge(NOMINAL);
+                    let judged = TimeDomain::new(&brake, &disc, settings).unwrap().decide(NOMINAL);
                     assert_eq!(judged.verdict, Verdict::Stable, "{damping} {disc:?} {start:?} {judged:?}");
                 }
             }
         }
         // The normal motion may be as stiff.
         let brake = PadOnDisc::preset_with(&[("damping.normal", 1e5)]);
-        let judged = TimeDomain::new(&brake, &FLEXIBLE, TimeDomainSettings::default()).unwrap().judge(NOMINAL);
+        let judged = TimeDomain::new(&brake, &FLEXIBLE, TimeDomainSettings::default()).unwrap().decide(NOMINAL);
         assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
     }
 
@@ -686,23 +686,23 @@ mod tests {
             for start in [Start::NearEquilibrium, Start::Rest, Start::LimitCycle] {
                 let settings = TimeDomainSettings { start, ..Default::default() };
                 let criterion = TimeDomain::new(&brake, &DiscModel::Flexible { modes }, settings).unwrap();
-                let judged = criterion.judge(inputs);
+                let judged = criterion.decide(inputs);
                 assert_eq!(judged.verdict, Verdict::Unstable, "{changes:?} {start:?}");
                 assert_eq!(judged.fed_by, Some(DegreeOfFreedom::Disc), "{changes:?} {start:?}");
             }
         }
-        let groaning = criterion(10.0, &FLEXIBLE, TimeDomainSettings::default()).judge(NOMINAL);
+        let groaning = criterion(10.0, &FLEXIBLE, TimeDomainSettings::default()).decide(NOMINAL);
         assert_eq!(groaning.fed_by, Some(DegreeOfFreedom::Tangential));
-        assert_eq!(criterion(40.0, &FLEXIBLE, TimeDomainSettings::default()).judge(NOMINAL).fed_by, None);
+        assert_eq!(criterion(40.0, &FLEXIBLE, TimeDomainSettings::default()).decide(NOMINAL).fed_by, None);
     }
 
     #[test]
     fn friction_that_rises_with_speed_does_not_stop_flutter() {
         let brake = PadOnDisc::preset_with(&[("disc.transverse_damping_ratio", 0.0)]);
         let rising = RandomInputs { preload: 0.1, static_friction: 0.2 };
-        let flexible = TimeDomain::new(&brake, &FLEXIBLE, TimeDomainSettings::default()).unwrap().judge(rising);
+        let flexible = TimeDomain::new(&brake, &FLEXIBLE, TimeDomainSettings::default()).unwrap().decide(rising);
         assert_eq!((flexible.verdict, flexible.fed_by), (Verdict::Unstable, Some(DegreeOfFreedom::Disc)));
-        let rigid = TimeDomain::new(&brake, &DiscModel::Rigid, TimeDomainSettings::default()).unwrap().judge(rising);
+        let rigid = TimeDomain::new(&brake, &DiscModel::Rigid, TimeDomainSettings::default()).unwrap().decide(rising);
         assert_eq!(rigid.verdict, Verdict::Stable);
     }
 
@@ -713,7 +713,7 @@ mod tests {
         let brake = PadOnDisc::preset_with(&changes);
         let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
         for disc in [DiscModel::Rigid, FLEXIBLE] {
-            let judged = TimeDomain::new(&brake, &disc, settings).unwrap().judge(NOMINAL);
+            let judged = TimeDomain::new(&brake, &disc, settings).unwrap().decide(NOMINAL);
             assert_eq!(judged.verdict, Verdict::Stable, "{disc:?} {judged:?}");
         }
     }
@@ -744,7 +744,7 @@ mod tests {
         let criterion = TimeDomain::new(&PadOnDisc::preset_with(&changes), &FLEXIBLE, settings).unwrap();
         let end = aftermath(&criterion, inputs, 8000.0);
         assert!(end.amplitude() < 1e-10 && !end.sticks_after(3000.0), "it does not come to rest");
-        let judged = criterion.judge(inputs);
+        let judged = criterion.decide(inputs);
         assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
     }
 
@@ -771,7 +771,7 @@ mod tests {
         ];
         let inputs = RandomInputs { preload: 0.1146, static_friction: 0.64816 };
         let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
-        let judged = TimeDomain::new(&PadOnDisc::preset_with(&changes), &FLEXIBLE, settings).unwrap().judge(inputs);
+        let judged = TimeDomain::new(&PadOnDisc::preset_with(&changes), &FLEXIBLE, settings).unwrap().decide(inputs);
         assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
         assert!(judged.time < 4000.0, "{judged:?}");
     }
@@ -786,7 +786,7 @@ mod tests {
                 ("operating_point.rotating_speed", speed),
             ]);
             let settings = TimeDomainSettings { start: Start::Rest, record_amplitude, ..Default::default() };
-            TimeDomain::new(&brake, &DiscModel::Rigid, settings).unwrap().judge(NOMINAL)
+            TimeDomain::new(&brake, &DiscModel::Rigid, settings).unwrap().decide(NOMINAL)
         };
         for (speed, expected) in [(7.25, Verdict::Unstable), (7.3236, Verdict::Unstable), (7.3238, Verdict::Stable)] {
             assert_eq!(at(speed, false).verdict, expected, "{speed}");
@@ -798,7 +798,7 @@ mod tests {
     #[test]
     fn a_short_horizon_leaves_samples_undecided() {
         let settings = TimeDomainSettings { horizon: 3.0, ..Default::default() };
-        assert_eq!(criterion(15.5, &FLEXIBLE, settings).judge(NOMINAL).verdict, Verdict::Undecided);
+        assert_eq!(criterion(15.5, &FLEXIBLE, settings).decide(NOMINAL).verdict, Verdict::Undecided);
     }
 
     #[test]

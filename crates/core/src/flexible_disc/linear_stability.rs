@@ -25,7 +25,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::criterion::time_domain::JudgedMotion;
+use crate::criterion::time_domain::Decision;
 use crate::flexible_disc::brake::{FlexibleBrake, FlexibleError, PAD};
 use crate::flexible_disc::stability::first_order;
 use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
@@ -144,20 +144,20 @@ impl FlexibleBrake {
     /// `stability`: [`FlexibleBrake::linear_stability`] for one of many samples, [`FlexibleBrake::by_eigenvalues`] for a
     /// single one. Without preload a sample is stable; one whose equilibrium or eigenvalues cannot be found is failed.
     #[must_use]
-    pub fn judge_with(
+    pub fn decide_with(
         &self,
         inputs: RandomInputs,
         stability: impl Fn(&Self, RandomInputs) -> Result<LinearStability, FlexibleError>,
-    ) -> JudgedMotion {
+    ) -> Decision {
         if inputs.preload <= 0.0 {
-            return JudgedMotion::OUTSIDE_PHYSICS;
+            return Decision::OUTSIDE_PHYSICS;
         }
         let (verdict, fed_by) = match stability(self, inputs) {
             Ok(LinearStability::Stable) => (Verdict::Stable, None),
             Ok(LinearStability::Unstable { fed_by }) => (Verdict::Unstable, Some(fed_by)),
             Err(_) => (Verdict::Failed, None),
         };
-        JudgedMotion { fed_by, ..JudgedMotion::from(verdict) }
+        Decision { fed_by, ..Decision::from(verdict) }
     }
 
     /// [`FlexibleBrake::linear_stability`] by the eigenvalues of this very sample.

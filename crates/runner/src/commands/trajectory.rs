@@ -127,12 +127,12 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     let (pad, judged) = match job.deciders().map_err(|error| Failure::Job(error.to_string()))? {
         Deciders::Varying(brake) => {
             let pad = brake.brake(cell.rotating_speed, inputs, batch.values(0));
-            (pad, brake.judge(cell.rotating_speed, inputs, batch.values(0)))
+            (pad, brake.decide(cell.rotating_speed, inputs, batch.values(0)))
         }
         deciders => {
             let mut parameters = job.parameters.clone();
             parameters.operating_point.rotating_speed = cell.rotating_speed;
-            let judged = deciders.judge(job.grid.rotating_speed_index(arguments.cell), &[inputs]).remove(0);
+            let judged = deciders.decide(job.grid.rotating_speed_index(arguments.cell), &[inputs]).remove(0);
             (Some(PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))?), judged)
         }
     };

@@ -1,7 +1,7 @@
 //! What a job counts beside its verdicts: integers, so that no sum depends on its order.
 
 use serde::{Deserialize, Serialize};
-use stickslip_core::criterion::time_domain::JudgedMotion;
+use stickslip_core::criterion::time_domain::Decision;
 use stickslip_core::flexible_disc::linear_stability::DegreeOfFreedom;
 use stickslip_core::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::estimate::score::{CellNumber, ScoreSums, ScoreTotals};
@@ -120,7 +120,7 @@ impl Extras {
     }
 
     /// Adds what feeds the unstable samples.
-    pub fn add_sources(self, sums: &mut [i64], judged: &[JudgedMotion]) {
+    pub fn add_sources(self, sums: &mut [i64], judged: &[Decision]) {
         if self.sources {
             for (sum, source) in sums[self.sources_at()..].iter_mut().zip(SOURCES) {
                 *sum += judged.iter().filter(|judged| judged.fed_by == Some(source)).count() as i64;

@@ -1,7 +1,7 @@
 //! The criterion of a job: its settings, checked, and what decides samples by them.
 
 use serde::Serialize;
-use stickslip_core::criterion::time_domain::{DiscModel, JudgedMotion, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::time_domain::{Decision, DiscModel, Start, TimeDomain, TimeDomainSettings};
 use stickslip_core::flexible_disc::brake::DISC_MODES;
 use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
 use stickslip_core::flexible_disc::mode_count::{ModeCheck, ModeStudy};
@@ -52,17 +52,17 @@ impl Deciders {
     ///
     /// # Panics
     /// With [`Deciders::Varying`], whose samples have more inputs.
-    pub fn judge(&self, speed: usize, inputs: &[RandomInputs]) -> Vec<JudgedMotion> {
+    pub fn decide(&self, speed: usize, inputs: &[RandomInputs]) -> Vec<Decision> {
         match self {
             Self::Eigenvalue(boundaries) => {
                 let verdict = |inputs: &RandomInputs| boundaries[speed].verdict(inputs.preload, inputs.static_friction);
                 inputs.iter().map(|inputs| verdict(inputs).into()).collect()
             }
             Self::CoupledEigenvalue(brakes) => {
-                let judge = |&inputs: &RandomInputs| brakes[speed].judge_with(inputs, FlexibleBrake::linear_stability);
+                let judge = |&inputs: &RandomInputs| brakes[speed].decide_with(inputs, FlexibleBrake::linear_stability);
                 inputs.iter().map(judge).collect()
             }
-            Self::TimeDomain(criteria) => criteria[speed].judge_all(inputs),
+            Self::TimeDomain(criteria) => criteria[speed].decide_all(inputs),
             Self::Varying(_) => unreachable!("samples of a varying brake have more inputs than these"),
         }
     }
@@ -98,8 +98,8 @@ impl VaryingBrake {
     }
 
     /// Judges one sample. A value that is not admissible (a stiffness below zero, say) fails it.
-    pub fn judge(&self, rotating_speed: f64, inputs: RandomInputs, values: &[f64]) -> JudgedMotion {
-        let failed = || JudgedMotion::from(Verdict::Failed);
+    pub fn decide(&self, rotating_speed: f64, inputs: RandomInputs, values: &[f64]) -> Decision {
+        let failed = || Decision::from(Verdict::Failed);
         let Some(brake) = self.brake(rotating_speed, inputs, values) else { return failed() };
         if inputs.preload <= 0.0 {
             return Verdict::Stable.into();
@@ -108,10 +108,10 @@ impl VaryingBrake {
             Criterion::Eigenvalue => brake.stability_boundary().verdict(inputs.preload, inputs.static_friction).into(),
             Criterion::CoupledEigenvalue { modes } => {
                 let brake = FlexibleBrake::with_modes(brake, *modes);
-                brake.map_or_else(|_| failed(), |brake| brake.judge_with(inputs, FlexibleBrake::by_eigenvalues))
+                brake.map_or_else(|_| failed(), |brake| brake.decide_with(inputs, FlexibleBrake::by_eigenvalues))
             }
             Criterion::TimeDomain { disc, settings } => match TimeDomain::new(&brake, disc, *settings) {
-                Ok(criterion) => criterion.judge(inputs),
+                Ok(criterion) => criterion.decide(inputs),
                 Err(_) => failed(),
             },
         }

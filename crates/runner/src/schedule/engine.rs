@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use stickslip_core::criterion::time_domain::JudgedMotion;
+use stickslip_core::criterion::time_domain::Decision;
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_core::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::draw::deviates::Points;
@@ -115,7 +115,7 @@ impl<'a> Engine<'a> {
         let batch = Batch::draw(self.job, &place, part, drawn.clone(), self.job.points());
         let mut lookups = Lookups::default();
         let audited = self.audited(slot, samples.clone());
-        let judged = self.judge(&place, &batch, &audited, &mut lookups);
+        let judged = self.decide(&place, &batch, &audited, &mut lookups);
         for judged in &judged {
             counts += judged.verdict.into();
             if let (Verdict::Unstable, Some(amplitude), true) =
@@ -130,7 +130,7 @@ impl<'a> Engine<'a> {
         if self.extras.sensitivity() > 0 {
             let second = Batch::draw(self.job, &place, part, drawn, Points::SecondRandom);
             let verdicts_of = |batch: &Batch| -> Vec<Verdict> {
-                let judged = self.judge(&place, batch, &[], &mut Lookups::default());
+                let judged = self.decide(&place, batch, &[], &mut Lookups::default());
                 judged.into_iter().map(|judged| judged.verdict).collect()
             };
             let mixed: Vec<Vec<Verdict>> =
@@ -143,22 +143,22 @@ impl<'a> Engine<'a> {
     }
 
     /// Judges samples: those that a map tells are looked up, unless they are audited; the others are judged one by one.
-    fn judge(&self, place: &Cell, batch: &Batch, audited: &[bool], lookups: &mut Lookups) -> Vec<JudgedMotion> {
+    fn decide(&self, place: &Cell, batch: &Batch, audited: &[bool], lookups: &mut Lookups) -> Vec<Decision> {
         if let Deciders::Varying(brake) = &self.deciders {
-            let judge = |i| brake.judge(place.rotating_speed, batch.inputs(i), batch.values(i));
+            let judge = |i| brake.decide(place.rotating_speed, batch.inputs(i), batch.values(i));
             return (0..batch.len()).map(judge).collect();
         }
         let speed = self.job.grid.rotating_speed_index(place.index);
         let inputs: Vec<RandomInputs> = (0..batch.len()).map(|sample| batch.inputs(sample)).collect();
         let Some(map) = self.maps.get(speed) else {
             lookups.simulated += inputs.len() as u64;
-            return self.deciders.judge(speed, &inputs);
+            return self.deciders.decide(speed, &inputs);
         };
         let told: Vec<Option<Verdict>> = inputs.iter().map(|&inputs| map.look_up(inputs)).collect();
         let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
         let to_judge: Vec<usize> = (0..inputs.len()).filter(|&i| told[i].is_none() || is_audited(i)).collect();
-        let judged = self.deciders.judge(speed, &to_judge.iter().map(|&i| inputs[i]).collect::<Vec<_>>());
-        let mut all: Vec<JudgedMotion> = told.iter().map(|told| told.unwrap_or(Verdict::Failed).into()).collect();
+        let judged = self.deciders.decide(speed, &to_judge.iter().map(|&i| inputs[i]).collect::<Vec<_>>());
+        let mut all: Vec<Decision> = told.iter().map(|told| told.unwrap_or(Verdict::Failed).into()).collect();
         for (&sample, judged) in to_judge.iter().zip(judged) {
             match told[sample] {
                 None => lookups.simulated += 1,
@@ -204,7 +204,7 @@ impl<'a> Engine<'a> {
             while first < wanted {
                 let end = wanted.min(first + BLOCK_SAMPLES);
                 let batch = Batch::draw(self.job, cell, 0, first..end, Points::Random);
-                self.judge(cell, &batch, &vec![true; batch.len()], &mut lookups);
+                self.decide(cell, &batch, &vec![true; batch.len()], &mut lookups);
                 first = end;
             }
         }
@@ -243,7 +243,7 @@ impl<'a> Engine<'a> {
             }
             let batch = Batch::draw(self.job, &place, part, drawn.clone(), self.job.points());
             let audited = self.audited(slots.start + part as u64, drawn.start - first..drawn.end - first);
-            let judged = self.judge(&place, &batch, &audited, &mut Lookups::default());
+            let judged = self.decide(&place, &batch, &audited, &mut Lookups::default());
             verdicts.extend(judged.into_iter().map(|judged| judged.verdict));
         }
         verdicts

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::HumanCount;
-use stickslip_core::criterion::time_domain::JudgedMotion;
+use stickslip_core::criterion::time_domain::Decision;
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_core::verdict::Verdict;
 use stickslip_sampler::verdict_map::map::{Tile, TileIndex};
@@ -100,7 +100,7 @@ impl Engine<'_> {
             let cell = self.job.grid.cell((u128::from(turn) * u128::from(cells) / u128::from(trial)) as u64);
             let batch = Batch::draw(self.job, &cell, 0, 0..samples, self.job.points());
             let inputs: Vec<RandomInputs> = (0..batch.len()).map(|sample| batch.inputs(sample)).collect();
-            cost += cost_of(&self.deciders.judge(self.job.grid.rotating_speed_index(cell.index), &inputs));
+            cost += cost_of(&self.deciders.decide(self.job.grid.rotating_speed_index(cell.index), &inputs));
         }
         let others = self.job.verdicts_of_samples().saturating_sub(self.job.audited_samples());
         self.maps.limit(others.saturating_mul(u128::from(cost)) / u128::from((trial * samples).max(1)));
@@ -167,7 +167,7 @@ impl Engine<'_> {
     }
 
     /// Resolves one tile; `None` if `goes_on`, which is told the judged samples as they come, said no.
-    fn resolve(&self, speed: usize, index: TileIndex, goes_on: impl Fn(&[JudgedMotion]) -> bool) -> Option<Tile> {
+    fn resolve(&self, speed: usize, index: TileIndex, goes_on: impl Fn(&[Decision]) -> bool) -> Option<Tile> {
         let map = self.maps.get(speed)?;
         let mut is_stopped = !goes_on(&[]);
         let mut cost = 0;
@@ -180,7 +180,7 @@ impl Engine<'_> {
                     continue;
                 }
                 let inputs: Vec<RandomInputs> = points.iter().map(|&point| map.inputs(point)).collect();
-                let judged = self.deciders.judge(speed, &inputs);
+                let judged = self.deciders.decide(speed, &inputs);
                 verdicts.extend(judged.iter().map(|judged| judged.verdict));
                 cost += cost_of(&judged);
                 is_stopped = !goes_on(&judged);
@@ -227,6 +227,6 @@ fn count(counter: &AtomicU64, more: u64) -> u64 {
 }
 
 /// What verdicts cost: one each, and the scaled time that a motion was followed.
-fn cost_of(judged: &[JudgedMotion]) -> u64 {
+fn cost_of(judged: &[Decision]) -> u64 {
     judged.iter().map(|judged| 1 + judged.time as u64).sum()
 }
