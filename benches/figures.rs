@@ -19,10 +19,11 @@ use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::trajectory::Moment;
 use stickslip_core::verdict::VerdictCounts;
+use stickslip_sampler::draw::deviates::{DeviateStream, Points};
 use stickslip_sampler::draw::identity::block_generator;
 use stickslip_sampler::draw::identity::{BLOCK_SAMPLES, Purpose};
-use stickslip_sampler::draw::samples::SampleStream;
 use stickslip_sampler::grid::{Cell, RelativeStd};
+use stickslip_sampler::inputs::{Correlation, InputColumns, Marginal};
 
 const CELL: Cell = Cell {
     index: 17,
@@ -63,22 +64,26 @@ fn seconds(work: impl FnOnce()) -> f64 {
     started.elapsed().as_secs_f64()
 }
 
+/// Normal preload and static friction of a cell.
+fn scatter<'a>(cell: &Cell, independent: &'a Correlation) -> InputColumns<'a> {
+    let stds = [cell.relative_std.preload, cell.relative_std.static_friction];
+    InputColumns::new(&[Marginal::Normal, Marginal::Normal], independent, &[cell.preload, cell.static_friction], &stds)
+}
+
 /// The loop over samples on one thread, with and without the verdict, in turn.
 fn sampling() {
     const SAMPLES: u64 = 10_000_000;
     let mut parameters = Parameters::sui_ding_2018();
     parameters.operating_point.rotating_speed = CELL.rotating_speed;
     let boundary = PadOnDisc::new(parameters).expect("the preset is valid").stability_boundary();
-    let stream = SampleStream {
-        seed: 2018,
-        common_random_numbers: false,
-        preload_is_random: true,
-        static_friction_is_random: true,
-    };
-    let judged = || {
+    let stream = DeviateStream { seed: 2018, common_random_numbers: false, dimensions: 2, points: Points::Random };
+    let decided = || {
         let mut counts = VerdictCounts::default();
-        stream.for_each(&CELL, 0..SAMPLES, |samples| {
-            counts += boundary.count(samples.preloads, samples.static_frictions);
+        let independent = Correlation::independent(2);
+        let scatter = scatter(&CELL, &independent);
+        stream.for_each_chunk(CELL.index, 0, 0..SAMPLES, |columns| {
+            scatter.apply(columns);
+            counts += boundary.count(&columns[0], &columns[1]);
         });
         black_box(counts);
     };
@@ -95,14 +100,14 @@ fn sampling() {
             }
         }
     };
-    let (mut judged_times, mut raw_times, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut decided_times, mut raw_times, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..15 {
-        let (with, without) = (seconds(judged), seconds(raw));
-        judged_times.push(with);
+        let (with, without) = (seconds(decided), seconds(raw));
+        decided_times.push(with);
         raw_times.push(without);
         ratios.push(with / without);
     }
-    figure("samples with verdict, one thread", SAMPLES as f64 / median(judged_times), "samples/s");
+    figure("samples with verdict, one thread", SAMPLES as f64 / median(decided_times), "samples/s");
     figure("two normal deviates only, one thread", SAMPLES as f64 / median(raw_times), "samples/s");
     figure("verdict and bookkeeping over raw sampling (limit 0.2)", median(ratios) - 1.0, "of raw time");
 }
@@ -206,18 +211,16 @@ fn start_up() {
 
 /// Inputs as a unit of Figure 14b draws them, in cells all over its grid.
 fn inputs(count: u64) -> Vec<RandomInputs> {
-    let stream = SampleStream {
-        seed: 2018,
-        common_random_numbers: false,
-        preload_is_random: true,
-        static_friction_is_random: true,
-    };
+    let stream = DeviateStream { seed: 2018, common_random_numbers: false, dimensions: 2, points: Points::Random };
     let mut inputs = Vec::new();
     for index in 0..780 {
         let (preload, friction) = (0.01 + 0.01 * (index / 26) as f64, 0.25 + 0.01 * (index % 26) as f64);
         let cell = Cell { index, preload, static_friction: friction, ..CELL };
-        stream.for_each(&cell, 0..count, |samples| {
-            let pairs = samples.preloads.iter().zip(samples.static_frictions);
+        let independent = Correlation::independent(2);
+        let scatter = scatter(&cell, &independent);
+        stream.for_each_chunk(index, 0, 0..count, |columns| {
+            scatter.apply(columns);
+            let pairs = columns[0].iter().zip(&columns[1]);
             inputs.extend(pairs.map(|(&preload, &static_friction)| RandomInputs { preload, static_friction }));
         });
     }
@@ -241,10 +244,10 @@ fn lanes() {
         let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
         let criterion = TimeDomain::new(&brake_at(22.0), &disc, settings).expect("the preset is valid");
         let mut inputs = inputs(count);
-        let judged = criterion.decide_all(&inputs);
-        let steps: f64 = judged.iter().map(|judged| (judged.time / criterion.step_length()).round()).sum();
-        let mut is_followed = judged.iter().map(|judged| judged.time > 0.0);
-        inputs.retain(|_| is_followed.next() == Some(true));
+        let decided = criterion.decide_all(&inputs);
+        let steps: f64 = decided.iter().map(|decision| (decision.time / criterion.step_length()).round()).sum();
+        let mut is_simulated = decided.iter().map(|decision| decision.time > 0.0);
+        inputs.retain(|_| is_simulated.next() == Some(true));
         let sets = InstructionSet::available();
         let mut scalar_times = Vec::new();
         let mut set_times = vec![Vec::new(); sets.len()];

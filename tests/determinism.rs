@@ -15,8 +15,8 @@ use std::thread;
 use std::time::Duration;
 
 use common::{Place, Table, other_build, repository, surface_job};
-use stickslip_sampler::draw::samples::SampleStream;
-use stickslip_sampler::grid::{Cell, RelativeStd};
+use stickslip_sampler::draw::deviates::{DeviateStream, Points};
+use stickslip_sampler::inputs::{Correlation, InputColumns, Marginal};
 
 /// Job specs whose columns are pinned, with the digest of every value. Regression values of results version 1: they
 /// change only together with `RESULTS_VERSION`.
@@ -175,22 +175,13 @@ fn more_samples_extend_a_run_and_keep_the_first_ones() {
 
 /// A million samples, bit by bit, and the platform's exponential as a control: 64 hexadecimal digits each.
 fn digests_of_deviates() -> (String, String) {
-    let stream = SampleStream {
-        seed: 2018,
-        common_random_numbers: false,
-        preload_is_random: true,
-        static_friction_is_random: true,
-    };
-    let cell = Cell {
-        index: 5,
-        rotating_speed: 16.0,
-        relative_std: RelativeStd { preload: 0.2, static_friction: 0.1 },
-        preload: 0.1,
-        static_friction: 0.39,
-    };
+    let stream = DeviateStream { seed: 2018, common_random_numbers: false, dimensions: 2, points: Points::Random };
+    let independent = Correlation::independent(2);
+    let scatter = InputColumns::new(&[Marginal::Normal, Marginal::Normal], &independent, &[0.1, 0.39], &[0.2, 0.1]);
     let (mut deviates, mut control) = (blake3::Hasher::new(), blake3::Hasher::new());
-    stream.for_each(&cell, 0..1_000_000, |samples| {
-        for (preload, static_friction) in samples.preloads.iter().zip(samples.static_frictions) {
+    stream.for_each_chunk(5, 0, 0..1_000_000, |columns| {
+        scatter.apply(columns);
+        for (preload, static_friction) in columns[0].iter().zip(&columns[1]) {
             deviates.update(&preload.to_le_bytes());
             deviates.update(&static_friction.to_le_bytes());
             control.update(&(-preload * 37.0).exp().to_le_bytes());

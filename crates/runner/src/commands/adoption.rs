@@ -1,9 +1,9 @@
 //! Whether a run directory is one of a job that is submitted to it.
 
+use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::{note, quoted};
-use crate::schedule::slots::Slots;
 use crate::store::directory::RunDirectory;
 use crate::store::tally::Tally;
 
@@ -56,7 +56,7 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
         )));
     }
     let tally = directory.tally(&existing)?;
-    let finished = Slots::new(&existing).complete_cells(&tally) == existing.cells();
+    let finished = Parts::new(&existing).complete_cells(&tally) == existing.cells();
     if wanted == there {
         return Ok((existing, if finished { Standing::Finished(tally) } else { Standing::Unfinished(tally) }));
     }

@@ -5,11 +5,10 @@ use std::time::{Duration, Instant};
 use indicatif::{HumanCount, HumanDuration};
 
 use crate::cli::CheckArguments;
+use crate::evaluate::evaluator::Evaluator;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::result;
-use crate::schedule::engine::Engine;
-use crate::schedule::slots::Slots;
 
 /// How long the cost of a sample is measured.
 const TRIAL: Duration = Duration::from_millis(30);
@@ -60,10 +59,10 @@ fn cost_of_samples(job: &Job, rate: f64, threads: usize) -> String {
 
 /// What verdict maps cost, by some of their tiles, and whether they are worth it.
 fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
-    let mut engine = Engine::new(job, 1)?;
-    engine.limit_maps();
-    let tiles = engine.maps().needed() as u64;
-    let trial = engine.try_maps(TRIAL_OF_MAPS);
+    let mut evaluator = Evaluator::new(job)?;
+    evaluator.limit_maps();
+    let tiles = evaluator.maps().needed() as u64;
+    let trial = evaluator.try_maps(TRIAL_OF_MAPS);
     let share = tiles as f64 / trial.tiles.max(1) as f64;
     let [simulations, cost] = [trial.simulations, trial.cost].map(|count| (count as f64 * share) as u64);
     // A tile that was dropped counts with what it took until then.
@@ -81,7 +80,7 @@ fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
     if job.is_integrated() {
         return Ok(format!("# no samples; {map}\n# {} simulations for its audit\n", job.audited_samples()));
     }
-    let is_given_up = engine.maps().are_too_costly(cost);
+    let is_given_up = evaluator.maps().are_too_costly(cost);
     let what_it_does = match (is_given_up, trial.unfinished) {
         (true, _) => "the map takes more: it will be given up and each sample simulated",
         (false, 0) => "the map takes fewer: samples will be looked up in it",
@@ -112,15 +111,15 @@ fn duration(seconds: f64) -> String {
 
 /// The rate of one thread, from samples of the job itself.
 fn samples_per_second(job: &Job) -> Result<f64, Failure> {
-    let engine = Engine::new(job, 1)?;
+    let evaluator = Evaluator::new(job)?;
     let started = Instant::now();
     // A hundredth of a unit: the costlier the samples, the fewer at once. Units of jobs with a map are large, as most of their
     // samples are looked up; here none is.
     let trial = job.unit_samples() / if job.uses_maps() { 10_000 } else { 100 };
-    let slots = Slots::new(job);
+    let parts = evaluator.parts();
     let (mut samples, mut cell) = (0, 0);
     while started.elapsed() < TRIAL {
-        samples += engine.compute(slots.of(cell).start, 0..slots.most(0).min(trial)).len();
+        samples += evaluator.count(parts.of(cell).start, 0..parts.most(0).min(trial)).len();
         // A stride that visits cells all over the grid.
         cell = (cell + 7919) % job.cells();
     }

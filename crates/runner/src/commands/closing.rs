@@ -4,7 +4,7 @@ use std::path::Path;
 
 use indicatif::HumanCount;
 
-use crate::evaluate::extras::Lookups;
+use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::result;

@@ -20,14 +20,17 @@ use stickslip_sampler::estimate::replicates;
 use super::differences::{Differences, Interval, Row, json, picture, summary, table};
 use super::matching::{Kinship, Matching, Run};
 use crate::cli::CompareArguments;
-use crate::evaluate::extras::Lookups;
+use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::integral::IntegratedCell;
+use crate::evaluate::sums::Lookups;
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
 use crate::job::Effort;
 use crate::output::{note, output_file, result};
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::progress::Progress;
-use crate::tables::row::{IntegratedCell, unaudited};
+use crate::store::map_pieces;
+use crate::tables::row::unaudited;
 use crate::tables::table::write_table;
 
 /// Samples of a unit of work at the most.
@@ -56,10 +59,11 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
     let is_paired: Vec<bool> =
         matchings.iter().map(|matching| matching.cells.iter().any(|cell| cell.2 == Kinship::Paired)).collect();
     let maps: Vec<PathBuf> = runs.iter().map(|run| run.directory.maps()).collect();
+    let engine = Engine::new(arguments.threads.count())?;
     let mut readers = Vec::with_capacity(runs.len());
     for (i, run) in runs.iter().enumerate() {
         let needs_verdicts = if i == 0 { is_paired.contains(&true) } else { is_paired[i - 1] };
-        readers.push(Reader::new(run, needs_verdicts, &maps, arguments.threads.count(), interrupt)?);
+        readers.push(Reader::new(run, needs_verdicts, &maps, &engine, interrupt)?);
     }
     // Every row is one of so many that are looked at together.
     let cells =
@@ -69,7 +73,7 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
     let (reference, others) = readers.split_at(1);
     let mut compared = Vec::with_capacity(others.len());
     for (second, matching) in others.iter().zip(&matchings) {
-        compared.push(differences(&reference[0], second, matching, of_a_cell, interrupt)?);
+        compared.push(differences(&engine, &reference[0], second, matching, of_a_cell, interrupt)?);
     }
 
     if let Some((out, (directory, name))) = out {
@@ -112,10 +116,10 @@ fn warn_of_audit(reader: &Reader<'_>) {
     }
 }
 
-/// A run with what finds its verdicts again.
+/// A run with what evaluates its samples again.
 struct Reader<'a> {
     run: &'a Run,
-    engine: Engine<'a>,
+    evaluator: Evaluator<'a>,
     integrated: Vec<IntegratedCell>,
 }
 
@@ -124,21 +128,22 @@ impl<'a> Reader<'a> {
         run: &'a Run,
         needs_verdicts: bool,
         maps: &[PathBuf],
-        threads: usize,
+        engine: &Engine,
         interrupt: &Interrupt,
     ) -> Result<Self, Failure> {
-        let mut engine = Engine::new(&run.job, threads)?;
+        let mut evaluator = Evaluator::new(&run.job)?;
         let mut integrated = Vec::new();
         if run.job.uses_maps() && (needs_verdicts || run.job.is_integrated()) {
             // A finished run of a colleague may not be ours to write to; the map is then not kept.
             let own = run.directory.maps();
             let is_ours = fs::create_dir_all(&own).is_ok() && tempfile::tempfile_in(&own).is_ok();
-            engine.load_maps(&own)?;
+            map_pieces::load(evaluator.maps_mut(), &own)?;
             let mut borrowed = false;
             for other in maps.iter().filter(|other| **other != own) {
-                borrowed |= engine.load_maps(other)? > 0;
+                borrowed |= map_pieces::load(evaluator.maps_mut(), other)? > 0;
             }
-            let completed = engine.complete_maps(is_ours.then_some(own.as_path()), borrowed, interrupt)?;
+            let completed =
+                engine.complete_maps(&mut evaluator, is_ours.then_some(own.as_path()), borrowed, interrupt)?;
             if let Outcome::Stopped(signal) = completed.outcome {
                 return Err(stopped(signal));
             }
@@ -148,37 +153,37 @@ impl<'a> Reader<'a> {
                 note(format_args!(
                     "{}: verdict map of {} tiles from {} simulations{}",
                     run.name,
-                    HumanCount(engine.maps().needed() as u64),
+                    HumanCount(evaluator.maps().needed() as u64),
                     HumanCount(completed.simulations),
                     if is_ours { "; kept in the run for the next time" } else { "" }
                 ));
             }
         }
         if run.job.is_integrated() {
-            let (outcome, cells) = engine.integrate(interrupt)?;
+            let (outcome, cells) = engine.integrate(&evaluator, interrupt)?;
             if let Outcome::Stopped(signal) = outcome {
                 return Err(stopped(signal));
             }
             integrated = cells;
         }
-        Ok(Self { run, engine, integrated })
+        Ok(Self { run, evaluator, integrated })
     }
 
     /// Probability of a cell with the interval of the given confidence, or with its bounds.
     fn estimate(&self, cell: u64, confidence: f64) -> Estimate {
-        let Run { job, slots, tally, .. } = self.run;
+        let Run { job, parts, tally, .. } = self.run;
         if let Some(integrated) = self.integrated.get(cell as usize) {
             return integrated.estimate;
         }
         if let Effort::Randomisations { .. } = job.sampling.effort {
-            let parts: Vec<VerdictCounts> = slots.of(cell).map(|slot| tally.counts(slot)).collect();
+            let parts: Vec<VerdictCounts> = parts.of(cell).map(|part| tally.counts(part)).collect();
             return replicates::estimate(&parts, job.random.inputs.len(), confidence);
         }
         let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
         let estimate = interval.estimate(&self.run.counts(cell));
         // The unbiased estimate, if the cell was looked at until it was known well enough.
         let probability =
-            slots.estimate_at_stop(tally, cell).map_or(estimate.probability, |at_stop| at_stop.probability);
+            parts.estimate_at_stop(tally, cell).map_or(estimate.probability, |at_stop| at_stop.probability);
         Estimate { probability, ..estimate }
     }
 
@@ -198,7 +203,7 @@ impl<'a> Reader<'a> {
 
     /// The share of the error that the look at which a cell stopped may take; 1 without looks.
     fn error_share(&self, cell: u64) -> f64 {
-        self.run.slots.error_share_at_stop(&self.run.tally, cell)
+        self.run.parts.error_share_at_stop(&self.run.tally, cell)
     }
 }
 
@@ -287,13 +292,14 @@ fn unpaired(first: &VerdictCounts, second: &VerdictCounts, kinship: Kinship, con
 
 /// The differences of all cells of two runs, with intervals of this confidence each.
 fn differences<'a>(
+    engine: &Engine,
     first: &'a Reader<'_>,
     second: &'a Reader<'_>,
     matching: &Matching,
     confidence: f64,
     interrupt: &Interrupt,
 ) -> Result<Differences<'a>, Failure> {
-    let joints = count_pairs(first, second, matching, interrupt)?;
+    let joints = count_pairs(engine, first, second, matching, interrupt)?;
     let mut disagreed = 0_u64;
     let mut rows = Vec::with_capacity(matching.cells.len());
     for (&(index, other, kinship), joint) in matching.cells.iter().zip(&joints) {
@@ -370,6 +376,7 @@ struct Unit {
 
 /// Joint counts of the matched cells; nothing where samples are not shared.
 fn count_pairs(
+    engine: &Engine,
     first: &Reader<'_>,
     second: &Reader<'_>,
     matching: &Matching,
@@ -397,17 +404,16 @@ fn count_pairs(
         let verdicts = |reader: &Reader<'_>, cell: u64| {
             let end = unit.samples.end.min(reader.run.lengths(cell)[unit.randomisation]);
             let samples = unit.samples.start..end;
-            if samples.is_empty() { Vec::new() } else { reader.engine.verdicts(cell, unit.randomisation, samples) }
+            if samples.is_empty() { Vec::new() } else { reader.evaluator.verdicts(cell, unit.randomisation, samples) }
         };
         let joint = Joint::of(&verdicts(first, index), &verdicts(second, other));
         (unit.matched, unit.samples.end - unit.samples.start, joint)
     };
-    let outcome =
-        first.engine.for_each_in_parallel(units.len() as u64, interrupt, judge, |(matched, samples, joint)| {
-            joints[matched].add(&joint);
-            progress.advance(samples);
-            progress.tick();
-        })?;
+    let outcome = engine.for_each_in_parallel(units.len() as u64, interrupt, judge, |(matched, samples, joint)| {
+        joints[matched].add(&joint);
+        progress.advance(samples);
+        progress.tick();
+    })?;
     progress.finish();
     match outcome {
         Outcome::Finished => Ok(joints),

@@ -7,6 +7,9 @@ use indicatif::HumanCount;
 
 use super::adoption::adopt;
 use super::closing::HumanCount128;
+use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::integral::IntegratedCell;
+use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
@@ -14,11 +17,10 @@ use crate::output::{note, quoted};
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::plan::{Plan, Shard};
 use crate::schedule::progress::Progress;
-use crate::schedule::slots::Slots;
 use crate::store::directory::{Access, RunDirectory};
+use crate::store::map_pieces;
 use crate::store::provenance::Session;
 use crate::store::tally::Tally;
-use crate::tables::row::IntegratedCell;
 use crate::tables::surface::Surface;
 
 /// A run with all its samples counted and its surface written.
@@ -96,14 +98,15 @@ pub fn compute(
     };
     let kept =
         |failure: Failure| failure.with_remedy(&format!("what was written before is kept; continue with `{how}`"));
-    let mut engine = Engine::new(&job, threads)?;
+    let engine = Engine::new(threads)?;
+    let mut evaluator = Evaluator::new(&job)?;
     let mut integrated = Vec::new();
     let mut outcome = Outcome::Finished;
     // The eigenvalues of a flexible disc, and motions, are decided once for each place in the plane; not if all is counted.
-    let counts_something = || Plan::new(&tally, &Slots::new(&job), job.unit_samples(), shard).units() > 0;
+    let counts_something = || Plan::new(&tally, &Parts::new(&job), job.unit_samples(), shard).units() > 0;
     // The audit of a cell begins with its first sample: one that began without a map cannot be audited later.
     if job.sampling.is_audited && was_counted_without_map(&job, &tally) {
-        engine.give_maps_up();
+        evaluator.maps_mut().give_up();
         if counts_something() {
             note(format_args!(
                 "{path}: the samples counted so far were simulated, as a verdict map would have cost more, and so are the others; for a map, submit the job into another directory with --out"
@@ -111,16 +114,16 @@ pub fn compute(
         }
     } else if job.uses_maps() && (job.is_integrated() || counts_something()) {
         let own = directory.maps();
-        engine.load_maps(&own)?;
+        map_pieces::load(evaluator.maps_mut(), &own)?;
         let mut borrowed = false;
         for other in &work.maps {
-            let loaded = engine.load_maps(other)?;
+            let loaded = map_pieces::load(evaluator.maps_mut(), other)?;
             borrowed |= loaded > 0;
-            if loaded == 0 && !engine.maps().missing().is_empty() {
+            if loaded == 0 && !evaluator.maps().missing().is_empty() {
                 note(format_args!("{}: no tile of this model, speed and criterion that is needed", other.display()));
             }
         }
-        let completed = engine.complete_maps(Some(&own), borrowed, interrupt).map_err(kept)?;
+        let completed = engine.complete_maps(&mut evaluator, Some(&own), borrowed, interrupt).map_err(kept)?;
         outcome = completed.outcome;
         if outcome == Outcome::Finished {
             session.maps(&completed);
@@ -130,17 +133,17 @@ pub fn compute(
         } else if outcome == Outcome::Finished {
             note(format_args!(
                 "verdict map: {} tiles from {} simulations, {} of them new ({:.2} s)",
-                HumanCount(engine.maps().needed() as u64),
-                HumanCount(engine.maps().questions()),
+                HumanCount(evaluator.maps().needed() as u64),
+                HumanCount(evaluator.maps().questions()),
                 HumanCount(completed.simulations),
                 started.elapsed().as_secs_f64()
             ));
         }
     }
     if outcome == Outcome::Finished && job.is_integrated() {
-        (outcome, integrated) = engine.integrate(interrupt)?;
+        (outcome, integrated) = engine.integrate(&evaluator, interrupt)?;
     } else if outcome == Outcome::Finished {
-        outcome = count(&engine, &directory, &job, &mut tally, shard, interrupt).map_err(kept)?;
+        outcome = count(&engine, &evaluator, &directory, &mut tally, shard, interrupt).map_err(kept)?;
     }
     let computed = u64::try_from(tally.counted() - before).unwrap_or(u64::MAX);
     let seconds = started.elapsed().as_secs_f64();
@@ -192,21 +195,21 @@ pub fn was_counted_without_map(job: &Job, tally: &Tally) -> bool {
 
 /// Counts the samples that are missing; where more may be wanted after a look at them, in rounds.
 fn count(
-    engine: &Engine<'_>,
+    engine: &Engine,
+    evaluator: &Evaluator<'_>,
     directory: &RunDirectory,
-    job: &Job,
     tally: &mut Tally,
     shard: Option<Shard>,
     interrupt: &Interrupt,
 ) -> Result<Outcome, Failure> {
-    let slots = Slots::new(job);
+    let (job, parts) = (evaluator.job(), evaluator.parts());
     loop {
-        let plan = Plan::new(tally, &slots, job.unit_samples(), shard);
+        let plan = Plan::new(tally, parts, job.unit_samples(), shard);
         if plan.units() == 0 {
             return Ok(Outcome::Finished);
         }
         let mut progress = Progress::new(plan.samples(), "samples");
-        let outcome = engine.run(&plan, tally, directory, &mut progress, interrupt);
+        let outcome = engine.run(evaluator, &plan, tally, directory, &mut progress, interrupt);
         progress.finish();
         if outcome? != Outcome::Finished {
             return Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped));

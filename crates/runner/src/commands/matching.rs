@@ -7,11 +7,11 @@ use indicatif::HumanCount;
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::grid::Cell;
 
-use crate::evaluate::extras::{Extras, Lookups};
+use crate::evaluate::parts::Parts;
+use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
 use crate::job::{Audit, Criterion, Effort, EvaluateMode, Job};
 use crate::output::{note, quoted};
-use crate::schedule::slots::Slots;
 use crate::store::directory::{Access, RunDirectory};
 use crate::store::tally::Tally;
 
@@ -24,11 +24,11 @@ pub struct Run {
     /// Its job; where a verdict map can tell its samples, one that uses it.
     pub job: Job,
     /// The parts of its cells.
-    pub slots: Slots,
+    pub parts: Parts,
     /// Its verdicts.
     pub tally: Tally,
     /// Whether its own verdicts come from a verdict map, and which sums tell of the audit.
-    audited: Option<Extras>,
+    audited: Option<SumLayout>,
 }
 
 impl Run {
@@ -37,7 +37,7 @@ impl Run {
         let directory = RunDirectory::open(path, Access::Shared)?;
         let mut job = directory.job()?;
         let tally = directory.tally(&job)?;
-        let slots = Slots::new(&job);
+        let parts = Parts::new(&job);
         let complete = directory.complete_cells(&job, &tally);
         if complete < job.cells() {
             return Err(Failure::Job(format!(
@@ -47,7 +47,7 @@ impl Run {
                 quoted(path)
             )));
         }
-        let audited = job.sampling.is_audited.then(|| Extras::of(&job));
+        let audited = job.sampling.is_audited.then(|| SumLayout::of(&job));
         // A map gives the verdicts of "each", and a small part of the simulations.
         let can_have_map = !matches!(job.criterion, Criterion::Eigenvalue) && job.random.other().is_none();
         if can_have_map && !job.uses_maps() {
@@ -55,12 +55,12 @@ impl Run {
             job.sampling.audit = Audit::Samples(0);
             job.sampling.is_audited = false;
         }
-        Ok(Self { name: path.display().to_string(), directory, job, slots, tally, audited })
+        Ok(Self { name: path.display().to_string(), directory, job, parts, tally, audited })
     }
 
     /// Every verdict that was counted in a cell.
     pub fn counts(&self, cell: u64) -> VerdictCounts {
-        self.slots.counts(&self.tally, cell)
+        self.parts.counts(&self.tally, cell)
     }
 
     /// Whether its verdicts come from a verdict map that was audited.
@@ -71,8 +71,8 @@ impl Run {
     /// How the samples of a cell were judged, if they were counted.
     pub fn lookups(&self, cell: u64) -> Lookups {
         let mut lookups = Lookups::default();
-        for slot in self.slots.of(cell) {
-            lookups.add(self.audited.map(|extras| extras.read_lookups(self.tally.sums(slot))).unwrap_or_default());
+        for part in self.parts.of(cell) {
+            lookups.add(self.audited.map(|layout| layout.read_lookups(self.tally.sums(part))).unwrap_or_default());
         }
         lookups
     }

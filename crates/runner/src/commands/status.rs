@@ -3,10 +3,10 @@
 use serde_json::json;
 
 use crate::cli::StatusArguments;
-use crate::evaluate::extras::Lookups;
+use crate::evaluate::parts::Parts;
+use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::output::{quoted, result};
-use crate::schedule::slots::Slots;
 use crate::store::directory::RunDirectory;
 use crate::tables::surface::Surface;
 
@@ -15,7 +15,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     let directory = RunDirectory::view(&arguments.run)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
-    let slots = Slots::new(&job);
+    let parts = Parts::new(&job);
     let in_use = directory.in_use();
     // A surface of the run before it was extended does not count.
     let surface = directory.surface();
@@ -31,8 +31,8 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     // Where samples are not the measure of the work, or their number is not known before, cells are.
     let by_cells = job.is_integrated() || job.stops_by_precision();
     let share = if by_cells { complete_cells as f64 / job.cells() as f64 } else { counted as f64 / total as f64 };
-    let undecided: u64 = (0..slots.count()).map(|slot| tally.counts(slot).undecided).sum();
-    let failed: u64 = (0..slots.count()).map(|slot| tally.counts(slot).failed).sum();
+    let undecided: u64 = (0..parts.count()).map(|part| tally.counts(part).undecided).sum();
+    let failed: u64 = (0..parts.count()).map(|part| tally.counts(part).failed).sum();
     let Lookups { audited, differed, .. } = Surface::new(&job, &tally).lookups();
     if arguments.json {
         let status = json!({

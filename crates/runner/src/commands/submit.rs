@@ -6,11 +6,11 @@ use super::adoption::{Standing, adopt};
 use super::closing::{HumanCount128, report};
 use super::completion::{Work, compute};
 use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
+use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::output::{note, quoted};
-use crate::schedule::slots::Slots;
 use crate::store::directory::{Access, RunDirectory};
 use crate::store::provenance::Session;
 use crate::tables::surface::Surface;
@@ -72,7 +72,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let directory = RunDirectory::open(&arguments.run, Access::Alone)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
-    if !job.is_integrated() && Slots::new(&job).complete_cells(&tally) == job.cells() {
+    if !job.is_integrated() && Parts::new(&job).complete_cells(&tally) == job.cells() {
         note(format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;
@@ -113,7 +113,7 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
         );
         return Err(Failure::Job(message));
     }
-    let complete = Slots::new(&job).complete_cells(&tally);
+    let complete = Parts::new(&job).complete_cells(&tally);
     if complete < job.cells() {
         return Err(Failure::Job(format!(
             "{} is not complete: {} of {} cells, {} of {} samples. Submit the missing shards, or compute what is missing here with `stickslip resume {}`",

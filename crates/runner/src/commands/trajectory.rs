@@ -1,4 +1,4 @@
-//! `trajectory`: one motion in time; `replay`: that of a sample of a run.
+//! `trajectory`: one motion in time.
 
 use std::path::Path;
 
@@ -13,16 +13,10 @@ use stickslip_core::trajectory::{Moment, Trajectory};
 use stickslip_core::verdict::Verdict;
 
 use super::analyse::brake;
-use super::completion::was_counted_without_map;
-use crate::cli::{AllotmentArgument, DiscArgument, ReplayArguments, TrajectoryArguments};
-use crate::evaluate::batch::Batch;
+use crate::cli::{AllotmentArgument, DiscArgument, TrajectoryArguments};
 use crate::failure::Failure;
-use crate::job::{Criterion, Deciders, Job, RandomInput};
 use crate::output::{note, output_file, result};
 use crate::picture::curves;
-use crate::schedule::engine::Engine;
-use crate::schedule::slots::Slots;
-use crate::store::directory::RunDirectory;
 use crate::tables::table::{DescribedColumn, write_columns};
 
 /// Scaled time that a trajectory follows unless told otherwise: some 150 cycles of the pad.
@@ -57,8 +51,8 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
             return Err(Failure::Usage(format!("{option} belongs to --disc {}; leave it out", disc.name())));
         }
     }
-    let followed = match arguments.disc {
-        DiscArgument::Rigid => follow(&pad, &DiscModel::Rigid, settings, inputs, arguments.horizon)?,
+    let simulated = match arguments.disc {
+        DiscArgument::Rigid => simulate(&pad, &DiscModel::Rigid, settings, inputs, arguments.horizon)?,
         DiscArgument::Flexible => {
             let study = ModeStudy::new(&pad, &representative_inputs(&pad));
             // What has no modes or no equilibrium is refused below, with any number.
@@ -73,7 +67,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
                     modes
                 }
             };
-            follow(&pad, &DiscModel::Flexible { modes }, settings, inputs, arguments.horizon)?
+            simulate(&pad, &DiscModel::Flexible { modes }, settings, inputs, arguments.horizon)?
         }
         DiscArgument::FiniteDifference => {
             let refused = |error: FiniteDifferenceError| Failure::Usage(error.to_string());
@@ -94,110 +88,11 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         "preload": inputs.preload,
         "static_friction": inputs.static_friction,
     });
-    report(&facts, &followed, arguments.out.as_deref(), arguments.json)
+    report(&facts, &simulated, arguments.out.as_deref(), arguments.json)
 }
 
-/// `stickslip replay`.
-pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
-    let directory = RunDirectory::view(&arguments.run)?;
-    let job = directory.job()?;
-    if arguments.cell >= job.cells() {
-        let message = format!("--cell {}: the run has cells 0 to {}", arguments.cell, job.cells() - 1);
-        return Err(Failure::Usage(message));
-    }
-    if job.is_integrated() {
-        return Err(Failure::Usage("this run integrates its probabilities; it has no samples to replay".to_owned()));
-    }
-    // A cell that stopped by precision has fewer samples than the job allows.
-    let samples = if job.stops_by_precision() {
-        Slots::new(&job).counts(&directory.tally(&job)?, arguments.cell).total()
-    } else {
-        job.sampling.samples
-    };
-    if arguments.sample >= samples {
-        let message = match samples {
-            0 => format!("--sample {}: cell {} has no samples yet", arguments.sample, arguments.cell),
-            _ => format!("--sample {}: cell {} has samples 0 to {}", arguments.sample, arguments.cell, samples - 1),
-        };
-        return Err(Failure::Usage(message));
-    }
-    let cell = job.grid.cell(arguments.cell);
-    let batch = Batch::of_sample(&job, &cell, arguments.sample);
-    let inputs = batch.inputs(0);
-    let (pad, judged) = match job.deciders().map_err(|error| Failure::Job(error.to_string()))? {
-        Deciders::Varying(brake) => {
-            let pad = brake.brake(cell.rotating_speed, inputs, batch.values(0));
-            (pad, brake.decide(cell.rotating_speed, inputs, batch.values(0)))
-        }
-        deciders => {
-            let mut parameters = job.parameters.clone();
-            parameters.operating_point.rotating_speed = cell.rotating_speed;
-            let judged = deciders.decide(job.grid.rotating_speed_index(arguments.cell), &[inputs]).remove(0);
-            (Some(PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))?), judged)
-        }
-    };
-    let verdict = judged.verdict;
-    // A run that did not look at motions gets one of the model that it looked at.
-    let (disc, settings) = match &job.criterion {
-        Criterion::Eigenvalue => (DiscModel::Rigid, TimeDomainSettings::default()),
-        Criterion::CoupledEigenvalue { modes } => {
-            (DiscModel::Flexible { modes: *modes }, TimeDomainSettings::default())
-        }
-        Criterion::TimeDomain { disc, settings } => (disc.clone(), *settings),
-    };
-    let mut facts = json!({
-        "run": arguments.run.display().to_string(),
-        "cell": arguments.cell,
-        "sample": arguments.sample,
-        "rotating_speed_rad_s": cell.rotating_speed,
-        "preload": inputs.preload,
-        "static_friction": inputs.static_friction,
-    });
-    for (input, &value) in job.random.inputs.iter().zip(batch.values(0)) {
-        if let RandomInput::Other(_) = input {
-            let name = if input.name() == "rotating_speed" { "rotating_speed_rad_s" } else { input.name() };
-            facts[name] = json!(value);
-        }
-    }
-    facts["verdict_in_run"] = json!(name(verdict));
-    if let Some(counted) = looked_up(&directory, &job, arguments)? {
-        facts["verdict_in_run"] = json!(name(counted));
-        facts["verdict_looked_up"] = json!(name(counted));
-        facts["verdict_simulated"] = json!(name(verdict));
-    }
-    let outside = match &pad {
-        None => Some("failed: one of its values is not admissible; there is no motion to follow"),
-        Some(pad) if pad.is_outside_physics(inputs) && verdict == Verdict::Stable => {
-            Some("stable by definition: no preload, or friction that rises with speed; there is no motion to follow")
-        }
-        Some(_) => None,
-    };
-    let without_motion = |why: &str| {
-        if arguments.out.is_some() {
-            return Err(Failure::Usage(format!("--out: this sample is {why}")));
-        }
-        result(&if arguments.json { format!("{facts:#}\n") } else { format!("{}{why}\n", lines(&facts)) })
-    };
-    let (Some(pad), None) = (pad, outside) else { return without_motion(outside.unwrap_or_default()) };
-    if let Err(error) = TimeDomain::new(&pad, &disc, settings) {
-        return without_motion(&format!("{}; its motion cannot be followed: {error}", name(verdict)));
-    }
-    let followed = follow(&pad, &disc, settings, inputs, arguments.horizon)?;
-    report(&facts, &followed, arguments.out.as_deref(), arguments.json)
-}
-
-/// The verdict that a run looked up for a sample in its map; `None` if it simulated it.
-fn looked_up(directory: &RunDirectory, job: &Job, arguments: &ReplayArguments) -> Result<Option<Verdict>, Failure> {
-    if !job.uses_maps() || was_counted_without_map(job, &directory.tally(job)?) {
-        return Ok(None);
-    }
-    let mut engine = Engine::new(job, 1)?;
-    engine.load_maps(&directory.maps())?;
-    Ok(engine.looked_up(arguments.cell, arguments.sample))
-}
-
-/// Follows one motion.
-pub fn follow(
+/// Simulates one motion.
+pub fn simulate(
     pad: &PadOnDisc,
     disc: &DiscModel,
     settings: TimeDomainSettings,
@@ -223,7 +118,8 @@ pub fn checked_horizon(horizon: Option<f64>, interval: f64) -> Result<f64, Failu
     Err(Failure::Usage(message))
 }
 
-fn name(verdict: Verdict) -> &'static str {
+/// A verdict in words.
+pub fn name(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Stable => "stable",
         Verdict::Unstable => "unstable",
@@ -233,7 +129,7 @@ fn name(verdict: Verdict) -> &'static str {
 }
 
 /// Writes the time series where asked to, and says what the motion is.
-fn report(facts: &Value, trajectory: &Trajectory, out: Option<&Path>, as_json: bool) -> Result<(), Failure> {
+pub fn report(facts: &Value, trajectory: &Trajectory, out: Option<&Path>, as_json: bool) -> Result<(), Failure> {
     if let Some(out) = out {
         write(out, trajectory)?;
     }
@@ -288,7 +184,7 @@ fn report(facts: &Value, trajectory: &Trajectory, out: Option<&Path>, as_json: b
 }
 
 /// Facts one a line.
-fn lines(facts: &Value) -> String {
+pub fn lines(facts: &Value) -> String {
     let pairs = facts.as_object().into_iter().flatten();
     pairs
         .map(|(key, value)| {

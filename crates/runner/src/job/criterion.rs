@@ -1,19 +1,16 @@
 //! The criterion of a job: its settings, checked, and what decides samples by them.
 
 use serde::Serialize;
-use stickslip_core::criterion::time_domain::{Decision, DiscModel, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::time_domain::{DiscModel, Start, TimeDomain, TimeDomainSettings};
 use stickslip_core::flexible_disc::brake::DISC_MODES;
 use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
 use stickslip_core::flexible_disc::mode_count::{ModeCheck, ModeStudy};
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
-use stickslip_core::verdict::Verdict;
 use stickslip_sampler::grid::Grid;
 use toml::Spanned;
 
 use super::diagnosis::Complaint;
-use super::random::RandomInput;
 use super::spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record, StartKind};
 
 /// What decides whether a sample is stable.
@@ -33,89 +30,6 @@ pub enum Criterion {
         /// How it is followed.
         settings: TimeDomainSettings,
     },
-}
-
-/// A criterion at every rotating speed of a job.
-pub enum Deciders {
-    /// See [`Criterion::Eigenvalue`].
-    Eigenvalue(Vec<StabilityBoundary>),
-    /// See [`Criterion::CoupledEigenvalue`].
-    CoupledEigenvalue(Vec<FlexibleBrake>),
-    /// See [`Criterion::TimeDomain`].
-    TimeDomain(Vec<TimeDomain>),
-    /// Any of them, where more than preload and static friction scatters: every sample is a brake of its own.
-    Varying(Box<VaryingBrake>),
-}
-
-impl Deciders {
-    /// Judges samples at one rotating speed of the grid.
-    ///
-    /// # Panics
-    /// With [`Deciders::Varying`], whose samples have more inputs.
-    pub fn decide(&self, speed: usize, inputs: &[RandomInputs]) -> Vec<Decision> {
-        match self {
-            Self::Eigenvalue(boundaries) => {
-                let verdict = |inputs: &RandomInputs| boundaries[speed].verdict(inputs.preload, inputs.static_friction);
-                inputs.iter().map(|inputs| verdict(inputs).into()).collect()
-            }
-            Self::CoupledEigenvalue(brakes) => {
-                let judge = |&inputs: &RandomInputs| brakes[speed].decide_with(inputs, FlexibleBrake::linear_stability);
-                inputs.iter().map(judge).collect()
-            }
-            Self::TimeDomain(criteria) => criteria[speed].decide_all(inputs),
-            Self::Varying(_) => unreachable!("samples of a varying brake have more inputs than these"),
-        }
-    }
-}
-
-/// A brake of which any parameter scatters.
-pub struct VaryingBrake {
-    parameters: Parameters,
-    criterion: Criterion,
-    inputs: Vec<RandomInput>,
-}
-
-impl VaryingBrake {
-    /// Of a job.
-    pub fn new(parameters: Parameters, criterion: Criterion, inputs: Vec<RandomInput>) -> Self {
-        Self { parameters, criterion, inputs }
-    }
-
-    /// The brake of one sample with its preload and static friction; `None` if a value is not admissible.
-    pub fn brake(&self, rotating_speed: f64, inputs: RandomInputs, values: &[f64]) -> Option<PadOnDisc> {
-        let mut parameters = self.parameters.clone();
-        parameters.operating_point.rotating_speed = rotating_speed;
-        parameters.friction.static_coefficient = inputs.static_friction;
-        for (input, &value) in self.inputs.iter().zip(values) {
-            if let RandomInput::Other(scalar) = input {
-                parameters.set(scalar.key, value).ok()?;
-            }
-        }
-        // The model wants friction that does not rise with speed; the sample is judged with its own.
-        let friction = &mut parameters.friction;
-        friction.static_coefficient = friction.static_coefficient.max(friction.kinetic_coefficient);
-        PadOnDisc::new(parameters).ok()
-    }
-
-    /// Judges one sample. A value that is not admissible (a stiffness below zero, say) fails it.
-    pub fn decide(&self, rotating_speed: f64, inputs: RandomInputs, values: &[f64]) -> Decision {
-        let failed = || Decision::from(Verdict::Failed);
-        let Some(brake) = self.brake(rotating_speed, inputs, values) else { return failed() };
-        if inputs.preload <= 0.0 {
-            return Verdict::Stable.into();
-        }
-        match &self.criterion {
-            Criterion::Eigenvalue => brake.stability_boundary().verdict(inputs.preload, inputs.static_friction).into(),
-            Criterion::CoupledEigenvalue { modes } => {
-                let brake = FlexibleBrake::with_modes(brake, *modes);
-                brake.map_or_else(|_| failed(), |brake| brake.decide_with(inputs, FlexibleBrake::by_eigenvalues))
-            }
-            Criterion::TimeDomain { disc, settings } => match TimeDomain::new(&brake, disc, *settings) {
-                Ok(criterion) => criterion.decide(inputs),
-                Err(_) => failed(),
-            },
-        }
-    }
 }
 
 impl From<StartKind> for Start {

@@ -16,7 +16,7 @@ mod validated;
 mod normalised;
 mod source;
 
-pub use criterion::{Criterion, Deciders};
+pub use criterion::Criterion;
 pub use random::RandomInput;
 pub use sampling::Effort;
 pub use sampling_spec::{Audit, EvaluateMode, SamplingMethod};

@@ -176,11 +176,6 @@ impl RandomInputSet {
         self.inputs.iter().any(|input| matches!(input, RandomInput::Preload))
     }
 
-    /// Whether static friction is random.
-    pub fn has_static_friction(&self) -> bool {
-        self.inputs.iter().any(|input| matches!(input, RandomInput::StaticFriction))
-    }
-
     /// The first input that is neither preload nor static friction: then every sample is a brake of its own.
     pub fn other(&self) -> Option<RandomInput> {
         self.inputs.iter().copied().find(|input| matches!(input, RandomInput::Other(_)))

@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use stickslip_core::criterion::time_domain::TimeDomain;
 use stickslip_core::criterion::validity;
 use stickslip_core::criterion::validity::Uncovered;
-use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
 use stickslip_core::parameters;
 use stickslip_core::parameters::SCALARS;
 use stickslip_core::parameters::{ParameterError, Parameters};
@@ -13,7 +11,6 @@ use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use stickslip_sampler::draw::deviates::Points;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
-use stickslip_sampler::draw::samples::SampleStream;
 use stickslip_sampler::estimate::interval;
 use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 use stickslip_sampler::grid::{Axis, Grid};
@@ -21,7 +18,7 @@ use toml::Spanned;
 
 use crate::output::note;
 
-use super::criterion::{Criterion, Deciders, VaryingBrake};
+use super::criterion::Criterion;
 use super::diagnosis::{Complaint, nearest};
 use super::random::RandomInputSet;
 use super::sampling::{Effort, Sampling};
@@ -102,10 +99,10 @@ impl Job {
                 ),
             });
         }
-        let slots = job.cells().saturating_mul(job.parts());
-        if slots > MOST_PARTS {
+        let sums = job.cells().saturating_mul(job.parts());
+        if sums > MOST_PARTS {
             let message = format!(
-                "{} cells with {} parts each (randomisations, or looks of until) make {slots} sums to keep; the limit is {MOST_PARTS}: ask for fewer cells at a time, fewer randomisations, or a smaller at_most",
+                "{} cells with {} parts each (randomisations, or looks of until) make {sums} sums to keep; the limit is {MOST_PARTS}: ask for fewer cells at a time, fewer randomisations, or a smaller at_most",
                 job.cells(),
                 job.parts()
             );
@@ -154,23 +151,14 @@ impl Job {
         }
     }
 
-    /// Where the samples come from, if only preload and static friction scatter, normal and independent.
-    pub fn stream(&self) -> SampleStream {
-        SampleStream {
-            seed: self.sampling.seed,
-            common_random_numbers: self.sampling.common_random_numbers,
-            preload_is_random: self.random.has_preload(),
-            static_friction_is_random: self.random.has_static_friction(),
-        }
-    }
-
     /// What the deviates are drawn from.
     pub fn points(&self) -> Points {
         if self.sampling.method == SamplingMethod::Sobol { Points::Sobol } else { Points::Random }
     }
 
-    /// Whether [`Job::stream`] gives the samples of this job.
-    pub fn has_plain_samples(&self) -> bool {
+    /// Whether drawing and deciding a sample costs little more than its random numbers: only preload and static friction scatter,
+    /// normal and independent.
+    pub fn has_cheap_samples(&self) -> bool {
         self.sampling.method == SamplingMethod::MonteCarlo && self.random.other().is_none() && self.random.is_plain()
     }
 
@@ -235,30 +223,16 @@ impl Job {
         Ok(brakes(&self.parameters, &self.grid)?.into_iter().map(boundary).collect())
     }
 
-    /// What decides, ready for each rotating speed of the grid.
-    pub fn deciders(&self) -> Result<Deciders, FlexibleError> {
-        if self.random.other().is_some() {
-            let varying =
-                VaryingBrake::new(self.parameters.clone(), self.criterion.clone(), self.random.inputs.clone());
-            return Ok(Deciders::Varying(Box::new(varying)));
-        }
-        let brakes = brakes(&self.parameters, &self.grid)?.into_iter();
-        Ok(match &self.criterion {
-            Criterion::Eigenvalue => Deciders::Eigenvalue(brakes.map(|brake| brake.stability_boundary()).collect()),
-            Criterion::CoupledEigenvalue { modes } => Deciders::CoupledEigenvalue(
-                brakes.map(|brake| FlexibleBrake::with_modes(brake, *modes)).collect::<Result<_, _>>()?,
-            ),
-            Criterion::TimeDomain { disc, settings } => Deciders::TimeDomain(
-                brakes.map(|brake| TimeDomain::new(&brake, disc, *settings)).collect::<Result<_, _>>()?,
-            ),
-        })
+    /// The brake at each rotating speed of the grid, in the order of the axis.
+    pub fn brakes(&self) -> Result<Vec<PadOnDisc>, ParameterError> {
+        brakes(&self.parameters, &self.grid)
     }
 
     /// Samples of a unit of work: some milliseconds to a second, long against the cost of handing it out, short against
     /// anyone's patience after Ctrl-C. Part of how shards share a job.
     pub fn unit_samples(&self) -> u64 {
         match self.criterion {
-            Criterion::Eigenvalue if self.has_plain_samples() => 1000 * BLOCK_SAMPLES,
+            Criterion::Eigenvalue if self.has_cheap_samples() => 1000 * BLOCK_SAMPLES,
             Criterion::Eigenvalue => 20 * BLOCK_SAMPLES,
             // Most of them are looked up.
             _ if self.uses_maps() => 100 * BLOCK_SAMPLES,

@@ -1,10 +1,12 @@
 //! Figures 4, 12, 13, 14 and 15.
 
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::draw::deviates::CHUNK_SAMPLES;
 use stickslip_sampler::special_functions::normal;
 
 use super::comparison::{compare, summary};
 use crate::commands::FinishedRun;
+use crate::evaluate::samples::Drawing;
 use crate::failure::Failure;
 use crate::picture::{curves, picture};
 use crate::tables::surface::Surface;
@@ -89,20 +91,19 @@ const BAR: f64 = 40.0;
 
 /// Figures 12 and 13: the distribution of the random input, and the probability of instability along the axis.
 pub fn scattered_input(run: &FinishedRun) -> Result<String, Failure> {
-    let (job, stream) = (&run.job, run.job.stream());
+    let job = &run.job;
+    let is_preload = job.random.has_preload();
     let mut columns = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
     let mut text = String::new();
     let cells_per_std = (job.cells() / job.grid.relative_std.len() as u64).max(1);
     for (index, std) in job.grid.relative_std.iter().enumerate() {
         let cell = job.grid.cell(index as u64 * cells_per_std);
-        let (std, expected) = if stream.preload_is_random {
-            (std.preload, cell.preload)
-        } else {
-            (std.static_friction, cell.static_friction)
-        };
+        let (std, expected) =
+            if is_preload { (std.preload, cell.preload) } else { (std.static_friction, cell.static_friction) };
         let mut bins = [0u64; BINS as usize];
-        stream.for_each(&cell, 0..job.sampling.samples, |samples| {
-            let values = if stream.preload_is_random { samples.preloads } else { samples.static_frictions };
+        let mut drawing = Drawing::new(job, &cell, 0, 0..job.sampling.samples, job.points());
+        while let Some(samples) = drawing.next_chunk(CHUNK_SAMPLES) {
+            let values = if is_preload { samples.preloads() } else { samples.static_frictions() };
             for value in values {
                 let z = (value / expected - 1.0) / std;
                 let bin = (z * f64::from(BINS_PER_STD)).floor() + f64::from(BINS / 2);
@@ -110,7 +111,7 @@ pub fn scattered_input(run: &FinishedRun) -> Result<String, Failure> {
                     bins[bin as usize] += 1;
                 }
             }
-        });
+        }
         text += &format!(
             "Relative deviation of the input, standard deviation {std} ({} samples of cell {})\n\n",
             job.sampling.samples, cell.index

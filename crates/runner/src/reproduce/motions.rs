@@ -10,7 +10,7 @@ use stickslip_core::trajectory::{Moment, Trajectory};
 
 use super::spectrum::{Spectrum, spectrum};
 use super::target::Target;
-use crate::commands::{columns, follow};
+use crate::commands::{columns, simulate};
 use crate::failure::Failure;
 use crate::picture::curves;
 use crate::tables::table::{DescribedColumn, write_columns};
@@ -46,7 +46,7 @@ impl Panel {
         };
         let brake = PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))?;
         let settings = TimeDomainSettings { start: self.start, ..TimeDomainSettings::default() };
-        follow(&brake, &DiscModel::Flexible { modes: self.modes }, settings, inputs, Some(HORIZON))
+        simulate(&brake, &DiscModel::Flexible { modes: self.modes }, settings, inputs, Some(HORIZON))
     }
 }
 

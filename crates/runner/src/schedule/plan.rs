@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-use crate::schedule::slots::Slots;
+use crate::evaluate::parts::Parts;
 use crate::store::tally::Tally;
 
 /// One of several processes that share a job.
@@ -50,31 +50,31 @@ pub struct Plan {
     units_before: Vec<u64>,
 }
 
-/// Missing samples of one slot, and the units among them that this process computes.
+/// Missing samples of one part, and the units among them that this process computes.
 #[derive(Debug)]
 struct Gap {
-    slot: u64,
+    part: u64,
     samples: Range<u64>,
-    /// Number of the first unit in the slot, and the distance to the next.
+    /// Number of the first unit in the part, and the distance to the next.
     first: u64,
     step: u64,
     units: u64,
 }
 
 impl Gap {
-    /// `units_before` units of all slots come before those of this one.
-    fn new(slot: u64, samples: Range<u64>, unit: u64, units_before: u128, shard: Option<Shard>) -> Self {
+    /// `units_before` units of all parts come before those of this one.
+    fn new(part: u64, samples: Range<u64>, unit: u64, units_before: u128, shard: Option<Shard>) -> Self {
         let Shard { index, count, .. } = shard.unwrap_or(Shard { index: 0, count: 1, typed: 1 });
         let (from, to) = (samples.start / unit, samples.end.div_ceil(unit));
         let number = (units_before + u128::from(from)) % u128::from(count);
         let first = from + (index + count - number as u64) % count;
-        Self { slot, samples, first, step: count, units: to.saturating_sub(first).div_ceil(count) }
+        Self { part, samples, first, step: count, units: to.saturating_sub(first).div_ceil(count) }
     }
 
     /// All of a gap, for one process.
-    fn whole(slot: u64, samples: Range<u64>, unit: u64) -> Self {
+    fn whole(part: u64, samples: Range<u64>, unit: u64) -> Self {
         let (first, to) = (samples.start / unit, samples.end.div_ceil(unit));
-        Self { slot, samples, first, step: 1, units: to - first }
+        Self { part, samples, first, step: 1, units: to - first }
     }
 
     /// The samples of the i-th unit.
@@ -95,25 +95,24 @@ impl Gap {
 }
 
 impl Plan {
-    /// The units that are missing of the samples that `slots` want now.
+    /// The units that are missing of the samples that `parts` want now.
     ///
-    /// Consecutive units, counted over all slots, go to different shards, so that jobs of one cell and jobs of many are
-    /// shared alike; but cells whose slots are decided in turn go to a shard as a whole.
-    pub fn new(tally: &Tally, slots: &Slots, unit_samples: u64, shard: Option<Shard>) -> Self {
-        let parts = slots.of(0).end as usize;
+    /// Consecutive units, counted over all parts, go to different shards, so that jobs of one cell and jobs of many are
+    /// shared alike; but cells whose parts are decided in turn go to a shard as a whole.
+    pub fn new(tally: &Tally, parts: &Parts, unit_samples: u64, shard: Option<Shard>) -> Self {
         let part_units: Vec<u128> =
-            (0..parts).map(|part| u128::from(slots.most(part).div_ceil(unit_samples))).collect();
+            (0..parts.of_a_cell()).map(|place| u128::from(parts.most(place).div_ceil(unit_samples))).collect();
         let cell_units: u128 = part_units.iter().sum();
-        let missing = tally.gaps(&slots.wanted(tally)).into_iter();
-        let gaps = missing.filter_map(|(slot, gap)| {
-            let (cell, part) = slots.place(slot);
+        let missing = tally.gaps(&parts.wanted(tally)).into_iter();
+        let gaps = missing.filter_map(|(part, gap)| {
+            let (cell, place) = parts.place(part);
             match shard {
-                Some(Shard { index, count, .. }) if slots.are_decided_in_turn() => {
-                    (cell % count == index).then(|| Gap::whole(slot, gap, unit_samples))
+                Some(Shard { index, count, .. }) if parts.are_decided_in_turn() => {
+                    (cell % count == index).then(|| Gap::whole(part, gap, unit_samples))
                 }
                 _ => {
-                    let before = u128::from(cell) * cell_units + part_units[..part].iter().sum::<u128>();
-                    Some(Gap::new(slot, gap, unit_samples, before, shard))
+                    let before = u128::from(cell) * cell_units + part_units[..place].iter().sum::<u128>();
+                    Some(Gap::new(part, gap, unit_samples, before, shard))
                 }
             }
         });
@@ -138,18 +137,18 @@ impl Plan {
         self.gaps.iter().map(|gap| gap.total(self.unit_samples)).sum()
     }
 
-    /// The unit at `index`: its slot and samples.
+    /// The unit at `index`: its part and samples.
     pub fn unit(&self, index: u64) -> (u64, Range<u64>) {
         let position = self.units_before.partition_point(|&before| before <= index) - 1;
         let gap = &self.gaps[position];
-        (gap.slot, gap.unit(index - self.units_before[position], self.unit_samples))
+        (gap.part, gap.unit(index - self.units_before[position], self.unit_samples))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::tally::Segment;
+    use crate::evaluate::unit::FinishedUnit;
     use stickslip_core::verdict::VerdictCounts;
     use stickslip_sampler::estimate::distribution::Distribution;
 
@@ -161,13 +160,19 @@ mod tests {
         let mut tally = Tally::new(7);
         for (cell, samples) in [(0, 0..3_500_000), (2, 1_000_000..1_000_001), (3, 0..10_000), (6, 999_999..2_000_000)] {
             let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
-            tally.add(&Segment { slot: cell, samples, counts, amplitudes: Distribution::default(), sums: Vec::new() });
+            tally.add(&FinishedUnit {
+                part: cell,
+                samples,
+                counts,
+                amplitudes: Distribution::default(),
+                sums: Vec::new(),
+            });
         }
         tally
     }
 
     fn units(tally: &Tally, shard: Option<Shard>) -> Vec<(u64, Range<u64>)> {
-        let plan = Plan::new(tally, &Slots::plain(7, SAMPLES), UNIT_SAMPLES, shard);
+        let plan = Plan::new(tally, &Parts::plain(7, SAMPLES), UNIT_SAMPLES, shard);
         let units: Vec<_> = (0..plan.units()).map(|index| plan.unit(index)).collect();
         let samples: u128 = units.iter().map(|(_, samples)| u128::from(samples.end - samples.start)).sum();
         assert_eq!(samples, plan.samples());
@@ -181,7 +186,13 @@ mod tests {
             let before = tally.counted();
             let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
             assert!(samples.start / UNIT_SAMPLES == (samples.end - 1) / UNIT_SAMPLES);
-            tally.add(&Segment { slot: cell, samples, counts, amplitudes: Distribution::default(), sums: Vec::new() });
+            tally.add(&FinishedUnit {
+                part: cell,
+                samples,
+                counts,
+                amplitudes: Distribution::default(),
+                sums: Vec::new(),
+            });
             assert_eq!(tally.counted() - before, u128::from(counts.total()), "no overlap");
         }
         assert!(tally.gaps(&[SAMPLES; 7]).is_empty());

@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-use crate::evaluate::extras::Extras;
+use crate::evaluate::parts::Parts;
+use crate::evaluate::sums::SumLayout;
+use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::note;
-use crate::schedule::slots::Slots;
 use crate::store::piece;
 use crate::store::publish::{is_temporary, publish, publish_first, remove_temporary};
-use crate::store::tally::{Segment, Tally};
+use crate::store::tally::Tally;
 use crate::tables::surface::job_hash_of_file;
 
 /// How a process works in a run directory.
@@ -140,7 +141,7 @@ impl RunDirectory {
     /// Cells of a job that are complete; an integrated surface is there as a whole or not at all.
     pub fn complete_cells(&self, job: &Job, tally: &Tally) -> u64 {
         match job.is_integrated() {
-            false => Slots::new(job).complete_cells(tally),
+            false => Parts::new(job).complete_cells(tally),
             true if self.has_surface_of(job) => job.cells(),
             true => 0,
         }
@@ -179,30 +180,30 @@ impl RunDirectory {
 
     /// Everything counted so far. Pieces that cannot be trusted are named on standard error and left out.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
-        let slots = Slots::new(job);
-        let is_slot = |stored: u64| slots.locate_stored(stored).0 < job.cells();
-        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), is_slot, Extras::of(job).count())?;
+        let parts = Parts::new(job);
+        let is_part = |stored: u64| parts.locate_stored(stored).0 < job.cells();
+        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), is_part, SumLayout::of(job).count())?;
         for complaint in &pieces.complaints {
             note(format_args!("warning: {complaint}"));
         }
-        let mut segments = Vec::with_capacity(pieces.segments.len());
-        for segment in pieces.segments {
-            let (cell, slot) = slots.locate_stored(segment.slot);
-            let wanted = slot.filter(|&slot| segment.samples.end <= slots.most(slots.place(slot).1));
-            let Some(slot) = wanted else {
-                let what = slot.map_or("more samples".to_owned(), |_| format!("sample {}", segment.samples.end - 1));
+        let mut units = Vec::with_capacity(pieces.units.len());
+        for unit in pieces.units {
+            let (cell, part) = parts.locate_stored(unit.part);
+            let wanted = part.filter(|&part| unit.samples.end <= parts.most(parts.place(part).1));
+            let Some(part) = wanted else {
+                let what = part.map_or("more samples".to_owned(), |_| format!("sample {}", unit.samples.end - 1));
                 return Err(Failure::Job(format!(
                     "{}: its pieces hold {what} of cell {cell}, but its job.toml asks for {} samples only; was it edited?",
                     self.path.display(),
                     job.sampling.samples
                 )));
             };
-            segments.push(Segment { slot, ..segment });
+            units.push(FinishedUnit { part, ..unit });
         }
-        let mut tally = Tally::new(slots.count());
-        tally.add_all(segments).map_err(|(slot, samples)| {
-            let (cell, part) = slots.place(slot);
-            let of = if slots.of(0).end > 1 { format!("part {part} of cell {cell}") } else { format!("cell {cell}") };
+        let mut tally = Tally::new(parts.count());
+        tally.add_all(units).map_err(|(part, samples)| {
+            let (cell, place) = parts.place(part);
+            let of = if parts.of_a_cell() > 1 { format!("part {place} of cell {cell}") } else { format!("cell {cell}") };
             Failure::InputOutput(format!(
                 "{}: two pieces disagree on samples {} to {} of {of}. One of them is wrong; move shards/ aside and compute again",
                 self.path.display(),

@@ -1,6 +1,6 @@
 //! Pieces: files of finished work, the only state that a resumed run trusts.
 //!
-//! A piece is a small Parquet file of segments, named by the hash of its own bytes, written under a temporary name
+//! A piece is a small Parquet file of units, named by the hash of its own bytes, written under a temporary name
 //! and renamed when it is on disk. A piece that is torn, altered or from another job is never read as good.
 
 use std::fs;
@@ -17,9 +17,9 @@ use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::distribution::Distribution;
 
+use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::store::publish::{files, is_temporary, publish};
-use crate::store::tally::Segment;
 
 const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
 
@@ -36,9 +36,9 @@ const VERDICTS_KEY: &str = "stickslip:verdicts_version";
 /// Pieces that do not say by which version of the verdicts they were made are of this one or an older one.
 const UNNAMED_VERDICTS: u32 = 2;
 
-/// Writes segments as a new piece in `directory`.
-pub fn write(directory: &Path, experiment: &str, segments: &[Segment]) -> Result<(), Failure> {
-    let bytes = encode(experiment, segments).map_err(|error| Failure::writing(directory, error))?;
+/// Writes units as a new piece in `directory`.
+pub fn write(directory: &Path, experiment: &str, units: &[FinishedUnit]) -> Result<(), Failure> {
+    let bytes = encode(experiment, units).map_err(|error| Failure::writing(directory, error))?;
     let name = format!("{}.parquet", digest(&bytes));
     publish(directory, &name, &bytes)
 }
@@ -47,19 +47,19 @@ pub fn write(directory: &Path, experiment: &str, segments: &[Segment]) -> Result
 #[derive(Debug, Default)]
 pub struct Pieces {
     /// Segments of every sound piece.
-    pub segments: Vec<Segment>,
+    pub units: Vec<FinishedUnit>,
     /// One line for each piece that was not.
     pub complaints: Vec<String>,
 }
 
-/// Reads every piece in `directory`; `is_slot` tells the numbers that slots may have.
+/// Reads every piece in `directory`; `is_part` tells the numbers that parts may have.
 ///
 /// # Errors
 /// A directory that cannot be read, or a sound piece of another experiment: these runs must not be mixed.
 pub fn read_all(
     directory: &Path,
     experiment: &str,
-    is_slot: impl Fn(u64) -> bool,
+    is_part: impl Fn(u64) -> bool,
     sums: usize,
 ) -> Result<Pieces, Failure> {
     let mut pieces = Pieces::default();
@@ -83,10 +83,8 @@ pub fn read_all(
         }
         match decode(bytes) {
             Ok((owner, _)) if owner.experiment != experiment => return Err(owner.refused(&path)),
-            Ok((_, segments))
-                if segments.iter().all(|s| is_slot(s.slot) && s.sums.len() == sums && s.is_consistent()) =>
-            {
-                pieces.segments.extend(segments);
+            Ok((_, units)) if units.iter().all(|s| is_part(s.part) && s.sums.len() == sums && s.is_consistent()) => {
+                pieces.units.extend(units);
             }
             Ok(_) => pieces.complaints.push(damaged("its counts do not add up")),
             Err(error) => pieces.complaints.push(damaged(&error)),
@@ -123,25 +121,25 @@ pub fn digest(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex()[..32].to_owned()
 }
 
-fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
-    let column = |value: fn(&Segment) -> u64| -> ArrayRef {
+fn encode(experiment: &str, units: &[FinishedUnit]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
+    let column = |value: fn(&FinishedUnit) -> u64| -> ArrayRef {
         // Counts stay far below 2^63, see the limit on samples.
-        Arc::new(segments.iter().map(|segment| value(segment).cast_signed()).collect::<Int64Array>())
+        Arc::new(units.iter().map(|unit| value(unit).cast_signed()).collect::<Int64Array>())
     };
     let mut columns = vec![
-        column(|s| s.slot),
+        column(|s| s.part),
         column(|s| s.samples.start),
-        column(Segment::len),
+        column(FinishedUnit::len),
         column(|s| s.counts.stable),
         column(|s| s.counts.unstable),
         column(|s| s.counts.undecided),
         column(|s| s.counts.failed),
     ];
     let mut fields = COLUMNS.map(|name| Field::new(name, DataType::Int64, false)).to_vec();
-    if segments.iter().any(|segment| segment.amplitudes.count() > 0) {
+    if units.iter().any(|unit| unit.amplitudes.count() > 0) {
         let mut bins = ListBuilder::new(Int64Builder::new());
-        for segment in segments {
-            for (bin, count) in segment.amplitudes.bins() {
+        for unit in units {
+            for (bin, count) in unit.amplitudes.bins() {
                 bins.values().append_slice(&[i64::from(bin), count.cast_signed()]);
             }
             bins.append(true);
@@ -152,10 +150,10 @@ fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::er
         fields.push(Field::new(AMPLITUDE_BINS, bins.data_type().clone(), false));
         columns.push(Arc::new(bins));
     }
-    if segments.iter().any(|segment| !segment.sums.is_empty()) {
+    if units.iter().any(|unit| !unit.sums.is_empty()) {
         let mut sums = ListBuilder::new(Int64Builder::new());
-        for segment in segments {
-            sums.values().append_slice(&segment.sums);
+        for unit in units {
+            sums.values().append_slice(&unit.sums);
             sums.append(true);
         }
         let sums = sums.finish();
@@ -173,7 +171,7 @@ fn encode(experiment: &str, segments: &[Segment]) -> Result<Vec<u8>, parquet::er
     writer.into_inner()
 }
 
-fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<Segment>), String> {
+fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<FinishedUnit>), String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
     let builder = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes)).map_err(|e| text(&e))?;
     let metadata = builder.metadata().file_metadata().key_value_metadata();
@@ -182,7 +180,7 @@ fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<Segment>), String> {
         experiment: value_of(EXPERIMENT_KEY).ok_or("it does not say which job it belongs to")?,
         verdicts_version: value_of(VERDICTS_KEY).and_then(|text| text.parse().ok()).unwrap_or(UNNAMED_VERDICTS),
     };
-    let mut segments = Vec::new();
+    let mut units = Vec::new();
     for batch in builder.build().map_err(|e| text(&e))? {
         let batch = batch.map_err(|e| text(&e))?;
         let mut columns = Vec::new();
@@ -201,10 +199,10 @@ fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<Segment>), String> {
                 Some(sums) => integers(sums, row)?,
                 None => Vec::new(),
             };
-            segments.push(Segment { slot: value(0)?, samples: start..end, counts, amplitudes, sums });
+            units.push(FinishedUnit { part: value(0)?, samples: start..end, counts, amplitudes, sums });
         }
     }
-    Ok((owner, segments))
+    Ok((owner, units))
 }
 
 /// The settled amplitudes in one row, if the piece holds any.
@@ -239,10 +237,10 @@ mod tests {
     use super::*;
     use std::path::PathBuf;
 
-    fn some_segments() -> Vec<Segment> {
+    fn some_segments() -> Vec<FinishedUnit> {
         (0..50)
-            .map(|cell| Segment {
-                slot: cell,
+            .map(|cell| FinishedUnit {
+                part: cell,
                 samples: 1000 * cell..1000 * cell + 10,
                 counts: VerdictCounts { stable: 4, unstable: 3, undecided: 2, failed: 1 },
                 amplitudes: amplitudes(cell),
@@ -251,7 +249,7 @@ mod tests {
             .collect()
     }
 
-    /// Of the three unstable samples in some segments, none in others.
+    /// Of the three unstable samples in some units, none in others.
     fn amplitudes(cell: u64) -> Distribution {
         let mut amplitudes = Distribution::default();
         (0..3 * (cell % 2)).for_each(|i| amplitudes.add(1e-3 * (cell + i) as f64));
@@ -268,8 +266,8 @@ mod tests {
     #[test]
     fn a_piece_reads_back_as_written() {
         let (directory, _) = written();
-        let pieces = read_all(directory.path(), "experiment", |slot| slot < 50, 2).unwrap();
-        assert_eq!(pieces.segments, some_segments());
+        let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
+        assert_eq!(pieces.units, some_segments());
         assert!(pieces.complaints.is_empty());
     }
 
@@ -281,37 +279,37 @@ mod tests {
             let mut bytes = sound.clone();
             bytes[position] ^= 0x10;
             fs::write(&piece, &bytes).unwrap();
-            let pieces = read_all(directory.path(), "experiment", |slot| slot < 50, 2).unwrap();
-            assert!(pieces.segments.is_empty() && pieces.complaints.len() == 1, "byte {position}");
+            let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
+            assert!(pieces.units.is_empty() && pieces.complaints.len() == 1, "byte {position}");
         }
         for length in [0, 1, sound.len() / 2, sound.len() - 1] {
             fs::write(&piece, &sound[..length]).unwrap();
-            let pieces = read_all(directory.path(), "experiment", |slot| slot < 50, 2).unwrap();
-            assert!(pieces.segments.is_empty() && pieces.complaints.len() == 1, "length {length}");
+            let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
+            assert!(pieces.units.is_empty() && pieces.complaints.len() == 1, "length {length}");
         }
     }
 
     #[test]
     fn counts_that_do_not_add_up_are_refused_even_with_a_good_checksum() {
         let directory = tempfile::tempdir().unwrap();
-        let mut segments = some_segments();
-        segments[7].counts.stable += 1;
-        write(directory.path(), "experiment", &segments).unwrap();
-        let pieces = read_all(directory.path(), "experiment", |slot| slot < 50, 2).unwrap();
-        assert!(pieces.segments.is_empty() && pieces.complaints[0].contains("do not add up"));
+        let mut units = some_segments();
+        units[7].counts.stable += 1;
+        write(directory.path(), "experiment", &units).unwrap();
+        let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
+        assert!(pieces.units.is_empty() && pieces.complaints[0].contains("do not add up"));
     }
 
     #[test]
     fn a_piece_of_another_job_is_an_error() {
         let (directory, _) = written();
-        assert!(matches!(read_all(directory.path(), "other", |slot| slot < 50, 2), Err(Failure::Job(_))));
+        assert!(matches!(read_all(directory.path(), "other", |part| part < 50, 2), Err(Failure::Job(_))));
     }
 
     #[test]
     fn unfinished_files_are_not_read() {
         let (directory, _) = written();
         fs::write(directory.path().join(".unfinished-123-x.parquet"), "half").unwrap();
-        assert_eq!(read_all(directory.path(), "experiment", |slot| slot < 50, 2).unwrap().segments.len(), 50);
+        assert_eq!(read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap().units.len(), 50);
         crate::store::publish::remove_temporary(directory.path()).unwrap();
         assert_eq!(files(directory.path()).unwrap().len(), 1);
     }

@@ -6,7 +6,7 @@ use std::time::{Instant, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
-use crate::evaluate::extras::Lookups;
+use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::schedule::mapping::CompletedMaps;
 use crate::store::publish::publish;

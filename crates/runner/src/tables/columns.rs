@@ -11,9 +11,10 @@ use stickslip_sampler::estimate::sensitivity::SobolIndices;
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::Marginal;
 
-use crate::evaluate::extras::Extras;
+use crate::evaluate::integral::IntegratedCell;
+use crate::evaluate::sums::SumLayout;
 use crate::job::{Effort, Job, RandomInput, SamplingMethod};
-use crate::tables::row::{IntegratedCell, SurfaceRow};
+use crate::tables::row::SurfaceRow;
 use crate::tables::table::described_field;
 
 /// A column: name, unit, meaning, and its values.
@@ -61,7 +62,7 @@ impl Column {
 }
 
 /// The columns of a job's surface, in their order.
-pub fn of(job: &Job, extras: Extras) -> Vec<Column> {
+pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
     let mut columns = first_columns(match job.sampling.effort {
         Effort::Samples(_) | Effort::Randomisations { .. } => {
             "probability of instability, unstable over decided samples"
@@ -76,17 +77,17 @@ pub fn of(job: &Job, extras: Extras) -> Vec<Column> {
         let meaning = "probability that a sample is undecided, or fails";
         columns.push(Column::optional("p_undecided", meaning, |row| Some(row.integrated?.undecided)));
     }
-    if extras.lookups() || (job.is_integrated() && job.sampling.is_audited) {
+    if layout.lookups() || (job.is_integrated() && job.sampling.is_audited) {
         columns.extend(lookup_columns());
     }
-    if extras.sources() {
-        columns.extend(source_columns(extras));
+    if layout.sources() {
+        columns.extend(source_columns(layout));
     }
-    if extras.derivatives() {
-        columns.extend(derivative_columns(extras, job.sampling.method == SamplingMethod::Exact));
+    if layout.derivatives() {
+        columns.extend(derivative_columns(layout, job.sampling.method == SamplingMethod::Exact));
     }
-    if extras.sensitivity() > 0 {
-        columns.extend(sensitivity_columns(extras, &job.random.inputs));
+    if layout.sensitivity() > 0 {
+        columns.extend(sensitivity_columns(layout, &job.random.inputs));
     }
     add_input_columns(&mut columns, job);
     columns
@@ -145,10 +146,10 @@ fn lookup_columns() -> Vec<Column> {
 }
 
 /// Columns of jobs on a flexible disc: what feeds the unstable samples.
-fn source_columns(extras: Extras) -> Vec<Column> {
+fn source_columns(layout: SumLayout) -> Vec<Column> {
     let column = |name, meaning, source| {
         Column::integer(name, meaning, move |row: &SurfaceRow| {
-            extras.read_source(&row.sums, source, row.counts.unstable)
+            layout.read_source(&row.sums, source, row.counts.unstable)
         })
     };
     vec![
@@ -176,7 +177,7 @@ fn source_columns(extras: Extras) -> Vec<Column> {
 }
 
 /// Columns of jobs with derivatives: exact where probabilities are integrated, else with their standard errors.
-fn derivative_columns(extras: Extras, integrated: bool) -> Vec<Column> {
+fn derivative_columns(layout: SumLayout, integrated: bool) -> Vec<Column> {
     let numbers = [
         (CellNumber::Preload, "dp_dpreload", "expected preload at constant relative standard deviation"),
         (
@@ -206,7 +207,7 @@ fn derivative_columns(extras: Extras, integrated: bool) -> Vec<Column> {
             continue;
         }
         let read = move |row: &SurfaceRow| {
-            extras.read_derivative(&row.sums, number, &row.cell, &row.counts, row.estimate.probability)
+            layout.read_derivative(&row.sums, number, &row.cell, &row.counts, row.estimate.probability)
         };
         columns.push(Column::optional(name, long_name, move |row| read(row).map(|(value, _)| value)));
         columns.push(Column::optional(format!("{name}_error"), format!("standard error of {name}"), move |row| {
@@ -217,11 +218,11 @@ fn derivative_columns(extras: Extras, integrated: bool) -> Vec<Column> {
 }
 
 /// Columns of jobs with Sobol indices.
-fn sensitivity_columns(extras: Extras, inputs: &[RandomInput]) -> Vec<Column> {
+fn sensitivity_columns(layout: SumLayout, inputs: &[RandomInput]) -> Vec<Column> {
     let mut columns = Vec::new();
     for (i, input) in inputs.iter().enumerate() {
         let name = input.name();
-        let read = move |row: &SurfaceRow| extras.read_sensitivity(&row.sums, i);
+        let read = move |row: &SurfaceRow| layout.read_sensitivity(&row.sums, i);
         let alone = format!("share of the verdict's variance that {name} explains alone");
         let any = format!("share of the verdict's variance in which {name} takes part");
         let mut add = |kind: &str, meaning: &str, value: fn(SobolIndices) -> f64, error: fn(SobolIndices) -> f64| {
@@ -237,7 +238,7 @@ fn sensitivity_columns(extras: Extras, inputs: &[RandomInput]) -> Vec<Column> {
             format!("n_left_out_{name}"),
             "1",
             format!("samples that the Sobol indices of {name} leave out, because a verdict on them or their partners is undecided or failed"),
-            Values::Integer(Box::new(move |row| extras.read_left_out(&row.sums, i))),
+            Values::Integer(Box::new(move |row| layout.read_left_out(&row.sums, i))),
         ));
     }
     columns

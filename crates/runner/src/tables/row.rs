@@ -5,9 +5,9 @@ use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
-use stickslip_sampler::integrate::closed_form::Derivatives;
 
-use crate::evaluate::extras::Lookups;
+use crate::evaluate::integral::IntegratedCell;
+use crate::evaluate::sums::Lookups;
 
 /// One row of the result.
 #[derive(Debug, Clone)]
@@ -28,19 +28,6 @@ pub struct SurfaceRow {
     pub(super) sums: Vec<i128>,
     /// What is known beside the probability, where it was integrated.
     pub(super) integrated: Option<IntegratedCell>,
-}
-
-/// The probability of a cell by integration.
-#[derive(Debug, Clone, Copy)]
-pub struct IntegratedCell {
-    /// Probability, and the bounds of its error.
-    pub estimate: Estimate,
-    /// Its derivatives.
-    pub derivatives: Derivatives,
-    /// The probability that a sample is undecided, or fails.
-    pub undecided: f64,
-    /// The audit of the map behind it.
-    pub lookups: Lookups,
 }
 
 impl SurfaceRow {

@@ -21,14 +21,15 @@ use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::replicates;
 
-use crate::evaluate::extras::{Extras, Lookups};
+use crate::evaluate::integral::IntegratedCell;
+use crate::evaluate::parts::Parts;
+use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
 use crate::job::{Effort, Job};
-use crate::schedule::slots::Slots;
 use crate::store::publish::publish_with;
 use crate::store::tally::Tally;
 use crate::tables::columns::{self, Column};
-use crate::tables::row::{IntegratedCell, SurfaceRow, unaudited, widened};
+use crate::tables::row::{SurfaceRow, unaudited, widened};
 
 /// Rows that are held in memory at once; also the size of a row group.
 const BATCH_ROWS: u64 = 65_536;
@@ -42,8 +43,8 @@ pub struct Surface<'a> {
     tally: &'a Tally,
     /// One for each cell where probabilities are integrated, else none.
     integrated: &'a [IntegratedCell],
-    slots: Slots,
-    extras: Extras,
+    parts: Parts,
+    layout: SumLayout,
     /// With looks, the estimate of each cell: rows are made more than once.
     at_stop: OnceCell<Vec<Estimate>>,
 }
@@ -51,7 +52,14 @@ pub struct Surface<'a> {
 impl<'a> Surface<'a> {
     /// The surface of a run in its present state.
     pub fn new(job: &'a Job, tally: &'a Tally) -> Self {
-        Self { job, tally, integrated: &[], slots: Slots::new(job), extras: Extras::of(job), at_stop: OnceCell::new() }
+        Self {
+            job,
+            tally,
+            integrated: &[],
+            parts: Parts::new(job),
+            layout: SumLayout::of(job),
+            at_stop: OnceCell::new(),
+        }
     }
 
     /// The surface of a job that integrates, one probability for each cell.
@@ -66,15 +74,15 @@ impl<'a> Surface<'a> {
 
     /// The row of one cell.
     pub fn row(&self, cell: u64) -> SurfaceRow {
-        let counts = self.slots.counts(self.tally, cell);
+        let counts = self.parts.counts(self.tally, cell);
         let mut amplitudes = Distribution::default();
         let mut sums = Vec::new();
-        for slot in self.slots.of(cell) {
-            amplitudes.add_all(self.tally.amplitudes(slot));
-            add_sums(&mut sums, self.tally.sums(slot));
+        for part in self.parts.of(cell) {
+            amplitudes.add_all(self.tally.amplitudes(part));
+            add_sums(&mut sums, self.tally.sums(part));
         }
         let integrated = self.integrated.get(cell as usize).copied();
-        let lookups = integrated.map_or_else(|| self.extras.read_lookups(&sums), |integrated| integrated.lookups);
+        let lookups = integrated.map_or_else(|| self.layout.read_lookups(&sums), |integrated| integrated.lookups);
         // With a map that was given up, or audited as a whole, every sample was simulated.
         let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
         let confidence = self.job.confidence(is_audited);
@@ -101,12 +109,12 @@ impl<'a> Surface<'a> {
         match self.job.sampling.effort {
             Effort::Samples(_) | Effort::Integrated => self.job.interval(confidence).estimate(counts),
             Effort::Randomisations { .. } => {
-                let parts: Vec<VerdictCounts> = self.slots.of(cell).map(|slot| self.tally.counts(slot)).collect();
+                let parts: Vec<VerdictCounts> = self.parts.of(cell).map(|part| self.tally.counts(part)).collect();
                 replicates::estimate(&parts, self.job.random.inputs.len(), confidence)
             }
             Effort::Until(_) => {
                 let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
-                let of_cell = |cell| self.slots.estimate_at_stop(self.tally, cell).unwrap_or(nothing);
+                let of_cell = |cell| self.parts.estimate_at_stop(self.tally, cell).unwrap_or(nothing);
                 self.at_stop.get_or_init(|| (0..self.job.cells()).map(of_cell).collect())[cell as usize]
             }
         }
@@ -120,8 +128,8 @@ impl<'a> Surface<'a> {
     /// How the samples of all cells were judged, where they are looked up in a map.
     pub fn lookups(&self) -> Lookups {
         let mut lookups = Lookups::default();
-        for slot in 0..self.slots.count() {
-            lookups.add(self.extras.read_lookups(self.tally.sums(slot)));
+        for part in 0..self.parts.count() {
+            lookups.add(self.layout.read_lookups(self.tally.sums(part)));
         }
         self.integrated.iter().for_each(|cell| lookups.add(cell.lookups));
         lookups
@@ -154,7 +162,7 @@ impl<'a> Surface<'a> {
     }
 
     fn encode<W: Write + Send>(&self, out: W) -> Result<W, ParquetError> {
-        let columns = columns::of(self.job, self.extras);
+        let columns = columns::of(self.job, self.layout);
         let schema = Arc::new(Schema::new(columns.iter().map(Column::field).collect::<Vec<_>>()));
         let mut writer = ArrowWriter::try_new(out, schema.clone(), Some(self.properties()))?;
         let cells = self.job.cells();

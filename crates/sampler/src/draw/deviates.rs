@@ -1,18 +1,30 @@
-//! Standard normal deviates for any number of random inputs, by random numbers or by scrambled Sobol points.
+//! Standard normal deviates for any number of random inputs, from random numbers or from scrambled Sobol points.
+//!
+//! Deviates come in columns, one for each random input, and in chunks: a sample takes one deviate of each column, in the
+//! order of the inputs.
+//!
+//! Random numbers are drawn sample by sample from the generator of the sample's block (see [`identity`](super::identity)).
+//! They become normal by `rand_distr`'s ziggurat. Its rare tail and rejection steps call `exp` and `ln`, which a build that
+//! enables `num-traits/std` (Arrow does) takes from the platform; golden values in the tests, and a run without FMA and
+//! AVX2, guard that no result depends on it.
 
 use std::ops::Range;
 
 use rand::RngExt;
 use rand_distr::StandardNormal;
+use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::draw::identity::{BLOCK_SAMPLES, Purpose, block_generator};
 use crate::draw::sobol::ScrambledSobol;
 use crate::special_functions::normal;
 
+/// Samples of a chunk that fits into the first-level cache and fills vector registers.
+pub const CHUNK_SAMPLES: usize = 250;
+
 /// Where deviates come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Points {
-    /// Independent random numbers, as in [`SampleStream`](crate::draw::samples::SampleStream): with two inputs the same deviates.
+    /// Independent random numbers.
     Random,
     /// The second, independent set of the same cell, for Sobol indices.
     SecondRandom,
@@ -35,62 +47,152 @@ pub struct DeviateStream {
 }
 
 impl DeviateStream {
-    /// The deviates of samples `range` of a cell, sample by sample, [`DeviateStream::dimensions`] of each. `randomisation`
-    /// says which scrambling of the Sobol points; random numbers have none.
+    /// The deviates of a cell from sample `first` on. `randomisation` says which scrambling of the Sobol points; random
+    /// numbers have none.
+    ///
+    /// A start inside a block draws and drops the samples before it: less than one block.
     #[must_use]
-    pub fn draw(&self, cell: u64, randomisation: u64, range: Range<u64>) -> Vec<f64> {
-        let samples = (range.end - range.start) as usize;
-        let mut deviates = vec![0.0; samples * self.dimensions];
-        if self.dimensions == 0 {
-            return deviates;
-        }
+    pub fn start(&self, cell: u64, randomisation: u64, first: u64) -> Deviates {
         let cell = if self.common_random_numbers { 0 } else { cell };
-        match self.points {
-            Points::Random => {
-                self.draw_random(self.purpose(Purpose::Inputs, Purpose::CommonInputs), cell, range, &mut deviates);
-            }
-            Points::SecondRandom => {
-                self.draw_random(
-                    self.purpose(Purpose::Sensitivity, Purpose::CommonSensitivity),
-                    cell,
-                    range,
-                    &mut deviates,
-                );
+        let purpose = match (self.points, self.common_random_numbers) {
+            (Points::Random, false) => Purpose::Inputs,
+            (Points::Random, true) => Purpose::CommonInputs,
+            (Points::SecondRandom, false) => Purpose::Sensitivity,
+            (Points::SecondRandom, true) => Purpose::CommonSensitivity,
+            (Points::Sobol, false) => Purpose::Scrambling,
+            (Points::Sobol, true) => Purpose::CommonScrambling,
+        };
+        let source = match self.points {
+            _ if self.dimensions == 0 => Source::Nothing,
+            Points::Random | Points::SecondRandom => {
+                let block = |block: u64| block_generator(self.seed, purpose, cell, block);
+                let mut generator = block(first / BLOCK_SAMPLES);
+                for _ in 0..first % BLOCK_SAMPLES * self.dimensions as u64 {
+                    let _: f64 = generator.sample(StandardNormal);
+                }
+                Source::Generator { purpose, cell, generator }
             }
             Points::Sobol => {
-                let purpose = self.purpose(Purpose::Scrambling, Purpose::CommonScrambling);
-                let sobol =
-                    ScrambledSobol::new(self.dimensions, &mut block_generator(self.seed, purpose, cell, randomisation));
-                let mut cursor = sobol.cursor(range.start);
-                for point in deviates.chunks_exact_mut(self.dimensions) {
-                    cursor.next_point(point);
-                    for coordinate in point {
-                        *coordinate = normal::quantile(*coordinate);
+                let mut generator = block_generator(self.seed, purpose, cell, randomisation);
+                Source::Sobol(Box::new(ScrambledSobol::new(self.dimensions, &mut generator)))
+            }
+        };
+        Deviates { seed: self.seed, dimensions: self.dimensions, next: first, source }
+    }
+
+    /// Hands the deviates of samples `range` of a cell to `visit`, in order and in chunks of columns. What `visit` makes of
+    /// the columns is dropped.
+    #[inline]
+    pub fn for_each_chunk(
+        &self,
+        cell: u64,
+        randomisation: u64,
+        range: Range<u64>,
+        mut visit: impl FnMut(&mut [Vec<f64>]),
+    ) {
+        let mut deviates = self.start(cell, randomisation, range.start);
+        let mut columns = vec![Vec::with_capacity(CHUNK_SAMPLES); self.dimensions];
+        let mut left = range.end.saturating_sub(range.start);
+        while left > 0 {
+            let samples = left.min(CHUNK_SAMPLES as u64);
+            deviates.fill(samples as usize, &mut columns);
+            visit(&mut columns);
+            left -= samples;
+        }
+    }
+
+    /// The deviates of samples `range` of a cell, sample by sample, [`DeviateStream::dimensions`] of each.
+    #[must_use]
+    pub fn draw(&self, cell: u64, randomisation: u64, range: Range<u64>) -> Vec<f64> {
+        let mut deviates = Vec::with_capacity((range.end - range.start) as usize * self.dimensions);
+        self.for_each_chunk(cell, randomisation, range, |columns| {
+            let samples = columns.first().map_or(0, Vec::len);
+            deviates.extend((0..samples).flat_map(|sample| columns.iter().map(move |column| column[sample])));
+        });
+        deviates
+    }
+}
+
+/// The deviates of consecutive samples of one cell.
+#[derive(Debug, Clone)]
+pub struct Deviates {
+    seed: u64,
+    dimensions: usize,
+    /// Number of the next sample.
+    next: u64,
+    source: Source,
+}
+
+#[derive(Debug, Clone)]
+enum Source {
+    Nothing,
+    /// The generator of the block of the next sample.
+    Generator {
+        purpose: Purpose,
+        cell: u64,
+        generator: Xoshiro256PlusPlus,
+    },
+    Sobol(Box<ScrambledSobol>),
+}
+
+impl Deviates {
+    /// Fills one column for each random input with the deviates of the next `samples` samples.
+    ///
+    /// # Panics
+    /// If there are not as many columns as random inputs.
+    #[inline]
+    pub fn fill(&mut self, samples: usize, columns: &mut [Vec<f64>]) {
+        assert_eq!(columns.len(), self.dimensions, "one column for each random input");
+        columns.iter_mut().for_each(|column| column.resize(samples, 0.0));
+        let first = self.next;
+        self.next += samples as u64;
+        match &mut self.source {
+            Source::Nothing => {}
+            Source::Generator { purpose, cell, generator } => {
+                let mut filled = 0;
+                while filled < samples {
+                    let sample = first + filled as u64;
+                    if sample.is_multiple_of(BLOCK_SAMPLES) {
+                        *generator = block_generator(self.seed, *purpose, *cell, sample / BLOCK_SAMPLES);
+                    }
+                    let left_in_block = BLOCK_SAMPLES - sample % BLOCK_SAMPLES;
+                    let end = samples.min(filled + left_in_block as usize);
+                    fill_from(generator, columns, filled..end);
+                    filled = end;
+                }
+            }
+            Source::Sobol(sobol) => {
+                let mut cursor = sobol.cursor(first);
+                let mut point = vec![0.0; columns.len()];
+                for sample in 0..samples {
+                    cursor.next_point(&mut point);
+                    for (column, &coordinate) in columns.iter_mut().zip(&point) {
+                        column[sample] = normal::quantile(coordinate);
                     }
                 }
             }
         }
-        deviates
     }
+}
 
-    fn purpose(&self, own: Purpose, common: Purpose) -> Purpose {
-        if self.common_random_numbers { common } else { own }
-    }
-
-    fn draw_random(&self, purpose: Purpose, cell: u64, range: Range<u64>, deviates: &mut [f64]) {
-        let mut rest = deviates;
-        let mut next = range.start;
-        while next < range.end {
-            let block = next / BLOCK_SAMPLES;
-            let end = range.end.min((block + 1) * BLOCK_SAMPLES);
-            let mut generator = block_generator(self.seed, purpose, cell, block);
-            for _ in 0..(next - block * BLOCK_SAMPLES) * self.dimensions as u64 {
-                let _: f64 = generator.sample(StandardNormal);
+/// Draws samples `range` of the columns. One and two inputs are the usual cases, and the fastest.
+#[inline]
+fn fill_from(generator: &mut Xoshiro256PlusPlus, columns: &mut [Vec<f64>], range: Range<usize>) {
+    let mut deviate = || -> f64 { generator.sample(StandardNormal) };
+    match columns {
+        [only] => only[range].fill_with(deviate),
+        [first, second] => {
+            for (first, second) in first[range.clone()].iter_mut().zip(&mut second[range]) {
+                *first = deviate();
+                *second = deviate();
             }
-            let (mine, others) = rest.split_at_mut((end - next) as usize * self.dimensions);
-            mine.fill_with(|| generator.sample(StandardNormal));
-            rest = others;
-            next = end;
+        }
+        columns => {
+            for sample in range {
+                for column in &mut *columns {
+                    column[sample] = deviate();
+                }
+            }
         }
     }
 }
@@ -98,45 +200,29 @@ impl DeviateStream {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::samples::SampleStream;
-    use crate::grid::{Cell, RelativeStd};
 
     const STREAM: DeviateStream =
-        DeviateStream { seed: 11, common_random_numbers: false, dimensions: 2, points: Points::Random };
+        DeviateStream { seed: 2018, common_random_numbers: false, dimensions: 2, points: Points::Random };
 
     #[test]
-    fn two_inputs_draw_what_the_sample_stream_draws() {
-        let relative_std = RelativeStd { preload: 0.2, static_friction: 0.3 };
-        let cell = Cell { index: 5, rotating_speed: 15.0, relative_std, preload: 0.1, static_friction: 0.4 };
-        for common_random_numbers in [false, true] {
-            let stream = SampleStream {
-                seed: 11,
-                common_random_numbers,
-                preload_is_random: true,
-                static_friction_is_random: true,
-            };
-            let mut expected = Vec::new();
-            stream.for_each(&cell, 900..2100, |samples| {
-                for (preload, static_friction) in samples.preloads.iter().zip(samples.static_frictions) {
-                    expected.extend([*preload, *static_friction]);
-                }
-            });
-            let deviates = DeviateStream { common_random_numbers, ..STREAM }.draw(5, 0, 900..2100);
-            let samples: Vec<f64> =
-                deviates.chunks_exact(2).flat_map(|z| [0.1 * (1.0 + 0.2 * z[0]), 0.4 * (1.0 + 0.3 * z[1])]).collect();
-            assert_eq!(samples, expected);
-        }
-    }
-
-    #[test]
-    fn a_sample_is_the_same_whatever_range_it_is_drawn_in() {
+    fn a_sample_is_the_same_in_whatever_range_and_chunks_it_is_drawn() {
         for points in [Points::Random, Points::SecondRandom, Points::Sobol] {
             for dimensions in [1, 2, 5] {
                 let stream = DeviateStream { dimensions, points, ..STREAM };
                 let whole = stream.draw(3, 2, 0..3000);
-                for (from, to) in [(0, 1), (999, 1001), (1500, 2999), (2999, 3000)] {
+                assert_eq!(whole.len(), 3000 * dimensions);
+                for (from, to) in [(0, 1), (999, 1001), (1500, 2999), (2999, 3000), (250, 750), (2000, 2000)] {
                     let part = stream.draw(3, 2, from..to);
                     assert_eq!(part, whole[from as usize * dimensions..to as usize * dimensions], "{points:?}");
+                }
+                let mut columns = vec![Vec::new(); dimensions];
+                let mut deviates = stream.start(3, 2, 700);
+                for (first, samples) in [(700, 1500), (2200, 1), (2201, 799)] {
+                    deviates.fill(samples, &mut columns);
+                    for (i, column) in columns.iter().enumerate() {
+                        let expected = (first..first + samples).map(|sample| whole[sample * dimensions + i]);
+                        assert!(column.iter().copied().eq(expected), "{points:?}, {dimensions} inputs, from {first}");
+                    }
                 }
             }
         }
@@ -157,5 +243,46 @@ mod tests {
             let same = firsts.iter().filter(|(_, other)| other == first).count();
             assert_eq!(same, if *common { 2 } else { 1 }, "{i}: common numbers are those of every cell");
         }
+    }
+
+    #[test]
+    fn deviates_are_standard_normal() {
+        // Kolmogorov-Smirnov against the normal distribution function, and the correlation of the two inputs.
+        let deviates = STREAM.draw(5, 0, 0..200_000);
+        let n = deviates.len() as f64 / 2.0;
+        let column = |i: usize| deviates.iter().skip(i).step_by(2).copied();
+        for i in [0, 1] {
+            let mut sorted: Vec<f64> = column(i).collect();
+            sorted.sort_by(f64::total_cmp);
+            let distance = sorted
+                .iter()
+                .enumerate()
+                .map(|(i, &z)| {
+                    let expected = normal::cumulative(z);
+                    (expected - i as f64 / n).abs().max((expected - (i + 1) as f64 / n).abs())
+                })
+                .fold(0.0, f64::max);
+            assert!(distance < 1.95 / n.sqrt(), "Kolmogorov-Smirnov distance {distance}");
+        }
+        let correlation = column(0).zip(column(1)).map(|(a, b)| a * b).sum::<f64>() / n;
+        assert!(correlation.abs() < 4.0 / n.sqrt(), "{correlation}");
+    }
+
+    #[test]
+    fn the_first_samples_are_pinned() {
+        // Regression values of results version 1: inputs of expected values 0.1 and 0.39, relative standard deviations
+        // 0.2 and 0.1.
+        let samples: Vec<f64> = STREAM
+            .draw(5, 0, 0..1_000_000)
+            .chunks_exact(2)
+            .flat_map(|z| [0.1 * (1.0 + 0.2 * z[0]), 0.39 * (1.0 + 0.1 * z[1])])
+            .collect();
+        assert_eq!(samples[..4], [0.10587119816196054, 0.39956993861776635, 0.10425970504497373, 0.39502072427012086]);
+        let mut digest = blake3::Hasher::new();
+        samples.iter().for_each(|sample| {
+            digest.update(&sample.to_le_bytes());
+        });
+        let expected = "741a4286eef692db97fdf4336b27f4fea74853a6fae742e77f10867421ebff78";
+        assert_eq!(digest.finalize().to_hex().to_string(), expected);
     }
 }

@@ -2,8 +2,6 @@
 
 pub mod identity;
 
-pub mod samples;
-
 pub mod sobol;
 
 pub mod deviates;

@@ -197,26 +197,13 @@ impl Moments<i128> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::samples::SampleStream;
+    use crate::draw::deviates::{DeviateStream, Points};
     use crate::grid::RelativeStd;
     use crate::integrate::closed_form;
     use stickslip_core::parameters::Parameters;
     use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
     use stickslip_core::rigid_disc::stability::StabilityBoundary;
     use stickslip_core::verdict::Verdict;
-
-    /// The deviates `z` of a sample of `cell`, preload and static friction; `None` for an input without scatter.
-    fn deviates(cell: &Cell, preload: f64, static_friction: f64) -> [Option<f64>; 2] {
-        let deviate = |value: f64, expected: f64, std: f64| {
-            let spread = expected * std;
-            (spread != 0.0).then(|| (value - expected) / spread)
-        };
-        let std = cell.relative_std;
-        [
-            deviate(preload, cell.preload, std.preload),
-            deviate(static_friction, cell.static_friction, std.static_friction),
-        ]
-    }
 
     fn boundary() -> StabilityBoundary {
         let mut parameters = Parameters::sui_ding_2018();
@@ -231,17 +218,22 @@ mod tests {
 
     /// The deviates of samples, each with its verdict by the closed form.
     fn judged(seed: u64, cell: &Cell, samples: u64) -> Vec<([Option<f64>; 2], Verdict)> {
-        let stream = SampleStream {
-            seed,
-            common_random_numbers: false,
-            preload_is_random: cell.relative_std.preload > 0.0,
-            static_friction_is_random: cell.relative_std.static_friction > 0.0,
-        };
+        let RelativeStd { preload, static_friction } = cell.relative_std;
+        let stds: Vec<f64> = [preload, static_friction].into_iter().filter(|&std| std > 0.0).collect();
+        let stream =
+            DeviateStream { seed, common_random_numbers: false, dimensions: stds.len(), points: Points::Random };
         let boundary = boundary();
         let mut found = Vec::new();
-        stream.for_each(cell, 0..samples, |samples| {
-            for (&preload, &friction) in samples.preloads.iter().zip(samples.static_frictions) {
-                found.push((deviates(cell, preload, friction), boundary.verdict(preload, friction)));
+        stream.for_each_chunk(cell.index, 0, 0..samples, |columns| {
+            let mut next = columns.iter();
+            let mut column = |std: f64| if std > 0.0 { next.next() } else { None };
+            let deviates = [column(preload), column(static_friction)];
+            for sample in 0..columns.first().map_or(0, Vec::len) {
+                let z = deviates.map(|column| column.map(|column| column[sample]));
+                let input = |expected: f64, std: f64, z: Option<f64>| expected * (1.0 + std * z.unwrap_or(0.0));
+                let verdict = boundary
+                    .verdict(input(cell.preload, preload, z[0]), input(cell.static_friction, static_friction, z[1]));
+                found.push((z, verdict));
             }
         });
         found

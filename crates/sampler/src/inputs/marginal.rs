@@ -282,10 +282,7 @@ impl Marginal {
     /// but what does not depend on the deviate is computed once.
     #[inline]
     pub fn apply(&self, expected: f64, relative_std: f64, deviates: &mut [f64]) {
-        let transform = Transform::new(self, relative_std);
-        for deviate in deviates {
-            *deviate = transform.value(expected, *deviate);
-        }
+        Transform::new(self, relative_std).apply(expected, deviates);
     }
 }
 

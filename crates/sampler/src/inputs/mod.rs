@@ -6,6 +6,7 @@
 //!
 //! Quantiles keep their digits in both tails: they start from `Phi(z)` or from `1 - Phi(z)`, whichever is small.
 
+mod columns;
 mod correlation;
 mod empirical;
 mod marginal;
@@ -16,6 +17,7 @@ mod weibull;
 #[cfg(test)]
 mod tests;
 
+pub use columns::InputColumns;
 pub use correlation::{Correlation, CorrelationError};
 pub use empirical::{Empirical, EmpiricalError};
 pub use marginal::{Marginal, MarginalError};

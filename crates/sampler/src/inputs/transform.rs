@@ -96,6 +96,17 @@ impl Transform {
         }
     }
 
+    /// Turns deviates into inputs, in place.
+    #[inline]
+    pub fn apply(&self, expected: f64, deviates: &mut [f64]) {
+        // The usual case has a loop without a branch.
+        if let Self::Normal { relative_std } = *self {
+            deviates.iter_mut().for_each(|value| *value = expected * (1.0 + relative_std * *value));
+        } else {
+            deviates.iter_mut().for_each(|value| *value = self.value(expected, *value));
+        }
+    }
+
     /// The input of a deviate.
     #[inline]
     pub fn value(&self, expected: f64, z: f64) -> f64 {

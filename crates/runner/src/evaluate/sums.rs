@@ -8,12 +8,12 @@ use stickslip_sampler::estimate::score::{CellNumber, ScoreSums, ScoreTotals};
 use stickslip_sampler::estimate::sensitivity::{IndexCounts, SobolIndices, indices};
 use stickslip_sampler::grid::Cell;
 
-use crate::evaluate::batch::Batch;
+use crate::evaluate::samples::Samples;
 use crate::job::{EvaluateMode, Job};
 
 /// Which sums a job has, and where they lie among all of them.
 #[derive(Debug, Clone, Copy)]
-pub struct Extras {
+pub struct SumLayout {
     lookups: bool,
     sources: bool,
     derivatives: bool,
@@ -21,16 +21,16 @@ pub struct Extras {
     sensitivity: usize,
 }
 
-/// How samples of a job with a verdict map were judged.
+/// How samples of a job with a verdict map were decided.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lookups {
     /// Simulated, because the map does not tell.
     #[serde(rename = "lookups_simulated")]
     pub simulated: u64,
-    /// Looked up, and simulated all the same.
+    /// Looked up, and simulated as well, as a check.
     #[serde(rename = "lookups_audited")]
     pub audited: u64,
-    /// Of these, judged otherwise than looked up.
+    /// Of these, with another verdict than the one looked up.
     #[serde(rename = "audit_differed")]
     pub differed: u64,
 }
@@ -51,7 +51,7 @@ const DERIVATIVES: usize = ScoreSums::COUNT;
 /// For each input, the counts behind its indices, and the samples that are left out of them.
 const PER_INPUT: usize = 7;
 
-impl Extras {
+impl SumLayout {
     /// Of a job.
     pub fn of(job: &Job) -> Self {
         Self {
@@ -105,12 +105,12 @@ impl Extras {
         self.sensitivity_at() + PER_INPUT * self.sensitivity
     }
 
-    /// Sums with nothing in them.
+    /// SumLayout with nothing in them.
     pub fn nothing(self) -> Vec<i64> {
         vec![0; self.count()]
     }
 
-    /// Adds how samples were judged.
+    /// Adds how samples were decided.
     pub fn add_lookups(self, sums: &mut [i64], lookups: Lookups) {
         if self.lookups {
             for (sum, count) in sums.iter_mut().zip([lookups.simulated, lookups.audited, lookups.differed]) {
@@ -120,10 +120,10 @@ impl Extras {
     }
 
     /// Adds what feeds the unstable samples.
-    pub fn add_sources(self, sums: &mut [i64], judged: &[Decision]) {
+    pub fn add_sources(self, sums: &mut [i64], decisions: &[Decision]) {
         if self.sources {
             for (sum, source) in sums[self.sources_at()..].iter_mut().zip(SOURCES) {
-                *sum += judged.iter().filter(|judged| judged.fed_by == Some(source)).count() as i64;
+                *sum += decisions.iter().filter(|decision| decision.fed_by == Some(source)).count() as i64;
             }
         }
     }
@@ -139,13 +139,13 @@ impl Extras {
     }
 
     /// Adds the scores of the samples.
-    pub fn add_scores(self, sums: &mut [i64], cell: &Cell, batch: &Batch, verdicts: &[Verdict]) {
+    pub fn add_scores(self, sums: &mut [i64], cell: &Cell, samples: &Samples, verdicts: &[Verdict]) {
         if !self.derivatives {
             return;
         }
         let mut scores = ScoreSums::default();
         for (sample, &verdict) in verdicts.iter().enumerate() {
-            let (preload, static_friction) = batch.deviates(sample);
+            let [preload, static_friction] = samples.deviates(sample);
             scores.add(cell, preload, static_friction, verdict);
         }
         let at = self.derivatives_at();
@@ -174,7 +174,7 @@ impl Extras {
         }
     }
 
-    /// How the samples were judged.
+    /// How the samples were decided.
     pub fn read_lookups(self, sums: &[i128]) -> Lookups {
         let count = |i: usize| sums.get(i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
         if self.lookups {

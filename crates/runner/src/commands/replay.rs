@@ -1,0 +1,108 @@
+//! `replay`: one sample of a run again, with its motion.
+
+use serde_json::json;
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainSettings};
+use stickslip_core::verdict::Verdict;
+
+use super::completion::was_counted_without_map;
+use super::trajectory::{lines, name, report, simulate};
+use crate::cli::ReplayArguments;
+use crate::evaluate::evaluator::Evaluator;
+use crate::failure::Failure;
+use crate::job::{Criterion, Job, RandomInput};
+use crate::output::result;
+use crate::store::directory::RunDirectory;
+use crate::store::map_pieces;
+
+/// `stickslip replay`.
+pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
+    let directory = RunDirectory::view(&arguments.run)?;
+    let job = directory.job()?;
+    let evaluator = evaluator(&directory, &job, arguments)?;
+    let Some(sample) = evaluator.sample(arguments.cell, arguments.sample) else {
+        return Err(Failure::Usage(format!("--sample {}: there is no such sample", arguments.sample)));
+    };
+    let verdict = sample.decision.verdict;
+    let cell = job.grid.cell(arguments.cell);
+    let mut facts = json!({
+        "run": arguments.run.display().to_string(),
+        "cell": arguments.cell,
+        "sample": arguments.sample,
+        "rotating_speed_rad_s": cell.rotating_speed,
+        "preload": sample.inputs.preload,
+        "static_friction": sample.inputs.static_friction,
+    });
+    for (input, &value) in job.random.inputs.iter().zip(&sample.values) {
+        if let RandomInput::Other(_) = input {
+            let name = if input.name() == "rotating_speed" { "rotating_speed_rad_s" } else { input.name() };
+            facts[name] = json!(value);
+        }
+    }
+    facts["verdict_in_run"] = json!(name(sample.looked_up.unwrap_or(verdict)));
+    if let Some(looked_up) = sample.looked_up {
+        facts["verdict_looked_up"] = json!(name(looked_up));
+        facts["verdict_simulated"] = json!(name(verdict));
+    }
+    // A run that did not look at motions gets one of the model that it looked at.
+    let (disc, settings) = match &job.criterion {
+        Criterion::Eigenvalue => (DiscModel::Rigid, TimeDomainSettings::default()),
+        Criterion::CoupledEigenvalue { modes } => {
+            (DiscModel::Flexible { modes: *modes }, TimeDomainSettings::default())
+        }
+        Criterion::TimeDomain { disc, settings } => (disc.clone(), *settings),
+    };
+    let outside = match &sample.brake {
+        None => Some("failed: one of its values is not admissible; there is no motion to simulate"),
+        Some(pad) if pad.is_outside_physics(sample.inputs) && verdict == Verdict::Stable => {
+            Some("stable by definition: no preload, or friction that rises with speed; there is no motion to simulate")
+        }
+        Some(_) => None,
+    };
+    let without_motion = |why: &str| {
+        if arguments.out.is_some() {
+            return Err(Failure::Usage(format!("--out: this sample is {why}")));
+        }
+        result(&if arguments.json { format!("{facts:#}\n") } else { format!("{}{why}\n", lines(&facts)) })
+    };
+    let (Some(pad), None) = (&sample.brake, outside) else { return without_motion(outside.unwrap_or_default()) };
+    if let Err(error) = TimeDomain::new(pad, &disc, settings) {
+        return without_motion(&format!("{}; its motion cannot be simulated: {error}", name(verdict)));
+    }
+    let trajectory = simulate(pad, &disc, settings, sample.inputs, arguments.horizon)?;
+    report(&facts, &trajectory, arguments.out.as_deref(), arguments.json)
+}
+
+/// What evaluates the samples of a run, with the map that it used, if the wanted sample is one of them.
+fn evaluator<'a>(
+    directory: &RunDirectory,
+    job: &'a Job,
+    arguments: &ReplayArguments,
+) -> Result<Evaluator<'a>, Failure> {
+    if arguments.cell >= job.cells() {
+        let message = format!("--cell {}: the run has cells 0 to {}", arguments.cell, job.cells() - 1);
+        return Err(Failure::Usage(message));
+    }
+    if job.is_integrated() {
+        return Err(Failure::Usage("this run integrates its probabilities; it has no samples to replay".to_owned()));
+    }
+    let mut evaluator = Evaluator::new(job)?;
+    // A cell that stopped by precision has fewer samples than the job allows.
+    let samples = if job.stops_by_precision() {
+        evaluator.parts().counts(&directory.tally(job)?, arguments.cell).total()
+    } else {
+        job.sampling.samples
+    };
+    if arguments.sample >= samples {
+        let message = match samples {
+            0 => format!("--sample {}: cell {} has no samples yet", arguments.sample, arguments.cell),
+            _ => format!("--sample {}: cell {} has samples 0 to {}", arguments.sample, arguments.cell, samples - 1),
+        };
+        return Err(Failure::Usage(message));
+    }
+    if job.uses_maps() && was_counted_without_map(job, &directory.tally(job)?) {
+        evaluator.maps_mut().give_up();
+    } else {
+        map_pieces::load(evaluator.maps_mut(), &directory.maps())?;
+    }
+    Ok(evaluator)
+}

@@ -1,0 +1,263 @@
+//! The one way from a cell, a part and a range of samples to their inputs, their verdicts and what is recorded of them.
+//!
+//! Whatever the criterion, the number of random inputs, the map or the audit, samples are drawn in chunks, and each chunk is
+//! decided: in closed form, by looking samples up in the verdict map, or by simulation. Everything here is a pure function of
+//! the job, its maps and the arguments.
+
+use std::ops::Range;
+
+use stickslip_core::criterion::time_domain::Decision;
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_sampler::draw::deviates::{CHUNK_SAMPLES, Points};
+use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
+use stickslip_sampler::estimate::audit;
+use stickslip_sampler::estimate::distribution::Distribution;
+use stickslip_sampler::grid::Cell;
+
+use crate::evaluate::criteria::Criteria;
+use crate::evaluate::maps::Maps;
+use crate::evaluate::parts::Parts;
+use crate::evaluate::samples::{Drawing, Samples};
+use crate::evaluate::sums::{Lookups, SumLayout};
+use crate::evaluate::unit::FinishedUnit;
+use crate::failure::Failure;
+use crate::job::{Audit, Criterion, Effort, Job};
+
+/// Samples that are decided together where some are simulated: enough to keep vector lanes busy, few enough for memory.
+const SIMULATED_CHUNK: usize = 100 * BLOCK_SAMPLES as usize;
+
+/// Everything that deciding a sample of a job takes.
+pub struct Evaluator<'a> {
+    pub(super) job: &'a Job,
+    pub(super) parts: Parts,
+    pub(super) criteria: Criteria,
+    pub(super) maps: Maps,
+    layout: SumLayout,
+    chunk: usize,
+}
+
+/// One sample of a run, evaluated again.
+pub struct EvaluatedSample {
+    /// Preload and static friction.
+    pub inputs: RandomInputs,
+    /// Every random input, in the order of the job's.
+    pub values: Vec<f64>,
+    /// The brake; `None` if a value is not admissible.
+    pub brake: Option<PadOnDisc>,
+    /// What the criterion says of it.
+    pub decision: Decision,
+    /// The verdict that counts instead, if the sample is looked up in a map.
+    pub looked_up: Option<Verdict>,
+}
+
+impl<'a> Evaluator<'a> {
+    /// Of a job; its maps have no tiles yet.
+    pub fn new(job: &'a Job) -> Result<Self, Failure> {
+        let criteria = Criteria::new(job).map_err(|error| Failure::Job(error.to_string()))?;
+        let is_closed = matches!(job.criterion, Criterion::Eigenvalue);
+        Ok(Self {
+            job,
+            parts: Parts::new(job),
+            criteria,
+            maps: Maps::new(job),
+            layout: SumLayout::of(job),
+            chunk: if is_closed { CHUNK_SAMPLES } else { SIMULATED_CHUNK },
+        })
+    }
+
+    /// The job.
+    pub fn job(&self) -> &'a Job {
+        self.job
+    }
+
+    /// The parts of its cells.
+    pub fn parts(&self) -> &Parts {
+        &self.parts
+    }
+
+    /// Its verdict maps.
+    pub fn maps(&self) -> &Maps {
+        &self.maps
+    }
+
+    /// Its verdict maps, to add tiles.
+    pub fn maps_mut(&mut self) -> &mut Maps {
+        &mut self.maps
+    }
+
+    /// Evaluates one unit of work: samples of a part, and what is recorded of them.
+    pub fn count(&self, part: u64, samples: Range<u64>) -> FinishedUnit {
+        let (cell, place) = self.parts.place(part);
+        let cell = self.job.grid.cell(cell);
+        let speed = self.job.grid.rotating_speed_index(cell.index);
+        let mut counts = VerdictCounts::default();
+        let mut amplitudes = Distribution::default();
+        let mut sums = self.layout.nothing();
+        let mut lookups = Lookups::default();
+        let mut drawing = self.draw(&cell, place, samples.clone(), self.job.points());
+        let mut second =
+            (self.layout.sensitivity() > 0).then(|| self.draw(&cell, place, samples.clone(), Points::SecondRandom));
+        let mut next = samples.start;
+        while let Some(chunk) = drawing.next_chunk(self.chunk) {
+            let numbers = next..next + chunk.len() as u64;
+            next = numbers.end;
+            if !self.layout.need_samples()
+                && let Some(counted) = self.criteria.count(speed, chunk)
+            {
+                counts += counted;
+                continue;
+            }
+            let decisions = self.decide(&cell, chunk, &self.audited(part, numbers), &mut lookups);
+            for decision in &decisions {
+                counts += decision.verdict.into();
+                if let (Verdict::Unstable, Some(amplitude), true) =
+                    (decision.verdict, decision.amplitude, self.job.records_amplitude())
+                {
+                    amplitudes.add(amplitude);
+                }
+            }
+            self.layout.add_sources(&mut sums, &decisions);
+            let verdicts = verdicts_of(decisions);
+            self.layout.add_scores(&mut sums, &cell, chunk, &verdicts);
+            if let Some(second) = second.as_mut().and_then(|second| second.next_chunk(self.chunk)) {
+                let decide = |samples: &Samples| verdicts_of(self.decide(&cell, samples, &[], &mut Lookups::default()));
+                let mixed: Vec<Vec<Verdict>> =
+                    (0..self.layout.sensitivity()).map(|input| decide(&chunk.with_input_of(input, second))).collect();
+                self.layout.add_sensitivity(&mut sums, &verdicts, &decide(second), &mixed);
+            }
+        }
+        self.layout.add_lookups(&mut sums, lookups);
+        FinishedUnit { part, samples, counts, amplitudes, sums }
+    }
+
+    /// The verdicts that are counted on consecutive samples of a cell, of its randomisation `randomisation` where it has any.
+    pub fn verdicts(&self, cell: u64, randomisation: usize, samples: Range<u64>) -> Vec<Verdict> {
+        let place = self.job.grid.cell(cell);
+        // With looks, the samples are numbered over all parts of the cell; a randomisation numbers its own.
+        let places = match self.parts.are_decided_in_turn() {
+            true => 0..self.parts.of_a_cell(),
+            false => randomisation..randomisation + 1,
+        };
+        let mut verdicts = Vec::with_capacity((samples.end - samples.start) as usize);
+        for part in places {
+            let first = self.parts.first_sample(part);
+            let mut next = samples.start.max(first) - first;
+            let end = samples.end.min(first + self.parts.most(part)).saturating_sub(first);
+            if next >= end {
+                continue;
+            }
+            let mut drawing = self.draw(&place, part, next..end, self.job.points());
+            while let Some(chunk) = drawing.next_chunk(self.chunk) {
+                let numbers = next..next + chunk.len() as u64;
+                next = numbers.end;
+                let audited = self.audited(self.parts.of(cell).start + part as u64, numbers);
+                verdicts.extend(verdicts_of(self.decide(&place, chunk, &audited, &mut Lookups::default())));
+            }
+        }
+        verdicts
+    }
+
+    /// One sample again, numbered over all parts of its cell.
+    pub fn sample(&self, cell: u64, sample: u64) -> Option<EvaluatedSample> {
+        let (part, number) = self.parts.locate(sample);
+        let place = self.job.grid.cell(cell);
+        let mut drawing = self.draw(&place, part, number..number + 1, self.job.points());
+        let samples = drawing.next_chunk(1)?;
+        let speed = self.job.grid.rotating_speed_index(cell);
+        let decision = self.criteria.decide(speed, place.rotating_speed, samples, &[0]).pop()?;
+        let is_audited = self.audited(self.parts.of(cell).start + part as u64, number..number + 1);
+        let map = self.maps.get(speed).filter(|_| !is_audited.contains(&true));
+        let inputs = samples.pair(0);
+        Some(EvaluatedSample {
+            inputs,
+            values: samples.values(0).collect(),
+            brake: self.criteria.brake(self.job, place.rotating_speed, samples, 0),
+            decision,
+            looked_up: map.and_then(|map| map.look_up(inputs)),
+        })
+    }
+
+    /// Looks the first samples of a cell up in its verdict map, and simulates them as well: the audit of an integral.
+    pub fn audit_integral(&self, cell: &Cell) -> Lookups {
+        let mut lookups = Lookups::default();
+        if let (Audit::Samples(wanted), true) = (self.job.sampling.audit, self.job.uses_maps()) {
+            let mut drawing = self.draw(cell, 0, 0..wanted, Points::Random);
+            while let Some(chunk) = drawing.next_chunk(self.chunk) {
+                self.decide(cell, chunk, &vec![true; chunk.len()], &mut lookups);
+            }
+        }
+        lookups
+    }
+
+    /// The first samples of a cell, each simulated.
+    pub(super) fn simulate_first(&self, cell: u64, samples: u64) -> Vec<Decision> {
+        let place = self.job.grid.cell(cell);
+        let mut drawing = self.draw(&place, 0, 0..samples, self.job.points());
+        let Some(chunk) = drawing.next_chunk(SIMULATED_CHUNK) else { return Vec::new() };
+        let all: Vec<usize> = (0..chunk.len()).collect();
+        self.criteria.decide(self.job.grid.rotating_speed_index(cell), place.rotating_speed, chunk, &all)
+    }
+
+    /// Samples of the part at `place` in a cell.
+    fn draw(&self, cell: &Cell, place: usize, samples: Range<u64>, points: Points) -> Drawing<'a> {
+        let first = self.parts.first_sample(place);
+        Drawing::new(self.job, cell, place, first + samples.start..first + samples.end, points)
+    }
+
+    /// Decides samples: those that a map tells are looked up, unless they are audited; the others are decided one by one.
+    fn decide(&self, cell: &Cell, samples: &Samples, audited: &[bool], lookups: &mut Lookups) -> Vec<Decision> {
+        let speed = self.job.grid.rotating_speed_index(cell.index);
+        let Some(map) = self.maps.get(speed) else {
+            lookups.simulated += samples.len() as u64;
+            let all: Vec<usize> = (0..samples.len()).collect();
+            return self.criteria.decide(speed, cell.rotating_speed, samples, &all);
+        };
+        let looked_up: Vec<Option<Verdict>> =
+            (0..samples.len()).map(|sample| map.look_up(samples.pair(sample))).collect();
+        let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
+        let simulated: Vec<usize> = (0..samples.len()).filter(|&i| looked_up[i].is_none() || is_audited(i)).collect();
+        let decisions = self.criteria.decide(speed, cell.rotating_speed, samples, &simulated);
+        let mut all: Vec<Decision> =
+            looked_up.iter().map(|verdict| verdict.unwrap_or(Verdict::Failed).into()).collect();
+        for (&sample, decision) in simulated.iter().zip(decisions) {
+            match looked_up[sample] {
+                None => lookups.simulated += 1,
+                Some(verdict) => {
+                    lookups.audited += 1;
+                    lookups.differed += u64::from(verdict != decision.verdict);
+                }
+            }
+            all[sample] = decision;
+        }
+        all
+    }
+
+    /// Which samples of a part are audited: by their number in the cell, unless a randomisation numbers its own.
+    fn audited(&self, part: u64, samples: Range<u64>) -> Vec<bool> {
+        if !self.layout.lookups() || self.job.sampling.audit.is_nothing() {
+            return Vec::new();
+        }
+        let (cell, place) = self.parts.place(part);
+        let first = self.parts.first_sample(place);
+        let samples = first + samples.start..first + samples.end;
+        match self.job.sampling.audit {
+            Audit::Samples(wanted) => {
+                let randomisations = match self.job.sampling.effort {
+                    Effort::Randomisations { count, .. } => count,
+                    _ => 1,
+                };
+                let wanted = wanted.div_ceil(randomisations);
+                samples.map(|sample| sample < wanted).collect()
+            }
+            Audit::Share(share) => {
+                let key = if self.parts.are_decided_in_turn() { cell } else { part };
+                audit::choose(self.job.sampling.seed, key, samples, share)
+            }
+        }
+    }
+}
+
+fn verdicts_of(decisions: Vec<Decision>) -> Vec<Verdict> {
+    decisions.into_iter().map(|decision| decision.verdict).collect()
+}

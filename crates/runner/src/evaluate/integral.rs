@@ -1,0 +1,60 @@
+//! The probability of a cell by integration instead of samples.
+
+use stickslip_sampler::estimate::interval::Estimate;
+use stickslip_sampler::grid::Cell;
+use stickslip_sampler::integrate::closed_form::{self, Derivatives};
+use stickslip_sampler::integrate::mapped::{MapRegions, MappedProbability};
+
+use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::sums::Lookups;
+
+/// The probability of a cell by integration.
+#[derive(Debug, Clone, Copy)]
+pub struct IntegratedCell {
+    /// Probability, and the bounds of its error.
+    pub estimate: Estimate,
+    /// Its derivatives.
+    pub derivatives: Derivatives,
+    /// The probability that a sample is undecided, or fails.
+    pub undecided: f64,
+    /// The audit of the map behind it.
+    pub lookups: Lookups,
+}
+
+impl IntegratedCell {
+    /// Of a cell of which nothing is known.
+    pub fn unknown() -> Self {
+        Self {
+            estimate: Estimate { probability: None, low: 0.0, high: 1.0 },
+            derivatives: Derivatives::default(),
+            undecided: 0.0,
+            lookups: Lookups::default(),
+        }
+    }
+}
+
+impl Evaluator<'_> {
+    /// The regions of the maps, one for each rotating speed; none without maps.
+    pub fn regions(&self) -> Vec<MapRegions> {
+        let speeds = self.job.grid.rotating_speed.values().len();
+        (0..speeds).filter_map(|speed| self.maps.get(speed)).map(MapRegions::new).collect()
+    }
+
+    /// The probability of a cell, in closed form or from `regions`.
+    pub fn integrate(&self, cell: &Cell, regions: &[MapRegions]) -> IntegratedCell {
+        let speed = self.job.grid.rotating_speed_index(cell.index);
+        if let Some(boundary) = self.criteria.boundary(speed) {
+            let exact = closed_form::probability(boundary, cell);
+            let low = (exact.value - exact.error_bound).max(0.0);
+            let high = (exact.value + exact.error_bound).min(1.0);
+            let wanted = self.job.sampling.derivatives;
+            let derivatives = if wanted { closed_form::derivatives(boundary, cell) } else { Derivatives::default() };
+            let estimate = Estimate { probability: Some(exact.value), low, high };
+            return IntegratedCell { estimate, derivatives, ..IntegratedCell::unknown() };
+        }
+        let mapped = regions[speed].probability(cell);
+        let estimate = Estimate { probability: mapped.value, low: mapped.low, high: mapped.high };
+        let MappedProbability { derivatives, undecided, .. } = mapped;
+        IntegratedCell { estimate, derivatives, undecided, lookups: self.audit_integral(cell) }
+    }
+}

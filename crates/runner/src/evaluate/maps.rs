@@ -1,0 +1,194 @@
+//! The verdict maps of a job: which tiles its samples need, and what these may cost.
+
+use stickslip_sampler::grid::Cell;
+use stickslip_sampler::inputs::Marginal;
+use stickslip_sampler::verdict_map::boundary_curve::Box2;
+use stickslip_sampler::verdict_map::map::{TILES, Tile, TileIndex, VerdictMap};
+
+use crate::job::{Job, RandomInput};
+
+/// Samples beyond this many standard deviations together are simulated: one in 6.6e7.
+const REACH: f64 = 6.0;
+
+/// A verdict map for each rotating speed of a job.
+#[derive(Debug)]
+pub struct Maps {
+    keys: Vec<String>,
+    /// Tiles that the job's samples need.
+    needed: Vec<Vec<TileIndex>>,
+    maps: Vec<VerdictMap>,
+    /// What the needed tiles may cost together, beside the audit; more, and the samples themselves cost less.
+    most: Option<u128>,
+}
+
+impl Maps {
+    /// Of a job, without tiles yet.
+    pub fn new(job: &Job) -> Self {
+        let kinetic_coefficient = job.parameters.friction.kinetic_coefficient;
+        let speeds = job.grid.rotating_speed.values();
+        if !job.uses_maps() {
+            return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new(), most: None };
+        }
+        Self {
+            keys: speeds.iter().map(|&speed| job.map_key(speed)).collect(),
+            needed: (0..speeds.len()).map(|speed| needed_tiles(job, speed)).collect(),
+            maps: vec![VerdictMap::new(kinetic_coefficient); speeds.len()],
+            most: None,
+        }
+    }
+
+    /// Limits what the needed tiles may cost together.
+    pub fn limit(&mut self, most: u128) {
+        self.most = Some(most);
+    }
+
+    /// Whether tiles of such a cost are more than the samples themselves.
+    ///
+    /// Only the sum over all needed tiles decides, which depends on the job alone: not on threads, shards, interruptions,
+    /// or where tiles come from. As it only grows, a part of it that is too large already is enough.
+    pub fn are_too_costly(&self, cost: u64) -> bool {
+        self.most.is_some_and(|most| u128::from(cost) > most)
+    }
+
+    /// Gives the maps up: every sample is simulated.
+    pub fn give_up(&mut self) {
+        self.maps.clear();
+    }
+
+    /// The map at a rotating speed, if the job uses any.
+    pub fn get(&self, speed: usize) -> Option<&VerdictMap> {
+        self.maps.get(speed)
+    }
+
+    /// Adds a tile.
+    pub fn insert(&mut self, speed: usize, index: TileIndex, tile: Tile) {
+        self.maps[speed].insert(index, tile);
+    }
+
+    /// Needed tiles that are not there yet.
+    pub fn missing(&self) -> Vec<(usize, TileIndex)> {
+        let missing = |(speed, tiles): (usize, &Vec<TileIndex>)| -> Vec<(usize, TileIndex)> {
+            tiles.iter().filter(|index| self.maps[speed].tile(**index).is_none()).map(|index| (speed, *index)).collect()
+        };
+        self.needed.iter().enumerate().flat_map(missing).collect()
+    }
+
+    /// How many tiles the job needs.
+    pub fn needed(&self) -> usize {
+        self.needed.iter().map(Vec::len).sum()
+    }
+
+    /// How many tiles are there.
+    pub fn resolved(&self) -> usize {
+        self.maps.iter().map(|map| map.tiles().count()).sum()
+    }
+
+    /// What all tiles together cost, whenever.
+    pub fn cost(&self) -> u64 {
+        self.maps.iter().flat_map(VerdictMap::tiles).map(|(_, tile)| tile.cost).sum()
+    }
+
+    /// Simulations that all tiles together took, whenever.
+    pub fn questions(&self) -> u64 {
+        self.maps.iter().flat_map(VerdictMap::tiles).map(|(_, tile)| tile.questions).sum()
+    }
+
+    /// The place of a rotating speed whose verdicts have this key.
+    pub fn speed_of(&self, key: &str) -> Option<usize> {
+        self.keys.iter().position(|own| own == key)
+    }
+
+    /// What the verdicts at a rotating speed depend on, see [`Job::map_key`].
+    pub fn key(&self, speed: usize) -> &str {
+        &self.keys[speed]
+    }
+
+    /// Whether a tile is needed and not there yet.
+    pub fn wants(&self, speed: usize, index: TileIndex) -> bool {
+        self.maps[speed].tile(index).is_none() && self.needed[speed].binary_search(&index).is_ok()
+    }
+
+    /// Whether there are maps: not if the job uses none, or they were given up.
+    pub fn is_empty(&self) -> bool {
+        self.maps.is_empty()
+    }
+
+    /// Every tile that is there, with the place of its rotating speed.
+    pub fn tiles(&self) -> Vec<(usize, TileIndex, Tile)> {
+        let tiles = self.maps.iter().enumerate();
+        tiles.flat_map(|(speed, map)| map.tiles().map(move |(index, tile)| (speed, index, tile.clone()))).collect()
+    }
+}
+
+/// The tiles that samples of any cell at one rotating speed may fall in, sorted.
+fn needed_tiles(job: &Job, speed: usize) -> Vec<TileIndex> {
+    let mut needed = vec![false; (TILES * TILES) as usize];
+    let cells = job.cells() / job.grid.rotating_speed.values().len() as u64;
+    for index in speed as u64 * cells..(speed as u64 + 1) * cells {
+        let cell = job.grid.cell(index);
+        let [preload, falling] = spread(job, &cell);
+        let columns = preload.tiles(|tile| TileIndex { column: tile, row: 0 }.bounds(), 0);
+        let rows = falling.tiles(|tile| TileIndex { column: 0, row: tile }.bounds(), 1);
+        for &(row, row_distance) in &rows {
+            for &(column, column_distance) in &columns {
+                if row_distance * row_distance + column_distance * column_distance <= REACH * REACH {
+                    needed[(row * TILES + column) as usize] = true;
+                }
+            }
+        }
+    }
+    let mut tiles: Vec<TileIndex> = (0..TILES * TILES)
+        .filter(|&place| needed[place as usize])
+        .map(|place| TileIndex { column: place % TILES, row: place / TILES })
+        .collect();
+    tiles.sort_unstable();
+    tiles
+}
+
+/// How far samples reach along one coordinate.
+struct Spread {
+    low: f64,
+    high: f64,
+    /// Expected value and standard deviation, where distance can be counted in these.
+    normal: Option<(f64, f64)>,
+}
+
+impl Spread {
+    /// The tiles that it reaches, each with its distance from the expected value in standard deviations (0 where that has
+    /// no meaning).
+    fn tiles(&self, bounds: impl Fn(u32) -> Box2, axis: usize) -> Vec<(u32, f64)> {
+        let reached = |tile: &u32| {
+            let bounds = bounds(*tile);
+            bounds.high[axis] > self.low && bounds.low[axis] <= self.high
+        };
+        let distance = |tile: u32| {
+            let (low, high) = (bounds(tile).low[axis], bounds(tile).high[axis]);
+            let distance = |(expected, std): (f64, f64)| (low - expected).max(expected - high).max(0.0) / std;
+            self.normal.map_or(0.0, distance)
+        };
+        (0..TILES).filter(reached).map(|tile| (tile, distance(tile))).collect()
+    }
+}
+
+/// How far the samples of a cell reach in preload and falling friction.
+fn spread(job: &Job, cell: &Cell) -> [Spread; 2] {
+    let random = &job.random;
+    let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
+    let of = |wanted: fn(&RandomInput) -> bool, expected: f64, shift: f64| {
+        let at = random.inputs.iter().position(wanted);
+        let Some(at) = at else { return Spread { low: expected - shift, high: expected - shift, normal: None } };
+        let end = |z: f64| random.marginals[at].value(expected, stds[at], z) - shift;
+        let is_plain = random.is_plain() && random.marginals[at] == Marginal::Normal;
+        let std = expected * stds[at];
+        Spread {
+            low: end(-REACH),
+            high: end(REACH),
+            normal: (is_plain && std > 0.0).then_some((expected - shift, std)),
+        }
+    };
+    let kinetic_coefficient = job.parameters.friction.kinetic_coefficient;
+    [
+        of(|input| matches!(input, RandomInput::Preload), cell.preload, 0.0),
+        of(|input| matches!(input, RandomInput::StaticFriction), cell.static_friction, kinetic_coefficient),
+    ]
+}

@@ -1,0 +1,34 @@
+//! The result of a unit of work.
+
+use std::ops::Range;
+
+use stickslip_core::verdict::VerdictCounts;
+use stickslip_sampler::estimate::distribution::Distribution;
+
+/// The counted verdicts of consecutive samples of one part: what a worker hands back and a piece holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FinishedUnit {
+    /// The part, numbered over all cells.
+    pub part: u64,
+    /// Its samples, counted from 0 in each part.
+    pub samples: Range<u64>,
+    /// Their verdicts.
+    pub counts: VerdictCounts,
+    /// Settled amplitudes of those unstable ones that settled, where the job records them.
+    pub amplitudes: Distribution,
+    /// Further sums that the job asks for, see [`SumLayout`](crate::evaluate::sums::SumLayout).
+    pub sums: Vec<i64>,
+}
+
+impl FinishedUnit {
+    /// The number of samples.
+    pub fn len(&self) -> u64 {
+        self.samples.end - self.samples.start
+    }
+
+    /// Whether the counts can belong to the samples.
+    pub fn is_consistent(&self) -> bool {
+        let amplitudes = self.amplitudes.count();
+        self.samples.start < self.samples.end && self.counts.total() == self.len() && amplitudes <= self.counts.unstable
+    }
+}
