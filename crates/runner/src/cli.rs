@@ -7,8 +7,8 @@ use clap_complete::Shell;
 use stickslip_core::finite_difference::brake::DiscGrid;
 
 use crate::job::StartKind;
-use crate::reproduce::target::Target;
 use crate::schedule::plan::Shard;
+use crate::target::Target;
 
 /// Probability that a brake pad sticks and slips, by parallel Monte Carlo.
 #[derive(Debug, Parser)]

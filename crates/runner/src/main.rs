@@ -9,23 +9,27 @@ mod output;
 
 mod interrupt;
 
-mod job;
+mod files;
 
-mod store;
+mod job;
 
 mod evaluate;
 
-mod schedule;
+mod store;
 
 mod tables;
 
+mod schedule;
+
 mod picture;
+
+mod target;
+
+mod cli;
 
 mod commands;
 
 mod reproduce;
-
-mod cli;
 
 use std::process::ExitCode;
 

@@ -24,6 +24,7 @@ use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::Lookups;
 use crate::failure::{Failure, Signal};
+use crate::files::table::write_table;
 use crate::interrupt::Interrupt;
 use crate::job::Effort;
 use crate::output::{note, output_file, result};
@@ -31,7 +32,6 @@ use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::progress::Progress;
 use crate::store::map_pieces;
 use crate::tables::row::unaudited;
-use crate::tables::table::write_table;
 
 /// Samples of a unit of work at the most.
 const MOST_UNIT_SAMPLES: u64 = 20 * BLOCK_SAMPLES;

@@ -126,7 +126,7 @@ pub fn compute(
         let completed = engine.complete_maps(&mut evaluator, Some(&own), borrowed, interrupt).map_err(kept)?;
         outcome = completed.outcome;
         if outcome == Outcome::Finished {
-            session.maps(&completed);
+            session.maps(completed.tiles, completed.simulations, completed.given_up.is_some());
         }
         if let Some(why) = completed.why_given_up(&job) {
             note(format_args!("{why} ({:.2} s)", started.elapsed().as_secs_f64()));

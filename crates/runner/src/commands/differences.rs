@@ -7,7 +7,7 @@ use serde_json::{Value, json as object};
 use stickslip_sampler::estimate::difference::{Difference, PairedCounts};
 use stickslip_sampler::grid::{Cell, Grid};
 
-use crate::tables::table::{TableColumn, TableValues};
+use crate::files::table::{TableColumn, TableValues};
 
 /// Rows and columns of a picture at the most; larger grids are thinned out.
 const MOST_ROWS: usize = 15;

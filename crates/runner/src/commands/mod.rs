@@ -1,18 +1,30 @@
 //! The commands, and what several of them share.
 
-mod adoption;
-mod analyse;
-mod check;
-mod closing;
-mod compare;
-mod completion;
 mod describe;
-mod differences;
-mod matching;
-mod replay;
+
 mod status;
+
+mod check;
+
+mod analyse;
+
+mod adoption;
+
+mod closing;
+
+mod completion;
+
 mod submit;
+
 mod trajectory;
+
+mod replay;
+
+mod matching;
+
+mod differences;
+
+mod compare;
 
 pub use analyse::analyse;
 pub use check::check;

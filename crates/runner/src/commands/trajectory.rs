@@ -15,9 +15,9 @@ use stickslip_core::verdict::Verdict;
 use super::analyse::brake;
 use crate::cli::{AllotmentArgument, DiscArgument, TrajectoryArguments};
 use crate::failure::Failure;
+use crate::files::table::{DescribedColumn, write_columns};
 use crate::output::{note, output_file, result};
 use crate::picture::curves;
-use crate::tables::table::{DescribedColumn, write_columns};
 
 /// Scaled time that a trajectory follows unless told otherwise: some 150 cycles of the pad.
 const HORIZON: f64 = 500.0;

@@ -9,8 +9,8 @@ use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::trajectory::{SweepPoint, sweep};
 
 use crate::failure::Failure;
+use crate::files::table::{DescribedColumn, write_columns};
 use crate::picture::curves;
-use crate::tables::table::{DescribedColumn, write_columns};
 
 /// Speeds of the sweep, rad/s.
 const SLOWEST: f64 = 10.0;

@@ -8,9 +8,9 @@ use super::comparison::{compare, summary};
 use crate::commands::FinishedRun;
 use crate::evaluate::samples::Drawing;
 use crate::failure::Failure;
+use crate::files::table::{DescribedColumn, write_columns};
 use crate::picture::{curves, picture};
 use crate::tables::surface::Surface;
-use crate::tables::table::{DescribedColumn, write_columns};
 
 /// Figures 14 and 15: a surface, and how it compares with the exact one.
 pub fn surface(run: &FinishedRun) -> Result<String, Failure> {

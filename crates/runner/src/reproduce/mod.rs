@@ -1,13 +1,18 @@
 //! The paper's tables and figures again, from the job specs in `jobs/`.
 
-mod bifurcation;
 mod comparison;
-mod figures;
-mod motions;
-mod scoreboard;
-mod spectrum;
+
 mod tables;
-pub mod target;
+
+mod figures;
+
+mod bifurcation;
+
+mod spectrum;
+
+mod motions;
+
+mod scoreboard;
 
 use std::path::PathBuf;
 
@@ -19,7 +24,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::JobSource;
 use crate::output::result;
-use target::Target;
+use crate::target::Target;
 
 /// `stickslip reproduce`.
 pub fn reproduce(arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<(), Failure> {

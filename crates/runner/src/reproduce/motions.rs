@@ -9,11 +9,11 @@ use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::trajectory::{Moment, Trajectory};
 
 use super::spectrum::{Spectrum, spectrum};
-use super::target::Target;
 use crate::commands::{columns, simulate};
 use crate::failure::Failure;
+use crate::files::table::{DescribedColumn, write_columns};
 use crate::picture::curves;
-use crate::tables::table::{DescribedColumn, write_columns};
+use crate::target::Target;
 
 /// Scaled time of a motion, some 280 cycles of the pad; the last part of it is looked at.
 const HORIZON: f64 = 1000.0;

@@ -5,16 +5,21 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
+use parquet::file::reader::FileReader as _;
+use parquet::file::serialized_reader::SerializedFileReader;
+
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::SumLayout;
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
+use crate::files::publish::{is_temporary, publish, publish_first, remove_temporary};
 use crate::job::{Job, JobSource};
 use crate::output::note;
 use crate::store::piece;
-use crate::store::publish::{is_temporary, publish, publish_first, remove_temporary};
 use crate::store::tally::Tally;
-use crate::tables::surface::job_hash_of_file;
+
+/// The footer key of a surface that says which job it is of.
+pub const JOB_HASH_KEY: &str = "stickslip:job_hash";
 
 /// How a process works in a run directory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -213,6 +218,13 @@ impl RunDirectory {
         })?;
         Ok(tally)
     }
+}
+
+/// The job that a surface on disk says it is of; `None` if there is none, or none that can be read.
+fn job_hash_of_file(path: &Path) -> Option<String> {
+    let reader = SerializedFileReader::new(File::open(path).ok()?).ok()?;
+    let pairs = reader.metadata().file_metadata().key_value_metadata()?;
+    pairs.iter().find(|pair| pair.key == JOB_HASH_KEY)?.value.clone()
 }
 
 fn looks_empty(path: &Path) -> Result<bool, Failure> {

@@ -22,10 +22,10 @@ use stickslip_sampler::verdict_map::map::{Node, TILES, Tile, TileIndex};
 
 use crate::evaluate::maps::Maps;
 use crate::failure::Failure;
+use crate::files::publish::{files, is_temporary, publish};
+use crate::files::table::described_field;
 use crate::output::note;
 use crate::store::piece::digest;
-use crate::store::publish::{files, is_temporary, publish};
-use crate::tables::table::described_field;
 
 const KEY: &str = "stickslip:verdict_map";
 

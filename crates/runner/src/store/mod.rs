@@ -1,6 +1,4 @@
-//! The run directory: pieces of finished work, maps, provenance, and how files are published.
-
-pub mod publish;
+//! The run directory: pieces of finished work, verdict maps, provenance.
 
 pub mod tally;
 

@@ -19,7 +19,7 @@ use stickslip_sampler::estimate::distribution::Distribution;
 
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
-use crate::store::publish::{files, is_temporary, publish};
+use crate::files::publish::{files, is_temporary, publish};
 
 const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
 
@@ -310,7 +310,7 @@ mod tests {
         let (directory, _) = written();
         fs::write(directory.path().join(".unfinished-123-x.parquet"), "half").unwrap();
         assert_eq!(read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap().units.len(), 50);
-        crate::store::publish::remove_temporary(directory.path()).unwrap();
+        crate::files::publish::remove_temporary(directory.path()).unwrap();
         assert_eq!(files(directory.path()).unwrap().len(), 1);
     }
 }

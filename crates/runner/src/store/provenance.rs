@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
-use crate::schedule::mapping::CompletedMaps;
-use crate::store::publish::publish;
+use crate::files::publish::publish;
 
 /// One stretch of work on a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -70,13 +69,10 @@ impl Session {
         }
     }
 
-    /// Notes how many tiles the verdict maps have, and how many simulations this session spent on them.
-    pub fn maps(&mut self, completed: &CompletedMaps) {
-        self.maps = Some(MapUse {
-            map_tiles: completed.tiles,
-            map_simulations: completed.simulations,
-            map_given_up: completed.given_up.is_some(),
-        });
+    /// Notes how many tiles the verdict maps have, how many simulations this session spent on them, and whether they were given
+    /// up.
+    pub fn maps(&mut self, map_tiles: u64, map_simulations: u64, map_given_up: bool) {
+        self.maps = Some(MapUse { map_tiles, map_simulations, map_given_up });
     }
 
     /// Notes how the samples of the run were judged.

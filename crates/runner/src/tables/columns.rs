@@ -13,9 +13,9 @@ use stickslip_sampler::inputs::Marginal;
 
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::SumLayout;
+use crate::files::table::described_field;
 use crate::job::{Effort, Job, RandomInput, SamplingMethod};
 use crate::tables::row::SurfaceRow;
-use crate::tables::table::described_field;
 
 /// A column: name, unit, meaning, and its values.
 pub struct Column {

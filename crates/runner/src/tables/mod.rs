@@ -1,6 +1,7 @@
-//! Tables: the surface and every other Parquet file, their columns and rows.
+//! The surface: its rows, its columns, and the file.
+
+pub mod row;
 
 pub mod columns;
-pub mod row;
+
 pub mod surface;
-pub mod table;

@@ -13,8 +13,6 @@ use parquet::basic::Compression;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
-use parquet::file::reader::FileReader as _;
-use parquet::file::serialized_reader::SerializedFileReader;
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
 use stickslip_sampler::estimate::distribution::Distribution;
@@ -25,16 +23,15 @@ use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
+use crate::files::publish::publish_with;
 use crate::job::{Effort, Job};
-use crate::store::publish::publish_with;
+use crate::store::directory::JOB_HASH_KEY;
 use crate::store::tally::Tally;
 use crate::tables::columns::{self, Column};
 use crate::tables::row::{SurfaceRow, unaudited, widened};
 
 /// Rows that are held in memory at once; also the size of a row group.
 const BATCH_ROWS: u64 = 65_536;
-
-const JOB_HASH_KEY: &str = "stickslip:job_hash";
 
 /// The result of a job.
 #[derive(Debug)]
@@ -198,13 +195,6 @@ impl<'a> Surface<'a> {
 fn add_sums(total: &mut Vec<i128>, sums: &[i128]) {
     total.resize(total.len().max(sums.len()), 0);
     total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
-}
-
-/// The job that a surface on disk says it is of; `None` if there is none, or none that can be read.
-pub fn job_hash_of_file(path: &Path) -> Option<String> {
-    let reader = SerializedFileReader::new(File::open(path).ok()?).ok()?;
-    let pairs = reader.metadata().file_metadata().key_value_metadata()?;
-    pairs.iter().find(|pair| pair.key == JOB_HASH_KEY)?.value.clone()
 }
 
 /// The hash of a file's content, if there is one.

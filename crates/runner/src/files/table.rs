@@ -13,7 +13,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
 use crate::failure::Failure;
-use crate::store::publish::publish;
+use crate::files::publish::publish;
 
 /// A field that says its unit and meaning.
 pub fn described_field(name: &str, unit: &str, long_name: &str, data_type: DataType, nullable: bool) -> Field {

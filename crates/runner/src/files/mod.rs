@@ -1,0 +1,5 @@
+//! Files: written whole or not at all, and Parquet tables whose columns are described.
+
+pub mod publish;
+
+pub mod table;
