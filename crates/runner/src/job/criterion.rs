@@ -1,6 +1,5 @@
 //! The criterion of a job: its settings, checked, and what decides samples by them.
 
-use serde::Serialize;
 use stickslip_core::criterion::time_domain::{DiscModel, Start, TimeDomain, TimeDomainSettings};
 use stickslip_core::flexible_disc::brake::DISC_MODES;
 use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
@@ -10,8 +9,8 @@ use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_sampler::grid::Grid;
 use toml::Spanned;
 
+use super::criterion_spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record, StartKind};
 use super::diagnosis::Complaint;
-use super::spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record, StartKind};
 
 /// What decides whether a sample is stable.
 #[derive(Debug, Clone)]
@@ -161,40 +160,6 @@ impl Criterion {
     pub fn records_amplitude(&self) -> bool {
         matches!(self, Self::TimeDomain { settings, .. } if settings.record_amplitude)
     }
-
-    /// As a job spec writes it, with every default filled in.
-    pub fn normalised(&self) -> NormalisedCriterion {
-        let empty = NormalisedCriterion {
-            kind: CriterionKind::Eigenvalue,
-            disc: None,
-            disc_modes: None,
-            start: None,
-            displacement: None,
-            horizon: None,
-            record: Vec::new(),
-            index: None,
-        };
-        match self {
-            Self::Eigenvalue => empty,
-            Self::CoupledEigenvalue { modes } => {
-                NormalisedCriterion { kind: CriterionKind::CoupledEigenvalue, disc_modes: Some(*modes), ..empty }
-            }
-            Self::TimeDomain { disc, settings } => NormalisedCriterion {
-                kind: CriterionKind::TimeDomain,
-                disc: Some(if matches!(disc, DiscModel::Rigid) { DiscKind::Rigid } else { DiscKind::Flexible }),
-                disc_modes: if let DiscModel::Flexible { modes } = disc { Some(*modes) } else { None },
-                start: Some(match settings.start {
-                    Start::NearEquilibrium => StartKind::NearEquilibrium,
-                    Start::Rest => StartKind::Rest,
-                    Start::LimitCycle => StartKind::LimitCycle,
-                }),
-                displacement: Some(settings.displacement),
-                horizon: Some(settings.horizon),
-                record: settings.record_amplitude.then_some(Record::Amplitude).into_iter().collect(),
-                index: settings.amplitude_index.map(|amplitude| NormalisedIndex { amplitude }),
-            },
-        }
-    }
 }
 
 /// The disc of a job at its slowest and its fastest speed, at the corners of preloads and friction coefficients with some
@@ -288,29 +253,4 @@ impl CriterionSpec {
         })?;
         Ok(settings)
     }
-}
-
-/// A criterion as a normalised job writes it.
-#[derive(Serialize)]
-pub struct NormalisedCriterion {
-    kind: CriterionKind,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    disc: Option<DiscKind>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    disc_modes: Option<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    start: Option<StartKind>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    displacement: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    horizon: Option<f64>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    record: Vec<Record>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    index: Option<NormalisedIndex>,
-}
-
-#[derive(Serialize)]
-struct NormalisedIndex {
-    amplitude: f64,
 }

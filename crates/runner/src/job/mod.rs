@@ -1,25 +1,33 @@
 //! Job specs: what a user writes, checked and made into what the engine runs.
 
 mod diagnosis;
+
+mod criterion_spec;
+mod distribution_spec;
+mod random_spec;
+mod sampling_spec;
 mod spec;
 
-mod distribution;
 mod measured;
+mod random_input;
 mod scatter;
 
 mod criterion;
 mod random;
 mod sampling;
-mod sampling_spec;
+mod sampling_checks;
 mod validated;
 
+mod identity;
 mod normalised;
 mod source;
 
 pub use criterion::Criterion;
-pub use random::RandomInput;
+pub use criterion_spec::StartKind;
+pub use identity::IDENTITY_VERSION;
+pub use random_input::RandomInput;
 pub use sampling::Effort;
 pub use sampling_spec::{Audit, EvaluateMode, SamplingMethod};
 pub use source::{JobSource, Overrides};
-pub use spec::{JobSpec, StartKind};
+pub use spec::JobSpec;
 pub use validated::{Job, unknown_parameter};

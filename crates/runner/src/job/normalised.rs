@@ -1,115 +1,303 @@
-//! A job written out in full, as TOML that can itself be submitted, and its identity.
+//! A job written out in full, with every default filled in, as TOML that can itself be submitted.
+//!
+//! What stands here is what belongs to a job's experiment: [`identity`](super::identity) hashes the same values.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
+use stickslip_core::criterion::time_domain::{DiscModel, Start};
 use stickslip_core::parameters::SCALARS;
-use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
-use stickslip_sampler::verdict_map::map::MAP_VERSION;
+use stickslip_sampler::estimate::sequential::Precision;
+use stickslip_sampler::inputs::Marginal;
 
-use super::criterion::{Criterion, NormalisedCriterion};
-use super::random::NormalisedRandom;
-use super::sampling::NormalisedSampling;
+use super::criterion::Criterion;
+use super::criterion_spec::{CriterionKind, DiscKind, Record, StartKind};
+use super::random::RandomInputSet;
+use super::sampling::{Effort, Sampling};
+use super::sampling_spec::{AUDIT, Audit, EvaluateMode, IntervalSpec, SamplingMethod};
+use super::scatter::own_std;
 use super::validated::Job;
+
+/// The values of the model by section and name, without those that are axes of the grid.
+pub type NormalisedModel = BTreeMap<&'static str, BTreeMap<&'static str, f64>>;
 
 impl Job {
     /// The job with everything written out, as TOML that can itself be submitted.
     pub fn normalised(&self) -> String {
-        self.to_toml(&self.sampling.normalised(), &self.name, &self.description)
-    }
-
-    /// Identifies the job: everything that its result depends on.
-    pub fn hash(&self) -> String {
-        self.hash_job(self.to_toml(&self.sampling.normalised(), "", ""))
-    }
-
-    /// Identifies the job but for the number of samples: runs that agree in it share their samples.
-    pub fn experiment_hash(&self) -> String {
-        let sampling = self.sampling.normalised().for_any_number();
-        self.hash_job(self.to_toml(&sampling, "", ""))
-    }
-
-    /// Identifies what decides a sample at one rotating speed: jobs that agree in it can share verdict maps.
-    pub fn map_key(&self, rotating_speed: f64) -> String {
-        let verdicts =
-            NormalisedVerdicts { model: self.model(), rotating_speed, criterion: self.criterion.normalised() };
-        let text = toml::to_string(&verdicts).unwrap_or_else(|error| format!("# not representable: {error}\n"));
-        self.hash_text(&format!("verdict map {MAP_VERSION}\n{text}"))
-    }
-
-    /// A hash of a text and of the versions behind results and verdicts.
-    fn hash_text(&self, text: &str) -> String {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&RESULTS_VERSION.to_le_bytes());
-        if !matches!(self.criterion, Criterion::Eigenvalue) {
-            hasher.update(&VERDICTS_VERSION.to_le_bytes());
-        }
-        hasher.update(text.as_bytes());
-        hasher.finalize().to_hex().to_string()
-    }
-
-    /// The same of a text of the job, with the version of the estimates where that matters.
-    fn hash_job(&self, mut text: String) -> String {
-        if self.has_later_estimates() {
-            text += &format!("estimates version {ESTIMATES_VERSION}\n");
-        }
-        self.hash_text(&text)
-    }
-
-    fn model(&self) -> BTreeMap<&'static str, BTreeMap<&'static str, f64>> {
-        let mut model = BTreeMap::new();
-        for scalar in &SCALARS {
-            // These are the axes' business.
-            let is_axis = scalar.section() == "operating_point" || scalar.key == "friction.static_coefficient";
-            if !is_axis {
-                let section: &mut BTreeMap<_, _> = model.entry(scalar.section()).or_default();
-                section.insert(scalar.name(), scalar.value(&self.parameters));
-            }
-        }
-        model
-    }
-
-    fn to_toml(&self, sampling: &NormalisedSampling, name: &str, description: &str) -> String {
-        let normalised = NormalisedJob {
-            name,
-            description,
-            model: self.model(),
-            axes: NormalisedAxes {
-                rotating_speed: self.grid.rotating_speed.values(),
-                preload: self.grid.preload.values(),
-                static_friction: self.grid.static_friction.values(),
-            },
-            random: self.random.normalised(),
-            criterion: self.criterion.normalised(),
-            sampling,
+        let document = NormalisedDocument {
+            name: &self.name,
+            description: &self.description,
+            experiment: NormalisedExperiment::from(self),
         };
         // Strings, numbers, lists and tables only: there is nothing in it that TOML cannot hold.
-        toml::to_string(&normalised).unwrap_or_else(|error| format!("# not representable: {error}\n"))
+        toml::to_string(&document).unwrap_or_else(|error| format!("# not representable: {error}\n"))
     }
 }
 
+/// A job: what it is called, and what it computes.
 #[derive(Serialize)]
-struct NormalisedVerdicts {
-    rotating_speed: f64,
-    model: BTreeMap<&'static str, BTreeMap<&'static str, f64>>,
-    criterion: NormalisedCriterion,
-}
-
-#[derive(Serialize)]
-struct NormalisedJob<'a> {
+struct NormalisedDocument<'a> {
     name: &'a str,
     description: &'a str,
-    model: BTreeMap<&'static str, BTreeMap<&'static str, f64>>,
-    axes: NormalisedAxes<'a>,
-    random: NormalisedRandom,
-    criterion: NormalisedCriterion,
-    sampling: &'a NormalisedSampling,
+    #[serde(flatten)]
+    experiment: NormalisedExperiment<'a>,
 }
 
+/// What a job computes.
 #[derive(Serialize)]
-struct NormalisedAxes<'a> {
-    rotating_speed: &'a [f64],
-    preload: &'a [f64],
-    static_friction: &'a [f64],
+pub struct NormalisedExperiment<'a> {
+    pub(super) model: NormalisedModel,
+    pub(super) axes: NormalisedAxes<'a>,
+    pub(super) random: NormalisedRandom,
+    pub(super) criterion: NormalisedCriterion,
+    pub(super) sampling: NormalisedSampling,
+}
+
+impl<'a> From<&'a Job> for NormalisedExperiment<'a> {
+    fn from(job: &'a Job) -> Self {
+        Self {
+            model: model(job),
+            axes: NormalisedAxes {
+                rotating_speed: job.grid.rotating_speed.values(),
+                preload: job.grid.preload.values(),
+                static_friction: job.grid.static_friction.values(),
+            },
+            random: (&job.random).into(),
+            criterion: (&job.criterion).into(),
+            sampling: (&job.sampling).into(),
+        }
+    }
+}
+
+/// The model of a job, but for what its axes give.
+pub fn model(job: &Job) -> NormalisedModel {
+    let mut model = NormalisedModel::new();
+    for scalar in &SCALARS {
+        let is_axis = scalar.section() == "operating_point" || scalar.key == "friction.static_coefficient";
+        if !is_axis {
+            model.entry(scalar.section()).or_default().insert(scalar.name(), scalar.value(&job.parameters));
+        }
+    }
+    model
+}
+
+/// The axes of the grid.
+#[derive(Serialize)]
+pub struct NormalisedAxes<'a> {
+    pub(super) rotating_speed: &'a [f64],
+    pub(super) preload: &'a [f64],
+    pub(super) static_friction: &'a [f64],
+}
+
+/// The random inputs.
+#[derive(Serialize)]
+pub struct NormalisedRandom {
+    pub(super) inputs: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) relative_std: Vec<BTreeMap<&'static str, f64>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) correlation: Vec<(&'static str, &'static str, f64)>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) distribution: BTreeMap<&'static str, NormalisedMarginal>,
+}
+
+impl From<&RandomInputSet> for NormalisedRandom {
+    fn from(random: &RandomInputSet) -> Self {
+        let name = |i: usize| random.inputs[i].name();
+        let marginals = || random.inputs.iter().zip(&random.marginals);
+        // Measured values have their own standard deviation, which is not given.
+        let given = |stds: &Vec<f64>| -> BTreeMap<&'static str, f64> {
+            let free = marginals().zip(stds).filter(|((_, marginal), _)| own_std(marginal).is_none());
+            free.map(|((input, _), &std)| (input.name(), std)).collect()
+        };
+        Self {
+            inputs: random.inputs.iter().map(|input| input.name()).collect(),
+            relative_std: random.relative_stds.iter().map(given).filter(|stds| !stds.is_empty()).collect(),
+            distribution: marginals()
+                .filter(|(_, marginal)| **marginal != Marginal::Normal)
+                .map(|(input, marginal)| (input.name(), marginal.into()))
+                .collect(),
+            correlation: random.pairs.iter().map(|&(i, j, rho)| (name(i), name(j), rho)).collect(),
+        }
+    }
+}
+
+/// A distribution.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NormalisedMarginal {
+    /// See [`Marginal`].
+    Normal,
+    /// See [`Marginal`].
+    Lognormal,
+    /// See [`Marginal`].
+    Uniform,
+    /// The two ends.
+    TruncatedNormal(f64, f64),
+    /// See [`Marginal`].
+    Weibull,
+    /// See [`Marginal`].
+    Gumbel,
+    /// The place of the peak.
+    Triangular(f64),
+    /// The two ends.
+    Beta(f64, f64),
+    /// Measured values, sorted.
+    Values(Vec<f64>),
+}
+
+impl From<&Marginal> for NormalisedMarginal {
+    fn from(marginal: &Marginal) -> Self {
+        match *marginal {
+            Marginal::Normal => Self::Normal,
+            Marginal::Lognormal => Self::Lognormal,
+            Marginal::Uniform => Self::Uniform,
+            Marginal::TruncatedNormal { low, high } => Self::TruncatedNormal(low, high),
+            Marginal::Weibull => Self::Weibull,
+            Marginal::Gumbel => Self::Gumbel,
+            Marginal::Triangular { mode } => Self::Triangular(mode),
+            Marginal::Beta { low, high } => Self::Beta(low, high),
+            Marginal::Empirical(ref measured) => Self::Values(measured.values().to_vec()),
+        }
+    }
+}
+
+/// The criterion. Keys that its kind has no use for are absent.
+#[derive(Serialize)]
+pub struct NormalisedCriterion {
+    pub(super) kind: CriterionKind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) disc: Option<DiscKind>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) disc_modes: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) start: Option<StartKind>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) displacement: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) horizon: Option<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) record: Vec<Record>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) index: Option<NormalisedIndex>,
+}
+
+/// The paper's index of instability.
+#[derive(Serialize)]
+pub struct NormalisedIndex {
+    pub(super) amplitude: f64,
+}
+
+impl From<&Criterion> for NormalisedCriterion {
+    fn from(criterion: &Criterion) -> Self {
+        let empty = Self {
+            kind: CriterionKind::Eigenvalue,
+            disc: None,
+            disc_modes: None,
+            start: None,
+            displacement: None,
+            horizon: None,
+            record: Vec::new(),
+            index: None,
+        };
+        match criterion {
+            Criterion::Eigenvalue => empty,
+            Criterion::CoupledEigenvalue { modes } => {
+                Self { kind: CriterionKind::CoupledEigenvalue, disc_modes: Some(*modes), ..empty }
+            }
+            Criterion::TimeDomain { disc, settings } => Self {
+                kind: CriterionKind::TimeDomain,
+                disc: Some(if matches!(disc, DiscModel::Rigid) { DiscKind::Rigid } else { DiscKind::Flexible }),
+                disc_modes: if let DiscModel::Flexible { modes } = disc { Some(*modes) } else { None },
+                start: Some(match settings.start {
+                    Start::NearEquilibrium => StartKind::NearEquilibrium,
+                    Start::Rest => StartKind::Rest,
+                    Start::LimitCycle => StartKind::LimitCycle,
+                }),
+                displacement: Some(settings.displacement),
+                horizon: Some(settings.horizon),
+                record: settings.record_amplitude.then_some(Record::Amplitude).into_iter().collect(),
+                index: settings.amplitude_index.map(|amplitude| NormalisedIndex { amplitude }),
+            },
+        }
+    }
+}
+
+/// How many samples are drawn, and how. Keys that have no meaning for the method are absent.
+#[derive(Serialize)]
+pub struct NormalisedSampling {
+    pub(super) method: SamplingMethod,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) samples: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) seed: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) evaluate: Option<EvaluateMode>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) common_random_numbers: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) confidence: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) audit: Option<Audit>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) randomisations: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) interval: Option<IntervalSpec>,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub(super) simultaneous: bool,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub(super) derivatives: bool,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub(super) sensitivity: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) until: Option<NormalisedUntil>,
+}
+
+/// The precision that is wanted of each cell.
+#[derive(Serialize)]
+pub struct NormalisedUntil {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) half_width: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) relative: Option<f64>,
+    pub(super) confidence: f64,
+    pub(super) at_most: u64,
+}
+
+impl From<&Sampling> for NormalisedSampling {
+    fn from(sampling: &Sampling) -> Self {
+        let samples = match sampling.effort {
+            Effort::Samples(samples) => Some(samples),
+            Effort::Randomisations { count, points } => Some(count * points),
+            Effort::Until(_) | Effort::Integrated => None,
+        };
+        let until = sampling.until.map(|Precision { half_width, relative }| NormalisedUntil {
+            half_width,
+            relative,
+            confidence: sampling.confidence,
+            at_most: sampling.samples,
+        });
+        let integrated = sampling.method == SamplingMethod::Exact;
+        // What is integrated over a map is audited with samples.
+        let without_samples = integrated && !sampling.is_audited;
+        let has_audit = sampling.is_audited || sampling.evaluate == EvaluateMode::Boundary || sampling.audit != AUDIT;
+        Self {
+            method: sampling.method,
+            samples,
+            seed: (!without_samples).then_some(sampling.seed),
+            evaluate: (!integrated).then_some(sampling.evaluate),
+            common_random_numbers: (!integrated).then_some(sampling.common_random_numbers),
+            confidence: (!without_samples && until.is_none()).then_some(sampling.confidence),
+            audit: has_audit.then_some(sampling.audit),
+            randomisations: match sampling.effort {
+                Effort::Randomisations { count, .. } => Some(count),
+                _ => None,
+            },
+            interval: sampling.interval.filter(|interval| *interval != IntervalSpec::Wilson),
+            simultaneous: sampling.simultaneous,
+            derivatives: sampling.derivatives,
+            sensitivity: sampling.sensitivity,
+            until,
+        }
+    }
 }

@@ -1,132 +1,18 @@
 //! The random inputs of a job: which parameters scatter, how, and how they are correlated.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use stickslip_core::parameters::Parameters;
-use stickslip_core::parameters::{SCALARS, Scalar, scalar};
-use stickslip_sampler::grid::{Cell, Grid, RelativeStd};
+use stickslip_sampler::grid::{Grid, RelativeStd};
 use stickslip_sampler::inputs::{Correlation, CorrelationError, Marginal, MarginalError};
 use toml::Spanned;
 
-use super::diagnosis::{Complaint, nearest};
-use super::distribution::{DistributionSpec, MarginalSpec, NormalisedMarginal};
+use super::diagnosis::Complaint;
+use super::distribution_spec::{DistributionSpec, MarginalSpec};
 use super::measured;
-use super::scatter::{RelativeStdSpec, own_std, validate_stds};
-
-/// The random inputs.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RandomSpec {
-    /// The inputs that scatter about their expected value: "preload", "static_friction", "rotating_speed", or any
-    /// parameter of the model by its path, for example "stiffness.contact_normal". May be empty.
-    #[schemars(with = "Option<Vec<String>>")]
-    pub inputs: Option<Spanned<Vec<Spanned<String>>>>,
-    /// Standard deviation over expected value, from 0 to what the distribution allows: 1 for a normal input. A list makes an
-    /// axis of the grid. An input with measured values has their own, and none here.
-    #[schemars(with = "Option<RelativeStdSpec>")]
-    pub relative_std: Option<Spanned<RelativeStdSpec>>,
-    /// The distribution of every input, or a table by input; "normal" unless told.
-    #[schemars(with = "Option<DistributionSpec>")]
-    pub distribution: Option<Spanned<DistributionSpec>>,
-    /// Correlated pairs: [["preload", "static_friction", 0.3], ...], coefficients of the normal deviates behind them.
-    #[schemars(with = "Option<Vec<(String, String, f64)>>")]
-    pub correlation: Option<Spanned<Vec<PairSpec>>>,
-}
-
-/// Two inputs and their coefficient of correlation.
-pub type PairSpec = Spanned<(String, String, f64)>;
-
-/// An input that scatters.
-#[derive(Debug, Clone, Copy)]
-pub enum RandomInput {
-    /// The preload Delta.
-    Preload,
-    /// The static friction coefficient f_s.
-    StaticFriction,
-    /// Any other parameter; its expected value is the model's, or that of the axis of rotating speeds.
-    Other(&'static Scalar),
-}
-
-impl RandomInput {
-    /// As in a job spec.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Preload => "preload",
-            Self::StaticFriction => "static_friction",
-            Self::Other(_) if self.is_rotating_speed() => "rotating_speed",
-            Self::Other(scalar) => scalar.key,
-        }
-    }
-
-    fn from_name(name: &str) -> Result<Self, String> {
-        match name {
-            "preload" => return Ok(Self::Preload),
-            "static_friction" => return Ok(Self::StaticFriction),
-            _ => {}
-        }
-        if let ("rotating_speed", Some(scalar)) = (name, scalar("operating_point.rotating_speed")) {
-            return Ok(Self::Other(scalar));
-        }
-        let axis = match name {
-            "friction.static_coefficient" => Some("static_friction"),
-            "operating_point.preload" => Some("preload"),
-            "operating_point.rotating_speed" => Some("rotating_speed"),
-            _ => None,
-        };
-        if let Some(axis) = axis {
-            return Err(format!("random.inputs: write \"{axis}\" for \"{name}\", as in [axes]"));
-        }
-        if let Some(scalar) = scalar(name) {
-            return Ok(Self::Other(scalar));
-        }
-        let names = ["preload", "static_friction", "rotating_speed"];
-        let by_name = SCALARS.iter().find(|scalar| scalar.name() == name).map(|scalar| scalar.key);
-        let hint = by_name.or_else(|| nearest(name, names.into_iter().chain(SCALARS.iter().map(|scalar| scalar.key))));
-        let hint = hint.map_or(String::new(), |hint| format!("; did you mean `{hint}`?"));
-        Err(format!(
-            "random.inputs: there is no input \"{name}\"{hint} (preload, static_friction, rotating_speed, or a parameter of the model as `section.name`)"
-        ))
-    }
-
-    /// Its expected value in a cell.
-    pub fn expected(self, cell: &Cell, parameters: &Parameters) -> f64 {
-        match self {
-            Self::Preload => cell.preload,
-            Self::StaticFriction => cell.static_friction,
-            Self::Other(_) if self.is_rotating_speed() => cell.rotating_speed,
-            Self::Other(scalar) => scalar.value(parameters),
-        }
-    }
-
-    /// Its expected values over all cells, and the key that has them.
-    fn all_expected(self, parameters: &Parameters, grid: &Grid) -> (Vec<f64>, String) {
-        match self {
-            Self::Preload => (grid.preload.values().to_vec(), "axes.preload".to_owned()),
-            Self::StaticFriction => (grid.static_friction.values().to_vec(), "axes.static_friction".to_owned()),
-            Self::Other(_) if self.is_rotating_speed() => {
-                (grid.rotating_speed.values().to_vec(), "axes.rotating_speed".to_owned())
-            }
-            Self::Other(scalar) => (vec![scalar.value(parameters)], format!("model.{}", scalar.key)),
-        }
-    }
-
-    /// Whether it is the rotating speed, which has an axis.
-    pub fn is_rotating_speed(self) -> bool {
-        matches!(self, Self::Other(scalar) if scalar.key == "operating_point.rotating_speed")
-    }
-
-    /// Its place in the order in which deviates are drawn: preload, static friction, then the model's parameters.
-    fn rank(self) -> usize {
-        match self {
-            Self::Preload => 0,
-            Self::StaticFriction => 1,
-            Self::Other(scalar) => 2 + SCALARS.iter().position(|other| other.key == scalar.key).unwrap_or(0),
-        }
-    }
-}
+use super::random_input::{RandomInput, position};
+use super::random_spec::RandomSpec;
+use super::scatter::validate_stds;
 
 /// The random inputs of a job, checked, in the order in which their deviates are drawn.
 #[derive(Debug, Clone)]
@@ -227,47 +113,6 @@ impl RandomInputSet {
         }
         found
     }
-
-    /// As a normalised job writes it.
-    pub fn normalised(&self) -> NormalisedRandom {
-        let name = |i: usize| self.inputs[i].name();
-        let distribution = self.inputs.iter().zip(&self.marginals);
-        NormalisedRandom {
-            inputs: self.inputs.iter().map(|input| input.name()).collect(),
-            relative_std: self
-                .relative_stds
-                .iter()
-                .map(|stds| self.given_stds(stds))
-                .filter(|stds| !stds.is_empty())
-                .collect(),
-            distribution: distribution
-                .filter(|(_, marginal)| **marginal != Marginal::Normal)
-                .map(|(input, marginal)| (input.name(), marginal.into()))
-                .collect(),
-            correlation: self.pairs.iter().map(|&(i, j, rho)| (name(i), name(j), rho)).collect(),
-        }
-    }
-
-    /// By input, but for those with measured values, which have their own.
-    fn given_stds(&self, stds: &[f64]) -> BTreeMap<&'static str, f64> {
-        let inputs = self.inputs.iter().zip(&self.marginals).zip(stds);
-        inputs
-            .filter(|((_, marginal), _)| own_std(marginal).is_none())
-            .map(|((input, _), &std)| (input.name(), std))
-            .collect()
-    }
-}
-
-/// The random inputs as a normalised job writes them.
-#[derive(Serialize)]
-pub struct NormalisedRandom {
-    inputs: Vec<&'static str>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    relative_std: Vec<BTreeMap<&'static str, f64>>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    correlation: Vec<(&'static str, &'static str, f64)>,
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    distribution: BTreeMap<&'static str, NormalisedMarginal>,
 }
 
 fn validate_inputs(random: &RandomSpec) -> Result<Vec<RandomInput>, Complaint> {
@@ -304,14 +149,6 @@ fn named(error: &CorrelationError, inputs: &[RandomInput]) -> String {
         ),
         ref other => other.to_string(),
     }
-}
-
-/// The position of an input that a key other than `inputs` names.
-pub fn position(inputs: &[RandomInput], name: &str, key: &str) -> Result<usize, String> {
-    inputs
-        .iter()
-        .position(|input| input.name() == name)
-        .ok_or_else(|| format!("random.{key} gives a value for {name}, but random.inputs does not list {name}"))
 }
 
 fn validate_distributions(

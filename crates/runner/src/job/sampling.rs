@@ -1,6 +1,5 @@
 //! How the probabilities of a job are found: its sampling keys, checked.
 
-use serde::Serialize;
 use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::interval::IntervalKind;
 use stickslip_sampler::estimate::interval::half_of_the_error;
@@ -48,7 +47,7 @@ pub struct Sampling {
     /// Samples in each cell (at the most, with `until`; 0 for integrals).
     pub samples: u64,
     /// The precision that is wanted of each cell, with `until`.
-    until: Option<Precision>,
+    pub until: Option<Precision>,
     /// How they are shared.
     pub effort: Effort,
     /// Seed.
@@ -209,43 +208,6 @@ impl Sampling {
             Effort::Integrated => vec![0],
         }
     }
-
-    /// As a normalised job writes it.
-    pub fn normalised(&self) -> NormalisedSampling {
-        let samples = match self.effort {
-            Effort::Samples(samples) => Some(samples),
-            Effort::Randomisations { count, points } => Some(count * points),
-            Effort::Until(_) | Effort::Integrated => None,
-        };
-        let until = self.until.map(|Precision { half_width, relative }| NormalisedUntil {
-            half_width,
-            relative,
-            confidence: self.confidence,
-            at_most: self.samples,
-        });
-        let integrated = self.method == SamplingMethod::Exact;
-        // What is integrated over a map is audited with samples.
-        let without_samples = integrated && !self.is_audited;
-        NormalisedSampling {
-            method: self.method,
-            samples,
-            seed: (!without_samples).then_some(self.seed),
-            evaluate: (!integrated).then_some(self.evaluate),
-            common_random_numbers: (!integrated).then_some(self.common_random_numbers),
-            confidence: (!without_samples && until.is_none()).then_some(self.confidence),
-            audit: (self.is_audited || self.evaluate == EvaluateMode::Boundary || self.audit != AUDIT)
-                .then_some(self.audit),
-            randomisations: match self.effort {
-                Effort::Randomisations { count, .. } => Some(count),
-                _ => None,
-            },
-            interval: self.interval.filter(|interval| *interval != IntervalSpec::Wilson),
-            simultaneous: self.simultaneous,
-            derivatives: self.derivatives,
-            sensitivity: self.sensitivity,
-            until,
-        }
-    }
 }
 
 impl SamplingSpec {
@@ -321,53 +283,4 @@ impl SamplingSpec {
             }
         }
     }
-}
-
-/// Sampling as a normalised job writes it; keys that came later only where they say something, so that older jobs keep
-/// their identity.
-#[derive(Serialize)]
-pub struct NormalisedSampling {
-    method: SamplingMethod,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    samples: Option<u64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    seed: Option<u64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    evaluate: Option<EvaluateMode>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    common_random_numbers: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    confidence: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    audit: Option<Audit>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    randomisations: Option<u64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    interval: Option<IntervalSpec>,
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    simultaneous: bool,
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    derivatives: bool,
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    sensitivity: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    until: Option<NormalisedUntil>,
-}
-
-impl NormalisedSampling {
-    /// The same for any number of samples: jobs that agree in it share theirs.
-    pub fn for_any_number(self) -> Self {
-        let until = self.until.map(|until| NormalisedUntil { at_most: 0, ..until });
-        Self { samples: self.samples.map(|_| 0), until, ..self }
-    }
-}
-
-#[derive(Serialize)]
-struct NormalisedUntil {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    half_width: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    relative: Option<f64>,
-    confidence: f64,
-    at_most: u64,
 }

@@ -1,117 +1,11 @@
 //! How much the random inputs scatter: `random.relative_std`.
 
-use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::fmt;
-
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
 use stickslip_sampler::inputs::Marginal;
 use toml::Spanned;
 
 use super::diagnosis::Complaint;
-use super::random::{RandomInput, RandomSpec, position};
-
-/// Relative standard deviation at the most, for the widest distributions.
-const LARGEST_STD: f64 = 10.0;
-
-/// One relative standard deviation for every random input, or one for each.
-#[derive(Debug, Clone)]
-pub enum StdSpec {
-    /// The same for every random input.
-    Common(f64),
-    /// By input.
-    Each(BTreeMap<String, f64>),
-}
-
-/// A number, a table by input, or a list of these.
-#[derive(Debug, Clone)]
-pub struct RelativeStdSpec(pub Vec<StdSpec>);
-
-struct StdVisitor;
-
-impl<'de> Visitor<'de> for StdVisitor {
-    type Value = StdSpec;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a table by input, { preload = ..., static_friction = ... }")
-    }
-
-    fn visit_f64<E>(self, value: f64) -> Result<StdSpec, E> {
-        Ok(StdSpec::Common(value))
-    }
-
-    fn visit_i64<E>(self, value: i64) -> Result<StdSpec, E> {
-        Ok(StdSpec::Common(value as f64))
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<StdSpec, A::Error> {
-        BTreeMap::deserialize(MapAccessDeserializer::new(map)).map(StdSpec::Each)
-    }
-}
-
-impl<'de> Deserialize<'de> for StdSpec {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(StdVisitor)
-    }
-}
-
-impl<'de> Deserialize<'de> for RelativeStdSpec {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ListVisitor;
-
-        impl<'de> Visitor<'de> for ListVisitor {
-            type Value = RelativeStdSpec;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, a list of numbers, or { preload = ..., static_friction = ... }")
-            }
-
-            fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<RelativeStdSpec, E> {
-                StdVisitor.visit_f64(value).map(|std| RelativeStdSpec(vec![std]))
-            }
-
-            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<RelativeStdSpec, E> {
-                StdVisitor.visit_i64(value).map(|std| RelativeStdSpec(vec![std]))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<RelativeStdSpec, A::Error> {
-                let mut values = Vec::new();
-                while let Some(value) = list.next_element()? {
-                    values.push(value);
-                }
-                Ok(RelativeStdSpec(values))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RelativeStdSpec, A::Error> {
-                StdVisitor.visit_map(map).map(|std| RelativeStdSpec(vec![std]))
-            }
-        }
-
-        deserializer.deserialize_any(ListVisitor)
-    }
-}
-
-impl JsonSchema for RelativeStdSpec {
-    fn schema_name() -> Cow<'static, str> {
-        "RelativeStd".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let number = serde_json::json!({ "type": "number", "minimum": 0, "maximum": LARGEST_STD });
-        let table = serde_json::json!({ "type": "object", "additionalProperties": number });
-        json_schema!({
-            "description": "A number, a table by input, or a list of these.",
-            "anyOf": [
-                number,
-                table,
-                { "type": "array", "items": { "anyOf": [number, table] }, "minItems": 1 },
-            ]
-        })
-    }
-}
+use super::random_input::{RandomInput, position};
+use super::random_spec::{LARGEST_STD, RandomSpec, StdSpec};
 
 /// The relative standard deviation that a distribution has of itself.
 pub fn own_std(marginal: &Marginal) -> Option<f64> {

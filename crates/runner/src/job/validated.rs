@@ -19,11 +19,12 @@ use toml::Spanned;
 use crate::output::note;
 
 use super::criterion::Criterion;
+use super::criterion_spec::ModesSpec;
 use super::diagnosis::{Complaint, nearest};
 use super::random::RandomInputSet;
 use super::sampling::{Effort, Sampling};
 use super::sampling_spec::{Audit, EvaluateMode, SamplingMethod};
-use super::spec::{AxisSpec, JobSpec, ModelSpec, ModesSpec, SECTIONS};
+use super::spec::{AxisSpec, JobSpec, ModelSpec, SECTIONS};
 
 /// Cells at the most; their results are held in memory.
 const MOST_CELLS: u64 = 1_000_000;

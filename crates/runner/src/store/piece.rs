@@ -20,6 +20,7 @@ use stickslip_sampler::estimate::distribution::Distribution;
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::files::publish::{files, is_temporary, publish};
+use crate::job::IDENTITY_VERSION;
 
 const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
 
@@ -31,7 +32,11 @@ const AMPLITUDE_BINS: &str = "amplitude_bins";
 const SUMS: &str = "sums";
 
 const EXPERIMENT_KEY: &str = "stickslip:experiment";
+const IDENTITY_KEY: &str = "stickslip:identity_version";
 const VERDICTS_KEY: &str = "stickslip:verdicts_version";
+
+/// The version of a job's identity in pieces that do not say it.
+const UNNAMED_IDENTITY: u32 = 1;
 
 /// Pieces that do not say by which version of the verdicts they were made are of this one or an older one.
 const UNNAMED_VERDICTS: u32 = 2;
@@ -96,6 +101,7 @@ pub fn read_all(
 /// What a piece says of the run that it belongs to.
 struct Owner {
     experiment: String,
+    identity_version: u32,
     verdicts_version: u32,
 }
 
@@ -104,13 +110,19 @@ impl Owner {
     fn refused(&self, path: &Path) -> Failure {
         let path = path.display();
         let version = self.verdicts_version;
-        Failure::Job(if version == VERDICTS_VERSION {
+        let of_versions = "Submit the run's job.toml again into another directory with --out, or continue the run with the stickslip that began it";
+        Failure::Job(if version != VERDICTS_VERSION {
             format!(
-                "{path} belongs to another job or another version of stickslip. Was the run's job.toml edited or removed? Restore it, or choose another directory with --out"
+                "{path} was computed by another version of stickslip (verdicts version {version}, this one has {VERDICTS_VERSION}), or belongs to another job; the two must not be mixed. {of_versions}, or restore job.toml if it was edited"
+            )
+        } else if self.identity_version != IDENTITY_VERSION {
+            let which = if self.identity_version < IDENTITY_VERSION { "an earlier" } else { "a later" };
+            format!(
+                "{path} was written by {which} version of stickslip, which identifies jobs in another way: this version cannot tell whether the piece belongs to this job. {of_versions}"
             )
         } else {
             format!(
-                "{path} was computed by another version of stickslip (verdicts version {version}, this one has {VERDICTS_VERSION}), or belongs to another job; the two must not be mixed. Submit the run's job.toml into another directory with --out, go on with the stickslip that began it, or restore job.toml if it was edited"
+                "{path} belongs to another job or another version of stickslip. Was the run's job.toml edited or removed? Restore it, or choose another directory with --out"
             )
         })
     }
@@ -163,6 +175,7 @@ fn encode(experiment: &str, units: &[FinishedUnit]) -> Result<Vec<u8>, parquet::
     let schema = Arc::new(Schema::new(fields));
     let owner = vec![
         KeyValue::new(EXPERIMENT_KEY.to_owned(), experiment.to_owned()),
+        KeyValue::new(IDENTITY_KEY.to_owned(), IDENTITY_VERSION.to_string()),
         KeyValue::new(VERDICTS_KEY.to_owned(), VERDICTS_VERSION.to_string()),
     ];
     let properties = WriterProperties::builder().set_key_value_metadata(Some(owner)).build();
@@ -176,9 +189,11 @@ fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<FinishedUnit>), String> {
     let builder = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes)).map_err(|e| text(&e))?;
     let metadata = builder.metadata().file_metadata().key_value_metadata();
     let value_of = |key: &str| metadata?.iter().find(|pair| pair.key == key)?.value.clone();
+    let version_of = |key: &str| value_of(key)?.parse::<u32>().ok();
     let owner = Owner {
         experiment: value_of(EXPERIMENT_KEY).ok_or("it does not say which job it belongs to")?,
-        verdicts_version: value_of(VERDICTS_KEY).and_then(|text| text.parse().ok()).unwrap_or(UNNAMED_VERDICTS),
+        identity_version: version_of(IDENTITY_KEY).unwrap_or(UNNAMED_IDENTITY),
+        verdicts_version: version_of(VERDICTS_KEY).unwrap_or(UNNAMED_VERDICTS),
     };
     let mut units = Vec::new();
     for batch in builder.build().map_err(|e| text(&e))? {
@@ -303,6 +318,23 @@ mod tests {
     fn a_piece_of_another_job_is_an_error() {
         let (directory, _) = written();
         assert!(matches!(read_all(directory.path(), "other", |part| part < 50, 2), Err(Failure::Job(_))));
+    }
+
+    #[test]
+    fn a_piece_of_an_earlier_identity_is_refused_with_what_to_do() {
+        let piece = Path::new("run/shards/0123.parquet");
+        let owner = |identity_version| Owner {
+            experiment: "e".to_owned(),
+            identity_version,
+            verdicts_version: VERDICTS_VERSION,
+        };
+        let earlier = owner(UNNAMED_IDENTITY).refused(piece).to_string();
+        for text in
+            ["run/shards/0123.parquet was written by an earlier version", "again into another directory with --out"]
+        {
+            assert!(earlier.contains(text), "{earlier}");
+        }
+        assert!(owner(IDENTITY_VERSION).refused(piece).to_string().contains("belongs to another job"));
     }
 
     #[test]

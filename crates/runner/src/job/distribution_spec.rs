@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer};
 use serde_json::json;
 use stickslip_sampler::inputs::Marginal;
 
@@ -176,45 +176,5 @@ impl JsonSchema for DistributionSpec {
             "description": "One distribution for every random input, or a table by input; those left out are normal.",
             "anyOf": choices,
         })
-    }
-}
-
-/// A distribution as a normalised job writes it.
-#[derive(Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum NormalisedMarginal {
-    /// See [`Marginal`].
-    Normal,
-    /// See [`Marginal`].
-    Lognormal,
-    /// See [`Marginal`].
-    Uniform,
-    /// The two ends.
-    TruncatedNormal(f64, f64),
-    /// See [`Marginal`].
-    Weibull,
-    /// See [`Marginal`].
-    Gumbel,
-    /// The place of the peak.
-    Triangular(f64),
-    /// The two ends.
-    Beta(f64, f64),
-    /// Measured values, sorted.
-    Values(Vec<f64>),
-}
-
-impl From<&Marginal> for NormalisedMarginal {
-    fn from(marginal: &Marginal) -> Self {
-        match *marginal {
-            Marginal::Normal => Self::Normal,
-            Marginal::Lognormal => Self::Lognormal,
-            Marginal::Uniform => Self::Uniform,
-            Marginal::TruncatedNormal { low, high } => Self::TruncatedNormal(low, high),
-            Marginal::Weibull => Self::Weibull,
-            Marginal::Gumbel => Self::Gumbel,
-            Marginal::Triangular { mode } => Self::Triangular(mode),
-            Marginal::Beta { low, high } => Self::Beta(low, high),
-            Marginal::Empirical(ref measured) => Self::Values(measured.values().to_vec()),
-        }
     }
 }

@@ -1,0 +1,146 @@
+//! The criterion of a job spec as written.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use clap::ValueEnum;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use stickslip_core::flexible_disc::plate_modes::MOST_DISC_MODES;
+use toml::Spanned;
+
+/// The criterion of stability. All keys but `kind` belong to the simulation in time, `disc_modes` also to the coupled
+/// eigenvalues.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CriterionSpec {
+    /// How a sample is decided.
+    pub kind: CriterionKind,
+    /// The disc under the pad; "flexible" unless told.
+    #[schemars(with = "Option<DiscKind>")]
+    pub disc: Option<Spanned<DiscKind>>,
+    /// How many modes of the flexible disc are kept, those of lowest frequency; "auto" unless told: as many as the growth
+    /// rates of the job need.
+    #[schemars(with = "Option<ModesSpec>")]
+    pub disc_modes: Option<Spanned<ModesSpec>>,
+    /// Where a motion starts; "near-equilibrium" unless told.
+    #[schemars(with = "Option<StartKind>")]
+    pub start: Option<Spanned<StartKind>>,
+    /// Displacement of a start near the equilibrium, over the equilibrium's own; 0.01 unless told.
+    #[schemars(with = "Option<f64>")]
+    pub displacement: Option<Spanned<f64>>,
+    /// Scaled time after which a sample is undecided; 10000 unless told.
+    #[schemars(with = "Option<f64>")]
+    pub horizon: Option<Spanned<f64>>,
+    /// The paper's index: unstable where the settled amplitude exceeds a limit. Without it the motion itself decides.
+    #[schemars(with = "Option<IndexSpec>")]
+    pub index: Option<Spanned<IndexSpec>>,
+    /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude.
+    #[schemars(with = "Option<Vec<Record>>")]
+    pub record: Option<Spanned<Vec<Record>>>,
+}
+
+/// A number of disc modes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModesSpec {
+    /// As many as the job needs.
+    Auto,
+    /// This many.
+    Given(usize),
+}
+
+impl<'de> Deserialize<'de> for ModesSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ModesVisitor;
+
+        impl Visitor<'_> for ModesVisitor {
+            type Value = ModesSpec;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("\"auto\" or a whole number, for example 5")
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<ModesSpec, E> {
+                let refused = |_| E::invalid_value(Unexpected::Signed(value), &self);
+                usize::try_from(value).map(ModesSpec::Given).map_err(refused)
+            }
+
+            fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<ModesSpec, E> {
+                if value == "auto" { Ok(ModesSpec::Auto) } else { Err(E::invalid_value(Unexpected::Str(value), &self)) }
+            }
+        }
+
+        deserializer.deserialize_any(ModesVisitor)
+    }
+}
+
+impl JsonSchema for ModesSpec {
+    fn schema_name() -> Cow<'static, str> {
+        "DiscModes".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "\"auto\", or a number of disc modes.",
+            "anyOf": [{ "const": "auto" }, { "type": "integer", "minimum": 1, "maximum": MOST_DISC_MODES }]
+        })
+    }
+}
+
+/// How a sample is decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CriterionKind {
+    /// The eigenvalues of steady sliding on a rigid disc, in closed form.
+    Eigenvalue,
+    /// The eigenvalues of pad and flexible disc together.
+    CoupledEigenvalue,
+    /// The motion itself, followed in time.
+    TimeDomain,
+}
+
+/// The disc under the pad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DiscKind {
+    /// It yields: modes of an annular plate.
+    Flexible,
+    /// It does not.
+    Rigid,
+}
+
+/// Where a motion starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum StartKind {
+    /// At steady sliding, displaced a little: does it hold?
+    NearEquilibrium,
+    /// At x = x' = 0, the brake just applied: does it squeal?
+    Rest,
+    /// At the release from stick: does stick-slip keep itself going?
+    LimitCycle,
+}
+
+impl StartKind {
+    /// As typed.
+    pub fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
+/// The paper's index of instability.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IndexSpec {
+    /// Limit of the settled amplitude, half peak to peak of x over the disc's thickness.
+    pub amplitude: f64,
+}
+
+/// What a run can record beside its counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Record {
+    /// Settled amplitude of the unstable samples.
+    Amplitude,
+}

@@ -1,0 +1,104 @@
+//! A random input: one parameter that scatters.
+
+use stickslip_core::parameters::{Parameters, SCALARS, Scalar, scalar};
+use stickslip_sampler::grid::{Cell, Grid};
+
+use super::diagnosis::nearest;
+
+/// An input that scatters.
+#[derive(Debug, Clone, Copy)]
+pub enum RandomInput {
+    /// The preload Delta.
+    Preload,
+    /// The static friction coefficient f_s.
+    StaticFriction,
+    /// Any other parameter; its expected value is the model's, or that of the axis of rotating speeds.
+    Other(&'static Scalar),
+}
+
+impl RandomInput {
+    /// As in a job spec.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Preload => "preload",
+            Self::StaticFriction => "static_friction",
+            Self::Other(_) if self.is_rotating_speed() => "rotating_speed",
+            Self::Other(scalar) => scalar.key,
+        }
+    }
+
+    /// From its name in a job spec.
+    pub fn from_name(name: &str) -> Result<Self, String> {
+        match name {
+            "preload" => return Ok(Self::Preload),
+            "static_friction" => return Ok(Self::StaticFriction),
+            _ => {}
+        }
+        if let ("rotating_speed", Some(scalar)) = (name, scalar("operating_point.rotating_speed")) {
+            return Ok(Self::Other(scalar));
+        }
+        let axis = match name {
+            "friction.static_coefficient" => Some("static_friction"),
+            "operating_point.preload" => Some("preload"),
+            "operating_point.rotating_speed" => Some("rotating_speed"),
+            _ => None,
+        };
+        if let Some(axis) = axis {
+            return Err(format!("random.inputs: write \"{axis}\" for \"{name}\", as in [axes]"));
+        }
+        if let Some(scalar) = scalar(name) {
+            return Ok(Self::Other(scalar));
+        }
+        let names = ["preload", "static_friction", "rotating_speed"];
+        let by_name = SCALARS.iter().find(|scalar| scalar.name() == name).map(|scalar| scalar.key);
+        let hint = by_name.or_else(|| nearest(name, names.into_iter().chain(SCALARS.iter().map(|scalar| scalar.key))));
+        let hint = hint.map_or(String::new(), |hint| format!("; did you mean `{hint}`?"));
+        Err(format!(
+            "random.inputs: there is no input \"{name}\"{hint} (preload, static_friction, rotating_speed, or a parameter of the model as `section.name`)"
+        ))
+    }
+
+    /// Its expected value in a cell.
+    pub fn expected(self, cell: &Cell, parameters: &Parameters) -> f64 {
+        match self {
+            Self::Preload => cell.preload,
+            Self::StaticFriction => cell.static_friction,
+            Self::Other(_) if self.is_rotating_speed() => cell.rotating_speed,
+            Self::Other(scalar) => scalar.value(parameters),
+        }
+    }
+
+    /// Its expected values over all cells, and the key that has them.
+    pub fn all_expected(self, parameters: &Parameters, grid: &Grid) -> (Vec<f64>, String) {
+        match self {
+            Self::Preload => (grid.preload.values().to_vec(), "axes.preload".to_owned()),
+            Self::StaticFriction => (grid.static_friction.values().to_vec(), "axes.static_friction".to_owned()),
+            Self::Other(_) if self.is_rotating_speed() => {
+                (grid.rotating_speed.values().to_vec(), "axes.rotating_speed".to_owned())
+            }
+            Self::Other(scalar) => (vec![scalar.value(parameters)], format!("model.{}", scalar.key)),
+        }
+    }
+
+    /// Whether it is the rotating speed, which has an axis.
+    pub fn is_rotating_speed(self) -> bool {
+        matches!(self, Self::Other(scalar) if scalar.key == "operating_point.rotating_speed")
+    }
+
+    /// Its place in the order in which deviates are drawn: preload, static friction, then the model's parameters.
+    pub fn rank(self) -> usize {
+        match self {
+            Self::Preload => 0,
+            Self::StaticFriction => 1,
+            Self::Other(scalar) => 2 + SCALARS.iter().position(|other| other.key == scalar.key).unwrap_or(0),
+        }
+    }
+}
+
+/// The position of an input that a key other than `inputs` names.
+pub fn position(inputs: &[RandomInput], name: &str, key: &str) -> Result<usize, String> {
+    inputs
+        .iter()
+        .position(|input| input.name() == name)
+        .ok_or_else(|| format!("random.{key} gives a value for {name}, but random.inputs does not list {name}"))
+}
