@@ -117,7 +117,8 @@ impl Scramble {
 /// how many others there are.
 ///
 /// ```
-/// use stickslip_sampler::{Purpose, ScrambledSobol, identity::block_generator};
+/// use stickslip_sampler::draw::identity::{Purpose, block_generator};
+/// use stickslip_sampler::draw::sobol::ScrambledSobol;
 /// let sobol = ScrambledSobol::new(2, &mut block_generator(2018, Purpose::Scrambling, 0, 0));
 /// let mut cursor = sobol.cursor(0);
 /// let mut point = [0.0; 2];

@@ -116,7 +116,7 @@ impl IntervalKind {
 /// for up to 1e10 trials ([`beta`]).
 ///
 /// ```
-/// use stickslip_sampler::{BinomialInterval, IntervalKind};
+/// use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 /// let (low, high) = BinomialInterval::new(IntervalKind::ClopperPearson, 0.95).bounds(81, 263);
 /// assert!((low - 0.252_7).abs() < 5e-5 && (high - 0.367_6).abs() < 5e-5); // Newcombe 1998, method 5
 /// ```

@@ -79,7 +79,7 @@ impl Precision {
 /// Given the count at a look, that at the look before is hypergeometric.
 ///
 /// ```
-/// use stickslip_sampler::{Looks, Precision};
+/// use stickslip_sampler::estimate::sequential::{Looks, Precision};
 /// let precision = Precision { half_width: Some(0.01), relative: None };
 /// let looks = Looks::new(precision, 5500, 0.95);
 /// assert_eq!(looks.ends(), [1000, 2000, 3000, 4000, 5000, 5500]);

@@ -2,6 +2,4 @@
 
 pub mod normal;
 
-pub mod poisson;
-
 pub mod beta;
