@@ -6,7 +6,7 @@ use serde::Serialize;
 use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
 use stickslip_core::parameters::SCALARS;
 use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
-use stickslip_sampler::verdict_map::map::MAP_VERSION;
+use stickslip_sampler::verdict_map::resolve::MAP_VERSION;
 
 use super::criterion::{Criterion, NormalisedCriterion};
 use super::random::NormalisedRandom;

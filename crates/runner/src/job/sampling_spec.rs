@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stickslip_sampler::estimate::interval::IntervalKind;
 use stickslip_sampler::estimate::interval::{MOST_WILSON_CONFIDENCE, half_of_the_error, simultaneous_confidence};
-use stickslip_sampler::estimate::sequential::Precision;
+use stickslip_sampler::estimate::looks::Precision;
 use toml::Spanned;
 
 use super::criterion::Criterion;

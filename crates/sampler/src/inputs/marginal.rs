@@ -3,7 +3,6 @@
 use thiserror::Error;
 
 use super::empirical::Empirical;
-use super::transform::Transform;
 use super::truncation;
 
 /// Largest relative standard deviation of any input. More is a slip, such as a percentage.
@@ -262,34 +261,6 @@ impl Marginal {
             _ => (expected, expected * relative_std),
         }
     }
-
-    /// The input that the standard normal deviate `z` becomes, for `|z| <= 37`; it rises with `z`.
-    ///
-    /// Only meaningful where [`Marginal::check`] finds no error.
-    ///
-    /// ```
-    /// use stickslip_sampler::inputs::Marginal;
-    /// assert_eq!(Marginal::Normal.value(0.4, 0.1, 1.5), 0.4 * (1.0 + 0.1 * 1.5));
-    /// assert_eq!(Marginal::Uniform.value(0.4, 0.1, 0.0), 0.4);
-    /// ```
-    #[inline]
-    #[must_use]
-    pub fn value(&self, expected: f64, relative_std: f64, z: f64) -> f64 {
-        Transform::new(self, relative_std).value(expected, z)
-    }
-
-    /// Replaces each standard normal deviate by the input that it becomes, as [`Marginal::value`] does one by one,
-    /// but what does not depend on the deviate is computed once.
-    #[inline]
-    pub fn apply(&self, expected: f64, relative_std: f64, deviates: &mut [f64]) {
-        Transform::new(self, relative_std).apply(expected, deviates);
-    }
-}
-
-/// The shapes of a beta distribution between multiples of its expected value.
-pub(super) fn beta_shapes(low: f64, high: f64, relative_std: f64) -> [f64; 2] {
-    let sum = (1.0 - low) * (high - 1.0) / (relative_std * relative_std) - 1.0;
-    [sum * ((1.0 - low) / (high - low)), sum * ((high - 1.0) / (high - low))]
 }
 
 fn check_triangular(mode: f64, value: f64) -> Result<(), MarginalError> {

@@ -1,6 +1,6 @@
 //! Moments of a truncated normal distribution.
 
-use crate::special_functions::beta::LEGENDRE;
+use crate::special_functions::gauss_legendre::NODES_32;
 
 /// What is less likely than the exponential of minus this, relative to the most likely value, is left out.
 const DEPTH: f64 = 45.0;
@@ -22,7 +22,7 @@ pub fn moments(low: f64, high: f64) -> (f64, f64) {
         let mut sum = 0.0;
         for panel in 0..panels as u32 {
             let centre = low + half * (2.0 * f64::from(panel) + 1.0);
-            for (node, weight) in LEGENDRE {
+            for (node, weight) in NODES_32 {
                 sum += weight * (term(centre - half * node) + term(centre + half * node));
             }
         }

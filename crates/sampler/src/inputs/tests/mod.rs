@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::marginal::WIDEST_UNIFORM;
 use super::*;
-use crate::special_functions::beta::LEGENDRE;
+use crate::special_functions::gauss_legendre::NODES_32;
 use crate::special_functions::normal;
 
 const MEASURED: [f64; 7] = [0.31, 0.42, 0.35, 0.42, 0.58, 0.29, 0.37];
