@@ -1,16 +1,15 @@
-//! Scrambled Sobol points: evenly spread over the unit cube, yet each of them random and uniform.
+//! Scrambled Sobol points: random points, each uniform over the unit cube, that together fill it evenly.
 //!
-//! Point `i` of a Sobol sequence is `x_i = V b(i)` in arithmetic modulo 2, where `b(i)` are the binary digits of `i`
-//! and the columns of `V`, one matrix per dimension, are the direction numbers of Joe and Kuo, file
-//! `new-joe-kuo-6.21201` (S. Joe, F. Y. Kuo, Constructing Sobol sequences with better two-dimensional projections,
-//! SIAM J. Sci. Comput. 30 (2008) 2635-2654). The first 2^k points, and each later 2^k that start at a multiple of
-//! 2^k, fall evenly into the boxes of a digital net.
+//! Point `i` of a Sobol sequence is `x_i = V b(i)` in arithmetic modulo 2. `b(i)` are the binary digits of `i`, and the
+//! columns of `V`, one matrix per dimension, are the direction numbers of Joe and Kuo, file `new-joe-kuo-6.21201` (S. Joe,
+//! F. Y. Kuo, Constructing Sobol sequences with better two-dimensional projections, SIAM J. Sci. Comput. 30 (2008)
+//! 2635-2654). The first 2^k points are a digital net, and so is each later group of 2^k that starts at a multiple of 2^k.
 //!
-//! Scrambling replaces `V` by `L V` and adds a random digital shift `e`: `x_i = L V b(i) + e`, with `L` lower
-//! triangular, ones on its diagonal and random digits below (J. Matousek, On the L2-discrepancy for anchored boxes,
-//! J. Complexity 14 (1998) 527-556). The points stay a net of the same quality, each is uniform, and so the mean of
-//! a function over them is an unbiased estimate of its integral, whose error independent scramblings reveal. `L` has
-//! more rows than `V`: digits beyond the 32 of the direction numbers are random too.
+//! Scrambling replaces `V` by `L V` and adds a random digital shift `e`: `x_i = L V b(i) + e`. `L` is lower triangular with
+//! ones on its diagonal and random digits below (J. Matousek, On the L2-discrepancy for anchored boxes, J. Complexity 14
+//! (1998) 527-556). The points remain a net of the same quality, and each is uniform. The mean of a function over them is
+//! therefore an unbiased estimate of its integral, and independent scramblings show its error. `L` has more rows than `V`:
+//! digits beyond the 32 of the direction numbers are random too.
 
 mod direction_numbers;
 
@@ -19,16 +18,17 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use self::direction_numbers::{INDEX_BITS, MAX_DIMENSIONS, direction_numbers};
 
-/// Points of a sequence: indices are below 2^32.
+/// Points of a sequence; their indices are below 2^32.
 pub const POINTS: u64 = 1 << INDEX_BITS;
 
-/// `L` and `e` of one dimension, digits of each column from the highest bit down.
+/// `L` and `e` of one dimension, the digits of each column from the highest bit down.
 struct Scramble {
     columns: [u64; INDEX_BITS],
     shift: u64,
 }
 
 impl Scramble {
+    /// A random scrambling: 33 words of the generator.
     fn random(generator: &mut Xoshiro256PlusPlus) -> Self {
         let columns = std::array::from_fn(|k| {
             let diagonal = 1 << (u64::BITS as usize - 1 - k);
@@ -47,23 +47,9 @@ impl Scramble {
 
 /// A Sobol sequence in one random scrambling.
 ///
-/// Each coordinate of a point is an odd multiple of 2^-53 with 52 random digits, hence inside (0, 1) and as likely as
-/// its distance from 1. Point `i` is a pure function of the scrambling and `i`, and its coordinates do not depend on
-/// how many others there are.
-///
-/// ```
-/// use stickslip_sampler::draw::identity::{Purpose, block_generator};
-/// use stickslip_sampler::draw::sobol::ScrambledSobol;
-/// let sobol = ScrambledSobol::new(2, &mut block_generator(2018, Purpose::Scrambling, 0, 0));
-/// let mut cursor = sobol.cursor(0);
-/// let mut point = [0.0; 2];
-/// let mut sum = 0.0;
-/// for _ in 0..1024 {
-///     cursor.next_point(&mut point);
-///     sum += point[0] * point[1];
-/// }
-/// assert!((sum / 1024.0 - 0.25).abs() < 1e-3);
-/// ```
+/// Each coordinate of a point is an odd multiple of 2^-53 with 52 random digits. It lies inside (0, 1), and `x` is as likely
+/// as `1 - x`. Point `i` is a pure function of the scrambling and `i`. Its coordinates do not depend on the number of
+/// dimensions.
 #[derive(Debug, Clone)]
 pub struct ScrambledSobol {
     dimensions: usize,
@@ -76,7 +62,7 @@ pub struct ScrambledSobol {
 }
 
 impl ScrambledSobol {
-    /// A sequence in `dimensions` dimensions, in a scrambling that `generator` draws: 33 words per dimension.
+    /// A sequence in `dimensions` dimensions. `generator` draws the scrambling, 33 words per dimension.
     ///
     /// # Panics
     /// Unless `1 <= dimensions <= MAX_DIMENSIONS`.
@@ -101,24 +87,7 @@ impl ScrambledSobol {
         Self { dimensions, carries, shift }
     }
 
-    /// The coordinates of a point.
-    #[must_use]
-    pub fn dimensions(&self) -> usize {
-        self.dimensions
-    }
-
-    /// Writes point `index` to `out`, one coordinate per dimension.
-    ///
-    /// # Panics
-    /// If `index` is not below [`POINTS`], or `out` not as long as there are dimensions.
-    pub fn point(&self, index: u64, out: &mut [f64]) {
-        assert_eq!(out.len(), self.dimensions, "coordinates of a point");
-        for (out, digits) in out.iter_mut().zip(self.digits(index)) {
-            *out = uniform(digits);
-        }
-    }
-
-    /// Walks the points from `index` on, in order and faster than by [`ScrambledSobol::point`].
+    /// The points from `index` on, in order.
     ///
     /// # Panics
     /// If `index` is not below [`POINTS`].
@@ -127,7 +96,7 @@ impl ScrambledSobol {
         SobolCursor { sobol: self, index, digits: self.digits(index) }
     }
 
-    /// The digits of point `index`; none beyond the dimensions.
+    /// The digits of point `index`; 0 beyond the dimensions.
     fn digits(&self, index: u64) -> [u64; MAX_DIMENSIONS] {
         assert!(index < POINTS, "point {index} of a sequence of 2^32");
         let mut digits = [0; MAX_DIMENSIONS];
@@ -142,13 +111,14 @@ impl ScrambledSobol {
         digits
     }
 
+    /// The row of [`ScrambledSobol::carries`] for an index in which `carried` digits carry.
     #[inline]
     fn carry(&self, carried: usize) -> &[u64] {
         &self.carries[carried * self.dimensions..][..self.dimensions]
     }
 }
 
-/// The middle of the interval that the first 52 digits leave. With 53 of them it could round to 1.
+/// The middle of the interval that the first 52 digits define. With 53 digits it could be rounded to 1.
 #[inline]
 fn uniform(digits: u64) -> f64 {
     const WIDTH: f64 = 1.0 / (1_u64 << 52) as f64;
@@ -159,7 +129,7 @@ fn uniform(digits: u64) -> f64 {
 #[derive(Debug, Clone)]
 pub struct SobolCursor<'a> {
     sobol: &'a ScrambledSobol,
-    /// Of the next point.
+    /// Index of the next point.
     index: u64,
     digits: [u64; MAX_DIMENSIONS],
 }
@@ -172,7 +142,7 @@ impl SobolCursor<'_> {
     #[inline]
     pub fn next_point(&mut self, out: &mut [f64]) {
         assert!(self.index < POINTS, "no point after 2^32");
-        // After the last point any row will do.
+        // After the last point the row does not matter.
         let carried = (self.index.trailing_ones() as usize).min(INDEX_BITS - 1);
         let row = self.sobol.carry(carried);
         assert_eq!(out.len(), row.len(), "coordinates of a point");

@@ -127,18 +127,6 @@ impl BinomialInterval {
         Self { kind, confidence, wilson: WilsonInterval::new(confidence) }
     }
 
-    /// The kind of the interval.
-    #[must_use]
-    pub fn kind(&self) -> IntervalKind {
-        self.kind
-    }
-
-    /// The two-sided confidence.
-    #[must_use]
-    pub fn confidence(&self) -> f64 {
-        self.confidence
-    }
-
     /// The ends for `successes` out of `trials`; (0, 1) without trials.
     #[must_use]
     pub fn bounds(&self, successes: u64, trials: u64) -> (f64, f64) {

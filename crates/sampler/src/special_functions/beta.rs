@@ -1,35 +1,35 @@
-//! The beta distribution and what follows from it: exact binomial limits and Student's t.
+//! The beta distribution, and with it exact binomial tails and Student's t.
 //!
-//! With `x + y = 1` the regularised incomplete beta function is
+//! The regularised incomplete beta function is
 //!
 //! ```text
 //! I_x(a, b) = 1 / B(a, b) * integral from 0 to x of t^(a-1) (1-t)^(b-1) dt
 //! ```
 //!
-//! It is the probability that a binomial variable of `a + b - 1` trials at probability `x` is at least `a`. For counts
-//! up to 1e10 the usual ways fail: logarithms of the gamma function cancel to few digits, and continued fractions need
-//! some `sqrt(n)` terms. Here
+//! It is the probability that a binomial variable of `a + b - 1` trials with probability `x` is at least `a`. For counts up
+//! to 1e10 the usual methods fail: logarithms of the gamma function cancel to a few digits, and continued fractions need
+//! some `sqrt(n)` terms. Here, with `y = 1 - x`,
 //!
-//! * the power `x^a y^b / B(a, b)` is taken as a deviation from its maximum times ratios of Stirling errors, in which
+//! * the power `x^a y^b / B(a, b)` is computed from its deviation from its maximum and from Stirling errors, in which
 //!   nothing cancels (C. Loader, Fast and accurate computation of binomial probabilities, 2000);
-//! * if `a` or `b` is below 1000, a continued fraction follows (A. R. DiDonato and A. H. Morris, algorithm 708, ACM
-//!   Trans. Math. Softw. 18, 1992, equation 9), on the side of the mean where it converges quickly;
-//! * else a Gauss-Legendre rule of 32 points integrates the density relative to its value at `x`, over the stretch
-//!   beyond `x` where that is above 1e-16 or so: smooth and falling, whatever `a` and `b`.
+//! * if `a` or `b` is below 1000, a continued fraction is used (A. R. DiDonato and A. H. Morris, algorithm 708, ACM Trans.
+//!   Math. Softw. 18, 1992, equation 9), on the side of the mean where it converges quickly;
+//! * otherwise a Gauss-Legendre rule of 32 points integrates the density relative to its value at `x`, over the interval
+//!   beyond `x` where that is above 1e-16 or so. There the density is smooth and falls, whatever `a` and `b`.
 //!
-//! Both tails are accurate relative to themselves, to some 1e-13 where `x` is given exactly; what the spacing of `x`
-//! makes of it is the density times that spacing, some 1e-10 for `a` and `b` of 1e10. The quantiles are accurate to
-//! some 1e-15 relative to `x` and to `1 - x`.
+//! Both tails have a relative error of about 1e-13 where `x` is given exactly. The spacing of `x` adds the density times
+//! that spacing, about 1e-10 for `a` and `b` of 1e10. The quantiles have an error of about 1e-15 relative to `x` and to
+//! `1 - x`.
 
 use std::f64::consts::TAU;
 
 use crate::special_functions::gauss_legendre::NODES_32;
 use crate::special_functions::normal;
 
-/// From here on, in both parameters, the density is narrow enough for quadrature.
+/// Where both parameters are at least this, the density is narrow enough for quadrature.
 const LARGE: f64 = 1000.0;
 
-/// The quadrature leaves out what is below the exponential of minus this, relative to the density at `x`.
+/// The quadrature ends where the density is the exponential of minus this times that at `x`.
 const DEPTH: f64 = 45.0;
 
 /// A point of [0, 1] with its complement, so that neither end loses digits.
@@ -51,21 +51,15 @@ impl Point {
     }
 }
 
-/// `I_x(a, b)`: probability that a beta variable is at most `x`, for `a`, `b` from 0.01 to 1e10 and `x` in [0, 1].
-///
-/// ```
-/// // At least 2 heads of 3: 3 p^2 (1 - p) + p^3.
-/// let p = stickslip_sampler::special_functions::beta::lower_tail(2.0, 2.0, 0.3);
-/// assert!((p - 0.216).abs() < 1e-15);
-/// ```
+/// `I_x(a, b)`: the probability that a beta variable is at most `x`, for `a`, `b` from 0.01 to 1e10 and `x` in [0, 1].
 #[must_use]
-pub fn lower_tail(a: f64, b: f64, x: f64) -> f64 {
+pub(crate) fn lower_tail(a: f64, b: f64, x: f64) -> f64 {
     tails(a, b, Point { x, y: 1.0 - x }).0
 }
 
-/// `1 - I_x(a, b)`: probability that a beta variable exceeds `x`, without cancellation; range as for [`lower_tail`].
+/// `1 - I_x(a, b)`: the probability that a beta variable exceeds `x`, without cancellation; range as for [`lower_tail`].
 #[must_use]
-pub fn upper_tail(a: f64, b: f64, x: f64) -> f64 {
+pub(crate) fn upper_tail(a: f64, b: f64, x: f64) -> f64 {
     tails(a, b, Point { x, y: 1.0 - x }).1
 }
 
@@ -94,34 +88,23 @@ pub fn binomial_at_most(count: u64, trials: u64, p: f64) -> f64 {
 }
 
 /// The `x` with `I_x(a, b) = p`, for `a`, `b` from 0.01 to 1e10 and `p` in [0, 1], tails down to 1e-100.
-///
-/// ```
-/// // Rule of three: no event in 100 trials leaves probabilities up to about 3 / 100 possible.
-/// let high = stickslip_sampler::special_functions::beta::quantile(1.0, 100.0, 0.95);
-/// assert!((high - (1.0 - 0.05f64.powf(0.01))).abs() < 1e-16);
-/// ```
 #[must_use]
-pub fn quantile(a: f64, b: f64, p: f64) -> f64 {
+pub(crate) fn quantile(a: f64, b: f64, p: f64) -> f64 {
     if p <= 0.5 { Point::from_odds(lower_odds(a, b, p)).x } else { Point::from_odds(lower_odds(b, a, 1.0 - p)).y }
 }
 
 /// The `x` with `1 - I_x(a, b) = q`; for small `q` more accurate than [`quantile`] of `1 - q`.
 #[must_use]
-pub fn upper_quantile(a: f64, b: f64, q: f64) -> f64 {
+pub(crate) fn upper_quantile(a: f64, b: f64, q: f64) -> f64 {
     if q <= 0.5 { Point::from_odds(lower_odds(b, a, q)).y } else { Point::from_odds(lower_odds(a, b, 1.0 - q)).x }
 }
 
-/// The `t` that a Student variable stays within, `|T| <= t`, with probability `confidence` in [0, 1); degrees of
-/// freedom from 1 on.
+/// The two-sided quantile `t` of Student's distribution, `P(|T| <= t) = confidence`, for `confidence` in [0, 1) and at
+/// least one degree of freedom.
 ///
 /// `P(|T| > t) = I_x(f/2, 1/2)` with `x = f / (f + t^2)` (Abramowitz and Stegun, 26.7.1).
-///
-/// ```
-/// let t = stickslip_sampler::special_functions::beta::student_quantile(0.95, 10);
-/// assert!((t - 2.228_138_851_986_274).abs() < 1e-14);
-/// ```
 #[must_use]
-pub fn student_quantile(confidence: f64, degrees_of_freedom: u32) -> f64 {
+pub(crate) fn student_quantile(confidence: f64, degrees_of_freedom: u32) -> f64 {
     let freedom = f64::from(degrees_of_freedom);
     // With x / y = f / t^2; the smaller of the two probabilities is inverted.
     if confidence >= 0.5 {
@@ -133,9 +116,9 @@ pub fn student_quantile(confidence: f64, degrees_of_freedom: u32) -> f64 {
 
 /// The odds `x / (1 - x)` where the lower tail is `p`, for `p <= 1/2`.
 ///
-/// Newton's iteration for `ln I_x = ln p` over `w = ln(x / y)`. The density over `w`, `x^a y^b / B(a, b)`, has a
-/// concave logarithm, and so has its integral: from any start the first step lands below the quantile and the others
-/// rise to it without ever passing it.
+/// Newton's iteration for `ln I_x = ln p` over `w = ln(x / y)`. The density over `w`, `x^a y^b / B(a, b)`, has a concave
+/// logarithm, and so has its integral: from any start the first step ends below the quantile, and the others rise to it
+/// without passing it.
 fn lower_odds(a: f64, b: f64, p: f64) -> f64 {
     if p <= 0.0 {
         return 0.0;
@@ -147,12 +130,12 @@ fn lower_odds(a: f64, b: f64, p: f64) -> f64 {
         let (lower, _) = tails(a, b, point);
         let density = power(a, b, point);
         if lower <= 0.0 || density <= 0.0 {
-            // So far off that nothing is left of the distribution: half the way to its mean.
+            // So far out that the tail underflows: move half way to the mean.
             odds = (odds * (a / b)).sqrt();
             continue;
         }
         let step = (target - libm::log(lower)) * lower / density;
-        // What an astray first guess may cost is a few more steps.
+        // After a poor first guess this costs a few more steps.
         let step = step.clamp(-20.0, 20.0);
         odds *= libm::exp(step);
         if step.abs() <= 2e-16 {
@@ -185,7 +168,7 @@ fn first_odds(a: f64, b: f64, p: f64) -> f64 {
     a / b * libm::exp(2.0 * w)
 }
 
-/// `(I_x(a, b), 1 - I_x(a, b))`: one of them computed, the other its complement.
+/// `(I_x(a, b), 1 - I_x(a, b))`: one of them is computed, the other is its complement.
 fn tails(a: f64, b: f64, point: Point) -> (f64, f64) {
     let Point { x, y } = point;
     if x <= 0.0 {
@@ -212,7 +195,7 @@ fn tails(a: f64, b: f64, point: Point) -> (f64, f64) {
     }
 }
 
-/// The lower tail for `x` up to the mean, by the modified Lentz method.
+/// The lower tail for `x` up to the mean, by the modified Lentz algorithm.
 fn by_continued_fraction(a: f64, b: f64, point: Point) -> f64 {
     let Point { x, y } = point;
     let excess = a * y - b * x + 1.0;
@@ -237,7 +220,7 @@ fn by_continued_fraction(a: f64, b: f64, point: Point) -> f64 {
     power(a, b, point) / fraction
 }
 
-/// The lower tail for `x` up to the mode and both parameters large, by quadrature over `u = x - t`:
+/// The lower tail for `x` up to the mode and two large parameters, by quadrature over `u = x - t`:
 ///
 /// ```text
 /// I_x = x^a y^b / (B x y) * integral of exp(-slope u + (a - 1) m(-u/x) + (b - 1) m(u/y)) du,
@@ -288,7 +271,7 @@ fn log_minus_linear(v: f64) -> f64 {
     r * (sum - v)
 }
 
-/// `ln Gamma(a) - (a - 1/2) ln a + a - ln(2 pi) / 2`, what Stirling's formula leaves out, for `a > 0`.
+/// The error of Stirling's formula, `ln Gamma(a) - (a - 1/2) ln a + a - ln(2 pi) / 2`, for `a > 0`.
 fn stirling_error(a: f64) -> f64 {
     let (mut shifted, mut sum) = (a, 0.0);
     while shifted < 10.0 {

@@ -42,7 +42,7 @@ impl BoundaryCurve {
     /// The ordinates between which the verdict is unknown, at the abscissa `coordinate`: it is `below` up to the first and
     /// `above` from the second.
     #[must_use]
-    pub fn gap(&self, within: &Box2, coordinate: f64) -> (f64, f64) {
+    pub(crate) fn gap(&self, within: &Box2, coordinate: f64) -> (f64, f64) {
         let t = scaled(within, self.abscissa, coordinate);
         (clenshaw(&self.lower, t) - self.guard, clenshaw(&self.upper, t) + self.guard)
     }
@@ -50,7 +50,7 @@ impl BoundaryCurve {
     /// The verdict at a point of the box; `None` within the resolution of the curve.
     #[inline]
     #[must_use]
-    pub fn verdict(&self, within: &Box2, point: Point) -> Option<Verdict> {
+    pub(crate) fn verdict(&self, within: &Box2, point: Point) -> Option<Verdict> {
         let (low, high) = self.gap(within, point[self.abscissa]);
         let value = point[1 - self.abscissa];
         if value < low {

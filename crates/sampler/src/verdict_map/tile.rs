@@ -44,7 +44,7 @@ pub(super) fn tile_at(coordinate: f64) -> Option<u32> {
 impl TileIndex {
     /// The tile that holds a point of the plane; `None` outside the map.
     #[must_use]
-    pub fn of(preload: f64, falling_friction: f64) -> Option<Self> {
+    pub(crate) fn of(preload: f64, falling_friction: f64) -> Option<Self> {
         Some(Self { column: tile_at(preload)?, row: tile_at(falling_friction)? })
     }
 
@@ -103,7 +103,7 @@ impl Tile {
     }
 
     /// Every box that is not divided, with what is known of it.
-    pub fn boxes(&self, index: TileIndex) -> impl Iterator<Item = (Box2, Node)> + '_ {
+    pub(crate) fn boxes(&self, index: TileIndex) -> impl Iterator<Item = (Box2, Node)> + '_ {
         let mut bounds = vec![index.bounds(); self.nodes.len()];
         for (place, node) in self.nodes.iter().enumerate() {
             if let Node::Cut(first) = *node {

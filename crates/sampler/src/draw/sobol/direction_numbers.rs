@@ -6,8 +6,8 @@ pub(super) const MAX_DIMENSIONS: usize = 32;
 /// Binary digits of an index, and of the direction numbers.
 pub(super) const INDEX_BITS: usize = 32;
 
-/// Per dimension from the second on, the inner coefficients of the primitive polynomial (the highest in the highest
-/// bit) and the initial direction numbers `m_1, m_2, ...`, as many as the polynomial's degree.
+/// For each dimension from the second on: the inner coefficients of the primitive polynomial (the highest in the highest
+/// bit) and the initial direction numbers `m_1, m_2, ...`, as many as the degree of the polynomial.
 const JOE_KUO: [(u32, &[u32]); MAX_DIMENSIONS - 1] = [
     (0, &[1]),
     (1, &[1, 3]),
@@ -42,9 +42,9 @@ const JOE_KUO: [(u32, &[u32]); MAX_DIMENSIONS - 1] = [
     (42, &[1, 3, 7, 3, 13, 59, 17]),
 ];
 
-/// The columns of `V` of one dimension, first digit in the highest bit.
+/// The columns of `V` of one dimension, the first digit in the highest bit.
 ///
-/// Column `k` is `m_k 2^(32-k)`; beyond the initial ones, `m_k` follows from the recurrence of the polynomial
+/// Column `k` is `m_k 2^(32-k)`. Beyond the initial ones, `m_k` follows from the recurrence of the polynomial
 /// `x^s + a_1 x^(s-1) + ... + a_(s-1) x + 1`: `m_k = 2 a_1 m_(k-1) ^ ... ^ 2^s m_(k-s) ^ m_(k-s)`.
 pub(super) fn direction_numbers(dimension: usize) -> [u32; INDEX_BITS] {
     let mut columns = [0; INDEX_BITS];

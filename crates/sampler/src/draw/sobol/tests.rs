@@ -14,14 +14,12 @@ fn unscrambled(dimensions: usize) -> ScrambledSobol {
 }
 
 fn point(sobol: &ScrambledSobol, index: u64) -> Vec<f64> {
-    let mut out = vec![0.0; sobol.dimensions()];
-    sobol.point(index, &mut out);
-    out
+    points(sobol, index, 1).remove(0)
 }
 
 fn points(sobol: &ScrambledSobol, start: u64, count: u64) -> Vec<Vec<f64>> {
     let mut cursor = sobol.cursor(start);
-    let mut out = vec![0.0; sobol.dimensions()];
+    let mut out = vec![0.0; sobol.dimensions];
     (0..count)
         .map(|_| {
             cursor.next_point(&mut out);
@@ -106,7 +104,7 @@ fn scrambled_points_are_pinned() {
 }
 
 #[test]
-fn a_point_depends_neither_on_the_way_to_it_nor_on_further_dimensions() {
+fn a_point_depends_neither_on_where_a_walk_begins_nor_on_further_dimensions() {
     let sobol = scrambled(5, 1);
     let fewer = scrambled(2, 1);
     for start in [0, 1, 1023, 4095, 123_456_789, POINTS / 2 - 20, POINTS - 40] {
@@ -119,7 +117,7 @@ fn a_point_depends_neither_on_the_way_to_it_nor_on_further_dimensions() {
 
 #[test]
 #[should_panic(expected = "no point after 2^32")]
-fn a_sequence_ends() {
+fn the_sequence_ends_after_2_to_the_32_points() {
     points(&scrambled(1, 1), POINTS - 1, 2);
 }
 
