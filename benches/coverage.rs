@@ -19,10 +19,10 @@ use stickslip_sampler::estimate::difference::PairedCounts;
 use stickslip_sampler::estimate::difference::{dependent_difference, paired_difference, unpaired_difference};
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
 use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
-use stickslip_sampler::estimate::score::{CellNumber, ScoreSums, ScoreTotals};
-use stickslip_sampler::estimate::sensitivity::{IndexCounts, indices};
-use stickslip_sampler::estimate::sequential::{Looks, Precision};
-use stickslip_sampler::estimate::{audit, replicates};
+use stickslip_sampler::estimate::looks::{Looks, Precision};
+use stickslip_sampler::estimate::score::{CellParameter, ScoreSums, ScoreTotals};
+use stickslip_sampler::estimate::sobol_indices::{IndexCounts, indices};
+use stickslip_sampler::estimate::{audit, randomisations};
 use stickslip_sampler::grid::{Cell, RelativeStd};
 use stickslip_sampler::special_functions::normal;
 
@@ -254,7 +254,7 @@ fn derivatives() {
             let sums: Vec<i128> = sums.sums().map(i128::from).collect();
             let totals = ScoreTotals::from_sums(&sums.try_into().unwrap());
             let p = counts.unstable as f64 / counts.decided() as f64;
-            if let Some((value, error)) = totals.derivative(CellNumber::StaticFriction, &cell, &counts, p) {
+            if let Some((value, error)) = totals.derivative(CellParameter::StaticFriction, &cell, &counts, p) {
                 given += 1;
                 covered += u64::from((value - truth).abs() <= 1.96 * error);
             }
@@ -292,7 +292,7 @@ fn sobol_points() {
                     counts(deviates.chunks_exact(inputs).filter(|z| is_unstable(z)).count() as u64, points)
                 })
                 .collect();
-            let estimate = replicates::estimate(&parts, inputs, confidence);
+            let estimate = randomisations::estimate(&parts, inputs, confidence);
             estimate.low <= p && p <= estimate.high
         });
         let method = format!("{inputs} random input{}", if inputs == 1 { "" } else { "s" });

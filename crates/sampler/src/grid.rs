@@ -1,8 +1,8 @@
-//! The grid of a job: four axes, whose product are the cells.
+//! The grid of a job: the cells are the product of four axes.
 
 use thiserror::Error;
 
-/// The values that one quantity takes over a job; never empty, all finite, each once.
+/// The values of one quantity over a job: at least one, all finite, none repeated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis(Vec<f64>);
 
@@ -44,7 +44,7 @@ pub enum AxisError {
 }
 
 impl Axis {
-    /// An axis of explicit values, in the order given.
+    /// An axis with these values, in the order given.
     ///
     /// # Errors
     /// [`AxisError`] if the list is empty, or a value repeated or not finite.
@@ -63,8 +63,10 @@ impl Axis {
         Ok(Self(values))
     }
 
-    /// `points` evenly spaced values from `from` to `to`, both included exactly; those between are rounded to 14
-    /// significant digits, so that a step of 0.01 leads to 0.1 and not to 0.09999999999999999.
+    /// An axis of `points` evenly spaced values from `from` to `to`, both included exactly.
+    ///
+    /// Values between the ends are rounded to 14 significant digits, so that a step of 0.01 gives 0.1 and not
+    /// 0.09999999999999999.
     ///
     /// # Errors
     /// [`AxisError`] if an end is not finite, or the number of points does not fit the ends.
@@ -96,12 +98,13 @@ impl Axis {
     }
 }
 
-/// The nearest number of 14 significant digits. Printing and parsing round correctly, alike on every machine.
+/// The nearest number with 14 significant digits. Printing and parsing round correctly, so that every machine agrees.
 fn rounded(value: f64) -> f64 {
     format!("{value:.13e}").parse().unwrap_or(value)
 }
 
-/// Relative standard deviations of the two random inputs; 0 for an input that does not scatter.
+/// Relative standard deviations (standard deviation over expected value) of preload and static friction; 0 for an input that
+/// does not scatter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelativeStd {
     /// Of the preload.
@@ -110,23 +113,22 @@ pub struct RelativeStd {
     pub static_friction: f64,
 }
 
-/// One cell of a job: what is expected, and how much it scatters.
+/// One cell of a job: the expected inputs and their relative standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// 0-based position in the grid.
+    /// Position in the grid, from 0.
     pub index: u64,
     /// Rotating speed Omega, rad/s.
     pub rotating_speed: f64,
     /// Relative standard deviations.
     pub relative_std: RelativeStd,
-    /// Expected preload Delta.
+    /// Expected preload Delta, dimensionless.
     pub preload: f64,
     /// Expected static friction coefficient f_s.
     pub static_friction: f64,
 }
 
-/// The product of the axes. The last one varies fastest: `static_friction`, then `preload`, `relative_std`,
-/// `rotating_speed`.
+/// The product of the axes. `static_friction` varies fastest, then `preload`, `relative_std` and `rotating_speed`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     /// Rotating speeds, rad/s.
@@ -157,14 +159,14 @@ impl Grid {
         ]
     }
 
-    /// Where on the axis of rotating speeds the cell at `index` lies.
+    /// The position on the axis of rotating speeds of the cell at `index`.
     #[must_use]
     pub fn rotating_speed_index(&self, index: u64) -> usize {
         let [_, stds, preloads, frictions] = self.lengths();
         (index / (frictions * preloads * stds)) as usize
     }
 
-    /// Where on the axis of relative standard deviations the cell at `index` lies.
+    /// The position on the axis of relative standard deviations of the cell at `index`.
     #[must_use]
     pub fn relative_std_index(&self, index: u64) -> usize {
         let [_, stds, preloads, frictions] = self.lengths();
@@ -199,12 +201,12 @@ mod tests {
         let axis = Axis::evenly_spaced(0.01, 0.30, 30).unwrap();
         assert_eq!((axis.values()[0], axis.values()[29]), (0.01, 0.30));
         let written = [0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1, 0.11, 0.12];
-        assert_eq!(axis.values()[1..12], written, "the numbers that a person would write");
+        assert_eq!(axis.values()[1..12], written, "short decimals");
         assert_eq!(Axis::evenly_spaced(3.0, 1.0, 3).unwrap().values(), [3.0, 2.0, 1.0]);
     }
 
     #[test]
-    fn silly_axes_are_refused() {
+    fn axes_that_define_no_cells_are_refused() {
         assert_eq!(Axis::from_values(vec![]), Err(AxisError::Empty));
         assert_eq!(Axis::evenly_spaced(0.0, 1.0, 0), Err(AxisError::Empty));
         assert_eq!(Axis::evenly_spaced(0.0, 1.0, 1), Err(AxisError::SinglePoint { from: 0.0, to: 1.0 }));

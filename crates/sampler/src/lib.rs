@@ -1,22 +1,22 @@
-//! Statistics of the stability of a brake: the cells of a job, the deviates of each sample, and what the counted
-//! verdicts say about a probability.
+//! Statistics of the stability of a brake: the cells of a job, the random samples of each cell, and the probability of
+//! instability with its confidence interval.
 //!
-//! A job is a grid of [cells](grid::Cell), each an expected preload and static friction coefficient with relative
-//! standard deviations, at one rotating speed. Sample `j` of a cell is a pure function of the seed, the cell, `j` and
-//! the [results version](draw::identity::RESULTS_VERSION); its verdict comes from `stickslip-core`.
+//! A job is a grid of [cells](grid::Cell). A cell is an expected preload and static friction coefficient with their relative
+//! standard deviations, at one rotating speed. Sample `j` of a cell is a pure function of the seed, the cell, `j` and the
+//! [results version](draw::identity::RESULTS_VERSION). Its verdict comes from `stickslip-core`.
 //!
-//! | module | what it has |
+//! | module | contents |
 //! |---|---|
 //! | [`grid`] | axes and cells |
 //! | [`special_functions`] | the normal and the beta distribution |
-//! | [`inputs`] | the distributions and correlations of random inputs |
-//! | [`draw`] | identity of a sample, its deviates, Sobol points |
-//! | [`verdict_map`] | the map of verdicts over two inputs, and its boundary curve |
+//! | [`inputs`] | marginal distributions and correlation of random inputs |
+//! | [`draw`] | the identity of a sample, its deviates, Sobol points |
+//! | [`verdict_map`] | the verdict as a function of preload and static friction |
 //! | [`integrate`] | probabilities without samples: in closed form, and from a verdict map |
-//! | [`estimate`] | intervals, sequential sampling, differences, audits, derivatives, Sobol indices |
-//! | [`methods`] | which method answers which question, and how a user notices that one has failed |
+//! | [`estimate`] | intervals, sequential looks, randomisations, audits, differences, derivatives, Sobol indices |
+//! | [`methods`] | which method answers which question, and how to notice that it has failed |
 //!
-//! Modules are declared in reading order. Nothing here knows of threads, files or the terminal.
+//! Each module uses only those above it. Nothing here knows of threads, files or the terminal.
 
 // Tests compare with formulas as a textbook writes them.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]

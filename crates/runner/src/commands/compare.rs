@@ -15,7 +15,7 @@ use stickslip_sampler::estimate::difference::{Difference, PairedCounts};
 use stickslip_sampler::estimate::difference::{dependent_difference, paired_difference, unpaired_difference};
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
 use stickslip_sampler::estimate::interval::{BinomialInterval, Estimate, IntervalKind};
-use stickslip_sampler::estimate::replicates;
+use stickslip_sampler::estimate::randomisations;
 
 use super::differences::{Differences, Interval, Row, json, picture, summary, table};
 use super::matching::{Kinship, Matching, Run};
@@ -177,7 +177,7 @@ impl<'a> Reader<'a> {
         }
         if let Effort::Randomisations { .. } = job.sampling.effort {
             let parts: Vec<VerdictCounts> = parts.of(cell).map(|part| tally.counts(part)).collect();
-            return replicates::estimate(&parts, job.random.inputs.len(), confidence);
+            return randomisations::estimate(&parts, job.random.inputs.len(), confidence);
         }
         let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
         let estimate = interval.estimate(&self.run.counts(cell));

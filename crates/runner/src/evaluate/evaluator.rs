@@ -174,7 +174,7 @@ impl<'a> Evaluator<'a> {
             values: samples.values(0).collect(),
             brake: self.criteria.brake(self.job, place.rotating_speed, samples, 0),
             decision,
-            looked_up: map.and_then(|map| map.look_up(inputs)),
+            looked_up: map.and_then(|map| map.look_up(inputs.preload, inputs.static_friction)),
         })
     }
 
@@ -213,8 +213,11 @@ impl<'a> Evaluator<'a> {
             let all: Vec<usize> = (0..samples.len()).collect();
             return self.criteria.decide(speed, cell.rotating_speed, samples, &all);
         };
-        let looked_up: Vec<Option<Verdict>> =
-            (0..samples.len()).map(|sample| map.look_up(samples.pair(sample))).collect();
+        let look_up = |sample: usize| {
+            let RandomInputs { preload, static_friction } = samples.pair(sample);
+            map.look_up(preload, static_friction)
+        };
+        let looked_up: Vec<Option<Verdict>> = (0..samples.len()).map(look_up).collect();
         let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
         let simulated: Vec<usize> = (0..samples.len()).filter(|&i| looked_up[i].is_none() || is_audited(i)).collect();
         let decisions = self.criteria.decide(speed, cell.rotating_speed, samples, &simulated);

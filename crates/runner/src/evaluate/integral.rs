@@ -2,8 +2,9 @@
 
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
-use stickslip_sampler::integrate::closed_form::{self, Derivatives};
-use stickslip_sampler::integrate::mapped::{MapRegions, MappedProbability};
+use stickslip_sampler::integrate::closed_form;
+use stickslip_sampler::integrate::derivatives::Derivatives;
+use stickslip_sampler::integrate::verdict_map::{BoundedProbability, MapRegions};
 
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::sums::Lookups;
@@ -54,7 +55,7 @@ impl Evaluator<'_> {
         }
         let mapped = regions[speed].probability(cell);
         let estimate = Estimate { probability: mapped.value, low: mapped.low, high: mapped.high };
-        let MappedProbability { derivatives, undecided, .. } = mapped;
+        let BoundedProbability { derivatives, undecided, .. } = mapped;
         IntegratedCell { estimate, derivatives, undecided, lookups: self.audit_integral(cell) }
     }
 }

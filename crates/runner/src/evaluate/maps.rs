@@ -3,7 +3,8 @@
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::Marginal;
 use stickslip_sampler::verdict_map::boundary_curve::Box2;
-use stickslip_sampler::verdict_map::map::{TILES, Tile, TileIndex, VerdictMap};
+use stickslip_sampler::verdict_map::map::VerdictMap;
+use stickslip_sampler::verdict_map::tile::{TILES, Tile, TileIndex};
 
 use crate::job::{Job, RandomInput};
 

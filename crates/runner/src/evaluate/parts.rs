@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use stickslip_sampler::estimate::sequential::Looks;
+use stickslip_sampler::estimate::looks::Looks;
 
 use crate::job::{Effort, Job};
 

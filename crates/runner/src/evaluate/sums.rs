@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use stickslip_core::criterion::time_domain::Decision;
 use stickslip_core::flexible_disc::linear_stability::DegreeOfFreedom;
 use stickslip_core::verdict::{Verdict, VerdictCounts};
-use stickslip_sampler::estimate::score::{CellNumber, ScoreSums, ScoreTotals};
-use stickslip_sampler::estimate::sensitivity::{IndexCounts, SobolIndices, indices};
+use stickslip_sampler::estimate::score::{CellParameter, ScoreSums, ScoreTotals};
+use stickslip_sampler::estimate::sobol_indices::{IndexCounts, SobolIndices, indices};
 use stickslip_sampler::grid::Cell;
 
 use crate::evaluate::samples::Samples;
@@ -188,7 +188,7 @@ impl SumLayout {
     pub fn read_derivative(
         self,
         sums: &[i128],
-        number: CellNumber,
+        number: CellParameter,
         cell: &Cell,
         counts: &VerdictCounts,
         probability: Option<f64>,

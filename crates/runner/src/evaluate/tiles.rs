@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use stickslip_core::criterion::time_domain::Decision;
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_core::verdict::Verdict;
-use stickslip_sampler::verdict_map::map::{Tile, TileIndex};
+use stickslip_sampler::verdict_map::tile::{Tile, TileIndex};
 
 use crate::evaluate::evaluator::Evaluator;
 
@@ -71,7 +71,11 @@ impl Evaluator<'_> {
                     verdicts.extend(points.iter().map(|_| Verdict::Stable));
                     continue;
                 }
-                let inputs: Vec<RandomInputs> = points.iter().map(|&point| map.inputs(point)).collect();
+                let inputs_at = |&point: &[f64; 2]| {
+                    let [preload, static_friction] = map.inputs(point);
+                    RandomInputs { preload, static_friction }
+                };
+                let inputs: Vec<RandomInputs> = points.iter().map(inputs_at).collect();
                 let decisions = criterion.decide(&inputs);
                 verdicts.extend(decisions.iter().map(|decision| decision.verdict));
                 cost += cost_of(&decisions);

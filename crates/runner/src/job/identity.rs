@@ -7,7 +7,7 @@
 
 use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
 use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
-use stickslip_sampler::verdict_map::map::MAP_VERSION;
+use stickslip_sampler::verdict_map::resolve::MAP_VERSION;
 
 use super::criterion::Criterion;
 use super::criterion_spec::{CriterionKind, DiscKind, Record, StartKind};

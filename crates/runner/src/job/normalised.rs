@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use stickslip_core::criterion::time_domain::{DiscModel, Start};
 use stickslip_core::parameters::SCALARS;
-use stickslip_sampler::estimate::sequential::Precision;
+use stickslip_sampler::estimate::looks::Precision;
 use stickslip_sampler::inputs::Marginal;
 
 use super::criterion::Criterion;

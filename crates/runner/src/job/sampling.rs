@@ -3,7 +3,7 @@
 use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::interval::IntervalKind;
 use stickslip_sampler::estimate::interval::half_of_the_error;
-use stickslip_sampler::estimate::sequential::{Looks, Precision};
+use stickslip_sampler::estimate::looks::{Looks, Precision};
 use toml::Spanned;
 
 use super::criterion::Criterion;

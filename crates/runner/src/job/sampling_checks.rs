@@ -3,7 +3,7 @@
 use stickslip_sampler::estimate::interval::{
     IntervalKind, MOST_WILSON_CONFIDENCE, half_of_the_error, simultaneous_confidence,
 };
-use stickslip_sampler::estimate::sequential::Precision;
+use stickslip_sampler::estimate::looks::Precision;
 use toml::Spanned;
 
 use super::criterion::Criterion;

@@ -1,7 +1,7 @@
 //! A Monte Carlo surface against the exact probabilities.
 
 use stickslip_sampler::integrate::closed_form;
-use stickslip_sampler::special_functions::{normal, poisson};
+use stickslip_sampler::special_functions::{beta, normal};
 
 use crate::commands::FinishedRun;
 use crate::failure::Failure;
@@ -43,8 +43,9 @@ impl ComparedRow {
         }
         let counts = &self.row.counts;
         let rare = if self.exact < 0.5 { counts.unstable } else { counts.stable };
-        let tail = poisson::at_least(rare, self.expected()).min(poisson::at_most(rare, self.expected()));
-        counts.decided() > 0 && tail >= normal::upper_tail(limit)
+        let (decided, p) = (counts.decided(), self.exact.min(1.0 - self.exact));
+        let tail = beta::binomial_at_least(rare, decided, p).min(beta::binomial_at_most(rare, decided, p));
+        decided > 0 && tail >= normal::upper_tail(limit)
     }
 }
 

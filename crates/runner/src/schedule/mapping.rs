@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::HumanCount;
-use stickslip_sampler::verdict_map::map::{Tile, TileIndex};
+use stickslip_sampler::verdict_map::tile::{Tile, TileIndex};
 
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::tiles::cost_of;

@@ -18,7 +18,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use stickslip_core::verdict::Verdict;
 use stickslip_sampler::verdict_map::boundary_curve::{BoundaryCurve, NODES};
-use stickslip_sampler::verdict_map::map::{Node, TILES, Tile, TileIndex};
+use stickslip_sampler::verdict_map::tile::{Node, TILES, Tile, TileIndex};
 
 use crate::evaluate::maps::Maps;
 use crate::failure::Failure;
@@ -130,7 +130,7 @@ fn encode(key: &str, tiles: &[&(usize, TileIndex, Tile)]) -> Result<Vec<u8>, par
                     (0, i64::from(*first), 0, 0)
                 }
                 Node::Uniform(verdict) => (1, 0, code(*verdict), code(*verdict)),
-                Node::Crossed(curve) => (2 + curve.over as i64, 0, code(curve.below), code(curve.above)),
+                Node::Crossed(curve) => (2 + curve.abscissa as i64, 0, code(curve.below), code(curve.above)),
                 Node::Unresolved => (4, 0, 0, 0),
             };
             let row = [
@@ -209,8 +209,8 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
             let node = match value(3) {
                 0 => Node::Cut(u32::try_from(value(4)).map_err(|_| "a box is out of range")?),
                 1 => Node::Uniform(verdict(value(5))?),
-                over @ (2 | 3) => Node::Crossed(BoundaryCurve {
-                    over: (over - 2) as usize,
+                kind @ (2 | 3) => Node::Crossed(BoundaryCurve {
+                    abscissa: (kind - 2) as usize,
                     below: verdict(value(5))?,
                     above: verdict(value(6))?,
                     lower: coefficients(CURVES[0])?,

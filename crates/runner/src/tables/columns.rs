@@ -6,8 +6,8 @@ use std::sync::Arc;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Field};
 use stickslip_core::flexible_disc::linear_stability::DegreeOfFreedom;
-use stickslip_sampler::estimate::score::CellNumber;
-use stickslip_sampler::estimate::sensitivity::SobolIndices;
+use stickslip_sampler::estimate::score::CellParameter;
+use stickslip_sampler::estimate::sobol_indices::SobolIndices;
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::Marginal;
 
@@ -179,15 +179,15 @@ fn source_columns(layout: SumLayout) -> Vec<Column> {
 /// Columns of jobs with derivatives: exact where probabilities are integrated, else with their standard errors.
 fn derivative_columns(layout: SumLayout, integrated: bool) -> Vec<Column> {
     let numbers = [
-        (CellNumber::Preload, "dp_dpreload", "expected preload at constant relative standard deviation"),
+        (CellParameter::Preload, "dp_dpreload", "expected preload at constant relative standard deviation"),
         (
-            CellNumber::StaticFriction,
+            CellParameter::StaticFriction,
             "dp_dstatic_friction",
             "expected static friction coefficient at constant relative standard deviation",
         ),
-        (CellNumber::StdPreload, "dp_dstd_preload", "relative standard deviation of the preload"),
+        (CellParameter::StdPreload, "dp_dstd_preload", "relative standard deviation of the preload"),
         (
-            CellNumber::StdStaticFriction,
+            CellParameter::StdStaticFriction,
             "dp_dstd_static_friction",
             "relative standard deviation of the static friction coefficient",
         ),
@@ -198,10 +198,10 @@ fn derivative_columns(layout: SumLayout, integrated: bool) -> Vec<Column> {
         if integrated {
             columns.push(Column::optional(name, long_name, move |row| {
                 row.integrated.and_then(|IntegratedCell { derivatives, .. }| match number {
-                    CellNumber::Preload => derivatives.preload,
-                    CellNumber::StaticFriction => derivatives.static_friction,
-                    CellNumber::StdPreload => derivatives.std_preload,
-                    CellNumber::StdStaticFriction => derivatives.std_static_friction,
+                    CellParameter::Preload => derivatives.preload,
+                    CellParameter::StaticFriction => derivatives.static_friction,
+                    CellParameter::StdPreload => derivatives.std_preload,
+                    CellParameter::StdStaticFriction => derivatives.std_static_friction,
                 })
             }));
             continue;

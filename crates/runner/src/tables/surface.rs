@@ -17,7 +17,7 @@ use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::interval::Estimate;
-use stickslip_sampler::estimate::replicates;
+use stickslip_sampler::estimate::randomisations;
 
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;
@@ -107,7 +107,7 @@ impl<'a> Surface<'a> {
             Effort::Samples(_) | Effort::Integrated => self.job.interval(confidence).estimate(counts),
             Effort::Randomisations { .. } => {
                 let parts: Vec<VerdictCounts> = self.parts.of(cell).map(|part| self.tally.counts(part)).collect();
-                replicates::estimate(&parts, self.job.random.inputs.len(), confidence)
+                randomisations::estimate(&parts, self.job.random.inputs.len(), confidence)
             }
             Effort::Until(_) => {
                 let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };

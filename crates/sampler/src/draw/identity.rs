@@ -1,40 +1,40 @@
-//! The identity of a sample: which random numbers it receives, whoever computes it and in whatever order.
+//! The identity of a sample: its random numbers are a function of seed, purpose, cell and sample number alone.
 //!
-//! Samples of a cell come in blocks of [`BLOCK_SAMPLES`]. A block has a generator of its own, Xoshiro256++, whose
-//! 256 bits of state come from a BLAKE3 hash of (results version, seed, purpose, cell, block). Any block can
-//! thus be reached at once, and no two of them share a stream: the hash fills the whole state, where 64-bit seeds
-//! would collide by birthday after some 10^9 blocks.
+//! The samples of a cell are drawn in blocks of [`BLOCK_SAMPLES`]. Each block has a generator of its own, Xoshiro256++,
+//! whose 256 bits of state are the BLAKE3 hash of (results version, seed, purpose, cell, block). Any block can therefore be
+//! drawn by itself, and no two blocks share a stream: the hash fills the whole state, whereas 64-bit seeds would collide
+//! after some 10^9 blocks.
 
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Version of everything that turns a job into numbers. It changes whenever a value of a result changes; runs of
-/// different versions are never mixed.
+/// Version of everything that turns a job into samples and verdicts. It changes whenever one of their values changes. Runs
+/// of different versions are never mixed.
 pub const RESULTS_VERSION: u32 = 1;
 
-/// Version of what is made of counted verdicts: intervals, estimates, derivatives, indices. It changes when they do; runs whose
-/// results it touches are not continued by another version. The samples stay what they are.
+/// Version of what is computed from counted verdicts: intervals, estimates, derivatives, indices. It changes when they do,
+/// while the samples stay the same. A run whose results it affects is not continued by another version.
 pub const ESTIMATES_VERSION: u32 = 2;
 
-/// Samples in one block; part of the results version.
+/// Samples in one block. A change needs a new results version.
 pub const BLOCK_SAMPLES: u64 = 1000;
 
-/// What a stream of random numbers is for. Streams of different purposes never share numbers.
+/// The purpose of a stream of random numbers. Streams of different purposes are independent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// The random inputs of a cell.
     Inputs,
     /// The random inputs that all cells of a job share (common random numbers).
     CommonInputs,
-    /// The scrambling of the Sobol points of a cell; their randomisations take the place of blocks.
+    /// The scrambling of the Sobol points of a cell; the number of the randomisation takes the place of the block.
     Scrambling,
     /// The scrambling of Sobol points that all cells of a job share.
     CommonScrambling,
-    /// Which samples that were looked up in a verdict map are simulated all the same.
+    /// The choice of looked-up samples that are audited.
     Audit,
-    /// The second set of random inputs that Sobol indices need.
+    /// The second set of random inputs of a cell, for Sobol indices.
     Sensitivity,
-    /// The same, shared by all cells of a job.
+    /// The second set of random inputs that all cells of a job share.
     CommonSensitivity,
 }
 
@@ -52,7 +52,7 @@ impl Purpose {
     }
 }
 
-/// The generator of one block of samples.
+/// The generator of one block of samples of a cell.
 #[must_use]
 pub fn block_generator(seed: u64, purpose: Purpose, cell: u64, block: u64) -> Xoshiro256PlusPlus {
     let mut message = [0u8; 32];

@@ -1,7 +1,7 @@
-//! The deviates of every sample: a pure function of seed, cell and index.
+//! Drawing samples: the standard normal deviates of a sample are a pure function of seed, cell and sample number.
 
 pub mod identity;
 
-pub mod sobol;
+pub(crate) mod sobol;
 
 pub mod deviates;

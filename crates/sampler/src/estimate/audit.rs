@@ -1,5 +1,5 @@
-//! The audit of a verdict map: which of the samples that were looked up in it are simulated all the same, and what their
-//! verdicts say of the others.
+//! The audit of a verdict map: some of the looked-up samples are simulated as a check, and bound the share of wrong
+//! verdicts among the others.
 
 use std::ops::Range;
 
@@ -8,15 +8,17 @@ use rand::RngExt;
 use crate::draw::identity::{BLOCK_SAMPLES, Purpose, block_generator};
 use crate::special_functions::beta;
 
-/// Whether each sample of `range` is audited: a seeded choice of a `share` of them, independent of the samples
-/// themselves and the same whoever computes them.
+/// Whether each sample of `range` is audited: a random choice of a `share` of them.
+///
+/// The choice is a pure function of the seed, the part and the number of the sample, independent of the samples'
+/// inputs.
 #[must_use]
-pub fn choose(seed: u64, slot: u64, range: Range<u64>, share: f64) -> Vec<bool> {
+pub fn choose(seed: u64, part: u64, range: Range<u64>, share: f64) -> Vec<bool> {
     let mut chosen = Vec::with_capacity((range.end - range.start) as usize);
     let mut next = range.start;
     while next < range.end {
         let block = next / BLOCK_SAMPLES;
-        let mut generator = block_generator(seed, Purpose::Audit, slot, block);
+        let mut generator = block_generator(seed, Purpose::Audit, part, block);
         let whole: Vec<bool> = (0..BLOCK_SAMPLES).map(|_| generator.random::<f64>() < share).collect();
         let end = range.end.min((block + 1) * BLOCK_SAMPLES);
         let first = (next - block * BLOCK_SAMPLES) as usize;
@@ -26,8 +28,8 @@ pub fn choose(seed: u64, slot: u64, range: Range<u64>, share: f64) -> Vec<bool> 
     chosen
 }
 
-/// With the given one-sided confidence, no more than this share of the looked-up samples have another verdict: the upper
-/// limit of Clopper and Pearson for `differed` out of `audited`; 1 without an audit.
+/// The share of wrong verdicts among the looked-up samples, at most, with the given one-sided confidence: Clopper and
+/// Pearson's upper limit for `differed` out of `audited`. It is 1 without an audit.
 ///
 /// ```
 /// // The rule of three.
@@ -47,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_choice_has_its_share_and_does_not_depend_on_the_range() {
+    fn the_choice_has_its_share_and_is_independent_of_the_range() {
         let whole = choose(7, 3, 0..200_000, 0.01);
         let chosen = whole.iter().filter(|&&chosen| chosen).count() as f64;
         assert!((chosen - 2000.0).abs() < 4.0 * 2000_f64.sqrt(), "{chosen}");

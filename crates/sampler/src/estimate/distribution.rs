@@ -1,15 +1,16 @@
-//! The distribution of a positive quantity over samples, kept in integers so that no result depends on their order.
+//! The distribution of a positive quantity over samples, kept in integers so that the order of the samples has no effect.
 
 use std::collections::BTreeMap;
 
-/// Bits of a double below those that choose its bin: 10 of the 52 of the fraction remain, so that a bin is at most
-/// 1/1024 of its values wide.
+/// Low bits of a double that its bin ignores. 10 of the 52 bits of the fraction remain, so that a bin is at most 1/1024 of
+/// its values wide.
 const DROPPED_BITS: u32 = 42;
 
-/// Sums are kept in units of 2^-34, some 6e-11: values far below are lost in them, and a sum beyond 10^9 stays there.
-const UNITS: f64 = (1_u64 << 34) as f64;
+/// Sums are kept in multiples of 2^-34, about 6e-11: much smaller values are lost, and a sum saturates at about 10^9.
+const STEPS_PER_ONE: f64 = (1_u64 << 34) as f64;
 
-/// Mean and quantiles of a positive quantity of ordinary size (some 1e-6 to 1e3). Adding values or whole distributions commutes, bit for bit.
+/// Mean and quantiles of a positive quantity of about 1e-6 to 1e3. The order in which values and distributions are added
+/// does not change a bit of the result.
 ///
 /// ```
 /// use stickslip_sampler::estimate::distribution::Distribution;
@@ -20,20 +21,20 @@ const UNITS: f64 = (1_u64 << 34) as f64;
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Distribution {
-    /// Sum of all values, in units of 2^-34.
+    /// Sum of all values, in multiples of 2^-34.
     sum: u64,
-    /// How many values fell into each bin, by the leading bits of the value.
+    /// The number of values in each bin, by the leading bits of the value.
     bins: BTreeMap<u32, u64>,
 }
 
 impl Distribution {
-    /// Whether a bin can hold any finite value.
+    /// Whether a bin number is that of finite values.
     #[must_use]
     pub fn is_bin(bin: u32) -> bool {
         f64::from_bits(u64::from(bin) << DROPPED_BITS).is_finite() && bin < 1 << 21
     }
 
-    /// A distribution from its parts, see [`Distribution::sum`] and [`Distribution::bins`]; each bin once.
+    /// A distribution from its sum ([`Distribution::sum`]) and its bins ([`Distribution::bins`]), each bin once.
     #[must_use]
     pub fn from_parts(sum: u64, bins: impl IntoIterator<Item = (u32, u64)>) -> Self {
         Self { sum, bins: bins.into_iter().collect() }
@@ -43,7 +44,7 @@ impl Distribution {
     pub fn add(&mut self, value: f64) {
         let value = value.max(0.0);
         // A conversion to an integer saturates.
-        self.sum = self.sum.saturating_add((value * UNITS + 0.5) as u64);
+        self.sum = self.sum.saturating_add((value * STEPS_PER_ONE + 0.5) as u64);
         *self.bins.entry((value.to_bits() >> DROPPED_BITS) as u32).or_default() += 1;
     }
 
@@ -56,19 +57,19 @@ impl Distribution {
         }
     }
 
-    /// How many values there are.
+    /// The number of values.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.bins.values().fold(0, |sum: u64, count| sum.saturating_add(*count))
     }
 
-    /// The sum of all values, in units of 2^-34.
+    /// The sum of all values, in multiples of 2^-34.
     #[must_use]
     pub fn sum(&self) -> u64 {
         self.sum
     }
 
-    /// Every bin that is not empty, and how many values it has.
+    /// Every bin that is not empty, with its number of values.
     pub fn bins(&self) -> impl Iterator<Item = (u32, u64)> + '_ {
         self.bins.iter().map(|(bin, count)| (*bin, *count))
     }
@@ -77,11 +78,11 @@ impl Distribution {
     #[must_use]
     pub fn mean(&self) -> Option<f64> {
         let count = self.count();
-        (count > 0).then(|| self.sum as f64 / UNITS / count as f64)
+        (count > 0).then(|| self.sum as f64 / STEPS_PER_ONE / count as f64)
     }
 
-    /// The value below which a share `p` of all values lies, to one part in two thousand: the middle of its bin. `None`
-    /// without values.
+    /// The value below which a share `p` of all values lies: the middle of its bin, with a relative error below 1/2000.
+    /// `None` without values.
     #[must_use]
     pub fn quantile(&self, p: f64) -> Option<f64> {
         // The smallest value with at least this many at or below it.
@@ -107,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn order_and_partition_do_not_matter() {
+    fn order_and_partition_have_no_effect() {
         let mut whole = Distribution::default();
         values().iter().for_each(|value| whole.add(*value));
         let mut parts = [const { Distribution { sum: 0, bins: BTreeMap::new() } }; 3];
@@ -135,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_has_no_mean() {
+    fn an_empty_distribution_has_no_mean() {
         let nothing = Distribution::default();
         assert_eq!((nothing.mean(), nothing.quantile(0.5), nothing.count()), (None, None, 0));
     }

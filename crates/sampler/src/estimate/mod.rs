@@ -1,10 +1,10 @@
-//! What counted verdicts and recorded values say of a probability.
+//! Estimates and confidence intervals from counted verdicts and recorded values.
 
 pub mod interval;
 
-pub mod sequential;
+pub mod looks;
 
-pub mod replicates;
+pub mod randomisations;
 
 pub mod audit;
 
@@ -14,4 +14,4 @@ pub mod distribution;
 
 pub mod score;
 
-pub mod sensitivity;
+pub mod sobol_indices;

@@ -11,7 +11,7 @@ pub enum CorrelationError {
     NoInput {
         /// The number given.
         input: usize,
-        /// How many inputs there are.
+        /// The number of inputs.
         inputs: usize,
     },
     /// An input correlated with itself.
@@ -30,7 +30,7 @@ pub enum CorrelationError {
         /// The coefficient given.
         coefficient: f64,
     },
-    /// The same pair twice, in whichever order.
+    /// The same pair twice, in either order.
     #[error("the correlation of inputs {first} and {second} is given twice")]
     Repeated {
         /// One input.
@@ -38,7 +38,7 @@ pub enum CorrelationError {
         /// The other.
         second: usize,
     },
-    /// Coefficients that contradict each other.
+    /// Coefficients that contradict each other: their matrix is not positive definite.
     #[error(
         "the correlations contradict each other: no input {input} can have those given for it and the inputs before \
          it (the matrix is not positive definite)"
@@ -51,9 +51,9 @@ pub enum CorrelationError {
 
 /// Correlation of the normal deviates behind the inputs, as the Cholesky factor of its matrix.
 ///
-/// The coefficients are those of the deviates. Normal inputs inherit them; others are correlated a little less, by
-/// `(exp(rho t_1 t_2) - 1) / (s_1 s_2)` if both are lognormal. The rank correlation is `6 asin(rho / 2) / pi`
-/// whatever the marginals (W. H. Kruskal, Ordinal measures of association, J. Am. Stat. Assoc. 53 (1958) 814-861).
+/// The coefficients `rho` are those of the deviates. Normal inputs have the same ones. Others are correlated a little less:
+/// the coefficient of two lognormal inputs is `(exp(rho t_1 t_2) - 1) / (s_1 s_2)` with `t_i^2 = ln(1 + s_i^2)`. The rank
+/// correlation is `6 asin(rho / 2) / pi` for all marginals (W. H. Kruskal, Ordinal measures of association, J. Am. Stat. Assoc. 53 (1958) 814-861).
 ///
 /// ```
 /// let correlation = stickslip_sampler::inputs::Correlation::new(2, &[(0, 1, 0.6)])?;
@@ -65,20 +65,20 @@ pub enum CorrelationError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correlation {
     inputs: usize,
-    /// Row by row, each up to its diagonal; nothing for the unit matrix.
+    /// Row by row, each up to its diagonal; empty for the unit matrix.
     factor: Vec<f64>,
 }
 
-/// Where row `row` of a packed lower triangle begins.
+/// The position at which row `row` of a packed lower triangle begins.
 fn row_start(row: usize) -> usize {
     row * (row + 1) / 2
 }
 
 impl Correlation {
-    /// Square of the smallest diagonal element of the factor; below, rounding could have made it.
+    /// Square of the smallest diagonal element of the factor; a smaller one may be a rounding error.
     const SMALLEST_PIVOT: f64 = 1e-14;
 
-    /// No correlation.
+    /// Independent inputs.
     #[must_use]
     pub fn independent(inputs: usize) -> Self {
         Self { inputs, factor: Vec::new() }
@@ -118,30 +118,24 @@ impl Correlation {
         Ok(Self { inputs, factor })
     }
 
-    /// How many inputs there are.
-    #[must_use]
-    pub fn inputs(&self) -> usize {
-        self.inputs
-    }
-
-    /// Whether no inputs are correlated, so that [`Correlation::apply`] does nothing.
+    /// Whether no inputs are correlated, so that [`Correlation::apply`] changes nothing.
     #[must_use]
     pub fn is_independent(&self) -> bool {
         self.factor.is_empty()
     }
 
-    /// Replaces the independent standard normal deviates `z` of the inputs by correlated ones, `L z`. Those of
-    /// independent inputs stay as they are, bit for bit.
+    /// Replaces the independent standard normal deviates `z` of the inputs by correlated ones, `L z`. Without
+    /// correlation they keep every bit.
     ///
     /// # Panics
-    /// If `z` is not as long as there are inputs.
+    /// If the length of `z` is not the number of inputs.
     #[inline]
     pub fn apply(&self, z: &mut [f64]) {
         assert_eq!(z.len(), self.inputs, "deviates of one sample");
         if self.factor.is_empty() {
             return;
         }
-        // From the last on: each needs only itself and those before it.
+        // From the last row back: each needs only itself and those before it.
         for row in (0..self.inputs).rev() {
             let elements = &self.factor[row_start(row)..=row_start(row) + row];
             z[row] = elements.iter().zip(&*z).map(|(element, z)| element * z).sum();
@@ -154,7 +148,7 @@ fn factorise(inputs: usize, matrix: &mut [f64]) -> Result<(), CorrelationError> 
     for row in 0..inputs {
         let (before, current) = matrix.split_at_mut(row_start(row));
         for column in 0..=row {
-            // On the diagonal the row meets itself.
+            // On the diagonal, the row times itself.
             let known: f64 = if column < row {
                 let other = &before[row_start(column)..][..column];
                 current[..column].iter().zip(other).map(|(a, b)| a * b).sum()

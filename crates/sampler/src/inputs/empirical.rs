@@ -1,4 +1,4 @@
-//! Measured values as a distribution.
+//! The distribution of measured values.
 
 use std::sync::Arc;
 
@@ -10,9 +10,9 @@ use crate::special_functions::normal;
 ///
 /// Its quantile function joins the sorted values `x_1 ... x_n` by straight lines, `x_i` at the probability
 /// `(i - 1/2) / n`, and is constant beyond the first and the last (definition 5 of R. J. Hyndman, Y. Fan, Sample quantiles
-/// in statistical packages, The American Statistician 50 (1996) 361-365; `method="hazen"` of NumPy). So no input lies
-/// outside the measured range, and the mean is that of the values. The variance is theirs,
-/// `sum of (x_i - mean)^2 / n`, less `sum of (x_(i+1) - x_i)^2 / (6 n)` for the straight lines.
+/// in statistical packages, The American Statistician 50 (1996) 361-365; `method="hazen"` of NumPy). No input lies
+/// outside the measured range, and the mean is that of the values. The variance is that of the values,
+/// `sum of (x_i - mean)^2 / n`, minus `sum of (x_(i+1) - x_i)^2 / (6 n)` for the straight lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Empirical {
     /// Sorted.
@@ -21,23 +21,23 @@ pub struct Empirical {
     relative_std: f64,
 }
 
-/// Why values make no distribution of an input.
+/// Why values do not define the distribution of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EmpiricalError {
-    /// None or one.
+    /// No value or one.
     #[error("there are too few values ({count}); a distribution takes at least 2")]
     TooFew {
-        /// How many there are.
+        /// The number of values.
         count: usize,
     },
-    /// Infinity or NaN.
+    /// An infinite value or NaN.
     #[error("{value} is not a finite number")]
     NotFinite {
         /// The value.
         value: f64,
     },
-    /// Nothing scatters.
+    /// All values are equal.
     #[error("all values are {value}; they must differ, or the input does not scatter")]
     AllEqual {
         /// The value.
@@ -83,7 +83,7 @@ impl Empirical {
         if mean <= 0.0 {
             return Err(EmpiricalError::Mean { mean });
         }
-        // Over the mean, so that no square overflows.
+        // Divided by the mean, so that no square overflows.
         let square = |difference: f64| (difference / mean) * (difference / mean);
         let scatter: f64 = values.iter().map(|value| square(value - mean)).sum();
         let steps: f64 = values.windows(2).map(|pair| square(pair[1] - pair[0])).sum();
@@ -114,7 +114,7 @@ impl Empirical {
         let below = (position as usize).min(last - 1);
         let [low, high] = [self.values[below], self.values[below + 1]];
         let share = position - below as f64;
-        // Right at both ends, and between them whatever is rounded.
+        // Exact at both ends, and between them in spite of rounding.
         (low * (1.0 - share) + high * share).clamp(low, high) / self.mean
     }
 }

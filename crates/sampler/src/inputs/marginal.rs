@@ -1,45 +1,44 @@
-//! Distributions of one input.
+//! The distribution of one input.
 
 use thiserror::Error;
 
 use super::empirical::Empirical;
-use super::transform::Transform;
 use super::truncation;
 
-/// Largest relative standard deviation of any input. More is a slip, such as a percentage.
+/// Largest relative standard deviation of any input. A larger one is a mistake, such as a percentage.
 const LARGEST: f64 = 10.0;
 
-/// Largest relative standard deviation of a normal input: one in six is negative then.
+/// Largest relative standard deviation of a normal input, at which one value in six is negative.
 const LARGEST_NORMAL: f64 = 1.0;
 
 /// Relative standard deviation of a uniform input that reaches down to zero, `1 / sqrt(3)`.
 pub(super) const WIDEST_UNIFORM: f64 = 0.577_350_269_189_625_8;
 
-/// Standard deviations beyond which a truncated normal input may not be confined; the normal one would get there with
-/// a probability of 6e-16.
+/// Largest distance of the interval of a truncated normal input from the expected value, in standard deviations: a normal
+/// deviate lies beyond with a probability of 6e-16.
 const FARTHEST_INTERVAL: f64 = 8.0;
 
 /// Shape parameters of a beta distribution for which [`crate::special_functions::beta`] is tested.
 const BETA_SHAPES: [f64; 2] = [0.01, 1e10];
 
-/// The distribution of one input of expected value `m > 0` and relative standard deviation `s >= 0`, its standard
-/// deviation being `s m`. `s` is at most 10.
+/// The distribution of an input with expected value `m > 0` and relative standard deviation `s`, from 0 to 10. The standard
+/// deviation is `s m`.
 ///
 /// Equations are those of N. L. Johnson, S. Kotz, N. Balakrishnan, Continuous Univariate Distributions, 2nd ed., vol. 1
 /// (1994: normal 13, lognormal 14, Weibull 21) and vol. 2 (1995: Gumbel 22, beta 25, uniform and triangular 26), solved
 /// for the parameters that give `m` and `s`. `Phi` is the standard normal distribution function, `p = Phi(z)`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Marginal {
-    /// Normal: `m (1 + s z)`, for `s <= 1`. Not positive with probability `Phi(-1 / s)`.
+    /// Normal: `m (1 + s z)`, for `s <= 1`. It is negative with probability `Phi(-1 / s)`.
     Normal,
     /// Lognormal: `m exp(t z - t^2 / 2)`, `t^2 = ln(1 + s^2)`.
     Lognormal,
     /// Uniform from `m (1 - s sqrt(3))` to `m (1 + s sqrt(3))`, for `s <= 1 / sqrt(3)`.
     Uniform,
-    /// Normal of expected value `m` and standard deviation `s m` before it is confined to the values from
-    /// `m (1 + s low)` to `m (1 + s high)`. For `s > 1` these must not be negative.
+    /// Normal with expected value `m` and standard deviation `s m`, truncated to the values from `m (1 + s low)` to
+    /// `m (1 + s high)`. For `s > 1` these must not be negative.
     ///
-    /// What is cut off shifts and narrows it: with `P = Phi(high) - Phi(low)` and
+    /// Truncation shifts and narrows the distribution: with `P = Phi(high) - Phi(low)` and
     /// `d = (phi(low) - phi(high)) / P`, its mean is `m (1 + s d)`, which is `m` if `low = -high`, and its
     /// variance `(s m)^2 (1 + (low phi(low) - high phi(high)) / P - d^2)` (vol. 1, section 13.10.1).
     /// [`Marginal::moments`] has both.
@@ -53,12 +52,12 @@ pub enum Marginal {
     /// `Gamma(1 + 2/k) / Gamma(1 + 1/k)^2 = 1 + s^2`: 12.2 for `s = 0.1`, 1 (exponential) for `s = 1`.
     Weibull,
     /// Gumbel, the distribution of largest values: `m (1 + s sqrt(6) / pi (-ln(-ln(p)) - gamma))`, `gamma` being Euler's
-    /// constant. Not positive with probability `exp(-exp(pi / (s sqrt(6)) - gamma))`: 7e-4 for `s = 1/2`.
+    /// constant. It is negative with probability `exp(-exp(pi / (s sqrt(6)) - gamma))`: 7e-4 for `s = 1/2`.
     Gumbel,
-    /// Triangular with its peak at `mode` of the way from the lower to the upper end: with `w = s sqrt(18 / (1 - mode +
-    /// mode^2))` from `m (1 - w (1 + mode) / 3)` to `m (1 + w (2 - mode) / 3)`, the former not negative.
+    /// Triangular from `m (1 - w (1 + mode) / 3)`, which must not be negative, to `m (1 + w (2 - mode) / 3)`, with
+    /// `w = s sqrt(18 / (1 - mode + mode^2))`.
     Triangular {
-        /// Place of the peak, from 0 (the lower end) to 1; 1/2 for a symmetric triangle.
+        /// Position of the peak from 0 (the lower end) to 1 (the upper end); 1/2 for a symmetric triangle.
         mode: f64,
     },
     /// Beta from `low m` to `high m`: with `mu = (1 - low) / (high - low)` and
@@ -69,8 +68,8 @@ pub enum Marginal {
         /// Upper end over the expected value, more than 1.
         high: f64,
     },
-    /// That of measured values, scaled to the expected value `m`. Its relative standard deviation is its own, whatever
-    /// `s`.
+    /// The distribution of measured values, scaled to the expected value `m`. It has the relative standard deviation of the
+    /// values; `s` has no effect.
     Empirical(Empirical),
 }
 
@@ -112,7 +111,7 @@ pub enum MarginalError {
         value: f64,
         /// Lower end.
         low: f64,
-        /// Where the input is zero.
+        /// The lower end at which the input is zero.
         lowest: f64,
     },
     /// A uniform distribution that includes negative values.
@@ -132,7 +131,7 @@ pub enum MarginalError {
         /// Upper end.
         high: f64,
     },
-    /// A truncated normal distribution confined to where the normal one never gets.
+    /// A truncated normal distribution so far out that the normal one practically never has such values.
     #[error(
         "the interval from {low} to {high} is more than 8 standard deviations away from the expected value; \
          low and high count standard deviations, not values of the input"
@@ -149,7 +148,7 @@ pub enum MarginalError {
          at most 1, 0.5 for a symmetric one"
     )]
     Mode {
-        /// The place given.
+        /// The position given.
         mode: f64,
     },
     /// A triangular distribution that includes negative values.
@@ -158,11 +157,11 @@ pub enum MarginalError {
          the largest possible is {largest:.5}"
     )]
     TriangularTooWide {
-        /// Place of the peak.
+        /// Position of the peak.
         mode: f64,
         /// The relative standard deviation.
         value: f64,
-        /// What it may be.
+        /// The largest possible one.
         largest: f64,
     },
     /// A beta distribution whose ends do not enclose the expected value, or are negative or infinite.
@@ -240,10 +239,10 @@ impl Marginal {
         }
     }
 
-    /// Mean and standard deviation. They are `m` and `s m`, but for a truncated normal input, of which these are the
-    /// values before it is truncated, and for an empirical one, whose standard deviation is that of its values.
+    /// Mean and standard deviation: `m` and `s m`, except for a truncated normal input, for which `m` and `s m` are those
+    /// before truncation, and for an empirical one, which has the relative standard deviation of its values.
     ///
-    /// Only meaningful where [`Marginal::check`] finds no error.
+    /// Meaningful only where [`Marginal::check`] finds no error.
     ///
     /// ```
     /// use stickslip_sampler::inputs::Marginal;
@@ -262,34 +261,6 @@ impl Marginal {
             _ => (expected, expected * relative_std),
         }
     }
-
-    /// The input that the standard normal deviate `z` becomes, for `|z| <= 37`; it rises with `z`.
-    ///
-    /// Only meaningful where [`Marginal::check`] finds no error.
-    ///
-    /// ```
-    /// use stickslip_sampler::inputs::Marginal;
-    /// assert_eq!(Marginal::Normal.value(0.4, 0.1, 1.5), 0.4 * (1.0 + 0.1 * 1.5));
-    /// assert_eq!(Marginal::Uniform.value(0.4, 0.1, 0.0), 0.4);
-    /// ```
-    #[inline]
-    #[must_use]
-    pub fn value(&self, expected: f64, relative_std: f64, z: f64) -> f64 {
-        Transform::new(self, relative_std).value(expected, z)
-    }
-
-    /// Replaces each standard normal deviate by the input that it becomes, as [`Marginal::value`] does one by one,
-    /// but what does not depend on the deviate is computed once.
-    #[inline]
-    pub fn apply(&self, expected: f64, relative_std: f64, deviates: &mut [f64]) {
-        Transform::new(self, relative_std).apply(expected, deviates);
-    }
-}
-
-/// The shapes of a beta distribution between multiples of its expected value.
-pub(super) fn beta_shapes(low: f64, high: f64, relative_std: f64) -> [f64; 2] {
-    let sum = (1.0 - low) * (high - 1.0) / (relative_std * relative_std) - 1.0;
-    [sum * ((1.0 - low) / (high - low)), sum * ((high - 1.0) / (high - low))]
 }
 
 fn check_triangular(mode: f64, value: f64) -> Result<(), MarginalError> {

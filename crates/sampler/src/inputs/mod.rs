@@ -1,10 +1,10 @@
-//! Random inputs: what standard normal deviates become, and how they are correlated.
+//! Random inputs: marginal distributions and correlation.
 //!
 //! Input `i` is `F_i^-1(Phi(y_i))`, where `F_i` is the distribution function of its [`Marginal`] and `y = L z` are
-//! normal deviates with a given [`Correlation`], made from independent ones `z` by the Cholesky factor `L`. Inputs
-//! joined in this way have a Gaussian copula (R. B. Nelsen, An Introduction to Copulas, 2nd ed. 2006, section 2.3).
+//! normal deviates with a given [`Correlation`], made from independent ones `z` by the Cholesky factor `L`. Such inputs
+//! have a Gaussian copula (R. B. Nelsen, An Introduction to Copulas, 2nd ed. 2006, section 2.3).
 //!
-//! Quantiles keep their digits in both tails: they start from `Phi(z)` or from `1 - Phi(z)`, whichever is small.
+//! Quantiles are accurate in both tails: they are computed from `Phi(z)` or from `1 - Phi(z)`, whichever is smaller.
 
 mod columns;
 mod correlation;

@@ -1,16 +1,40 @@
-//! Marginal distributions with their constants: from deviates to inputs.
+//! The inputs of deviates: the quantile function of each marginal distribution at `Phi(z)`.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use super::empirical::Empirical;
-use super::marginal::{Marginal, beta_shapes};
+use super::marginal::Marginal;
 use super::weibull::inverse_shape;
 use crate::special_functions::{beta, normal};
 
 /// Euler's constant.
 const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 
-/// A marginal distribution with its constants.
+impl Marginal {
+    /// The input of the standard normal deviate `z`, for `|z| <= 37`: the quantile at `Phi(z)`, which rises with `z`.
+    ///
+    /// Meaningful only where [`Marginal::check`] finds no error.
+    ///
+    /// ```
+    /// use stickslip_sampler::inputs::Marginal;
+    /// assert_eq!(Marginal::Normal.value(0.4, 0.1, 1.5), 0.4 * (1.0 + 0.1 * 1.5));
+    /// assert_eq!(Marginal::Uniform.value(0.4, 0.1, 0.0), 0.4);
+    /// ```
+    #[inline]
+    #[must_use]
+    pub fn value(&self, expected: f64, relative_std: f64, z: f64) -> f64 {
+        Transform::new(self, relative_std).value(expected, z)
+    }
+
+    /// Replaces each standard normal deviate by its input, as [`Marginal::value`] returns it. The constants of the
+    /// distribution are computed once.
+    #[inline]
+    pub fn apply(&self, expected: f64, relative_std: f64, deviates: &mut [f64]) {
+        Transform::new(self, relative_std).apply(expected, deviates);
+    }
+}
+
+/// A marginal distribution and the constants of its quantile function.
 #[derive(Debug, Clone)]
 pub enum Transform {
     /// `s = 0`.
@@ -109,7 +133,7 @@ impl Transform {
 
     /// The input of a deviate.
     #[inline]
-    pub fn value(&self, expected: f64, z: f64) -> f64 {
+    fn value(&self, expected: f64, z: f64) -> f64 {
         match *self {
             Self::Fixed => expected,
             Self::Normal { relative_std } => expected * (1.0 + relative_std * z),
@@ -149,7 +173,7 @@ impl Transform {
                 }
             }
             Self::Beta { shapes: [a, b], low, high } => {
-                // Counted from the end on whose side the deviate is.
+                // From the end on whose side the deviate is.
                 if z < 0.0 {
                     expected * (low + (high - low) * beta::quantile(a, b, normal::cumulative(z)))
                 } else {
@@ -161,7 +185,13 @@ impl Transform {
     }
 }
 
-/// `-ln(1 - Phi(z))`, the exponential deviate that a normal one becomes.
+/// `-ln(1 - Phi(z))`: the exponential deviate of a normal one.
 fn exponential(z: f64) -> f64 {
     if z < 0.0 { -libm::log1p(-normal::cumulative(z)) } else { -libm::log(normal::upper_tail(z)) }
+}
+
+/// The shapes of a beta distribution between `low` and `high` times its expected value.
+fn beta_shapes(low: f64, high: f64, relative_std: f64) -> [f64; 2] {
+    let sum = (1.0 - low) * (high - 1.0) / (relative_std * relative_std) - 1.0;
+    [sum * ((1.0 - low) / (high - low)), sum * ((high - 1.0) / (high - low))]
 }

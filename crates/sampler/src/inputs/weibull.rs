@@ -1,9 +1,9 @@
 //! The shape of a Weibull distribution from its relative standard deviation.
 
-/// Below this the logarithms of the gamma function cancel, and a series replaces them.
+/// Below this, a series replaces the logarithms of the gamma function, which cancel.
 const SMALL: f64 = 0.05;
 
-/// Values of the zeta function, from 2 on.
+/// Riemann's zeta function of 2, 3, 4, and so on.
 const ZETA: [f64; 17] = [
     1.644_934_066_848_226_4,
     1.202_056_903_159_594_2,
@@ -24,9 +24,10 @@ const ZETA: [f64; 17] = [
     1.000_003_817_293_265,
 ];
 
-/// `1 / k` of the Weibull distribution with shape `k` whose standard deviation over its mean is `relative_std`, from 0 to
-/// 10: the `u` with `ln Gamma(1 + 2 u) - 2 ln Gamma(1 + u) = ln(1 + s^2)`, by bisection to the last bit. The left side
-/// rises with `u`.
+/// The inverse shape `u = 1 / k` of the Weibull distribution whose standard deviation over its mean is `s`, from 0 to 10.
+///
+/// It solves `ln Gamma(1 + 2 u) - 2 ln Gamma(1 + u) = ln(1 + s^2)`, whose left side rises with `u`, by bisection to the last
+/// bit.
 pub fn inverse_shape(relative_std: f64) -> f64 {
     let target = libm::log1p(relative_std * relative_std);
     // u / s is sqrt(6) / pi = 0.78 for small s, 1 for s = 1, and 0.43 for s = 10.

@@ -1,7 +1,7 @@
 //! Distribution functions and their inverses, to full precision in both tails.
 
-pub mod normal;
+pub(crate) mod gauss_legendre;
 
-pub mod poisson;
+pub mod normal;
 
 pub mod beta;

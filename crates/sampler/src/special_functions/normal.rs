@@ -21,10 +21,10 @@ pub fn upper_tail(z: f64) -> f64 {
 
 /// The deviate that a standard normal one exceeds with probability `tail`, for `0 < tail <= 0.5`.
 ///
-/// Newton's iteration on the logarithm of the tail. That is concave, so from the upper bound
-/// `sqrt(-2 ln(2 tail))` the iterates fall towards the quantile and never pass it.
+/// Newton's iteration on the logarithm of the tail, which is concave: from the upper bound `sqrt(-2 ln(2 tail))` the
+/// iterates fall to the quantile without passing it.
 #[must_use]
-pub fn upper_quantile(tail: f64) -> f64 {
+pub(crate) fn upper_quantile(tail: f64) -> f64 {
     let target = libm::log(tail);
     let mut z = (-2.0 * libm::log(2.0 * tail)).max(0.0).sqrt();
     for _ in 0..100 {
@@ -40,15 +40,15 @@ pub fn upper_quantile(tail: f64) -> f64 {
 
 /// Probability that a standard normal deviate is at most `z`, accurate in both tails.
 #[must_use]
-pub fn cumulative(z: f64) -> f64 {
+pub(crate) fn cumulative(z: f64) -> f64 {
     upper_tail(-z)
 }
 
-/// The deviate `z` with [`cumulative`]`(z) = p`, for `0 < p < 1`; relative error about 1e-15.
+/// The deviate below which a standard normal one lies with probability `p`, for `0 < p < 1`; relative error about 1e-15.
 ///
-/// Rational approximations in `p - 1/2` near the centre and in `sqrt(-ln(tail))` beyond: no iteration, for use sample
-/// by sample (M. J. Wichura, algorithm AS 241, PPND16, Applied Statistics 37, 1988). Within 1e-3 of 1 the spacing of
-/// `p` itself limits what it can say of the tail; [`upper_quantile`] takes the tail instead.
+/// Rational approximations in `p - 1/2` near the centre and in `sqrt(-ln(tail))` beyond (M. J. Wichura, algorithm AS 241,
+/// PPND16, Applied Statistics 37, 1988). Without iteration it is fast enough to transform every sample. Within 1e-3 of 1
+/// the spacing of `p` limits the accuracy of the tail.
 ///
 /// ```
 /// assert!((stickslip_sampler::special_functions::normal::quantile(0.025) + 1.959963984540054).abs() < 1e-15);

@@ -1,4 +1,4 @@
-//! What holds for every distribution; quantiles and moments apart.
+//! Properties of every distribution, and errors.
 
 mod moments;
 mod quantiles;
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::marginal::WIDEST_UNIFORM;
 use super::*;
-use crate::special_functions::beta::LEGENDRE;
+use crate::special_functions::gauss_legendre::NODES_32;
 use crate::special_functions::normal;
 
 const MEASURED: [f64; 7] = [0.31, 0.42, 0.35, 0.42, 0.58, 0.29, 0.37];
@@ -25,7 +25,7 @@ fn truncated(low: f64, high: f64) -> Marginal {
 }
 
 #[test]
-fn values_without_a_distribution_are_refused() {
+fn values_that_define_no_distribution_are_refused() {
     use EmpiricalError as E;
     assert_eq!(Empirical::new(&[]), Err(E::TooFew { count: 0 }));
     assert_eq!(Empirical::new(&[1.0]), Err(E::TooFew { count: 1 }));
@@ -92,7 +92,7 @@ fn inputs_rise_with_the_deviate_and_stay_inside_their_interval() {
 }
 
 #[test]
-fn rounding_leads_to_no_value_outside_the_interval() {
+fn rounding_keeps_values_inside_the_interval() {
     for i in 1..=100 {
         let [low, high] = [-0.05 * f64::from(i), 0.07 * f64::from(i)];
         for z in [-37.0, 37.0] {
@@ -104,7 +104,7 @@ fn rounding_leads_to_no_value_outside_the_interval() {
 }
 
 #[test]
-fn many_deviates_become_what_each_would() {
+fn many_deviates_have_the_inputs_of_each() {
     let measured = Marginal::Empirical(Empirical::new(&MEASURED).unwrap());
     for marginal in [
         Marginal::Normal,

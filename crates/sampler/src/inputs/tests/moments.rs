@@ -68,7 +68,7 @@ fn triangles_have_the_stated_expected_value_and_standard_deviation() {
                 let above = f(marginal.value(EXPECTED, 0.25, -normal::quantile((1.0 - mode) * t * t)));
                 t * (if mode > 0.0 { mode * below } else { 0.0 } + if mode < 1.0 { (1.0 - mode) * above } else { 0.0 })
             };
-            LEGENDRE.iter().map(|(node, weight)| weight * (term(0.5 - 0.5 * node) + term(0.5 + 0.5 * node))).sum()
+            NODES_32.iter().map(|(node, weight)| weight * (term(0.5 - 0.5 * node) + term(0.5 + 0.5 * node))).sum()
         };
         let mean = integral(&|x| x);
         let variance = integral(&|x| (x - EXPECTED) * (x - EXPECTED));

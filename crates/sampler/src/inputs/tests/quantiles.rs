@@ -80,7 +80,7 @@ fn quantiles_agree_with_independent_ones() {
             0.4874999999999998,
         ],
     );
-    // Confined to one tail of the normal distribution, where the other probability is 1 to rounding.
+    // Truncated to one tail of the normal distribution, where the other probability is 1 up to rounding.
     assert_quantiles(
         &truncated(4.0, 6.0),
         0.25,
@@ -255,7 +255,7 @@ fn quantiles_of_further_distributions_agree_with_independent_ones() {
     for (marginal, relative_std, quantiles) in cases {
         assert_quantiles(&marginal, relative_std, quantiles);
     }
-    // Nearly all at the ends: the spacing of p counts most here.
+    // Nearly all values are at the ends: the spacing of p matters most here.
     let two_ends = Marginal::Beta { low: 0.5, high: 1.5 };
     for (z, quantile) in DEVIATES.into_iter().zip([
         0.195,
@@ -287,8 +287,8 @@ fn quantiles_of_further_distributions_agree_with_independent_ones() {
 }
 
 #[test]
-fn small_values_keep_their_digits() {
-    // Relative to themselves; quantiles by mpmath 1.4 with 60 digits.
+fn small_values_are_accurate() {
+    // Relative errors; quantiles by mpmath 1.4 with 60 digits.
     for (marginal, z, quantile) in [
         (Marginal::Weibull, -8.0, 2.1434369968198635e-29),
         (Marginal::Weibull, -3.0, 1.1576318679914862e-06),
@@ -320,7 +320,7 @@ fn weibull_shapes_agree_with_high_precision() {
 }
 
 #[test]
-fn a_uniform_input_down_to_zero_keeps_its_small_values() {
+fn small_values_of_a_uniform_input_down_to_zero_are_accurate() {
     // EXPECTED * 2 * scipy.stats.norm.cdf(z), SciPy 1.17.1.
     for (z, quantile) in [
         (-8.2, 9.375094203333874e-17),
@@ -335,7 +335,7 @@ fn a_uniform_input_down_to_zero_keeps_its_small_values() {
 }
 
 #[test]
-fn measured_values_become_their_own_distribution() {
+fn measured_values_have_their_own_distribution() {
     let measured = Marginal::Empirical(Empirical::new(&MEASURED).unwrap());
     // 0.39 numpy.quantile(values / mean, scipy.special.ndtr(z), method="hazen"), NumPy 2.4.6 and SciPy 1.17.1.
     assert_quantiles(
@@ -356,7 +356,7 @@ fn measured_values_become_their_own_distribution() {
     let (mean, std) = measured.moments(EXPECTED, 0.0);
     assert_eq!(mean, EXPECTED);
     assert!((std / EXPECTED - 0.21849602247385227).abs() < 1e-15, "{std}");
-    // Mean and variance over p, on a grid that every corner is on.
+    // Mean and variance over p, on a grid that contains every corner.
     let points = 7 * 4096;
     let inputs: Vec<f64> = (0..points)
         .map(|i| measured.value(1.0, 0.0, normal::quantile((f64::from(i) + 0.5) / f64::from(points))))
@@ -365,7 +365,7 @@ fn measured_values_become_their_own_distribution() {
     let variance = inputs.iter().map(|x| (x - 1.0) * (x - 1.0)).sum::<f64>() / f64::from(points);
     assert!((mean - 1.0).abs() < 1e-12, "{mean}");
     assert!((variance.sqrt() - 0.21849602247385227).abs() < 1e-7, "{variance}");
-    // Their order is nothing.
+    // The order of the values has no effect.
     let mut sorted = MEASURED;
     sorted.sort_by(f64::total_cmp);
     assert_eq!(measured, Marginal::Empirical(Empirical::new(&sorted).unwrap()));

@@ -1,36 +1,38 @@
-//! From the counted verdicts of independent randomisations to a probability and its interval.
+//! The estimate from independent randomisations of Sobol points.
 
 use stickslip_core::verdict::VerdictCounts;
 
 use crate::estimate::interval::{BinomialInterval, Estimate, IntervalKind, MOST_WILSON_CONFIDENCE};
 use crate::special_functions::beta::student_quantile;
 
-/// With fewer samples than this on either side, the scatter of a few randomisations does not tell the error; beyond a
-/// confidence of 95 %, whose quantile asks more of the shares' distribution, with fewer than the second.
+/// With fewer samples than this on either side, the scatter of a few randomisations does not show the error. The second
+/// number applies beyond a confidence of 95 %, where the quantile depends on the tails of the distribution of the shares.
 const RARE: [u64; 2] = [30, 200];
 
-/// The estimate from randomisations of equal size: the mean of their shares `p_r` and, with Student's quantile `t` for
-/// `R - 1` degrees of freedom,
+/// The estimate from `R` randomisations of equal size: the mean of their shares `p_r` of unstable samples and, with
+/// Student's quantile `t` for `R - 1` degrees of freedom, the interval
 ///
 /// ```text
 /// mean -+ t s / sqrt(R),     s^2 = sum (p_r - mean)^2 / (R - 1)
 /// ```
 ///
-/// Undecided and failed samples count as stable for the low end and as unstable for the high one. Where fewer than 30
-/// samples (200 beyond 95 %) are on one side, or all shares agree, the shares say little of their error; the interval
-/// then includes that of Clopper and Pearson for as many independent samples. (The variance of a scrambled net is at
-/// most a small multiple of that of independent samples: A. B. Owen, SIAM J. Numer. Anal. 34, 1997.)
+/// Undecided and failed samples count as stable for the low end and as unstable for the high one. With fewer than two
+/// randomisations the interval is Clopper and Pearson's for all samples.
 ///
-/// **One input.** `N` points over one input, `N` a power of two, have one in each of `N` strata, so that a boundary
-/// decides all points but one wherever it lies: the counts of the randomisations are `c` or `c + 1`, the latter with
-/// the probability `f` that makes the true probability `(c + f) / N`. That is a binomial proportion of `R` trials, to
-/// which Student's interval is a poor approximation (it covers 0.88 for 0.95). Wherever the counts differ by no more
-/// than one, the interval includes Clopper and Pearson's for `f`; with one input, whose counts are nothing else, it
-/// does not need that for independent samples.
+/// **Rare events.** Where fewer than 30 samples (200 beyond a confidence of 95 %) are unstable or stable, or all shares are
+/// equal, the scatter of the shares does not show their error. The interval is then widened to include Clopper and
+/// Pearson's for as many independent samples. (The variance of a scrambled net is at most a small multiple of that of
+/// independent samples: A. B. Owen, SIAM J. Numer. Anal. 34, 1997.)
+///
+/// **One input.** If `N` is a power of two, `N` points over one input lie one in each of `N` strata. A boundary crosses one
+/// stratum, so that the counts of the randomisations are `c` or `c + 1`, the latter with the probability `f` for which the
+/// true probability is `(c + f) / N`. Then `f` is a binomial proportion of `R` trials, for which Student's interval is a
+/// poor approximation (it covers 0.88 instead of 0.95). Wherever the counts differ by no more than one, the interval
+/// includes Clopper and Pearson's for `f`. With one input it then need not include that for independent samples.
 ///
 /// ```
 /// use stickslip_core::verdict::VerdictCounts;
-/// use stickslip_sampler::estimate::replicates::estimate;
+/// use stickslip_sampler::estimate::randomisations::estimate;
 /// let part = |unstable| VerdictCounts { unstable, stable: 100 - unstable, ..VerdictCounts::default() };
 /// let estimate = estimate(&[part(40), part(42), part(41), part(41)], 2, 0.95);
 /// assert!((estimate.probability.unwrap() - 0.41).abs() < 1e-12);
@@ -47,9 +49,9 @@ pub fn estimate(parts: &[VerdictCounts], inputs: usize, confidence: f64) -> Esti
     let lower: Vec<(u64, u64)> = parts.iter().map(|part| (part.unstable, part.total())).collect();
     let upper: Vec<(u64, u64)> =
         parts.iter().map(|part| (part.unstable + part.without_verdict(), part.total())).collect();
-    let (low_mean, low_reach) = reach(&lower, confidence);
-    let (high_mean, high_reach) = reach(&upper, confidence);
-    let (mut low, mut high) = (low_mean - low_reach, high_mean + high_reach);
+    let (low_mean, low_half_width) = student(&lower, confidence);
+    let (high_mean, high_half_width) = student(&upper, confidence);
+    let (mut low, mut high) = (low_mean - low_half_width, high_mean + high_half_width);
     let strata = [strata(&lower, confidence), strata(&upper, confidence)];
     if let Some((end, _)) = strata[0] {
         low = low.min(end);
@@ -57,7 +59,7 @@ pub fn estimate(parts: &[VerdictCounts], inputs: usize, confidence: f64) -> Esti
     if let Some((_, end)) = strata[1] {
         high = high.max(end);
     }
-    // Their mean may round to another share: counts tell whether all agree.
+    // By counts, as the mean of equal shares may be rounded.
     let all_agree = |counts: &[(u64, u64)]| counts.windows(2).all(|pair| pair[0] == pair[1]);
     let rare = RARE[usize::from(confidence > MOST_WILSON_CONFIDENCE)];
     let is_rare = pooled.unstable.min(pooled.stable) < rare || all_agree(&lower) || all_agree(&upper);
@@ -70,7 +72,7 @@ pub fn estimate(parts: &[VerdictCounts], inputs: usize, confidence: f64) -> Esti
     Estimate { probability: binomial.probability, low: low.max(0.0), high: high.min(1.0) }
 }
 
-/// The interval if counts that differ by no more than one are those of strata of which a boundary crosses one; `None` if
+/// The interval from counts that differ by no more than one, as those of strata of which a boundary crosses one; `None` if
 /// they differ by more, or if the randomisations are not of equal size.
 fn strata(counts: &[(u64, u64)], confidence: f64) -> Option<(f64, f64)> {
     let &(first, points) = counts.first()?;
@@ -83,14 +85,14 @@ fn strata(counts: &[(u64, u64)], confidence: f64) -> Option<(f64, f64)> {
     let interval = BinomialInterval::new(IntervalKind::ClopperPearson, confidence);
     let (mut from, to) = interval.bounds(more, trials);
     if more == 0 {
-        // They may as well all have the one point more.
+        // All of them may have the one point more.
         from = interval.bounds(trials, trials).0 - 1.0;
     }
     Some(((least as f64 + from) / points as f64, (least as f64 + to) / points as f64))
 }
 
 /// Mean and half width of Student's interval from counts out of totals.
-fn reach(counts: &[(u64, u64)], confidence: f64) -> (f64, f64) {
+fn student(counts: &[(u64, u64)], confidence: f64) -> (f64, f64) {
     let shares = counts.iter().map(|&(count, total)| count as f64 / total as f64);
     let count = counts.len();
     let mean = shares.clone().sum::<f64>() / count as f64;
@@ -123,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn none_and_all_are_no_certainty() {
+    fn no_count_gives_an_interval_without_width() {
         let none = estimate(&[part(1000, 0, 0); 8], 2, 0.95);
         assert_eq!((none.probability, none.low), (Some(0.0), 0.0));
         assert!((none.high - (1.0 - 0.025_f64.powf(1.0 / 8000.0))).abs() < 1e-12, "{none:?}");
@@ -139,8 +141,7 @@ mod tests {
         assert!((doubtful.low - certain.low).abs() < 1e-12 && (doubtful.high - certain.high - 0.1).abs() < 1e-12);
     }
 
-    /// The share of seeds whose interval contains the probability of what a test of one coordinate of Sobol points
-    /// holds for.
+    /// The share of seeds whose interval contains `p`, where samples are unstable by the first coordinate of Sobol points.
     fn coverage(points: u64, dimensions: usize, p: f64, is_unstable: impl Fn(f64) -> bool) -> f64 {
         let seeds = 1000;
         let covered = (0..seeds).filter(|&seed| {
@@ -159,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn one_input_is_covered_as_often_as_is_said() {
+    fn the_interval_with_one_input_has_its_coverage() {
         // The probabilities that lie a little, and half, above a whole number of points.
         for (points, unstable) in [(64, 20.06), (64, 20.5), (256, 3.15), (256, 100.9), (1024, 0.07)] {
             let p = unstable / points as f64;
@@ -176,12 +177,12 @@ mod tests {
     }
 
     #[test]
-    fn strata_are_narrower_than_independent_samples() {
+    fn the_interval_from_strata_is_narrower_than_that_of_independent_samples() {
         let one = estimate(&[part(924, 100, 0); 16], 1, 0.95);
         let two = estimate(&[part(924, 100, 0); 16], 2, 0.95);
         // Clopper and Pearson's 0 of 16 is 0 to 0.205907.
-        let reach = 0.205_907;
-        assert!((1024.0 * one.high - 100.0 - reach).abs() < 1e-5 && (1024.0 * one.low - 100.0 + reach).abs() < 1e-5);
+        let end = 0.205_907;
+        assert!((1024.0 * one.high - 100.0 - end).abs() < 1e-5 && (1024.0 * one.low - 100.0 + end).abs() < 1e-5);
         assert!(two.low < one.low && two.high > one.high);
         // Points that are no power of two have no strata.
         let [other, pooled] = [1, 2].map(|inputs| estimate(&[part(900, 100, 0); 16], inputs, 0.95));

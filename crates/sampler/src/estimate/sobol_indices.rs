@@ -1,28 +1,28 @@
-//! Sobol indices of the verdict: the shares of its variance that an input explains.
+//! Sobol indices of the verdict: the shares of its variance that are due to an input.
 
-/// Counts of verdicts on samples A, on independent samples B, and on the samples A_i that are A with input `i` of B.
+/// Counts of verdicts on samples A, on independent samples B, and on samples A_i: A with input `i` taken from B.
 ///
-/// Only those triples of A, B and A_i count of which all three are decided. An undecided or failed sample has no verdict:
-/// to call it stable would credit an input with its inadmissible values.
+/// A triple of A, B and A_i counts only if all three are decided. An undecided or failed sample has no verdict: to count it
+/// as stable would attribute variance to the inputs that make samples fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct IndexCounts {
-    /// Triples.
+    /// Triples that are decided.
     pub samples: u64,
-    /// Of A, unstable.
+    /// Triples with A unstable.
     pub first_unstable: u64,
-    /// Of B, unstable.
+    /// Triples with B unstable.
     pub second_unstable: u64,
-    /// B and A_i unstable, A not.
+    /// Triples with B and A_i unstable and A stable.
     pub up: u64,
-    /// B and A unstable, A_i not.
+    /// Triples with B and A unstable and A_i stable.
     pub down: u64,
-    /// A and A_i differ.
+    /// Triples in which A and A_i differ.
     pub turned: u64,
 }
 
 impl IndexCounts {
-    /// Adds the verdicts on A, B and A_i, where all three are decided; `None` is a sample without a verdict. Returns
-    /// whether they are.
+    /// Adds a triple: whether A, B and A_i are unstable, `None` for a sample without a verdict. Returns whether the triple
+    /// counts.
     #[inline]
     pub fn add(&mut self, first: Option<bool>, second: Option<bool>, mixed: Option<bool>) -> bool {
         let (Some(a), Some(b), Some(ab)) = (first, second, mixed) else { return false };
@@ -39,28 +39,28 @@ impl IndexCounts {
 /// First-order and total index of one input, with their standard errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SobolIndices {
-    /// Share of the variance that this input explains alone.
+    /// Share of the variance that is due to this input alone.
     pub first_order: f64,
     /// Its standard error.
     pub first_order_error: f64,
-    /// Share in which it takes part, alone or with others.
+    /// Share of the variance to which this input contributes, alone or in interaction with others.
     pub total: f64,
     /// Its standard error.
     pub total_error: f64,
 }
 
-/// The indices of one input; `None` where all samples agree.
+/// The indices of one input; `None` where all samples have the same verdict.
 ///
-/// With the verdict f (1 unstable, 0 stable) of A, B and A_i:
+/// With `f` = 1 for an unstable and 0 for a stable sample, and `p` its mean:
 ///
 /// ```text
 /// S_i = E[f(B) (f(A_i) - f(A))] / V,   T_i = E[(f(A) - f(A_i))^2] / 2V,   V = p (1 - p)
 /// ```
 ///
-/// A. Saltelli et al., Comput. Phys. Commun. 181 (2010), table 2, rows b and f. Where samples fail, or are undecided,
-/// these are the indices among those that are decided: exactly, if what is left out depends on each input by itself (a
-/// stiffness below zero), and else approximately. The standard errors include that of V, and one more count than was
-/// seen: what has not been seen in n samples may still have a share of some 1 / n.
+/// (A. Saltelli et al., Comput. Phys. Commun. 181 (2010), table 2, rows b and f). Where samples are undecided or fail, these
+/// are the indices of the decided samples: exactly if every single input decides by itself whether a sample is left out (a
+/// stiffness below zero, for example), otherwise approximately. The standard errors include that of `V`, and count one event
+/// more than was observed: an event that does not occur in `n` samples may still have a probability of about `1 / n`.
 #[must_use]
 pub fn indices(counts: &IndexCounts) -> Option<SobolIndices> {
     let samples = counts.samples as f64;
@@ -70,13 +70,13 @@ pub fn indices(counts: &IndexCounts) -> Option<SobolIndices> {
         return None;
     }
     let share = |count: u64| count as f64 / samples;
-    let mean_of_variance = |index: f64| {
+    let error_by_variance = |index: f64| {
         // dV = (1 - 2p) dp, and p is the mean of 2n verdicts.
         index * (1.0 - 2.0 * p) / variance * (variance / (2.0 * samples)).sqrt()
     };
     let error = |second_moment: f64, mean: f64, scale: f64, index: f64| {
         let own = ((second_moment + 1.0 / samples - mean * mean).max(0.0) / samples).sqrt() * scale;
-        let by_variance = mean_of_variance(index);
+        let by_variance = error_by_variance(index);
         (own * own + by_variance * by_variance).sqrt()
     };
     let first = share(counts.up) - share(counts.down);
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn indices_are_those_of_a_linear_limit_and_their_errors_true() {
+    fn indices_and_their_errors_are_right_for_a_linear_boundary() {
         // SciPy, quad over one deviate: p = P(z1 + z2 / 2 > 0.3), S_i = Var(E[f | z_i]) / p(1 - p), T_i = 1 - S_other.
         let expected = [[0.586_840_809, 0.874_327_568], [0.125_672_432, 0.413_159_191]];
         let (mut squares, mut runs) = ([[0.0; 2]; 2], 0.0);
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn an_input_that_only_fails_samples_explains_nothing() {
+    fn an_input_that_only_makes_samples_fail_has_no_index() {
         // The second input has no effect but that a quarter of its values have no verdict.
         let stream = |points| DeviateStream { seed: 4, common_random_numbers: false, dimensions: 2, points };
         let first = stream(Points::Random).draw(0, 0, 0..20_000);
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_seen_is_no_certainty() {
+    fn indices_without_an_event_have_an_error() {
         let counts = IndexCounts { samples: 500, first_unstable: 497, second_unstable: 496, ..IndexCounts::default() };
         let found = indices(&counts).unwrap();
         assert_eq!((found.first_order, found.total), (0.0, 0.0));

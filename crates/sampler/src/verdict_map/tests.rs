@@ -1,4 +1,11 @@
-use super::*;
+//! Maps of planes whose verdicts are known.
+
+use stickslip_core::verdict::Verdict;
+
+use super::boundary_curve::Point;
+use super::map::VerdictMap;
+use super::resolve::MOST_QUESTIONS;
+use super::tile::{Node, TILES, Tile, TileIndex, edge, tile_at};
 
 #[test]
 fn tiles_cover_the_plane_without_gaps() {
@@ -14,13 +21,13 @@ fn tiles_cover_the_plane_without_gaps() {
 }
 
 /// A map of all tiles up to 1 of a plane whose verdicts are known, and the questions that it took.
-fn map_of(judge: impl Fn(Point) -> Verdict) -> (VerdictMap, u64) {
+fn map_of(verdict_at: impl Fn(Point) -> Verdict) -> (VerdictMap, u64) {
     let mut map = VerdictMap::new(0.25);
     let mut questions = 0;
     for row in 0..8 {
         for column in 0..8 {
             let index = TileIndex { column, row };
-            let tile = Tile::resolve(index, |points| points.iter().map(|&point| judge(point)).collect());
+            let tile = Tile::resolve(index, |points| points.iter().map(|&point| verdict_at(point)).collect());
             questions += tile.questions;
             assert_eq!(Tile::from_nodes(tile.nodes().to_vec(), tile.questions, tile.cost), Some(tile.clone()));
             map.insert(index, tile);
@@ -29,15 +36,21 @@ fn map_of(judge: impl Fn(Point) -> Verdict) -> (VerdictMap, u64) {
     (map, questions)
 }
 
-/// Looks up a fine grid: every answer has to be right. Returns the share without an answer.
-fn assert_right(map: &VerdictMap, judge: impl Fn(Point) -> Verdict) -> f64 {
+/// Looks up a point of the plane.
+fn look_up(map: &VerdictMap, point: Point) -> Option<Verdict> {
+    let [preload, static_friction] = map.inputs(point);
+    map.look_up(preload, static_friction)
+}
+
+/// Looks up a fine grid and checks every answer. Returns the share of points without an answer.
+fn assert_right(map: &VerdictMap, verdict_at: impl Fn(Point) -> Verdict) -> f64 {
     let (mut silent, count) = (0, 1500);
     for i in 0..count {
         for j in 0..count {
             // Irrational steps, so that no point of the grid of a box is hit.
             let point = [(f64::from(i) + 0.414_213) / f64::from(count), (f64::from(j) + 0.732_05) / f64::from(count)];
-            match map.look_up(map.inputs(point)) {
-                Some(verdict) => assert_eq!(verdict, judge(point), "{point:?}"),
+            match look_up(map, point) {
+                Some(verdict) => assert_eq!(verdict, verdict_at(point), "{point:?}"),
                 None => silent += 1,
             }
         }
@@ -47,22 +60,22 @@ fn assert_right(map: &VerdictMap, judge: impl Fn(Point) -> Verdict) -> f64 {
 
 #[test]
 fn a_hyperbola_is_mapped() {
-    let judge = |[x, y]: Point| if x * y > 0.0135 { Verdict::Unstable } else { Verdict::Stable };
-    let (map, questions) = map_of(judge);
-    let silent = assert_right(&map, judge);
+    let verdict_at = |[x, y]: Point| if x * y > 0.0135 { Verdict::Unstable } else { Verdict::Stable };
+    let (map, questions) = map_of(verdict_at);
+    let silent = assert_right(&map, verdict_at);
     assert!(silent < 1e-5 && questions < 30_000, "{silent} {questions}");
 }
 
 #[test]
 fn two_branches_a_corner_and_an_island_are_mapped() {
-    let judge = |[x, y]: Point| {
+    let verdict_at = |[x, y]: Point| {
         let hyperbola = x * y > 0.02 && y > 0.11 - 0.05 * x;
         let lens = (x - 0.6).powi(2) + (2.0 * (y - 0.05)).powi(2) < 0.0025;
         let gap = (x - 0.5).powi(2) + (y - 0.7).powi(2) < 0.01;
         if (hyperbola || lens) && !gap { Verdict::Unstable } else { Verdict::Stable }
     };
-    let (map, questions) = map_of(judge);
-    let silent = assert_right(&map, judge);
+    let (map, questions) = map_of(verdict_at);
+    let silent = assert_right(&map, verdict_at);
     assert!(silent < 1e-5 && questions < 100_000, "{silent} {questions}");
 }
 
@@ -71,71 +84,71 @@ fn a_boundary_that_dips_into_a_tile_between_its_grid_points_is_seen() {
     // Discs that reach 0.0004 beyond a line between tiles, and that far only between two points of the grid.
     let radius = 0.2664;
     for (centre, tip) in [(0.516, 0.516 - radius), (0.484, 0.484 + radius)] {
-        let judge = |[x, y]: Point| {
+        let verdict_at = |[x, y]: Point| {
             let is_inside = (x - centre).powi(2) + (y - centre).powi(2) < radius * radius;
             if is_inside { Verdict::Unstable } else { Verdict::Stable }
         };
-        let (map, _) = map_of(judge);
+        let (map, _) = map_of(verdict_at);
         let just_inside = tip + 1e-4 * (centre - tip).signum();
         for point in [[centre, just_inside], [just_inside, centre]] {
-            assert_eq!(judge(point), Verdict::Unstable);
-            assert_eq!(map.look_up(map.inputs(point)), Some(Verdict::Unstable), "{point:?}");
+            assert_eq!(verdict_at(point), Verdict::Unstable);
+            assert_eq!(look_up(&map, point), Some(Verdict::Unstable), "{point:?}");
         }
-        assert_right(&map, judge);
+        assert_right(&map, verdict_at);
     }
 }
 
 #[test]
 fn undecided_samples_have_a_region_of_their_own() {
-    let judge = |[x, y]: Point| match x * y {
+    let verdict_at = |[x, y]: Point| match x * y {
         product if product > 0.05 => Verdict::Unstable,
         product if product > 0.03 => Verdict::Undecided,
         product if product > 0.02999 => Verdict::Failed,
         _ => Verdict::Stable,
     };
-    let (map, questions) = map_of(judge);
+    let (map, questions) = map_of(verdict_at);
     let index = TileIndex::of(0.2, 0.2).unwrap();
     assert_eq!(map.tile(index).unwrap().look_up(index, [0.2, 0.2]), Some(Verdict::Undecided));
-    assert_eq!(map.look_up(map.inputs([0.2, 0.2])), None, "such a sample is judged itself");
+    assert_eq!(look_up(&map, [0.2, 0.2]), None, "such a sample is simulated");
     // Undecided are 4 % of the plane; what lies beside them is known but for the smallest boxes at the corners of bands.
-    let silent = assert_right(&map, judge);
+    let silent = assert_right(&map, verdict_at);
     let undecided = 0.05 * (1.0 - 0.05_f64.ln()) - 0.03 * (1.0 - 0.03_f64.ln());
     assert!((silent - undecided).abs() < 5e-3 && questions < 120_000, "{silent} {undecided} {questions}");
 }
 
 #[test]
-fn slivers_beside_undecided_regions_are_met() {
+fn slivers_beside_undecided_regions_are_found() {
     // An undecided wedge that runs out in a band between two parts of the same verdict, a third of the first grid wide.
-    let judge = |[x, y]: Point| match y - 0.2 - 0.3 * x {
+    let verdict_at = |[x, y]: Point| match y - 0.2 - 0.3 * x {
         height if height < 0.0 => Verdict::Stable,
         height if (height - 0.02).abs() < (0.012 * (0.9 - x)).max(0.006) => Verdict::Undecided,
         _ => Verdict::Unstable,
     };
-    let (map, _) = map_of(judge);
-    let silent = assert_right(&map, judge);
+    let (map, _) = map_of(verdict_at);
+    let silent = assert_right(&map, verdict_at);
     assert!(silent < 0.02, "{silent}");
 }
 
 #[test]
-fn noise_is_left_unresolved_and_outside_is_known() {
+fn noise_is_left_unresolved_and_inputs_outside_physics_are_known() {
     // Verdicts without any order: nothing may be looked up, and the work is bounded.
     let mut map = VerdictMap::new(0.25);
     let index = TileIndex { column: 3, row: 5 };
-    let judge = |point: &Point| {
+    let verdict_at = |point: &Point| {
         let bits = (point[0].to_bits() ^ point[1].to_bits().rotate_left(17)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         if bits >> 63 == 0 && (point[0] - 0.22).abs() < 1e-4 { Verdict::Unstable } else { Verdict::Stable }
     };
-    map.insert(index, Tile::resolve(index, |points| points.iter().map(judge).collect()));
+    map.insert(index, Tile::resolve(index, |points| points.iter().map(verdict_at).collect()));
     assert!(map.tile(index).unwrap().questions < 2 * MOST_QUESTIONS);
     for (preload, static_friction) in [(0.0, 0.5), (-1.0, 0.5), (0.2, 0.2), (-1.0, 0.1)] {
-        assert_eq!(map.look_up(RandomInputs { preload, static_friction }), Some(Verdict::Stable));
+        assert_eq!(map.look_up(preload, static_friction), Some(Verdict::Stable));
     }
-    assert_eq!(map.look_up(RandomInputs { preload: 0.5, static_friction: 0.5 }), None, "no such tile");
-    assert_eq!(map.look_up(RandomInputs { preload: f64::NAN, static_friction: 0.5 }), None);
+    assert_eq!(map.look_up(0.5, 0.5), None, "no such tile");
+    assert_eq!(map.look_up(f64::NAN, 0.5), None);
 }
 
 #[test]
-fn parts_that_are_no_tree_are_refused() {
+fn boxes_that_form_no_quadtree_are_refused() {
     let leaf = Node::Uniform(Verdict::Stable);
     for nodes in
         [vec![], vec![leaf, leaf], vec![Node::Cut(1), leaf, leaf, leaf], vec![Node::Cut(0), leaf, leaf, leaf, leaf]]
@@ -172,14 +185,14 @@ fn a_tile_never_takes_more_than_its_limit_of_questions() {
         product if product > 0.0133 => noise([x, y]),
         _ => Verdict::Stable,
     };
-    let judges: [&dyn Fn(Point) -> Verdict; 3] = [&stripes, &noise, &ragged];
-    for (number, judge) in judges.into_iter().enumerate() {
+    let verdict_ats: [&dyn Fn(Point) -> Verdict; 3] = [&stripes, &noise, &ragged];
+    for (number, verdict_at) in verdict_ats.into_iter().enumerate() {
         for (column, row) in [(0, 0), (0, 1), (1, 0), (0, 3), (7, 0)] {
             let mut asked = 0;
             let tile = Tile::resolve(TileIndex { column, row }, |points| {
                 asked += points.len() as u64;
                 assert!(asked <= MOST_QUESTIONS, "{number} {column} {row}: {asked}");
-                points.iter().map(|&point| judge(point)).collect()
+                points.iter().map(|&point| verdict_at(point)).collect()
             });
             assert_eq!(tile.questions, asked);
         }

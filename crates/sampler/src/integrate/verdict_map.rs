@@ -1,0 +1,209 @@
+//! The probability of instability and its derivatives from a verdict map, by integration instead of sampling.
+//!
+//! In the deviates `z1` of the preload and `z2` of the static friction, a box of the map is a rectangle. The probability of
+//! a uniform box is a product of two differences of the normal distribution function. In a box that a curve crosses,
+//! the probability below the curve is
+//!
+//! ```text
+//! integral of   phi(z) (Phi(t(z)) - Phi(t_low))   dz
+//! ```
+//!
+//! over the deviate `z` of the curve's abscissa, with the deviate `t(z)` of the curve, clamped to the box, and that of the
+//! lower end of the box, `t_low`. The moments of the deviates are integrated in the same way and give the
+//! [derivatives](crate::integrate::derivatives).
+//!
+//! The result has a lower and an upper bound. Between them is the probability of everything that the map does not tell: the
+//! gap that a curve leaves between two verdicts, boxes that are not resolved, missing tiles, and samples that are undecided
+//! or failed.
+
+mod crossed;
+mod input;
+
+use stickslip_core::verdict::Verdict;
+
+use self::crossed::{Crossed, CrossedIntegrals};
+use self::input::{Edge, Input};
+use crate::grid::Cell;
+use crate::integrate::derivatives::{Derivatives, DeviateMoments, Moments, product};
+use crate::verdict_map::boundary_curve::{BoundaryCurve, Box2};
+use crate::verdict_map::map::VerdictMap;
+use crate::verdict_map::tile::Node;
+
+/// Boxes with less probability are skipped; they count as unknown.
+const LEAST_MASS: f64 = 1e-18;
+
+/// A bound on the rounding errors of one box: of its two factors and of the sum.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
+
+/// The probability of instability of a cell, with bounds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoundedProbability {
+    /// The probability that a sample is unstable, given that the map has it stable or unstable; a boundary is taken to lie
+    /// in the middle of its gap. `None` where the map knows nothing.
+    pub value: Option<f64>,
+    /// Lower bound: everything that the map does not tell counts as stable.
+    pub low: f64,
+    /// Upper bound: everything that the map does not tell counts as unstable.
+    pub high: f64,
+    /// Derivatives of `value`; `None` where the map knows nothing.
+    pub derivatives: Derivatives,
+    /// Probability of the verdicts [`Verdict::Undecided`] and [`Verdict::Failed`].
+    pub undecided: f64,
+}
+
+/// The boxes of a map, prepared for integration over many cells.
+#[derive(Debug, Clone)]
+pub struct MapRegions {
+    kinetic_coefficient: f64,
+    /// Every coordinate where a box begins or ends, ascending: preload, falling friction.
+    edges: [Vec<f64>; 2],
+    boxes: Vec<Region>,
+}
+
+/// A box whose verdicts are known.
+#[derive(Debug, Clone, Copy)]
+struct Region {
+    bounds: Box2,
+    /// The positions of its ends among the edges.
+    ends: [[usize; 2]; 2],
+    node: Node,
+}
+
+impl MapRegions {
+    /// The boxes of `map` whose verdicts are known.
+    #[must_use]
+    pub fn new(map: &VerdictMap) -> Self {
+        let known = |(_, node): &(Box2, Node)| matches!(node, Node::Uniform(_) | Node::Crossed(_));
+        let boxes: Vec<(Box2, Node)> = map.tiles().flat_map(|(index, tile)| tile.boxes(index)).filter(known).collect();
+        let edges = [0, 1].map(|axis| {
+            let mut edges: Vec<f64> =
+                boxes.iter().flat_map(|(bounds, _)| [bounds.low[axis], bounds.high[axis]]).collect();
+            edges.sort_by(f64::total_cmp);
+            edges.dedup();
+            edges
+        });
+        let place = |axis: usize, coordinate: f64| edges[axis].partition_point(|&edge| edge < coordinate);
+        let region = |(bounds, node): (Box2, Node)| {
+            let ends = [0, 1].map(|axis| [place(axis, bounds.low[axis]), place(axis, bounds.high[axis])]);
+            Region { bounds, ends, node }
+        };
+        let boxes = boxes.into_iter().map(region).collect();
+        Self { kinetic_coefficient: map.kinetic_coefficient(), edges, boxes }
+    }
+
+    /// The probability of instability of `cell`, which must be at the rotating speed of the map. Its inputs are independent
+    /// and normal.
+    #[must_use]
+    pub fn probability(&self, cell: &Cell) -> BoundedProbability {
+        let std = cell.relative_std;
+        let inputs = [
+            // A preload of exactly 0 is outside physics and not in the first tiles.
+            Input {
+                expected: if cell.preload == 0.0 { -f64::MIN_POSITIVE } else { cell.preload },
+                spread: cell.preload * std.preload,
+            },
+            Input {
+                expected: cell.static_friction - self.kinetic_coefficient,
+                spread: cell.static_friction * std.static_friction,
+            },
+        ];
+        let edges = [0, 1].map(|axis| self.edges[axis].iter().map(|&edge| inputs[axis].edge(edge)).collect::<Vec<_>>());
+        let mut sums = Sums::default();
+        sums.add_outside_physics(&inputs);
+        for Region { bounds, ends, node } in &self.boxes {
+            let [preload, friction] = [0, 1].map(|axis| [edges[axis][ends[axis][0]], edges[axis][ends[axis][1]]]);
+            // Before all moments are computed: most boxes end here.
+            if preload[0].mass_to(&preload[1]) * friction[0].mass_to(&friction[1]) < LEAST_MASS {
+                continue;
+            }
+            let moments = product(&preload[0].moments_to(&preload[1]), &friction[0].moments_to(&friction[1]));
+            match node {
+                Node::Uniform(verdict) => {
+                    sums.add(*verdict, &moments);
+                    sums.add_certain(*verdict, moments[0]);
+                }
+                Node::Crossed(curve) => {
+                    let crossed = Crossed { bounds, curve, inputs: &inputs, ends: &[preload, friction] };
+                    sums.add_crossed(curve, &moments, &crossed.integrals());
+                }
+                Node::Cut(_) | Node::Unresolved => {}
+            }
+        }
+        sums.probability(cell)
+    }
+}
+
+/// Sums over the boxes of a map for one cell.
+#[derive(Debug, Default)]
+struct Sums {
+    stable: Moments,
+    unstable: Moments,
+    undecided: f64,
+    certainly_stable: f64,
+    certainly_unstable: f64,
+    error: f64,
+}
+
+impl Sums {
+    /// Adds the samples outside physics, which are stable by definition.
+    fn add_outside_physics(&mut self, [preload, friction]: &[Input; 2]) {
+        const WHOLE: DeviateMoments = [1.0, 0.0, 0.0];
+        let zero = preload.edge(0.0);
+        let regions = [
+            product(&Edge::START.moments_to(&zero), &WHOLE),
+            product(&zero.moments_to(&Edge::END), &Edge::START.moments_to(&friction.edge(0.0))),
+        ];
+        for moments in regions {
+            self.add(Verdict::Stable, &moments);
+            self.add_certain(Verdict::Stable, moments[0]);
+        }
+    }
+
+    /// Adds a region with one verdict.
+    fn add(&mut self, verdict: Verdict, moments: &Moments) {
+        match verdict {
+            Verdict::Stable => (0..5).for_each(|i| self.stable[i] += moments[i]),
+            Verdict::Unstable => (0..5).for_each(|i| self.unstable[i] += moments[i]),
+            Verdict::Undecided | Verdict::Failed => self.undecided += moments[0],
+        }
+    }
+
+    /// Adds a probability that has a verdict without doubt.
+    fn add_certain(&mut self, verdict: Verdict, mass: f64) {
+        self.error += ROUNDING;
+        match verdict {
+            Verdict::Stable => self.certainly_stable += mass,
+            Verdict::Unstable => self.certainly_unstable += mass,
+            Verdict::Undecided | Verdict::Failed => {}
+        }
+    }
+
+    /// Adds a box that a curve crosses; `whole` are the moments of the box.
+    fn add_crossed(&mut self, curve: &BoundaryCurve, whole: &Moments, (crossed, error): &(CrossedIntegrals, f64)) {
+        let below: Moments = std::array::from_fn(|i| crossed[i]);
+        self.add(curve.below, &below);
+        self.add(curve.above, &std::array::from_fn(|i| whole[i] - below[i]));
+        self.add_certain(curve.below, crossed[5]);
+        self.add_certain(curve.above, crossed[6]);
+        self.error += error;
+    }
+
+    fn probability(&self, cell: &Cell) -> BoundedProbability {
+        let low = (self.certainly_unstable - self.error).clamp(0.0, 1.0);
+        let high = (1.0 - self.certainly_stable + self.error).clamp(0.0, 1.0);
+        let (stable, unstable) = (self.stable[0], self.unstable[0]);
+        let decided = stable + unstable;
+        let undecided = self.undecided.clamp(0.0, 1.0);
+        if decided < LEAST_MASS {
+            return BoundedProbability { value: None, low, high, derivatives: Derivatives::default(), undecided };
+        }
+        // The quotient rule, as the known probability depends on the cell too.
+        let quotient = |i: usize| (self.unstable[i] * stable - unstable * self.stable[i]) / (decided * decided);
+        let derivatives = Derivatives::of(cell, &std::array::from_fn(quotient));
+        let value = Some((unstable / decided).clamp(low, high));
+        BoundedProbability { value, low, high, derivatives, undecided }
+    }
+}
+
+#[cfg(test)]
+mod tests;
