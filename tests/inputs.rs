@@ -265,7 +265,7 @@ fn columns_tell_parameters_from_means() {
     let table = submitted(&place, "columns", &job(random, "samples = 10"));
     assert_eq!(
         table.names()[14..],
-        ["mean_preload", "scatter_preload", "pad.mass", "std_pad.mass", "std_rotating_speed"]
+        ["mean_preload", "scatter_preload", "pad.mass", "std_pad.mass", "std_rotating_speed", "n_outside_physics"]
     );
     assert_eq!(table.column("std_pad.mass"), [0.1, 0.2]);
     assert_eq!(table.column("std_rotating_speed"), [0.05, 0.2]);
@@ -284,4 +284,63 @@ fn columns_tell_parameters_from_means() {
     assert!(meaning("std_preload").contains("scatter_preload"));
     assert!(!meaning("static_friction").contains("truncated") && !meaning("std_pad.mass").contains("truncated"));
     assert_eq!(schema.field_with_name("pad.mass").unwrap().metadata()["unit"], "kg");
+}
+
+#[test]
+fn samples_outside_physics_are_counted_and_become_what_the_job_wants() {
+    let place = Place::new();
+    let text = |name: &str, criterion: &str, sampling: &str| {
+        format!(
+            "name = \"{name}\"\n[model.friction]\nkinetic_coefficient = 0.35\n[axes]\nrotating_speed = 6.0\npreload = 0.2\n\
+             static_friction = 0.45\n[random]\ninputs = [\"static_friction\"]\nrelative_std = 0.2\n\
+             [criterion]\n{criterion}\n[sampling]\n{sampling}\n"
+        )
+    };
+    // P(f_s < f_c) = Phi((0.35 / 0.45 - 1) / 0.2) = Phi(-10 / 9), from a table of the normal distribution.
+    let expected = 0.133_26;
+    let samples = 200_000.0;
+    let numbers = |table: &Table| {
+        ["n_outside_physics", "n_stable", "n_unstable", "n_failed", "p_unstable"].map(|name| table.column(name)[0])
+    };
+    let [stable, failed, clamp] = ["stable", "failed", "clamp"].map(|policy| {
+        let criterion = format!("kind = \"eigenvalue\"\noutside_physics = \"{policy}\"");
+        numbers(&submitted(&place, policy, &text(policy, &criterion, "samples = 200_000")))
+    });
+    for [outside, ..] in [stable, failed, clamp] {
+        assert!((outside / samples - expected).abs() < 4.0 * (expected * (1.0 - expected) / samples).sqrt());
+    }
+    assert!(stable[1] >= stable[0] && stable[4] < 1.0 - expected + 0.004, "{stable:?}");
+    assert_eq!(clamp, stable, "friction that does not fall is stable on a rigid disc");
+    assert_eq!(failed, [failed[0], stable[1] - stable[0], stable[2], stable[0], failed[4]]);
+    assert!((failed[4] - stable[2] / (samples - stable[0])).abs() < 1e-12);
+    let outcome = place.run("submit stable.toml").done();
+    assert!(outcome.stdout.contains("friction that rises with speed"), "{}", outcome.stdout);
+
+    // The same samples are outside whatever decides, looks up or draws them; derivatives see them fail.
+    for (name, criterion, sampling) in [
+        ("motion", "kind = \"time-domain\"\ndisc = \"rigid\"\noutside_physics = \"failed\"", "samples = 3000"),
+        (
+            "map",
+            "kind = \"time-domain\"\ndisc = \"rigid\"\noutside_physics = \"failed\"",
+            "samples = 3000\nevaluate = \"boundary\"",
+        ),
+        ("modes", "kind = \"coupled-eigenvalue\"\noutside_physics = \"failed\"", "samples = 3000"),
+        ("slopes", "kind = \"eigenvalue\"\noutside_physics = \"failed\"", "samples = 3000\nderivatives = true"),
+    ] {
+        let [outside, _, _, failed, _] = numbers(&submitted(&place, name, &text(name, criterion, sampling)));
+        assert!(outside > 300.0 && outside == failed, "{name}: {outside} outside, {failed} failed");
+    }
+    let replayed = (0..100).map(|sample| {
+        let replay = place.run(&format!("replay motion --cell 0 --sample {sample} --horizon 5 --json")).done();
+        serde_json::from_str::<serde_json::Value>(&replay.stdout).unwrap()
+    });
+    for sample in replayed {
+        let is_outside = sample["static_friction"].as_f64().unwrap() < 0.35;
+        assert_eq!(sample["verdict_in_run"] == "failed", is_outside, "{sample}");
+    }
+    place.write(
+        "exact.toml",
+        &text("exact", "kind = \"eigenvalue\"\noutside_physics = \"clamp\"", "method = \"exact\""),
+    );
+    place.run("check exact.toml").refused(65, &["outside_physics", "method = \"exact\"", "monte-carlo"]);
 }

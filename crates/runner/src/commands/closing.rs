@@ -6,7 +6,7 @@ use indicatif::HumanCount;
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
-use crate::job::Job;
+use crate::job::{Job, OutsidePhysics};
 use crate::output::result;
 use crate::picture::picture;
 use crate::store::directory::RunDirectory;
@@ -16,7 +16,8 @@ use crate::tables::surface::Surface;
 /// Where the result is and what it looks like.
 pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Result<(), Failure> {
     let line = closing_line(&directory.surface(), job, surface);
-    result(&format!("{}{line}{}{}", picture(surface), without_verdict(surface), looked_up(job, surface)))?;
+    let notes = [outside_physics(job, surface), without_verdict(surface), looked_up(job, surface)].concat();
+    result(&format!("{}{line}{notes}", picture(surface)))?;
     let Lookups { audited, differed, .. } = surface.lookups();
     if differed == 0 {
         return Ok(());
@@ -60,6 +61,32 @@ fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
         "no audit: p_low and p_high take the map for right".to_owned()
     };
     text + "\n"
+}
+
+/// A line on the samples outside physics, if there are any.
+fn outside_physics(job: &Job, surface: &Surface<'_>) -> String {
+    let (mut outside, mut counted) = (0, 0_u128);
+    let mut largest = 0.0_f64;
+    for row in surface.rows() {
+        outside += row.outside_physics;
+        counted += u128::from(row.counts.total());
+        largest = largest.max(row.outside_physics as f64 / row.counts.total().max(1) as f64);
+    }
+    if outside == 0 {
+        return String::new();
+    }
+    let share = |share: f64| format!("{:.2} %", 100.0 * share);
+    format!(
+        "{} samples ({}, in one cell up to {}) have no preload or friction that rises with speed (f_s < f_c); {}\n",
+        HumanCount(outside),
+        share(outside as f64 / counted as f64),
+        share(largest),
+        match job.outside_physics {
+            OutsidePhysics::Stable => "they count as stable, see criterion.outside_physics",
+            OutsidePhysics::Failed => "they count as failed",
+            OutsidePhysics::Clamp => "they are moved to Delta = 0 or f_s = f_c",
+        }
+    )
 }
 
 /// A line on the samples without a verdict, if there are any: they are counted, and widen the interval.

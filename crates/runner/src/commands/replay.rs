@@ -9,7 +9,7 @@ use super::trajectory::{lines, name, report, simulate};
 use crate::cli::ReplayArguments;
 use crate::evaluate::evaluator::Evaluator;
 use crate::failure::Failure;
-use crate::job::{Criterion, Job, RandomInput};
+use crate::job::{Criterion, Job, OutsidePhysics, RandomInput};
 use crate::output::result;
 use crate::store::directory::RunDirectory;
 use crate::store::map_pieces;
@@ -29,14 +29,21 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
         "cell": arguments.cell,
         "sample": arguments.sample,
         "rotating_speed_rad_s": cell.rotating_speed,
-        "preload": sample.inputs.preload,
-        "static_friction": sample.inputs.static_friction,
+        "preload": sample.drawn.preload,
+        "static_friction": sample.drawn.static_friction,
     });
     for (input, &value) in job.random.inputs.iter().zip(&sample.values) {
         if let RandomInput::Other(_) = input {
             let name = if input.name() == "rotating_speed" { "rotating_speed_rad_s" } else { input.name() };
             facts[name] = json!(value);
         }
+    }
+    if sample.is_outside_physics {
+        facts["outside_physics"] = json!(match job.outside_physics {
+            OutsidePhysics::Stable => "decided as it is",
+            OutsidePhysics::Failed => "counts as failed",
+            OutsidePhysics::Clamp => "clamped to the border",
+        });
     }
     facts["verdict_in_run"] = json!(name(sample.looked_up.unwrap_or(verdict)));
     if let Some(looked_up) = sample.looked_up {
@@ -53,6 +60,9 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     };
     let outside = match &sample.brake {
         None => Some("failed: one of its values is not admissible; there is no motion to simulate"),
+        Some(_) if sample.is_outside_physics && verdict == Verdict::Failed => {
+            Some("failed: no preload, or friction that rises with speed, and criterion.outside_physics = \"failed\"")
+        }
         Some(pad) if pad.is_outside_physics(sample.inputs) && verdict == Verdict::Stable => {
             Some("stable by definition: no preload, or friction that rises with speed; there is no motion to simulate")
         }

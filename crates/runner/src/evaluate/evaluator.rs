@@ -22,7 +22,7 @@ use crate::evaluate::samples::{Drawing, Samples};
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
-use crate::job::{Audit, Criterion, Effort, Job};
+use crate::job::{Audit, Criterion, Effort, Job, OutsidePhysics};
 
 /// Samples that are decided together where some are simulated: enough to keep vector lanes busy, few enough for memory.
 const SIMULATED_CHUNK: usize = 100 * BLOCK_SAMPLES as usize;
@@ -39,8 +39,12 @@ pub struct Evaluator<'a> {
 
 /// One sample of a run, evaluated again.
 pub struct EvaluatedSample {
-    /// Preload and static friction.
+    /// Preload and static friction as drawn.
+    pub drawn: RandomInputs,
+    /// Preload and static friction that are decided: the same, unless the job clamps samples outside physics.
     pub inputs: RandomInputs,
+    /// Whether the drawn values are outside physics.
+    pub is_outside_physics: bool,
     /// Every random input, in the order of the job's.
     pub values: Vec<f64>,
     /// The brake; `None` if a value is not admissible.
@@ -102,9 +106,16 @@ impl<'a> Evaluator<'a> {
         while let Some(chunk) = drawing.next_chunk(self.chunk) {
             let numbers = next..next + chunk.len() as u64;
             next = numbers.end;
+            let outside = chunk.count_outside_physics();
+            self.layout.add_outside_physics(&mut sums, outside);
             if !self.layout.need_samples()
-                && let Some(counted) = self.criteria.count(speed, chunk)
+                && let Some(mut counted) = self.criteria.count(speed, chunk)
             {
+                // The closed form finds what is outside physics stable.
+                if self.job.outside_physics == OutsidePhysics::Failed {
+                    counted.stable -= outside;
+                    counted.failed += outside;
+                }
                 counts += counted;
                 continue;
             }
@@ -165,16 +176,26 @@ impl<'a> Evaluator<'a> {
         let mut drawing = self.draw(&place, part, number..number + 1, self.job.points());
         let samples = drawing.next_chunk(1)?;
         let speed = self.job.grid.rotating_speed_index(cell);
-        let decision = self.criteria.decide(speed, place.rotating_speed, samples, &[0]).pop()?;
+        // As in an audit, the sample is simulated whatever a map says.
+        let decision = self.decide(&place, samples, &[true], &mut Lookups::default()).pop()?;
         let is_audited = self.audited(self.parts.of(cell).start + part as u64, number..number + 1);
         let map = self.maps.get(speed).filter(|_| !is_audited.contains(&true));
-        let inputs = samples.pair(0);
+        let is_outside_physics = samples.is_outside_physics(0);
+        let decided = match self.job.outside_physics {
+            OutsidePhysics::Clamp => samples.clamped(),
+            OutsidePhysics::Stable | OutsidePhysics::Failed => samples.clone(),
+        };
+        let fails = is_outside_physics && self.job.outside_physics == OutsidePhysics::Failed;
         Some(EvaluatedSample {
-            inputs,
+            drawn: samples.pair(0),
+            inputs: decided.pair(0),
+            is_outside_physics,
             values: samples.values(0).collect(),
             brake: self.criteria.brake(self.job, place.rotating_speed, samples, 0),
             decision,
-            looked_up: map.and_then(|map| map.look_up(inputs.preload, inputs.static_friction)),
+            looked_up: map
+                .filter(|_| !fails)
+                .and_then(|map| map.look_up(decided.pair(0).preload, decided.pair(0).static_friction)),
         })
     }
 
@@ -205,8 +226,29 @@ impl<'a> Evaluator<'a> {
         Drawing::new(self.job, cell, place, first + samples.start..first + samples.end, points)
     }
 
-    /// Decides samples: those that a map tells are looked up, unless they are audited; the others are decided one by one.
+    /// Decides samples, those outside physics as the job wants it.
     fn decide(&self, cell: &Cell, samples: &Samples, audited: &[bool], lookups: &mut Lookups) -> Vec<Decision> {
+        let outside = match self.job.outside_physics {
+            OutsidePhysics::Stable => 0,
+            OutsidePhysics::Failed | OutsidePhysics::Clamp => samples.count_outside_physics(),
+        };
+        match self.job.outside_physics {
+            OutsidePhysics::Clamp if outside > 0 => self.decide_all(cell, &samples.clamped(), audited, lookups),
+            OutsidePhysics::Failed if outside > 0 => {
+                let mut decisions = self.decide_all(cell, samples, audited, lookups);
+                for (sample, decision) in decisions.iter_mut().enumerate() {
+                    if samples.is_outside_physics(sample) {
+                        *decision = Verdict::Failed.into();
+                    }
+                }
+                decisions
+            }
+            _ => self.decide_all(cell, samples, audited, lookups),
+        }
+    }
+
+    /// Decides samples: those that a map tells are looked up, unless they are audited; the others are decided one by one.
+    fn decide_all(&self, cell: &Cell, samples: &Samples, audited: &[bool], lookups: &mut Lookups) -> Vec<Decision> {
         let speed = self.job.grid.rotating_speed_index(cell.index);
         let Some(map) = self.maps.get(speed) else {
             lookups.simulated += samples.len() as u64;

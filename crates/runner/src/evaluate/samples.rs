@@ -17,13 +17,16 @@ pub struct Samples {
     deviates: Vec<Vec<f64>>,
     /// What they become, likewise.
     values: Vec<Vec<f64>>,
-    /// Of preload and static friction: the column, or what stands in it for an input that does not scatter.
-    columns: [Column; 2],
+    /// Of preload, static friction and kinetic friction.
+    columns: [Column; 3],
 }
 
+/// Where the values of a parameter are.
 #[derive(Debug, Clone)]
 enum Column {
+    /// Those of a random input.
     Random(usize),
+    /// One for each sample, or more of them, of a parameter that does not scatter.
     Fixed(Vec<f64>),
 }
 
@@ -50,6 +53,35 @@ impl Samples {
         }
     }
 
+    /// Whether a sample is outside physics: without preload nothing is pressed together, and with `f_s < f_c` friction rises
+    /// with speed.
+    pub fn is_outside_physics(&self, sample: usize) -> bool {
+        self.preloads()[sample] <= 0.0 || self.static_frictions()[sample] < self.column(2)[sample]
+    }
+
+    /// How many samples are outside physics.
+    #[inline]
+    pub fn count_outside_physics(&self) -> u64 {
+        let samples = self.preloads().iter().zip(self.static_frictions()).zip(self.column(2));
+        samples.map(|((&preload, &friction), &kinetic)| u64::from(preload <= 0.0) | u64::from(friction < kinetic)).sum()
+    }
+
+    /// These samples with those outside physics moved to its border: no preload below 0, no static friction below the
+    /// kinetic one.
+    pub fn clamped(&self) -> Self {
+        let mut clamped = self.clone();
+        let preloads = self.preloads().iter().map(|preload| preload.max(0.0)).collect();
+        let frictions =
+            self.static_frictions().iter().zip(self.column(2)).map(|(f, kinetic)| f.max(*kinetic)).collect();
+        for (which, values) in [(0, preloads), (1, frictions)] {
+            match &mut clamped.columns[which] {
+                Column::Random(input) => clamped.values[*input] = values,
+                fixed @ Column::Fixed(_) => *fixed = Column::Fixed(values),
+            }
+        }
+        clamped
+    }
+
     /// Preload and static friction of one sample.
     pub fn pair(&self, sample: usize) -> RandomInputs {
         RandomInputs { preload: self.preloads()[sample], static_friction: self.static_frictions()[sample] }
@@ -62,7 +94,7 @@ impl Samples {
 
     /// The deviates of preload and static friction of one sample, where they scatter.
     pub fn deviates(&self, sample: usize) -> [Option<f64>; 2] {
-        self.columns.each_ref().map(|column| match column {
+        [0, 1].map(|which| match &self.columns[which] {
             Column::Random(input) => Some(self.deviates[*input][sample]),
             Column::Fixed(_) => None,
         })
@@ -98,14 +130,11 @@ impl<'a> Drawing<'a> {
         };
         let expected: Vec<f64> = random.inputs.iter().map(|input| input.expected(cell, &job.parameters)).collect();
         let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
-        let column = |wanted: fn(&RandomInput) -> bool| match random.inputs.iter().position(wanted) {
+        let column = |wanted: fn(&RandomInput) -> bool, fixed: f64| match random.inputs.iter().position(wanted) {
             Some(input) => Column::Random(input),
-            None => Column::Fixed(Vec::new()),
+            None => Column::Fixed(vec![fixed]),
         };
-        let fixed = |column: Column, value: f64| match column {
-            Column::Fixed(_) => Column::Fixed(vec![value]),
-            random @ Column::Random(_) => random,
-        };
+        let is_kinetic = |input: &RandomInput| input.name() == "friction.kinetic_coefficient";
         Self {
             deviates: stream.start(cell.index, place as u64, range.start),
             inputs: InputColumns::new(&random.marginals, &random.correlation, &expected, stds),
@@ -115,8 +144,9 @@ impl<'a> Drawing<'a> {
                 deviates: vec![Vec::new(); random.inputs.len()],
                 values: vec![Vec::new(); random.inputs.len()],
                 columns: [
-                    fixed(column(|input| matches!(input, RandomInput::Preload)), cell.preload),
-                    fixed(column(|input| matches!(input, RandomInput::StaticFriction)), cell.static_friction),
+                    column(|input| matches!(input, RandomInput::Preload), cell.preload),
+                    column(|input| matches!(input, RandomInput::StaticFriction), cell.static_friction),
+                    column(is_kinetic, job.parameters.friction.kinetic_coefficient),
                 ],
             },
         }

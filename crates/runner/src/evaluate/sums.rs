@@ -14,6 +14,8 @@ use crate::job::{EvaluateMode, Job};
 /// Which sums a job has, and where they lie among all of them.
 #[derive(Debug, Clone, Copy)]
 pub struct SumLayout {
+    /// Whether samples are drawn.
+    samples: bool,
     lookups: bool,
     sources: bool,
     derivatives: bool,
@@ -55,6 +57,7 @@ impl SumLayout {
     /// Of a job.
     pub fn of(job: &Job) -> Self {
         Self {
+            samples: !job.is_integrated(),
             lookups: job.uses_maps() && job.sampling.evaluate == EvaluateMode::Boundary,
             // What a map tells is fed by the tangential motion: maps are refused where anything else grows.
             sources: job.has_flexible_disc() && !job.is_integrated(),
@@ -88,8 +91,12 @@ impl SumLayout {
         self.sources
     }
 
+    fn lookups_at(self) -> usize {
+        usize::from(self.samples)
+    }
+
     fn sources_at(self) -> usize {
-        if self.lookups { LOOKUPS } else { 0 }
+        self.lookups_at() + if self.lookups { LOOKUPS } else { 0 }
     }
 
     fn derivatives_at(self) -> usize {
@@ -110,10 +117,24 @@ impl SumLayout {
         vec![0; self.count()]
     }
 
+    /// Adds samples outside physics.
+    pub fn add_outside_physics(self, sums: &mut [i64], count: u64) {
+        if self.samples {
+            sums[0] += count.cast_signed();
+        }
+    }
+
+    /// How many samples are outside physics; `None` where no samples are drawn.
+    pub fn read_outside_physics(self, sums: &[i128]) -> Option<u64> {
+        self.samples.then(|| sums.first().map_or(0, |&sum| u64::try_from(sum).unwrap_or(0)))
+    }
+
     /// Adds how samples were decided.
     pub fn add_lookups(self, sums: &mut [i64], lookups: Lookups) {
         if self.lookups {
-            for (sum, count) in sums.iter_mut().zip([lookups.simulated, lookups.audited, lookups.differed]) {
+            for (sum, count) in
+                sums[self.lookups_at()..].iter_mut().zip([lookups.simulated, lookups.audited, lookups.differed])
+            {
                 *sum += count.cast_signed();
             }
         }
@@ -176,7 +197,8 @@ impl SumLayout {
 
     /// How the samples were decided.
     pub fn read_lookups(self, sums: &[i128]) -> Lookups {
-        let count = |i: usize| sums.get(i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
+        let at = self.lookups_at();
+        let count = |i: usize| sums.get(at + i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
         if self.lookups {
             Lookups { simulated: count(0), audited: count(1), differed: count(2) }
         } else {

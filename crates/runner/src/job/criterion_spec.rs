@@ -36,6 +36,10 @@ pub struct CriterionSpec {
     /// The paper's index: unstable where the settled amplitude exceeds a limit. Without it the motion itself decides.
     #[schemars(with = "Option<IndexSpec>")]
     pub index: Option<Spanned<IndexSpec>>,
+    /// What becomes of samples without preload (Delta <= 0) or with friction that rises with speed (f_s < f_c); "stable" by
+    /// default.
+    #[schemars(with = "Option<OutsidePhysics>")]
+    pub outside_physics: Option<Spanned<OutsidePhysics>>,
     /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude.
     #[schemars(with = "Option<Vec<Record>>")]
     pub record: Option<Spanned<Vec<Record>>>,
@@ -86,6 +90,20 @@ impl JsonSchema for ModesSpec {
             "anyOf": [{ "const": "auto" }, { "type": "integer", "minimum": 1, "maximum": MOST_DISC_MODES }]
         })
     }
+}
+
+/// What becomes of samples outside physics: without preload, or with friction that rises with speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutsidePhysics {
+    /// They are decided as they are: stable, as nothing is pressed together and rising friction only damps (on a flexible
+    /// disc unless pad and disc feed each other without any fall of friction).
+    #[default]
+    Stable,
+    /// They count as failed: the normal deviate, not the brake, made them.
+    Failed,
+    /// They are moved to the border of physics, Delta = 0 or f_s = f_c, and decided there.
+    Clamp,
 }
 
 /// How a sample is decided.

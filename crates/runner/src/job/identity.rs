@@ -10,7 +10,7 @@ use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
 use stickslip_sampler::verdict_map::resolve::MAP_VERSION;
 
 use super::criterion::Criterion;
-use super::criterion_spec::{CriterionKind, DiscKind, Record, StartKind};
+use super::criterion_spec::{CriterionKind, DiscKind, OutsidePhysics, Record, StartKind};
 use super::normalised::{
     NormalisedAxes, NormalisedCriterion, NormalisedExperiment, NormalisedIndex, NormalisedMarginal, NormalisedModel,
     NormalisedRandom, NormalisedSampling, NormalisedUntil, model,
@@ -174,7 +174,17 @@ impl ValueHasher {
     }
 
     fn criterion(&mut self, criterion: &NormalisedCriterion) {
-        let NormalisedCriterion { kind, disc, disc_modes, start, displacement, horizon, record, index } = criterion;
+        let NormalisedCriterion {
+            kind,
+            disc,
+            disc_modes,
+            start,
+            displacement,
+            horizon,
+            outside_physics,
+            record,
+            index,
+        } = criterion;
         self.word(
             "criterion.kind",
             match kind {
@@ -210,6 +220,16 @@ impl ValueHasher {
         }
         if let Some(horizon) = horizon {
             self.real("criterion.horizon", *horizon);
+        }
+        if let Some(policy) = outside_physics {
+            self.word(
+                "criterion.outside_physics",
+                match policy {
+                    OutsidePhysics::Stable => "stable",
+                    OutsidePhysics::Failed => "failed",
+                    OutsidePhysics::Clamp => "clamp",
+                },
+            );
         }
         self.list("criterion.record", record.len());
         for Record::Amplitude in record {

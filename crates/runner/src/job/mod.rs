@@ -23,7 +23,7 @@ mod normalised;
 mod source;
 
 pub use criterion::Criterion;
-pub use criterion_spec::StartKind;
+pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use identity::IDENTITY_VERSION;
 pub use random_input::RandomInput;
 pub use sampling::Effort;

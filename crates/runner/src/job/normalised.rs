@@ -11,7 +11,7 @@ use stickslip_sampler::estimate::looks::Precision;
 use stickslip_sampler::inputs::Marginal;
 
 use super::criterion::Criterion;
-use super::criterion_spec::{CriterionKind, DiscKind, Record, StartKind};
+use super::criterion_spec::{CriterionKind, DiscKind, OutsidePhysics, Record, StartKind};
 use super::random::RandomInputSet;
 use super::sampling::{Effort, Sampling};
 use super::sampling_spec::{AUDIT, Audit, EvaluateMode, IntervalSpec, SamplingMethod};
@@ -63,7 +63,10 @@ impl<'a> From<&'a Job> for NormalisedExperiment<'a> {
                 static_friction: job.grid.static_friction.values(),
             },
             random: (&job.random).into(),
-            criterion: (&job.criterion).into(),
+            criterion: NormalisedCriterion {
+                outside_physics: Some(job.outside_physics).filter(|policy| *policy != OutsidePhysics::default()),
+                ..(&job.criterion).into()
+            },
             sampling: (&job.sampling).into(),
         }
     }
@@ -176,6 +179,9 @@ pub struct NormalisedCriterion {
     pub(super) displacement: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) horizon: Option<f64>,
+    /// Unless it is the default. What a verdict map says does not depend on it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) outside_physics: Option<OutsidePhysics>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) record: Vec<Record>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -197,6 +203,7 @@ impl From<&Criterion> for NormalisedCriterion {
             start: None,
             displacement: None,
             horizon: None,
+            outside_physics: None,
             record: Vec::new(),
             index: None,
         };
@@ -218,6 +225,7 @@ impl From<&Criterion> for NormalisedCriterion {
                 horizon: Some(settings.horizon),
                 record: settings.record_amplitude.then_some(Record::Amplitude).into_iter().collect(),
                 index: settings.amplitude_index.map(|amplitude| NormalisedIndex { amplitude }),
+                outside_physics: None,
             },
         }
     }

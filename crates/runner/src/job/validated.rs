@@ -19,7 +19,7 @@ use toml::Spanned;
 use crate::output::note;
 
 use super::criterion::Criterion;
-use super::criterion_spec::ModesSpec;
+use super::criterion_spec::{CriterionSpec, ModesSpec, OutsidePhysics};
 use super::diagnosis::{Complaint, nearest};
 use super::random::RandomInputSet;
 use super::sampling::{Effort, Sampling};
@@ -47,6 +47,8 @@ pub struct Job {
     pub random: RandomInputSet,
     /// What decides.
     pub criterion: Criterion,
+    /// What becomes of samples outside physics.
+    pub outside_physics: OutsidePhysics,
     /// How probabilities are found.
     pub sampling: Sampling,
     /// Whether the spec itself says how many disc modes are kept.
@@ -87,8 +89,10 @@ impl Job {
         let sampling = Sampling::validate(&spec.sampling, &random, &criterion, grid.checked_len().unwrap_or(u64::MAX))?;
         let disc_modes = spec.criterion.disc_modes.as_ref().map(Spanned::get_ref);
         let modes_are_given = matches!(disc_modes, Some(ModesSpec::Given(_)));
+        let outside_physics = validate_outside_physics(&spec.criterion, &sampling)?;
         let description = spec.description;
-        let job = Self { name, description, parameters, grid, random, criterion, sampling, modes_are_given };
+        let job =
+            Self { name, description, parameters, grid, random, criterion, outside_physics, sampling, modes_are_given };
         if job.uses_maps()
             && let Some((speed, rate)) = job.criterion.growth_without_fall(&job.parameters, &job.grid)
         {
@@ -303,6 +307,16 @@ fn brakes(parameters: &Parameters, grid: &Grid) -> Result<Vec<PadOnDisc>, Parame
         PadOnDisc::new(parameters)
     };
     grid.rotating_speed.values().iter().map(brake).collect()
+}
+
+/// What becomes of samples outside physics; an integral has none.
+fn validate_outside_physics(spec: &CriterionSpec, sampling: &Sampling) -> Result<OutsidePhysics, Complaint> {
+    let Some(policy) = &spec.outside_physics else { return Ok(OutsidePhysics::default()) };
+    if sampling.method == SamplingMethod::Exact && *policy.get_ref() != OutsidePhysics::Stable {
+        let message = "criterion.outside_physics: method = \"exact\" draws no samples that could fail or be clamped; it takes what is outside physics for stable. Remove the key, or use method = \"monte-carlo\" or \"sobol\"";
+        return Err(Complaint::at(policy.span(), message.to_owned()));
+    }
+    Ok(*policy.get_ref())
 }
 
 fn validate_name(name: &Spanned<String>) -> Result<String, Complaint> {

@@ -90,6 +90,13 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
         columns.extend(sensitivity_columns(layout, &job.random.inputs));
     }
     add_input_columns(&mut columns, job);
+    if !job.is_integrated() {
+        columns.push(Column::integer(
+            "n_outside_physics",
+            "samples without preload or with friction that rises with speed, decided as criterion.outside_physics says",
+            |row| row.outside_physics,
+        ));
+    }
     columns
 }
 

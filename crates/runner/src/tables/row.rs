@@ -22,6 +22,8 @@ pub struct SurfaceRow {
     pub unaudited: Option<f64>,
     /// Settled amplitudes of the unstable samples, if the job records them.
     pub amplitudes: Distribution,
+    /// Samples without preload or with friction that rises with speed; 0 where none are drawn.
+    pub outside_physics: u64,
     /// How its samples, or those of its audit, were judged.
     pub(super) lookups: Lookups,
     /// Further sums that the job asks for.

@@ -95,6 +95,7 @@ impl<'a> Surface<'a> {
             estimate: widened(&counted, unaudited.unwrap_or(0.0)),
             unaudited,
             amplitudes,
+            outside_physics: self.layout.read_outside_physics(&sums).unwrap_or(0),
             lookups,
             sums,
             integrated,
