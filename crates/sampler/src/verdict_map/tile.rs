@@ -96,7 +96,7 @@ impl Tile {
         (next == nodes.len()).then_some(Self { nodes, questions, cost })
     }
 
-    /// All boxes, divided or not: children follow their parent in groups of four.
+    /// All boxes, divided or not: children come after their parent, in groups of four.
     #[must_use]
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
@@ -119,7 +119,7 @@ impl Tile {
             .map(|(&node, bounds)| (bounds, node))
     }
 
-    /// The verdict at a point of the tile; `None` where the tile does not tell.
+    /// The verdict at a point of the tile; `None` where it is unknown.
     #[inline]
     pub(super) fn look_up(&self, index: TileIndex, point: Point) -> Option<Verdict> {
         if let Node::Uniform(verdict) = self.nodes[0] {
