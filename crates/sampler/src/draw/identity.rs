@@ -20,6 +20,7 @@ pub const ESTIMATES_VERSION: u32 = 2;
 pub const BLOCK_SAMPLES: u64 = 1000;
 
 /// The purpose of a stream of random numbers. Streams of different purposes are independent.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// The random inputs of a cell.
@@ -53,6 +54,7 @@ impl Purpose {
 }
 
 /// The generator of one block of samples of a cell.
+#[doc(hidden)]
 #[must_use]
 pub fn block_generator(seed: u64, purpose: Purpose, cell: u64, block: u64) -> Xoshiro256PlusPlus {
     let mut message = [0u8; 32];

@@ -265,18 +265,18 @@ fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
     questions: &mut Questions<J>,
 ) -> Vec<(OpenBox, Option<BoundaryCurve>)> {
     let mut found = Vec::with_capacity(searches.len());
-    let (mut going, mut to_widen) = accept_ends(searches, questions);
+    let (mut active, mut to_widen) = accept_ends(searches, questions);
     to_widen.iter_mut().for_each(|(_, search)| search.widen());
     let (widened, failed) = accept_ends(to_widen, questions);
-    going.extend(widened);
+    active.extend(widened);
     found.extend(failed.into_iter().map(|(open_box, _)| (open_box, None)));
     loop {
-        let answers = questions.ask_lists(going.iter().map(|(_, search)| search.questions()));
+        let answers = questions.ask_lists(active.iter().map(|(_, search)| search.questions()));
         if answers.iter().flatten().all(Vec::is_empty) && answers.iter().all(Option::is_some) {
             break;
         }
-        let mut agreed = Vec::with_capacity(going.len());
-        for ((mut open_box, mut search), verdicts) in going.into_iter().zip(answers) {
+        let mut agreed = Vec::with_capacity(active.len());
+        for ((mut open_box, mut search), verdicts) in active.into_iter().zip(answers) {
             if let Some(verdicts) = &verdicts {
                 search.record(verdicts);
                 open_box.has_undecided |= !verdicts.iter().all(|verdict| verdict.is_decided());
@@ -287,13 +287,13 @@ fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
                 found.push((open_box, None));
             }
         }
-        going = agreed;
+        active = agreed;
     }
     for guard in GUARDS {
-        let curves: Vec<_> = going.iter().map(|(_, search)| search.curve(guard.factor)).collect();
+        let curves: Vec<_> = active.iter().map(|(_, search)| search.curve(guard.factor)).collect();
         let answers = questions.ask_lists(curves.iter().map(|(_, checks)| checks.clone()));
         let mut failed = Vec::new();
-        for (((mut open_box, search), (curve, _)), verdicts) in going.into_iter().zip(curves).zip(answers) {
+        for (((mut open_box, search), (curve, _)), verdicts) in active.into_iter().zip(curves).zip(answers) {
             open_box.has_undecided |= !verdicts.iter().flatten().all(|verdict| verdict.is_decided());
             if verdicts.is_some_and(|verdicts| search.accepts(&verdicts)) {
                 found.push((open_box, Some(curve)));
@@ -304,9 +304,9 @@ fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
         let may_try_next = |open_box: &OpenBox| open_box.depth >= guard.next_from_depth;
         let (next, to_divide): (Vec<_>, Vec<_>) = failed.into_iter().partition(|(open_box, _)| may_try_next(open_box));
         found.extend(to_divide.into_iter().map(|(open_box, _)| (open_box, None)));
-        going = next;
+        active = next;
     }
-    found.extend(going.into_iter().map(|(open_box, _)| (open_box, None)));
+    found.extend(active.into_iter().map(|(open_box, _)| (open_box, None)));
     found
 }
 

@@ -61,7 +61,7 @@ pub enum Node {
     /// It is divided into four, which lie at this and the next three places of the list: lower and upper preload at the
     /// lower friction, then at the upper one.
     Cut(u32),
-    /// Every sample in it has this verdict.
+    /// All points of its grid have this verdict, which is assumed for every sample in it.
     Uniform(Verdict),
     /// A boundary between two verdicts crosses it.
     Crossed(BoundaryCurve),
@@ -75,7 +75,7 @@ pub struct Tile {
     pub(super) nodes: Vec<Node>,
     /// Verdicts that were asked for.
     pub questions: u64,
-    /// What they cost, as counted by the caller that gave them.
+    /// The cost of these verdicts, as counted by the caller that gave them.
     pub cost: u64,
 }
 
