@@ -1,8 +1,8 @@
-//! How often the intervals of the project contain the true value, by simulation and by exact sums: one line for each
-//! case, with the method, the samples, the probability, what is said and what is seen.
+//! The coverage of the project's intervals, by simulation and by exact sums: one line for each case, with the method,
+//! the samples, the probability, the nominal coverage and the observed one.
 //!
-//! `make coverage`. Replicates are seeded; the whole takes about a minute. Nothing here is simulated in time: verdicts are drawn with a
-//! known probability, or are those of a boundary in closed form.
+//! Run it with `make coverage`, about a minute. Repetitions are seeded. No motion is simulated: verdicts are drawn with
+//! a known probability, or come from a boundary in closed form.
 
 #![allow(clippy::print_stdout, clippy::disallowed_methods, reason = "a table for people")]
 #![allow(clippy::unwrap_used, reason = "a table that cannot be made should say so and stop")]
@@ -32,19 +32,19 @@ struct Line<'a> {
     samples: u64,
     probability: f64,
     nominal: f64,
-    seen: f64,
-    /// None for an exact sum over all counts.
-    replicates: Option<u64>,
+    coverage: f64,
+    /// `None` for an exact sum over all counts.
+    repetitions: Option<u64>,
 }
 
 fn print(line: &Line<'_>) {
-    let Line { method, samples, probability, nominal, seen, replicates } = line;
-    let replicates = replicates.map_or("exact".to_owned(), |count| count.to_string());
-    println!("{method:<70} {samples:>8} {probability:>10.2e} {nominal:>9} {seen:>8.4} {replicates:>8}");
+    let Line { method, samples, probability, nominal, coverage, repetitions } = line;
+    let repetitions = repetitions.map_or("exact".to_owned(), |count| count.to_string());
+    println!("{method:<70} {samples:>8} {probability:>10.2e} {nominal:>9} {coverage:>8.4} {repetitions:>8}");
 }
 
 fn heading(text: &str) {
-    println!("\n{text:<70} {:>8} {:>10} {:>9} {:>8} {:>8}", "n", "P", "nominal", "seen", "of");
+    println!("\n{text:<70} {:>8} {:>10} {:>9} {:>8} {:>8}", "n", "P", "nominal", "coverage", "of");
 }
 
 fn generator(seed: u64) -> Xoshiro256PlusPlus {
@@ -59,9 +59,9 @@ fn counts(unstable: u64, samples: u64) -> VerdictCounts {
     VerdictCounts { unstable, stable: samples - unstable, ..VerdictCounts::default() }
 }
 
-/// Share of `replicates` for which `covers` holds.
-fn share(replicates: u64, mut covers: impl FnMut(u64) -> bool) -> f64 {
-    (0..replicates).filter(|&seed| covers(seed)).count() as f64 / replicates as f64
+/// The share of `repetitions` for which `covers` holds.
+fn share(repetitions: u64, mut covers: impl FnMut(u64) -> bool) -> f64 {
+    (0..repetitions).filter(|&seed| covers(seed)).count() as f64 / repetitions as f64
 }
 
 /// The probability that an interval contains `p`, summed over the counts from the most likely one outwards.
@@ -97,25 +97,32 @@ fn binomial_intervals() {
     for (confidence, p) in [(0.95, 1.7e-5), (0.95, 0.3), (0.999, 7.8e-6)] {
         for (name, kind) in kinds {
             let interval = BinomialInterval::new(kind, confidence);
-            let seen = exact_coverage(&interval, 10_000, p);
-            print(&Line { method: name, samples: 10_000, probability: p, nominal: confidence, seen, replicates: None });
+            let coverage = exact_coverage(&interval, 10_000, p);
+            print(&Line {
+                method: name,
+                samples: 10_000,
+                probability: p,
+                nominal: confidence,
+                coverage,
+                repetitions: None,
+            });
         }
     }
     for confidence in [0.8, 0.9, 0.95, 0.99, 0.999] {
         for (name, kind) in kinds {
             let interval = BinomialInterval::new(kind, confidence);
-            // Between two counts' ends coverage changes smoothly: a fine geometric grid finds the worst.
+            // Between the ends of two counts coverage changes smoothly: a fine geometric grid finds the least.
             let of = |i: i32| 1e-6 * (0.05 / 1e-6_f64).powf(f64::from(i) / 4000.0);
             let at = |i: i32| (exact_coverage(&interval, 10_000, of(i)), of(i));
-            let (seen, p) = (0..=4000).map(at).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
-            let method = format!("{name}, worst P up to 0.05");
+            let (coverage, p) = (0..=4000).map(at).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+            let method = format!("{name}, least over P up to 0.05");
             print(&Line {
                 method: &method,
                 samples: 10_000,
                 probability: p,
                 nominal: confidence,
-                seen,
-                replicates: None,
+                coverage,
+                repetitions: None,
             });
         }
     }
@@ -125,15 +132,14 @@ fn whole_surfaces() {
     heading("all cells together (simultaneous = true)");
     let rare: Vec<f64> = (0..780).map(|i| 8e-7 * 15_f64.powf(f64::from(i) / 779.0)).collect();
     let ordinary: Vec<f64> = (0..728).map(|i| normal::upper_tail(-3.0 + 6.0 * f64::from(i) / 727.0)).collect();
-    for (surface, samples, replicates) in [(&rare, 10_000, 1000), (&ordinary, 1000, 1000)] {
+    for (surface, samples, repetitions) in [(&rare, 10_000, 1000), (&ordinary, 1000, 1000)] {
         let cells = surface.len() as u64;
         let each = simultaneous_confidence(0.95, cells);
-        for (name, kind) in [
-            ("Wilson, no longer offered", IntervalKind::Wilson),
-            ("Clopper-Pearson", IntervalKind::for_confidence(each)),
-        ] {
+        for (name, kind) in
+            [("Wilson, not offered", IntervalKind::Wilson), ("Clopper-Pearson", IntervalKind::for_confidence(each))]
+        {
             let interval = BinomialInterval::new(kind, each);
-            let seen = share(replicates, |seed| {
+            let coverage = share(repetitions, |seed| {
                 let mut generator = generator(seed);
                 surface.iter().all(|&p| {
                     let (low, high) = interval.bounds(draw(&mut generator, samples, p), samples);
@@ -146,8 +152,8 @@ fn whole_surfaces() {
                 samples,
                 probability: surface[0],
                 nominal: 0.95,
-                seen,
-                replicates: Some(replicates),
+                coverage,
+                repetitions: Some(repetitions),
             });
         }
     }
@@ -165,8 +171,8 @@ fn stopping() {
     ] {
         let precision = Precision { half_width, relative };
         let looks = Looks::new(precision, 200_000, 0.95);
-        let (replicates, mut sum, mut of_shares, mut most) = (10_000, 0.0, 0.0, 0);
-        let seen = share(replicates, |seed| {
+        let (repetitions, mut sum, mut of_shares, mut most) = (10_000, 0.0, 0.0, 0);
+        let coverage = share(repetitions, |seed| {
             let mut generator = generator(seed);
             let mut path: Vec<VerdictCounts> = Vec::new();
             loop {
@@ -192,10 +198,10 @@ fn stopping() {
             samples: most,
             probability: p,
             nominal: 0.95,
-            seen,
-            replicates: Some(replicates),
+            coverage,
+            repetitions: Some(repetitions),
         });
-        let mean = |sum: f64| 100.0 * (sum / replicates as f64 / p - 1.0);
+        let mean = |sum: f64| 100.0 * (sum / repetitions as f64 / p - 1.0);
         biases.push((name, p, mean(of_shares), mean(sum)));
     }
     println!(
@@ -213,12 +219,12 @@ fn boundary() -> StabilityBoundary {
     PadOnDisc::new(parameters).unwrap().stability_boundary()
 }
 
-/// The derivative by the expected static friction coefficient of samples of which those with a deviate of the preload above
-/// `undecided_above` are undecided, so that the exact one is known.
+/// The derivative by the expected static friction coefficient. Samples with a deviate of the preload above
+/// `undecided_above` are undecided, so that the exact derivative is known.
 fn derivatives() {
     heading("derivatives by the static friction coefficient, 1.96 standard errors");
     let boundary = boundary();
-    for (preload, friction, undecided_above, samples, replicates) in [
+    for (preload, friction, undecided_above, samples, repetitions) in [
         (0.1, 0.39, f64::INFINITY, 2000, 2000),
         (0.1, 0.39, 1.0, 2000, 2000),
         (0.1, 0.272, f64::INFINITY, 1000, 1000),
@@ -241,13 +247,13 @@ fn derivatives() {
         let h = 1e-4;
         let truth = (probability(friction + h) - probability(friction - h)) / (2.0 * h);
         let (mut given, mut covered) = (0, 0);
-        for seed in 0..replicates {
+        for seed in 0..repetitions {
             let stream = DeviateStream { seed, common_random_numbers: false, dimensions: 2, points: Points::Random };
             let mut sums = ScoreSums::default();
             let mut counts = VerdictCounts::default();
             for z in stream.draw(0, 0, 0..samples).chunks_exact(2) {
-                let judged = boundary.verdict(preload * (1.0 + 0.2 * z[0]), friction * (1.0 + 0.1 * z[1]));
-                let verdict = if z[0] > undecided_above { Verdict::Undecided } else { judged };
+                let by_boundary = boundary.verdict(preload * (1.0 + 0.2 * z[0]), friction * (1.0 + 0.1 * z[1]));
+                let verdict = if z[0] > undecided_above { Verdict::Undecided } else { by_boundary };
                 sums.add(&cell, Some(z[0]), Some(z[1]), verdict);
                 counts += verdict.into();
             }
@@ -261,9 +267,9 @@ fn derivatives() {
         }
         let p = probability(friction);
         let undecided = 100.0 * normal::upper_tail(undecided_above);
-        let method = format!("{undecided:.0} % undecided; given in {given} of {replicates} replicates");
-        let seen = if given == 0 { f64::NAN } else { covered as f64 / given as f64 };
-        print(&Line { method: &method, samples, probability: p, nominal: 0.95, seen, replicates: Some(given) });
+        let method = format!("{undecided:.0} % undecided; given in {given} of {repetitions} repetitions");
+        let coverage = if given == 0 { f64::NAN } else { covered as f64 / given as f64 };
+        print(&Line { method: &method, samples, probability: p, nominal: 0.95, coverage, repetitions: Some(given) });
     }
 }
 
@@ -283,7 +289,7 @@ fn sobol_points() {
         // With two inputs the boundary is a line across both.
         let is_unstable = |z: &[f64]| if inputs == 1 { z[0] > limit } else { 0.6 * z[0] + 0.8 * z[1] > limit };
         let seeds = 2000;
-        let seen = share(seeds, |seed| {
+        let coverage = share(seeds, |seed| {
             let stream =
                 DeviateStream { seed, common_random_numbers: false, dimensions: inputs, points: Points::Sobol };
             let parts: Vec<VerdictCounts> = (0..16)
@@ -301,8 +307,8 @@ fn sobol_points() {
             samples: 16 * points,
             probability: p,
             nominal: confidence,
-            seen,
-            replicates: Some(seeds),
+            coverage,
+            repetitions: Some(seeds),
         });
     }
 }
@@ -310,10 +316,12 @@ fn sobol_points() {
 fn sobol_indices() {
     heading("Sobol indices, total, 1.96 standard errors");
     let (samples, seeds) = (4000, 1000);
-    // The verdict is that of the first input; a quarter of the second one's values has none.
+    // The first input decides; a quarter of the values of the second one has no verdict.
     let verdict = |z: [f64; 2]| (z[1] > -0.6745).then_some(z[0] > 0.3);
-    for (i, name, truth) in [(0, "of the input that decides", 1.0), (1, "of one that only makes samples fail", 0.0)] {
-        let seen = share(seeds, |seed| {
+    for (i, name, truth) in
+        [(0, "of the input that decides", 1.0), (1, "of the input that only makes samples fail", 0.0)]
+    {
+        let coverage = share(seeds, |seed| {
             let stream = |points| DeviateStream { seed, common_random_numbers: false, dimensions: 2, points };
             let first = stream(Points::Random).draw(0, 0, 0..samples);
             let second = stream(Points::SecondRandom).draw(0, 0, 0..samples);
@@ -326,23 +334,23 @@ fn sobol_indices() {
             (found.total - truth).abs() <= 1.96 * found.total_error
         });
         let probability = normal::upper_tail(0.3);
-        print(&Line { method: name, samples, probability, nominal: 0.95, seen, replicates: Some(seeds) });
+        print(&Line { method: name, samples, probability, nominal: 0.95, coverage, repetitions: Some(seeds) });
     }
 }
 
 fn differences() {
     heading("differences of two runs");
-    let (samples, replicates) = (1000_u64, 4000);
-    // Unstable where a deviate that is correlated by rho with another is above a limit; the same deviates, rho = 0.9 and
-    // -0.9.
+    let (samples, repetitions) = (1000_u64, 4000);
+    // Unstable where a deviate that is correlated by rho with another is above a limit; the same deviates, rho = 0.9
+    // and -0.9.
     let limit = 0.5;
     let p_of = |rho: f64| normal::upper_tail(limit + 0.5 * rho);
     let truth = p_of(0.9) - p_of(-0.9);
     let (mut covered, names) = (
         [0_u64; 3],
-        ["same deviates, paired", "same deviates, taken for independent", "same deviates, not paired: dependent"],
+        ["same deviates, paired", "same deviates, assumed independent", "same deviates, dependent in an unknown way"],
     );
-    for seed in 0..replicates {
+    for seed in 0..repetitions {
         let stream = DeviateStream { seed, common_random_numbers: false, dimensions: 2, points: Points::Random };
         let mut pairs = PairedCounts::default();
         for z in stream.draw(0, 0, 0..samples).chunks_exact(2) {
@@ -365,24 +373,24 @@ fn differences() {
         }
     }
     for (covered, name) in covered.into_iter().zip(names) {
-        let seen = covered as f64 / replicates as f64;
+        let coverage = covered as f64 / repetitions as f64;
         print(&Line {
             method: name,
             samples,
             probability: p_of(0.9),
             nominal: 0.95,
-            seen,
-            replicates: Some(replicates),
+            coverage,
+            repetitions: Some(repetitions),
         });
     }
-    // Two seeds of one job: cells that are called different though nothing is.
+    // Two seeds of one job: cells that appear to differ although their probabilities are equal.
     let surface: Vec<f64> = (0..780).map(|i| normal::upper_tail(-3.0 + 6.0 * f64::from(i) / 779.0)).collect();
     for (name, confidence) in [
-        ("780 cells without a difference, none called one (--pointwise)", 0.95),
-        ("780 cells without a difference, none called one", simultaneous_confidence(0.95, 780)),
+        ("780 equal cells, all intervals contain 0 (--pointwise)", 0.95),
+        ("780 equal cells, all intervals contain 0", simultaneous_confidence(0.95, 780)),
     ] {
-        let replicates = 300;
-        let seen = share(replicates, |seed| {
+        let repetitions = 300;
+        let coverage = share(repetitions, |seed| {
             let mut generator = generator(seed);
             surface.iter().all(|&p| {
                 let [a, b] = [(); 2].map(|()| draw(&mut generator, 10_000, p));
@@ -395,20 +403,20 @@ fn differences() {
             samples: 10_000,
             probability: surface[779],
             nominal: 0.95,
-            seen,
-            replicates: Some(replicates),
+            coverage,
+            repetitions: Some(repetitions),
         });
     }
 }
 
 fn audits() {
-    heading("verdict maps that are wrong: interval with the audit");
+    heading("wrong verdict maps: interval with the audit");
     let confidence = 0.5 + 0.5 * 0.95;
     let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
     for (wrong, audited) in [(0.005, 300), (0.02, 300), (0.3, 300), (0.02, 0)] {
-        // Stable by the map, unstable in truth.
-        let (p, samples, replicates) = (0.5, 10_000_u64, 4000);
-        let seen = share(replicates, |seed| {
+        // The wrong verdicts are stable in the map; the samples are unstable.
+        let (p, samples, repetitions) = (0.5, 10_000_u64, 4000);
+        let coverage = share(repetitions, |seed| {
             let mut generator = generator(seed);
             let unstable = draw(&mut generator, samples, p - wrong);
             let differed = if audited == 0 { 0 } else { draw(&mut generator, audited, wrong) };
@@ -417,12 +425,19 @@ fn audits() {
             low - reach <= p && p <= high + reach
         });
         let method = format!("{:.1} % of the verdicts wrong, {audited} audited", 100.0 * wrong);
-        print(&Line { method: &method, samples, probability: p, nominal: 0.95, seen, replicates: Some(replicates) });
+        print(&Line {
+            method: &method,
+            samples,
+            probability: p,
+            nominal: 0.95,
+            coverage,
+            repetitions: Some(repetitions),
+        });
     }
 }
 
 fn main() {
-    println!("How often intervals contain the true value");
+    println!("Coverage: the share of intervals that contain the true value");
     binomial_intervals();
     whole_surfaces();
     stopping();

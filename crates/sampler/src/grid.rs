@@ -103,8 +103,8 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.13e}").parse().unwrap_or(value)
 }
 
-/// Relative standard deviations (standard deviation over expected value) of preload and static friction; 0 for an input that
-/// does not scatter.
+/// Relative standard deviations (standard deviation over expected value) of preload and static friction; 0 for an input
+/// that does not scatter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelativeStd {
     /// Of the preload.

@@ -1,9 +1,9 @@
 //! Statistics of the stability of a brake: the cells of a job, the random samples of each cell, and the probability of
 //! instability with its confidence interval.
 //!
-//! A job is a grid of [cells](grid::Cell). A cell is an expected preload and static friction coefficient with their relative
-//! standard deviations, at one rotating speed. Sample `j` of a cell is a pure function of the seed, the cell, `j` and the
-//! [results version](draw::identity::RESULTS_VERSION). Its verdict comes from `stickslip-core`.
+//! A job is a grid of [cells](grid::Cell). A cell is an expected preload and static friction coefficient with their
+//! relative standard deviations, at one rotating speed. Sample `j` of a cell is a pure function of the seed, the cell,
+//! `j` and the [results version](draw::identity::RESULTS_VERSION). Its verdict comes from `stickslip-core`.
 //!
 //! | module | contents |
 //! |---|---|
@@ -16,7 +16,7 @@
 //! | [`estimate`] | intervals, sequential looks, randomisations, audits, differences, derivatives, Sobol indices |
 //! | [`methods`] | which method answers which question, and how to notice that it has failed |
 //!
-//! Each module uses only those above it. Nothing here knows of threads, files or the terminal.
+//! Each module uses only those above it. The crate does not know threads, files or the terminal.
 
 // Tests compare with formulas as a textbook writes them.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]

@@ -1,20 +1,35 @@
-//! Which method for which question: what each assumes, when it fails, and how a user notices.
+//! The methods: which question each answers, what it assumes, how it fails, and how you notice.
 //!
-//! A job asks for the probability that a sample is unstable, cell by cell. The verdict on a sample is deterministic; only
-//! the inputs are random. What differs between the methods is how much of that they use.
+//! A job asks for the probability that a sample is unstable, cell by cell. Only the inputs are random; the verdict on a
+//! sample is deterministic. The methods differ in how much of the structure of the verdict they use.
 //!
-//! # Independent samples: `method = "monte-carlo"`
+//! | method | question | assumptions | failure | how you notice |
+//! |---|---|---|---|---|
+//! | [independent samples](#independent-samples) | P of each cell, with an interval | none about the verdict | events rarer than a few per run give P = 0 | `p_high` stays well above 0 |
+//! | [sequential looks](#sequential-looks) | P to a given precision, with as few samples as that needs | none about the verdict | `at_most` is reached first | `p_high - p_low` is wider than requested |
+//! | [Sobol points](#sobol-points) | P with a narrower interval from as many samples | the unstable region has a boundary of finite length | no better than independent samples | `p_high - p_low` does not shrink faster than theirs |
+//! | [verdict map](#verdict-map) | the same counts from far fewer simulations | two random inputs; boundaries visible on a grid | an island between grid points is looked up wrongly | the audit finds wrong verdicts |
+//! | [integration](#integration) | P without sampling error | as for the map; independent normal inputs | as for the map | the audit; bounds that are far apart |
+//! | [derivatives](#derivatives) | slope of P by a parameter of the cell | independent normal inputs | few unstable or stable samples, small scatter | null, or a large standard error |
+//! | [Sobol indices](#sobol-indices) | share of an input in the variance of the verdict | independent inputs | nearly all samples agree | null, or a large standard error |
 //!
-//! **Assumes** nothing of the verdict. Any number of random inputs, any marginal distribution and correlation.
+//! # Independent samples
 //!
-//! **Costs** `p (1 - p) / error^2` samples in each cell: four times as many for half of the error.
+//! `method = "monte-carlo"`.
 //!
-//! **Interval**: up to a confidence of 95 % Wilson's ([`WilsonInterval`](crate::estimate::interval::WilsonInterval)), which is right on average
-//! over `p`; beyond, and with `simultaneous = true`, Clopper and Pearson's, which is never short, and wider. `interval =
-//! "clopper-pearson"` takes the latter always. How often they contain the true probability where they do worst, for 10,000
-//! samples (`make coverage`):
+//! **Assumptions.** None about the verdict. Any number of random inputs, with any marginal distributions and
+//! correlations.
 //!
-//! | confidence | Wilson, at worst | Clopper-Pearson, at worst |
+//! **Cost.** `p (1 - p) / error^2` samples in each cell for a standard error `error`: four times as many for half the
+//! error.
+//!
+//! **Interval.** By default Wilson's interval up to a confidence of 95 %; its coverage is right on average over `p`.
+//! Beyond 95 %, and with `simultaneous = true`, Clopper and Pearson's interval, whose coverage is never below the
+//! confidence and which is wider. `interval = "clopper-pearson"` selects the latter always
+//! ([`IntervalKind`](crate::estimate::interval::IntervalKind)). The least coverage over all probabilities up to 0.05,
+//! for 10,000 samples (`make coverage`):
+//!
+//! | confidence | Wilson, least coverage | Clopper-Pearson, least coverage |
 //! |---|---|---|
 //! | 0.80 | 0.714 at P = 2.1e-4 | 0.80 |
 //! | 0.90 | 0.801 at P = 2.2e-5 | 0.90 |
@@ -22,117 +37,147 @@
 //! | 0.99 | not offered (0.889) | 0.99 |
 //! | 0.999 | not offered (0.925) | 0.999 |
 //!
-//! Each holds for one cell: of 780 cells some 39 miss at 95 %. `simultaneous = true` widens them (Bonferroni) until all hold
-//! together.
+//! Each interval holds for one cell: of 780 cells, about 39 miss the true probability at 95 %. `simultaneous = true`
+//! widens the intervals (Bonferroni) until all hold together.
 //!
-//! **Fails** where the event is rarer than a few in the number of samples: `p_unstable` is then 0. **Notice**: `p_high`
-//! stays above 0 and says how rare it has to be. Undecided and failed samples are in no `p_unstable`; they widen `p_low` to
-//! `p_high`, so an interval wider than the number of samples explains has `n_undecided` or `n_failed` beside it.
+//! **Failure.** If the event is so rare that the run is expected to contain only a few or none, `p_unstable` may be 0.
+//! **How you notice.** `p_high` stays above 0: the probability may be as large as that. Undecided and failed samples
+//! are not part of `p_unstable`, but widen `p_low` to `p_high`. An interval wider than the number of samples explains
+//! comes with a large `n_undecided` or `n_failed`.
 //!
-//! # Until precise enough: `until = { half_width }` or `until = { relative }`
+//! # Sequential looks
 //!
-//! **Assumes** nothing more. Each cell is looked at first where a stop becomes possible, then after a quarter more samples
-//! each time ([`Looks`](crate::estimate::sequential::Looks)), and stops when half of the width of its interval is at most `half_width`, or at most
-//! `relative` times the middle of the interval; with both, at the first that is reached.
+//! `until = { half_width = ... }` or `until = { relative = ... }`.
 //!
-//! A plain interval that is looked at again and again, until it looks good, misses more often than it says. These intervals
-//! share the error among all looks (and with `simultaneous` among all cells), so they hold at whichever look a cell stops;
-//! they are about half again as wide as a single one of as many samples. That is the price, and the reason why `samples` is
-//! better where the number is known.
+//! **Assumptions.** None about the verdict. A cell is first looked at where a stop becomes possible, then after a
+//! quarter more samples each time ([`Looks`](crate::estimate::looks::Looks)). It stops when half of the width of its
+//! interval is at most `half_width`, or at most `relative` times the middle of the interval; with both, at whichever is
+//! reached first.
 //!
-//! The share of unstable samples at a stop is biased: with `half_width` too low for rare events, as a cell stops early when
-//! few of them have come, with `relative` too high. So `p_unstable` is not that share but the unbiased estimate of this
-//! design. It differs from the share where few samples are unstable.
+//! **Interval.** A plain interval that is computed again and again until it is narrow misses more often than it claims.
+//! These intervals share the error among all looks (with `simultaneous = true` also among all cells), so that they hold
+//! at whichever look a cell stops. They are about half again as wide as a single one from as many samples. If the
+//! number of samples is known in advance, `samples` is therefore the better choice.
 //!
-//! With a verdict map the half width is shared: its audit is made so large that half of it remains for the counts, unless
-//! `audit` says otherwise. A relative precision cannot be kept beside an audit, and is refused.
+//! **Estimate.** The share of unstable samples at a stop is biased: too low with `half_width` for rare events, as a
+//! cell stops early when few of them have occurred; too high with `relative`. `p_unstable` is the unbiased estimate of
+//! this design instead. It differs from the share where few samples are unstable.
 //!
-//! `at_most` (a million unless told) can be raised later, like `samples`: no look depends on it.
+//! **With a verdict map** the half width is shared with the audit, which by default is made so large that half of the
+//! half width remains for the counts. A relative precision cannot be combined with an audit and is refused.
 //!
-//! **Fails** where `at_most` comes first. **Notice**: `p_high - p_low` is then wider than was asked for. With `relative`
-//! alone, every cell without unstable samples takes `at_most`.
+//! **Failure.** `at_most` (a million by default) is reached first. It can be raised later, like `samples`, as no look
+//! depends on it. **How you notice.** `p_high - p_low` is wider than requested. With `relative` alone, every cell
+//! without unstable samples uses all of `at_most`.
 //!
-//! # Sobol points: `method = "sobol"`
+//! # Sobol points
 //!
-//! **Assumes** that the unstable region is no wild set: a boundary of some length is enough. The points of each of 16
-//! randomisations ([`ScrambledSobol`](crate::draw::sobol::ScrambledSobol)) fill the space of inputs evenly, and the error falls about
-//! like `samples^-0.75` with two inputs, less fast with more of them.
+//! `method = "sobol"`.
 //!
-//! **Interval**: Student's, from the scatter of the randomisations ([`replicates`](crate::estimate::replicates)); where fewer than 30
-//! samples (200 above 95 %) are on one side, or all randomisations agree, widened to include that of as many independent
-//! samples. With one random input, and wherever the randomisations' counts differ by no more than one, a binomial interval takes the place of
-//! Student's. Student's interval takes the randomisations' shares for normally distributed: at the confidence of a band over
-//! many cells (`simultaneous`), a miss may be twice as frequent as it says.
+//! **Assumptions.** The unstable region has a boundary of finite length. The points of each of 16 randomisations
+//! (scrambled Sobol sequences) fill the space of the inputs evenly. With two inputs the error falls about like
+//! `samples^-0.75`, with more inputs less fast.
 //!
-//! **Fails** softly: at worst it is about as good as independent samples. Numbers of points that are no power of two lose
-//! most of the gain. **Notice**: `p_high - p_low` does not shrink faster than with independent samples. The standard errors
-//! of `derivatives` are those of independent samples, and too large here.
+//! **Interval.** Student's interval, from the scatter of the randomisations
+//! ([`randomisations`](crate::estimate::randomisations)). It is widened to include that of as many independent samples
+//! where fewer than 30 samples (200 above 95 %) are on one side, or all randomisations agree. With one random input,
+//! and wherever the counts of the randomisations differ by no more than one, a binomial interval takes its place.
+//! Student's interval assumes normally distributed shares: at the confidence that a band over many cells needs
+//! (`simultaneous = true`), it may miss twice as often as it claims.
 //!
-//! # Looked up: `evaluate = "boundary"`
+//! **Failure.** In the worst case the error is about that of independent samples. If the number of points is not a
+//! power of two, most of the gain is lost. **How you notice.** `p_high - p_low` does not shrink faster than with
+//! independent samples. The standard errors of `derivatives` are those of independent samples, which are too large
+//! here.
 //!
-//! **Assumes** that only preload and static friction scatter, and that the verdict, over the plane of these two, is constant
-//! but for curves which the grid of the map can see ([`crate::verdict_map::map`]: points 1/32 apart in both up to 1, and
-//! closer wherever verdicts differ). Samples within the resolution of a curve (about 1e-5 of the coordinate), in boxes that
-//! did not resolve, in undecided regions, and beyond six standard deviations are simulated themselves.
+//! # Verdict map
 //!
-//! A map that costs more than the samples, less those of the audit, is given up, and every sample simulated, as a note on
-//! standard error says. That is decided by the job alone: a verdict costs 1 and the scaled time that its motion is followed;
-//! those of all needed tiles are set against those of the samples, estimated from the first four of up to 64 cells.
-//! `stickslip check` says beforehand what to expect, in simulations and in seconds. A motion near a boundary may take more
-//! computing than its time suggests, so that a map can still take a second or more where the samples of a small job take
-//! less. A run that gave its map up also simulates the samples by which it is extended.
+//! `evaluate = "boundary"`.
 //!
-//! With `kind = "eigenvalue"` it changes nothing: the closed form decides as fast as a map would. With `sensitivity` the
-//! verdicts on the second set of samples are looked up too, and not audited.
+//! **Assumptions.** Only preload and static friction scatter. Over the plane of these two the verdict is constant
+//! except across curves that the grid of the [map](crate::verdict_map) sees: its points are 1/32 apart in both inputs
+//! up to 1, and closer wherever verdicts differ. Four groups of samples are simulated: those within the resolution of a
+//! curve (about 1e-5 of the coordinate), in unresolved boxes, in undecided regions, and beyond six standard deviations.
 //!
-//! **Gives** the counts of `evaluate = "each"` from a thousandth of the simulations, and serves with `--map` any other job
-//! of the same model, speed and criterion.
+//! **Result.** The counts of `evaluate = "each"` from a thousandth of the simulations. With `--map` the map serves any
+//! other job of the same model, speed and criterion. With `sensitivity = true` the verdicts on the second set of
+//! samples are looked up too, without an audit. With `kind = "eigenvalue"` the setting has no effect: the closed form
+//! is as fast as a map.
 //!
-//! **Fails** where a region of another verdict lies between the points of the grid: its samples are looked up wrongly.
-//! Horizons so short that many samples are undecided make such regions: slivers beside boundaries. **Notice**: the audit. Of
-//! each cell the first looked-up samples, 300 unless told (`audit = 300`, or a share of all of them, `audit = 0.01`), are
-//! simulated all the same; an audited sample counts by its simulated verdict. With none of `n` differing, the share of wrong
-//! ones is below `3 / n` with 95 % confidence ([`audit`](crate::estimate::audit)). What the audit of a cell does not exclude is in the
-//! column `p_audit`, and `p_low` and `p_high` contain it: the error is shared equally between the counts and the audit. A
-//! larger audit makes it smaller; `audit = 0` takes the map for right. If a single audited sample differs, the map is wrong
-//! somewhere: the command says so and ends with exit code 70, its result written.
+//! **Cost.** A map that costs more than the samples, less those of the audit, is given up. Every sample is then
+//! simulated, also those by which the run is extended later, and a note on standard error says so. The decision depends
+//! on the job alone: a verdict costs 1 plus the scaled time over which its motion is simulated, and the cost of all
+//! needed tiles is compared with that of the samples, estimated from the first four samples of up to 64 cells.
+//! `stickslip check` predicts both, in simulations and in seconds. A motion near a boundary may take more computing
+//! than its scaled time suggests, so that a map can still take a second or more where the samples of a small job take
+//! less.
 //!
-//! # Integrated: `method = "exact"`
+//! **Failure.** A region of another verdict lies between the points of the grid, and its samples are looked up wrongly.
+//! Horizons so short that many samples are undecided make such regions: slivers beside boundaries.
 //!
-//! **Assumes** what the map does, and independent normal inputs; for `kind = "eigenvalue"` nothing, as its boundary is known
-//! in closed form ([`exact`](crate::integrate::closed_form), error about 1e-14 for scatter above 0.01).
+//! **How you notice.** By the audit. In each cell the first 300 looked-up samples (`audit = 300`, the default), or a
+//! share of all of them (`audit = 0.01`), are simulated as a check, and count by their simulated verdict. If none of
+//! `n` differs, the share of wrong verdicts is below `3 / n` with 95 % confidence ([`audit`](crate::estimate::audit)).
+//! The column `p_audit` holds the share that the audit of a cell does not exclude. `p_low` and `p_high` contain it: the
+//! error is divided equally between the counts and the audit. A larger audit makes `p_audit` smaller; `audit = 0`
+//! trusts the map. If a single audited sample differs, the map is wrong somewhere: the command reports it and ends with
+//! exit code 70 after it has written the result.
 //!
-//! **Gives** the probability without samples ([`mapped`](crate::integrate::mapped)), but for those of the audit, which are drawn and
-//! simulated as above. `p_low` and `p_high` bound the numerical error (the measure of all that the map does not tell:
-//! resolution of the curves, undecided regions, the plane beyond six standard deviations) and, with the job's confidence,
-//! what the audit does not exclude. `p_high - p_audit` and `p_low + p_audit` are the numerical bounds alone. `p_undecided`
-//! is the measure of the undecided regions.
+//! # Integration
 //!
-//! **Fails** as the map does. **Notice**: the audit. For scatter below some 1e-4 the resolution of the curves is no longer
-//! small against it, and `p_low` to `p_high` widens.
+//! `method = "exact"`.
 //!
-//! # Derivatives and Sobol indices
+//! **Assumptions.** Those of the verdict map, and independent normal inputs. For `kind = "eigenvalue"` the boundary is
+//! known in [closed form](crate::integrate::closed_form), and no map is needed; the error is about 1e-14 for relative
+//! standard deviations above 0.01.
 //!
-//! `derivatives = true`: the slopes of the probability over the expected values (at constant relative standard deviation)
-//! and over the relative standard deviations, exact where the probability is integrated, elsewhere by the score function
-//! ([`score`](crate::estimate::score)) from the same samples, with their standard errors. They assume independent normal inputs and
-//! are null for an input without scatter (whose score does not exist; of the eigenvalue criterion, integrated, the slope
-//! over its expected value is still known). A score estimate scatters like `1 / std`: small scatter needs many samples.
-//! Undecided and failed samples are left out by the quotient rule: the slope is that of the probability among decided
-//! samples. Where fewer than 30 samples are unstable, or stable, slope and error are null.
+//! **Result.** The probability without samples ([`integrate::verdict_map`](crate::integrate::verdict_map)), except for
+//! those of the audit, which are drawn and simulated as above. `p_low` and `p_high` bound the numerical error: the
+//! probability of all unknown verdicts (within the resolution of the curves, in undecided regions, beyond six standard
+//! deviations) and, with the job's confidence, of what the audit does not exclude. `p_low + p_audit` and `p_high -
+//! p_audit` are the numerical bounds alone. `p_undecided` is the probability of the undecided regions.
 //!
-//! `sensitivity = true`: first-order and total Sobol indices of the verdict (0 or 1), the shares of its variance `p (1 - p)`
-//! that an input explains alone, and takes part in. They take `inputs + 1` further verdicts for each sample; where one of
-//! them is undecided or failed, the sample is left out of the index, and counted in `n_left_out_INPUT`. They are null where
-//! all samples agree, and mean little where nearly all do: an index of a probability of 0.001 needs 10^5 samples. Correlated
-//! inputs are refused: their variance has no such parts.
+//! **Failure.** As for the map. **How you notice.** By the audit. For relative standard deviations below about 1e-4 the
+//! resolution of the curves is no longer small against the scatter, and `p_low` and `p_high` move apart.
 //!
-//! # What no interval says
+//! # Derivatives
 //!
-//! How good the model is, with the criterion and the parameters given. The eigenvalue criterion calls a brake quiet that
-//! squeals once disturbed; `stickslip compare` shows in how many samples ([`difference`](crate::estimate::difference)). Its intervals
-//! hold for all cells together unless told otherwise, share the error among the looks of runs with `until`, and contain what
-//! the audits of both runs do not exclude; those of Sobol runs take their points for independent samples, which is on the
-//! safe side. Runs with the same seed share their deviates: they are paired, whatever the deviates become, and where that is
-//! not possible (another number of random inputs) the interval holds however they depend on each other. Paired differences
-//! of runs with `until` are those of the observed shares, which are biased where few samples are unstable.
+//! `derivatives = true`: the derivatives of the probability by the expected values (at constant relative standard
+//! deviation) and by the relative standard deviations. With `method = "exact"` they are integrated. With other methods
+//! the score function estimates them from the same samples, with their standard errors
+//! ([`score`](crate::estimate::score)).
+//!
+//! **Assumptions.** Independent normal inputs. A derivative is null for an input without scatter, whose score does not
+//! exist; only the integrated eigenvalue criterion gives the derivative by its expected value. Undecided and failed
+//! samples are left out: the derivative is that of the probability among decided samples.
+//!
+//! **Failure.** The standard error is proportional to `1 / std`, so that small scatter needs many samples. **How you
+//! notice.** The standard errors. Derivative and error are null where fewer than 30 samples are unstable or fewer than
+//! 30 stable.
+//!
+//! # Sobol indices
+//!
+//! `sensitivity = true`: first-order and total Sobol indices of the verdict (0 or 1), the shares of its variance `p (1
+//! - p)` that are due to an input alone, and to which it contributes
+//! ([`sobol_indices`](crate::estimate::sobol_indices)).
+//!
+//! **Assumptions.** Independent inputs; correlated ones are refused, as their variance has no such decomposition.
+//!
+//! **Cost.** `inputs + 1` further verdicts for each sample. A sample of which one of these is undecided or failed is
+//! left out of the index and counted in `n_left_out_INPUT`.
+//!
+//! **Failure.** Indices mean little where nearly all samples agree: that of a probability of 0.001 needs 10^5 samples.
+//! **How you notice.** The standard errors; the indices are null where all samples agree.
+//!
+//! # What no interval includes
+//!
+//! An interval holds for the model with the given criterion and parameters. It does not include how well the model
+//! describes the brake. The eigenvalue criterion, for example, calls a brake stable that squeals after a disturbance.
+//!
+//! `stickslip compare` shows in how many samples two criteria or models differ
+//! ([`difference`](crate::estimate::difference)). By default its intervals hold for all cells together. They share the
+//! error among the looks of runs with `until`, and include what the audits of both runs do not exclude. For Sobol runs
+//! they assume independent points, which makes them wider than necessary. Runs with the same seed share their deviates
+//! and are compared sample by sample, even if their inputs have other distributions. Where that is impossible (another
+//! number of random inputs), the interval holds for every dependence of the two runs. The paired difference of runs
+//! with `until` is that of the observed shares, which are biased where few samples are unstable.

@@ -1,25 +1,26 @@
 //! The identity of a sample: its random numbers are a function of seed, purpose, cell and sample number alone.
 //!
 //! The samples of a cell are drawn in blocks of [`BLOCK_SAMPLES`]. Each block has a generator of its own, Xoshiro256++,
-//! whose 256 bits of state are the BLAKE3 hash of (results version, seed, purpose, cell, block). Any block can therefore be
-//! drawn by itself, and no two blocks share a stream: the hash fills the whole state, whereas 64-bit seeds would collide
-//! after some 10^9 blocks.
+//! whose 256 bits of state are the BLAKE3 hash of (results version, seed, purpose, cell, block). Any block can
+//! therefore be drawn by itself, and no two blocks share a stream: the hash fills the whole state, whereas 64-bit seeds
+//! would collide after some 10^9 blocks.
 
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Version of everything that turns a job into samples and verdicts. It changes whenever one of their values changes. Runs
-/// of different versions are never mixed.
+/// Version of everything that turns a job into samples and verdicts. It changes whenever one of their values changes.
+/// Runs of different versions are never mixed.
 pub const RESULTS_VERSION: u32 = 1;
 
-/// Version of what is computed from counted verdicts: intervals, estimates, derivatives, indices. It changes when they do,
-/// while the samples stay the same. A run whose results it affects is not continued by another version.
+/// Version of what is computed from counted verdicts: intervals, estimates, derivatives, indices. It changes when they
+/// do, while the samples stay the same. A run whose results it affects is not continued by another version.
 pub const ESTIMATES_VERSION: u32 = 2;
 
 /// Samples in one block. A change needs a new results version.
 pub const BLOCK_SAMPLES: u64 = 1000;
 
 /// The purpose of a stream of random numbers. Streams of different purposes are independent.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// The random inputs of a cell.
@@ -53,6 +54,7 @@ impl Purpose {
 }
 
 /// The generator of one block of samples of a cell.
+#[doc(hidden)]
 #[must_use]
 pub fn block_generator(seed: u64, purpose: Purpose, cell: u64, block: u64) -> Xoshiro256PlusPlus {
     let mut message = [0u8; 32];

@@ -1,15 +1,16 @@
 //! Scrambled Sobol points: random points, each uniform over the unit cube, that together fill it evenly.
 //!
 //! Point `i` of a Sobol sequence is `x_i = V b(i)` in arithmetic modulo 2. `b(i)` are the binary digits of `i`, and the
-//! columns of `V`, one matrix per dimension, are the direction numbers of Joe and Kuo, file `new-joe-kuo-6.21201` (S. Joe,
-//! F. Y. Kuo, Constructing Sobol sequences with better two-dimensional projections, SIAM J. Sci. Comput. 30 (2008)
-//! 2635-2654). The first 2^k points are a digital net, and so is each later group of 2^k that starts at a multiple of 2^k.
+//! columns of `V`, one matrix per dimension, are the direction numbers of Joe and Kuo, file `new-joe-kuo-6.21201` (S.
+//! Joe, F. Y. Kuo, Constructing Sobol sequences with better two-dimensional projections, SIAM J. Sci. Comput. 30 (2008)
+//! 2635-2654). The first 2^k points are a digital net, and so is each later group of 2^k that starts at a multiple of
+//! 2^k.
 //!
-//! Scrambling replaces `V` by `L V` and adds a random digital shift `e`: `x_i = L V b(i) + e`. `L` is lower triangular with
-//! ones on its diagonal and random digits below (J. Matousek, On the L2-discrepancy for anchored boxes, J. Complexity 14
-//! (1998) 527-556). The points remain a net of the same quality, and each is uniform. The mean of a function over them is
-//! therefore an unbiased estimate of its integral, and independent scramblings show its error. `L` has more rows than `V`:
-//! digits beyond the 32 of the direction numbers are random too.
+//! Scrambling replaces `V` by `L V` and adds a random digital shift `e`: `x_i = L V b(i) + e`. `L` is lower triangular
+//! with ones on its diagonal and random digits below (J. Matousek, On the L2-discrepancy for anchored boxes, J.
+//! Complexity 14 (1998) 527-556). The points remain a net of the same quality, and each is uniform. The mean of a
+//! function over them is therefore an unbiased estimate of its integral, and independent scramblings show its error.
+//! `L` has more rows than `V`: digits beyond the 32 of the direction numbers are random too.
 
 mod direction_numbers;
 
@@ -47,9 +48,9 @@ impl Scramble {
 
 /// A Sobol sequence in one random scrambling.
 ///
-/// Each coordinate of a point is an odd multiple of 2^-53 with 52 random digits. It lies inside (0, 1), and `x` is as likely
-/// as `1 - x`. Point `i` is a pure function of the scrambling and `i`. Its coordinates do not depend on the number of
-/// dimensions.
+/// Each coordinate of a point is an odd multiple of 2^-53 with 52 random digits. It lies inside (0, 1), and `x` is as
+/// likely as `1 - x`. Point `i` is a pure function of the scrambling and `i`. Its coordinates do not depend on the
+/// number of dimensions.
 #[derive(Debug, Clone)]
 pub struct ScrambledSobol {
     dimensions: usize,

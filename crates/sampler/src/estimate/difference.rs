@@ -1,9 +1,9 @@
-//! Intervals for the difference `p1 - p2` of two probabilities, from paired samples (two models or two cells with common
-//! random numbers), from independent samples, and from samples that depend on each other in an unknown way.
+//! Intervals for the difference `p1 - p2` of two probabilities, from paired samples (two models or two cells with
+//! common random numbers), from independent samples, and from samples that depend on each other in an unknown way.
 //!
-//! Up to a confidence of 95 % the intervals for paired and for independent samples are approximate: they reach the stated
-//! coverage on average over probabilities. Beyond, where many intervals have to hold together, they are built from Clopper
-//! and Pearson's ([`IntervalKind::for_confidence`]).
+//! Up to a confidence of 95 % the intervals for paired and for independent samples are approximate: they reach the
+//! stated coverage on average over probabilities. Beyond, where many intervals have to hold together, they are built
+//! from Clopper and Pearson's ([`IntervalKind::for_confidence`]).
 
 use crate::estimate::interval::{BinomialInterval, IntervalKind, half_of_the_error};
 use crate::special_functions::normal;
@@ -45,8 +45,8 @@ impl Difference {
     const UNKNOWN: Self = Self { value: None, low: -1.0, high: 1.0 };
 }
 
-/// The two-sided interval for the difference of two probabilities from `n` paired samples, `n` up to 1e10. It is (-1, 1)
-/// without pairs. The caller decides how to count pairs with an undecided sample.
+/// The two-sided interval for the difference of two probabilities from `n` paired samples, `n` up to 1e10. It is (-1,
+/// 1) without pairs. The caller decides how to count pairs with an undecided sample.
 ///
 /// Up to a confidence of 95 % it is Tango's score interval (T. Tango, Statistics in Medicine 17, 1998, p. 891): the
 /// differences `d` with
@@ -55,14 +55,15 @@ impl Difference {
 /// |b - c - n d| <= z sqrt(n (2 q + d (1 - d))),
 /// ```
 ///
-/// where `b` pairs are unstable only in the first and `c` only in the second, `z` is the normal quantile, and `q` is the
-/// maximum-likelihood probability of a pair unstable only in the second at difference `d`. The interval is never empty, even
-/// for `b = c = 0`, and stays inside [-1, 1].
+/// where `b` pairs are unstable only in the first and `c` only in the second, `z` is the normal quantile, and `q` is
+/// the maximum-likelihood probability of a pair unstable only in the second at difference `d`. The interval is never
+/// empty, even for `b = c = 0`, and stays inside [-1, 1].
 ///
 /// Beyond 95 % it is the range of `d = w (2 t - 1)`. Here `w`, the probability that a pair differs, is in Clopper and
-/// Pearson's interval for `b` plus `c` out of `n`, and `t`, the probability that the first is the unstable one of a pair
-/// that differs, is in theirs for `b` out of `b + c`, each interval with half of the error. By Bonferroni's inequality the
-/// coverage is at least the confidence. For many pairs with `b` near `c` the interval is little wider than Tango's.
+/// Pearson's interval for `b` plus `c` out of `n`, and `t`, the probability that the first is the unstable one of a
+/// pair that differs, is in theirs for `b` out of `b + c`, each interval with half of the error. By Bonferroni's
+/// inequality the coverage is at least the confidence. For many pairs with `b` near `c` the interval is little wider
+/// than Tango's.
 ///
 /// ```
 /// use stickslip_sampler::estimate::difference::{PairedCounts, paired_difference};
@@ -142,15 +143,16 @@ fn score_variance(first: f64, second: f64, total: f64, difference: f64) -> f64 {
     2.0 * q + spread
 }
 
-/// Newcombe's two-sided hybrid interval for the difference of two probabilities from independent samples (R. G. Newcombe,
-/// Statistics in Medicine 17, 1998, p. 873, method 10). With the ends `l` and `u` of either probability's interval it is
+/// Newcombe's two-sided hybrid interval for the difference of two probabilities from independent samples (R. G.
+/// Newcombe, Statistics in Medicine 17, 1998, p. 873, method 10). With the ends `l` and `u` of either probability's
+/// interval it is
 ///
 /// ```text
 /// d - sqrt((p1 - l1)^2 + (u2 - p2)^2)   to   d + sqrt((u1 - p1)^2 + (p2 - l2)^2),      d = p1 - p2
 /// ```
 ///
-/// Up to a confidence of 95 % the ends `l` and `u` are Wilson's, as in Newcombe's paper; beyond, Clopper and Pearson's. The
-/// interval is (-1, 1) if either has no samples.
+/// Up to a confidence of 95 % the ends `l` and `u` are Wilson's, as in Newcombe's paper; beyond, Clopper and Pearson's.
+/// The interval is (-1, 1) if either has no samples.
 ///
 /// ```
 /// use stickslip_sampler::estimate::difference::unpaired_difference;
@@ -180,14 +182,15 @@ pub fn unpaired_difference(
     }
 }
 
-/// The two-sided interval for the difference of two probabilities from samples that may depend on each other in any way:
+/// The two-sided interval for the difference of two probabilities from samples that may depend on each other in any
+/// way:
 ///
 /// ```text
 /// l1 - u2   to   u1 - l2
 /// ```
 ///
-/// with the ends `l` and `u` of Clopper and Pearson's intervals, each with half of the error. By Bonferroni's inequality the
-/// coverage is at least the confidence. The interval is (-1, 1) if either has no samples.
+/// with the ends `l` and `u` of Clopper and Pearson's intervals, each with half of the error. By Bonferroni's
+/// inequality the coverage is at least the confidence. The interval is (-1, 1) if either has no samples.
 #[must_use]
 pub fn dependent_difference(
     successes_first: u64,

@@ -1,16 +1,17 @@
-//! The distribution of a positive quantity over samples, kept in integers so that the order of the samples has no effect.
+//! The distribution of a positive quantity over samples, kept in integers so that the order of the samples has no
+//! effect.
 
 use std::collections::BTreeMap;
 
-/// Low bits of a double that its bin ignores. 10 of the 52 bits of the fraction remain, so that a bin is at most 1/1024 of
-/// its values wide.
+/// Low bits of a double that its bin ignores. 10 of the 52 bits of the fraction remain, so that a bin is at most 1/1024
+/// of its values wide.
 const DROPPED_BITS: u32 = 42;
 
 /// Sums are kept in multiples of 2^-34, about 6e-11: much smaller values are lost, and a sum saturates at about 10^9.
 const STEPS_PER_ONE: f64 = (1_u64 << 34) as f64;
 
-/// Mean and quantiles of a positive quantity of about 1e-6 to 1e3. The order in which values and distributions are added
-/// does not change a bit of the result.
+/// Mean and quantiles of a positive quantity of about 1e-6 to 1e3. The order in which values and distributions are
+/// added does not change a bit of the result.
 ///
 /// ```
 /// use stickslip_sampler::estimate::distribution::Distribution;
@@ -137,7 +138,7 @@ mod tests {
 
     #[test]
     fn an_empty_distribution_has_no_mean() {
-        let nothing = Distribution::default();
-        assert_eq!((nothing.mean(), nothing.quantile(0.5), nothing.count()), (None, None, 0));
+        let empty = Distribution::default();
+        assert_eq!((empty.mean(), empty.quantile(0.5), empty.count()), (None, None, 0));
     }
 }

@@ -21,8 +21,8 @@ pub struct Estimate {
 /// (p + z^2 / 2n -+ z sqrt(p (1 - p) / n + z^2 / 4n^2)) / (1 + z^2 / n),      p = k / n
 /// ```
 ///
-/// for `k` successes in `n` trials and the normal quantile `z`. It stays inside [0, 1] and has a positive width at `k = 0`
-/// and `k = n` too.
+/// for `k` successes in `n` trials and the normal quantile `z`. It stays inside [0, 1] and has a positive width at `k =
+/// 0` and `k = n` too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct WilsonInterval {
     z: f64,
@@ -71,10 +71,11 @@ fn estimate(counts: &VerdictCounts, bounds: impl Fn(u64, u64) -> (f64, f64)) -> 
 /// The kind of interval for a binomial proportion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum IntervalKind {
-    /// Wilson's score interval. Its coverage is the confidence on average over probabilities. Near 0 and 1 it is less: at
-    /// 95 % at least 0.838 (at `n p` = 0.177, for large `n`), at 99.9 % at least 0.925.
+    /// Wilson's score interval. Its coverage is the confidence on average over probabilities. Near 0 and 1 it is less:
+    /// at 95 % at least 0.838 (at `n p` = 0.177, for large `n`), at 99.9 % at least 0.925.
     Wilson,
-    /// Clopper and Pearson's exact interval. Its coverage is at least the confidence for every probability, and it is wider.
+    /// Clopper and Pearson's exact interval. Its coverage is at least the confidence for every probability, and it is
+    /// wider.
     ClopperPearson,
 }
 
@@ -91,22 +92,22 @@ impl IntervalKind {
 
 /// A confidence interval for a binomial proportion, of either kind.
 ///
-/// Wilson's interval (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927) for `k` successes in `n` trials and the normal quantile
-/// `z` stays inside [0, 1] and has a positive width at `k = 0` and `k = n` too:
+/// Wilson's interval (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927) for `k` successes in `n` trials and the normal
+/// quantile `z` stays inside [0, 1] and has a positive width at `k = 0` and `k = n` too:
 ///
 /// ```text
 /// (p + z^2 / 2n -+ z sqrt(p (1 - p) / n + z^2 / 4n^2)) / (1 + z^2 / n),      p = k / n
 /// ```
 ///
-/// Clopper and Pearson's interval (Biometrika 26, 1934) has the ends at which the observed count or a more extreme one has
-/// the probability `alpha / 2 = (1 - confidence) / 2`:
+/// Clopper and Pearson's interval (Biometrika 26, 1934) has the ends at which the observed count or a more extreme one
+/// has the probability `alpha / 2 = (1 - confidence) / 2`:
 ///
 /// ```text
 /// I_low(k, n - k + 1) = alpha / 2,      I_high(k + 1, n - k) = 1 - alpha / 2
 /// ```
 ///
-/// with `I_x(a, b)` the regularised incomplete beta function; they are 0 at `k = 0` and 1 at `k = n`. The ends are computed
-/// with an error of about 1e-15 relative to their distance from 0 and from 1, for up to 1e10 trials.
+/// with `I_x(a, b)` the regularised incomplete beta function; they are 0 at `k = 0` and 1 at `k = n`. The ends are
+/// computed with an error of about 1e-15 relative to their distance from 0 and from 1, for up to 1e10 trials.
 ///
 /// ```
 /// use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
@@ -151,11 +152,12 @@ impl BinomialInterval {
     }
 }
 
-/// The confidence `1 - (1 - c) / m` that each of `m` intervals needs so that all of them together contain their true values
-/// with the confidence `c`.
+/// The confidence `1 - (1 - c) / m` that each of `m` intervals needs so that all of them together contain their true
+/// values with the confidence `c`.
 ///
-/// By Bonferroni's inequality the probability that any of the intervals misses is at most the sum of their probabilities to
-/// miss, however they depend on each other. For independent intervals `c^(1/m)` would suffice, which is hardly less.
+/// By Bonferroni's inequality the probability that any of the intervals misses is at most the sum of their
+/// probabilities to miss, however they depend on each other. For independent intervals `c^(1/m)` would suffice, which
+/// is hardly less.
 ///
 /// ```
 /// let each = stickslip_sampler::estimate::interval::simultaneous_confidence(0.95, 50);

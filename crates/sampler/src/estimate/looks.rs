@@ -1,10 +1,10 @@
 //! Sequential sampling: looking at the counts of a cell repeatedly until its probability is known precisely enough.
 //!
-//! A rule that computes an ordinary 95 % interval at every look and stops as soon as that is narrow enough stops earlier
-//! when the counts happen to be low, because a small observed probability makes a narrow interval. For rare events such an
-//! interval covers the true probability less often than it claims, and the observed share is too low on average. [`Looks`]
-//! fixes the sample counts of the looks in advance, divides the error among them, and has the unbiased estimate of this
-//! design.
+//! A rule that computes an ordinary 95 % interval at every look and stops as soon as that is narrow enough stops
+//! earlier when the counts happen to be low, because a small observed probability makes a narrow interval. For rare
+//! events such an interval covers the true probability less often than it claims, and the observed share is too low on
+//! average. [`Looks`] fixes the sample counts of the looks in advance, divides the error among them, and has the
+//! unbiased estimate of this design.
 
 mod unbiased;
 
@@ -57,27 +57,29 @@ impl Precision {
     }
 }
 
-/// A schedule of looks at a cell, with intervals that are valid at whichever look the cell stops, and an unbiased estimate.
+/// A schedule of looks at a cell, with intervals that are valid at whichever look the cell stops, and an unbiased
+/// estimate.
 ///
 /// **Intervals.** Look `j` has a Clopper-Pearson interval of error `alpha_j`, and the `alpha_j` add up to `1 - c` for a
-/// confidence `c`. By Bonferroni's inequality all of the intervals together contain the true probability with probability
-/// `c` or more, and so does the one at which any rule stops. This holds for finite samples and for every probability:
-/// Clopper and Pearson's interval is exact, and the inequality assumes nothing about how the looks depend on each other or
-/// about the stopping rule. (Boundaries that use the dependence of the looks, S. J. Pocock, Biometrika 64, 1977, hold for
-/// normal means, not for small counts.)
+/// confidence `c`. By Bonferroni's inequality all of the intervals together contain the true probability with
+/// probability `c` or more, and so does the one at which any rule stops. This holds for finite samples and for every
+/// probability: Clopper and Pearson's interval is exact, and the inequality assumes nothing about how the looks depend
+/// on each other or about the stopping rule. (Boundaries that use the dependence of the looks, S. J. Pocock, Biometrika
+/// 64, 1977, hold for normal means, not for small counts.)
 ///
-/// **Schedule.** The first look is where a stop becomes possible. Sample counts grow by a quarter from look to look, at the
-/// start by a block, so that a stop is at most that much later than necessary and the number of looks grows with the
-/// logarithm of the precision. The `K` regular looks extend to the sample count at which every probability stops (with a
-/// relative precision only, every one from 1e-6 on). They share nine tenths of the error equally, which makes the widest
-/// of their intervals as narrow as possible. Look `K + i` has the fraction `1 / (i (i + 1))` of the rest. The limit of
-/// samples does not enter and can be raised later; an interval at the limit has the error of the next look.
+/// **Schedule.** The first look is where a stop becomes possible. Sample counts grow by a quarter from look to look, at
+/// the start by a block, so that a stop is at most that much later than necessary and the number of looks grows with
+/// the logarithm of the precision. The `K` regular looks extend to the sample count at which every probability stops
+/// (with a relative precision only, every one from 1e-6 on). They share nine tenths of the error equally, which makes
+/// the widest of their intervals as narrow as possible. Look `K + i` has the fraction `1 / (i (i + 1))` of the rest.
+/// The limit of samples does not enter and can be raised later; an interval at the limit has the error of the next
+/// look.
 ///
-/// **Estimate.** The share of unstable samples at the stop is biased: with a half width of 0.0005 it is 17 % too low at a
-/// probability of 1e-4; with a relative precision it is too high. The share at the first look is unbiased but has a large
-/// variance. Its expected value given the counts at the stop is unbiased with the smallest variance (M. A. Girshick, F.
-/// Mosteller, L. J. Savage, Ann. Math. Stat. 17, 1946). The expectation is over all orders of the samples that would not
-/// have stopped earlier; given the count at one look, that at the look before is hypergeometric.
+/// **Estimate.** The share of unstable samples at the stop is biased: with a half width of 0.0005 it is 17 % too low at
+/// a probability of 1e-4; with a relative precision it is too high. The share at the first look is unbiased but has a
+/// large variance. Its expected value given the counts at the stop is unbiased with the smallest variance (M. A.
+/// Girshick, F. Mosteller, L. J. Savage, Ann. Math. Stat. 17, 1946). The expectation is over all orders of the samples
+/// that would not have stopped earlier; given the count at one look, that at the look before is hypergeometric.
 ///
 /// ```
 /// use stickslip_sampler::estimate::looks::{Looks, Precision};
@@ -94,8 +96,8 @@ pub struct Looks {
 }
 
 impl Looks {
-    /// The schedule of looks until `precision` is met or a cell has `at_most` samples. `confidence` is two-sided and holds for
-    /// all looks together.
+    /// The schedule of looks until `precision` is met or a cell has `at_most` samples. `confidence` is two-sided and
+    /// holds for all looks together.
     #[must_use]
     pub fn new(precision: Precision, at_most: u64, confidence: f64) -> Self {
         let whole_blocks = |samples: u64| samples.div_ceil(BLOCK_SAMPLES).saturating_mul(BLOCK_SAMPLES);
@@ -153,7 +155,8 @@ impl Looks {
 
     /// The estimate at a stop: unbiased, with an interval that is valid under repeated looks and any stopping rule.
     ///
-    /// `counts` holds the counts of all samples up to each look, one entry a look. Without a look the interval is (0, 1).
+    /// `counts` holds the counts of all samples up to each look, one entry a look. Without a look the interval is (0,
+    /// 1).
     #[must_use]
     pub fn estimate(&self, counts: &[VerdictCounts]) -> Estimate {
         let Some((look, last)) = counts.iter().enumerate().next_back() else {

@@ -6,7 +6,8 @@ use crate::estimate::interval::{BinomialInterval, Estimate, IntervalKind, MOST_W
 use crate::special_functions::beta::student_quantile;
 
 /// With fewer samples than this on either side, the scatter of a few randomisations does not show the error. The second
-/// number applies beyond a confidence of 95 %, where the quantile depends on the tails of the distribution of the shares.
+/// number applies beyond a confidence of 95 %, where the quantile depends on the tails of the distribution of the
+/// shares.
 const RARE: [u64; 2] = [30, 200];
 
 /// The estimate from `R` randomisations of equal size: the mean of their shares `p_r` of unstable samples and, with
@@ -19,16 +20,17 @@ const RARE: [u64; 2] = [30, 200];
 /// Undecided and failed samples count as stable for the low end and as unstable for the high one. With fewer than two
 /// randomisations the interval is Clopper and Pearson's for all samples.
 ///
-/// **Rare events.** Where fewer than 30 samples (200 beyond a confidence of 95 %) are unstable or stable, or all shares are
-/// equal, the scatter of the shares does not show their error. The interval is then widened to include Clopper and
+/// **Rare events.** Where fewer than 30 samples (200 beyond a confidence of 95 %) are unstable or stable, or all shares
+/// are equal, the scatter of the shares does not show their error. The interval is then widened to include Clopper and
 /// Pearson's for as many independent samples. (The variance of a scrambled net is at most a small multiple of that of
 /// independent samples: A. B. Owen, SIAM J. Numer. Anal. 34, 1997.)
 ///
-/// **One input.** If `N` is a power of two, `N` points over one input lie one in each of `N` strata. A boundary crosses one
-/// stratum, so that the counts of the randomisations are `c` or `c + 1`, the latter with the probability `f` for which the
-/// true probability is `(c + f) / N`. Then `f` is a binomial proportion of `R` trials, for which Student's interval is a
-/// poor approximation (it covers 0.88 instead of 0.95). Wherever the counts differ by no more than one, the interval
-/// includes Clopper and Pearson's for `f`. With one input it then need not include that for independent samples.
+/// **One input.** If `N` is a power of two, `N` points over one input lie one in each of `N` strata. A boundary crosses
+/// one stratum, so that the counts of the randomisations are `c` or `c + 1`, the latter with the probability `f` for
+/// which the true probability is `(c + f) / N`. Then `f` is a binomial proportion of `R` trials, for which Student's
+/// interval is a poor approximation (it covers 0.88 instead of 0.95). Wherever the counts differ by no more than one,
+/// the interval includes Clopper and Pearson's for `f`. With one input it then need not include that for independent
+/// samples.
 ///
 /// ```
 /// use stickslip_core::verdict::VerdictCounts;
@@ -72,8 +74,8 @@ pub fn estimate(parts: &[VerdictCounts], inputs: usize, confidence: f64) -> Esti
     Estimate { probability: binomial.probability, low: low.max(0.0), high: high.min(1.0) }
 }
 
-/// The interval from counts that differ by no more than one, as those of strata of which a boundary crosses one; `None` if
-/// they differ by more, or if the randomisations are not of equal size.
+/// The interval from counts that differ by no more than one, as those of strata of which a boundary crosses one; `None`
+/// if they differ by more, or if the randomisations are not of equal size.
 fn strata(counts: &[(u64, u64)], confidence: f64) -> Option<(f64, f64)> {
     let &(first, points) = counts.first()?;
     let (least, most) = counts.iter().fold((first, first), |(a, b), &(count, _)| (a.min(count), b.max(count)));
@@ -136,12 +138,16 @@ mod tests {
 
     #[test]
     fn undecided_samples_widen_it_on_one_side_each() {
-        let certain = estimate(&[part(500, 500, 0), part(510, 490, 0), part(490, 510, 0)], 2, 0.95);
-        let doubtful = estimate(&[part(400, 500, 100), part(410, 490, 100), part(390, 510, 100)], 2, 0.95);
-        assert!((doubtful.low - certain.low).abs() < 1e-12 && (doubtful.high - certain.high - 0.1).abs() < 1e-12);
+        let decided = estimate(&[part(500, 500, 0), part(510, 490, 0), part(490, 510, 0)], 2, 0.95);
+        let with_undecided = estimate(&[part(400, 500, 100), part(410, 490, 100), part(390, 510, 100)], 2, 0.95);
+        assert!(
+            (with_undecided.low - decided.low).abs() < 1e-12
+                && (with_undecided.high - decided.high - 0.1).abs() < 1e-12
+        );
     }
 
-    /// The share of seeds whose interval contains `p`, where samples are unstable by the first coordinate of Sobol points.
+    /// The share of seeds whose interval contains `p`, where samples are unstable by the first coordinate of Sobol
+    /// points.
     fn coverage(points: u64, dimensions: usize, p: f64, is_unstable: impl Fn(f64) -> bool) -> f64 {
         let seeds = 1000;
         let covered = (0..seeds).filter(|&seed| {

@@ -1,4 +1,5 @@
-//! Derivatives of the probability of instability, by the score function, from the samples that estimate the probability.
+//! Derivatives of the probability of instability, by the score function, from the samples that estimate the
+//! probability.
 //!
 //! The score of a sample is the derivative of the logarithm of its density. For a normal input `m (1 + s z)` it is
 //!
@@ -8,26 +9,27 @@
 //! ```
 //!
 //! (R. Y. Rubinstein, A. Shapiro, Discrete Event Systems, 1993). Let `U` and `S` be the probabilities that a sample is
-//! unstable and stable, and `E_U`, `E_S` the mean scores of unstable and of stable samples. The derivatives of `U` and `S`
-//! are `U E_U` and `S E_S`, and for `p = U / (U + S)` the quotient rule gives
+//! unstable and stable, and `E_U`, `E_S` the mean scores of unstable and of stable samples. The derivatives of `U` and
+//! `S` are `U E_U` and `S E_S`, and for `p = U / (U + S)` the quotient rule gives
 //!
 //! ```text
 //! dp = p (1 - p) (E_U - E_S)
 //! ```
 //!
-//! whether or not some samples are undecided or failed. This needs no further verdicts, and no smoothness of the verdict as
-//! a function of the inputs. The mean scores of `u` unstable and `s` stable samples vary independently of each other and of
-//! `u`, so that the standard error is
+//! whether or not some samples are undecided or failed. This needs no further verdicts, and no smoothness of the
+//! verdict as a function of the inputs. The mean scores of `u` unstable and `s` stable samples vary independently of
+//! each other and of `u`, so that the standard error is
 //!
 //! ```text
 //! error^2 = (p (1 - p))^2 (V_U / u + V_S / s) + ((1 - 2p) (E_U - E_S))^2 p (1 - p) / (u + s)
 //! ```
 //!
-//! with the variances `V` of the scores. The mean scores do not depend on when a cell stops that is sampled sequentially
-//! either: with the unbiased `p` of [`Looks`](crate::estimate::looks::Looks) the derivative is as good as `p (1 - p)`.
+//! with the variances `V` of the scores. The mean scores do not depend on when a cell stops that is sampled
+//! sequentially either: with the unbiased `p` of [`Looks`](crate::estimate::looks::Looks) the derivative is as good as
+//! `p (1 - p)`.
 //!
-//! Sums are kept in integers, so that the order of the samples has no effect. The summands are the scores times `m s` or
-//! `s`, which are of the order of 1 however small the standard deviation.
+//! Sums are kept in integers, so that the order of the samples has no effect. The summands are the scores times `m s`
+//! or `s`, which are of the order of 1 however small the standard deviation.
 
 use stickslip_core::verdict::{Verdict, VerdictCounts};
 
@@ -39,8 +41,8 @@ const STEPS_PER_ONE: f64 = (1_u64 << 20) as f64;
 /// Fewest unstable and fewest stable samples for a derivative: fewer do not show the error of their mean score.
 const LEAST_SAMPLES: u64 = 30;
 
-/// Largest magnitude of a term; larger ones are clamped. A deviate of 10 stays below for relative standard deviations up to
-/// 9. A square is then at most 2^40 multiples, and 2^22 of them fit in 64 bits.
+/// Largest magnitude of a term; larger ones are clamped. A deviate of 10 stays below for relative standard deviations
+/// up to 9. A square is then at most 2^40 multiples, and 2^22 of them fit in 64 bits.
 const LARGEST: f64 = 1024.0;
 
 /// The parameters of a cell by which its probability is differentiated, in the order of the sums.
@@ -73,8 +75,8 @@ impl CellParameter {
     }
 }
 
-/// The scores by all parameters, each times its [`CellParameter::scale`], of a sample with these deviates; `None` stands
-/// for an input without scatter.
+/// The scores by all parameters, each times its [`CellParameter::scale`], of a sample with these deviates; `None`
+/// stands for an input without scatter.
 fn scaled_scores(cell: &Cell, z_preload: Option<f64>, z_static_friction: Option<f64>) -> [f64; 4] {
     let terms = |z: Option<f64>, std: f64| {
         let second = z.map_or(0.0, |z| z * z - 1.0);
@@ -105,8 +107,8 @@ impl ScoreSums {
     /// How many sums there are.
     pub const COUNT: usize = 16;
 
-    /// Adds a sample with these standard normal deviates, `None` for an input without scatter. Undecided and failed samples
-    /// add nothing.
+    /// Adds a sample with these standard normal deviates, `None` for an input without scatter. Undecided and failed
+    /// samples add nothing.
     #[inline]
     pub fn add(&mut self, cell: &Cell, z_preload: Option<f64>, z_static_friction: Option<f64>, verdict: Verdict) {
         let moments = match verdict {
@@ -147,8 +149,8 @@ impl ScoreTotals {
         }
     }
 
-    /// The derivative of `P(unstable | decided)` by a parameter of the cell, and its standard error. `counts` are those of
-    /// the samples that were added, `probability` the estimate from them.
+    /// The derivative of `P(unstable | decided)` by a parameter of the cell, and its standard error. `counts` are those
+    /// of the samples that were added, `probability` the estimate from them.
     ///
     /// `None` for an input without scatter, and where fewer than 30 samples are unstable or fewer than 30 stable: a
     /// derivative of 0 +- 0 would claim that the probability does not change.

@@ -2,8 +2,8 @@
 
 /// Counts of verdicts on samples A, on independent samples B, and on samples A_i: A with input `i` taken from B.
 ///
-/// A triple of A, B and A_i counts only if all three are decided. An undecided or failed sample has no verdict: to count it
-/// as stable would attribute variance to the inputs that make samples fail.
+/// A triple of A, B and A_i counts only if all three are decided. An undecided or failed sample has no verdict: to
+/// count it as stable would attribute variance to the inputs that make samples fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct IndexCounts {
     /// Triples that are decided.
@@ -21,8 +21,8 @@ pub struct IndexCounts {
 }
 
 impl IndexCounts {
-    /// Adds a triple: whether A, B and A_i are unstable, `None` for a sample without a verdict. Returns whether the triple
-    /// counts.
+    /// Adds a triple: whether A, B and A_i are unstable, `None` for a sample without a verdict. Returns whether the
+    /// triple counts.
     #[inline]
     pub fn add(&mut self, first: Option<bool>, second: Option<bool>, mixed: Option<bool>) -> bool {
         let (Some(a), Some(b), Some(ab)) = (first, second, mixed) else { return false };
@@ -57,10 +57,11 @@ pub struct SobolIndices {
 /// S_i = E[f(B) (f(A_i) - f(A))] / V,   T_i = E[(f(A) - f(A_i))^2] / 2V,   V = p (1 - p)
 /// ```
 ///
-/// (A. Saltelli et al., Comput. Phys. Commun. 181 (2010), table 2, rows b and f). Where samples are undecided or fail, these
-/// are the indices of the decided samples: exactly if every single input decides by itself whether a sample is left out (a
-/// stiffness below zero, for example), otherwise approximately. The standard errors include that of `V`, and count one event
-/// more than was observed: an event that does not occur in `n` samples may still have a probability of about `1 / n`.
+/// (A. Saltelli et al., Comput. Phys. Commun. 181 (2010), table 2, rows b and f). Where samples are undecided or fail,
+/// these are the indices of the decided samples: exactly if every single input decides by itself whether a sample is
+/// left out (a stiffness below zero, for example), otherwise approximately. The standard errors include that of `V`,
+/// and count one event more than was observed: an event that does not occur in `n` samples may still have a probability
+/// of about `1 / n`.
 #[must_use]
 pub fn indices(counts: &IndexCounts) -> Option<SobolIndices> {
     let samples = counts.samples as f64;

@@ -1,13 +1,13 @@
-//! The random inputs of many samples at once: columns of deviates become columns of inputs.
+//! The random inputs of many samples at once, in columns.
 
 use super::correlation::Correlation;
 use super::marginal::Marginal;
 use super::transform::Transform;
 
-/// What turns the independent normal deviates of a cell's samples into inputs, one column for each input.
+/// The transform of independent normal deviates of a cell's samples into inputs, one column for each input.
 ///
-/// Input `i` of a sample is `F_i^-1(Phi(y_i))` with `y = L z`, as the [module](super) says; of a normal input that is
-/// `expected (1 + relative_std y_i)`. Values that no brake has are neither clipped nor redrawn.
+/// Input `i` of a sample is `F_i^-1(Phi(y_i))` with `y = L z`, see the [module](super); for a normal input that is
+/// `expected (1 + relative_std y_i)`. Values outside physics are neither clipped nor redrawn.
 #[derive(Debug, Clone)]
 pub struct InputColumns<'a> {
     correlation: &'a Correlation,
@@ -16,7 +16,8 @@ pub struct InputColumns<'a> {
 }
 
 impl<'a> InputColumns<'a> {
-    /// Of inputs with these distributions, expected values and relative standard deviations, in the same order.
+    /// The transform for inputs with these distributions, expected values and relative standard deviations, in the same
+    /// order.
     ///
     /// # Panics
     /// If the slices differ in length.
@@ -28,10 +29,10 @@ impl<'a> InputColumns<'a> {
         Self { correlation, inputs }
     }
 
-    /// Turns deviates into inputs, in place.
+    /// Replaces deviates by inputs.
     ///
     /// # Panics
-    /// If there are not as many columns as inputs, or they differ in length.
+    /// If the number of columns is not that of the inputs, or the columns differ in length.
     #[inline]
     pub fn apply(&self, columns: &mut [Vec<f64>]) {
         assert_eq!(columns.len(), self.inputs.len(), "one column for each input");
@@ -43,6 +44,7 @@ impl<'a> InputColumns<'a> {
         }
     }
 
+    /// Replaces independent deviates by correlated ones.
     fn correlate(&self, columns: &mut [Vec<f64>]) {
         let mut sample = vec![0.0; columns.len()];
         for i in 0..columns.first().map_or(0, Vec::len) {
@@ -62,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn columns_are_what_single_samples_give() {
+    fn columns_have_the_inputs_of_single_samples() {
         let marginals = [Marginal::Normal, Marginal::Lognormal, Marginal::Weibull];
         let (expected, stds) = ([0.1, 0.4, 7.0], [0.2, 0.1, 0.3]);
         let correlation = Correlation::new(3, &[(0, 1, 0.5), (1, 2, -0.3)]).unwrap();
@@ -80,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn no_inputs_make_no_columns() {
+    fn without_inputs_there_are_no_columns() {
         let correlation = Correlation::independent(0);
         let mut columns: [Vec<f64>; 0] = [];
         InputColumns::new(&[], &correlation, &[], &[]).apply(&mut columns);

@@ -51,9 +51,10 @@ pub enum CorrelationError {
 
 /// Correlation of the normal deviates behind the inputs, as the Cholesky factor of its matrix.
 ///
-/// The coefficients `rho` are those of the deviates. Normal inputs have the same ones. Others are correlated a little less:
-/// the coefficient of two lognormal inputs is `(exp(rho t_1 t_2) - 1) / (s_1 s_2)` with `t_i^2 = ln(1 + s_i^2)`. The rank
-/// correlation is `6 asin(rho / 2) / pi` for all marginals (W. H. Kruskal, Ordinal measures of association, J. Am. Stat. Assoc. 53 (1958) 814-861).
+/// The coefficients `rho` are those of the deviates. Normal inputs have the same ones. Others are correlated a little
+/// less: the coefficient of two lognormal inputs is `(exp(rho t_1 t_2) - 1) / (s_1 s_2)` with `t_i^2 = ln(1 + s_i^2)`.
+/// The rank correlation is `6 asin(rho / 2) / pi` for all marginals (W. H. Kruskal, Ordinal measures of association, J.
+/// Am. Stat. Assoc. 53 (1958) 814-861).
 ///
 /// ```
 /// let correlation = stickslip_sampler::inputs::Correlation::new(2, &[(0, 1, 0.6)])?;

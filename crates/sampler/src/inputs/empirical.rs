@@ -8,11 +8,11 @@ use crate::special_functions::normal;
 
 /// The distribution of measured values.
 ///
-/// Its quantile function joins the sorted values `x_1 ... x_n` by straight lines, `x_i` at the probability
-/// `(i - 1/2) / n`, and is constant beyond the first and the last (definition 5 of R. J. Hyndman, Y. Fan, Sample quantiles
-/// in statistical packages, The American Statistician 50 (1996) 361-365; `method="hazen"` of NumPy). No input lies
-/// outside the measured range, and the mean is that of the values. The variance is that of the values,
-/// `sum of (x_i - mean)^2 / n`, minus `sum of (x_(i+1) - x_i)^2 / (6 n)` for the straight lines.
+/// Its quantile function joins the sorted values `x_1 ... x_n` by straight lines, `x_i` at the probability `(i - 1/2) /
+/// n`, and is constant beyond the first and the last (definition 5 of R. J. Hyndman, Y. Fan, Sample quantiles in
+/// statistical packages, The American Statistician 50 (1996) 361-365; `method="hazen"` of NumPy). No input lies outside
+/// the measured range, and the mean is that of the values. The variance is that of the values, `sum of (x_i - mean)^2 /
+/// n`, minus `sum of (x_(i+1) - x_i)^2 / (6 n)` for the straight lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Empirical {
     /// Sorted.

@@ -14,15 +14,15 @@ const LARGEST_NORMAL: f64 = 1.0;
 /// Relative standard deviation of a uniform input that reaches down to zero, `1 / sqrt(3)`.
 pub(super) const WIDEST_UNIFORM: f64 = 0.577_350_269_189_625_8;
 
-/// Largest distance of the interval of a truncated normal input from the expected value, in standard deviations: a normal
-/// deviate lies beyond with a probability of 6e-16.
+/// Largest distance of the interval of a truncated normal input from the expected value, in standard deviations: a
+/// normal deviate lies beyond with a probability of 6e-16.
 const FARTHEST_INTERVAL: f64 = 8.0;
 
 /// Shape parameters of a beta distribution for which [`crate::special_functions::beta`] is tested.
 const BETA_SHAPES: [f64; 2] = [0.01, 1e10];
 
-/// The distribution of an input with expected value `m > 0` and relative standard deviation `s`, from 0 to 10. The standard
-/// deviation is `s m`.
+/// The distribution of an input with expected value `m > 0` and relative standard deviation `s`, from 0 to 10. The
+/// standard deviation is `s m`.
 ///
 /// Equations are those of N. L. Johnson, S. Kotz, N. Balakrishnan, Continuous Univariate Distributions, 2nd ed., vol. 1
 /// (1994: normal 13, lognormal 14, Weibull 21) and vol. 2 (1995: Gumbel 22, beta 25, uniform and triangular 26), solved
@@ -51,8 +51,8 @@ pub enum Marginal {
     /// Weibull: `m (-ln(1 - p))^(1/k) / Gamma(1 + 1/k)`. The shape `k` solves
     /// `Gamma(1 + 2/k) / Gamma(1 + 1/k)^2 = 1 + s^2`: 12.2 for `s = 0.1`, 1 (exponential) for `s = 1`.
     Weibull,
-    /// Gumbel, the distribution of largest values: `m (1 + s sqrt(6) / pi (-ln(-ln(p)) - gamma))`, `gamma` being Euler's
-    /// constant. It is negative with probability `exp(-exp(pi / (s sqrt(6)) - gamma))`: 7e-4 for `s = 1/2`.
+    /// Gumbel, the distribution of largest values: `m (1 + s sqrt(6) / pi (-ln(-ln(p)) - gamma))`, `gamma` being
+    /// Euler's constant. It is negative with probability `exp(-exp(pi / (s sqrt(6)) - gamma))`: 7e-4 for `s = 1/2`.
     Gumbel,
     /// Triangular from `m (1 - w (1 + mode) / 3)`, which must not be negative, to `m (1 + w (2 - mode) / 3)`, with
     /// `w = s sqrt(18 / (1 - mode + mode^2))`.
@@ -68,8 +68,8 @@ pub enum Marginal {
         /// Upper end over the expected value, more than 1.
         high: f64,
     },
-    /// The distribution of measured values, scaled to the expected value `m`. It has the relative standard deviation of the
-    /// values; `s` has no effect.
+    /// The distribution of measured values, scaled to the expected value `m`. It has the relative standard deviation of
+    /// the values; `s` has no effect.
     Empirical(Empirical),
 }
 
@@ -94,8 +94,8 @@ pub enum MarginalError {
     },
     /// A normal distribution with too many negative values.
     #[error(
-        "a normal input with a relative standard deviation of {value} would be negative too often; the largest possible \
-         is 1. A lognormal, Weibull or Gumbel one may have more"
+        "a normal input with a relative standard deviation of {value} would be negative too often; the largest \
+         possible is 1. A lognormal, Weibull or Gumbel one may have more"
     )]
     NormalTooWide {
         /// The relative standard deviation.
@@ -103,8 +103,8 @@ pub enum MarginalError {
     },
     /// A truncated normal distribution with a relative standard deviation above 1 that includes negative values.
     #[error(
-        "a truncated normal input with a relative standard deviation of {value} would be negative at its lower end; above \
-         1, low must be at least -1/{value} = {lowest:.4} (it is {low})"
+        "a truncated normal input with a relative standard deviation of {value} would be negative at its lower end; \
+         above 1, low must be at least -1/{value} = {lowest:.4} (it is {low})"
     )]
     TruncatedTooWide {
         /// The relative standard deviation.
@@ -144,8 +144,8 @@ pub enum MarginalError {
     },
     /// A triangular distribution whose peak is not between its ends.
     #[error(
-        "the peak of a triangular input is at {mode} of the way from its lower to its upper end; it must be at least 0 and \
-         at most 1, 0.5 for a symmetric one"
+        "the peak of a triangular input is at {mode} of the way from its lower to its upper end; it must be at least 0 \
+         and at most 1, 0.5 for a symmetric one"
     )]
     Mode {
         /// The position given.
@@ -153,8 +153,8 @@ pub enum MarginalError {
     },
     /// A triangular distribution that includes negative values.
     #[error(
-        "a triangular input with its peak at {mode} and a relative standard deviation of {value} would become negative; \
-         the largest possible is {largest:.5}"
+        "a triangular input with its peak at {mode} and a relative standard deviation of {value} would become \
+         negative; the largest possible is {largest:.5}"
     )]
     TriangularTooWide {
         /// Position of the peak.
@@ -166,8 +166,8 @@ pub enum MarginalError {
     },
     /// A beta distribution whose ends do not enclose the expected value, or are negative or infinite.
     #[error(
-        "a beta input cannot lie between {low} and {high} times its expected value: the lower end must be at least 0 and \
-         less than 1, the upper end greater than 1 and finite"
+        "a beta input cannot lie between {low} and {high} times its expected value: the lower end must be at least 0 \
+         and less than 1, the upper end greater than 1 and finite"
     )]
     BetaEnds {
         /// Lower end over the expected value.
@@ -239,8 +239,8 @@ impl Marginal {
         }
     }
 
-    /// Mean and standard deviation: `m` and `s m`, except for a truncated normal input, for which `m` and `s m` are those
-    /// before truncation, and for an empirical one, which has the relative standard deviation of its values.
+    /// Mean and standard deviation: `m` and `s m`, except for a truncated normal input, for which `m` and `s m` are
+    /// those before truncation, and for an empirical one, which has the relative standard deviation of its values.
     ///
     /// Meaningful only where [`Marginal::check`] finds no error.
     ///

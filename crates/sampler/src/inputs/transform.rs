@@ -65,7 +65,7 @@ pub enum Transform {
         scale: f64,
     },
     Gumbel {
-        /// Over the expected value, like those that follow.
+        /// Over the expected value, like `location`.
         scale: f64,
         location: f64,
     },
@@ -120,10 +120,10 @@ impl Transform {
         }
     }
 
-    /// Turns deviates into inputs, in place.
+    /// Replaces deviates by inputs.
     #[inline]
     pub fn apply(&self, expected: f64, deviates: &mut [f64]) {
-        // The usual case has a loop without a branch.
+        // The usual case, without a branch in the loop.
         if let Self::Normal { relative_std } = *self {
             deviates.iter_mut().for_each(|value| *value = expected * (1.0 + relative_std * *value));
         } else {

@@ -7,8 +7,8 @@ const DEPTH: f64 = 45.0;
 
 /// Mean and standard deviation of a standard normal deviate truncated to the values from `low` to `high`.
 ///
-/// They are integrated by Gauss-Legendre rules of 32 points over panels no wider than 1. In the closed form digits cancel
-/// where the interval is narrow or far out.
+/// They are integrated by Gauss-Legendre rules of 32 points over panels no wider than 1. In the closed form digits
+/// cancel where the interval is narrow or far out.
 pub fn moments(low: f64, high: f64) -> (f64, f64) {
     // The value of largest density, and how far from zero the density matters.
     let peak = 0.0_f64.clamp(low, high);

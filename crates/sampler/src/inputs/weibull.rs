@@ -24,10 +24,11 @@ const ZETA: [f64; 17] = [
     1.000_003_817_293_265,
 ];
 
-/// The inverse shape `u = 1 / k` of the Weibull distribution whose standard deviation over its mean is `s`, from 0 to 10.
+/// The inverse shape `u = 1 / k` of the Weibull distribution whose standard deviation over its mean is `s`, from 0 to
+/// 10.
 ///
-/// It solves `ln Gamma(1 + 2 u) - 2 ln Gamma(1 + u) = ln(1 + s^2)`, whose left side rises with `u`, by bisection to the last
-/// bit.
+/// It solves `ln Gamma(1 + 2 u) - 2 ln Gamma(1 + u) = ln(1 + s^2)`, whose left side rises with `u`, by bisection to the
+/// last bit.
 pub fn inverse_shape(relative_std: f64) -> f64 {
     let target = libm::log1p(relative_std * relative_std);
     // u / s is sqrt(6) / pi = 0.78 for small s, 1 for s = 1, and 0.43 for s = 10.

@@ -41,8 +41,8 @@ pub struct ExactProbability {
 
 /// The probability that a sample of `cell` is unstable, by quadrature.
 ///
-/// The error is about 1e-14 if an input has a relative standard deviation above 0.01. Below, it is the rounding error of the
-/// boundary divided by the relative standard deviation.
+/// The error is about 1e-14 if an input has a relative standard deviation above 0.01. Below, it is the rounding error
+/// of the boundary divided by the relative standard deviation.
 #[must_use]
 pub fn probability(boundary: &StabilityBoundary, cell: &Cell) -> ExactProbability {
     let (preload_scatters, friction_scatters) = scatter(cell);
@@ -63,8 +63,8 @@ pub fn probability(boundary: &StabilityBoundary, cell: &Cell) -> ExactProbabilit
 
 /// The derivatives of [`probability`], by quadrature.
 ///
-/// The error of a derivative by an expected value is about 1e-14 divided by the standard deviation of the input; that of a
-/// derivative by a relative standard deviation about 1e-14 divided by the latter.
+/// The error of a derivative by an expected value is about 1e-14 divided by the standard deviation of the input; that
+/// of a derivative by a relative standard deviation about 1e-14 divided by the latter.
 #[must_use]
 pub fn derivatives(boundary: &StabilityBoundary, cell: &Cell) -> Derivatives {
     const WHOLE: DeviateMoments = [1.0, 0.0, 0.0];

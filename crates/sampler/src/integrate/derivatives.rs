@@ -1,8 +1,8 @@
 //! Derivatives of a probability from the moments of the normal deviates where samples are unstable.
 //!
-//! For an input `m (1 + s z)` with a standard normal deviate `z`, the derivatives of a probability `P` by the expected value
-//! `m` (at constant relative standard deviation `s`) and by `s` follow from the score of the normal density (R. Y.
-//! Rubinstein, A. Shapiro, Discrete Event Systems, 1993):
+//! For an input `m (1 + s z)` with a standard normal deviate `z`, the derivatives of a probability `P` by the expected
+//! value `m` (at constant relative standard deviation `s`) and by `s` follow from the score of the normal density (R.
+//! Y. Rubinstein, A. Shapiro, Discrete Event Systems, 1993):
 //!
 //! ```text
 //! dP/dm = E[1_unstable (z + s (z^2 - 1))] / (m s),   dP/ds = E[1_unstable (z^2 - 1)] / s
@@ -16,8 +16,8 @@ use crate::special_functions::normal;
 
 /// Derivatives of a probability by the four parameters of a cell.
 ///
-/// A derivative is `None` for an input without scatter, whose score does not exist. A boundary in closed form still gives
-/// the derivative by the expected value of such an input if the other input scatters.
+/// A derivative is `None` for an input without scatter, whose score does not exist. A boundary in closed form still
+/// gives the derivative by the expected value of such an input if the other input scatters.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Derivatives {
     /// By the expected preload, at constant relative standard deviation.
@@ -46,8 +46,8 @@ impl Derivatives {
     }
 }
 
-/// The integrals of 1, `z1`, `z2`, `z1^2 - 1` and `z2^2 - 1` over a region, weighted with the densities of both deviates:
-/// `z1` of the preload and `z2` of the static friction.
+/// The integrals of 1, `z1`, `z2`, `z1^2 - 1` and `z2^2 - 1` over a region, weighted with the densities of both
+/// deviates: `z1` of the preload and `z2` of the static friction.
 pub(crate) type Moments = [f64; 5];
 
 /// The integrals of 1, `z` and `z^2 - 1` over an interval of one deviate, weighted with its density.

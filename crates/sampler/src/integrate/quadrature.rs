@@ -1,10 +1,10 @@
 //! Adaptive Gauss-Kronrod quadrature.
 
-/// The integrals of several functions from the first to the last of the ascending `ends`, each interval by itself, and the
-/// sums of the error estimates.
+/// The integrals of several functions from the first to the last of the ascending `ends`, each interval by itself, and
+/// the sums of the error estimates.
 ///
-/// An interval is halved until the error estimates of all functions are at most `tolerance`, but no more than `halvings`
-/// times.
+/// An interval is halved until the error estimates of all functions are at most `tolerance`, but no more than
+/// `halvings` times.
 pub(crate) fn integrate_intervals<const N: usize>(
     f: &impl Fn(f64) -> [f64; N],
     ends: &[f64],
@@ -18,7 +18,8 @@ pub(crate) fn integrate_intervals<const N: usize>(
     sum
 }
 
-/// The integrals over one interval, halved until the 7-point Gauss and the 15-point Kronrod rule agree for every function.
+/// The integrals over one interval, halved until the 7-point Gauss and the 15-point Kronrod rule agree for every
+/// function.
 fn integrate<const N: usize>(
     f: &impl Fn(f64) -> [f64; N],
     from: f64,
@@ -44,8 +45,8 @@ fn add<const N: usize>(sum: &mut ([f64; N], [f64; N]), interval: &([f64; N], [f6
     }
 }
 
-/// Abscissae of the 15-point Kronrod rule on [-1, 1], the non-negative half from outside in; every second one belongs to the
-/// 7-point Gauss rule (R. Piessens et al., QUADPACK, 1983).
+/// Abscissae of the 15-point Kronrod rule on [-1, 1], the non-negative half from outside in; every second one belongs
+/// to the 7-point Gauss rule (R. Piessens et al., QUADPACK, 1983).
 const KRONROD_NODES: [f64; 8] = [
     0.991_455_371_120_812_6,
     0.949_107_912_342_758_5,

@@ -1,20 +1,20 @@
 //! The probability of instability and its derivatives from a verdict map, by integration instead of sampling.
 //!
-//! In the deviates `z1` of the preload and `z2` of the static friction, a box of the map is a rectangle. The probability of
-//! a uniform box is a product of two differences of the normal distribution function. In a box that a curve crosses,
-//! the probability below the curve is
+//! In the deviates `z1` of the preload and `z2` of the static friction, a box of the map is a rectangle. The
+//! probability of a uniform box is a product of two differences of the normal distribution function. In a box that a
+//! curve crosses, the probability below the curve is
 //!
 //! ```text
 //! integral of   phi(z) (Phi(t(z)) - Phi(t_low))   dz
 //! ```
 //!
-//! over the deviate `z` of the curve's abscissa, with the deviate `t(z)` of the curve, clamped to the box, and that of the
-//! lower end of the box, `t_low`. The moments of the deviates are integrated in the same way and give the
+//! over the deviate `z` of the curve's abscissa, with the deviate `t(z)` of the curve, clamped to the box, and that of
+//! the lower end of the box, `t_low`. The moments of the deviates are integrated in the same way and give the
 //! [derivatives](crate::integrate::derivatives).
 //!
-//! The result has a lower and an upper bound. Between them is the probability of everything that the map does not tell: the
-//! gap that a curve leaves between two verdicts, boxes that are not resolved, missing tiles, and samples that are undecided
-//! or failed.
+//! The result has a lower and an upper bound. Between them is the probability of all unknown verdicts: the gap that a
+//! curve leaves between two verdicts, boxes that are not resolved, missing tiles, and samples that are undecided or
+//! failed.
 
 mod crossed;
 mod input;
@@ -38,14 +38,14 @@ const ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// The probability of instability of a cell, with bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundedProbability {
-    /// The probability that a sample is unstable, given that the map has it stable or unstable; a boundary is taken to lie
-    /// in the middle of its gap. `None` where the map knows nothing.
+    /// The probability that a sample is unstable, given that the map has it stable or unstable; a boundary is taken to
+    /// lie in the middle of its gap. `None` if no verdict is known.
     pub value: Option<f64>,
-    /// Lower bound: everything that the map does not tell counts as stable.
+    /// Lower bound, with every unknown verdict counted as stable.
     pub low: f64,
-    /// Upper bound: everything that the map does not tell counts as unstable.
+    /// Upper bound, with every unknown verdict counted as unstable.
     pub high: f64,
-    /// Derivatives of `value`; `None` where the map knows nothing.
+    /// Derivatives of `value`; `None` if no verdict is known.
     pub derivatives: Derivatives,
     /// Probability of the verdicts [`Verdict::Undecided`] and [`Verdict::Failed`].
     pub undecided: f64,
@@ -91,8 +91,8 @@ impl MapRegions {
         Self { kinetic_coefficient: map.kinetic_coefficient(), edges, boxes }
     }
 
-    /// The probability of instability of `cell`, which must be at the rotating speed of the map. Its inputs are independent
-    /// and normal.
+    /// The probability of instability of `cell`, which must be at the rotating speed of the map. Its inputs are
+    /// independent and normal.
     #[must_use]
     pub fn probability(&self, cell: &Cell) -> BoundedProbability {
         let std = cell.relative_std;
@@ -120,7 +120,7 @@ impl MapRegions {
             match node {
                 Node::Uniform(verdict) => {
                     sums.add(*verdict, &moments);
-                    sums.add_certain(*verdict, moments[0]);
+                    sums.add_known(*verdict, moments[0]);
                 }
                 Node::Crossed(curve) => {
                     let crossed = Crossed { bounds, curve, inputs: &inputs, ends: &[preload, friction] };
@@ -139,8 +139,8 @@ struct Sums {
     stable: Moments,
     unstable: Moments,
     undecided: f64,
-    certainly_stable: f64,
-    certainly_unstable: f64,
+    known_stable: f64,
+    known_unstable: f64,
     error: f64,
 }
 
@@ -155,7 +155,7 @@ impl Sums {
         ];
         for moments in regions {
             self.add(Verdict::Stable, &moments);
-            self.add_certain(Verdict::Stable, moments[0]);
+            self.add_known(Verdict::Stable, moments[0]);
         }
     }
 
@@ -168,12 +168,12 @@ impl Sums {
         }
     }
 
-    /// Adds a probability that has a verdict without doubt.
-    fn add_certain(&mut self, verdict: Verdict, mass: f64) {
+    /// Adds the probability of a region whose verdict does not depend on where in its gap a boundary is.
+    fn add_known(&mut self, verdict: Verdict, mass: f64) {
         self.error += ROUNDING;
         match verdict {
-            Verdict::Stable => self.certainly_stable += mass,
-            Verdict::Unstable => self.certainly_unstable += mass,
+            Verdict::Stable => self.known_stable += mass,
+            Verdict::Unstable => self.known_unstable += mass,
             Verdict::Undecided | Verdict::Failed => {}
         }
     }
@@ -183,14 +183,14 @@ impl Sums {
         let below: Moments = std::array::from_fn(|i| crossed[i]);
         self.add(curve.below, &below);
         self.add(curve.above, &std::array::from_fn(|i| whole[i] - below[i]));
-        self.add_certain(curve.below, crossed[5]);
-        self.add_certain(curve.above, crossed[6]);
+        self.add_known(curve.below, crossed[5]);
+        self.add_known(curve.above, crossed[6]);
         self.error += error;
     }
 
     fn probability(&self, cell: &Cell) -> BoundedProbability {
-        let low = (self.certainly_unstable - self.error).clamp(0.0, 1.0);
-        let high = (1.0 - self.certainly_stable + self.error).clamp(0.0, 1.0);
+        let low = (self.known_unstable - self.error).clamp(0.0, 1.0);
+        let high = (1.0 - self.known_stable + self.error).clamp(0.0, 1.0);
         let (stable, unstable) = (self.stable[0], self.unstable[0]);
         let decided = stable + unstable;
         let undecided = self.undecided.clamp(0.0, 1.0);

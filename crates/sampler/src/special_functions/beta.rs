@@ -6,20 +6,20 @@
 //! I_x(a, b) = 1 / B(a, b) * integral from 0 to x of t^(a-1) (1-t)^(b-1) dt
 //! ```
 //!
-//! It is the probability that a binomial variable of `a + b - 1` trials with probability `x` is at least `a`. For counts up
-//! to 1e10 the usual methods fail: logarithms of the gamma function cancel to a few digits, and continued fractions need
-//! some `sqrt(n)` terms. Here, with `y = 1 - x`,
+//! It is the probability that a binomial variable of `a + b - 1` trials with probability `x` is at least `a`. For
+//! counts up to 1e10 the usual methods fail: logarithms of the gamma function cancel to a few digits, and continued
+//! fractions need some `sqrt(n)` terms. Here, with `y = 1 - x`,
 //!
 //! * the power `x^a y^b / B(a, b)` is computed from its deviation from its maximum and from Stirling errors, in which
 //!   nothing cancels (C. Loader, Fast and accurate computation of binomial probabilities, 2000);
-//! * if `a` or `b` is below 1000, a continued fraction is used (A. R. DiDonato and A. H. Morris, algorithm 708, ACM Trans.
-//!   Math. Softw. 18, 1992, equation 9), on the side of the mean where it converges quickly;
-//! * otherwise a Gauss-Legendre rule of 32 points integrates the density relative to its value at `x`, over the interval
-//!   beyond `x` where that is above 1e-16 or so. There the density is smooth and falls, whatever `a` and `b`.
+//! * if `a` or `b` is below 1000, a continued fraction is used (A. R. DiDonato and A. H. Morris, algorithm 708, ACM
+//!   Trans. Math. Softw. 18, 1992, equation 9), on the side of the mean where it converges quickly;
+//! * otherwise a Gauss-Legendre rule of 32 points integrates the density relative to its value at `x`, over the
+//!   interval beyond `x` where that is above 1e-16 or so. There the density is smooth and falls, whatever `a` and `b`.
 //!
-//! Both tails have a relative error of about 1e-13 where `x` is given exactly. The spacing of `x` adds the density times
-//! that spacing, about 1e-10 for `a` and `b` of 1e10. The quantiles have an error of about 1e-15 relative to `x` and to
-//! `1 - x`.
+//! Both tails have a relative error of about 1e-13 where `x` is given exactly. The spacing of `x` adds the density
+//! times that spacing, about 1e-10 for `a` and `b` of 1e10. The quantiles have an error of about 1e-15 relative to `x`
+//! and to `1 - x`.
 
 use std::f64::consts::TAU;
 
@@ -57,14 +57,15 @@ pub(crate) fn lower_tail(a: f64, b: f64, x: f64) -> f64 {
     tails(a, b, Point { x, y: 1.0 - x }).0
 }
 
-/// `1 - I_x(a, b)`: the probability that a beta variable exceeds `x`, without cancellation; range as for [`lower_tail`].
+/// `1 - I_x(a, b)`: the probability that a beta variable exceeds `x`, without cancellation; range as for
+/// [`lower_tail`].
 #[must_use]
 pub(crate) fn upper_tail(a: f64, b: f64, x: f64) -> f64 {
     tails(a, b, Point { x, y: 1.0 - x }).1
 }
 
 /// Probability that a binomial variable of `trials` trials with probability `p` is at least `count`:
-/// `I_p(count, trials - count + 1)`, for up to 1e10 trials; accurate to some 1e-13 of itself.
+/// `I_p(count, trials - count + 1)`, for up to 1e10 trials; with a relative error of about 1e-13.
 ///
 /// ```
 /// // At least 2 heads of 3.
@@ -116,9 +117,9 @@ pub(crate) fn student_quantile(confidence: f64, degrees_of_freedom: u32) -> f64 
 
 /// The odds `x / (1 - x)` where the lower tail is `p`, for `p <= 1/2`.
 ///
-/// Newton's iteration for `ln I_x = ln p` over `w = ln(x / y)`. The density over `w`, `x^a y^b / B(a, b)`, has a concave
-/// logarithm, and so has its integral: from any start the first step ends below the quantile, and the others rise to it
-/// without passing it.
+/// Newton's iteration for `ln I_x = ln p` over `w = ln(x / y)`. The density over `w`, `x^a y^b / B(a, b)`, has a
+/// concave logarithm, and so has its integral: from any start the first step ends below the quantile, and the others
+/// rise to it without passing it.
 fn lower_odds(a: f64, b: f64, p: f64) -> f64 {
     if p <= 0.0 {
         return 0.0;

@@ -1,7 +1,7 @@
 //! The Gauss-Legendre rule of 32 points.
 
-/// The positive half of the nodes on [-1, 1], with their weights (computed with 40 digits; they agree with Abramowitz and
-/// Stegun, table 25.4).
+/// The positive half of the nodes on [-1, 1], with their weights (computed with 40 digits; they agree with Abramowitz
+/// and Stegun, table 25.4).
 pub(crate) const NODES_32: [(f64, f64); 16] = [
     (0.048_307_665_687_738_32, 0.096_540_088_514_727_8),
     (0.144_471_961_582_796_5, 0.095_638_720_079_274_86),

@@ -44,11 +44,12 @@ pub(crate) fn cumulative(z: f64) -> f64 {
     upper_tail(-z)
 }
 
-/// The deviate below which a standard normal one lies with probability `p`, for `0 < p < 1`; relative error about 1e-15.
+/// The deviate below which a standard normal one lies with probability `p`, for `0 < p < 1`; relative error about
+/// 1e-15.
 ///
-/// Rational approximations in `p - 1/2` near the centre and in `sqrt(-ln(tail))` beyond (M. J. Wichura, algorithm AS 241,
-/// PPND16, Applied Statistics 37, 1988). Without iteration it is fast enough to transform every sample. Within 1e-3 of 1
-/// the spacing of `p` limits the accuracy of the tail.
+/// Rational approximations in `p - 1/2` near the centre and in `sqrt(-ln(tail))` beyond (M. J. Wichura, algorithm AS
+/// 241, PPND16, Applied Statistics 37, 1988). Without iteration it is fast enough to transform every sample. Within
+/// 1e-3 of 1 the spacing of `p` limits the accuracy of the tail.
 ///
 /// ```
 /// assert!((stickslip_sampler::special_functions::normal::quantile(0.025) + 1.959963984540054).abs() < 1e-15);

@@ -1,8 +1,8 @@
 //! A segment of a boundary between two verdicts, written as polynomials.
 //!
-//! The segment is the graph of one coordinate of the plane, the ordinate, over an interval of the other, the abscissa. On
-//! one side of it every sample has one verdict, on the other side another. Where samples of a third kind lie between them
-//! (those that are undecided at the horizon), either side has a graph of its own.
+//! The segment is the graph of one coordinate of the plane, the ordinate, over an interval of the other, the abscissa.
+//! On one side of it every sample has one verdict, on the other side another. Where samples of a third kind lie between
+//! them (those that are undecided at the horizon), either side has a graph of its own.
 
 use stickslip_core::verdict::Verdict;
 
@@ -39,8 +39,8 @@ pub struct BoundaryCurve {
 }
 
 impl BoundaryCurve {
-    /// The ordinates between which the verdict is unknown, at the abscissa `coordinate`: it is `below` up to the first and
-    /// `above` from the second.
+    /// The ordinates between which the verdict is unknown, at the abscissa `coordinate`: it is `below` up to the first
+    /// and `above` from the second.
     #[must_use]
     pub(crate) fn gap(&self, within: &Box2, coordinate: f64) -> (f64, f64) {
         let t = scaled(within, self.abscissa, coordinate);

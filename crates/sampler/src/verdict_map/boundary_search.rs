@@ -3,8 +3,9 @@
 //! Verdicts are all that is known, so a point of the boundary is located by bisection, to a few millionths of its
 //! coordinate, at eight Chebyshev nodes. The polynomial through these points is then checked at nine more abscissae,
 //! between and beside the nodes, where its error is largest. A boundary fails the check if it bends too much for the
-//! polynomial, has a corner, or does not cross the whole box; the caller then divides the box and tries again. A boundary
-//! that is ragged on a small scale (where the rules of a verdict count cycles, for example) passes with a wider guard.
+//! polynomial, has a corner, or does not cross the whole box; the caller then divides the box and tries again. A
+//! boundary that is ragged on a small scale (where the rules of a verdict count cycles, for example) passes with a
+//! wider guard.
 //!
 //! A verdict of a third kind may lie between the two. An answer of one of the two verdicts beyond one of the third kind
 //! contradicts the assumption that the boundary is a graph, and ends the search.
@@ -49,8 +50,8 @@ pub(crate) struct Search {
     is_contradicted: bool,
 }
 
-/// The bracket of the bisection at one node: the verdict is `below` up to `below_at` and `above` from `above_at`. `third`
-/// is the range of ordinates that are known to have neither verdict, if there are any.
+/// The bracket of the bisection at one node: the verdict is `below` up to `below_at` and `above` from `above_at`.
+/// `third` is the range of ordinates that are known to have neither verdict, if there are any.
 #[derive(Debug, Clone, Copy)]
 struct Bracket {
     coordinate: f64,
@@ -87,8 +88,8 @@ impl Bracket {
 }
 
 impl Search {
-    /// The search for a boundary between `below` and `above`; `expected` gives the ordinates between which it should lie
-    /// at an abscissa.
+    /// The search for a boundary between `below` and `above`; `expected` gives the ordinates between which it should
+    /// lie at an abscissa.
     pub fn new(
         within: Box2,
         abscissa: usize,
@@ -117,7 +118,7 @@ impl Search {
         if self.abscissa == 0 { [coordinate, value] } else { [value, coordinate] }
     }
 
-    /// The ends of the brackets: their verdicts tell whether a boundary lies between them.
+    /// The ends of the brackets: their verdicts show whether a boundary lies between them.
     pub fn ends(&self) -> Vec<Point> {
         let ends = |node: &Bracket| [node.below_at, node.above_at].map(|value| self.point(node.coordinate, value));
         self.nodes.iter().flat_map(ends).collect()
@@ -155,8 +156,8 @@ impl Search {
         }
     }
 
-    /// The polynomials through the located nodes, with `factor` times the guard that a smooth boundary needs, and the points
-    /// at which to check them: `below` and `above` in turn.
+    /// The polynomials through the located nodes, with `factor` times the guard that a smooth boundary needs, and the
+    /// points at which to check them: `below` and `above` in turn.
     pub fn curve(&self, factor: f64) -> (BoundaryCurve, Vec<Point>) {
         let largest = self.nodes.iter().map(|node| node.above_at.abs()).fold(LEAST_COORDINATE, f64::max);
         let curve = BoundaryCurve {

@@ -48,9 +48,9 @@ impl VerdictMap {
         self.tiles.iter().enumerate().filter_map(move |(i, tile)| Some((place(i), tile.as_ref()?)))
     }
 
-    /// The verdict on a sample. `None` where the map does not tell: outside its tiles, in an unresolved box, within the
-    /// resolution of a curve, or in an undecided region. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable by
-    /// definition.
+    /// The verdict on a sample. `None` where it is unknown: outside the tiles, in an unresolved box, within the
+    /// resolution of a curve, or in an undecided region. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable
+    /// by definition.
     #[inline]
     #[must_use]
     pub fn look_up(&self, preload: f64, static_friction: f64) -> Option<Verdict> {

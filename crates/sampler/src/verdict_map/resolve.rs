@@ -1,8 +1,8 @@
 //! Resolves a tile: asks for verdicts and divides boxes until each is uniform, crossed or too small.
 //!
 //! Each round completes the grids of all open boxes with one question to the caller, who may simulate many samples at
-//! once. A box whose grid has one verdict is uniform. A box whose grid looks like two verdicts with one boundary between
-//! them goes to the [search](crate::verdict_map::boundary_search); if that finds a curve, the box is crossed. All other
+//! once. A box whose grid has one verdict is uniform. A box whose grid looks like two verdicts with one boundary
+//! between them is searched for a curve along that boundary; if the search succeeds, the box is crossed. All other
 //! boxes are divided into four.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,17 +26,17 @@ const DEEPEST: u32 = 17;
 /// themselves is cheaper.
 pub(super) const MOST_QUESTIONS: u64 = 50_000;
 
-/// A box with an undecided or failed verdict is divided at least this often before a curve in it is accepted (its grid is
-/// then 1/256 wide below 1): the edges of undecided regions are ragged, and slivers of them run along boundaries.
+/// A box with an undecided or failed verdict is divided at least this often before a curve in it is accepted (its grid
+/// is then 1/256 wide below 1): the edges of undecided regions are ragged, and slivers of them run along boundaries.
 const LEAST_DEPTH_IF_UNDECIDED: u32 = 3;
 
-/// Such a box is divided no more often than this. Regions with smooth edges are resolved by then; to divide a ragged one
-/// further costs more than to simulate the samples in a four-thousandth of the tile, beside others that are simulated
-/// anyway.
+/// Such a box is divided no more often than this. Regions with smooth edges are resolved by then; to divide a ragged
+/// one further costs more than to simulate the samples in a four-thousandth of the tile, beside others that are
+/// simulated anyway.
 const MOST_DEPTH_IF_UNDECIDED: u32 = 6;
 
-/// A guard of a curve, and the depth from which the next wider one may be tried: only in boxes so small that dividing them
-/// costs more than simulating the samples inside the guard.
+/// A guard of a curve, and the depth from which the next wider one may be tried: only in boxes so small that dividing
+/// them costs more than simulating the samples inside the guard.
 struct Guard {
     factor: f64,
     next_from_depth: u32,
@@ -56,14 +56,14 @@ const INTERVALS: i64 = 4;
 const GRID: usize = INTERVALS as usize + 3;
 
 impl Tile {
-    /// Resolves a tile. `verdicts_at` returns the verdicts at points (preload, falling friction), many at once. The cost
-    /// of the tile is left at 0 for the caller to set.
+    /// Resolves a tile. `verdicts_at` returns the verdicts at points (preload, falling friction), many at once. The
+    /// cost of the tile is left at 0 for the caller to set.
     pub fn resolve(index: TileIndex, verdicts_at: impl FnMut(&[Point]) -> Vec<Verdict>) -> Self {
         let tile = index.bounds();
         let mut questions = Questions { verdicts_at, asked: 0 };
         let mut known = BTreeMap::new();
         let mut nodes = vec![Node::Unresolved];
-        let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0, met_undecided: false }];
+        let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0, has_undecided: false }];
         while !open.is_empty() {
             questions.complete_grids(&tile, &open, &mut known);
             let mut searches = Vec::new();
@@ -74,8 +74,8 @@ impl Tile {
                 else {
                     continue;
                 };
-                let met_undecided = !grid.iter().all(|verdict| verdict.is_decided());
-                let open_box = OpenBox { met_undecided, ..open_box };
+                let has_undecided = !grid.iter().all(|verdict| verdict.is_decided());
+                let open_box = OpenBox { has_undecided, ..open_box };
                 if grid.iter().all(|verdict| *verdict == grid[0]) {
                     nodes[open_box.place] = Node::Uniform(grid[0]);
                 } else if let (true, Some(crossing)) = (open_box.is_small_enough(), Crossing::of(&grid)) {
@@ -176,8 +176,8 @@ struct OpenBox {
     corner: Lattice,
     /// How often the tile was divided for it.
     depth: u32,
-    /// Whether its grid, or the search in it, met an undecided or failed verdict.
-    met_undecided: bool,
+    /// Whether its grid, or the search in it, found an undecided or failed verdict.
+    has_undecided: bool,
 }
 
 impl OpenBox {
@@ -196,16 +196,16 @@ impl OpenBox {
     fn child(&self, place: usize, child: usize) -> Self {
         let half = self.spacing() * INTERVALS / 2;
         let corner = [self.corner[0] + half * (child & 1) as i64, self.corner[1] + half * (child >> 1) as i64];
-        Self { place, bounds: quarter(&self.bounds, child), corner, depth: self.depth + 1, met_undecided: false }
+        Self { place, bounds: quarter(&self.bounds, child), corner, depth: self.depth + 1, has_undecided: false }
     }
 
     /// Whether a curve in it is accepted.
     fn is_small_enough(&self) -> bool {
-        !self.met_undecided || self.depth >= LEAST_DEPTH_IF_UNDECIDED
+        !self.has_undecided || self.depth >= LEAST_DEPTH_IF_UNDECIDED
     }
 
     fn may_be_divided(&self) -> bool {
-        self.depth < if self.met_undecided { MOST_DEPTH_IF_UNDECIDED } else { DEEPEST }
+        self.depth < if self.has_undecided { MOST_DEPTH_IF_UNDECIDED } else { DEEPEST }
     }
 }
 
@@ -219,7 +219,8 @@ struct Crossing {
 }
 
 impl Crossing {
-    /// The crossing over the coordinate along which more lines cross the boundary; `None` if it is a graph over neither.
+    /// The crossing over the coordinate along which more lines cross the boundary; `None` if it is a graph over
+    /// neither.
     fn of(grid: &[Verdict]) -> Option<Self> {
         let crossed = |crossing: &Self| crossing.first_above.iter().filter(|&&first| first % GRID > 0).count();
         let found = (0..2).filter_map(|abscissa| Self::over(abscissa, grid));
@@ -246,7 +247,7 @@ impl Crossing {
             let line = ((coordinate - bounds.low[self.abscissa]) / line_spacing) as usize + 1;
             let (a, b) = (self.first_above[line], self.first_above[(line + 1).min(GRID - 1)]);
             let value = |place: usize| bounds.low[ordinate] + spacing * (place as f64 - 1.0);
-            // A line whose points are all on one side says nothing of where the boundary is there.
+            // A line whose points are all on one side does not show where the boundary is.
             let below_at = if a.min(b) == 0 { -1.0 } else { a.min(b) as f64 - 1.0 };
             (bounds.low[ordinate] + spacing * (below_at - 1.0), value(a.max(b)))
         };
@@ -264,21 +265,21 @@ fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
     questions: &mut Questions<J>,
 ) -> Vec<(OpenBox, Option<BoundaryCurve>)> {
     let mut found = Vec::with_capacity(searches.len());
-    let (mut going, mut to_widen) = accept_ends(searches, questions);
+    let (mut active, mut to_widen) = accept_ends(searches, questions);
     to_widen.iter_mut().for_each(|(_, search)| search.widen());
     let (widened, failed) = accept_ends(to_widen, questions);
-    going.extend(widened);
+    active.extend(widened);
     found.extend(failed.into_iter().map(|(open_box, _)| (open_box, None)));
     loop {
-        let answers = questions.ask_lists(going.iter().map(|(_, search)| search.questions()));
+        let answers = questions.ask_lists(active.iter().map(|(_, search)| search.questions()));
         if answers.iter().flatten().all(Vec::is_empty) && answers.iter().all(Option::is_some) {
             break;
         }
-        let mut agreed = Vec::with_capacity(going.len());
-        for ((mut open_box, mut search), verdicts) in going.into_iter().zip(answers) {
+        let mut agreed = Vec::with_capacity(active.len());
+        for ((mut open_box, mut search), verdicts) in active.into_iter().zip(answers) {
             if let Some(verdicts) = &verdicts {
                 search.record(verdicts);
-                open_box.met_undecided |= !verdicts.iter().all(|verdict| verdict.is_decided());
+                open_box.has_undecided |= !verdicts.iter().all(|verdict| verdict.is_decided());
             }
             if verdicts.is_some() && !search.is_contradicted() {
                 agreed.push((open_box, search));
@@ -286,14 +287,14 @@ fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
                 found.push((open_box, None));
             }
         }
-        going = agreed;
+        active = agreed;
     }
     for guard in GUARDS {
-        let curves: Vec<_> = going.iter().map(|(_, search)| search.curve(guard.factor)).collect();
+        let curves: Vec<_> = active.iter().map(|(_, search)| search.curve(guard.factor)).collect();
         let answers = questions.ask_lists(curves.iter().map(|(_, checks)| checks.clone()));
         let mut failed = Vec::new();
-        for (((mut open_box, search), (curve, _)), verdicts) in going.into_iter().zip(curves).zip(answers) {
-            open_box.met_undecided |= !verdicts.iter().flatten().all(|verdict| verdict.is_decided());
+        for (((mut open_box, search), (curve, _)), verdicts) in active.into_iter().zip(curves).zip(answers) {
+            open_box.has_undecided |= !verdicts.iter().flatten().all(|verdict| verdict.is_decided());
             if verdicts.is_some_and(|verdicts| search.accepts(&verdicts)) {
                 found.push((open_box, Some(curve)));
             } else {
@@ -303,9 +304,9 @@ fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
         let may_try_next = |open_box: &OpenBox| open_box.depth >= guard.next_from_depth;
         let (next, to_divide): (Vec<_>, Vec<_>) = failed.into_iter().partition(|(open_box, _)| may_try_next(open_box));
         found.extend(to_divide.into_iter().map(|(open_box, _)| (open_box, None)));
-        going = next;
+        active = next;
     }
-    found.extend(going.into_iter().map(|(open_box, _)| (open_box, None)));
+    found.extend(active.into_iter().map(|(open_box, _)| (open_box, None)));
     found
 }
 

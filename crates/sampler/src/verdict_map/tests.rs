@@ -110,7 +110,8 @@ fn undecided_samples_have_a_region_of_their_own() {
     let index = TileIndex::of(0.2, 0.2).unwrap();
     assert_eq!(map.tile(index).unwrap().look_up(index, [0.2, 0.2]), Some(Verdict::Undecided));
     assert_eq!(look_up(&map, [0.2, 0.2]), None, "such a sample is simulated");
-    // Undecided are 4 % of the plane; what lies beside them is known but for the smallest boxes at the corners of bands.
+    // Undecided are 4 % of the plane; what lies beside them is known but for the smallest boxes at the corners of
+    // bands.
     let silent = assert_right(&map, verdict_at);
     let undecided = 0.05 * (1.0 - 0.05_f64.ln()) - 0.03 * (1.0 - 0.03_f64.ln());
     assert!((silent - undecided).abs() < 5e-3 && questions < 120_000, "{silent} {undecided} {questions}");
@@ -131,7 +132,7 @@ fn slivers_beside_undecided_regions_are_found() {
 
 #[test]
 fn noise_is_left_unresolved_and_inputs_outside_physics_are_known() {
-    // Verdicts without any order: nothing may be looked up, and the work is bounded.
+    // Verdicts without order: none may be looked up, and the number of questions is bounded.
     let mut map = VerdictMap::new(0.25);
     let index = TileIndex { column: 3, row: 5 };
     let verdict_at = |point: &Point| {
@@ -157,7 +158,7 @@ fn boxes_that_form_no_quadtree_are_refused() {
     }
 }
 
-/// Stripes of verdicts across a boundary, each narrower than the last: nothing along a line is in order.
+/// Stripes of verdicts across a boundary, each narrower than the last, without order along a line.
 fn stripes([x, y]: Point) -> Verdict {
     let distance = x * y - 0.0135;
     match (libm::log2(distance.abs()) * 3.0) as i64 % 3 {

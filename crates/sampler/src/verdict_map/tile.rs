@@ -61,7 +61,7 @@ pub enum Node {
     /// It is divided into four, which lie at this and the next three places of the list: lower and upper preload at the
     /// lower friction, then at the upper one.
     Cut(u32),
-    /// Every sample in it has this verdict.
+    /// All points of its grid have this verdict, which is assumed for every sample in it.
     Uniform(Verdict),
     /// A boundary between two verdicts crosses it.
     Crossed(BoundaryCurve),
@@ -75,7 +75,7 @@ pub struct Tile {
     pub(super) nodes: Vec<Node>,
     /// Verdicts that were asked for.
     pub questions: u64,
-    /// What they cost, as counted by the caller that gave them.
+    /// The cost of these verdicts, as counted by the caller that gave them.
     pub cost: u64,
 }
 
@@ -96,7 +96,7 @@ impl Tile {
         (next == nodes.len()).then_some(Self { nodes, questions, cost })
     }
 
-    /// All boxes, divided or not: children follow their parent in groups of four.
+    /// All boxes, divided or not: children come after their parent, in groups of four.
     #[must_use]
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
@@ -119,7 +119,7 @@ impl Tile {
             .map(|(&node, bounds)| (bounds, node))
     }
 
-    /// The verdict at a point of the tile; `None` where the tile does not tell.
+    /// The verdict at a point of the tile; `None` where it is unknown.
     #[inline]
     pub(super) fn look_up(&self, index: TileIndex, point: Point) -> Option<Verdict> {
         if let Node::Uniform(verdict) = self.nodes[0] {

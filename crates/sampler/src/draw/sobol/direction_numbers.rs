@@ -6,8 +6,8 @@ pub(super) const MAX_DIMENSIONS: usize = 32;
 /// Binary digits of an index, and of the direction numbers.
 pub(super) const INDEX_BITS: usize = 32;
 
-/// For each dimension from the second on: the inner coefficients of the primitive polynomial (the highest in the highest
-/// bit) and the initial direction numbers `m_1, m_2, ...`, as many as the degree of the polynomial.
+/// For each dimension from the second on: the inner coefficients of the primitive polynomial (the highest in the
+/// highest bit) and the initial direction numbers `m_1, m_2, ...`, as many as the degree of the polynomial.
 const JOE_KUO: [(u32, &[u32]); MAX_DIMENSIONS - 1] = [
     (0, &[1]),
     (1, &[1, 3]),

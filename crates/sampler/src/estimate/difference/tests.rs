@@ -141,7 +141,8 @@ fn poisson(mean: f64) -> Vec<f64> {
 
 #[test]
 fn beyond_95_percent_no_difference_has_less_than_its_coverage() {
-    // Rare events, at most a few in 10,000 samples: sums over all counts, with the error of 780 cells at 95 % and with 1 %.
+    // Rare events, at most a few in 10,000 samples: sums over all counts, with the error of 780 cells at 95 % and with
+    // 1 %.
     let samples = 100_000;
     let means = [0.02, 0.2, 0.7, 2.0, 5.0, 12.0, 30.0];
     for alpha in [0.05 / 780.0, 0.01] {

@@ -45,11 +45,11 @@ fn ends_are_exact_at_zero_and_one() {
 #[test]
 fn samples_without_a_verdict_widen_the_interval_on_both_sides() {
     let interval = BinomialInterval::new(IntervalKind::Wilson, 0.95);
-    let certain = interval.estimate(&VerdictCounts { stable: 60, unstable: 40, ..Default::default() });
-    let doubtful = interval.estimate(&VerdictCounts { stable: 50, unstable: 40, undecided: 7, failed: 3 });
-    assert_eq!(doubtful.probability, Some(40.0 / 90.0));
-    assert_eq!(doubtful.low, certain.low);
-    assert_eq!(doubtful.high, interval.bounds(50, 100).1);
+    let decided = interval.estimate(&VerdictCounts { stable: 60, unstable: 40, ..Default::default() });
+    let with_undecided = interval.estimate(&VerdictCounts { stable: 50, unstable: 40, undecided: 7, failed: 3 });
+    assert_eq!(with_undecided.probability, Some(40.0 / 90.0));
+    assert_eq!(with_undecided.low, decided.low);
+    assert_eq!(with_undecided.high, interval.bounds(50, 100).1);
     let none = interval.estimate(&VerdictCounts { undecided: 5, ..Default::default() });
     assert_eq!(none.probability, None);
     assert_eq!((none.low, none.high), (0.0, 1.0));

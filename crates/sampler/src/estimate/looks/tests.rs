@@ -69,8 +69,8 @@ fn a_look_is_enough_when_narrow_or_last() {
     assert!(looks.is_enough(0, &counts(3, 1000)) && !looks.is_enough(0, &counts(500, 1000)));
     assert!(looks.is_enough(1, &counts(1000, 2000)));
     // Undecided samples count as width.
-    let doubtful = VerdictCounts { stable: 597, unstable: 3, undecided: 400, ..Default::default() };
-    assert!(!looks.is_enough(0, &doubtful));
+    let with_undecided = VerdictCounts { stable: 597, unstable: 3, undecided: 400, ..Default::default() };
+    assert!(!looks.is_enough(0, &with_undecided));
     // Without unstable samples no relative precision is reached.
     let looks = Looks::new(relative(0.5), 100_000, 0.95);
     assert!(!looks.is_enough(0, &counts(0, 1000)) && looks.is_enough(0, &counts(200, 1000)));

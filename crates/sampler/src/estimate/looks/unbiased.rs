@@ -2,12 +2,12 @@
 
 use stickslip_core::verdict::VerdictCounts;
 
-/// The expected share of unstable samples at the first look with decided samples, given the counts at the stop and that no
-/// earlier look stopped. `None` if no sample is decided.
+/// The expected share of unstable samples at the first look with decided samples, given the counts at the stop and that
+/// no earlier look stopped. `None` if no sample is decided.
 ///
-/// `counts` holds the counts up to each look, the last being the stop; `stops` tells whether a look stops with a given
-/// number of unstable samples. Which samples are undecided or failed is taken as given: the verdicts of the others are
-/// independent.
+/// `counts` holds the counts up to each look, the last being the stop; `stops` returns whether a look stops with a
+/// given number of unstable samples. Which samples are undecided or failed is taken as given: the verdicts of the
+/// others are independent.
 pub(super) fn probability(counts: &[VerdictCounts], stops: impl Fn(usize, u64) -> bool) -> Option<f64> {
     let first = counts.iter().position(|counts| counts.decided() > 0)?;
     let last = counts.len() - 1;
@@ -27,8 +27,8 @@ pub(super) fn probability(counts: &[VerdictCounts], stops: impl Fn(usize, u64) -
     Some(if share.is_nan() { counts[last].unstable as f64 / counts[last].decided() as f64 } else { share })
 }
 
-/// Whether look `earlier`, with `decided` samples, cannot have stopped given the `weights` at a look with `all` samples,
-/// except with a probability as small as rounding errors.
+/// Whether look `earlier`, with `decided` samples, cannot have stopped given the `weights` at a look with `all`
+/// samples, except with a probability as small as rounding errors.
 fn continues(earlier: usize, weights: &Weights, all: u64, decided: u64, stops: &impl Fn(usize, u64) -> bool) -> bool {
     let Some(steps) = (weights.values.len() as u64).checked_sub(1) else { return true };
     let all = all as f64;
@@ -109,7 +109,8 @@ impl Weights {
         Self { from, values }
     }
 
-    /// Drops the numbers at which the cell would have stopped. They lie at both ends, as intervals are widest in the middle.
+    /// Drops the numbers at which the cell would have stopped. They lie at both ends, as intervals are widest in the
+    /// middle.
     fn trim(&mut self, stops: impl Fn(u64) -> bool) {
         let length = self.values.len();
         let front = (0..length).take_while(|&i| stops(self.from + i as u64)).count();

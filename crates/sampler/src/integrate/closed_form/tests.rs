@@ -188,7 +188,7 @@ fn derivatives_agree_with_sums_of_the_score() {
 }
 
 #[test]
-fn derivatives_exist_where_nothing_is_ever_unstable() {
+fn derivatives_are_zero_where_no_sample_is_ever_unstable() {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.set("operating_point.rotating_speed", 9e4).unwrap();
     let boundary = PadOnDisc::new(parameters).unwrap().stability_boundary();

@@ -21,8 +21,8 @@ const INTERVALS: usize = 32;
 /// A curve whose ordinates extend over more deviates than this is steep.
 const STEEP: f64 = 12.0;
 
-/// The integral below a steep curve is divided where the curve is at these deviates: a probability that rises from 0 to 1
-/// between two abscissae would be missed.
+/// The integral below a steep curve is divided where the curve is at these deviates: a probability that rises from 0 to
+/// 1 between two abscissae would be missed.
 const STEEP_CUTS: [f64; 5] = [-8.0, -4.0, 0.0, 4.0, 8.0];
 
 /// A box with a curve through it.
@@ -33,8 +33,8 @@ pub(super) struct Crossed<'a> {
     pub(super) ends: &'a [[Edge; 2]; 2],
 }
 
-/// Integrals over a box that a curve crosses: the five moments below the middle of its gap, and the probabilities below and
-/// above the gap.
+/// Integrals over a box that a curve crosses: the five moments below the middle of its gap, and the probabilities below
+/// and above the gap.
 pub(super) type CrossedIntegrals = [f64; 7];
 
 impl Crossed<'_> {

@@ -117,8 +117,8 @@ fn a_hyperbola_has_its_exact_probability_and_derivatives() {
                     assert_eq!(mapped.is_some(), [preload_std, friction_std][i % 2] > 0.0);
                     let (Some(mapped), Some(exact)) = (mapped, exact) else { continue };
                     let scale = [preload * preload_std, friction * friction_std, preload_std, friction_std][i];
-                    // In units of the scatter; where it is tiny against the map's resolution (4e-6 of the
-                    // coordinate, 0.04 for a standard deviation of 1e-4) the boundary's place in it is only known to that.
+                    // In units of the scatter; where it is tiny against the map's resolution (4e-6 of the coordinate,
+                    // 0.04 for a standard deviation of 1e-4) the boundary's place in it is only known to that.
                     let resolution = 1e-5 + 4e-6 / preload_std.max(friction_std).max(1e-9);
                     let error = (mapped - exact).abs() * scale;
                     assert!(error < resolution.max(1e-4 * exact.abs() * scale), "{cell:?} {i}: {mapped} {exact}");
@@ -278,9 +278,9 @@ fn without_tiles_only_outside_physics_is_known() {
     let mapped = probability(&map, &cell(0.1, 0.3, 0.5, 0.2));
     let inside = normal::upper_tail(-2.0) * normal::upper_tail(-0.05 / 0.06);
     assert!((mapped.high - inside).abs() < 2e-14 && mapped.low == 0.0 && mapped.value == Some(0.0), "{mapped:?}");
-    let nothing = probability(&map, &cell(0.1, 0.3, 0.0, 0.0));
-    assert_eq!((nothing.low, nothing.value, nothing.high), (0.0, None, 1.0));
-    assert_eq!(nothing.derivatives, Derivatives::default());
+    let unknown = probability(&map, &cell(0.1, 0.3, 0.0, 0.0));
+    assert_eq!((unknown.low, unknown.value, unknown.high), (0.0, None, 1.0));
+    assert_eq!(unknown.derivatives, Derivatives::default());
 }
 
 #[test]
@@ -297,7 +297,7 @@ fn without_scatter_the_probability_is_the_verdict() {
     }
     let on_boundary = probability(&map, &cell(0.1, boundary.critical_static_friction(0.1), 0.0, 0.0));
     assert_eq!((on_boundary.low, on_boundary.high), (0.0, 1.0));
-    // A preload of 0 is outside physics, whatever the tiles that begin there say.
+    // A preload of 0 is outside physics, even if the tiles that begin there are unstable.
     let unstable = map_of(|_, _| Verdict::Unstable, |_| true);
     for std in [0.0, 0.2] {
         let without_preload = probability(&unstable, &cell(0.0, 0.5, std, 0.2));

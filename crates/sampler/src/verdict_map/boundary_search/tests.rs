@@ -101,13 +101,13 @@ fn the_search_ends_where_verdicts_along_a_line_have_no_order() {
 fn an_answer_on_the_wrong_side_of_a_third_verdict_is_a_contradiction() {
     let (below, above, third) = (Verdict::Stable, Verdict::Unstable, Verdict::Undecided);
     let open = Bracket { coordinate: 0.0, below_at: 0.0, above_at: 1.0, third: None };
-    let met = Bracket { third: Some((0.5, 0.5)), ..open };
+    let divided = Bracket { third: Some((0.5, 0.5)), ..open };
     let agrees = |node: Bracket, at: f64, verdict: Verdict| {
         let mut node = node;
         node.record(at, verdict, below, above)
     };
     assert!([below, above, third].into_iter().all(|verdict| agrees(open, 0.5, verdict)));
-    assert!([below, third].into_iter().all(|verdict| agrees(met, 0.25, verdict)));
-    assert!([above, third].into_iter().all(|verdict| agrees(met, 0.75, verdict)));
-    assert!(!agrees(met, 0.25, above) && !agrees(met, 0.75, below));
+    assert!([below, third].into_iter().all(|verdict| agrees(divided, 0.25, verdict)));
+    assert!([above, third].into_iter().all(|verdict| agrees(divided, 0.75, verdict)));
+    assert!(!agrees(divided, 0.25, above) && !agrees(divided, 0.75, below));
 }
