@@ -140,8 +140,16 @@ fn signals_keep_what_is_finished_and_print_how_to_go_on() {
     place.run("submit job.toml --out whole").done();
     for (signal, code, word) in [("INT", 130, "interrupted"), ("TERM", 143, "terminated")] {
         let words = if signal == "INT" { "submit job.toml" } else { "resume runs/signalled" };
-        let child = place.command(words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        thread::sleep(Duration::from_millis(400));
+        let pieces = || fs::read_dir(place.path("runs/signalled/shards")).map_or(0, Iterator::count);
+        let before = pieces();
+        let mut child = place.command(words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        while pieces() == before {
+            assert!(
+                child.try_wait().unwrap().is_none(),
+                "the job is too short for this test: it ended before a piece was seen"
+            );
+            thread::sleep(Duration::from_millis(5));
+        }
         let sent = Command::new("sh").args(["-c", &format!("kill -{signal} {}", child.id())]).status().unwrap();
         assert!(sent.success());
         let output = child.wait_with_output().unwrap();

@@ -10,8 +10,10 @@ use std::fs;
 
 use common::{BOTH, EIGENVALUE, Place, Table, job, submitted};
 use serde_json::Value;
+use stickslip_core::criterion::time_domain::{Decision, DiscModel, TimeDomain, TimeDomainSettings};
+use stickslip_core::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use stickslip_sampler::special_functions::normal;
 
@@ -570,35 +572,46 @@ fn any_parameter_may_scatter() {
 }
 
 #[test]
-fn a_varying_brake_moves_like_the_one_that_it_is() {
-    // In time, with a random input whose scatter is nothing: the verdicts of the ordinary job.
+fn a_varying_brake_is_decided_like_the_one_that_it_is() {
+    // A random input whose scatter is nothing makes every sample a brake of its own. Each is decided as its preload and static
+    // friction are by the brake of the preset.
     let place = Place::new();
-    for criterion in [RIGID, "kind = \"time-domain\"", "kind = \"coupled-eigenvalue\""] {
-        let small = |random: &str| {
-            job("v", criterion, random, "samples = 12")
-                .replace("points = 6", "points = 3")
-                .replace("points = 5", "points = 2")
-        };
-        let ordinary = submitted(&place, "ordinary", &small(BOTH));
-        let inputs = "inputs = [\"preload\", \"static_friction\", \"friction.stribeck_velocity\"]\n\
+    let mut parameters = Parameters::sui_ding_2018();
+    parameters.operating_point.rotating_speed = 15.0;
+    let brake = PadOnDisc::new(parameters).unwrap();
+    let in_time = |disc: &DiscModel| TimeDomain::new(&brake, disc, TimeDomainSettings::default()).unwrap();
+    let (rigid, flexible) = (in_time(&DiscModel::Rigid), in_time(&DiscModel::Flexible { modes: 5 }));
+    let modes = FlexibleBrake::with_modes(brake.clone(), 5).unwrap();
+    let coupled = |inputs| modes.decide_with(inputs, FlexibleBrake::linear_stability);
+    let decide: [(&str, &dyn Fn(RandomInputs) -> Decision); 3] = [
+        ("kind = \"time-domain\"\ndisc = \"rigid\"", &|inputs| rigid.decide(inputs)),
+        ("kind = \"time-domain\"\ndisc_modes = 5", &|inputs| flexible.decide(inputs)),
+        ("kind = \"coupled-eigenvalue\"\ndisc_modes = 5", &coupled),
+    ];
+    for (criterion, decide) in decide {
+        let random = "inputs = [\"preload\", \"static_friction\", \"friction.stribeck_velocity\"]\n\
             relative_std = { preload = 0.2, static_friction = 0.2, \"friction.stribeck_velocity\" = 0.0 }";
-        let varying = submitted(&place, "varying", &small(inputs));
-        assert_eq!(varying.column("n_failed").iter().sum::<f64>(), 0.0);
-        // The third deviate shifts the others: the same distribution, other samples.
-        let share = |table: &Table| table.column("n_unstable").iter().sum::<f64>() / 72.0;
-        assert!((share(&ordinary) - share(&varying)).abs() < 0.25, "{} {}", share(&ordinary), share(&varying));
-        // Each sample by itself, as replay sees it.
-        let mut unstable = 0;
-        for sample in 0..12 {
-            let replayed = place.run(&format!("replay varying --cell 3 --sample {sample} --horizon 5 --json")).done();
-            let replayed: Value = serde_json::from_str(&replayed.stdout).unwrap();
-            unstable += u32::from(replayed["verdict_in_run"] == "unstable");
-            assert!((replayed["friction.stribeck_velocity"].as_f64().unwrap() - 0.72).abs() < 1e-12);
+        let text = job("varying", criterion, random, "samples = 12");
+        let table =
+            submitted(&place, "varying", &text.replace("points = 6", "points = 3").replace("points = 5", "points = 2"));
+        let mut found = [0.0; 2];
+        for cell in 0..6 {
+            let mut unstable = 0.0;
+            for sample in 0..12 {
+                let words = format!("replay varying --cell {cell} --sample {sample} --horizon 5 --json");
+                let replayed: Value = serde_json::from_str(&place.run(&words).done().stdout).unwrap();
+                let value = |name: &str| replayed[name].as_f64().unwrap();
+                assert!((value("friction.stribeck_velocity") - 0.72).abs() < 1e-12);
+                let inputs = RandomInputs { preload: value("preload"), static_friction: value("static_friction") };
+                let expected = format!("{:?}", decide(inputs).verdict).to_lowercase();
+                assert_eq!(replayed["verdict_in_run"], expected, "{criterion}: {inputs:?}");
+                unstable += f64::from(u8::from(expected == "unstable"));
+            }
+            assert_eq!(unstable, table.column("n_unstable")[cell], "{criterion}, cell {cell}");
+            found[usize::from(unstable > 0.0)] += 1.0;
         }
-        assert_eq!(f64::from(unstable), varying.column("n_unstable")[3]);
-        for run in ["ordinary", "varying"] {
-            fs::remove_dir_all(place.path(run)).unwrap();
-        }
+        assert!(found[0] > 0.0 && found[1] > 0.0, "{criterion}: cells without and with unstable samples, {found:?}");
+        fs::remove_dir_all(place.path("varying")).unwrap();
     }
 }
 
