@@ -12,7 +12,7 @@ use std::process::Command;
 use common::{Place, repository};
 
 #[test]
-fn python_readers_see_what_the_readme_says() {
+fn python_readers_see_what_the_documents_say() {
     let Some(python) = std::env::var_os("STICKSLIP_PYTHON") else {
         assert!(std::env::var_os("CI").is_none(), "STICKSLIP_PYTHON is not set; run `make test`");
         return;
@@ -22,7 +22,6 @@ fn python_readers_see_what_the_readme_says() {
     let output = Command::new(python)
         .arg(repository().join("tests/readers.py"))
         .arg(place.path("runs/fig14a/surface.parquet"))
-        .arg(repository().join("README.md"))
         .output()
         .unwrap();
     assert!(
