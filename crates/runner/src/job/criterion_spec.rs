@@ -16,7 +16,8 @@ use toml::Spanned;
 #[serde(deny_unknown_fields)]
 pub struct CriterionSpec {
     /// How a sample is decided.
-    pub kind: CriterionKind,
+    #[schemars(with = "CriterionKind")]
+    pub kind: Option<Spanned<CriterionKind>>,
     /// The disc under the pad; "flexible" unless told.
     #[schemars(with = "Option<DiscKind>")]
     pub disc: Option<Spanned<DiscKind>>,

@@ -20,7 +20,7 @@ use super::sampling_spec::SamplingSpec;
 pub struct JobSpec {
     /// Name of the run; its results go to runs/NAME. Letters, digits, '-', '_' and '.'.
     #[schemars(with = "String")]
-    pub name: Spanned<String>,
+    pub name: Option<Spanned<String>>,
     /// What the job is for, in a sentence.
     #[serde(default)]
     pub description: String,
@@ -34,7 +34,8 @@ pub struct JobSpec {
     #[serde(default)]
     pub random: RandomSpec,
     /// What decides whether a sample is stable.
-    pub criterion: CriterionSpec,
+    #[schemars(with = "CriterionSpec")]
+    pub criterion: Option<Spanned<CriterionSpec>>,
     /// How many samples are drawn, and how.
     #[serde(default)]
     pub sampling: SamplingSpec,
