@@ -35,7 +35,7 @@ pub enum Command {
     Check(CheckArguments),
     /// Analyse one parameter point: equilibrium, eigenvalues, critical speed
     Analyse(AnalyseArguments),
-    /// Follow one motion in time: time series and its summary
+    /// Simulate one motion in time: time series and its summary
     Trajectory(TrajectoryArguments),
     /// Compute one sample of a run again, bit for bit: inputs, verdict, trajectory
     Replay(ReplayArguments),
@@ -91,7 +91,8 @@ fn seed(text: &str) -> Result<u64, String> {
 /// The name of a file that is written as Parquet.
 fn parquet_file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    if path.extension().is_some_and(|extension| extension == "parquet") {
+    // A directory is refused later, as one.
+    if path.is_dir() || path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) {
         return Ok(path);
     }
     let name = path.with_extension("parquet");
@@ -115,7 +116,7 @@ pub struct ThreadsArgument {
 }
 
 impl ThreadsArgument {
-    /// As told, or one for each processor.
+    /// As given, by default one for each processor.
     pub fn count(&self) -> usize {
         self.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, std::num::NonZero::get), usize::from)
     }
@@ -189,7 +190,7 @@ pub struct TrajectoryArguments {
     /// Displacement of a start near the equilibrium, over the equilibrium's own [default: 0.01]
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     pub displacement: Option<f64>,
-    /// Scaled time to follow [default: 500]
+    /// Scaled time to simulate [default: 500]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub horizon: Option<f64>,
     /// Write the time series to a Parquet file
@@ -247,7 +248,7 @@ pub struct ReplayArguments {
     /// The sample of that cell, counted from 0
     #[arg(long, value_name = "J", value_parser = whole_number)]
     pub sample: u64,
-    /// Scaled time to follow [default: 500]
+    /// Scaled time to simulate [default: 500]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub horizon: Option<f64>,
     /// Write the time series to a Parquet file

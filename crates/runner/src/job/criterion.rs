@@ -28,7 +28,7 @@ pub enum Criterion {
     TimeDomain {
         /// The disc.
         disc: DiscModel,
-        /// How it is followed.
+        /// How it is simulated.
         settings: TimeDomainSettings,
     },
 }

@@ -103,7 +103,7 @@ fn floor_char_boundary(text: &str, mut index: usize) -> usize {
 #[derive(Debug, Default)]
 pub struct Complaints {
     list: Vec<Complaint>,
-    /// Paths of the keys that could not be read; what follows from their absence is no news.
+    /// Paths of the keys that could not be read. A complaint that one of them is missing would mislead.
     unread: Vec<Vec<String>>,
 }
 

@@ -18,7 +18,7 @@ const SAMPLES: u64 = 10_000;
 /// Samples in one cell at the most.
 const MOST_SAMPLES: u64 = 1_000_000_000_000_000;
 
-/// Independent randomisations of Sobol points unless told otherwise, and at the most.
+/// Independent randomisations of Sobol points by default, and at the most.
 const RANDOMISATIONS: u64 = 16;
 const MOST_RANDOMISATIONS: u64 = 1000;
 
@@ -56,9 +56,9 @@ pub struct Sampling {
     pub effort: Effort,
     /// Seed.
     pub seed: u64,
-    /// Which samples are judged.
+    /// How the verdicts of the samples are found.
     pub evaluate: EvaluateMode,
-    /// Which looked-up samples are simulated all the same.
+    /// Which looked-up samples are simulated as a check.
     pub audit: Audit,
     /// Whether cells share their deviates.
     pub common_random_numbers: bool,

@@ -9,7 +9,7 @@ use toml::Spanned;
 use super::diagnosis::{Complaint, Complaints};
 use super::sampling_spec::{Audit, EvaluateMode, IntervalSpec, SamplingMethod, SamplingSpec, UntilSpec};
 
-/// Samples in a cell at the most with `until`, unless told otherwise.
+/// Samples in a cell at the most with `until`, by default.
 const AT_MOST: u64 = 1_000_000;
 
 /// Audited samples in one cell at the most.

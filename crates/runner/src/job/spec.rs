@@ -201,3 +201,22 @@ impl JsonSchema for AxisSpec {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::keys::TABLES;
+
+    #[test]
+    fn the_tables_are_those_of_the_schema() {
+        let schema = schemars::schema_for!(JobSpec);
+        let definitions = &schema.as_value()["$defs"];
+        for (table, keys) in TABLES {
+            let name = format!("{}{}Spec", table[..1].to_uppercase(), &table[1..]);
+            let properties = definitions[&name]["properties"].as_object().unwrap();
+            let known: Vec<&String> = properties.keys().collect();
+            assert_eq!(known.len(), keys.len(), "{table}");
+            assert!(known.iter().all(|key| keys.contains(&key.as_str())), "{table}: {known:?}");
+        }
+    }
+}

@@ -61,7 +61,7 @@ impl Job {
         self.total_samples() * of_a_sample as u128
     }
 
-    /// Samples that are looked up and simulated all the same, about so many over all cells.
+    /// Audited samples: looked up, and simulated as a check. About so many over all cells.
     pub fn audited_samples(&self) -> u128 {
         match self.sampling.audit {
             Audit::Samples(samples) if self.is_integrated() => u128::from(self.cells()) * u128::from(samples),

@@ -113,7 +113,7 @@ fn validate_grid(
     }
 }
 
-/// Refuses a verdict map for a brake that it would misjudge.
+/// Refuses a verdict map for a brake whose flutter it would not see.
 fn fits_a_map(job: &Job, spec: &JobSpec) -> Result<(), Complaint> {
     if !job.uses_maps() {
         return Ok(());
