@@ -228,7 +228,7 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
         ("displacement = 0.0", &["job.toml:14:16", "criterion.displacement = 0", "greater than 0"]),
         ("displacement = nan", &["criterion.displacement = NaN"]),
         ("index = { amplitude = -1.0 }", &["job.toml:14:9", "criterion.index.amplitude = -1"]),
-        ("index = 0.1", &["expected a table, for example { amplitude = 0.002 }"]),
+        ("index = 0.1", &["it must be a table, for example { amplitude = 0.002 }"]),
         ("disc_modes = -1", &["-1", "a whole number"]),
         ("disc_modes = \"all\"", &["all", "\"auto\" or a whole number"]),
         ("index = { amplitud = 1.0 }", &["amplitud", "did you mean `amplitude`?"]),

@@ -35,7 +35,7 @@ pub enum Command {
     Check(CheckArguments),
     /// Analyse one parameter point: equilibrium, eigenvalues, critical speed
     Analyse(AnalyseArguments),
-    /// Follow one motion in time: time series and its summary
+    /// Simulate one motion in time: time series and its summary
     Trajectory(TrajectoryArguments),
     /// Compute one sample of a run again, bit for bit: inputs, verdict, trajectory
     Replay(ReplayArguments),
@@ -56,7 +56,7 @@ pub enum Command {
 /// Arguments of `submit`.
 #[derive(Debug, Args)]
 pub struct SubmitArguments {
-    /// The job spec
+    /// The job spec; - reads it from standard input
     #[arg(value_name = "JOB.toml")]
     pub job: PathBuf,
     /// Run directory [default: runs/NAME]
@@ -65,10 +65,10 @@ pub struct SubmitArguments {
     #[command(flatten)]
     pub threads: ThreadsArgument,
     /// Seed of the random numbers, instead of the job's
-    #[arg(long, value_name = "S", value_parser = whole_number)]
+    #[arg(long, value_name = "S", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Samples in each cell (with until: at most), instead of the job's; more than a finished run has extends it
-    #[arg(long, value_name = "N", value_parser = whole_number)]
+    #[arg(long, value_name = "N", value_parser = whole_number, allow_negative_numbers = true)]
     pub samples: Option<u64>,
     /// Compute only one of N parts, to be merged later; I counts from 1 to N or from 0 to N-1
     #[arg(long, value_name = "I/N")]
@@ -80,6 +80,23 @@ pub struct SubmitArguments {
 /// A whole number as a job spec writes it, 10000 or 10_000.
 fn whole_number(text: &str) -> Result<u64, String> {
     text.replace('_', "").parse().map_err(|_| "write a whole number, for example 10000 or 10_000".to_owned())
+}
+
+/// A seed, as a job spec can hold it.
+fn seed(text: &str) -> Result<u64, String> {
+    let seed = text.replace('_', "").parse().ok().filter(|&seed: &u64| i64::try_from(seed).is_ok());
+    seed.ok_or_else(|| format!("a seed is a whole number from 0 to {} (2^63 - 1)", i64::MAX))
+}
+
+/// The name of a file that is written as Parquet.
+fn parquet_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    // A directory is refused later, as one.
+    if path.is_dir() || path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) {
+        return Ok(path);
+    }
+    let name = path.with_extension("parquet");
+    Err(format!("the file is written as Parquet, whatever its name: call it {}", name.display()))
 }
 
 /// Verdict maps of other runs.
@@ -99,7 +116,7 @@ pub struct ThreadsArgument {
 }
 
 impl ThreadsArgument {
-    /// As told, or one for each processor.
+    /// As given, by default one for each processor.
     pub fn count(&self) -> usize {
         self.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, std::num::NonZero::get), usize::from)
     }
@@ -131,7 +148,7 @@ pub struct StatusArguments {
 /// Arguments of `check`.
 #[derive(Debug, Args)]
 pub struct CheckArguments {
-    /// The job spec
+    /// The job spec; - reads it from standard input
     #[arg(value_name = "JOB.toml")]
     pub job: PathBuf,
     #[command(flatten)]
@@ -173,11 +190,11 @@ pub struct TrajectoryArguments {
     /// Displacement of a start near the equilibrium, over the equilibrium's own [default: 0.01]
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     pub displacement: Option<f64>,
-    /// Scaled time to follow [default: 500]
+    /// Scaled time to simulate [default: 500]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub horizon: Option<f64>,
     /// Write the time series to a Parquet file
-    #[arg(long, value_name = "FILE.parquet")]
+    #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
     /// Summary as JSON
     #[arg(long)]
@@ -231,11 +248,11 @@ pub struct ReplayArguments {
     /// The sample of that cell, counted from 0
     #[arg(long, value_name = "J", value_parser = whole_number)]
     pub sample: u64,
-    /// Scaled time to follow [default: 500]
+    /// Scaled time to simulate [default: 500]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub horizon: Option<f64>,
     /// Write the time series to a Parquet file
-    #[arg(long, value_name = "FILE.parquet")]
+    #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
     /// Summary as JSON
     #[arg(long)]
@@ -249,7 +266,7 @@ pub struct CompareArguments {
     #[arg(value_name = "RUN_DIR", required = true)]
     pub runs: Vec<PathBuf>,
     /// Write one row for each pair of runs and cell to a Parquet file
-    #[arg(long, value_name = "FILE.parquet")]
+    #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
     /// Confidence of the intervals of the differences, all of them together
     #[arg(long, value_name = "C", default_value_t = 0.95, allow_negative_numbers = true)]

@@ -4,6 +4,8 @@ use std::fmt;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use indicatif::HumanCount;
+
 use crate::failure::Failure;
 
 /// Writes a result to standard output.
@@ -18,6 +20,11 @@ pub fn result(text: &str) -> Result<(), Failure> {
 /// Says something on standard error. If that is closed, nobody wants to hear it.
 pub fn note(text: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "stickslip: {text}");
+}
+
+/// Says warnings on standard error.
+pub fn warn(warnings: impl IntoIterator<Item = String>) {
+    warnings.into_iter().for_each(|warning| note(format_args!("warning: {warning}")));
 }
 
 /// A path as a shell takes it back, for commands that a message suggests.
@@ -47,4 +54,21 @@ pub fn output_file(out: &Path) -> Result<(PathBuf, String), Failure> {
         return Err(Failure::CannotCreate(message));
     }
     Ok((directory, name.to_owned()))
+}
+
+/// A number of things, in words.
+pub fn counted(count: u128, one: &str, many: &str) -> String {
+    format!("{} {}", HumanCount128(count), if count == 1 { one } else { many })
+}
+
+/// A count of any size with separators.
+pub struct HumanCount128(pub u128);
+
+impl fmt::Display for HumanCount128 {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match u64::try_from(self.0) {
+            Ok(count) => HumanCount(count).fmt(f),
+            Err(_) => self.0.fmt(f),
+        }
+    }
 }

@@ -3,14 +3,13 @@
 use serde_json::{Value, json};
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::flexible_disc::linear_stability::{DegreeOfFreedom, LinearStability};
-use stickslip_core::parameters::Parameters;
-use stickslip_core::parameters::SCALARS;
+use stickslip_core::parameters::{ParameterError, Parameters, SCALARS};
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
-use crate::job::unknown_parameter;
-use crate::output::result;
+use crate::job::{plausibility, unknown_parameter};
+use crate::output::{result, warn};
 
 /// `stickslip analyse`.
 pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
@@ -175,23 +174,36 @@ fn finite(value: f64) -> String {
     }
 }
 
-/// The preset with `KEY=VALUE` changes.
+/// The preset with `KEY=VALUE` changes; warns of values that are not plausible.
 pub(super) fn brake(changes: &[String]) -> Result<PadOnDisc, Failure> {
     let mut parameters = Parameters::sui_ding_2018();
+    let mut changed: Vec<(&str, &str)> = Vec::new();
     for change in changes {
+        let refused = |message: String| Failure::Usage(format!("--set {change}: {message}"));
         let Some((key, value)) = change.split_once('=') else {
-            let message = format!("--set {change}: write KEY=VALUE, for example friction.static_coefficient=0.45");
-            return Err(Failure::Usage(message));
+            return Err(refused("write KEY=VALUE, for example friction.static_coefficient=0.45".to_owned()));
         };
         let (key, value) = (key.trim(), value.trim());
-        let number: f64 =
-            value.parse().map_err(|_| Failure::Usage(format!("--set {key}={value}: {value:?} is not a number")))?;
+        if let Some((_, before)) = changed.iter().find(|(other, _)| *other == key) {
+            return Err(refused(format!("{key} is set a second time, after {key}={before}; leave one of the two out")));
+        }
+        changed.push((key, value));
+        let number: f64 = value.parse().map_err(|_| refused(not_a_number(value)))?;
         parameters.set(key, number).map_err(|error| match error {
-            stickslip_core::parameters::ParameterError::Unknown { .. } => {
-                Failure::Usage(format!("--set {change}: {}", unknown_parameter(key)))
-            }
-            other => Failure::Usage(format!("--set {change}: {other}")),
+            ParameterError::Unknown { .. } => refused(unknown_parameter(key, false)),
+            other => refused(format!("{other}{}", plausibility::hint(key, number, &parameters))),
         })?;
     }
-    PadOnDisc::new(parameters).map_err(|error| Failure::Usage(format!("--set: {error}")))
+    let brake = PadOnDisc::new(parameters).map_err(|error| Failure::Usage(format!("--set: {error}")))?;
+    warn(plausibility::of_parameters(brake.parameters()));
+    Ok(brake)
+}
+
+/// What is wrong with the value of a parameter that cannot be read.
+fn not_a_number(value: &str) -> String {
+    let with_point = value.replacen(',', ".", 1);
+    match with_point.parse::<f64>() {
+        Ok(_) => format!("{value} has a decimal comma; write {with_point}"),
+        Err(_) => format!("{value:?} is not a number"),
+    }
 }

@@ -8,7 +8,7 @@ use crate::cli::CheckArguments;
 use crate::evaluate::evaluator::Evaluator;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
-use crate::output::result;
+use crate::output::{counted, result, warn};
 
 /// How long the cost of a sample is measured.
 const TRIAL: Duration = Duration::from_millis(30);
@@ -18,10 +18,9 @@ const TRIAL_OF_MAPS: Duration = Duration::from_secs(1);
 
 /// `stickslip check`.
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
-    let job = JobSource::read(&arguments.job)?.job()?;
-    job.warn_of_few_modes();
-    job.warn_of_validity();
-    job.warn_of_missing_scatter();
+    let source = JobSource::read(&arguments.job)?;
+    let job = source.job()?;
+    warn(job.warnings());
     let threads = arguments.threads.count();
     let lengths = job.grid.lengths();
     let work = match (job.uses_maps(), job.is_integrated()) {
@@ -32,18 +31,13 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     result(&format!(
         "{}\n# {} is valid.\n# {}: {} x {} x {} x {}\n{work}",
         job.normalised(),
-        arguments.job.display(),
-        counted(job.cells(), "cell", "cells"),
-        counted(lengths[0], "rotating speed", "rotating speeds"),
-        counted(lengths[1], "standard deviation", "standard deviations"),
-        counted(lengths[2], "preload", "preloads"),
-        counted(lengths[3], "static friction coefficient", "static friction coefficients"),
+        source.path.display(),
+        counted(job.cells().into(), "cell", "cells"),
+        counted(lengths[0].into(), "rotating speed", "rotating speeds"),
+        counted(lengths[1].into(), "standard deviation", "standard deviations"),
+        counted(lengths[2].into(), "preload", "preloads"),
+        counted(lengths[3].into(), "static friction coefficient", "static friction coefficients"),
     ))
-}
-
-/// A number of things, in words.
-fn counted(count: u64, one: &str, many: &str) -> String {
-    format!("{} {}", HumanCount(count), if count == 1 { one } else { many })
 }
 
 /// What samples cost that are judged one by one.
@@ -51,8 +45,9 @@ fn cost_of_samples(job: &Job, rate: f64, threads: usize) -> String {
     let cost = duration(job.total_samples() as f64 / rate / threads as f64);
     let at_most = if job.stops_by_precision() { "at most " } else { "" };
     format!(
-        "# {at_most}{} samples, {at_most}about {cost} on {threads} threads ({} samples/s on one, measured now)\n",
-        job.total_samples(),
+        "# {at_most}{}, {at_most}about {cost} on {} ({} samples/s on one, measured now)\n",
+        counted(job.total_samples(), "sample", "samples"),
+        counted(threads as u128, "thread", "threads"),
         HumanCount(rate as u64),
     )
 }
@@ -71,14 +66,16 @@ fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
         unfinished => ("at least", format!(", {} of which took too long to finish", HumanCount(unfinished))),
     };
     let map = format!(
-        "{about} {} simulations for the verdict map of {} tiles (measured on {} of them{unfinished}), {about} {} on {threads} threads",
-        HumanCount(simulations),
-        HumanCount(tiles),
+        "{about} {} for the verdict map of {} (measured on {} of them{unfinished}), {about} {} on {}",
+        counted(simulations.into(), "simulation", "simulations"),
+        counted(tiles.into(), "tile", "tiles"),
         HumanCount(trial.tiles),
         duration(trial.seconds * share / threads as f64),
+        counted(threads as u128, "thread", "threads"),
     );
+    let audit = counted(job.audited_samples(), "simulation", "simulations");
     if job.is_integrated() {
-        return Ok(format!("# no samples; {map}\n# {} simulations for its audit\n", job.audited_samples()));
+        return Ok(format!("# no samples; {map}\n# {audit} for its audit\n"));
     }
     let is_given_up = evaluator.maps().are_too_costly(cost);
     let what_it_does = match (is_given_up, trial.unfinished) {
@@ -92,11 +89,10 @@ fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
     let rate = samples_per_second(job)?;
     let is_faster = !is_given_up && job.verdicts_of_samples() as f64 / rate < trial.seconds * share;
     let hint = if is_faster { "; but evaluate = \"each\" takes less time for this job" } else { "" };
-    let samples = job.verdicts_of_samples();
     Ok(format!(
-        "# {map}\n# {} simulations for its audit\n{}# each sample by itself takes {samples} simulations; {what_it_does}{hint}\n",
-        job.audited_samples(),
-        cost_of_samples(job, rate, threads)
+        "# {map}\n# {audit} for its audit\n{}# each sample by itself takes {}; {what_it_does}{hint}\n",
+        cost_of_samples(job, rate, threads),
+        counted(job.verdicts_of_samples(), "simulation", "simulations"),
     ))
 }
 

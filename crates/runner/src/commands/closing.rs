@@ -7,7 +7,7 @@ use indicatif::HumanCount;
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::job::{Job, OutsidePhysics};
-use crate::output::result;
+use crate::output::{counted, result};
 use crate::picture::picture;
 use crate::store::directory::RunDirectory;
 use crate::tables::row::SurfaceRow;
@@ -99,15 +99,19 @@ fn without_verdict(surface: &Surface<'_>) -> String {
     match (undecided, failed) {
         (0, 0) => String::new(),
         _ => format!(
-            "{} samples undecided, {} failed; p_low and p_high count them for either side\n",
-            HumanCount(undecided),
+            "{} undecided, {} failed; p_low and p_high count them for either side\n",
+            count_of_samples(undecided.into()),
             HumanCount(failed)
         ),
     }
 }
 
+fn count_of_samples(count: u128) -> String {
+    counted(count, "sample", "samples")
+}
+
 fn closing_line(path: &Path, job: &Job, surface: &Surface<'_>) -> String {
-    let cells = HumanCount(job.cells());
+    let cells = counted(job.cells().into(), "cell", "cells");
     if job.is_integrated() {
         let error = |row: SurfaceRow| 0.5 * (row.estimate.high - row.estimate.low) - row.unaudited.unwrap_or(0.0);
         let widest = surface.rows().map(error).fold(0.0, f64::max);
@@ -117,25 +121,13 @@ fn closing_line(path: &Path, job: &Job, surface: &Surface<'_>) -> String {
         } else {
             String::new()
         };
-        return format!("{}: {cells} cells, integrated, error at most {widest:.1e}{undecided}\n", path.display());
+        return format!("{}: {cells}, integrated, error at most {widest:.1e}{undecided}\n", path.display());
     }
     let samples = if job.stops_by_precision() {
-        let counted: u128 = surface.rows().map(|row| u128::from(row.counts.total())).sum();
-        format!("{} samples in all, at most {} each", HumanCount128(counted), HumanCount(job.sampling.samples))
+        let drawn: u128 = surface.rows().map(|row| u128::from(row.counts.total())).sum();
+        format!("{} in all, at most {} each", count_of_samples(drawn), HumanCount(job.sampling.samples))
     } else {
-        format!("{} samples each", HumanCount(job.sampling.samples))
+        format!("{} each", count_of_samples(job.sampling.samples.into()))
     };
-    format!("{}: {cells} cells, {samples}, seed {}\n", path.display(), job.sampling.seed)
-}
-
-/// A count of any size with separators.
-pub struct HumanCount128(pub u128);
-
-impl std::fmt::Display for HumanCount128 {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match u64::try_from(self.0) {
-            Ok(count) => HumanCount(count).fmt(f),
-            Err(_) => self.0.fmt(f),
-        }
-    }
+    format!("{}: {cells}, {samples}, seed {}\n", path.display(), job.sampling.seed)
 }

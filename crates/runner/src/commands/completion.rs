@@ -6,14 +6,13 @@ use std::time::Instant;
 use indicatif::HumanCount;
 
 use super::adoption::adopt;
-use super::closing::HumanCount128;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
-use crate::output::{note, quoted};
+use crate::output::{HumanCount128, note, quoted};
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::plan::{Plan, Shard};
 use crate::schedule::progress::Progress;

@@ -3,16 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use super::adoption::{Standing, adopt};
-use super::closing::{HumanCount128, report};
+use super::closing::report;
 use super::completion::{Work, compute};
 use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
-use crate::output::{note, quoted};
+use crate::output::{HumanCount128, counted, note, quoted, warn};
+use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::{Access, RunDirectory};
 use crate::store::provenance::Session;
+use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
 
 /// `stickslip submit`.
@@ -20,14 +22,13 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
-    job.warn_of_few_modes();
-    job.warn_of_validity();
-    job.warn_of_missing_scatter();
+    warn(job.warnings());
     if let (Some(shard), true) = (arguments.shard, job.is_integrated()) {
         let message =
             format!("--shard {shard}: method = \"exact\" draws no samples that could be shared out; submit it without");
         return Err(Failure::Usage(message));
     }
+    warn(arguments.shard.and_then(|shard| shards_beyond_work(shard, &job)));
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
     let access = if arguments.shard.is_some() { Access::Shared } else { Access::Alone };
@@ -79,6 +80,23 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let work = Work { threads: arguments.threads.count(), shard: None, maps, command: "resume" };
     let run = compute(directory, job, tally, &work, interrupt)?;
     report(&run.directory, &run.job, &run.surface())
+}
+
+/// A warning that a job has not enough work for so many shards.
+fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
+    let parts = Parts::new(job);
+    let (work, what) = if parts.are_decided_in_turn() {
+        (job.cells(), counted(job.cells().into(), "cell", "cells"))
+    } else {
+        let units = Plan::new(&Tally::new(parts.count()), &parts, job.unit_samples(), None).units();
+        (units, counted(units.into(), "unit of work", "units of work"))
+    };
+    (shard.count() > work).then(|| {
+        format!(
+            "--shard {shard}: the job has only {what} to share, so that {} have nothing to compute",
+            counted((shard.count() - work).into(), "shard", "shards")
+        )
+    })
 }
 
 /// The maps of the runs named with `--map`.

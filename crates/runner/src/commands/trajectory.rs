@@ -16,7 +16,8 @@ use super::analyse::brake;
 use crate::cli::{AllotmentArgument, DiscArgument, TrajectoryArguments};
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
-use crate::output::{note, output_file, result};
+use crate::job::plausibility;
+use crate::output::{note, output_file, result, warn};
 use crate::picture::curves;
 
 /// Scaled time that a trajectory follows unless told otherwise: some 150 cycles of the pad.
@@ -42,6 +43,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         ..TimeDomainSettings::default()
     };
     settings.validate().map_err(|error| Failure::Usage(format!("--{error}")))?;
+    warn(plausibility::of_displacement("--displacement", settings.displacement));
     for (option, given, disc) in [
         ("--disc-modes", arguments.disc_modes.is_some(), DiscArgument::Flexible),
         ("--grid", arguments.grid.is_some(), DiscArgument::FiniteDifference),

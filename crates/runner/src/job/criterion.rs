@@ -1,5 +1,7 @@
 //! The criterion of a job: its settings, checked, and what decides samples by them.
 
+use std::ops::Range;
+
 use stickslip_core::criterion::time_domain::{DiscModel, Start, TimeDomain, TimeDomainSettings};
 use stickslip_core::flexible_disc::brake::DISC_MODES;
 use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
@@ -10,7 +12,7 @@ use stickslip_sampler::grid::Grid;
 use toml::Spanned;
 
 use super::criterion_spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record, StartKind};
-use super::diagnosis::Complaint;
+use super::diagnosis::{Complaint, Complaints};
 
 /// What decides whether a sample is stable.
 #[derive(Debug, Clone)]
@@ -26,7 +28,7 @@ pub enum Criterion {
     TimeDomain {
         /// The disc.
         disc: DiscModel,
-        /// How it is followed.
+        /// How it is simulated.
         settings: TimeDomainSettings,
     },
 }
@@ -42,21 +44,37 @@ impl From<StartKind> for Start {
 }
 
 impl Criterion {
-    /// Checks every key, and that the model has modes and an equilibrium where the job needs them.
-    pub fn validate(spec: &CriterionSpec, parameters: &Parameters, grid: &Grid) -> Result<Self, Complaint> {
-        spec.refuse_foreign_keys()?;
+    /// Checks every key, and that the model has modes and an equilibrium where the job needs them. `None` if anything is
+    /// refused, or without a model.
+    pub fn validate(
+        spec: &Spanned<CriterionSpec>,
+        model: Option<(&Parameters, &Grid)>,
+        complaints: &mut Complaints,
+    ) -> Option<Self> {
+        let before = complaints.len();
+        let (span, spec) = (spec.span(), spec.get_ref());
+        let Some(kind) = spec.kind.as_ref().map(|kind| *kind.get_ref()) else {
+            let message = "missing key `kind` in [criterion]: write kind = \"eigenvalue\", \"coupled-eigenvalue\" or \"time-domain\"";
+            complaints.push(Complaint::missing("kind", Some(span), message));
+            return None;
+        };
+        spec.refuse_foreign_keys(kind, complaints);
+        let settings = spec.settings(complaints);
+        if complaints.len() > before || complaints.has_unread(&["criterion"]) {
+            return None;
+        }
+        let (parameters, grid) = model?;
         let disc = spec.disc.as_ref().map_or(DiscKind::Flexible, |disc| *disc.get_ref());
         let modes = match spec.disc_modes.as_ref().map(Spanned::get_ref) {
             Some(ModesSpec::Given(modes)) => *modes,
-            _ if spec.kind == CriterionKind::Eigenvalue || disc == DiscKind::Rigid => DISC_MODES,
+            _ if kind == CriterionKind::Eigenvalue || disc == DiscKind::Rigid => DISC_MODES,
             // A disc without modes or equilibrium is refused below, with any number.
             _ => enough_modes(parameters, grid).unwrap_or(DISC_MODES),
         };
-        let criterion = match spec.kind {
+        let criterion = match kind {
             CriterionKind::Eigenvalue => Self::Eigenvalue,
             CriterionKind::CoupledEigenvalue => Self::CoupledEigenvalue { modes },
             CriterionKind::TimeDomain => {
-                let settings = spec.settings()?;
                 let disc = match disc {
                     DiscKind::Rigid => DiscModel::Rigid,
                     DiscKind::Flexible => DiscModel::Flexible { modes },
@@ -64,8 +82,7 @@ impl Criterion {
                 Self::TimeDomain { disc, settings }
             }
         };
-        criterion.check_model(spec, parameters, grid)?;
-        Ok(criterion)
+        complaints.take(criterion.check_model(spec, parameters, grid)).map(|()| criterion)
     }
 
     /// Builds the model at the slowest and the fastest speed, and looks for its equilibrium at the largest inputs.
@@ -105,7 +122,7 @@ impl Criterion {
                 FlexibleError::Settings(_) => spec.horizon.as_ref().map(Spanned::span),
                 _ => None,
             };
-            Complaint { span, message: format!("criterion: {error}") }
+            Complaint::maybe_at(span, format!("criterion: {error}"))
         })
     }
 
@@ -197,16 +214,13 @@ fn enough_modes(parameters: &Parameters, grid: &Grid) -> Result<usize, FlexibleE
 
 impl CriterionSpec {
     /// Refuses keys that the kind of criterion has no use for.
-    fn refuse_foreign_keys(&self) -> Result<(), Complaint> {
-        let in_time = self.kind == CriterionKind::TimeDomain;
+    fn refuse_foreign_keys(&self, kind: CriterionKind, complaints: &mut Complaints) {
+        let in_time = kind == CriterionKind::TimeDomain;
+        let has_disc = kind != CriterionKind::Eigenvalue;
         let rigid = self.disc.as_ref().is_some_and(|disc| *disc.get_ref() == DiscKind::Rigid);
         let keys = [
             ("disc", self.disc.as_ref().map(Spanned::span), in_time),
-            (
-                "disc_modes",
-                self.disc_modes.as_ref().map(Spanned::span),
-                self.kind != CriterionKind::Eigenvalue && !rigid,
-            ),
+            ("disc_modes", self.disc_modes.as_ref().map(Spanned::span), has_disc && !rigid),
             ("start", self.start.as_ref().map(Spanned::span), in_time),
             ("displacement", self.displacement.as_ref().map(Spanned::span), in_time),
             ("horizon", self.horizon.as_ref().map(Spanned::span), in_time),
@@ -214,43 +228,43 @@ impl CriterionSpec {
             ("record", self.record.as_ref().map(Spanned::span), in_time),
         ];
         for (key, span, allowed) in keys {
-            if let (Some(span), false) = (span, allowed) {
-                let message = if key == "disc_modes" && rigid {
+            let (Some(span), false) = (span, allowed) else { continue };
+            let message = match key {
+                "disc_modes" if rigid && has_disc => {
                     "criterion.disc_modes has no meaning with disc = \"rigid\"; remove it".to_owned()
-                } else if key == "disc_modes" {
-                    "criterion.disc_modes belongs to kind = \"time-domain\" or \"coupled-eigenvalue\"; remove it, or change the kind".to_owned()
-                } else {
-                    format!("criterion.{key} belongs to kind = \"time-domain\"; remove it, or change the kind")
-                };
-                return Err(Complaint::at(span, message));
-            }
+                }
+                "disc_modes" => "criterion.disc_modes belongs to kind = \"time-domain\" or \"coupled-eigenvalue\"; remove it, or change the kind".to_owned(),
+                _ => format!("criterion.{key} belongs to kind = \"time-domain\"; remove it, or change the kind"),
+            };
+            complaints.push(Complaint::at(span, message));
         }
-        Ok(())
     }
 
-    /// The settings of the simulation in time.
-    fn settings(&self) -> Result<TimeDomainSettings, Complaint> {
+    /// The settings of the simulation in time; each value that is refused is complained about.
+    fn settings(&self, complaints: &mut Complaints) -> TimeDomainSettings {
         let default = TimeDomainSettings::default();
-        let value =
-            |given: &Option<Spanned<f64>>, default: f64| given.as_ref().map_or(default, |value| *value.get_ref());
-        let settings = TimeDomainSettings {
+        let mut settings = TimeDomainSettings {
             start: self.start.as_ref().map_or(default.start, |start| (*start.get_ref()).into()),
-            displacement: value(&self.displacement, default.displacement),
-            horizon: value(&self.horizon, default.horizon),
-            amplitude_index: self.index.as_ref().map(|index| index.get_ref().amplitude),
             record_amplitude: self.record.as_ref().is_some_and(|record| record.get_ref().contains(&Record::Amplitude)),
+            ..default
         };
-        settings.validate().map_err(|error| {
-            let stickslip_core::criterion::time_domain::SettingsError::OutOfRange { key, .. } = &error else {
-                return Complaint { span: None, message: format!("criterion.{error}") };
-            };
-            let span = match *key {
-                "displacement" => self.displacement.as_ref().map(Spanned::span),
-                "horizon" => self.horizon.as_ref().map(Spanned::span),
-                _ => self.index.as_ref().map(Spanned::span),
-            };
-            Complaint { span, message: format!("criterion.{error}") }
-        })?;
-        Ok(settings)
+        let mut check = |span: Range<usize>, change: &dyn Fn(&mut TimeDomainSettings)| {
+            let mut alone = default;
+            change(&mut alone);
+            match alone.validate() {
+                Ok(()) => change(&mut settings),
+                Err(error) => complaints.push(Complaint::at(span, format!("criterion.{error}"))),
+            }
+        };
+        if let Some(displacement) = &self.displacement {
+            check(displacement.span(), &|settings| settings.displacement = *displacement.get_ref());
+        }
+        if let Some(horizon) = &self.horizon {
+            check(horizon.span(), &|settings| settings.horizon = *horizon.get_ref());
+        }
+        if let Some(index) = &self.index {
+            check(index.span(), &|settings| settings.amplitude_index = Some(index.get_ref().amplitude));
+        }
+        settings
     }
 }

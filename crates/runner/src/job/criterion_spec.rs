@@ -16,21 +16,22 @@ use toml::Spanned;
 #[serde(deny_unknown_fields)]
 pub struct CriterionSpec {
     /// How a sample is decided.
-    pub kind: CriterionKind,
-    /// The disc under the pad; "flexible" unless told.
+    #[schemars(with = "CriterionKind")]
+    pub kind: Option<Spanned<CriterionKind>>,
+    /// The disc under the pad; by default "flexible".
     #[schemars(with = "Option<DiscKind>")]
     pub disc: Option<Spanned<DiscKind>>,
-    /// How many modes of the flexible disc are kept, those of lowest frequency; "auto" unless told: as many as the growth
+    /// How many modes of the flexible disc are kept, those of lowest frequency; by default "auto": as many as the growth
     /// rates of the job need.
     #[schemars(with = "Option<ModesSpec>")]
     pub disc_modes: Option<Spanned<ModesSpec>>,
-    /// Where a motion starts; "near-equilibrium" unless told.
+    /// Where a motion starts; by default "near-equilibrium".
     #[schemars(with = "Option<StartKind>")]
     pub start: Option<Spanned<StartKind>>,
-    /// Displacement of a start near the equilibrium, over the equilibrium's own; 0.01 unless told.
+    /// Displacement of a start near the equilibrium, over the equilibrium's own; by default 0.01.
     #[schemars(with = "Option<f64>")]
     pub displacement: Option<Spanned<f64>>,
-    /// Scaled time after which a sample is undecided; 10000 unless told.
+    /// Scaled time after which a sample is undecided; by default 10000.
     #[schemars(with = "Option<f64>")]
     pub horizon: Option<Spanned<f64>>,
     /// The paper's index: unstable where the settled amplitude exceeds a limit. Without it the motion itself decides.
@@ -114,7 +115,7 @@ pub enum CriterionKind {
     Eigenvalue,
     /// The eigenvalues of pad and flexible disc together.
     CoupledEigenvalue,
-    /// The motion itself, followed in time.
+    /// The motion itself, simulated in time.
     TimeDomain,
 }
 
@@ -122,9 +123,9 @@ pub enum CriterionKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DiscKind {
-    /// It yields: modes of an annular plate.
+    /// An elastic annular plate, by its modes.
     Flexible,
-    /// It does not.
+    /// A rigid disc.
     Rigid,
 }
 
@@ -132,11 +133,11 @@ pub enum DiscKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum StartKind {
-    /// At steady sliding, displaced a little: does it hold?
+    /// At steady sliding, displaced a little: does steady sliding hold?
     NearEquilibrium,
-    /// At x = x' = 0, the brake just applied: does it squeal?
+    /// At x = x' = 0, as the brake is applied: does it squeal?
     Rest,
-    /// At the release from stick: does stick-slip keep itself going?
+    /// At the release from stick: does stick-slip sustain itself?
     LimitCycle,
 }
 

@@ -1,56 +1,93 @@
-//! What is wrong with a job spec, said with file, line, key and what would be right.
+//! What is wrong with a job spec, with file, line, key and what would be right.
 
 use std::ops::Range;
 use std::path::Path;
 
-/// A complaint about a piece of the spec's text.
+use super::keys::nearest;
+
+/// A complaint about a place in the spec's text.
 #[derive(Debug)]
 pub struct Complaint {
     /// Where in the text, if it can be said.
-    pub span: Option<Range<usize>>,
+    span: Option<Range<usize>>,
     /// What is wrong and what would be right.
-    pub message: String,
+    message: String,
+    /// A second place that the message speaks of.
+    other: Option<Range<usize>>,
+    /// The key that is missing, if that is what is wrong.
+    missing: Option<&'static str>,
 }
 
 impl Complaint {
     /// A complaint about the text at `span`.
     pub fn at(span: Range<usize>, message: impl Into<String>) -> Self {
-        Self { span: Some(span), message: message.into() }
+        Self::maybe_at(Some(span), message)
     }
 
-    /// From the TOML parser, in words for people who do not know Rust, with a suggestion for a misspelt name.
-    pub fn from_parser(error: &toml::de::Error) -> Self {
-        let mut message = plain_words(error.message());
-        if let Some((wrong, candidates)) = unknown_name(error.message())
-            && let Some(right) = nearest(wrong, candidates.iter().copied())
-        {
-            message = format!("{message}; did you mean `{right}`?");
-        }
-        Self { span: error.span(), message }
+    /// A complaint about the text at `span`, or about the whole.
+    pub fn maybe_at(span: Option<Range<usize>>, message: impl Into<String>) -> Self {
+        Self { span, message: message.into(), other: None, missing: None }
+    }
+
+    /// A complaint that `key` is missing, about the table at `span`.
+    pub fn missing(key: &'static str, span: Option<Range<usize>>, message: impl Into<String>) -> Self {
+        Self { missing: Some(key), ..Self::maybe_at(span, message) }
+    }
+
+    /// The same with a second place that it speaks of.
+    pub fn and_at(self, span: Range<usize>) -> Self {
+        Self { other: Some(span), ..self }
     }
 
     /// The full message: position, words, and the line itself with the place marked.
-    pub fn render(&self, path: &Path, text: &str) -> String {
-        let Some(span) = self.span.clone().filter(|span| span.start <= text.len()) else {
+    fn render(&self, path: &Path, text: &str) -> String {
+        let Some(place) = self.span.clone().and_then(|span| Place::of(span, text)) else {
             return format!("{}: {}", path.display(), self.message);
         };
+        let mut rendered =
+            format!("{}:{}:{}: {}{}", path.display(), place.line, place.column + 1, self.message, place.excerpt());
+        if let Some(other) = self.other.clone().and_then(|span| Place::of(span, text)) {
+            rendered +=
+                &format!("\n{}:{}:{}: and here{}", path.display(), other.line, other.column + 1, other.excerpt());
+        }
+        rendered
+    }
+}
+
+/// A place in a text, for people.
+struct Place<'a> {
+    line: usize,
+    /// Characters before it in its line.
+    column: usize,
+    /// Characters of it.
+    width: usize,
+    text: &'a str,
+}
+
+impl<'a> Place<'a> {
+    /// Of a span, if it lies in the text.
+    fn of(span: Range<usize>, text: &'a str) -> Option<Self> {
+        if span.start > text.len() {
+            return None;
+        }
         let before = &text[..floor_char_boundary(text, span.start)];
-        let line_number = before.matches('\n').count() + 1;
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        let line = text[line_start..].lines().next().unwrap_or("");
-        let column = before[line_start..].chars().count();
-        let end = floor_char_boundary(text, span.end.min(line_start + line.len()).max(before.len()));
-        let width = text[before.len()..end].chars().count().max(1);
-        let gutter = line_number.to_string();
+        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let line = text[start..].lines().next().unwrap_or("");
+        let end = floor_char_boundary(text, span.end.min(start + line.len()).max(before.len()));
+        Some(Self {
+            line: before.matches('\n').count() + 1,
+            column: before[start..].chars().count(),
+            width: text[before.len()..end].chars().count().max(1),
+            text: line,
+        })
+    }
+
+    /// The line with the place marked, on lines of its own.
+    fn excerpt(&self) -> String {
+        let gutter = self.line.to_string();
         let margin = " ".repeat(gutter.len());
-        format!(
-            "{}:{line_number}:{}: {}\n  {margin} |\n  {gutter} | {line}\n  {margin} | {}{}",
-            path.display(),
-            column + 1,
-            self.message,
-            " ".repeat(column),
-            "^".repeat(width),
-        )
+        let (gap, mark) = (" ".repeat(self.column), "^".repeat(self.width));
+        format!("\n  {margin} |\n  {gutter} | {}\n  {margin} | {gap}{mark}", self.text)
     }
 }
 
@@ -62,33 +99,55 @@ fn floor_char_boundary(text: &str, mut index: usize) -> usize {
     index
 }
 
-/// Serde names Rust types in its messages.
-fn plain_words(message: &str) -> String {
-    message
-        .replace("expected f64", "expected a number")
-        .replace("expected u64", "expected a whole number, for example 10_000")
-        .replace("expected u32", "expected a whole number, for example 30")
-        .replace("expected usize", "expected a whole number, for example 5")
-        .replace("expected struct IndexSpec", "expected a table, for example { amplitude = 0.002 }")
-        .replace("expected a sequence", "expected a list")
-        .replace("unknown field", "unknown key")
-        .replace("missing field", "missing key")
-        .replace("unknown variant", "unknown value")
-        .replace("invalid type: map", "invalid type: table")
+/// Everything that is wrong with a job spec.
+#[derive(Debug, Default)]
+pub struct Complaints {
+    list: Vec<Complaint>,
+    /// Paths of the keys that could not be read. A complaint that one of them is missing would mislead.
+    unread: Vec<Vec<String>>,
 }
 
-/// The offending name and the admissible ones, from serde's "unknown field `x`, expected one of `a`, `b`".
-fn unknown_name(message: &str) -> Option<(&str, Vec<&str>)> {
-    if !message.starts_with("unknown field") && !message.starts_with("unknown variant") {
-        return None;
+impl Complaints {
+    /// Adds a complaint, unless it says that a key is missing which is there but could not be read.
+    pub fn push(&mut self, complaint: Complaint) {
+        let is_unread = |key: &str| {
+            let names = self.unread.iter().filter_map(|path| path.last()).map(String::as_str);
+            nearest(key, names).is_some()
+        };
+        if !complaint.missing.is_some_and(is_unread) {
+            self.list.push(complaint);
+        }
     }
-    let mut names = message.split('`').skip(1).step_by(2);
-    let wrong = names.next()?;
-    Some((wrong, names.collect()))
-}
 
-/// The candidate that `wrong` is most likely a misspelling of, if any is near enough.
-pub fn nearest<'a>(wrong: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let scored = candidates.into_iter().map(|candidate| (strsim::jaro_winkler(wrong, candidate), candidate));
-    scored.filter(|(score, _)| *score >= 0.8).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, candidate)| candidate)
+    /// Adds the complaint of a check, if it has one.
+    pub fn push_some(&mut self, complaint: Option<Complaint>) {
+        complaint.into_iter().for_each(|complaint| self.push(complaint));
+    }
+
+    /// Adds the complaint of a check, or gives its result.
+    pub fn take<T>(&mut self, checked: Result<T, Complaint>) -> Option<T> {
+        checked.map_err(|complaint| self.push(complaint)).ok()
+    }
+
+    /// Notes that the entry at this path could not be read.
+    pub fn note_unread(&mut self, path: Vec<String>) {
+        self.unread.push(path);
+    }
+
+    /// Whether an entry at this path or below it could not be read.
+    pub fn has_unread(&self, path: &[&str]) -> bool {
+        self.unread.iter().any(|unread| unread.len() >= path.len() && path.iter().zip(unread).all(|(a, b)| a == b))
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// All of them, in the order of the text.
+    pub fn render(mut self, path: &Path, text: &str) -> String {
+        self.list.sort_by_key(|complaint| complaint.span.as_ref().map_or(usize::MAX, |span| span.start));
+        let rendered: Vec<String> = self.list.iter().map(|complaint| complaint.render(path, text)).collect();
+        rendered.join("\n")
+    }
 }

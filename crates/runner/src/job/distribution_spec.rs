@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer};
 use serde_json::json;
 use stickslip_sampler::inputs::Marginal;
 
-use super::diagnosis::nearest;
+use super::keys::nearest;
 
 /// Distributions that are written as a name.
 const NAMES: [&str; 6] = ["normal", "lognormal", "uniform", "weibull", "gumbel", "triangular"];

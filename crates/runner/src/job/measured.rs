@@ -6,7 +6,7 @@ use std::path::Path;
 use csv::{ErrorKind, ReaderBuilder, Trim};
 use stickslip_sampler::inputs::{Empirical, EmpiricalError};
 
-use super::diagnosis::nearest;
+use super::keys::nearest;
 
 /// Values at the most. All of them stand in the frozen job and in the footer of its result.
 const MOST_VALUES: usize = 100_000;

@@ -1,6 +1,7 @@
 //! Job specs: what a user writes, checked and made into what the engine runs.
 
 mod diagnosis;
+mod keys;
 
 mod criterion_spec;
 mod distribution_spec;
@@ -8,15 +9,20 @@ mod random_spec;
 mod sampling_spec;
 mod spec;
 
+mod reading;
+
 mod measured;
 mod random_input;
 mod scatter;
 
 mod criterion;
+mod model;
+pub mod plausibility;
 mod random;
 mod sampling;
 mod sampling_checks;
 mod validated;
+mod validation;
 
 mod identity;
 mod normalised;
@@ -25,9 +31,10 @@ mod source;
 pub use criterion::Criterion;
 pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use identity::IDENTITY_VERSION;
+pub use keys::unknown_parameter;
 pub use random_input::RandomInput;
 pub use sampling::Effort;
 pub use sampling_spec::{Audit, EvaluateMode, SamplingMethod};
 pub use source::{JobSource, Overrides};
 pub use spec::JobSpec;
-pub use validated::{Job, unknown_parameter};
+pub use validated::Job;

@@ -7,7 +7,7 @@ use stickslip_sampler::grid::{Grid, RelativeStd};
 use stickslip_sampler::inputs::{Correlation, CorrelationError, Marginal, MarginalError};
 use toml::Spanned;
 
-use super::diagnosis::Complaint;
+use super::diagnosis::{Complaint, Complaints};
 use super::distribution_spec::{DistributionSpec, MarginalSpec};
 use super::measured;
 use super::random_input::{RandomInput, position};
@@ -30,19 +30,33 @@ pub struct RandomInputSet {
 }
 
 impl RandomInputSet {
-    /// Checks every key but what depends on expected values, see [`RandomInputSet::check_expected`].
+    /// Checks every key but what depends on expected values, see [`RandomInputSet::check_expected`]. `None` if any is
+    /// refused.
     ///
     /// Files of measured values are sought in `folder`.
-    pub fn validate(random: &RandomSpec, folder: &Path) -> Result<Self, Complaint> {
-        let inputs = validate_inputs(random)?;
-        let marginals = validate_distributions(random, &inputs, folder)?;
-        let relative_stds = validate_stds(random, &inputs, &marginals)?;
-        let pairs = validate_pairs(random, &inputs)?;
-        let correlation = Correlation::new(inputs.len(), &pairs).map_err(|error| Complaint {
-            span: random.correlation.as_ref().map(Spanned::span),
-            message: format!("random.correlation: {}", named(&error, &inputs)),
-        })?;
-        Ok(Self { inputs, marginals, pairs, correlation, relative_stds })
+    pub fn validate(random: &RandomSpec, folder: &Path, complaints: &mut Complaints) -> Option<Self> {
+        let before = complaints.len();
+        let inputs = validate_inputs(random, complaints)?;
+        let marginals = validate_distributions(random, &inputs, folder, complaints);
+        let relative_stds =
+            marginals.as_ref().and_then(|marginals| complaints.take(validate_stds(random, &inputs, marginals)));
+        let pairs = validate_pairs(random, &inputs, complaints);
+        let correlation = pairs.as_ref().and_then(|pairs| {
+            complaints.take(Correlation::new(inputs.len(), pairs).map_err(|error| {
+                let span = random.correlation.as_ref().map(Spanned::span);
+                Complaint::maybe_at(span, format!("random.correlation: {}", named(&error, &inputs)))
+            }))
+        });
+        if complaints.len() > before || complaints.has_unread(&["random"]) {
+            return None;
+        }
+        Some(Self {
+            inputs,
+            marginals: marginals?,
+            pairs: pairs?,
+            correlation: correlation?,
+            relative_stds: relative_stds?,
+        })
     }
 
     /// The relative standard deviations of preload and static friction, as the grid has them.
@@ -73,27 +87,32 @@ impl RandomInputSet {
     }
 
     /// Checks distributions that not every expected value allows.
-    pub fn check_expected(&self, random: &RandomSpec, parameters: &Parameters, grid: &Grid) -> Result<(), Complaint> {
+    pub fn check_expected(
+        &self,
+        random: &RandomSpec,
+        parameters: &Parameters,
+        grid: &Grid,
+        complaints: &mut Complaints,
+    ) {
         for (i, (input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {
             let (expected, _) = input.all_expected(parameters, grid);
-            for stds in &self.relative_stds {
-                let check = |&value: &f64| match marginal {
-                    // It may stand for any expected value: where that is zero, it does not scatter.
-                    Marginal::Normal => marginal.check_scatter(stds[i]),
-                    _ => marginal.check(value, stds[i]),
+            let check = |stds: &Vec<f64>, value: f64| match marginal {
+                // It may stand for any expected value: where that is zero, it does not scatter.
+                Marginal::Normal => marginal.check_scatter(stds[i]),
+                _ => marginal.check(value, stds[i]),
+            };
+            let all = self.relative_stds.iter().flat_map(|stds| expected.iter().map(move |&value| (stds, value)));
+            let checked = all.into_iter().try_for_each(|(stds, value)| check(stds, value));
+            complaints.take(checked.map_err(|error| {
+                let (key, span) = match error {
+                    MarginalError::NormalTooWide { .. } => {
+                        ("relative_std", random.relative_std.as_ref().map(Spanned::span))
+                    }
+                    _ => ("distribution", random.distribution.as_ref().map(Spanned::span)),
                 };
-                expected.iter().try_for_each(check).map_err(|error| {
-                    let (key, span) = match error {
-                        MarginalError::NormalTooWide { .. } => {
-                            ("relative_std", random.relative_std.as_ref().map(Spanned::span))
-                        }
-                        _ => ("distribution", random.distribution.as_ref().map(Spanned::span)),
-                    };
-                    Complaint { span, message: format!("random.{key} of {}: {error}", input.name()) }
-                })?;
-            }
+                Complaint::maybe_at(span, format!("random.{key} of {}: {error}", input.name()))
+            }));
         }
-        Ok(())
     }
 
     /// The normal inputs that do not scatter in some cell although they are asked to, since they scatter in proportion to
@@ -115,17 +134,23 @@ impl RandomInputSet {
     }
 }
 
-fn validate_inputs(random: &RandomSpec) -> Result<Vec<RandomInput>, Complaint> {
-    let Some(spec) = &random.inputs else { return Ok(Vec::new()) };
+fn validate_inputs(random: &RandomSpec, complaints: &mut Complaints) -> Option<Vec<RandomInput>> {
+    let Some(spec) = &random.inputs else {
+        return (!complaints.has_unread(&["random", "inputs"])).then(Vec::new);
+    };
     let mut inputs = Vec::new();
     for name in spec.get_ref() {
-        inputs.push(RandomInput::from_name(name.get_ref()).map_err(|message| Complaint::at(name.span(), message))?);
+        let input = RandomInput::from_name(name.get_ref()).map_err(|message| Complaint::at(name.span(), message));
+        inputs.push(complaints.take(input));
     }
+    let mut inputs = inputs.into_iter().collect::<Option<Vec<_>>>()?;
     inputs.sort_by_key(|input| input.rank());
     if let Some(pair) = inputs.windows(2).find(|pair| pair[0].rank() == pair[1].rank()) {
-        return Err(Complaint::at(spec.span(), format!("random.inputs lists \"{}\" twice", pair[0].name())));
+        let message = format!("random.inputs lists \"{}\" twice", pair[0].name());
+        complaints.push(Complaint::at(spec.span(), message));
+        return None;
     }
-    Ok(inputs)
+    Some(inputs)
 }
 
 /// A complaint about a correlation, with the names of the inputs.
@@ -155,24 +180,31 @@ fn validate_distributions(
     random: &RandomSpec,
     inputs: &[RandomInput],
     folder: &Path,
-) -> Result<Vec<Marginal>, Complaint> {
-    let Some(spec) = &random.distribution else { return Ok(vec![Marginal::Normal; inputs.len()]) };
+    complaints: &mut Complaints,
+) -> Option<Vec<Marginal>> {
+    let Some(spec) = &random.distribution else {
+        return (!complaints.has_unread(&["random", "distribution"])).then(|| vec![Marginal::Normal; inputs.len()]);
+    };
     let complain = |message: String| Complaint::at(spec.span(), message);
     match spec.get_ref() {
-        DistributionSpec::Common(_) if inputs.is_empty() => Ok(Vec::new()),
+        DistributionSpec::Common(_) if inputs.is_empty() => Some(Vec::new()),
         DistributionSpec::Common(marginal) => {
-            let marginal =
-                resolve(marginal, folder).map_err(|message| complain(format!("random.distribution: {message}")))?;
-            Ok(vec![marginal; inputs.len()])
+            let resolved = resolve(marginal, folder);
+            let resolved = resolved.map_err(|message| complain(format!("random.distribution: {message}")));
+            complaints.take(resolved).map(|marginal| vec![marginal; inputs.len()])
         }
         DistributionSpec::Each(table) => {
+            let before = complaints.len();
             let mut marginals = vec![Marginal::Normal; inputs.len()];
             for (name, marginal) in table {
-                let at = position(inputs, name, "distribution").map_err(complain)?;
-                marginals[at] = resolve(marginal, folder)
-                    .map_err(|message| complain(format!("random.distribution of {name}: {message}")))?;
+                let at = complaints.take(position(inputs, name, "distribution").map_err(complain));
+                let resolved = resolve(marginal, folder)
+                    .map_err(|message| complain(format!("random.distribution of {name}: {message}")));
+                if let (Some(marginal), Some(at)) = (complaints.take(resolved), at) {
+                    marginals[at] = marginal;
+                }
             }
-            Ok(marginals)
+            (complaints.len() == before).then_some(marginals)
         }
     }
 }
@@ -188,13 +220,19 @@ fn resolve(spec: &MarginalSpec, folder: &Path) -> Result<Marginal, String> {
     })
 }
 
-fn validate_pairs(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<(usize, usize, f64)>, Complaint> {
+fn validate_pairs(
+    random: &RandomSpec,
+    inputs: &[RandomInput],
+    complaints: &mut Complaints,
+) -> Option<Vec<(usize, usize, f64)>> {
     let mut pairs = Vec::new();
     for pair in random.correlation.iter().flat_map(Spanned::get_ref) {
         let (a, b, coefficient) = pair.get_ref();
-        let at =
-            |name: &str| position(inputs, name, "correlation").map_err(|message| Complaint::at(pair.span(), message));
-        pairs.push((at(a)?, at(b)?, *coefficient));
+        let [a, b] = [a, b].map(|name| {
+            let position = position(inputs, name, "correlation");
+            complaints.take(position.map_err(|message| Complaint::at(pair.span(), message)))
+        });
+        pairs.push(a.zip(b).map(|(a, b)| (a, b, *coefficient)));
     }
-    Ok(pairs)
+    pairs.into_iter().collect()
 }

@@ -3,7 +3,7 @@
 use stickslip_core::parameters::{Parameters, SCALARS, Scalar, scalar};
 use stickslip_sampler::grid::{Cell, Grid};
 
-use super::diagnosis::nearest;
+use super::keys::{axis_of, nearest, parameter};
 
 /// An input that scatters.
 #[derive(Debug, Clone, Copy)]
@@ -37,21 +37,16 @@ impl RandomInput {
         if let ("rotating_speed", Some(scalar)) = (name, scalar("operating_point.rotating_speed")) {
             return Ok(Self::Other(scalar));
         }
-        let axis = match name {
-            "friction.static_coefficient" => Some("static_friction"),
-            "operating_point.preload" => Some("preload"),
-            "operating_point.rotating_speed" => Some("rotating_speed"),
-            _ => None,
-        };
-        if let Some(axis) = axis {
+        if let Some(axis) = axis_of(name) {
             return Err(format!("random.inputs: write \"{axis}\" for \"{name}\", as in [axes]"));
         }
         if let Some(scalar) = scalar(name) {
             return Ok(Self::Other(scalar));
         }
         let names = ["preload", "static_friction", "rotating_speed"];
-        let by_name = SCALARS.iter().find(|scalar| scalar.name() == name).map(|scalar| scalar.key);
-        let hint = by_name.or_else(|| nearest(name, names.into_iter().chain(SCALARS.iter().map(|scalar| scalar.key))));
+        let near = || nearest(name, names.into_iter().chain(SCALARS.iter().map(|scalar| scalar.key)));
+        let meant = parameter(name).map(|scalar| axis_of(scalar.key).unwrap_or(scalar.key));
+        let hint = meant.or_else(near);
         let hint = hint.map_or(String::new(), |hint| format!("; did you mean `{hint}`?"));
         Err(format!(
             "random.inputs: there is no input \"{name}\"{hint} (preload, static_friction, rotating_speed, or a parameter of the model as `section.name`)"

@@ -27,7 +27,7 @@ pub struct RandomSpec {
     /// axis of the grid. An input with measured values has their own, and none here.
     #[schemars(with = "Option<RelativeStdSpec>")]
     pub relative_std: Option<Spanned<RelativeStdSpec>>,
-    /// The distribution of every input, or a table by input; "normal" unless told.
+    /// The distribution of every input, or a table by input; by default "normal".
     #[schemars(with = "Option<DistributionSpec>")]
     pub distribution: Option<Spanned<DistributionSpec>>,
     /// Correlated pairs: [["preload", "static_friction", 0.3], ...], coefficients of the normal deviates behind them.

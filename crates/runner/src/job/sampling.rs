@@ -7,14 +7,18 @@ use stickslip_sampler::estimate::looks::{Looks, Precision};
 use toml::Spanned;
 
 use super::criterion::Criterion;
-use super::diagnosis::Complaint;
+use super::criterion_spec::CriterionKind;
+use super::diagnosis::{Complaint, Complaints};
 use super::random::RandomInputSet;
 use super::sampling_spec::{AUDIT, Audit, EvaluateMode, IntervalSpec, SamplingMethod, SamplingSpec};
+
+/// Samples in one cell by default.
+const SAMPLES: u64 = 10_000;
 
 /// Samples in one cell at the most.
 const MOST_SAMPLES: u64 = 1_000_000_000_000_000;
 
-/// Independent randomisations of Sobol points unless told otherwise, and at the most.
+/// Independent randomisations of Sobol points by default, and at the most.
 const RANDOMISATIONS: u64 = 16;
 const MOST_RANDOMISATIONS: u64 = 1000;
 
@@ -52,9 +56,9 @@ pub struct Sampling {
     pub effort: Effort,
     /// Seed.
     pub seed: u64,
-    /// Which samples are judged.
+    /// How the verdicts of the samples are found.
     pub evaluate: EvaluateMode,
-    /// Which looked-up samples are simulated all the same.
+    /// Which looked-up samples are simulated as a check.
     pub audit: Audit,
     /// Whether cells share their deviates.
     pub common_random_numbers: bool,
@@ -73,61 +77,33 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// Checks every key, and that they fit each other, the inputs and the criterion.
+    /// Checks every key, and that they fit each other, the inputs and the criterion. `None` if anything is refused, or
+    /// without inputs and criterion.
     pub fn validate(
         spec: &SamplingSpec,
-        inputs: &RandomInputSet,
-        criterion: &Criterion,
-        cells: u64,
-    ) -> Result<Self, Complaint> {
-        spec.refuse_foreign_keys(criterion)?;
-        let confidence = spec.checked_confidence(cells)?;
-        let samples = match (&spec.until, &spec.samples) {
-            _ if spec.method() == SamplingMethod::Exact => 0,
-            (Some(until), _) => until.get_ref().at_most(),
-            (None, samples) => samples.as_ref().map_or(10_000, |samples| *samples.get_ref()),
-        };
-        if spec.method() != SamplingMethod::Exact && (samples == 0 || samples > MOST_SAMPLES) {
-            let span = spec.until.as_ref().map(Spanned::span).or(spec.samples.as_ref().map(Spanned::span));
-            let key = if spec.until.is_some() { "until.at_most" } else { "samples" };
-            let message =
-                format!("sampling.{key} = {samples} is out of range: it must be at least 1 and at most {MOST_SAMPLES}");
-            return Err(Complaint { span, message });
+        others: Option<(&RandomInputSet, &Criterion)>,
+        kind: Option<CriterionKind>,
+        cells: Option<u64>,
+        complaints: &mut Complaints,
+    ) -> Option<Self> {
+        let before = complaints.len();
+        let is_eigenvalue = kind == Some(CriterionKind::Eigenvalue);
+        let cells = cells.unwrap_or(1);
+        // Which keys have a meaning depends on these two.
+        if !["method", "evaluate"].iter().any(|key| complaints.has_unread(&["sampling", key])) {
+            spec.refuse_foreign_keys(is_eigenvalue, complaints);
         }
-        let evaluate = spec.evaluate.as_ref().map_or(EvaluateMode::Each, |evaluate| *evaluate.get_ref());
-        let audit = spec.checked_audit(criterion)?;
-        let uses_map = evaluate == EvaluateMode::Boundary || spec.method() == SamplingMethod::Exact;
-        let uses_map = uses_map && !matches!(criterion, Criterion::Eigenvalue);
-        let is_audited = uses_map && !audit.unwrap_or(AUDIT).is_nothing();
-        spec.refuse_wilson_beyond_its_reach(confidence, is_audited)?;
-        let of_a_cell = spec.confidence_of_a_cell(confidence, cells);
-        let for_counts = if is_audited { half_of_the_error(of_a_cell) } else { of_a_cell };
-        let until = spec.precision()?;
-        let (audit, precision) = match until {
-            Some(precision) if is_audited => {
-                let (audit, precision) = spec.share_precision(precision, audit, for_counts)?;
-                (audit, Some(precision))
-            }
-            precision => (audit.unwrap_or(AUDIT), precision),
-        };
-        let sampling = Self {
-            method: spec.method(),
-            samples,
-            until,
-            effort: spec.effort(samples, for_counts, precision)?,
-            seed: spec.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
-            evaluate,
-            audit,
-            common_random_numbers: spec.common_random_numbers,
-            confidence,
-            interval: spec.interval.as_ref().map(|interval| *interval.get_ref()),
-            simultaneous: spec.is_simultaneous(),
-            is_audited,
-            derivatives: spec.derivatives.as_ref().is_some_and(|derivatives| *derivatives.get_ref()),
-            sensitivity: spec.sensitivity.as_ref().is_some_and(|sensitivity| *sensitivity.get_ref()),
-        };
-        sampling.check_against(spec, inputs, criterion)?;
-        Ok(sampling)
+        let confidence = complaints.take(spec.checked_confidence(cells));
+        let samples = complaints.take(spec.checked_samples());
+        let audit = complaints.take(spec.checked_audit(is_eigenvalue));
+        let until = complaints.take(spec.precision());
+        if complaints.len() > before || complaints.has_unread(&["sampling"]) {
+            return None;
+        }
+        let sampling = spec.resolved(confidence?, samples?, audit?, until?, is_eigenvalue, cells);
+        let sampling = complaints.take(sampling)?;
+        let (inputs, criterion) = others?;
+        complaints.take(sampling.check_against(spec, inputs, criterion)).map(|()| sampling)
     }
 
     /// What the methods need of the inputs and the criterion.
@@ -139,7 +115,7 @@ impl Sampling {
     ) -> Result<(), Complaint> {
         let method = spec.method.as_ref().map(Spanned::span);
         let evaluate = spec.evaluate.as_ref().map(Spanned::span).or(method.clone());
-        let complain = |span, message: String| Err(Complaint { span, message });
+        let complain = |span, message: String| Err(Complaint::maybe_at(span, message));
         let uses_map = self.evaluate == EvaluateMode::Boundary || self.method == SamplingMethod::Exact;
         let asked = if self.method == SamplingMethod::Exact { "method = \"exact\"" } else { "evaluate = \"boundary\"" };
         if uses_map && let Some(other) = inputs.other() {
@@ -211,6 +187,65 @@ impl Sampling {
 }
 
 impl SamplingSpec {
+    /// Samples in each cell, at the most.
+    fn checked_samples(&self) -> Result<u64, Complaint> {
+        if self.method() == SamplingMethod::Exact {
+            return Ok(0);
+        }
+        let (key, samples, span) = match (&self.until, &self.samples) {
+            (Some(until), _) => ("until.at_most", until.get_ref().at_most(), Some(until.span())),
+            (None, Some(samples)) => ("samples", *samples.get_ref(), Some(samples.span())),
+            (None, None) => ("samples", SAMPLES, None),
+        };
+        if (1..=MOST_SAMPLES).contains(&samples) {
+            return Ok(samples);
+        }
+        let message =
+            format!("sampling.{key} = {samples} is out of range: it must be at least 1 and at most {MOST_SAMPLES}");
+        Err(Complaint::maybe_at(span, message))
+    }
+
+    /// The sampling that the keys ask for, each of which is checked.
+    fn resolved(
+        &self,
+        confidence: f64,
+        samples: u64,
+        audit: Option<Audit>,
+        until: Option<Precision>,
+        is_eigenvalue: bool,
+        cells: u64,
+    ) -> Result<Sampling, Complaint> {
+        let evaluate = self.evaluate.as_ref().map_or(EvaluateMode::Each, |evaluate| *evaluate.get_ref());
+        let uses_map = evaluate == EvaluateMode::Boundary || self.method() == SamplingMethod::Exact;
+        let is_audited = uses_map && !is_eigenvalue && !audit.unwrap_or(AUDIT).is_nothing();
+        self.refuse_wilson_beyond_its_reach(confidence, is_audited)?;
+        let of_a_cell = self.confidence_of_a_cell(confidence, cells);
+        let for_counts = if is_audited { half_of_the_error(of_a_cell) } else { of_a_cell };
+        let (audit, precision) = match until {
+            Some(precision) if is_audited => {
+                let (audit, precision) = self.share_precision(precision, audit, for_counts)?;
+                (audit, Some(precision))
+            }
+            precision => (audit.unwrap_or(AUDIT), precision),
+        };
+        Ok(Sampling {
+            method: self.method(),
+            samples,
+            until,
+            effort: self.effort(samples, for_counts, precision)?,
+            seed: self.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
+            evaluate,
+            audit,
+            common_random_numbers: self.common_random_numbers,
+            confidence,
+            interval: self.interval.as_ref().map(|interval| *interval.get_ref()),
+            simultaneous: self.is_simultaneous(),
+            is_audited,
+            derivatives: self.derivatives.as_ref().is_some_and(|derivatives| *derivatives.get_ref()),
+            sensitivity: self.sensitivity.as_ref().is_some_and(|sensitivity| *sensitivity.get_ref()),
+        })
+    }
+
     /// Shares the half width that is wanted among the audit of a verdict map, of which no sample differs, and the counts:
     /// the audit that it takes, and what is left for the counts.
     fn share_precision(
@@ -219,7 +254,7 @@ impl SamplingSpec {
         audit: Option<Audit>,
         confidence: f64,
     ) -> Result<(Audit, Precision), Complaint> {
-        let complain = |message: String| Err(Complaint { span: self.until.as_ref().map(Spanned::span), message });
+        let complain = |message: String| Err(Complaint::maybe_at(self.until.as_ref().map(Spanned::span), message));
         let (Some(half_width), None) = (precision.half_width, precision.relative) else {
             return complain(
                 "sampling.until.relative cannot be kept with a verdict map, whose audit leaves the same share open whatever the probability: use half_width, evaluate = \"each\", or audit = 0 (the map is then taken for right)".to_owned(),
@@ -262,14 +297,14 @@ impl SamplingSpec {
                     let message = format!(
                         "sampling.randomisations = {count} is out of range: it must be at least 2 and at most {MOST_RANDOMISATIONS}"
                     );
-                    return Err(Complaint { span, message });
+                    return Err(Complaint::maybe_at(span, message));
                 }
                 if samples / count > MOST_SOBOL_POINTS {
                     let message = format!(
                         "sampling.samples = {samples} are too many for {count} randomisations: each has at most 2^32 points, all together {}",
                         count * MOST_SOBOL_POINTS
                     );
-                    return Err(Complaint { span: self.samples.as_ref().map(Spanned::span), message });
+                    return Err(Complaint::maybe_at(self.samples.as_ref().map(Spanned::span), message));
                 }
                 if !samples.is_multiple_of(count) {
                     let span = self.samples.as_ref().map(Spanned::span).or(span);
@@ -277,7 +312,7 @@ impl SamplingSpec {
                     let message = format!(
                         "sampling.samples = {samples} cannot be shared by {count} randomisations of equal size; powers of two are best, for example samples = {near}"
                     );
-                    return Err(Complaint { span, message });
+                    return Err(Complaint::maybe_at(span, message));
                 }
                 Ok(Effort::Randomisations { count, points: samples / count })
             }

@@ -6,11 +6,10 @@ use stickslip_sampler::estimate::interval::{
 use stickslip_sampler::estimate::looks::Precision;
 use toml::Spanned;
 
-use super::criterion::Criterion;
-use super::diagnosis::Complaint;
+use super::diagnosis::{Complaint, Complaints};
 use super::sampling_spec::{Audit, EvaluateMode, IntervalSpec, SamplingMethod, SamplingSpec, UntilSpec};
 
-/// Samples in a cell at the most with `until`, unless told otherwise.
+/// Samples in a cell at the most with `until`, by default.
 const AT_MOST: u64 = 1_000_000;
 
 /// Audited samples in one cell at the most.
@@ -88,12 +87,12 @@ impl SamplingSpec {
             let message = format!(
                 "sampling.{key} = {value} for {cells} cells together takes more than the highest confidence of one, 1 - 1e-12; lower it, or remove sampling.simultaneous"
             );
-            return Err(Complaint { span, message });
+            return Err(Complaint::maybe_at(span, message));
         }
         let message = format!(
             "sampling.{key} = {value} is out of range: it must be greater than 0 and less than 1, for example 0.95"
         );
-        Err(Complaint { span, message })
+        Err(Complaint::maybe_at(span, message))
     }
 
     /// What is wanted of each cell, with `until`.
@@ -131,10 +130,10 @@ impl SamplingSpec {
     }
 
     /// The audit of the verdict map, where there is one.
-    pub fn checked_audit(&self, criterion: &Criterion) -> Result<Option<Audit>, Complaint> {
+    pub fn checked_audit(&self, is_eigenvalue: bool) -> Result<Option<Audit>, Complaint> {
         let Some(spec) = &self.audit else { return Ok(None) };
         let complain = |message: String| Err(Complaint::at(spec.span(), message));
-        if matches!(criterion, Criterion::Eigenvalue) && self.method() == SamplingMethod::Exact {
+        if is_eigenvalue && self.method() == SamplingMethod::Exact {
             return complain(
                 "sampling.audit has no meaning where criterion.kind = \"eigenvalue\" is integrated in closed form; remove it".to_owned(),
             );
@@ -158,8 +157,7 @@ impl SamplingSpec {
     }
 
     /// Refuses keys that have no meaning beside others.
-    pub fn refuse_foreign_keys(&self, criterion: &Criterion) -> Result<(), Complaint> {
-        let is_eigenvalue = matches!(criterion, Criterion::Eigenvalue);
+    pub fn refuse_foreign_keys(&self, is_eigenvalue: bool, complaints: &mut Complaints) {
         let is_exact = self.method() == SamplingMethod::Exact;
         let is_sobol = self.method() == SamplingMethod::Sobol;
         let is_boundary = self.evaluate.as_ref().is_some_and(|evaluate| *evaluate.get_ref() == EvaluateMode::Boundary);
@@ -232,9 +230,8 @@ impl SamplingSpec {
         ];
         for (span, is_foreign, message) in rules {
             if let (Some(span), true) = (span, is_foreign) {
-                return Err(Complaint::at(span, message.to_owned()));
+                complaints.push(Complaint::at(span, message));
             }
         }
-        Ok(())
     }
 }

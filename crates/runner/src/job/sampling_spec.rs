@@ -4,52 +4,52 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-/// Samples of each cell that are looked up in a verdict map and simulated all the same, unless told otherwise.
+/// Audited samples of each cell by default.
 pub const AUDIT: Audit = Audit::Samples(300);
 
 /// Sampling of the random inputs.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SamplingSpec {
-    /// How probabilities are found; "monte-carlo" unless told.
+    /// How probabilities are found; by default "monte-carlo".
     #[schemars(with = "Option<SamplingMethod>")]
     pub method: Option<Spanned<SamplingMethod>>,
-    /// Samples in each cell, at least 1; 10000 unless told.
+    /// Samples in each cell, at least 1; by default 10000.
     #[schemars(with = "Option<u64>", range(min = 1))]
     pub samples: Option<Spanned<u64>>,
     /// Instead of `samples`: draw until the interval is narrow enough.
     #[schemars(with = "Option<UntilSpec>")]
     pub until: Option<Spanned<UntilSpec>>,
-    /// Seed of the random numbers, 0 unless told. The same seed gives the same result on every machine.
+    /// Seed of the random numbers; by default 0. The same seed gives the same result on every machine.
     #[schemars(with = "Option<u64>")]
     pub seed: Option<Spanned<u64>>,
-    /// Whether every sample is judged by itself ("each") or looked up in a map of the verdicts ("boundary").
+    /// Whether every sample is simulated ("each") or looked up in a map of the verdicts ("boundary"); by default "each".
     #[schemars(with = "Option<EvaluateMode>")]
     pub evaluate: Option<Spanned<EvaluateMode>>,
-    /// With a verdict map: how many looked-up samples of each cell are simulated all the same (a whole number), or
-    /// which share of them (less than 1, with evaluate = "boundary"); 300 unless told.
+    /// With a verdict map: how many looked-up samples of each cell are simulated as a check (a whole number), or which
+    /// share of them (less than 1, with evaluate = "boundary"); by default 300.
     #[schemars(with = "Option<Audit>")]
     pub audit: Option<Spanned<Audit>>,
-    /// With method = "sobol": independent randomisations among which the samples are shared; 16 unless told.
+    /// With method = "sobol": independent randomisations among which the samples are shared; by default 16.
     #[schemars(with = "Option<u64>", range(min = 2))]
     pub randomisations: Option<Spanned<u64>>,
-    /// Whether all cells draw the same deviates; false unless told.
+    /// Whether all cells draw the same deviates; by default false.
     #[serde(default)]
     pub common_random_numbers: bool,
-    /// Confidence of the interval p_low to p_high, between 0 and 1; 0.95 unless told.
+    /// Confidence of the interval p_low to p_high, between 0 and 1; by default 0.95.
     #[schemars(with = "Option<f64>")]
     pub confidence: Option<Spanned<f64>>,
-    /// The interval of Monte Carlo; "wilson" unless told, "clopper-pearson" where the confidence is above 0.95 or
+    /// The interval of Monte Carlo; by default "wilson", "clopper-pearson" where the confidence is above 0.95 or
     /// simultaneous.
     #[schemars(with = "Option<IntervalSpec>")]
     pub interval: Option<Spanned<IntervalSpec>>,
-    /// Whether the intervals of all cells hold together with the confidence; false unless told.
+    /// Whether the intervals of all cells hold together with the confidence; by default false.
     #[schemars(with = "Option<bool>")]
     pub simultaneous: Option<Spanned<bool>>,
-    /// Whether the derivatives of the probability are written, as further columns; false unless told.
+    /// Whether the derivatives of the probability are written, as further columns; by default false.
     #[schemars(with = "Option<bool>")]
     pub derivatives: Option<Spanned<bool>>,
-    /// Whether first-order and total Sobol indices of the inputs are written, as further columns; false unless told.
+    /// Whether first-order and total Sobol indices of the inputs are written, as further columns; by default false.
     #[schemars(with = "Option<bool>")]
     pub sensitivity: Option<Spanned<bool>>,
 }
@@ -65,13 +65,13 @@ pub struct UntilSpec {
     pub half_width: Option<f64>,
     /// The same over the middle of the interval, greater than 0 and less than 1.
     pub relative: Option<f64>,
-    /// Confidence of the interval; 0.95 unless told.
+    /// Confidence of the interval; by default 0.95.
     pub confidence: Option<f64>,
-    /// Samples in a cell at the most; 1000000 unless told. It can be raised later.
+    /// Samples in a cell at the most; by default 1000000. It can be raised later.
     pub at_most: Option<u64>,
 }
 
-/// Which of the samples that a verdict map tells are simulated all the same.
+/// The audit of a verdict map: which of the looked-up samples are simulated as a check.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(
     untagged,
@@ -85,7 +85,7 @@ pub enum Audit {
 }
 
 impl Audit {
-    /// Whether none is.
+    /// Whether there is no audit.
     pub fn is_nothing(self) -> bool {
         matches!(self, Self::Samples(0)) || self == Self::Share(0.0)
     }
@@ -104,14 +104,14 @@ pub enum SamplingMethod {
     Exact,
 }
 
-/// Which samples are judged.
+/// How the verdict of a sample is found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum EvaluateMode {
-    /// Every sample by itself.
+    /// Every sample is simulated.
     #[default]
     Each,
-    /// Those within the resolution of a map of the verdicts; the others are looked up in it.
+    /// Looked up in a map of the verdicts; only samples within its resolution are simulated.
     Boundary,
 }
 
@@ -119,9 +119,9 @@ pub enum EvaluateMode {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum IntervalSpec {
-    /// Wilson's score interval: right on average.
+    /// Wilson's score interval, whose coverage is right on average.
     #[default]
     Wilson,
-    /// Clopper and Pearson's: never less than the confidence, and wider.
+    /// Clopper and Pearson's, which is wider and covers at least with the confidence.
     ClopperPearson,
 }

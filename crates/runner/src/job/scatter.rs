@@ -27,7 +27,7 @@ pub fn validate_stds(
             return Ok(vec![stds]);
         }
         let message = "random.relative_std is missing: how much do the inputs scatter? For example relative_std = 0.2";
-        return Err(Complaint { span: random.inputs.as_ref().map(Spanned::span), message: message.to_owned() });
+        return Err(Complaint::missing("relative_std", random.inputs.as_ref().map(Spanned::span), message));
     };
     let complain = |message: String| Complaint::at(spec.span(), message);
     if inputs.is_empty() {

@@ -1,14 +1,16 @@
 //! The text of a job spec: where it came from, and what the command line changes in it.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use stickslip_sampler::inputs::Marginal;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
-use super::diagnosis::Complaint;
-use super::spec::JobSpec;
+use super::diagnosis::Complaints;
+use super::reading::read;
 use super::validated::Job;
+use super::validation::validate;
 use crate::failure::Failure;
 
 /// The text of a job spec and where it came from.
@@ -30,8 +32,13 @@ pub struct Overrides {
 }
 
 impl JobSource {
-    /// Reads a job spec from a file.
+    /// Reads a job spec from a file, or from standard input where the path is `-`.
     pub fn read(path: &Path) -> Result<Self, Failure> {
+        if path == Path::new("-") {
+            let path = PathBuf::from("standard input");
+            let text = io::read_to_string(io::stdin()).map_err(|error| Failure::reading(&path, error))?;
+            return Ok(Self { path, text });
+        }
         let text = fs::read_to_string(path).map_err(|error| Failure::reading(path, error))?;
         Ok(Self { path: path.to_owned(), text })
     }
@@ -80,11 +87,15 @@ impl JobSource {
         Ok(self)
     }
 
-    /// Parses and validates the spec.
+    /// Reads and checks the spec.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, in the order of the text.
     pub fn job(&self) -> Result<Job, Failure> {
-        let complain = |complaint: Complaint| Failure::Job(complaint.render(&self.path, &self.text));
-        let spec: JobSpec = toml::from_str(&self.text).map_err(|error| complain(Complaint::from_parser(&error)))?;
-        Job::validate(spec, self.path.parent().unwrap_or(Path::new(""))).map_err(complain)
+        let mut complaints = Complaints::default();
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let job = read(&self.text, &mut complaints).and_then(|spec| validate(&spec, folder, &mut complaints));
+        job.ok_or_else(|| Failure::Job(complaints.render(&self.path, &self.text)))
     }
 
     /// The spec as a run keeps it: measured values stand in it, in place of the file that they were read from.

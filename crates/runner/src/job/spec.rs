@@ -20,7 +20,7 @@ use super::sampling_spec::SamplingSpec;
 pub struct JobSpec {
     /// Name of the run; its results go to runs/NAME. Letters, digits, '-', '_' and '.'.
     #[schemars(with = "String")]
-    pub name: Spanned<String>,
+    pub name: Option<Spanned<String>>,
     /// What the job is for, in a sentence.
     #[serde(default)]
     pub description: String,
@@ -34,7 +34,8 @@ pub struct JobSpec {
     #[serde(default)]
     pub random: RandomSpec,
     /// What decides whether a sample is stable.
-    pub criterion: CriterionSpec,
+    #[schemars(with = "CriterionSpec")]
+    pub criterion: Option<Spanned<CriterionSpec>>,
     /// How many samples are drawn, and how.
     #[serde(default)]
     pub sampling: SamplingSpec,
@@ -198,5 +199,24 @@ impl JsonSchema for AxisSpec {
                 range,
             ]
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::keys::TABLES;
+
+    #[test]
+    fn the_tables_are_those_of_the_schema() {
+        let schema = schemars::schema_for!(JobSpec);
+        let definitions = &schema.as_value()["$defs"];
+        for (table, keys) in TABLES {
+            let name = format!("{}{}Spec", table[..1].to_uppercase(), &table[1..]);
+            let properties = definitions[&name]["properties"].as_object().unwrap();
+            let known: Vec<&String> = properties.keys().collect();
+            assert_eq!(known.len(), keys.len(), "{table}");
+            assert!(known.iter().all(|key| keys.contains(&key.as_str())), "{table}: {known:?}");
+        }
     }
 }

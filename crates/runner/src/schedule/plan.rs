@@ -33,6 +33,13 @@ impl FromStr for Shard {
     }
 }
 
+impl Shard {
+    /// How many there are.
+    pub fn count(self) -> u64 {
+        self.count
+    }
+}
+
 impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.typed, self.count)
