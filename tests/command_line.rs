@@ -46,6 +46,7 @@ fn a_job_becomes_a_surface() {
         "p_unstable",
         "p_low",
         "p_high",
+        "n_outside_physics",
     ];
     assert_eq!(table.names(), contract);
     assert_eq!(table.column("cell"), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);

@@ -6,7 +6,10 @@ use stickslip_core::parameters::{SCALARS, Scalar};
 pub const TABLES: [(&str, &[&str]); 4] = [
     ("axes", &["rotating_speed", "preload", "static_friction"]),
     ("random", &["inputs", "relative_std", "distribution", "correlation"]),
-    ("criterion", &["kind", "disc", "disc_modes", "start", "displacement", "horizon", "index", "outside_physics", "record"]),
+    (
+        "criterion",
+        &["kind", "disc", "disc_modes", "start", "displacement", "horizon", "index", "outside_physics", "record"],
+    ),
     (
         "sampling",
         &[
