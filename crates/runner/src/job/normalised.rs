@@ -1,6 +1,6 @@
 //! A job written out in full, with every default filled in, as TOML that can itself be submitted.
 //!
-//! What stands here is what belongs to a job's experiment: [`identity`](super::identity) hashes the same values.
+//! These are the values that belong to a job's experiment; its identity is a hash of them.
 
 use std::collections::BTreeMap;
 

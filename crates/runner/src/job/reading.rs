@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, Error};
 
 use super::diagnosis::{Complaint, Complaints};
-use super::keys::suggestion;
+use super::keys::{nearest, suggestion};
 use super::spec::JobSpec;
 
 /// Reads a job spec. An entry that cannot be read is complained about and left out, so that the others are read too;
@@ -163,7 +163,7 @@ fn in_words(text: &str, path: &[String], error: &Error) -> String {
     }
     if let Some(names) = message.strip_prefix("unknown variant ") {
         let (wrong, names) = names_in(names);
-        let hint = super::keys::nearest(wrong, names.iter().copied());
+        let hint = nearest(wrong, names.iter().copied());
         let hint = hint.map_or(String::new(), |name| format!("; did you mean `{name}`?"));
         return format!("{key}: unknown value `{wrong}`{hint} (it may be {})", listed(&names));
     }
@@ -171,22 +171,32 @@ fn in_words(text: &str, path: &[String], error: &Error) -> String {
         return format!("missing key {name} in {key}");
     }
     let typed = error.span().and_then(|span| text.get(span)).unwrap_or_default();
-    let whole = match key.as_str() {
+    if message == "integer number overflowed" {
+        return format!("{key} = {} is too large; it must be {}", short(typed), whole_number(&key));
+    }
+    let types = message.split_once(": ").filter(|(start, _)| start.starts_with("invalid "));
+    match types.and_then(|(_, types)| types.split_once(", expected ")) {
+        Some((found, expected)) => wrong_type(&key, typed, found, expected),
+        // Some types say themselves what is wrong with which key.
+        None if message.starts_with(path[0].as_str()) => message.to_owned(),
+        None => format!("{key}: {message}"),
+    }
+}
+
+/// What a key may be that holds a whole number.
+fn whole_number(key: &str) -> &'static str {
+    match key {
         "sampling.seed" => "a whole number from 0 to 18446744073709551615 (2^64 - 1)",
         _ => "a whole number, for example 10_000",
-    };
-    if message == "integer number overflowed" {
-        return format!("{key} = {} is too large; it must be {whole}", short(typed));
     }
-    let parts = message.split_once(": ").filter(|(start, _)| start.starts_with("invalid "));
-    let Some((found, expected)) = parts.and_then(|(_, rest)| rest.split_once(", expected ")) else {
-        // Some types say themselves what is wrong with which key.
-        let is_whole = message.starts_with(path[0].as_str());
-        return if is_whole { message.to_owned() } else { format!("{key}: {message}") };
-    };
-    let number =
-        if found.starts_with("string") { typed.trim_matches(['"', '\'']).replacen(',', ".", 1) } else { String::new() };
-    let is_number = number.parse::<f64>().is_ok();
+}
+
+/// The complaint about a value of a wrong type, of which serde says what it found and what it expected.
+fn wrong_type(key: &str, typed: &str, found: &str, expected: &str) -> String {
+    let number = typed.trim_matches(['"', '\'']).replacen(',', ".", 1);
+    let is_number = found.starts_with("string") && number.parse::<f64>().is_ok();
+    let hint =
+        if is_number && expected != "a string" { format!("; write {number}, without quotes") } else { String::new() };
     let found = found.replace('`', "");
     let found = match found.split_once(' ') {
         Some(("string", string)) => format!("the string {string}"),
@@ -198,7 +208,7 @@ fn in_words(text: &str, path: &[String], error: &Error) -> String {
         _ => found,
     };
     let expected = match expected {
-        "u64" | "u32" | "usize" => whole,
+        "u64" | "u32" | "usize" => whole_number(key),
         "f64" => "a number",
         "bool" | "a boolean" => "true or false",
         "a sequence" => "a list",
@@ -206,11 +216,6 @@ fn in_words(text: &str, path: &[String], error: &Error) -> String {
         "struct IndexSpec" => "a table, for example { amplitude = 0.002 }",
         expected if expected.starts_with("struct ") || expected == "a map" => "a table",
         expected => expected,
-    };
-    let hint = if is_number && expected != "a text in quotes" {
-        format!("; write {number}, without quotes")
-    } else {
-        String::new()
     };
     format!("{key} is {found}; it must be {expected}{hint}")
 }
@@ -263,5 +268,74 @@ fn value_at<'a, 'i>(table: &'a DeTable<'i>, path: &[String]) -> Option<&'a Spann
         _ if rest.is_empty() => Some(value),
         DeValue::Table(inner) => value_at(inner, rest),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use crate::job::JobSource;
+
+    const JOB: &str = r#"name = "job"
+description = "text"
+[model]
+preset = "sui-ding-2018"
+disc.thickness = 0.02
+[model.pad]
+mass = 0.1
+[axes]
+rotating_speed = 15.0
+preload = { from = 0.1, to = 0.2, points = 3 }
+static_friction = [0.3, 0.4]
+[random]
+inputs = ["preload", "static_friction"]
+relative_std = 0.2
+distribution = "lognormal"
+correlation = [["preload", "static_friction", 0.3]]
+[criterion]
+kind = "time-domain"
+disc = "rigid"
+start = "rest"
+displacement = 0.02
+horizon = 1000
+index = { amplitude = 0.002 }
+record = ["amplitude"]
+[sampling]
+method = "monte-carlo"
+samples = 1000
+seed = 1
+evaluate = "each"
+common_random_numbers = false
+confidence = 0.9
+interval = "clopper-pearson"
+simultaneous = false
+derivatives = false
+sensitivity = false
+"#;
+
+    fn complaints(text: String) -> Option<String> {
+        JobSource { path: PathBuf::from("job.toml"), text }.job().err().map(|failure| failure.to_string())
+    }
+
+    #[test]
+    fn a_wrong_value_is_told_at_its_own_line_and_at_no_other() {
+        assert_eq!(complaints(JOB.to_owned()), None);
+        let values = ["\"x\"", "3", "-7", "1e400", "{ a = 1 }", "[1]", "[[]]", "true", "1,5", "nan", "1979-05-27", ""];
+        for (number, line) in JOB.lines().enumerate().filter(|(_, line)| line.contains(" = ")) {
+            let key = line.split_once(" = ").unwrap().0;
+            for value in values {
+                let changed = format!("{key} = {value}");
+                let text: Vec<&str> =
+                    JOB.lines().enumerate().map(|(i, old)| if i == number { &changed } else { old }).collect();
+                let Some(said) = complaints(text.join("\n")) else { continue };
+                let places = said.matches("job.toml:").count();
+                let own = said.matches(&format!("job.toml:{}:", number + 1)).count();
+                assert!(own == 1 && places == 1, "{changed}: {said}");
+                for word in ["f64", "u64", "struct", "variant", "field", "sequence", "visitor"] {
+                    assert!(!said.contains(word), "{changed}: {said}");
+                }
+            }
+        }
     }
 }
