@@ -84,8 +84,19 @@ impl StribeckLaw {
 /// continued smoothly to `r = -1`, so that the step keeps its order, and is constant below.
 #[inline(always)]
 pub(crate) fn decay(r: f64, exponent: f64) -> f64 {
-    let power = if exponent == 1.0 { if r < -1.0 { -1.0 } else { r } } else { libm::pow(r.abs(), exponent) };
+    let power = if exponent == 1.0 { tustin_power(r) } else { libm::pow(r.abs(), exponent) };
     exp(-power)
+}
+
+/// [`decay`] for the exponent 1, Tustin's law; without a branch, for lanes.
+#[inline(always)]
+pub(crate) fn tustin_decay(r: f64) -> f64 {
+    exp(-tustin_power(r))
+}
+
+#[inline(always)]
+fn tustin_power(r: f64) -> f64 {
+    if r < -1.0 { -1.0 } else { r }
 }
 
 #[cfg(test)]

@@ -69,7 +69,7 @@ pub struct Damping {
     pub angular: f64,
 }
 
-/// The Stribeck friction law, see [`crate::friction`].
+/// The Stribeck friction law, see the module `friction`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Friction {
     /// Static friction coefficient f_s.
@@ -93,8 +93,7 @@ pub struct OperatingPoint {
 
 /// All parameters of the model, in SI units.
 ///
-/// A plain record: [`PadOnDisc::new`](crate::rigid_disc::pad_on_disc::PadOnDisc::new) validates it once, and everything that computes
-/// takes the validated type.
+/// A plain record: `PadOnDisc::new` validates it once, and everything that computes takes the validated type.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
     /// The disc.

@@ -14,7 +14,9 @@
 
 use std::fmt;
 
-use crate::flexible_disc::brake::{FlexibleBrake, FlexibleError, compliances, lowest_modes};
+use crate::flexible_disc::brake::FlexibleBrake;
+use crate::flexible_disc::compliance::{compliances, lowest_modes};
+use crate::flexible_disc::error::FlexibleError;
 use crate::flexible_disc::plate_modes::{MOST_DISC_MODES, PlateMode};
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 

@@ -15,8 +15,8 @@
 //!
 //! So no step size makes the motion chatter, and none steps across the friction law.
 
-use crate::flexible_disc::brake::ContactState;
 use crate::motion::friction_steps::FrictionSteps;
+use crate::pad::contact_state::ContactState;
 
 /// Changes of contact in one step at the most, and parts; more of them means that the equations make no sense. Some
 /// hundred parts are usual where the disc is a thousand times faster than the Stribeck velocity.

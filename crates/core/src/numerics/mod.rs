@@ -3,3 +3,7 @@
 pub mod exponential;
 
 pub mod eigenvalues;
+
+pub mod quadrature;
+
+pub(crate) mod sine_cosine;

@@ -218,6 +218,11 @@ impl PadOnDisc {
         self.parameters.pad.mass * self.scales.eta0
     }
 
+    /// The force (N) that gives the pad this acceleration in scaled time.
+    pub(crate) fn newtons(&self, acceleration: f64) -> f64 {
+        acceleration * self.scaled_mass() * self.scales.length
+    }
+
     /// The equilibrium of steady sliding on a rigid disc:
     ///
     /// ```text

@@ -1,10 +1,13 @@
 //! The criterion of a job: its settings, checked, and what decides samples by them.
 
 use serde::Serialize;
-use stickslip_core::criterion::time_domain::{DiscModel, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainError};
 use stickslip_core::flexible_disc::brake::DISC_MODES;
-use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
+use stickslip_core::flexible_disc::brake::FlexibleBrake;
+use stickslip_core::flexible_disc::error::FlexibleError;
 use stickslip_core::flexible_disc::mode_count::{ModeCheck, ModeStudy};
+use stickslip_core::motion::start::Start;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_sampler::grid::Grid;
@@ -82,7 +85,7 @@ impl Criterion {
         };
         let speeds = grid.rotating_speed.values();
         let slowest = speeds.iter().copied().fold(f64::INFINITY, f64::min);
-        let check = |speed: f64| -> Result<(), FlexibleError> {
+        let check = |speed: f64| -> Result<(), TimeDomainError> {
             let mut parameters = parameters.clone();
             parameters.operating_point.rotating_speed = speed;
             let brake = PadOnDisc::new(parameters)?;
@@ -92,18 +95,19 @@ impl Criterion {
             // Without any preload every sample is stable by definition.
             match modes {
                 Some(modes) if inputs.preload > 0.0 => {
-                    FlexibleBrake::with_modes(brake, modes)?.sliding_equilibrium(inputs).map(|_| ())
+                    FlexibleBrake::with_modes(brake, modes)?.sliding_equilibrium(inputs)?;
                 }
-                _ => Ok(()),
+                _ => {}
             }
+            Ok(())
         };
         let checked = check(slowest).and_then(|()| check(largest(speeds)));
         checked.map_err(|error| {
             let span = match error {
-                FlexibleError::ModeCount { .. } | FlexibleError::TooFewModes { .. } => {
+                TimeDomainError::Brake(FlexibleError::ModeCount { .. } | FlexibleError::TooFewModes { .. }) => {
                     spec.disc_modes.as_ref().map(Spanned::span)
                 }
-                FlexibleError::Settings(_) => spec.horizon.as_ref().map(Spanned::span),
+                TimeDomainError::Settings(_) => spec.horizon.as_ref().map(Spanned::span),
                 _ => None,
             };
             Complaint { span, message: format!("criterion: {error}") }
@@ -276,7 +280,7 @@ impl CriterionSpec {
             record_amplitude: self.record.as_ref().is_some_and(|record| record.get_ref().contains(&Record::Amplitude)),
         };
         settings.validate().map_err(|error| {
-            let stickslip_core::criterion::time_domain::SettingsError::OutOfRange { key, .. } = &error else {
+            let stickslip_core::criterion::settings::SettingsError::OutOfRange { key, .. } = &error else {
                 return Complaint { span: None, message: format!("criterion.{error}") };
             };
             let span = match *key {
@@ -284,7 +288,9 @@ impl CriterionSpec {
                 "horizon" => self.horizon.as_ref().map(Spanned::span),
                 _ => self.index.as_ref().map(Spanned::span),
             };
-            Complaint { span, message: format!("criterion.{error}") }
+            // The setting has another name than its key in a job.
+            let message = format!("criterion.{error}").replace("amplitude_index", "index.amplitude");
+            Complaint { span, message }
         })?;
         Ok(settings)
     }

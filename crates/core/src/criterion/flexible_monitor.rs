@@ -1,0 +1,196 @@
+//! The judge of a flexible disc: the tangential motion, disturbed by everything that rings along.
+//!
+//! It composes four machines, each with a table of its own: [`Swings`], [`Cycles`], [`SettledAmplitude`] and
+//! [`Transients`].
+//!
+//! | what the machines say | while | verdict |
+//! |---|---|---|
+//! | shrinking, and no larger than the stated displacement | not known to be unstable | stable |
+//! | creeping: no turn and no stick between two looks, half as far from the equilibrium as before | the same | stable |
+//! | still: [`STILL_SWINGS`] swings in a row far smaller than any cycle | the same | stable |
+//! | growing, or constant | | unstable |
+//! | stick-slip is kept | | unstable |
+//!
+//! Where the settled amplitude is asked for, an unstable motion is followed until stick-slip has one, or until its swings
+//! are constant. That the equilibrium is linearly stable is for the criterion to know; a judge never hears of motions for
+//! which it is not, but for their amplitude.
+
+use crate::criterion::cycles::Cycles;
+use crate::criterion::monitor::Judge;
+use crate::criterion::settled_amplitude::SettledAmplitude;
+use crate::criterion::swings::{Swings, Trend};
+use crate::criterion::transients::Transients;
+use crate::degree_of_freedom::DegreeOfFreedom;
+use crate::motion::integrator::Observer;
+use crate::verdict::Verdict;
+
+/// Largest distance from the equilibrium, over x0, at which a shrinking motion counts as returned to it, however large the
+/// stated displacement: cycles of the preset, and of the brakes on which verdicts were tested, are wider. A stable cycle
+/// that is smaller than the displacement and has a linearly stable equilibrium inside (possible for exponents above 1) is
+/// not told from rest on a flexible disc.
+const LARGEST_BASIN: f64 = 0.1;
+
+/// Distance from the equilibrium, over x0, at which a motion that does not turn has arrived: beyond all that numbers
+/// resolve of a creeping motion's last part.
+const ARRIVED: f64 = 1e-6;
+
+/// Swings smaller than this, over x0 and over the smallest cycle, are no motion any more, if so many come in a row. What
+/// swings them is the ringing of a disc that dies away more slowly than the tangential motion did: it beats, and next to
+/// what the first swings could feign it says nothing.
+const STILL: f64 = 1e-6;
+const STILL_SWINGS: u32 = 100;
+
+/// How a motion is judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Rules {
+    /// Slowest damping rate of the degrees of freedom that disturb the tangential motion.
+    pub slowest_transient: f64,
+    /// Amplitude at which the pad swings as fast as the disc, that of the smallest stick-slip: on a slow disc far less
+    /// than x0.
+    pub smallest_cycle: f64,
+    /// Whether an unstable motion is followed until its amplitude has settled.
+    pub until_settled: bool,
+    /// What feeds small motions about steady sliding, if it is linearly unstable: then the verdict is known, and only the
+    /// amplitude is not.
+    pub repelled_by: Option<DegreeOfFreedom>,
+}
+
+/// What is known of one motion so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CoupledJudge {
+    until_settled: bool,
+    repelled_by: Option<DegreeOfFreedom>,
+    /// x0.
+    equilibrium: f64,
+    /// Amplitude below which a shrinking motion has come home: the stated displacement.
+    basin: f64,
+    /// Amplitude of swings that are none, and how many of them came in a row.
+    still: f64,
+    still_swings: u32,
+    /// Distance from the equilibrium at the last look, unless the motion has turned, stuck or slipped since.
+    last_distance: Option<f64>,
+    verdict: Option<Verdict>,
+    /// Known to be unstable, but followed further.
+    grows: bool,
+    swings: Swings,
+    cycles: Cycles,
+    settled: SettledAmplitude,
+    transients: Transients,
+}
+
+impl CoupledJudge {
+    /// For a motion about the equilibrium `x0`, with the stated displacement over x0, that starts at a turning point if it
+    /// starts without speed.
+    pub fn new(rules: Rules, equilibrium: f64, displacement: f64, starts_turning_at: Option<f64>) -> Self {
+        Self {
+            until_settled: rules.until_settled,
+            repelled_by: rules.repelled_by,
+            equilibrium,
+            basin: displacement.min(LARGEST_BASIN) * equilibrium.abs(),
+            still: STILL * equilibrium.abs().min(rules.smallest_cycle),
+            still_swings: 0,
+            last_distance: None,
+            verdict: (rules.repelled_by.is_some() && !rules.until_settled).then_some(Verdict::Unstable),
+            grows: rules.repelled_by.is_some(),
+            swings: Swings::new(starts_turning_at),
+            cycles: Cycles::new(),
+            settled: SettledAmplitude::new(),
+            transients: Transients::new(rules.slowest_transient),
+        }
+    }
+
+    fn becomes_unstable(&mut self) {
+        self.grows = true;
+        if !self.until_settled {
+            self.verdict = Some(Verdict::Unstable);
+        }
+    }
+
+    /// A swing of a motion that does not stick.
+    fn judge_swing(&mut self, time: f64, amplitude: f64) {
+        let feigned = self.transients.feigned(time, amplitude);
+        match self.swings.trend(time, feigned) {
+            Trend::Growing => self.becomes_unstable(),
+            Trend::Shrinking if !self.grows && amplitude <= self.basin => self.verdict = Some(Verdict::Stable),
+            Trend::Constant if self.grows || amplitude > self.basin => self.verdict = Some(Verdict::Unstable),
+            Trend::Shrinking | Trend::Constant | Trend::Unclear => {}
+        }
+        self.still_swings = if amplitude <= self.still { self.still_swings + 1 } else { 0 };
+        if self.still_swings >= STILL_SWINGS && !self.grows && self.verdict.is_none() {
+            self.verdict = Some(Verdict::Stable);
+        }
+    }
+}
+
+impl Judge for CoupledJudge {
+    fn verdict(&self) -> Option<Verdict> {
+        self.verdict
+    }
+
+    fn is_unstable(&self) -> bool {
+        self.grows || self.verdict == Some(Verdict::Unstable)
+    }
+
+    fn amplitude(&self) -> f64 {
+        self.settled.value().unwrap_or(self.swings.amplitude())
+    }
+
+    fn fed_by(&self) -> DegreeOfFreedom {
+        self.repelled_by.unwrap_or(DegreeOfFreedom::Tangential)
+    }
+
+    fn looks(&mut self, x: f64, _: f64) {
+        let distance = (x - self.equilibrium).abs();
+        let arrived = ARRIVED * self.equilibrium.abs();
+        if let Some(before) = self.last_distance
+            && self.verdict.is_none()
+            && !self.grows
+            && distance <= self.basin
+            && (distance <= 0.5 * before || distance.max(before) <= arrived)
+        {
+            self.verdict = Some(Verdict::Stable);
+        }
+        self.last_distance = (!self.cycles.is_stuck()).then_some(distance);
+    }
+}
+
+impl Observer for CoupledJudge {
+    fn turns(&mut self, time: f64, x: f64) {
+        self.last_distance = None;
+        let Some(amplitude) = self.swings.turns(x) else { return };
+        self.transients.swings(amplitude);
+        let comes_free = self.cycles.swings();
+        if comes_free {
+            self.settled = SettledAmplitude::new();
+        }
+        if !self.cycles.goes_on() {
+            self.judge_swing(time, amplitude);
+        }
+    }
+
+    fn sticks(&mut self, time: f64, x: f64) {
+        self.last_distance = None;
+        if self.swings.sticks(x) {
+            self.becomes_unstable();
+        }
+        self.transients.sticks(time);
+        self.cycles.sticks(time);
+        let has_settled = self.until_settled && self.cycles.has_cycle() && self.settled.add(self.swings.amplitude());
+        let still_rings = self.transients.last_longer_than(self.cycles.duration());
+        if self.cycles.is_kept(still_rings) {
+            self.grows = true;
+            if has_settled || !self.until_settled {
+                self.verdict = Some(Verdict::Unstable);
+            }
+        }
+    }
+
+    fn slips(&mut self, time: f64) {
+        self.last_distance = None;
+        self.transients.slips(time);
+        self.cycles.slips(time);
+    }
+}
+
+#[cfg(test)]
+mod tests;

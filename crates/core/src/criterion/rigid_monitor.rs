@@ -1,0 +1,208 @@
+//! The judge of a rigid disc, where the tangential motion is planar and its orbits do not cross
+//! ([`crate::rigid_disc::return_map`]).
+//!
+//! | state | event | then |
+//! |---|---|---|
+//! | any | the energy is so small that friction cannot feed the motion any more | stable |
+//! | swinging | turns at the largest x: the first since the start, a release or an overtaking | its amplitude is the one to compare with |
+//! | | at an amplitude larger than the last by more than errors of the steps | unstable |
+//! | | smaller by more than these, and no cycle can lie inside (exponents up to 1) | stable |
+//! | | more than 1 % smaller, where one can | swinging, and compared with this one |
+//! | | in between, too slow to wait for | the return map says what comes of it |
+//! | | sticks for the first time | held: until its release, which is the same for all motions that stick |
+//! | | sticks a second time, or a first time after a start at release | unstable: all cycles are the same from here |
+//! | | grazes the disc's speed in its first swing since the start or a release | the return map says what comes of that start or release |
+//! | | overtakes the disc | swinging, with nothing to compare with |
+//! | held | would stick for longer than [`LONGEST_STICK`] | the return map says what comes of the release |
+//! | | slips | swinging |
+//!
+//! An equilibrium that is linearly unstable makes a motion unstable from the start; it is followed for its amplitude.
+
+use crate::criterion::monitor::Judge;
+use crate::degree_of_freedom::DegreeOfFreedom;
+use crate::motion::integrator::Observer;
+use crate::rigid_disc::return_map::{Fate, PlanarMotion};
+use crate::verdict::Verdict;
+
+/// A relative change of amplitude over a cycle that errors of the steps do not make: their damping is 4e-7.
+const RESOLVED: f64 = 1e-5;
+
+/// A change that is quick to wait for: a hundredfold decay takes 460 cycles at the most.
+const CLEAR: f64 = 1e-2;
+
+/// Sticking that takes longer than this, in scaled time, is not waited for.
+const LONGEST_STICK: f64 = 100.0;
+
+/// What is known of one motion so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PlanarJudge {
+    motion: PlanarMotion,
+    equilibrium: f64,
+    has_no_inner_cycle: bool,
+    until_settled: bool,
+    /// Known to be unstable, and followed for its amplitude.
+    grows: bool,
+    verdict: Option<Verdict>,
+    /// Amplitude of the last turning point at the largest x.
+    last_top: Option<f64>,
+    /// The return map was asked about that amplitude, in vain.
+    is_unresolved: bool,
+    last_turn: Option<f64>,
+    amplitude: f64,
+    /// Times that it was released or stuck.
+    sticks: u32,
+    /// The state of slip at the start or the last release, until the first swing since then is over.
+    began: Option<[f64; 2]>,
+}
+
+impl PlanarJudge {
+    /// For a motion that starts in this state, in slip or at its release from stick.
+    pub fn new(motion: PlanarMotion, until_settled: bool, (x, speed): (f64, f64), starts_at_release: bool) -> Self {
+        let repelled = motion.damping_at_equilibrium() < 0.0;
+        let mut judge = Self {
+            motion,
+            equilibrium: motion.equilibrium(),
+            has_no_inner_cycle: motion.has_no_inner_cycle(),
+            until_settled,
+            grows: repelled,
+            verdict: (repelled && !until_settled).then_some(Verdict::Unstable),
+            last_top: None,
+            is_unresolved: false,
+            last_turn: None,
+            amplitude: 0.0,
+            sticks: u32::from(starts_at_release),
+            began: Some([x, speed]),
+        };
+        if speed == 0.0 && judge.verdict.is_none() {
+            judge.turns(0.0, x);
+        }
+        judge
+    }
+
+    fn becomes_unstable(&mut self) {
+        self.grows = true;
+        if !self.until_settled {
+            self.verdict = Some(Verdict::Unstable);
+        }
+    }
+
+    /// What the return map says of a motion without sticking, or of one that is captured: it sticks and is released, and
+    /// what follows is the same for all motions.
+    fn ends_in(&mut self, fate: Fate) {
+        let settled = |fate: Fate| if self.until_settled { self.motion.settles(fate) } else { fate };
+        let fate = match settled(fate) {
+            Fate::Captured => match settled(self.motion.fate_of_release()) {
+                Fate::Captured => return self.ends_in_stick_slip(),
+                released => released,
+            },
+            fate => fate,
+        };
+        match fate {
+            Fate::Home if !self.grows => self.verdict = Some(Verdict::Stable),
+            Fate::Grows { .. } | Fate::Trapped { .. } => self.becomes_unstable(),
+            Fate::SmoothCycle { amplitude } => {
+                self.amplitude = amplitude;
+                self.grows = true;
+                self.verdict = Some(Verdict::Unstable);
+            }
+            Fate::Home | Fate::Captured | Fate::Unresolved => self.is_unresolved = true,
+        }
+    }
+
+    fn ends_in_stick_slip(&mut self) {
+        if let (out, Some(back)) = self.motion.slip_from_release() {
+            self.amplitude = 0.5 * (out.x - back.smallest);
+        }
+        self.grows = true;
+        self.verdict = Some(Verdict::Unstable);
+    }
+}
+
+impl Judge for PlanarJudge {
+    fn verdict(&self) -> Option<Verdict> {
+        self.verdict
+    }
+
+    fn is_unstable(&self) -> bool {
+        self.grows
+    }
+
+    fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+
+    fn fed_by(&self) -> DegreeOfFreedom {
+        DegreeOfFreedom::Tangential
+    }
+
+    fn looks(&mut self, x: f64, speed: f64) {
+        if self.verdict.is_none() && !self.grows && self.motion.comes_to_rest(x, speed) {
+            self.verdict = Some(Verdict::Stable);
+        }
+    }
+}
+
+impl Observer for PlanarJudge {
+    fn turns(&mut self, _: f64, x: f64) {
+        if let Some(before) = self.last_turn.replace(x) {
+            self.amplitude = 0.5 * (x - before).abs();
+        }
+        self.looks(x, 0.0);
+        let a = x - self.equilibrium;
+        if a <= 0.0 || self.verdict.is_some() {
+            return;
+        }
+        let Some(before) = self.last_top else {
+            self.last_top = Some(a);
+            return;
+        };
+        self.began = None;
+        let change = a / before - 1.0;
+        if change > RESOLVED {
+            self.becomes_unstable();
+        } else if change < -RESOLVED && !self.grows && self.has_no_inner_cycle {
+            self.verdict = Some(Verdict::Stable);
+        }
+        if self.verdict.is_some() {
+            return;
+        }
+        if change.abs() > CLEAR {
+            self.last_top = Some(a);
+            self.is_unresolved = false;
+        } else if !self.is_unresolved {
+            self.ends_in(self.motion.fate_of_swing(a));
+        }
+    }
+
+    fn sticks(&mut self, _: f64, x: f64) {
+        if self.verdict.is_some() {
+            return;
+        }
+        self.sticks += 1;
+        if self.sticks > 1 {
+            self.grows = true;
+            self.verdict = Some(Verdict::Unstable);
+        } else if (self.motion.release() - x) > LONGEST_STICK * self.motion.disc_speed {
+            self.ends_in(self.motion.fate_of_release());
+        }
+    }
+
+    fn slips(&mut self, _: f64) {
+        self.began = Some([self.motion.release(), self.motion.disc_speed]);
+        self.last_top = None;
+    }
+
+    fn overtakes(&mut self) {
+        self.last_top = None;
+        self.began = None;
+    }
+
+    fn grazes(&mut self) {
+        if let (Some(state), None) = (self.began.take(), self.verdict) {
+            self.ends_in(self.motion.fate_from(state));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
