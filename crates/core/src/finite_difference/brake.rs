@@ -95,7 +95,10 @@ pub enum FiniteDifferenceError {
 /// Pad and disc on a grid, at one rotating speed.
 ///
 /// ```
-/// use stickslip_core::{Allotment, DiscGrid, FiniteDifferenceBrake, PadOnDisc, Parameters, RandomInputs, Start};
+/// use stickslip_core::finite_difference::brake::{Allotment, DiscGrid, FiniteDifferenceBrake};
+/// use stickslip_core::motion::start::Start;
+/// use stickslip_core::parameters::Parameters;
+/// use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 /// let brake = PadOnDisc::new(Parameters::sui_ding_2018())?;
 /// let brake = FiniteDifferenceBrake::new(brake, DiscGrid { radial: 6, per_pad: 6 })?;
 /// let inputs = RandomInputs { preload: 0.1, static_friction: 0.39 };

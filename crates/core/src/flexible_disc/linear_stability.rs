@@ -27,6 +27,7 @@ use crate::flexible_disc::error::FlexibleError;
 use crate::flexible_disc::linearisation::first_order;
 use crate::friction::decay;
 use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
+use crate::numerics::root_location::false_position;
 use crate::pad::equations::PAD;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
 
@@ -198,21 +199,10 @@ impl FlexibleBrake {
         if at_high <= 0.0 {
             return None;
         }
-        // False position with halved weights (Illinois).
-        for _ in 0..60 {
-            if high - low <= 1e-9 * high {
-                break;
-            }
-            let middle = high - at_high * (high - low) / (at_high - at_low);
-            let at_middle = growth_rate(middle)?;
-            if at_middle > 0.0 {
-                (high, at_high) = (middle, at_middle);
-                at_low *= 0.5;
-            } else {
-                (low, at_low) = (middle, at_middle);
-                at_high *= 0.5;
-            }
-        }
+        // Where the eigenvalues do not converge, the value is no number, and the search ends there.
+        let value = |slope: &f64| growth_rate(*slope).map_or(f64::NAN, |rate| -rate);
+        let (high, _) = false_position((low, -at_low), (high, -at_high), high, 1e-9 * high, |slope| slope, value);
+        growth_rate(high)?;
         let stable = STABLE_AT.iter().all(|share| growth_rate(share * high).is_some_and(|rate| rate < 0.0));
         let unstable = UNSTABLE_AT.iter().all(|multiple| growth_rate(multiple * high).is_some_and(|rate| rate > 0.0));
         (stable && unstable).then_some(high * preload)

@@ -92,13 +92,17 @@ impl FrictionSteps {
     /// [`FrictionSteps::is_too_long`] for the exponent 1, without a branch.
     #[inline(always)]
     pub fn is_too_long_for_tustin(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> bool {
-        let p = self.least_sliding(u);
+        let (resolution, feedback) = self.limits_for_tustin(self.least_sliding(u));
         let per_acceleration = h * self.inverse_stribeck;
-        let resolution = self.resolution_limit * widening(p);
-        let feedback = self.feedback_limit * growth(p);
         (per_acceleration * acceleration.0.abs() > resolution)
             | (per_acceleration * acceleration.1.abs() > resolution)
             | (h * self.feedback > feedback)
+    }
+
+    /// The limits of resolution and feedback for the exponent 1, at `p` = r.
+    #[inline(always)]
+    fn limits_for_tustin(&self, p: f64) -> (f64, f64) {
+        (self.resolution_limit * widening(p), self.feedback_limit * growth(p))
     }
 
     /// By how much a step is too long: its length over what the limits allow.
@@ -108,8 +112,8 @@ impl FrictionSteps {
         let least = self.least_sliding(u);
         let delta = self.exponent;
         if delta == 1.0 {
-            let feedback = self.feedback_limit * growth(least);
-            return (change / (self.resolution_limit * widening(least))).max(h * self.feedback / feedback);
+            let (resolution, feedback) = self.limits_for_tustin(least);
+            return (change / resolution).max(h * self.feedback / feedback);
         }
         let r = least.max(FLOOR);
         let p = libm::pow(r, delta);

@@ -16,6 +16,7 @@
 //! So no step size makes the motion chatter, and none steps across the friction law.
 
 use crate::motion::friction_steps::FrictionSteps;
+use crate::numerics::root_location::false_position;
 use crate::pad::contact_state::ContactState;
 
 /// Changes of contact in one step at the most, and parts; more of them means that the equations make no sense. Some
@@ -381,43 +382,11 @@ fn least_sliding<E: Equations>(
     nearest
 }
 
-/// The time in `0..late` at which `value`, positive before and not positive at `late`, vanishes; and the state there, on
-/// the side where it is not positive. The Illinois variant of the false position, with bisection as its safeguard.
+/// The time in `0..late` at which `value`, positive before and not positive in the `state` at `late`, vanishes; and the
+/// state there.
 fn locate<S: Copy>(late: f64, state: &S, state_after: impl Fn(f64) -> S, value: impl Fn(&S) -> f64) -> (f64, S) {
-    let (mut early, mut late, mut state) = (0.0, late, *state);
-    let (mut at_early, mut at_late) = (value(&state_after(0.0)), value(&state));
-    let tolerance = 1e-15 * late;
-    let mut side = 0;
-    for iteration in 0..100 {
-        if late - early <= tolerance || at_late == 0.0 {
-            break;
-        }
-        let secant = early + (late - early) * (at_early / (at_early - at_late));
-        let middle = 0.5 * (early + late);
-        let part = if iteration % 8 < 7 && secant > early && secant < late { secant } else { middle };
-        if part <= early || part >= late {
-            break;
-        }
-        let candidate = state_after(part);
-        let at_part = value(&candidate);
-        if at_part > 0.0 {
-            early = part;
-            at_early = at_part;
-            if side == 1 {
-                at_late *= 0.5;
-            }
-            side = 1;
-        } else {
-            late = part;
-            at_late = at_part;
-            state = candidate;
-            if side == 2 {
-                at_early *= 0.5;
-            }
-            side = 2;
-        }
-    }
-    (late, state)
+    let ends = ((0.0, value(&state_after(0.0))), (late, value(state)));
+    false_position(ends.0, ends.1, *state, 1e-15 * late, state_after, value)
 }
 
 #[cfg(test)]

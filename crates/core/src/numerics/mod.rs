@@ -7,3 +7,5 @@ pub mod eigenvalues;
 pub mod quadrature;
 
 pub(crate) mod sine_cosine;
+
+pub(crate) mod root_location;

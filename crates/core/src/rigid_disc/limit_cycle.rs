@@ -10,6 +10,7 @@
 //! Stick and slip are states with located ends, not a smoothed sign function: a switch at step ends chatters.
 
 use crate::friction::StribeckLaw;
+use crate::numerics::root_location::bisect;
 use crate::rigid_disc::pad_on_disc::PadOnDisc;
 use crate::rigid_disc::return_map::{PlanarMotion, SlipEnd};
 
@@ -103,15 +104,7 @@ impl PadOnDisc {
             (0..points).scan(HIGHEST_SPEED, |speed, _| Some(std::mem::replace(speed, *speed / ratio))).collect();
         // Falling speeds: the first one with a limit cycle lies below the saddle-node, the one before it above.
         let first = scan.iter().position(|&speed| cycles(speed))?;
-        let (mut with, mut without) = (scan[first], scan[first.checked_sub(1)?]);
-        while without - with > 1e-10 * with {
-            let middle = 0.5 * (with + without);
-            if cycles(middle) {
-                with = middle;
-            } else {
-                without = middle;
-            }
-        }
+        let (with, without) = bisect((scan[first], scan[first.checked_sub(1)?]), 1000, 1e-10, cycles);
         Some(0.5 * (with + without))
     }
 }

@@ -70,7 +70,8 @@ pub struct Oscillator {
 /// Rigid disc, `sin(phi) = 0`, `cos(phi) = 1`, as in section 3.3 of the paper.
 ///
 /// ```
-/// use stickslip_core::{PadOnDisc, Parameters};
+/// use stickslip_core::parameters::Parameters;
+/// use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 /// let mut parameters = Parameters::sui_ding_2018();
 /// parameters.set("operating_point.rotating_speed", 35.0)?;
 /// let brake = PadOnDisc::new(parameters)?;

@@ -26,6 +26,7 @@
 //! criterion are tested against, and its answer where a motion on a rigid disc changes too slowly to wait for.
 
 use crate::friction::StribeckLaw;
+use crate::numerics::root_location::bisect;
 
 /// Local error allowed in one step, relative to the size of the motion.
 const TOLERANCE: f64 = 1e-12;
@@ -210,18 +211,7 @@ impl PlanarMotion {
 
     /// The part of a step at whose end `event` vanishes; it is positive at its beginning, not at its end.
     fn locate(&self, state: [f64; 2], h: f64, event: impl Fn([f64; 2]) -> f64) -> (f64, [f64; 2]) {
-        let (mut early, mut late) = (0.0, h);
-        for _ in 0..100 {
-            let middle = 0.5 * (early + late);
-            if middle <= early || middle >= late {
-                break;
-            }
-            if event(self.step(state, middle).0) > 0.0 {
-                early = middle;
-            } else {
-                late = middle;
-            }
-        }
+        let (_, late) = bisect((0.0, h), 100, 0.0, |part| event(self.step(state, part).0) > 0.0);
         (late, self.step(state, late).0)
     }
 
@@ -445,14 +435,7 @@ impl PlanarMotion {
 
     /// The limit cycle between an amplitude at which swings grow and one at which they shrink.
     fn cycle_between(&self, inner: f64, outer: f64) -> Fate {
-        let (mut low, mut high) = (inner, outer);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            if self.change(middle) >= 0.0 { low = middle } else { high = middle }
-        }
+        let (low, _) = bisect((inner, outer), 60, 0.0, |a| self.change(a) >= 0.0);
         let swing = self.swing(low);
         Fate::SmoothCycle { amplitude: 0.5 * (self.equilibrium() + low - swing.smallest) }
     }

@@ -1,6 +1,5 @@
 //! Equations of motion with closed forms: a pad under a constant acceleration, and one on a spring.
 
-use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::*;
@@ -195,42 +194,6 @@ fn a_turning_point_of_a_spring_is_found_to_the_fifth_order_of_the_step() {
         (time - 0.3 * h).abs()
     });
     assert!(errors[0] < 1e-5 && errors[1] < errors[0] / 15.0, "{errors:?}");
-}
-
-type Curve = fn(f64) -> f64;
-
-#[test]
-fn an_event_is_located_to_the_last_digits_on_its_later_side() {
-    let events: [(Curve, f64); 6] = [
-        (libm::cos, FRAC_PI_2),
-        (|t| 1.0 - t, 1.0),
-        (|t| 1.0 - t * t * t * t * t * t * t * t, 1.0),
-        // So steep beyond the event that secants alone get nowhere.
-        (|t| 1.0 - libm::pow(t / 1.1, 90.0), 1.1),
-        (|t| libm::exp(-30.0 * t) - libm::exp(-30.0), 1.0),
-        (|t| if t < 1.3 { 1e9 } else { -1e-9 }, 1.3),
-    ];
-    for (index, (value, expected)) in events.into_iter().enumerate() {
-        let (time, state) = locate(2.0, &2.0, |part| part, |&state| value(state));
-        assert!((time - expected).abs() < 1e-14, "{index}: {time}");
-        assert_eq!(time, state, "the state is that of the time");
-        assert!(value(state) <= 0.0, "{index}: {}", value(state));
-    }
-}
-
-#[test]
-fn an_event_far_from_either_end_of_a_curved_step_takes_few_steps_to_locate() {
-    // From either side secants alone would creep up to it.
-    let curved: [Curve; 2] = [|t| 1.0 - t * t * t * t * t * t * t * t, |t| libm::exp(-5.0 * t) - libm::exp(-5.0)];
-    for (index, value) in curved.into_iter().enumerate() {
-        let steps = Cell::new(0);
-        let state_after = |part| {
-            steps.set(steps.get() + 1);
-            part
-        };
-        locate(2.0, &2.0, state_after, |&state| value(state));
-        assert!(steps.get() <= 22, "{index}: {}", steps.get());
-    }
 }
 
 /// Follows a pad step by step, and keeps what is told of it.
