@@ -8,8 +8,8 @@
 //! | | swings once more | free: the motion has come away |
 //! | | sticks | sticking, one cycle more |
 //!
-//! Stick-slip counts as kept after [`KEPT`] cycles in a row. Where the share of stick is small, a small disturbance could
-//! end it: then [`KEPT_BARELY`] are asked for after which nothing rings any more, or else [`KEPT_RINGING`].
+//! Stick-slip counts as kept after [`CYCLES_TO_PERSIST`] cycles in a row. Where the share of stick is small, a small disturbance could
+//! end it: then [`CYCLES_WITH_SHORT_STICKS`] are asked for after which nothing rings any more, or else [`CYCLES_WHILE_RINGING`].
 
 use crate::criterion::transients::FIRST_SWINGS;
 
@@ -19,9 +19,9 @@ use crate::criterion::transients::FIRST_SWINGS;
 /// Measured on 400 random brakes with discs of 0.2 to 5 % damping, released from stick at 0.9 to 1.03 of their saddle-node
 /// speed and followed for 2000 units of time: with linearly stable sliding none that stuck for a large share came free
 /// again, and one of a small share did, after 31 cycles in which its disc rang.
-const KEPT: u32 = 6;
-const KEPT_BARELY: u32 = 60;
-const KEPT_RINGING: u32 = 600;
+const CYCLES_TO_PERSIST: u32 = 6;
+const CYCLES_WITH_SHORT_STICKS: u32 = 60;
+const CYCLES_WHILE_RINGING: u32 = 600;
 
 /// The share of stick in a cycle that is large.
 const LARGE_SHARE: f64 = 0.05;
@@ -78,15 +78,15 @@ impl Cycles {
             return false;
         }
         self.swings_since += 1;
-        let comes_free = self.swings_since > FIRST_SWINGS;
-        if comes_free {
+        let has_ended = self.swings_since > FIRST_SWINGS;
+        if has_ended {
             self.sticks = 0;
         }
-        comes_free
+        has_ended
     }
 
     /// Whether the motion has stuck and not come free.
-    pub fn goes_on(&self) -> bool {
+    pub fn is_ongoing(&self) -> bool {
         self.sticks > 0
     }
 
@@ -106,11 +106,11 @@ impl Cycles {
 
     /// Whether stick-slip has come back so often that it stays; `still_rings` says whether what was excited before the first
     /// stick may still matter.
-    pub fn is_kept(&self, still_rings: bool) -> bool {
+    pub fn persists(&self, still_rings: bool) -> bool {
         let kept = match (self.stick_share >= LARGE_SHARE, still_rings) {
-            (true, _) => KEPT,
-            (false, false) => KEPT_BARELY,
-            (false, true) => KEPT_RINGING,
+            (true, _) => CYCLES_TO_PERSIST,
+            (false, false) => CYCLES_WITH_SHORT_STICKS,
+            (false, true) => CYCLES_WHILE_RINGING,
         };
         self.sticks > kept
     }
@@ -125,7 +125,7 @@ mod tests {
         for count in 1..=most {
             let time = 2.0 * f64::from(count);
             cycles.sticks(time);
-            if cycles.is_kept(false) {
+            if cycles.persists(false) {
                 return Some(count);
             }
             cycles.slips(time + 2.0 * share);
@@ -135,14 +135,14 @@ mod tests {
     }
 
     #[test]
-    fn stick_slip_with_long_sticks_is_kept_after_six_cycles() {
+    fn stick_slip_with_long_sticks_persists_after_six_cycles() {
         for share in [0.051, 0.3, 0.9] {
             assert_eq!(sticks_until_kept(&mut Cycles::new(), share, 100), Some(7), "{share}");
         }
     }
 
     #[test]
-    fn stick_slip_with_short_sticks_is_kept_after_sixty_cycles() {
+    fn stick_slip_with_short_sticks_persists_after_sixty_cycles() {
         for share in [0.0, 0.01, 0.049] {
             assert_eq!(sticks_until_kept(&mut Cycles::new(), share, 100), Some(61), "{share}");
         }
@@ -153,9 +153,9 @@ mod tests {
         let mut cycles = Cycles::new();
         assert_eq!(sticks_until_kept(&mut cycles, 0.01, 60), None);
         (0..540).for_each(|cycle| cycles.sticks(200.0 + f64::from(cycle)));
-        assert!(cycles.is_kept(false) && !cycles.is_kept(true));
+        assert!(cycles.persists(false) && !cycles.persists(true));
         cycles.sticks(800.0);
-        assert!(cycles.is_kept(true));
+        assert!(cycles.persists(true));
         assert_eq!(cycles.duration(), 798.0);
     }
 
@@ -163,27 +163,27 @@ mod tests {
     fn the_share_of_the_last_cycle_counts() {
         let mut cycles = Cycles::new();
         sticks_until_kept(&mut cycles, 0.01, 20);
-        assert!(!cycles.is_kept(false));
+        assert!(!cycles.persists(false));
         cycles.sticks(42.0);
         cycles.slips(43.0);
-        assert!(cycles.is_kept(false), "a cycle from the release at 40.02 to that at 43, stuck for 1");
+        assert!(cycles.persists(false), "a cycle from the release at 40.02 to that at 43, stuck for 1");
     }
 
     #[test]
-    fn without_a_stick_nothing_goes_on_and_nothing_comes_free() {
+    fn without_a_stick_nothing_is_ongoing_and_nothing_has_ended() {
         let mut cycles = Cycles::new();
         assert!((0..20).all(|_| !cycles.swings()));
-        assert!(!cycles.goes_on() && !cycles.is_kept(false) && !cycles.is_stuck());
+        assert!(!cycles.is_ongoing() && !cycles.persists(false) && !cycles.is_stuck());
     }
 
     #[test]
-    fn a_motion_that_sticks_once_comes_free_with_its_fourth_swing() {
+    fn a_motion_that_sticks_once_has_ended_with_its_fourth_swing() {
         let mut cycles = Cycles::new();
         cycles.sticks(1.0);
         cycles.slips(2.0);
-        let comes_free: Vec<bool> = (0..5).map(|_| cycles.swings()).collect();
-        assert_eq!(comes_free, [false, false, false, true, false]);
-        assert!(!cycles.goes_on());
+        let has_ended: Vec<bool> = (0..5).map(|_| cycles.swings()).collect();
+        assert_eq!(has_ended, [false, false, false, true, false]);
+        assert!(!cycles.is_ongoing());
     }
 
     #[test]
@@ -194,7 +194,7 @@ mod tests {
             cycles.slips(f64::from(cycle) + 0.5);
             assert!((0..3).all(|_| !cycles.swings()));
         }
-        assert!(cycles.goes_on() && cycles.is_kept(false));
+        assert!(cycles.is_ongoing() && cycles.persists(false));
     }
 
     #[test]
@@ -210,9 +210,9 @@ mod tests {
         let mut cycles = Cycles::new();
         for time in [1.0, 3.0] {
             cycles.sticks(time);
-            assert!(cycles.is_stuck() && cycles.goes_on());
+            assert!(cycles.is_stuck() && cycles.is_ongoing());
             cycles.slips(time + 1.0);
-            assert!(!cycles.is_stuck() && cycles.goes_on());
+            assert!(!cycles.is_stuck() && cycles.is_ongoing());
         }
     }
 

@@ -1,4 +1,4 @@
-//! The judge of a flexible disc: the tangential motion, disturbed by everything that rings along.
+//! The monitor of a flexible disc: the tangential motion, disturbed by everything that rings along.
 //!
 //! It composes four machines, each with a table of its own: [`Swings`], [`Cycles`], [`SettledAmplitude`] and
 //! [`Transients`].
@@ -12,11 +12,11 @@
 //! | stick-slip is kept | | unstable |
 //!
 //! Where the settled amplitude is asked for, an unstable motion is followed until stick-slip has one, or until its swings
-//! are constant. That the equilibrium is linearly stable is for the criterion to know; a judge never hears of motions for
+//! are constant. That the equilibrium is linearly stable is for the criterion to know; a monitor never hears of motions for
 //! which it is not, but for their amplitude.
 
 use crate::criterion::cycles::Cycles;
-use crate::criterion::monitor::Judge;
+use crate::criterion::monitor::Monitor;
 use crate::criterion::settled_amplitude::SettledAmplitude;
 use crate::criterion::swings::{Swings, Trend};
 use crate::criterion::transients::Transients;
@@ -40,9 +40,9 @@ const ARRIVED: f64 = 1e-6;
 const STILL: f64 = 1e-6;
 const STILL_SWINGS: u32 = 100;
 
-/// How a motion is judged.
+/// How a motion is decision.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Rules {
+pub(crate) struct MonitorOptions {
     /// Slowest damping rate of the degrees of freedom that disturb the tangential motion.
     pub slowest_transient: f64,
     /// Amplitude at which the pad swings as fast as the disc, that of the smallest stick-slip: on a slow disc far less
@@ -52,14 +52,14 @@ pub(crate) struct Rules {
     pub until_settled: bool,
     /// What feeds small motions about steady sliding, if it is linearly unstable: then the verdict is known, and only the
     /// amplitude is not.
-    pub repelled_by: Option<DegreeOfFreedom>,
+    pub linear_growth_fed_by: Option<DegreeOfFreedom>,
 }
 
 /// What is known of one motion so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct CoupledJudge {
+pub(crate) struct FlexibleMonitor {
     until_settled: bool,
-    repelled_by: Option<DegreeOfFreedom>,
+    linear_growth_fed_by: Option<DegreeOfFreedom>,
     /// x0.
     equilibrium: f64,
     /// Amplitude below which a shrinking motion has come home: the stated displacement.
@@ -71,64 +71,68 @@ pub(crate) struct CoupledJudge {
     last_distance: Option<f64>,
     verdict: Option<Verdict>,
     /// Known to be unstable, but followed further.
-    grows: bool,
+    is_known_unstable: bool,
     swings: Swings,
     cycles: Cycles,
     settled: SettledAmplitude,
     transients: Transients,
 }
 
-impl CoupledJudge {
+impl FlexibleMonitor {
     /// For a motion about the equilibrium `x0`, with the stated displacement over x0, that starts at a turning point if it
     /// starts without speed.
-    pub fn new(rules: Rules, equilibrium: f64, displacement: f64, starts_turning_at: Option<f64>) -> Self {
+    pub fn new(options: MonitorOptions, equilibrium: f64, displacement: f64, starts_turning_at: Option<f64>) -> Self {
         Self {
-            until_settled: rules.until_settled,
-            repelled_by: rules.repelled_by,
+            until_settled: options.until_settled,
+            linear_growth_fed_by: options.linear_growth_fed_by,
             equilibrium,
             basin: displacement.min(LARGEST_BASIN) * equilibrium.abs(),
-            still: STILL * equilibrium.abs().min(rules.smallest_cycle),
+            still: STILL * equilibrium.abs().min(options.smallest_cycle),
             still_swings: 0,
             last_distance: None,
-            verdict: (rules.repelled_by.is_some() && !rules.until_settled).then_some(Verdict::Unstable),
-            grows: rules.repelled_by.is_some(),
+            verdict: (options.linear_growth_fed_by.is_some() && !options.until_settled).then_some(Verdict::Unstable),
+            is_known_unstable: options.linear_growth_fed_by.is_some(),
             swings: Swings::new(starts_turning_at),
             cycles: Cycles::new(),
             settled: SettledAmplitude::new(),
-            transients: Transients::new(rules.slowest_transient),
+            transients: Transients::new(options.slowest_transient),
         }
     }
 
     fn becomes_unstable(&mut self) {
-        self.grows = true;
+        self.is_known_unstable = true;
         if !self.until_settled {
             self.verdict = Some(Verdict::Unstable);
         }
     }
 
     /// A swing of a motion that does not stick.
-    fn judge_swing(&mut self, time: f64, amplitude: f64) {
-        let feigned = self.transients.feigned(time, amplitude);
-        match self.swings.trend(time, feigned) {
+    fn compare_swing(&mut self, time: f64, amplitude: f64) {
+        let imitated = self.transients.imitated(time, amplitude);
+        match self.swings.trend(time, imitated) {
             Trend::Growing => self.becomes_unstable(),
-            Trend::Shrinking if !self.grows && amplitude <= self.basin => self.verdict = Some(Verdict::Stable),
-            Trend::Constant if self.grows || amplitude > self.basin => self.verdict = Some(Verdict::Unstable),
+            Trend::Shrinking if !self.is_known_unstable && amplitude <= self.basin => {
+                self.verdict = Some(Verdict::Stable)
+            }
+            Trend::Constant if self.is_known_unstable || amplitude > self.basin => {
+                self.verdict = Some(Verdict::Unstable)
+            }
             Trend::Shrinking | Trend::Constant | Trend::Unclear => {}
         }
         self.still_swings = if amplitude <= self.still { self.still_swings + 1 } else { 0 };
-        if self.still_swings >= STILL_SWINGS && !self.grows && self.verdict.is_none() {
+        if self.still_swings >= STILL_SWINGS && !self.is_known_unstable && self.verdict.is_none() {
             self.verdict = Some(Verdict::Stable);
         }
     }
 }
 
-impl Judge for CoupledJudge {
+impl Monitor for FlexibleMonitor {
     fn verdict(&self) -> Option<Verdict> {
         self.verdict
     }
 
     fn is_unstable(&self) -> bool {
-        self.grows || self.verdict == Some(Verdict::Unstable)
+        self.is_known_unstable || self.verdict == Some(Verdict::Unstable)
     }
 
     fn amplitude(&self) -> f64 {
@@ -136,15 +140,15 @@ impl Judge for CoupledJudge {
     }
 
     fn fed_by(&self) -> DegreeOfFreedom {
-        self.repelled_by.unwrap_or(DegreeOfFreedom::Tangential)
+        self.linear_growth_fed_by.unwrap_or(DegreeOfFreedom::Tangential)
     }
 
-    fn looks(&mut self, x: f64, _: f64) {
+    fn check(&mut self, x: f64, _: f64) {
         let distance = (x - self.equilibrium).abs();
         let arrived = ARRIVED * self.equilibrium.abs();
         if let Some(before) = self.last_distance
             && self.verdict.is_none()
-            && !self.grows
+            && !self.is_known_unstable
             && distance <= self.basin
             && (distance <= 0.5 * before || distance.max(before) <= arrived)
         {
@@ -154,17 +158,17 @@ impl Judge for CoupledJudge {
     }
 }
 
-impl Observer for CoupledJudge {
+impl Observer for FlexibleMonitor {
     fn turns(&mut self, time: f64, x: f64) {
         self.last_distance = None;
         let Some(amplitude) = self.swings.turns(x) else { return };
         self.transients.swings(amplitude);
-        let comes_free = self.cycles.swings();
-        if comes_free {
+        let has_ended = self.cycles.swings();
+        if has_ended {
             self.settled = SettledAmplitude::new();
         }
-        if !self.cycles.goes_on() {
-            self.judge_swing(time, amplitude);
+        if !self.cycles.is_ongoing() {
+            self.compare_swing(time, amplitude);
         }
     }
 
@@ -177,8 +181,8 @@ impl Observer for CoupledJudge {
         self.cycles.sticks(time);
         let has_settled = self.until_settled && self.cycles.has_cycle() && self.settled.add(self.swings.amplitude());
         let still_rings = self.transients.last_longer_than(self.cycles.duration());
-        if self.cycles.is_kept(still_rings) {
-            self.grows = true;
+        if self.cycles.persists(still_rings) {
+            self.is_known_unstable = true;
             if has_settled || !self.until_settled {
                 self.verdict = Some(Verdict::Unstable);
             }

@@ -16,13 +16,13 @@
 //!
 //! # How it is seen
 //!
-//! A judge is told of turning points, of sticking and of release (by the integrator), and is asked to
+//! A monitor is told of turning points, of sticking and of release (by the integrator), and is asked to
 //! look at the motion itself from time to time.
 //!
 //! | module | what it knows |
 //! |---|---|
-//! | `planar` | the judge of a rigid disc, where motion is planar and orbits do not cross: two swings decide |
-//! | `coupled` | the judge of a flexible disc, made of the four machines below |
+//! | `planar` | the monitor of a rigid disc, where motion is planar and orbits do not cross: two swings decide |
+//! | `coupled` | the monitor of a flexible disc, made of the four machines below |
 //! | `swings` | whether amplitudes grow or shrink from swing to swing |
 //! | `cycles` | whether stick-slip comes back cycle after cycle |
 //! | `settled` | the amplitude that stick-slip settles to |
@@ -33,7 +33,7 @@ use crate::motion::integrator::Observer;
 use crate::verdict::Verdict;
 
 /// What follows from a motion so far.
-pub(crate) trait Judge: Observer + Copy {
+pub(crate) trait Monitor: Observer + Copy {
     /// The verdict, once it is certain (and, where asked for, once the amplitude has settled).
     fn verdict(&self) -> Option<Verdict>;
 
@@ -46,15 +46,15 @@ pub(crate) trait Judge: Observer + Copy {
     /// What feeds the motion, if it is unstable.
     fn fed_by(&self) -> DegreeOfFreedom;
 
-    /// Looks at the motion itself, every [`STEPS_TO_LOOK`] steps: without turning points there are no swings to judge.
-    fn looks(&mut self, x: f64, speed: f64);
+    /// Looks at the motion itself, every [`STEPS_BETWEEN_CHECKS`] steps: without turning points there are no swings to monitor.
+    fn check(&mut self, x: f64, speed: f64);
 }
 
 /// Steps from one look at a motion to the next: some ten periods of the tangential motion on a flexible disc, four on a
 /// rigid one. Rare enough to cost nothing, and a motion that does not turn in this time creeps.
-pub(crate) const STEPS_TO_LOOK: u64 = 256;
+pub(crate) const STEPS_BETWEEN_CHECKS: u64 = 256;
 
 /// Whether a motion is looked at after this many steps.
-pub(crate) fn is_time_to_look(steps: u64) -> bool {
-    steps.is_multiple_of(STEPS_TO_LOOK)
+pub(crate) fn is_check_due(steps: u64) -> bool {
+    steps.is_multiple_of(STEPS_BETWEEN_CHECKS)
 }

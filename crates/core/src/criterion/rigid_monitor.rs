@@ -1,4 +1,4 @@
-//! The judge of a rigid disc, where the tangential motion is planar and its orbits do not cross
+//! The monitor of a rigid disc, where the tangential motion is planar and its orbits do not cross
 //! ([`crate::rigid_disc::return_map`]).
 //!
 //! | state | event | then |
@@ -18,10 +18,11 @@
 //!
 //! An equilibrium that is linearly unstable makes a motion unstable from the start; it is followed for its amplitude.
 
-use crate::criterion::monitor::Judge;
+use crate::criterion::monitor::Monitor;
 use crate::degree_of_freedom::DegreeOfFreedom;
 use crate::motion::integrator::Observer;
-use crate::rigid_disc::return_map::{Fate, PlanarMotion};
+use crate::rigid_disc::planar_motion::PlanarMotion;
+use crate::rigid_disc::return_map::Fate;
 use crate::verdict::Verdict;
 
 /// A relative change of amplitude over a cycle that errors of the steps do not make: their damping is 4e-7.
@@ -35,13 +36,13 @@ const LONGEST_STICK: f64 = 100.0;
 
 /// What is known of one motion so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PlanarJudge {
+pub(crate) struct RigidMonitor {
     motion: PlanarMotion,
     equilibrium: f64,
     has_no_inner_cycle: bool,
     until_settled: bool,
     /// Known to be unstable, and followed for its amplitude.
-    grows: bool,
+    is_known_unstable: bool,
     verdict: Option<Verdict>,
     /// Amplitude of the last turning point at the largest x.
     last_top: Option<f64>,
@@ -52,35 +53,35 @@ pub(crate) struct PlanarJudge {
     /// Times that it was released or stuck.
     sticks: u32,
     /// The state of slip at the start or the last release, until the first swing since then is over.
-    began: Option<[f64; 2]>,
+    started: Option<[f64; 2]>,
 }
 
-impl PlanarJudge {
+impl RigidMonitor {
     /// For a motion that starts in this state, in slip or at its release from stick.
     pub fn new(motion: PlanarMotion, until_settled: bool, (x, speed): (f64, f64), starts_at_release: bool) -> Self {
-        let repelled = motion.damping_at_equilibrium() < 0.0;
-        let mut judge = Self {
+        let is_linearly_unstable = motion.damping_at_equilibrium() < 0.0;
+        let mut monitor = Self {
             motion,
             equilibrium: motion.equilibrium(),
             has_no_inner_cycle: motion.has_no_inner_cycle(),
             until_settled,
-            grows: repelled,
-            verdict: (repelled && !until_settled).then_some(Verdict::Unstable),
+            is_known_unstable: is_linearly_unstable,
+            verdict: (is_linearly_unstable && !until_settled).then_some(Verdict::Unstable),
             last_top: None,
             is_unresolved: false,
             last_turn: None,
             amplitude: 0.0,
             sticks: u32::from(starts_at_release),
-            began: Some([x, speed]),
+            started: Some([x, speed]),
         };
-        if speed == 0.0 && judge.verdict.is_none() {
-            judge.turns(0.0, x);
+        if speed == 0.0 && monitor.verdict.is_none() {
+            monitor.turns(0.0, x);
         }
-        judge
+        monitor
     }
 
     fn becomes_unstable(&mut self) {
-        self.grows = true;
+        self.is_known_unstable = true;
         if !self.until_settled {
             self.verdict = Some(Verdict::Unstable);
         }
@@ -88,43 +89,43 @@ impl PlanarJudge {
 
     /// What the return map says of a motion without sticking, or of one that is captured: it sticks and is released, and
     /// what follows is the same for all motions.
-    fn ends_in(&mut self, fate: Fate) {
+    fn conclude_from(&mut self, fate: Fate) {
         let settled = |fate: Fate| if self.until_settled { self.motion.settles(fate) } else { fate };
         let fate = match settled(fate) {
             Fate::Captured => match settled(self.motion.fate_of_release()) {
-                Fate::Captured => return self.ends_in_stick_slip(),
+                Fate::Captured => return self.conclude_from_stick_slip(),
                 released => released,
             },
             fate => fate,
         };
         match fate {
-            Fate::Home if !self.grows => self.verdict = Some(Verdict::Stable),
+            Fate::Equilibrium if !self.is_known_unstable => self.verdict = Some(Verdict::Stable),
             Fate::Grows { .. } | Fate::Trapped { .. } => self.becomes_unstable(),
             Fate::SmoothCycle { amplitude } => {
                 self.amplitude = amplitude;
-                self.grows = true;
+                self.is_known_unstable = true;
                 self.verdict = Some(Verdict::Unstable);
             }
-            Fate::Home | Fate::Captured | Fate::Unresolved => self.is_unresolved = true,
+            Fate::Equilibrium | Fate::Captured | Fate::Unresolved => self.is_unresolved = true,
         }
     }
 
-    fn ends_in_stick_slip(&mut self) {
+    fn conclude_from_stick_slip(&mut self) {
         if let (out, Some(back)) = self.motion.slip_from_release() {
             self.amplitude = 0.5 * (out.x - back.smallest);
         }
-        self.grows = true;
+        self.is_known_unstable = true;
         self.verdict = Some(Verdict::Unstable);
     }
 }
 
-impl Judge for PlanarJudge {
+impl Monitor for RigidMonitor {
     fn verdict(&self) -> Option<Verdict> {
         self.verdict
     }
 
     fn is_unstable(&self) -> bool {
-        self.grows
+        self.is_known_unstable
     }
 
     fn amplitude(&self) -> f64 {
@@ -135,19 +136,19 @@ impl Judge for PlanarJudge {
         DegreeOfFreedom::Tangential
     }
 
-    fn looks(&mut self, x: f64, speed: f64) {
-        if self.verdict.is_none() && !self.grows && self.motion.comes_to_rest(x, speed) {
+    fn check(&mut self, x: f64, speed: f64) {
+        if self.verdict.is_none() && !self.is_known_unstable && self.motion.comes_to_rest(x, speed) {
             self.verdict = Some(Verdict::Stable);
         }
     }
 }
 
-impl Observer for PlanarJudge {
+impl Observer for RigidMonitor {
     fn turns(&mut self, _: f64, x: f64) {
         if let Some(before) = self.last_turn.replace(x) {
             self.amplitude = 0.5 * (x - before).abs();
         }
-        self.looks(x, 0.0);
+        self.check(x, 0.0);
         let a = x - self.equilibrium;
         if a <= 0.0 || self.verdict.is_some() {
             return;
@@ -156,11 +157,11 @@ impl Observer for PlanarJudge {
             self.last_top = Some(a);
             return;
         };
-        self.began = None;
+        self.started = None;
         let change = a / before - 1.0;
         if change > RESOLVED {
             self.becomes_unstable();
-        } else if change < -RESOLVED && !self.grows && self.has_no_inner_cycle {
+        } else if change < -RESOLVED && !self.is_known_unstable && self.has_no_inner_cycle {
             self.verdict = Some(Verdict::Stable);
         }
         if self.verdict.is_some() {
@@ -170,7 +171,7 @@ impl Observer for PlanarJudge {
             self.last_top = Some(a);
             self.is_unresolved = false;
         } else if !self.is_unresolved {
-            self.ends_in(self.motion.fate_of_swing(a));
+            self.conclude_from(self.motion.fate_of_swing(a));
         }
     }
 
@@ -180,26 +181,26 @@ impl Observer for PlanarJudge {
         }
         self.sticks += 1;
         if self.sticks > 1 {
-            self.grows = true;
+            self.is_known_unstable = true;
             self.verdict = Some(Verdict::Unstable);
         } else if (self.motion.release() - x) > LONGEST_STICK * self.motion.disc_speed {
-            self.ends_in(self.motion.fate_of_release());
+            self.conclude_from(self.motion.fate_of_release());
         }
     }
 
     fn slips(&mut self, _: f64) {
-        self.began = Some([self.motion.release(), self.motion.disc_speed]);
+        self.started = Some([self.motion.release(), self.motion.disc_speed]);
         self.last_top = None;
     }
 
     fn overtakes(&mut self) {
         self.last_top = None;
-        self.began = None;
+        self.started = None;
     }
 
     fn grazes(&mut self) {
-        if let (Some(state), None) = (self.began.take(), self.verdict) {
-            self.ends_in(self.motion.fate_from(state));
+        if let (Some(state), None) = (self.started.take(), self.verdict) {
+            self.conclude_from(self.motion.fate_from(state));
         }
     }
 }

@@ -6,10 +6,10 @@
 //! | state | a swing whose amplitude | trend | then |
 //! |---|---|---|---|
 //! | no reference | is any | unclear | it is the reference |
-//! | reference | exceeds the reference by more than may be feigned | growing | it is the new reference |
-//! | | falls short of it by more than may be feigned | shrinking | it is the new reference |
+//! | reference | exceeds the reference by more than may be imitated | growing | it is the new reference |
+//! | | falls short of it by more than may be imitated | shrinking | it is the new reference |
 //! | | does neither | unclear | the same reference, until time has doubled since: then it is the new one |
-//! | | has done neither for [`SUSTAINED`] swings and twice the time, with nothing left to be feigned | constant | the same reference |
+//! | | has done neither for [`SUSTAINED`] swings and twice the time, with nothing left to be imitated | constant | the same reference |
 //!
 //! A stick makes an end of all references.
 
@@ -47,18 +47,18 @@ pub(crate) struct Swings {
 struct Reference {
     amplitude: f64,
     time: f64,
-    /// The amplitude that could be feigned then.
-    feigned: f64,
+    /// The amplitude that could be imitated then.
+    imitated: f64,
 }
 
 impl Reference {
     fn grows_to(&self, amplitude: f64) -> bool {
-        amplitude > self.amplitude * (1.0 + LEAST_CHANGE) + self.feigned
+        amplitude > self.amplitude * (1.0 + LEAST_CHANGE) + self.imitated
     }
 
     fn shrinks_to(&self, amplitude: f64) -> bool {
-        // Half of what may be feigned: this decides nothing but when a motion near a stable equilibrium is at home.
-        amplitude * (1.0 + LEAST_CHANGE + 0.5 * self.feigned / self.amplitude) < self.amplitude
+        // Half of what may be imitated: this decides nothing but when a motion near a stable equilibrium is at home.
+        amplitude * (1.0 + LEAST_CHANGE + 0.5 * self.imitated / self.amplitude) < self.amplitude
     }
 }
 
@@ -80,10 +80,10 @@ impl Swings {
         self.amplitude
     }
 
-    /// The trend after a swing, if this amplitude may be feigned.
-    pub fn trend(&mut self, time: f64, feigned: f64) -> Trend {
+    /// The trend after a swing, if this amplitude may be imitated.
+    pub fn trend(&mut self, time: f64, imitated: f64) -> Trend {
         let amplitude = self.amplitude;
-        let now = Reference { amplitude, time, feigned };
+        let now = Reference { amplitude, time, imitated };
         let Some(reference) = self.reference else {
             self.restart(Some(now));
             return Trend::Unclear;
@@ -98,7 +98,7 @@ impl Swings {
         }
         self.unclear += 1;
         let has_doubled = time > 2.0 * reference.time + FIRST_REFERENCE;
-        if has_doubled && self.unclear >= SUSTAINED && reference.feigned <= LEAST_CHANGE * amplitude {
+        if has_doubled && self.unclear >= SUSTAINED && reference.imitated <= LEAST_CHANGE * amplitude {
             return Trend::Constant;
         }
         if has_doubled {
@@ -141,13 +141,13 @@ mod tests {
             Self { swings: Swings::new(Some(0.0)), time: 0.0, x: 0.0, side: 1.0 }
         }
 
-        fn swing(&mut self, amplitude: f64, feigned: f64) -> Trend {
+        fn swing(&mut self, amplitude: f64, imitated: f64) -> Trend {
             self.time += 3.0;
             self.x += 2.0 * self.side * amplitude;
             self.side = -self.side;
             let told = self.swings.turns(self.x).unwrap();
             assert!((told - amplitude).abs() < 1e-12);
-            self.swings.trend(self.time, feigned)
+            self.swings.trend(self.time, imitated)
         }
 
         fn trends(amplitudes: &[f64]) -> Vec<Trend> {
@@ -157,9 +157,9 @@ mod tests {
     }
 
     /// The first trend of up to a thousand swings, and after how many.
-    fn first_trend(amplitude: impl Fn(f64) -> f64, feigned: f64) -> Option<(u32, Trend)> {
+    fn first_trend(amplitude: impl Fn(f64) -> f64, imitated: f64) -> Option<(u32, Trend)> {
         let mut driven = Driven::new();
-        let trends = (1..=1000).map(|count| (count, driven.swing(amplitude(f64::from(count)), feigned)));
+        let trends = (1..=1000).map(|count| (count, driven.swing(amplitude(f64::from(count)), imitated)));
         trends.into_iter().find(|&(_, trend)| trend != Trend::Unclear)
     }
 
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn constant_swings_say_nothing_while_something_may_be_feigned() {
+    fn constant_swings_say_nothing_while_something_may_be_imitated() {
         assert_eq!(first_trend(|_| 0.7, 0.71e-4), None);
         assert_eq!(first_trend(|_| 0.7, 0.69e-4), Some((249, Trend::Constant)));
     }
@@ -233,18 +233,18 @@ mod tests {
     }
 
     #[test]
-    fn beats_within_what_may_be_feigned_say_nothing() {
+    fn beats_within_what_may_be_imitated_say_nothing() {
         let beating = |count: f64| 1.0 + 0.02 * libm::sin(0.7 * count);
         assert_eq!(first_trend(beating, 0.1), None);
         assert!(first_trend(beating, 0.0).is_some());
     }
 
     #[test]
-    fn what_may_be_feigned_counts_whole_against_growth_and_half_against_shrinking() {
-        let second = |feigned: f64, amplitude: f64| {
+    fn what_may_be_imitated_counts_whole_against_growth_and_half_against_shrinking() {
+        let second = |imitated: f64, amplitude: f64| {
             let mut driven = Driven::new();
-            driven.swing(2.0, feigned);
-            // What may be feigned by the second swing does not matter.
+            driven.swing(2.0, imitated);
+            // What may be imitated by the second swing does not matter.
             driven.swing(amplitude, 0.0)
         };
         assert_eq!(second(0.1, 2.09), Trend::Unclear);

@@ -1,6 +1,6 @@
 //! The time-domain criterion: a sample is followed in time until its motion has shown what it will do.
 //!
-//! What stable and unstable mean, and how a motion shows it, says [`crate::criterion::judge`].
+//! What stable and unstable mean, and how a motion shows it, says [`crate::criterion::monitor`].
 //!
 //! Steps are those of the classical fourth-order Runge-Kutta method. Their length is 0.1 over the natural frequency of
 //! the pad on a rigid disc, 0.45 over the highest frequency of pad, contact and kept disc modes on a flexible one, and no
@@ -17,9 +17,9 @@
 use thiserror::Error;
 
 use crate::criterion::decision::Decision;
-use crate::criterion::flexible_monitor::{CoupledJudge, Rules};
-use crate::criterion::monitor::{Judge, is_time_to_look};
-use crate::criterion::rigid_monitor::PlanarJudge;
+use crate::criterion::flexible_monitor::{FlexibleMonitor, MonitorOptions};
+use crate::criterion::monitor::{Monitor, is_check_due};
+use crate::criterion::rigid_monitor::RigidMonitor;
 use crate::criterion::settings::{SettingsError, TimeDomainSettings};
 use crate::flexible_disc::brake::FlexibleBrake;
 use crate::flexible_disc::error::FlexibleError;
@@ -128,14 +128,14 @@ impl TimeDomain {
             System::Rigid(motion) => {
                 let sample = motion.sample(inputs);
                 match self.start_rigid(&sample, inputs) {
-                    Ok((start, judge)) => self.follow(&sample, start, judge, motion.step, 0),
+                    Ok((start, monitor)) => self.simulate(&sample, start, monitor, motion.step, 0),
                     Err(known) => known,
                 }
             }
             System::Flexible(motion) => {
                 let sample = motion.sample(inputs);
                 match self.start_flexible(&sample, FlexibleBrake::by_eigenvalues) {
-                    Ok((start, judge)) => self.follow(&sample, start, judge, motion.step, 0),
+                    Ok((start, monitor)) => self.simulate(&sample, start, monitor, motion.step, 0),
                     Err(known) => known,
                 }
             }
@@ -151,20 +151,21 @@ impl TimeDomain {
         }
     }
 
-    /// The motion that a sample starts with, and its judge; or what is known of it without following it.
+    /// The motion that a sample starts with, and its monitor; or what is known of it without following it.
     pub(crate) fn start_rigid(
         &self,
         sample: &RigidSample<'_>,
         inputs: RandomInputs,
-    ) -> Result<(Motion<RigidState>, PlanarJudge), Decision> {
+    ) -> Result<(Motion<RigidState>, RigidMonitor), Decision> {
         if self.brake.is_outside_physics(inputs) {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
         let motion = self.rigid_start(sample);
         let starts_at_release = motion.contact == ContactState::Stick;
         let state = (motion.state.x, motion.state.u);
-        let judge = PlanarJudge::new(sample.planar_motion(), self.settings.until_settled(), state, starts_at_release);
-        self.unless_decided(motion, judge)
+        let monitor =
+            RigidMonitor::new(sample.planar_motion(), self.settings.until_settled(), state, starts_at_release);
+        self.unless_decided(motion, monitor)
     }
 
     /// See [`TimeDomain::start_rigid`].
@@ -174,12 +175,12 @@ impl TimeDomain {
         &self,
         sample: &FlexibleSample<'_>,
         stability: impl Fn(&FlexibleBrake, RandomInputs) -> Result<LinearStability, FlexibleError>,
-    ) -> Result<(Motion<FlexibleState>, CoupledJudge), Decision> {
+    ) -> Result<(Motion<FlexibleState>, FlexibleMonitor), Decision> {
         let (brake, inputs) = (sample.brake, sample.inputs);
         if inputs.preload <= 0.0 {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
-        let repelled_by = match stability(brake, inputs) {
+        let linear_growth_fed_by = match stability(brake, inputs) {
             Ok(LinearStability::Stable) if self.brake.is_outside_physics(inputs) => {
                 return Err(Decision::OUTSIDE_PHYSICS);
             }
@@ -187,22 +188,22 @@ impl TimeDomain {
             Ok(LinearStability::Unstable { fed_by }) => Some(fed_by),
             Err(_) => return Err(Decision::FAILED),
         };
-        let rules = Rules {
+        let options = MonitorOptions {
             slowest_transient: brake.equations.slowest_transient(),
             smallest_cycle: brake.equations.pad.smallest_cycle(),
             until_settled: self.settings.until_settled(),
-            repelled_by,
+            linear_growth_fed_by,
         };
         let (motion, equilibrium) = self.flexible_start(sample).map_err(|_| Decision::FAILED)?;
         let starts_turning_at = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
-        let judge = CoupledJudge::new(rules, equilibrium, self.settings.displacement, starts_turning_at);
-        self.unless_decided(motion, judge)
+        let monitor = FlexibleMonitor::new(options, equilibrium, self.settings.displacement, starts_turning_at);
+        self.unless_decided(motion, monitor)
     }
 
-    fn unless_decided<S, J: Judge>(&self, motion: Motion<S>, judge: J) -> Result<(Motion<S>, J), Decision> {
-        match judge.verdict() {
-            None => Ok((motion, judge)),
-            Some(verdict) => Err(self.conclude(verdict, &judge, 0.0)),
+    fn unless_decided<S, M: Monitor>(&self, motion: Motion<S>, monitor: M) -> Result<(Motion<S>, M), Decision> {
+        match monitor.verdict() {
+            None => Ok((motion, monitor)),
+            Some(verdict) => Err(self.conclude(verdict, &monitor, 0.0)),
         }
     }
 
@@ -230,46 +231,46 @@ impl TimeDomain {
     }
 
     /// Follows a motion that has come `begun` steps far to its verdict or to the horizon.
-    pub(crate) fn follow<E: Equations, J: Judge>(
+    pub(crate) fn simulate<E: Equations, M: Monitor>(
         &self,
         equations: &E,
         mut motion: Motion<E::State>,
-        mut judge: J,
+        mut monitor: M,
         h: f64,
         begun: u64,
     ) -> Decision {
         let steps = self.steps_to_horizon(h);
         for step in begun..steps {
             let time = step as f64 * h;
-            if advance(equations, &mut motion, time, h, &mut judge).is_err() {
-                return self.conclude_without_verdict(Verdict::Failed, &judge, time);
+            if advance(equations, &mut motion, time, h, &mut monitor).is_err() {
+                return self.conclude_without_verdict(Verdict::Failed, &monitor, time);
             }
-            if is_time_to_look(step + 1) {
+            if is_check_due(step + 1) {
                 let (x, u) = equations.tangential(&motion.state);
-                judge.looks(x, u);
+                monitor.check(x, u);
             }
-            if let Some(verdict) = judge.verdict() {
-                return self.conclude(verdict, &judge, (step + 1) as f64 * h);
+            if let Some(verdict) = monitor.verdict() {
+                return self.conclude(verdict, &monitor, (step + 1) as f64 * h);
             }
         }
-        self.conclude_without_verdict(Verdict::Undecided, &judge, steps as f64 * h)
+        self.conclude_without_verdict(Verdict::Undecided, &monitor, steps as f64 * h)
     }
 
-    /// The outcome of a motion that ended at the horizon or broke down. One that is known to be unstable is so without
+    /// The decision of a motion that ended at the horizon or broke down. One that is known to be unstable is so without
     /// a settled amplitude, unless that amplitude is what decides.
-    pub(crate) fn conclude_without_verdict<J: Judge>(&self, otherwise: Verdict, judge: &J, time: f64) -> Decision {
-        let known = judge.is_unstable() && self.settings.amplitude_index.is_none();
+    pub(crate) fn conclude_without_verdict<M: Monitor>(&self, otherwise: Verdict, monitor: &M, time: f64) -> Decision {
+        let known = monitor.is_unstable() && self.settings.amplitude_index.is_none();
         let verdict = if known { Verdict::Unstable } else { otherwise };
-        Decision { verdict, amplitude: None, time, fed_by: known.then(|| judge.fed_by()) }
+        Decision { verdict, amplitude: None, time, fed_by: known.then(|| monitor.fed_by()) }
     }
 
     pub(crate) fn steps_to_horizon(&self, h: f64) -> u64 {
         (self.settings.horizon / h).ceil() as u64
     }
 
-    /// The outcome of a motion with this verdict; with the paper's index the settled amplitude has the last word.
-    pub(crate) fn conclude<J: Judge>(&self, verdict: Verdict, judge: &J, time: f64) -> Decision {
-        let amplitude = (verdict == Verdict::Unstable && self.settings.until_settled()).then(|| judge.amplitude());
+    /// The decision of a motion with this verdict; with the paper's index the settled amplitude has the last word.
+    pub(crate) fn conclude<M: Monitor>(&self, verdict: Verdict, monitor: &M, time: f64) -> Decision {
+        let amplitude = (verdict == Verdict::Unstable && self.settings.until_settled()).then(|| monitor.amplitude());
         let verdict = match (self.settings.amplitude_index, amplitude) {
             (Some(limit), Some(amplitude)) if amplitude <= limit => Verdict::Stable,
             _ => verdict,
@@ -279,7 +280,7 @@ impl TimeDomain {
             verdict,
             amplitude: amplitude.filter(|_| is_unstable),
             time,
-            fed_by: is_unstable.then(|| judge.fed_by()),
+            fed_by: is_unstable.then(|| monitor.fed_by()),
         }
     }
 }

@@ -8,7 +8,7 @@
 //! | just let go, first swings to come | the excitation is the largest amplitude of these swings | let go anew | let go from here |
 //! | ringing | nothing | let go anew; what still rings counts on | |
 //!
-//! What may be feigned is the excitation, dying away at the slowest damping rate of these degrees of freedom. It is an
+//! What may be imitated is the excitation, dying away at the slowest damping rate of these degrees of freedom. It is an
 //! amplitude of its own: where the tangential motion has died away faster, beats of the ringing are no growth.
 
 /// Swings after a motion was let go that say how much the other degrees of freedom can have been excited: a swing takes
@@ -16,14 +16,14 @@
 pub(super) const FIRST_SWINGS: u32 = 3;
 
 /// The share of a ringing that does not matter any more: a hundredth of the amplitude it began with.
-const RUNG_OUT: f64 = 1e-2;
+const NEGLIGIBLE_RINGING: f64 = 1e-2;
 
 /// What is left of transients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Transients {
     /// Slowest damping rate of the degrees of freedom that ring, per unit of scaled time.
     rate: f64,
-    let_go: f64,
+    excited_at: f64,
     excitation: f64,
     first_swings: u32,
 }
@@ -32,7 +32,7 @@ impl Transients {
     /// Of a motion that is let go at time 0.
     pub fn new(rate: f64) -> Self {
         // The start is a turning point already: one swing shows its amplitude.
-        Self { rate, let_go: 0.0, excitation: 0.0, first_swings: 1 }
+        Self { rate, excited_at: 0.0, excitation: 0.0, first_swings: 1 }
     }
 
     /// A swing of this amplitude.
@@ -53,23 +53,23 @@ impl Transients {
     /// here.
     pub fn slips(&mut self, time: f64) {
         self.excitation *= self.left(time);
-        self.let_go = time;
+        self.excited_at = time;
     }
 
-    /// The change of an amplitude that may still be feigned. A motion larger than it was when it was let go excites as
+    /// The change of an amplitude that may still be imitated. A motion larger than it was when it was let go excites as
     /// much as it is.
-    pub fn feigned(&self, time: f64, amplitude: f64) -> f64 {
+    pub fn imitated(&self, time: f64, amplitude: f64) -> f64 {
         self.excitation.max(amplitude) * self.left(time)
     }
 
-    /// Whether after this time more than [`RUNG_OUT`] of a ringing is left.
+    /// Whether after this time more than [`NEGLIGIBLE_RINGING`] of a ringing is left.
     pub fn last_longer_than(&self, duration: f64) -> bool {
-        libm::exp(-self.rate * duration) > RUNG_OUT
+        libm::exp(-self.rate * duration) > NEGLIGIBLE_RINGING
     }
 
     /// The share of the excitation that has not died away.
     fn left(&self, time: f64) -> f64 {
-        libm::exp(-self.rate * (time - self.let_go))
+        libm::exp(-self.rate * (time - self.excited_at))
     }
 }
 
@@ -82,9 +82,9 @@ mod tests {
         let mut transients = Transients::new(0.1);
         transients.swings(2.0);
         transients.swings(5.0);
-        assert_eq!(transients.feigned(0.0, 1.0), 2.0);
-        assert!((transients.feigned(10.0, 0.0) - 2.0 / std::f64::consts::E).abs() < 1e-15);
-        assert_eq!(transients.feigned(0.0, 7.0), 7.0);
+        assert_eq!(transients.imitated(0.0, 1.0), 2.0);
+        assert!((transients.imitated(10.0, 0.0) - 2.0 / std::f64::consts::E).abs() < 1e-15);
+        assert_eq!(transients.imitated(0.0, 7.0), 7.0);
     }
 
     #[test]
@@ -99,17 +99,17 @@ mod tests {
         let mut transients = Transients::new(0.1);
         transients.swings(2.0);
         transients.sticks(10.0);
-        assert!((transients.feigned(10.0, 0.0) - 2.0 / std::f64::consts::E).abs() < 1e-15);
+        assert!((transients.imitated(10.0, 0.0) - 2.0 / std::f64::consts::E).abs() < 1e-15);
         for amplitude in [0.1, 0.3, 0.2, 9.0] {
             transients.swings(amplitude);
         }
         // What rang before is more than the swings since.
-        assert!((transients.feigned(10.0, 0.0) - 2.0 / std::f64::consts::E).abs() < 1e-15);
+        assert!((transients.imitated(10.0, 0.0) - 2.0 / std::f64::consts::E).abs() < 1e-15);
         transients.sticks(200.0);
         for amplitude in [0.1, 0.3, 0.2, 9.0] {
             transients.swings(amplitude);
         }
-        assert_eq!(transients.feigned(200.0, 0.0), 0.3);
+        assert_eq!(transients.imitated(200.0, 0.0), 0.3);
     }
     #[test]
     fn a_release_excites_however_long_the_stick_before_it_was() {
@@ -120,7 +120,7 @@ mod tests {
         for amplitude in [0.1, 0.3, 0.2] {
             transients.swings(amplitude);
         }
-        assert_eq!(transients.feigned(1000.0, 0.0), 0.3);
-        assert!((transients.feigned(1010.0, 0.0) - 0.3 / std::f64::consts::E).abs() < 1e-15);
+        assert_eq!(transients.imitated(1000.0, 0.0), 0.3);
+        assert!((transients.imitated(1010.0, 0.0) - 0.3 / std::f64::consts::E).abs() < 1e-15);
     }
 }

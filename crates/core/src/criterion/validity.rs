@@ -37,7 +37,7 @@
 //! # Flexible disc
 //!
 //! 60 verdicts on 20 random brakes, three starts each, with a horizon of 10 000. The reference of a linearly unstable brake is its
-//! eigenvalues; else motions of the same equations with a quarter of the step, up to three times the horizon, that no judge
+//! eigenvalues; else motions of the same equations with a quarter of the step, up to three times the horizon, that no monitor
 //! looks at.
 //!
 //! | range | cases | wrong | undecided | share of both | no reference | changed by half steps |

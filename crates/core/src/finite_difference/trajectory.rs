@@ -1,7 +1,7 @@
 //! The recorded motion of pad and disc on the grid, with its verdict.
 
-use crate::criterion::flexible_monitor::{CoupledJudge, Rules};
-use crate::criterion::monitor::Judge;
+use crate::criterion::flexible_monitor::{FlexibleMonitor, MonitorOptions};
+use crate::criterion::monitor::Monitor;
 use crate::criterion::settings::TimeDomainSettings;
 use crate::finite_difference::brake::{Allotment, FiniteDifferenceBrake, FiniteDifferenceError};
 use crate::flexible_disc::linear_stability::LinearStability;
@@ -16,7 +16,7 @@ use crate::verdict::Verdict;
 /// Writes down what happens, and judges it until that is certain.
 struct MonitoredLog {
     log: EventLog,
-    judge: CoupledJudge,
+    monitor: FlexibleMonitor,
     verdict: Option<Verdict>,
 }
 
@@ -24,8 +24,8 @@ impl MonitoredLog {
     fn tell(&mut self, what: impl Fn(&mut dyn Observer)) {
         what(&mut self.log);
         if self.verdict.is_none() {
-            what(&mut self.judge);
-            self.verdict = self.judge.verdict();
+            what(&mut self.monitor);
+            self.verdict = self.monitor.verdict();
         }
     }
 }
@@ -64,16 +64,16 @@ impl FiniteDifferenceBrake {
         let (x, u) = (simulation.pad.state.q[0], simulation.pad.state.u[0]);
         let slowest_transient = self.modal.brake.equations.slowest_transient();
         // Linear stability is that of the modes: a motion on the grid would take long to show it.
-        let repelled_by = match self.modal.brake.by_eigenvalues(inputs)? {
+        let linear_growth_fed_by = match self.modal.brake.by_eigenvalues(inputs)? {
             LinearStability::Stable => None,
             LinearStability::Unstable { fed_by } => Some(fed_by),
         };
         let smallest_cycle = self.pad().smallest_cycle();
-        let rules = Rules { slowest_transient, smallest_cycle, until_settled: false, repelled_by };
-        let judge = CoupledJudge::new(rules, equilibrium, displacement, (u == 0.0).then_some(x));
+        let options = MonitorOptions { slowest_transient, smallest_cycle, until_settled: false, linear_growth_fed_by };
+        let monitor = FlexibleMonitor::new(options, equilibrium, displacement, (u == 0.0).then_some(x));
         let rises = inputs.static_friction < self.pad().kinetic_friction;
-        let verdict = judge.verdict().or(rises.then_some(Verdict::Stable));
-        let mut monitored = MonitoredLog { log: EventLog::default(), judge, verdict };
+        let verdict = monitor.verdict().or(rises.then_some(Verdict::Stable));
+        let mut monitored = MonitoredLog { log: EventLog::default(), monitor, verdict };
 
         let every = (self.modal.step / self.step_length).round().max(1.0) as u64;
         let interval = every as f64 * self.step_length;
@@ -89,7 +89,7 @@ impl FiniteDifferenceBrake {
         let at_end = if broken { Verdict::Failed } else { Verdict::Undecided };
         let settled = SettledMotion::of(&monitored.log, &moments, intervals, interval);
         let verdict = monitored.verdict.unwrap_or(at_end);
-        let fed_by = (verdict == Verdict::Unstable).then(|| monitored.judge.fed_by());
+        let fed_by = (verdict == Verdict::Unstable).then(|| monitored.monitor.fed_by());
         Ok(Trajectory { moments, interval, settled, verdict, fed_by })
     }
 }

@@ -21,7 +21,7 @@ impl TimeDomain {
         self.decide_all_with(inputs, InstructionSet::widest())
     }
 
-    /// Follows every sample of a list as [`TimeDomain::judge`] does, with the same bits, by the lanes of `set`.
+    /// Follows every sample of a list as [`TimeDomain::monitor`] does, with the same bits, by the lanes of `set`.
     ///
     /// # Panics
     /// If this processor does not have `set`.

@@ -18,6 +18,8 @@ mod scheduling;
 
 mod rigid;
 
+mod flexible_step;
+
 mod flexible;
 
 mod batch;

@@ -1,12 +1,12 @@
 //! Lanes of a rigid disc.
 
 use crate::criterion::decision::Decision;
-use crate::criterion::rigid_monitor::PlanarJudge;
+use crate::criterion::rigid_monitor::RigidMonitor;
 use crate::criterion::time_domain::TimeDomain;
 use crate::friction::tustin_decay;
 use crate::lanes::dispatch::{InstructionSet, dispatch};
 use crate::lanes::findings::{Finding, findings, found};
-use crate::lanes::scheduling::{Bundle, Slot};
+use crate::lanes::scheduling::{Bundle, RunningSample};
 use crate::motion::integrator::{Breakdown, Motion, advance};
 use crate::motion::rigid::{RigidBrake, RigidSample, RigidState};
 use crate::pad::contact_state::ContactState;
@@ -70,18 +70,18 @@ impl<'a> RigidBundle<'a> {
 impl Bundle for RigidBundle<'_> {
     const LANES: usize = LANES;
 
-    type Judge = PlanarJudge;
+    type Monitor = RigidMonitor;
 
     fn begin(
         &mut self,
         criterion: &TimeDomain,
         lane: usize,
         inputs: RandomInputs,
-    ) -> Result<(ContactState, PlanarJudge), Decision> {
+    ) -> Result<(ContactState, RigidMonitor), Decision> {
         let sample = self.brake.sample(inputs);
-        let (motion, judge) = criterion.start_rigid(&sample, inputs)?;
+        let (motion, monitor) = criterion.start_rigid(&sample, inputs)?;
         self.set_next(lane, inputs, &sample, &motion.state);
-        Ok((motion.contact, judge))
+        Ok((motion.contact, monitor))
     }
 
     fn place(&mut self, criterion: &TimeDomain, lane: usize, inputs: RandomInputs) {
@@ -114,11 +114,11 @@ impl Bundle for RigidBundle<'_> {
         lane: usize,
         contact: ContactState,
         time: f64,
-        judge: &mut Self::Judge,
+        monitor: &mut Self::Monitor,
     ) -> Result<ContactState, Breakdown> {
         let sample = self.brake.sample(self.inputs[lane]);
         let mut motion = Motion { state: self.present(lane), contact };
-        advance(&sample, &mut motion, time, self.brake.step, judge)?;
+        advance(&sample, &mut motion, time, self.brake.step, monitor)?;
         self.lanes.next_x[lane] = motion.state.x;
         self.lanes.next_u[lane] = motion.state.u;
         Ok(motion.contact)
@@ -133,10 +133,10 @@ impl Bundle for RigidBundle<'_> {
         self.brake.step
     }
 
-    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &Slot<Self::Judge>, steps: u64) -> Decision {
+    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &RunningSample<Self::Monitor>, steps: u64) -> Decision {
         let sample = self.brake.sample(self.inputs[lane]);
         let motion = Motion { state: self.present(lane), contact: slot.contact };
-        criterion.follow(&sample, motion, slot.judge, self.brake.step, steps)
+        criterion.simulate(&sample, motion, slot.monitor, self.brake.step, steps)
     }
 }
 

@@ -1,7 +1,7 @@
 //! How the samples of a list share the lanes of a bundle.
 
 use crate::criterion::decision::Decision;
-use crate::criterion::monitor::{Judge, is_time_to_look};
+use crate::criterion::monitor::{Monitor, is_check_due};
 use crate::criterion::time_domain::TimeDomain;
 use crate::lanes::dispatch::InstructionSet;
 use crate::lanes::findings::Finding;
@@ -11,14 +11,14 @@ use crate::rigid_disc::pad_on_disc::RandomInputs;
 use crate::verdict::Verdict;
 
 /// When no samples are left and no more than this share of the lanes is busy, the scalar code is faster.
-const FEWEST_BUSY: usize = 8;
+const SCALAR_FINISH_DIVISOR: usize = 8;
 
 /// A bundle of lanes with one set of equations.
 pub(super) trait Bundle {
     /// Lanes.
     const LANES: usize;
 
-    type Judge: Judge;
+    type Monitor: Monitor;
 
     /// Puts a sample into the next state of a lane, or says what is known of it without following it.
     fn begin(
@@ -26,7 +26,7 @@ pub(super) trait Bundle {
         criterion: &TimeDomain,
         lane: usize,
         inputs: RandomInputs,
-    ) -> Result<(ContactState, Self::Judge), Decision>;
+    ) -> Result<(ContactState, Self::Monitor), Decision>;
 
     /// Puts the motion of a sample into the next state of a lane, decided or not.
     fn place(&mut self, criterion: &TimeDomain, lane: usize, inputs: RandomInputs);
@@ -48,7 +48,7 @@ pub(super) trait Bundle {
         lane: usize,
         contact: ContactState,
         time: f64,
-        judge: &mut Self::Judge,
+        monitor: &mut Self::Monitor,
     ) -> Result<ContactState, Breakdown>;
 
     /// The next states become the present ones.
@@ -58,18 +58,18 @@ pub(super) trait Bundle {
     fn step_length(&self) -> f64;
 
     /// Follows the sample of a lane to its end by the scalar code, `steps` steps after its beginning.
-    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &Slot<Self::Judge>, steps: u64) -> Decision;
+    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &RunningSample<Self::Monitor>, steps: u64) -> Decision;
 }
 
 /// What is known of the sample in a lane.
 #[derive(Clone, Copy)]
-pub(super) struct Slot<J> {
+pub(super) struct RunningSample<M> {
     /// Its place in the list.
     pub index: usize,
-    pub judge: J,
+    pub monitor: M,
     pub contact: ContactState,
-    /// The step of the bundle at which it began.
-    pub began: u64,
+    /// The step of the bundle at which it started.
+    pub started: u64,
 }
 
 /// Runs a list of samples through a bundle.
@@ -81,33 +81,33 @@ pub(super) fn run<B: Bundle>(
 ) -> Vec<Decision> {
     let h = bundle.step_length();
     let limit = criterion.steps_to_horizon(h);
-    let mut outcomes = vec![Decision::OUTSIDE_PHYSICS; inputs.len()];
+    let mut decisions = vec![Decision::OUTSIDE_PHYSICS; inputs.len()];
     let mut waiting = 0..inputs.len();
-    let mut slots: Vec<Option<Slot<B::Judge>>> = vec![None; B::LANES];
+    let mut slots: Vec<Option<RunningSample<B::Monitor>>> = vec![None; B::LANES];
     let mut busy = 0;
     let mut now = 0_u64;
     // The first step at which a lane may have reached its horizon.
     let mut deadline = limit;
-    let mut refill = |bundle: &mut B, lane: usize, outcomes: &mut [Decision], now: u64| {
+    let mut refill = |bundle: &mut B, lane: usize, decisions: &mut [Decision], now: u64| {
         for index in waiting.by_ref() {
             match bundle.begin(criterion, lane, inputs[index]) {
-                Err(known) => outcomes[index] = known,
-                Ok((contact, judge)) => return Some(Slot { index, judge, contact, began: now }),
+                Err(known) => decisions[index] = known,
+                Ok((contact, monitor)) => return Some(RunningSample { index, monitor, contact, started: now }),
             }
         }
         None
     };
     for (lane, slot) in slots.iter_mut().enumerate() {
-        *slot = refill(bundle, lane, &mut outcomes, now);
+        *slot = refill(bundle, lane, &mut decisions, now);
         busy += usize::from(slot.is_some());
     }
     bundle.commit();
     let mut exhausted = busy < B::LANES;
     while busy > 0 {
-        if exhausted && busy * FEWEST_BUSY <= B::LANES {
+        if exhausted && busy * SCALAR_FINISH_DIVISOR <= B::LANES {
             for (lane, slot) in slots.iter().enumerate() {
                 if let Some(slot) = slot {
-                    outcomes[slot.index] = bundle.finish(criterion, lane, slot, now - slot.began);
+                    decisions[slot.index] = bundle.finish(criterion, lane, slot, now - slot.started);
                 }
             }
             break;
@@ -119,54 +119,54 @@ pub(super) fn run<B: Bundle>(
         }
         for (lane, place) in slots.iter_mut().enumerate() {
             let Some(slot) = place else { continue };
-            let steps = now - slot.began;
+            let steps = now - slot.started;
             let time = steps as f64 * h;
             let finding = if slot.contact == ContactState::Slip { bundle.finding(lane) } else { Finding::Event };
-            let outcome = match finding {
+            let decision = match finding {
                 Finding::Nothing => None,
                 Finding::Turn => {
                     let (x, u, acceleration) = bundle.tangential(lane);
                     let (part, at) = turning_point(x, u, acceleration, h);
-                    slot.judge.turns(time + part, at);
+                    slot.monitor.turns(time + part, at);
                     None
                 }
-                Finding::Event => match bundle.scalar_step(lane, slot.contact, time, &mut slot.judge) {
+                Finding::Event => match bundle.scalar_step(lane, slot.contact, time, &mut slot.monitor) {
                     Ok(contact) => {
                         slot.contact = contact;
                         None
                     }
-                    Err(Breakdown) => Some(criterion.conclude_without_verdict(Verdict::Failed, &slot.judge, time)),
+                    Err(Breakdown) => Some(criterion.conclude_without_verdict(Verdict::Failed, &slot.monitor, time)),
                 },
             };
-            let looks = is_time_to_look(steps + 1);
-            if looks && outcome.is_none() {
+            let looks = is_check_due(steps + 1);
+            if looks && decision.is_none() {
                 let (x, u) = bundle.next(lane);
-                slot.judge.looks(x, u);
+                slot.monitor.check(x, u);
             }
-            let outcome = outcome.or_else(|| {
-                let verdict = if finding == Finding::Nothing && !looks { None } else { slot.judge.verdict() };
+            let decision = decision.or_else(|| {
+                let verdict = if finding == Finding::Nothing && !looks { None } else { slot.monitor.verdict() };
                 let end = (steps + 1) as f64 * h;
                 match verdict {
-                    Some(verdict) => Some(criterion.conclude(verdict, &slot.judge, end)),
+                    Some(verdict) => Some(criterion.conclude(verdict, &slot.monitor, end)),
                     None => (at_deadline && steps + 1 >= limit)
-                        .then(|| criterion.conclude_without_verdict(Verdict::Undecided, &slot.judge, end)),
+                        .then(|| criterion.conclude_without_verdict(Verdict::Undecided, &slot.monitor, end)),
                 }
             });
-            if let Some(outcome) = outcome {
-                outcomes[slot.index] = outcome;
+            if let Some(decision) = decision {
+                decisions[slot.index] = decision;
                 // Written to the next state, which becomes the present one below.
-                *place = refill(bundle, lane, &mut outcomes, now + 1);
+                *place = refill(bundle, lane, &mut decisions, now + 1);
                 if place.is_none() {
                     busy -= 1;
                     exhausted = true;
                 }
             }
             if at_deadline && let Some(slot) = place {
-                deadline = deadline.min(slot.began + limit);
+                deadline = deadline.min(slot.started + limit);
             }
         }
         bundle.commit();
         now += 1;
     }
-    outcomes
+    decisions
 }

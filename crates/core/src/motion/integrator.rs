@@ -22,7 +22,7 @@ use crate::pad::contact_state::ContactState;
 /// Changes of contact in one step at the most, and parts; more of them means that the equations make no sense. Some
 /// hundred parts are usual where the disc is a thousand times faster than the Stribeck velocity.
 const MOST_CHANGES: usize = 64;
-const MOST_PARTS: usize = 1_000_000;
+const MOST_SUBSTEPS: usize = 1_000_000;
 
 /// A part that the friction law cuts is shortened to this share of what it allows, so that a second cut is rare, and to
 /// no less than this share of its length at once.
@@ -165,7 +165,7 @@ enum Ending {
 
 /// A part of a step, in one state of contact.
 #[derive(Debug, Clone, Copy)]
-struct Part<S> {
+struct Substep<S> {
     time: f64,
     end: Motion<S>,
     /// x'' at its beginning and its end.
@@ -187,7 +187,7 @@ pub(crate) fn advance<E: Equations>(
     let mut changes = 0;
     // The longest part that is tried: after a cut, parts grow again by doubling.
     let mut longest = h;
-    for _ in 0..MOST_PARTS {
+    for _ in 0..MOST_SUBSTEPS {
         let remaining = h - done;
         let begin = time + done;
         let part = if motion.contact == ContactState::Stick {
@@ -228,7 +228,7 @@ pub(crate) fn advance<E: Equations>(
 }
 
 /// Follows pad and disc as they move together, until static friction is exhausted, at most for a time `h`.
-fn stick<E: Equations>(equations: &E, from: &E::State, h: f64) -> Result<Part<E::State>, Breakdown> {
+fn stick<E: Equations>(equations: &E, from: &E::State, h: f64) -> Result<Substep<E::State>, Breakdown> {
     let margin = |state: &E::State| {
         let reserve = equations.reserve(state);
         reserve.against_slip.min(reserve.against_overtaking)
@@ -240,7 +240,7 @@ fn stick<E: Equations>(equations: &E, from: &E::State, h: f64) -> Result<Part<E:
             Ending::Released => ContactState::Overtaking,
             _ => ContactState::Stick,
         };
-        Ok(Part { time, end: Motion { state, contact }, acceleration: (0.0, 0.0), ending, grazes: false })
+        Ok(Substep { time, end: Motion { state, contact }, acceleration: (0.0, 0.0), ending, grazes: false })
     };
     if margin(from) <= 0.0 {
         return part(0.0, *from, Ending::Released);
@@ -261,7 +261,7 @@ fn slide<E: Equations>(
     motion: &Motion<E::State>,
     h: f64,
     just_released: bool,
-) -> Result<Part<E::State>, Breakdown> {
+) -> Result<Substep<E::State>, Breakdown> {
     let Motion { state: from, contact } = *motion;
     let direction = if contact == ContactState::Slip { 1.0 } else { -1.0 };
     let sliding = |state: &E::State| direction * (equations.disc_speed() - equations.tangential(state).1);
@@ -277,7 +277,7 @@ fn slide<E: Equations>(
     }
     let Some((late, state)) = meets else {
         let end = Motion { state: step.next, contact };
-        return Ok(Part { time: h, end, acceleration: step.acceleration, ending: Ending::Completed, grazes });
+        return Ok(Substep { time: h, end, acceleration: step.acceleration, ending: Ending::Completed, grazes });
     };
     let (time, state) = if ends.0 > 0.0 {
         locate(late, &state, |part| equations.step(&from, contact, part).next, sliding)
@@ -298,7 +298,7 @@ fn slide<E: Equations>(
         (ContactState::Slip, Ending::Overtaken)
     };
     grazes = ends.0 > 0.0 && acceleration.1.abs() < GRAZING_RATE * equations.meeting_rate();
-    Ok(Part { time, end: Motion { state, contact }, acceleration, ending, grazes })
+    Ok(Substep { time, end: Motion { state, contact }, acceleration, ending, grazes })
 }
 
 /// A step of length `h`, or the longest shorter one that the friction law allows; and its length.

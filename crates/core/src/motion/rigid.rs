@@ -16,7 +16,7 @@ use crate::motion::friction_steps::{DAMPED_STEP, FrictionSteps};
 use crate::motion::integrator::{Equations, Reserve, Step};
 use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use crate::rigid_disc::return_map::PlanarMotion;
+use crate::rigid_disc::planar_motion::PlanarMotion;
 
 /// Step length times the natural frequency.
 const STEP: f64 = 0.1;

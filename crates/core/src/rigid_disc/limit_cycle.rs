@@ -12,7 +12,7 @@
 use crate::friction::StribeckLaw;
 use crate::numerics::root_location::bisect;
 use crate::rigid_disc::pad_on_disc::PadOnDisc;
-use crate::rigid_disc::return_map::{PlanarMotion, SlipEnd};
+use crate::rigid_disc::planar_motion::{PlanarMotion, SlipEnd};
 
 /// The highest admissible rotating speed, see `operating_point.rotating_speed`; the search for the saddle-node ends
 /// there.

@@ -8,25 +8,25 @@ const RINGS_FOR_EVER: f64 = 0.0;
 
 const DISPLACEMENT: f64 = 0.01;
 
-fn rules(slowest_transient: f64) -> Rules {
-    Rules { slowest_transient, smallest_cycle: 1.0, until_settled: false, repelled_by: None }
+fn options(slowest_transient: f64) -> MonitorOptions {
+    MonitorOptions { slowest_transient, smallest_cycle: 1.0, until_settled: false, linear_growth_fed_by: None }
 }
 
 struct Driven {
-    judge: CoupledJudge,
+    monitor: FlexibleMonitor,
     time: f64,
     x: f64,
     side: f64,
 }
 
 impl Driven {
-    fn with(rules: Rules, displacement: f64) -> Self {
-        let judge = CoupledJudge::new(rules, 1.0, displacement, Some(1.0));
-        Self { judge, time: 0.0, x: 1.0, side: 1.0 }
+    fn with(options: MonitorOptions, displacement: f64) -> Self {
+        let monitor = FlexibleMonitor::new(options, 1.0, displacement, Some(1.0));
+        Self { monitor, time: 0.0, x: 1.0, side: 1.0 }
     }
 
     fn new(slowest_transient: f64) -> Self {
-        Self::with(rules(slowest_transient), DISPLACEMENT)
+        Self::with(options(slowest_transient), DISPLACEMENT)
     }
 
     /// A swing of three units of time.
@@ -34,7 +34,7 @@ impl Driven {
         self.time += 3.0;
         self.x += 2.0 * self.side * amplitude;
         self.side = -self.side;
-        self.judge.turns(self.time, self.x);
+        self.monitor.turns(self.time, self.x);
     }
 
     /// Up to a thousand swings, of amplitudes that depend on time; the verdict and the amplitude at which it came.
@@ -42,8 +42,8 @@ impl Driven {
         let begin = self.time;
         for _ in 0..1000 {
             self.swing(amplitude(self.time + 3.0 - begin));
-            if let Some(verdict) = self.judge.verdict {
-                return Some((verdict, self.judge.swings.amplitude()));
+            if let Some(verdict) = self.monitor.verdict {
+                return Some((verdict, self.monitor.swings.amplitude()));
             }
         }
         None
@@ -55,20 +55,20 @@ impl Driven {
 
     /// Sticks at once for so long, and is released.
     fn stick(&mut self, duration: f64) {
-        self.judge.sticks(self.time, self.x);
+        self.monitor.sticks(self.time, self.x);
         self.time += duration;
-        self.judge.slips(self.time);
+        self.monitor.slips(self.time);
     }
 
     /// Stick-slip of this amplitude that sticks for so long in every cycle; after how many sticks there is a verdict.
     fn sticks_until_verdict(&mut self, stick: f64, amplitude: f64) -> Option<(u32, Verdict)> {
         for count in 1..=500 {
-            self.judge.sticks(self.time, self.x);
-            if let Some(verdict) = self.judge.verdict {
+            self.monitor.sticks(self.time, self.x);
+            if let Some(verdict) = self.monitor.verdict {
                 return Some((count, verdict));
             }
             self.time += stick;
-            self.judge.slips(self.time);
+            self.monitor.slips(self.time);
             self.swing(amplitude);
             self.swing(amplitude);
         }
@@ -76,11 +76,11 @@ impl Driven {
     }
 
     /// Looks at a motion at these distances from the equilibrium, alternating sides.
-    fn looks(&mut self, distances: &[f64]) -> Option<Verdict> {
+    fn check(&mut self, distances: &[f64]) -> Option<Verdict> {
         for (index, distance) in distances.iter().enumerate() {
-            self.judge.looks(if index % 2 == 0 { 1.0 + distance } else { 1.0 - distance }, 0.0);
+            self.monitor.check(if index % 2 == 0 { 1.0 + distance } else { 1.0 - distance }, 0.0);
         }
-        self.judge.verdict
+        self.monitor.verdict
     }
 }
 
@@ -91,21 +91,21 @@ fn decays(from: f64, rate: f64) -> impl Fn(f64) -> f64 {
 #[test]
 fn growing_swings_are_unstable_fed_by_the_tangential_motion() {
     let mut driven = Driven::new(RINGS_NEVER);
-    assert!(!driven.judge.is_unstable());
+    assert!(!driven.monitor.is_unstable());
     assert_eq!(driven.verdict_of_swings(decays(0.01, -0.01)), Some(Verdict::Unstable));
-    assert!(driven.judge.is_unstable());
-    assert_eq!(driven.judge.fed_by(), DegreeOfFreedom::Tangential);
+    assert!(driven.monitor.is_unstable());
+    assert_eq!(driven.monitor.fed_by(), DegreeOfFreedom::Tangential);
 }
 
 #[test]
-fn growing_swings_say_nothing_while_as_much_may_be_feigned() {
+fn growing_swings_say_nothing_while_as_much_may_be_imitated() {
     let mut driven = Driven::new(RINGS_FOR_EVER);
     driven.swing(0.1);
     for _ in 0..10 {
         driven.swing(0.15);
     }
-    assert_eq!(driven.judge.verdict(), None);
-    assert!(!driven.judge.is_unstable());
+    assert_eq!(driven.monitor.verdict(), None);
+    assert!(!driven.monitor.is_unstable());
 }
 
 #[test]
@@ -121,12 +121,12 @@ fn shrinking_swings_outside_the_displacement_have_no_verdict_yet() {
     for swing in 0..50 {
         driven.swing(decays(0.1, 0.01)(3.0 * f64::from(swing)));
     }
-    assert_eq!(driven.judge.verdict(), None);
+    assert_eq!(driven.monitor.verdict(), None);
 }
 
 #[test]
 fn however_large_the_displacement_a_stick_slip_cycle_does_not_fit_into_it() {
-    let (verdict, amplitude) = Driven::with(rules(RINGS_NEVER), 5.0).swings(decays(0.5, 0.01)).unwrap();
+    let (verdict, amplitude) = Driven::with(options(RINGS_NEVER), 5.0).swings(decays(0.5, 0.01)).unwrap();
     assert_eq!(verdict, Verdict::Stable);
     assert!(amplitude <= 0.1 && amplitude > 0.095, "{amplitude}");
 }
@@ -170,8 +170,8 @@ fn what_rings_after_a_release_is_no_growth_either() {
     for swing in 0..30 {
         driven.swing(0.2 + 0.003 * f64::from(swing));
     }
-    assert_eq!(driven.judge.verdict(), None);
-    // Of the same swings without a stick nothing is feigned.
+    assert_eq!(driven.monitor.verdict(), None);
+    // Of the same swings without a stick nothing is imitated.
     let mut driven = Driven::new(0.01);
     driven.swing(0.5);
     driven.time = 3000.0;
@@ -193,25 +193,25 @@ fn the_first_swings_after_a_stick_are_compared_with_nothing() {
     let mut driven = Driven::new(RINGS_NEVER);
     driven.swing(0.1);
     driven.stick(1.0);
-    // Three swings that grow, as between two sticks; with the fourth the motion comes free and is judged anew.
+    // Three swings that grow, as between two sticks; with the fourth the motion comes free and is decision anew.
     for amplitude in [0.2, 0.3, 0.4, 0.5] {
         driven.swing(amplitude);
-        assert_eq!(driven.judge.verdict(), None);
+        assert_eq!(driven.monitor.verdict(), None);
     }
     driven.swing(0.6);
-    assert_eq!(driven.judge.verdict(), Some(Verdict::Unstable));
+    assert_eq!(driven.monitor.verdict(), Some(Verdict::Unstable));
 }
 
 #[test]
 fn a_swing_that_grows_until_it_sticks_is_unstable() {
     let mut driven = Driven::new(RINGS_NEVER);
     driven.swing(0.5);
-    driven.judge.sticks(6.0, driven.x - 1.2);
-    assert_eq!(driven.judge.verdict(), Some(Verdict::Unstable));
+    driven.monitor.sticks(6.0, driven.x - 1.2);
+    assert_eq!(driven.monitor.verdict(), Some(Verdict::Unstable));
     let mut driven = Driven::new(RINGS_NEVER);
     driven.swing(0.5);
-    driven.judge.sticks(6.0, driven.x - 0.8);
-    assert_eq!(driven.judge.verdict(), None);
+    driven.monitor.sticks(6.0, driven.x - 0.8);
+    assert_eq!(driven.monitor.verdict(), None);
 }
 
 #[test]
@@ -227,118 +227,118 @@ fn a_motion_that_barely_sticks_is_unstable_with_its_sixty_first_stick() {
 
 #[test]
 fn a_motion_that_creeps_home_is_stable() {
-    assert_eq!(Driven::new(RINGS_NEVER).looks(&[0.009, 0.005]), None, "not half as far");
-    assert_eq!(Driven::new(RINGS_NEVER).looks(&[0.009, 0.004]), Some(Verdict::Stable));
-    assert_eq!(Driven::new(RINGS_NEVER).looks(&[0.9, 0.3, 0.1, 0.03, 0.011]), None, "outside the displacement");
-    assert_eq!(Driven::new(RINGS_NEVER).looks(&[0.9, 0.3, 0.1, 0.03, 0.009]), Some(Verdict::Stable));
+    assert_eq!(Driven::new(RINGS_NEVER).check(&[0.009, 0.005]), None, "not half as far");
+    assert_eq!(Driven::new(RINGS_NEVER).check(&[0.009, 0.004]), Some(Verdict::Stable));
+    assert_eq!(Driven::new(RINGS_NEVER).check(&[0.9, 0.3, 0.1, 0.03, 0.011]), None, "outside the displacement");
+    assert_eq!(Driven::new(RINGS_NEVER).check(&[0.9, 0.3, 0.1, 0.03, 0.009]), Some(Verdict::Stable));
 }
 
 #[test]
 fn a_motion_that_creeps_after_it_stuck_once_is_stable() {
     let mut driven = Driven::new(RINGS_NEVER);
-    driven.looks(&[0.009]);
+    driven.check(&[0.009]);
     driven.stick(1.0);
-    assert_eq!(driven.looks(&[0.003]), None, "what was seen before the stick does not count");
-    assert_eq!(driven.looks(&[0.001]), Some(Verdict::Stable));
+    assert_eq!(driven.check(&[0.003]), None, "what was seen before the stick does not count");
+    assert_eq!(driven.check(&[0.001]), Some(Verdict::Stable));
 }
 
 #[test]
 fn a_motion_that_has_arrived_is_stable_though_it_gets_no_nearer() {
-    assert_eq!(Driven::new(RINGS_NEVER).looks(&[0.9e-6, 0.9e-6]), Some(Verdict::Stable));
-    assert_eq!(Driven::new(RINGS_NEVER).looks(&[1.1e-6, 0.9e-6]), None);
-    assert_eq!(Driven::new(RINGS_NEVER).looks(&[0.9e-6, 1.1e-6]), None);
+    assert_eq!(Driven::new(RINGS_NEVER).check(&[0.9e-6, 0.9e-6]), Some(Verdict::Stable));
+    assert_eq!(Driven::new(RINGS_NEVER).check(&[1.1e-6, 0.9e-6]), None);
+    assert_eq!(Driven::new(RINGS_NEVER).check(&[0.9e-6, 1.1e-6]), None);
 }
 
 #[test]
 fn a_motion_that_turns_between_two_looks_does_not_creep() {
     let mut driven = Driven::new(RINGS_NEVER);
-    driven.looks(&[0.009]);
+    driven.check(&[0.009]);
     driven.swing(0.005);
-    assert_eq!(driven.looks(&[0.001]), None);
+    assert_eq!(driven.check(&[0.001]), None);
 }
 
 #[test]
 fn a_pad_that_sticks_on_a_slow_disc_does_not_creep_home_however_near_it_is_carried() {
     let mut driven = Driven::new(RINGS_NEVER);
-    driven.judge.sticks(1.0, 0.9);
-    assert_eq!(driven.looks(&[0.009, 0.003, 0.001, 1e-4, 1e-7, 1e-8]), None);
-    driven.judge.slips(2.0);
-    assert_eq!(driven.looks(&[1e-9]), None);
-    assert_eq!(driven.looks(&[0.4e-9]), Some(Verdict::Stable), "as soon as it creeps by itself");
+    driven.monitor.sticks(1.0, 0.9);
+    assert_eq!(driven.check(&[0.009, 0.003, 0.001, 1e-4, 1e-7, 1e-8]), None);
+    driven.monitor.slips(2.0);
+    assert_eq!(driven.check(&[1e-9]), None);
+    assert_eq!(driven.check(&[0.4e-9]), Some(Verdict::Stable), "as soon as it creeps by itself");
 }
 
 #[test]
 fn what_is_seen_of_a_motion_before_it_sticks_or_is_released_does_not_count_after() {
     let mut driven = Driven::new(RINGS_NEVER);
-    driven.looks(&[0.009]);
-    driven.judge.sticks(1.0, 0.9);
-    assert_eq!(driven.looks(&[0.003]), None, "it is carried there");
+    driven.check(&[0.009]);
+    driven.monitor.sticks(1.0, 0.9);
+    assert_eq!(driven.check(&[0.003]), None, "it is carried there");
     let mut driven = Driven::new(RINGS_NEVER);
-    driven.looks(&[0.009]);
-    driven.judge.slips(1.0);
-    assert_eq!(driven.looks(&[0.003]), None, "it is carried there, as from the start on");
+    driven.check(&[0.009]);
+    driven.monitor.slips(1.0);
+    assert_eq!(driven.check(&[0.003]), None, "it is carried there, as from the start on");
 }
 
 #[test]
 fn a_motion_that_escapes_without_a_turn_has_no_verdict() {
-    assert_eq!(Driven::new(RINGS_NEVER).looks(&[0.001, 0.002, 0.004, 0.02, 0.5]), None);
+    assert_eq!(Driven::new(RINGS_NEVER).check(&[0.001, 0.002, 0.004, 0.02, 0.5]), None);
 }
 
 #[test]
 fn a_motion_known_to_grow_does_not_creep_home() {
-    let mut driven = Driven::with(Rules { until_settled: true, ..rules(RINGS_NEVER) }, DISPLACEMENT);
+    let mut driven = Driven::with(MonitorOptions { until_settled: true, ..options(RINGS_NEVER) }, DISPLACEMENT);
     driven.swing(0.001);
     driven.swing(0.002);
-    assert!(driven.judge.is_unstable() && driven.judge.verdict().is_none());
-    assert_eq!(driven.looks(&[0.009, 0.004, 0.001]), None);
+    assert!(driven.monitor.is_unstable() && driven.monitor.verdict().is_none());
+    assert_eq!(driven.check(&[0.009, 0.004, 0.001]), None);
 }
 
-const REPELLED: Rules = Rules {
+const REPELLED: MonitorOptions = MonitorOptions {
     slowest_transient: RINGS_NEVER,
     smallest_cycle: 1.0,
     until_settled: false,
-    repelled_by: Some(DegreeOfFreedom::Normal),
+    linear_growth_fed_by: Some(DegreeOfFreedom::Normal),
 };
 
 #[test]
 fn a_linearly_unstable_equilibrium_makes_a_motion_unstable_at_once() {
-    let judge = Driven::with(REPELLED, DISPLACEMENT).judge;
-    assert_eq!(judge.verdict(), Some(Verdict::Unstable));
-    assert!(judge.is_unstable());
-    assert_eq!(judge.fed_by(), DegreeOfFreedom::Normal);
+    let monitor = Driven::with(REPELLED, DISPLACEMENT).monitor;
+    assert_eq!(monitor.verdict(), Some(Verdict::Unstable));
+    assert!(monitor.is_unstable());
+    assert_eq!(monitor.fed_by(), DegreeOfFreedom::Normal);
 }
 
 #[test]
 fn where_the_amplitude_is_asked_for_the_motion_is_followed_until_its_means_agree() {
-    for rules in [REPELLED, rules(RINGS_NEVER)] {
-        let mut driven = Driven::with(Rules { until_settled: true, ..rules }, DISPLACEMENT);
-        assert_eq!(driven.judge.verdict(), None);
-        assert_eq!(driven.judge.is_unstable(), rules.repelled_by.is_some());
+    for options in [REPELLED, options(RINGS_NEVER)] {
+        let mut driven = Driven::with(MonitorOptions { until_settled: true, ..options }, DISPLACEMENT);
+        assert_eq!(driven.monitor.verdict(), None);
+        assert_eq!(driven.monitor.is_unstable(), options.linear_growth_fed_by.is_some());
         // The first stick ends no cycle; two means are of ten cycles each.
         assert_eq!(driven.sticks_until_verdict(3.0, 0.4), Some((21, Verdict::Unstable)));
-        assert!((driven.judge.amplitude() - 0.4).abs() < 1e-12);
+        assert!((driven.monitor.amplitude() - 0.4).abs() < 1e-12);
     }
 }
 
 #[test]
 fn the_amplitude_of_stick_slip_that_scatters_is_its_mean() {
-    let mut driven = Driven::with(Rules { until_settled: true, ..rules(RINGS_NEVER) }, DISPLACEMENT);
+    let mut driven = Driven::with(MonitorOptions { until_settled: true, ..options(RINGS_NEVER) }, DISPLACEMENT);
     for stick in 0..21 {
         driven.stick(3.0);
         let amplitude = if stick % 2 == 0 { 0.3 } else { 0.5 };
         driven.swing(amplitude);
         driven.swing(amplitude);
     }
-    assert_eq!(driven.judge.verdict(), Some(Verdict::Unstable));
-    assert!((driven.judge.amplitude() - 0.4).abs() < 1e-12, "{}", driven.judge.amplitude());
+    assert_eq!(driven.monitor.verdict(), Some(Verdict::Unstable));
+    assert!((driven.monitor.amplitude() - 0.4).abs() < 1e-12, "{}", driven.monitor.amplitude());
 }
 
 #[test]
-fn what_is_kept_is_known_to_be_unstable_before_its_amplitude_is() {
-    let mut driven = Driven::with(Rules { until_settled: true, ..rules(RINGS_NEVER) }, DISPLACEMENT);
+fn what_persists_is_known_to_be_unstable_before_its_amplitude_is() {
+    let mut driven = Driven::with(MonitorOptions { until_settled: true, ..options(RINGS_NEVER) }, DISPLACEMENT);
     for stick in 1..=10 {
         driven.stick(3.0);
-        assert_eq!((driven.judge.is_unstable(), driven.judge.verdict()), (stick >= 7, None), "{stick}");
+        assert_eq!((driven.monitor.is_unstable(), driven.monitor.verdict()), (stick >= 7, None), "{stick}");
         driven.swing(0.5);
         driven.swing(0.5);
     }
@@ -346,7 +346,7 @@ fn what_is_kept_is_known_to_be_unstable_before_its_amplitude_is() {
 
 #[test]
 fn amplitudes_from_before_a_motion_came_free_are_forgotten() {
-    let mut driven = Driven::with(Rules { until_settled: true, ..REPELLED }, DISPLACEMENT);
+    let mut driven = Driven::with(MonitorOptions { until_settled: true, ..REPELLED }, DISPLACEMENT);
     for _ in 0..15 {
         driven.stick(3.0);
         driven.swing(0.8);
@@ -355,38 +355,38 @@ fn amplitudes_from_before_a_motion_came_free_are_forgotten() {
     driven.swing(0.8);
     driven.swing(0.8);
     assert_eq!(driven.sticks_until_verdict(3.0, 0.4), Some((21, Verdict::Unstable)));
-    assert!((driven.judge.amplitude() - 0.4).abs() < 1e-12);
+    assert!((driven.monitor.amplitude() - 0.4).abs() < 1e-12);
 }
 
 #[test]
 fn the_amplitude_of_a_cycle_without_sticking_is_that_of_its_swings() {
     // However small: an equilibrium that repels has no motion at home.
-    let mut driven = Driven::with(Rules { until_settled: true, ..REPELLED }, DISPLACEMENT);
+    let mut driven = Driven::with(MonitorOptions { until_settled: true, ..REPELLED }, DISPLACEMENT);
     assert_eq!(driven.verdict_of_swings(|time| 0.002 + decays(0.1, 0.05)(time)), Some(Verdict::Unstable));
-    assert!((driven.judge.amplitude() - 0.002).abs() < 1e-6, "{}", driven.judge.amplitude());
+    assert!((driven.monitor.amplitude() - 0.002).abs() < 1e-6, "{}", driven.monitor.amplitude());
 }
 
 #[test]
 fn a_verdict_stands() {
     let mut driven = Driven::new(RINGS_NEVER);
     assert_eq!(driven.verdict_of_swings(|_| 0.05), Some(Verdict::Unstable));
-    assert_eq!(driven.looks(&[0.009, 0.004, 0.001]), Some(Verdict::Unstable));
+    assert_eq!(driven.check(&[0.009, 0.004, 0.001]), Some(Verdict::Unstable));
 }
 
 #[test]
 fn a_motion_that_has_come_to_rest_is_stable_however_what_rings_along_beats() {
-    // After a first swing that may be feigned for ever, 1e-7 of the equilibrium, beating.
+    // After a first swing that may be imitated for ever, 1e-7 of the equilibrium, beating.
     let beats = |time: f64| 1e-7 * (1.5 + (0.3 * time).sin());
-    let verdict = |rules: Rules, amplitude: &dyn Fn(f64) -> f64| {
+    let verdict = |options: MonitorOptions, amplitude: &dyn Fn(f64) -> f64| {
         // So small a displacement that no swing is within it.
-        let mut driven = Driven::with(rules, 1e-8);
+        let mut driven = Driven::with(options, 1e-8);
         driven.swing(0.5);
         (driven.verdict_of_swings(amplitude), driven.time)
     };
-    let ringing = rules(RINGS_FOR_EVER);
+    let ringing = options(RINGS_FOR_EVER);
     assert_eq!(verdict(ringing, &beats), (Some(Verdict::Stable), 303.0));
     let now_and_then_more = |time: f64| if time % 250.0 < 3.0 { 1e-5 } else { beats(time) };
     assert_eq!(verdict(ringing, &now_and_then_more).0, None);
     // On a slow disc a cycle may be as small.
-    assert_eq!(verdict(Rules { smallest_cycle: 1e-7, ..ringing }, &beats).0, None);
+    assert_eq!(verdict(MonitorOptions { smallest_cycle: 1e-7, ..ringing }, &beats).0, None);
 }

@@ -29,34 +29,34 @@ fn smooth() -> PlanarMotion {
     PlanarMotion { damping: -0.98 * motion.damping_at_equilibrium(), ..motion }
 }
 
-fn judge(motion: PlanarMotion, until_settled: bool, a: f64) -> PlanarJudge {
-    PlanarJudge::new(motion, until_settled, (motion.equilibrium() + a, 0.0), false)
+fn monitor(motion: PlanarMotion, until_settled: bool, a: f64) -> RigidMonitor {
+    RigidMonitor::new(motion, until_settled, (motion.equilibrium() + a, 0.0), false)
 }
 
 /// Turns below and above the equilibrium at each of these distances, until there is a verdict.
-fn swings(judge: &mut PlanarJudge, tops: &[f64]) -> Option<Verdict> {
+fn swings(monitor: &mut RigidMonitor, tops: &[f64]) -> Option<Verdict> {
     for top in tops {
-        judge.turns(0.0, judge.equilibrium - top);
-        judge.turns(0.0, judge.equilibrium + top);
-        if judge.verdict().is_some() {
+        monitor.turns(0.0, monitor.equilibrium - top);
+        monitor.turns(0.0, monitor.equilibrium + top);
+        if monitor.verdict().is_some() {
             break;
         }
     }
-    judge.verdict()
+    monitor.verdict()
 }
 
 #[test]
 fn what_surely_comes_to_rest_is_stable_at_once() {
-    assert_eq!(judge(bistable(), false, 0.01).verdict(), Some(Verdict::Stable));
-    assert_eq!(judge(bistable(), true, 0.01).verdict(), Some(Verdict::Stable));
-    assert_eq!(judge(bistable(), false, 2.5).verdict(), None);
+    assert_eq!(monitor(bistable(), false, 0.01).verdict(), Some(Verdict::Stable));
+    assert_eq!(monitor(bistable(), true, 0.01).verdict(), Some(Verdict::Stable));
+    assert_eq!(monitor(bistable(), false, 2.5).verdict(), None);
 }
 
 #[test]
 fn a_linearly_unstable_equilibrium_makes_a_motion_unstable_at_once() {
-    let at_once = judge(repelling(), false, 0.01);
+    let at_once = monitor(repelling(), false, 0.01);
     assert_eq!(at_once.verdict(), Some(Verdict::Unstable));
-    let followed = judge(repelling(), true, 0.01);
+    let followed = monitor(repelling(), true, 0.01);
     assert_eq!(followed.verdict(), None);
     assert!(at_once.is_unstable() && followed.is_unstable());
     assert_eq!(followed.fed_by(), DegreeOfFreedom::Tangential);
@@ -65,55 +65,55 @@ fn a_linearly_unstable_equilibrium_makes_a_motion_unstable_at_once() {
 #[test]
 fn a_swing_that_has_grown_by_more_than_errors_of_the_steps_is_unstable() {
     for grown in [2.53, 2.500_03] {
-        let mut judge = judge(bistable(), false, 2.5);
-        assert_eq!(swings(&mut judge, &[grown]), Some(Verdict::Unstable));
-        assert!(judge.is_unstable());
+        let mut monitor = monitor(bistable(), false, 2.5);
+        assert_eq!(swings(&mut monitor, &[grown]), Some(Verdict::Unstable));
+        assert!(monitor.is_unstable());
     }
 }
 
 #[test]
 fn where_no_cycle_can_lie_inside_the_first_swing_that_shrinks_is_stable() {
     for shrunk in [2.4, 2.499_97] {
-        assert_eq!(swings(&mut judge(bistable(), false, 2.5), &[shrunk]), Some(Verdict::Stable));
+        assert_eq!(swings(&mut monitor(bistable(), false, 2.5), &[shrunk]), Some(Verdict::Stable));
     }
     // Unless the pad passed the disc in between, and the two swings are of different kinds.
-    let mut judge = judge(bistable(), false, 3.9);
-    judge.overtakes();
-    assert_eq!(swings(&mut judge, &[3.5]), None);
+    let mut monitor = monitor(bistable(), false, 3.9);
+    monitor.overtakes();
+    assert_eq!(swings(&mut monitor, &[3.5]), None);
 }
 
 #[test]
 fn where_a_cycle_can_lie_inside_swings_that_shrink_are_followed_until_they_surely_come_to_rest() {
-    let mut judge = judge(flat_at_rest(), false, 3.9);
-    assert_eq!(swings(&mut judge, &[3.8, 3.5, 3.0]), None);
-    assert!(!judge.is_unstable());
-    assert_eq!(swings(&mut judge, &[0.1]), Some(Verdict::Stable));
+    let mut monitor = monitor(flat_at_rest(), false, 3.9);
+    assert_eq!(swings(&mut monitor, &[3.8, 3.5, 3.0]), None);
+    assert!(!monitor.is_unstable());
+    assert_eq!(swings(&mut monitor, &[0.1]), Some(Verdict::Stable));
 }
 
 #[test]
 fn a_swing_is_compared_with_the_one_before() {
-    let mut judge = judge(flat_at_rest(), false, 3.9);
-    assert_eq!(swings(&mut judge, &[3.5, 3.6]), Some(Verdict::Unstable));
+    let mut monitor = monitor(flat_at_rest(), false, 3.9);
+    assert_eq!(swings(&mut monitor, &[3.5, 3.6]), Some(Verdict::Unstable));
 }
 
 #[test]
 fn turns_below_the_equilibrium_are_compared_with_nothing() {
-    let mut judge = judge(bistable(), false, 3.0);
+    let mut monitor = monitor(bistable(), false, 3.0);
     for below in [2.0, 4.0, 1.9, 1.9] {
-        judge.turns(0.0, judge.equilibrium - below);
+        monitor.turns(0.0, monitor.equilibrium - below);
     }
-    assert_eq!(judge.verdict(), None);
+    assert_eq!(monitor.verdict(), None);
 }
 
 #[test]
 fn of_slow_swings_the_return_map_says_what_comes() {
     for shift in [1.0 + 5e-6, 1.0, 1.0 - 5e-6] {
-        assert_eq!(swings(&mut judge(bistable(), false, 2.5), &[2.5 * shift]), Some(Verdict::Stable));
-        assert_eq!(swings(&mut judge(bistable(), false, 3.5), &[3.5 * shift]), Some(Verdict::Unstable));
-        let mut judge = judge(bistable(), true, 3.5);
-        assert_eq!(swings(&mut judge, &[3.5 * shift]), Some(Verdict::Unstable));
+        assert_eq!(swings(&mut monitor(bistable(), false, 2.5), &[2.5 * shift]), Some(Verdict::Stable));
+        assert_eq!(swings(&mut monitor(bistable(), false, 3.5), &[3.5 * shift]), Some(Verdict::Unstable));
+        let mut monitor = monitor(bistable(), true, 3.5);
+        assert_eq!(swings(&mut monitor, &[3.5 * shift]), Some(Verdict::Unstable));
         let (out, back) = bistable().slip_from_release();
-        assert_eq!(judge.amplitude(), 0.5 * (out.x - back.unwrap().smallest), "of the stick-slip that follows");
+        assert_eq!(monitor.amplitude(), 0.5 * (out.x - back.unwrap().smallest), "of the stick-slip that follows");
     }
 }
 
@@ -124,51 +124,51 @@ fn what_the_return_map_cannot_resolve_is_followed_further() {
     for _ in 0..60 {
         let middle = 0.5 * (home + captured);
         match bistable().fate_of_swing(middle) {
-            Fate::Home => home = middle,
+            Fate::Equilibrium => home = middle,
             Fate::Grows { .. } => captured = middle,
             _ => (home, captured) = (middle, middle),
         }
     }
     assert_eq!(bistable().fate_of_swing(home), Fate::Unresolved);
-    let mut judge = judge(bistable(), false, home);
-    assert_eq!(swings(&mut judge, &[home; 3]), None);
-    assert!(judge.is_unresolved, "and the map is not asked again");
-    // As a motion would be judged whose inner cycles are not excluded.
-    judge.has_no_inner_cycle = false;
-    assert_eq!(swings(&mut judge, &[0.98 * home]), None);
-    assert!(!judge.is_unresolved, "but of another swing");
-    assert_eq!(swings(&mut judge, &[0.98 * home]), Some(Verdict::Stable));
+    let mut monitor = monitor(bistable(), false, home);
+    assert_eq!(swings(&mut monitor, &[home; 3]), None);
+    assert!(monitor.is_unresolved, "and the map is not asked again");
+    // As a motion would be decision whose inner cycles are not excluded.
+    monitor.has_no_inner_cycle = false;
+    assert_eq!(swings(&mut monitor, &[0.98 * home]), None);
+    assert!(!monitor.is_unresolved, "but of another swing");
+    assert_eq!(swings(&mut monitor, &[0.98 * home]), Some(Verdict::Stable));
 }
 
 #[test]
 fn the_first_stick_says_nothing_and_the_second_that_all_cycles_are_the_same() {
-    let mut judge = judge(bistable(), false, 3.9);
-    judge.sticks(1.0, 0.9);
-    assert_eq!(judge.verdict(), None);
-    assert!(!judge.is_unstable());
-    judge.slips(2.0);
-    judge.sticks(3.0, 0.9);
-    assert_eq!(judge.verdict(), Some(Verdict::Unstable));
-    assert!(judge.is_unstable());
+    let mut monitor = monitor(bistable(), false, 3.9);
+    monitor.sticks(1.0, 0.9);
+    assert_eq!(monitor.verdict(), None);
+    assert!(!monitor.is_unstable());
+    monitor.slips(2.0);
+    monitor.sticks(3.0, 0.9);
+    assert_eq!(monitor.verdict(), Some(Verdict::Unstable));
+    assert!(monitor.is_unstable());
 }
 
 #[test]
 fn a_start_at_release_counts_as_a_stick() {
     let motion = bistable();
-    let mut judge = PlanarJudge::new(motion, false, (motion.release(), motion.disc_speed), true);
-    assert_eq!(judge.verdict(), None);
-    judge.sticks(1.0, 0.9);
-    assert_eq!(judge.verdict(), Some(Verdict::Unstable));
+    let mut monitor = RigidMonitor::new(motion, false, (motion.release(), motion.disc_speed), true);
+    assert_eq!(monitor.verdict(), None);
+    monitor.sticks(1.0, 0.9);
+    assert_eq!(monitor.verdict(), Some(Verdict::Unstable));
 }
 
 #[test]
 fn a_swing_after_a_stick_is_not_compared_with_one_before_it() {
-    let mut told = judge(bistable(), false, 2.5);
+    let mut told = monitor(bistable(), false, 2.5);
     told.sticks(1.0, 0.9);
     told.slips(2.0);
     assert_eq!(swings(&mut told, &[3.5]), None);
     // Nor after a release of which no stick was told.
-    let mut told = judge(bistable(), false, 2.5);
+    let mut told = monitor(bistable(), false, 2.5);
     told.slips(2.0);
     assert_eq!(swings(&mut told, &[3.5]), None);
 }
@@ -179,11 +179,11 @@ fn a_stick_too_long_to_wait_for_ends_as_its_release_does() {
     // in honey creeps home.
     for (damping, verdict) in [(0.1, Verdict::Unstable), (2.5, Verdict::Stable)] {
         let motion = motion(1e-3, damping, 1e-4, 1.0);
-        let mut held = judge(motion, false, 0.15);
+        let mut held = monitor(motion, false, 0.15);
         assert_eq!(held.verdict(), None);
         held.sticks(1.0, motion.release() - 0.09);
         assert_eq!(held.verdict(), None, "{damping}: 90 units of time are waited for");
-        let mut held = judge(motion, false, 0.15);
+        let mut held = monitor(motion, false, 0.15);
         held.sticks(1.0, motion.release() - 0.35);
         assert_eq!(held.verdict(), Some(verdict), "{damping}");
     }
@@ -191,15 +191,15 @@ fn a_stick_too_long_to_wait_for_ends_as_its_release_does() {
 
 #[test]
 fn the_amplitude_of_stick_slip_is_half_of_its_last_swing() {
-    let mut judge = judge(bistable(), true, 2.5);
-    assert_eq!(swings(&mut judge, &[2.6]), None);
-    assert!(judge.is_unstable(), "known, but followed for its amplitude");
-    judge.sticks(1.0, 0.9);
-    judge.slips(2.0);
-    assert_eq!(swings(&mut judge, &[3.9]), None);
-    judge.sticks(3.0, 0.9);
-    assert_eq!(judge.verdict(), Some(Verdict::Unstable));
-    assert!((judge.amplitude() - 3.9).abs() < 1e-12, "{}", judge.amplitude());
+    let mut monitor = monitor(bistable(), true, 2.5);
+    assert_eq!(swings(&mut monitor, &[2.6]), None);
+    assert!(monitor.is_unstable(), "known, but followed for its amplitude");
+    monitor.sticks(1.0, 0.9);
+    monitor.slips(2.0);
+    assert_eq!(swings(&mut monitor, &[3.9]), None);
+    monitor.sticks(3.0, 0.9);
+    assert_eq!(monitor.verdict(), Some(Verdict::Unstable));
+    assert!((monitor.amplitude() - 3.9).abs() < 1e-12, "{}", monitor.amplitude());
 }
 
 #[test]
@@ -207,38 +207,38 @@ fn the_amplitude_of_a_smooth_cycle_is_that_of_the_return_map() {
     let Fate::SmoothCycle { amplitude } = smooth().settles(smooth().fate_of_swing(0.05)) else {
         panic!("there is a smooth cycle")
     };
-    let mut judge = judge(smooth(), true, 0.05);
-    assert_eq!(swings(&mut judge, &[0.06, 0.07]), None);
-    assert_eq!(swings(&mut judge, &[0.0701]), Some(Verdict::Unstable));
-    assert!((judge.amplitude() / amplitude - 1.0).abs() < 1e-6, "{} {amplitude}", judge.amplitude());
-    assert!(judge.is_unstable());
+    let mut monitor = monitor(smooth(), true, 0.05);
+    assert_eq!(swings(&mut monitor, &[0.06, 0.07]), None);
+    assert_eq!(swings(&mut monitor, &[0.0701]), Some(Verdict::Unstable));
+    assert!((monitor.amplitude() / amplitude - 1.0).abs() < 1e-6, "{} {amplitude}", monitor.amplitude());
+    assert!(monitor.is_unstable());
 }
 
 #[test]
 fn a_motion_known_to_be_unstable_does_not_come_to_rest() {
     // As errors of steps might have it.
-    let mut judge = judge(bistable(), true, 2.5);
-    assert_eq!(swings(&mut judge, &[2.6, 1.0]), None);
-    judge.looks(judge.equilibrium, 0.0);
-    assert_eq!(judge.verdict(), None);
-    assert_eq!(swings(&mut judge, &[2.5, 2.5]), None, "whatever the return map says of such a swing");
+    let mut monitor = monitor(bistable(), true, 2.5);
+    assert_eq!(swings(&mut monitor, &[2.6, 1.0]), None);
+    monitor.check(monitor.equilibrium, 0.0);
+    assert_eq!(monitor.verdict(), None);
+    assert_eq!(swings(&mut monitor, &[2.5, 2.5]), None, "whatever the return map says of such a swing");
 }
 
 #[test]
 fn a_look_sees_what_surely_comes_to_rest_without_a_turn() {
-    let mut judge = judge(bistable(), false, 2.5);
-    judge.looks(judge.equilibrium + 1.0, 2.3);
-    assert_eq!(judge.verdict(), None);
-    judge.looks(judge.equilibrium + 0.5, 0.5);
-    assert_eq!(judge.verdict(), Some(Verdict::Stable));
+    let mut monitor = monitor(bistable(), false, 2.5);
+    monitor.check(monitor.equilibrium + 1.0, 2.3);
+    assert_eq!(monitor.verdict(), None);
+    monitor.check(monitor.equilibrium + 0.5, 0.5);
+    assert_eq!(monitor.verdict(), Some(Verdict::Stable));
 }
 
 #[test]
 fn of_a_start_that_grazes_the_return_map_says_what_comes() {
     for (a, verdict) in [(2.5, Verdict::Stable), (3.5, Verdict::Unstable)] {
-        let mut judge = judge(bistable(), false, a);
-        judge.grazes();
-        assert_eq!(judge.verdict(), Some(verdict), "{a}");
+        let mut monitor = monitor(bistable(), false, a);
+        monitor.grazes();
+        assert_eq!(monitor.verdict(), Some(verdict), "{a}");
     }
 }
 
@@ -246,32 +246,32 @@ fn of_a_start_that_grazes_the_return_map_says_what_comes() {
 fn a_start_that_is_captured_ends_as_its_release_does() {
     // So damped that there is no stick-slip: from far away the pad is captured, but from its release it comes home.
     let damped = motion(4.0, 0.03, 1.0, 1.0);
-    let mut judge = judge(damped, false, 6.0);
+    let mut monitor = monitor(damped, false, 6.0);
     assert_eq!(damped.fate_from([damped.equilibrium() + 6.0, 0.0]), Fate::Captured);
-    judge.grazes();
-    assert_eq!(judge.verdict(), Some(Verdict::Stable));
+    monitor.grazes();
+    assert_eq!(monitor.verdict(), Some(Verdict::Stable));
 }
 
 #[test]
 fn of_a_release_that_grazes_the_return_map_says_what_comes_though_the_start_would_have_come_to_rest() {
-    let mut judge = judge(bistable(), false, 2.5);
-    judge.slips(1.0);
-    judge.grazes();
-    assert_eq!(judge.verdict(), Some(Verdict::Unstable));
+    let mut monitor = monitor(bistable(), false, 2.5);
+    monitor.slips(1.0);
+    monitor.grazes();
+    assert_eq!(monitor.verdict(), Some(Verdict::Unstable));
 }
 
 #[test]
 fn only_the_first_swing_grazes() {
-    let mut judge = judge(flat_at_rest(), false, 3.9);
-    assert_eq!(swings(&mut judge, &[3.5]), None);
-    judge.grazes();
-    assert_eq!(judge.verdict(), None);
+    let mut monitor = monitor(flat_at_rest(), false, 3.9);
+    assert_eq!(swings(&mut monitor, &[3.5]), None);
+    monitor.grazes();
+    assert_eq!(monitor.verdict(), None);
 }
 
 #[test]
 fn a_verdict_stands() {
-    let mut stable = judge(bistable(), false, 3.5);
-    stable.looks(stable.equilibrium, 0.0);
+    let mut stable = monitor(bistable(), false, 3.5);
+    stable.check(stable.equilibrium, 0.0);
     assert_eq!(stable.verdict(), Some(Verdict::Stable));
     stable.grazes();
     stable.turns(1.0, stable.equilibrium + 3.7);

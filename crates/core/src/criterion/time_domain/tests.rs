@@ -13,12 +13,12 @@ const FLEXIBLE: DiscModel = DiscModel::Flexible { modes: 5 };
 
 /// The last turning points of a motion, and when it last stuck.
 #[derive(Default)]
-struct Aftermath {
+struct LateMotion {
     turns: [f64; 2],
     last_stick: Option<f64>,
 }
 
-impl Aftermath {
+impl LateMotion {
     fn amplitude(&self) -> f64 {
         0.5 * (self.turns[1] - self.turns[0]).abs()
     }
@@ -28,7 +28,7 @@ impl Aftermath {
     }
 }
 
-impl Observer for Aftermath {
+impl Observer for LateMotion {
     fn turns(&mut self, _: f64, x: f64) {
         self.turns = [self.turns[1], x];
     }
@@ -38,15 +38,15 @@ impl Observer for Aftermath {
     fn slips(&mut self, _: f64) {}
 }
 
-/// Follows a sample for `time`, whatever a judge might think of it.
-fn aftermath(criterion: &TimeDomain, inputs: RandomInputs, time: f64) -> Aftermath {
-    fn run<E: Equations>(equations: &E, mut motion: Motion<E::State>, h: f64, time: f64) -> Aftermath {
+/// Follows a sample for `time`, whatever a monitor might think of it.
+fn late_motion(criterion: &TimeDomain, inputs: RandomInputs, time: f64) -> LateMotion {
+    fn run<E: Equations>(equations: &E, mut motion: Motion<E::State>, h: f64, time: f64) -> LateMotion {
         let x = equations.tangential(&motion.state).0;
-        let mut aftermath = Aftermath { turns: [x; 2], last_stick: None };
+        let mut late_motion = LateMotion { turns: [x; 2], last_stick: None };
         for step in 0..(time / h) as u64 {
-            advance(equations, &mut motion, step as f64 * h, h, &mut aftermath).unwrap();
+            advance(equations, &mut motion, step as f64 * h, h, &mut late_motion).unwrap();
         }
-        aftermath
+        late_motion
     }
     match &criterion.system {
         System::Rigid(brake) => {
@@ -60,37 +60,37 @@ fn aftermath(criterion: &TimeDomain, inputs: RandomInputs, time: f64) -> Afterma
     }
 }
 
-/// The verdict of the flexible disc's judge if nobody tells it of linear stability.
+/// The verdict of the flexible disc's monitor if nobody tells it of linear stability.
 fn unaided_verdict(criterion: &TimeDomain, inputs: RandomInputs) -> Verdict {
     let System::Flexible(brake) = &criterion.system else { panic!("a flexible disc") };
     let sample = brake.sample(inputs);
     let (motion, equilibrium) = criterion.flexible_start(&sample).unwrap();
-    let rules = Rules {
+    let options = MonitorOptions {
         slowest_transient: brake.brake.equations.slowest_transient(),
         smallest_cycle: brake.brake.equations.pad.smallest_cycle(),
         until_settled: false,
-        repelled_by: None,
+        linear_growth_fed_by: None,
     };
     let turning = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
-    let judge = CoupledJudge::new(rules, equilibrium, criterion.settings.displacement, turning);
-    criterion.follow(&sample, motion, judge, brake.step, 0).verdict
+    let monitor = FlexibleMonitor::new(options, equilibrium, criterion.settings.displacement, turning);
+    criterion.simulate(&sample, motion, monitor, brake.step, 0).verdict
 }
 
 /// Follows a sample ten times as long as its verdict took, and at least for some hundred cycles, and finds the same.
 fn assert_verdict_holds(criterion: &TimeDomain, inputs: RandomInputs, context: &str) -> Verdict {
-    let judged = criterion.decide(inputs);
-    let soon = judged.time.max(60.0);
+    let decision = criterion.decide(inputs);
+    let soon = decision.time.max(60.0);
     let late = 10.0 * soon;
-    let at_verdict = aftermath(criterion, inputs, soon).amplitude();
-    let end = aftermath(criterion, inputs, late);
+    let at_verdict = late_motion(criterion, inputs, soon).amplitude();
+    let end = late_motion(criterion, inputs, late);
     let keeps_sticking = end.sticks_after(late - 10.0);
-    let holds = match judged.verdict {
+    let holds = match decision.verdict {
         Verdict::Unstable => keeps_sticking || end.amplitude() > at_verdict,
         Verdict::Stable => !keeps_sticking && (end.amplitude() < at_verdict || end.amplitude() < 1e-9),
         other => panic!("{context}: {inputs:?} {other:?}"),
     };
-    assert!(holds, "{context}: {inputs:?} {judged:?} {at_verdict} then {} {:?}", end.amplitude(), end.last_stick);
-    judged.verdict
+    assert!(holds, "{context}: {inputs:?} {decision:?} {at_verdict} then {} {:?}", end.amplitude(), end.last_stick);
+    decision.verdict
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn ringing_of_the_disc_is_no_instability() {
             let preload = 0.35 + 0.13 * f64::from(row);
             let static_friction = 0.2502 + 0.0008 * f64::from(column);
             let inputs = RandomInputs { preload, static_friction };
-            let end = aftermath(&criterion, inputs, 400.0);
+            let end = late_motion(&criterion, inputs, 400.0);
             assert!(end.amplitude() < 2e-5 && !end.sticks_after(50.0), "{speed} {inputs:?}: it does not come to rest");
             assert_eq!(criterion.decide(inputs).verdict, Verdict::Stable, "{speed} {inputs:?}");
         }
@@ -143,9 +143,9 @@ fn the_threshold_in_time_is_that_of_the_eigenvalues() {
             }
             slow
         };
-        // The motion itself, and where there is one the judge that is not told of linear stability.
+        // The motion itself, and where there is one the monitor that is not told of linear stability.
         let grows = |criterion: &TimeDomain| {
-            let [soon, late] = [800.0, 1600.0].map(|time| aftermath(criterion, NOMINAL, time));
+            let [soon, late] = [800.0, 1600.0].map(|time| late_motion(criterion, NOMINAL, time));
             late.sticks_after(0.0) || late.amplitude() > soon.amplitude()
         };
         let in_time = match disc {
@@ -200,20 +200,20 @@ fn the_settled_amplitude_is_that_of_the_limit_cycle() {
 
 #[test]
 fn the_papers_index_is_a_limit_on_the_settled_amplitude() {
-    let judge = |limit: f64| {
+    let monitor = |limit: f64| {
         let settings = TimeDomainSettings { amplitude_index: Some(limit), ..Default::default() };
         criterion(12.0, &DiscModel::Rigid, settings).decide(NOMINAL).verdict
     };
     // The limit cycle at 12 rad/s has an amplitude of 0.0057.
-    assert_eq!([judge(0.005), judge(0.006)], [Verdict::Unstable, Verdict::Stable]);
+    assert_eq!([monitor(0.005), monitor(0.006)], [Verdict::Unstable, Verdict::Stable]);
 }
 
 #[test]
 fn inputs_outside_physics_are_stable_and_blown_up_ones_failed() {
     let criterion = criterion(10.0, &FLEXIBLE, TimeDomainSettings::default());
     for (preload, static_friction) in [(0.0, 0.4), (-0.1, 0.4), (0.1, 0.2), (0.1, 0.0), (-0.1, 0.2)] {
-        let judged = criterion.decide(RandomInputs { preload, static_friction });
-        assert_eq!((judged.verdict, judged.time), (Verdict::Stable, 0.0));
+        let decision = criterion.decide(RandomInputs { preload, static_friction });
+        assert_eq!((decision.verdict, decision.time), (Verdict::Stable, 0.0));
     }
     assert_eq!(criterion.decide(RandomInputs { preload: 0.1, static_friction: f64::NAN }).verdict, Verdict::Failed);
     assert_eq!(criterion.decide(RandomInputs { preload: f64::NAN, static_friction: 0.4 }).verdict, Verdict::Failed);
@@ -254,15 +254,15 @@ fn overdamped_and_stiff_motions_are_decided_too() {
             for start in [Start::NearEquilibrium, Start::Rest] {
                 let brake = PadOnDisc::preset_with(&[("damping.tangential", damping)]);
                 let settings = TimeDomainSettings { start, ..Default::default() };
-                let judged = TimeDomain::new(&brake, &disc, settings).unwrap().decide(NOMINAL);
-                assert_eq!(judged.verdict, Verdict::Stable, "{damping} {disc:?} {start:?} {judged:?}");
+                let decision = TimeDomain::new(&brake, &disc, settings).unwrap().decide(NOMINAL);
+                assert_eq!(decision.verdict, Verdict::Stable, "{damping} {disc:?} {start:?} {decision:?}");
             }
         }
     }
     // The normal motion may be as stiff.
     let brake = PadOnDisc::preset_with(&[("damping.normal", 1e5)]);
-    let judged = TimeDomain::new(&brake, &FLEXIBLE, TimeDomainSettings::default()).unwrap().decide(NOMINAL);
-    assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
+    let decision = TimeDomain::new(&brake, &FLEXIBLE, TimeDomainSettings::default()).unwrap().decide(NOMINAL);
+    assert_eq!(decision.verdict, Verdict::Stable, "{decision:?}");
 }
 
 #[test]
@@ -288,9 +288,9 @@ fn a_brake_whose_disc_flutters_is_unstable_and_says_so() {
         for start in [Start::NearEquilibrium, Start::Rest, Start::LimitCycle] {
             let settings = TimeDomainSettings { start, ..Default::default() };
             let criterion = TimeDomain::new(&brake, &DiscModel::Flexible { modes }, settings).unwrap();
-            let judged = criterion.decide(inputs);
-            assert_eq!(judged.verdict, Verdict::Unstable, "{changes:?} {start:?}");
-            assert_eq!(judged.fed_by, Some(DegreeOfFreedom::Disc), "{changes:?} {start:?}");
+            let decision = criterion.decide(inputs);
+            assert_eq!(decision.verdict, Verdict::Unstable, "{changes:?} {start:?}");
+            assert_eq!(decision.fed_by, Some(DegreeOfFreedom::Disc), "{changes:?} {start:?}");
         }
     }
     let groaning = criterion(10.0, &FLEXIBLE, TimeDomainSettings::default()).decide(NOMINAL);
@@ -310,13 +310,13 @@ fn friction_that_rises_with_speed_does_not_stop_flutter() {
 
 #[test]
 fn a_pad_that_stuck_once_and_creeps_home_is_stable() {
-    // The audit's brake, overdamped: it stuck once, and no judge looked again.
+    // The audit's brake, overdamped: it stuck once, and no monitor looked again.
     let changes = [("damping.tangential", 6000.0), ("operating_point.rotating_speed", 10.0)];
     let brake = PadOnDisc::preset_with(&changes);
     let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
     for disc in [DiscModel::Rigid, FLEXIBLE] {
-        let judged = TimeDomain::new(&brake, &disc, settings).unwrap().decide(NOMINAL);
-        assert_eq!(judged.verdict, Verdict::Stable, "{disc:?} {judged:?}");
+        let decision = TimeDomain::new(&brake, &disc, settings).unwrap().decide(NOMINAL);
+        assert_eq!(decision.verdict, Verdict::Stable, "{disc:?} {decision:?}");
     }
 }
 
@@ -344,10 +344,10 @@ fn ringing_after_a_long_stick_is_no_instability() {
     let inputs = RandomInputs { preload: 0.0908, static_friction: 0.16947 };
     let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
     let criterion = TimeDomain::new(&PadOnDisc::preset_with(&changes), &FLEXIBLE, settings).unwrap();
-    let end = aftermath(&criterion, inputs, 8000.0);
+    let end = late_motion(&criterion, inputs, 8000.0);
     assert!(end.amplitude() < 1e-10 && !end.sticks_after(3000.0), "it does not come to rest");
-    let judged = criterion.decide(inputs);
-    assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
+    let decision = criterion.decide(inputs);
+    assert_eq!(decision.verdict, Verdict::Stable, "{decision:?}");
 }
 
 #[test]
@@ -373,9 +373,9 @@ fn a_disc_that_rings_longer_than_the_pad_swings_leaves_nothing_undecided() {
     ];
     let inputs = RandomInputs { preload: 0.1146, static_friction: 0.64816 };
     let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
-    let judged = TimeDomain::new(&PadOnDisc::preset_with(&changes), &FLEXIBLE, settings).unwrap().decide(inputs);
-    assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
-    assert!(judged.time < 4000.0, "{judged:?}");
+    let decision = TimeDomain::new(&PadOnDisc::preset_with(&changes), &FLEXIBLE, settings).unwrap().decide(inputs);
+    assert_eq!(decision.verdict, Verdict::Stable, "{decision:?}");
+    assert!(decision.time < 4000.0, "{decision:?}");
 }
 
 #[test]

@@ -185,17 +185,17 @@ fn verdicts_are_those_of_the_modal_disc() {
 #[test]
 fn what_cannot_be_followed_is_refused() {
     let brake = on_grid(10.0, 6);
-    let follow = |inputs, displacement, horizon| {
+    let simulate = |inputs, displacement, horizon| {
         brake.trajectory(inputs, Start::Rest, displacement, horizon, Allotment::Linear).unwrap_err()
     };
     for preload in [0.0, -0.1, f64::NAN] {
-        let error = follow(RandomInputs { preload, ..NOMINAL }, 0.01, 10.0);
+        let error = simulate(RandomInputs { preload, ..NOMINAL }, 0.01, 10.0);
         assert!(matches!(error, FiniteDifferenceError::Brake(FlexibleError::NotPressed { .. })), "{error}");
     }
     for static_friction in [1e6, f64::NAN] {
-        let error = follow(RandomInputs { static_friction, ..NOMINAL }, 0.01, 10.0);
+        let error = simulate(RandomInputs { static_friction, ..NOMINAL }, 0.01, 10.0);
         assert!(matches!(error, FiniteDifferenceError::Brake(FlexibleError::NoEquilibrium { .. })), "{error}");
     }
-    assert!(matches!(follow(NOMINAL, 0.0, 10.0), FiniteDifferenceError::Settings(_)));
-    assert!(matches!(follow(NOMINAL, 0.01, f64::NAN), FiniteDifferenceError::Settings(_)));
+    assert!(matches!(simulate(NOMINAL, 0.0, 10.0), FiniteDifferenceError::Settings(_)));
+    assert!(matches!(simulate(NOMINAL, 0.01, f64::NAN), FiniteDifferenceError::Settings(_)));
 }

@@ -28,12 +28,13 @@ fn assert_lanes_agree(criterion: &TimeDomain, inputs: &[RandomInputs]) -> [usize
     for set in InstructionSet::available() {
         let found = criterion.decide_all_with(inputs, set);
         for ((inputs, expected), found) in inputs.iter().zip(&expected).zip(&found) {
-            let bits = |judged: &Decision| (judged.verdict, judged.time.to_bits(), judged.amplitude.map(f64::to_bits));
+            let bits =
+                |decision: &Decision| (decision.verdict, decision.time.to_bits(), decision.amplitude.map(f64::to_bits));
             assert_eq!(bits(found), bits(expected), "{set:?} {inputs:?} {found:?} {expected:?}");
         }
     }
     let mut seen = [0; 4];
-    expected.iter().for_each(|judged| seen[judged.verdict as usize] += 1);
+    expected.iter().for_each(|decision| seen[decision.verdict as usize] += 1);
     seen
 }
 
@@ -83,14 +84,14 @@ fn other_discs_patches_and_exponents_agree_as_well() {
 }
 
 #[test]
-fn outcomes_are_pinned() {
+fn decisions_are_pinned() {
     // Regression values, the same on every architecture: an FNV-1a hash of every verdict, time and amplitude.
     let settings = TimeDomainSettings { record_amplitude: true, start: Start::Rest, ..Default::default() };
     let hashes = [DiscModel::Rigid, DiscModel::Flexible { modes: 5 }].map(|disc| {
         let criterion = criterion(&disc, settings, &[("operating_point.rotating_speed", 15.0)]);
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-        for judged in criterion.decide_all(&inputs(40)) {
-            for word in [judged.verdict as u64, judged.time.to_bits(), judged.amplitude.map_or(0, f64::to_bits)] {
+        for decision in criterion.decide_all(&inputs(40)) {
+            for word in [decision.verdict as u64, decision.time.to_bits(), decision.amplitude.map_or(0, f64::to_bits)] {
                 for byte in word.to_le_bytes() {
                     hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
                 }

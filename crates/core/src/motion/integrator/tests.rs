@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::*;
 
-mod parts;
+mod substeps;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Pad {
@@ -197,7 +197,7 @@ fn a_turning_point_of_a_spring_is_found_to_the_fifth_order_of_the_step() {
 }
 
 /// Follows a pad step by step, and keeps what is told of it.
-fn follow(toy: &Toy, motion: &mut Motion<Pad>, h: f64, steps: u32) -> Vec<Event> {
+fn simulate(toy: &Toy, motion: &mut Motion<Pad>, h: f64, steps: u32) -> Vec<Event> {
     let mut log = Log::default();
     for step in 0..steps {
         advance(toy, motion, h * f64::from(step), h, &mut log).unwrap();
@@ -243,7 +243,7 @@ fn stick_slip_on_a_spring_has_the_period_and_the_turns_of_its_closed_form() {
     for h in [0.05, 0.3, 0.71] {
         let mut motion = Motion { state: pad(1.75, V), contact: ContactState::Stick };
         let steps = libm::ceil((expected.len() as f64 / 4.0) * (slip + 1.0) / h);
-        let found = follow(&toy, &mut motion, h, steps as u32);
+        let found = simulate(&toy, &mut motion, h, steps as u32);
         // Turning points are interpolated.
         assert_events(&found[..12], &expected, 1e-4 + 0.02 * h * h * h * h);
         let exact = |event: &&Event| !matches!(event, Event::Turns(..));
@@ -258,14 +258,14 @@ fn several_events_in_one_step_are_told_in_their_order() {
     // It turns, meets the disc, and is carried to where friction holds it no longer; then it slips away.
     let toy = Toy::new(Law::Constant(2.0, 0.0), |x| (1.0 - x, 9.0));
     let mut motion = slipping(0.0, -1.0);
-    let found = follow(&toy, &mut motion, 1.5, 1);
+    let found = simulate(&toy, &mut motion, 1.5, 1);
     assert_events(&found, &[Event::Turns(0.5, -0.25), Event::Sticks(1.0, 0.0)], 5e-12);
     assert_eq!(motion.contact, ContactState::Stick);
     assert!(close(motion.state.x, 0.5) && motion.state.u == V, "{motion:?}");
 
     let toy = Toy::new(Law::Constant(-1.0, 0.0), |x| (1.0 - x, 9.0));
     let mut motion = Motion { state: pad(0.5, V), contact: ContactState::Stick };
-    let found = follow(&toy, &mut motion, 2.0, 1);
+    let found = simulate(&toy, &mut motion, 2.0, 1);
     assert_events(&found, &[Event::Slips(0.5), Event::Turns(1.5, 1.5)], 5e-12);
     assert_eq!(motion.contact, ContactState::Slip);
     assert!(close(motion.state.x, 1.375) && close(motion.state.u, -0.5), "{motion:?}");
@@ -275,7 +275,7 @@ fn several_events_in_one_step_are_told_in_their_order() {
 fn a_pad_that_overtakes_the_disc_is_followed_through_the_step_and_nothing_is_told() {
     let toy = Toy::new(Law::Constant(1.0, 0.5), |_| (9.0, -1.0));
     let mut motion = slipping(0.0, 0.0);
-    assert_eq!(follow(&toy, &mut motion, 2.0, 1), []);
+    assert_eq!(simulate(&toy, &mut motion, 2.0, 1), []);
     assert_eq!(motion.contact, ContactState::Overtaking);
     assert!(close(motion.state.x, 0.5 + 1.25) && close(motion.state.u, 1.5), "{motion:?}");
 }
@@ -283,7 +283,7 @@ fn a_pad_that_overtakes_the_disc_is_followed_through_the_step_and_nothing_is_tol
 #[test]
 fn a_graze_is_told_before_the_stick_that_it_leads_to() {
     let toy = Toy::new(Law::Constant(0.01, 0.0), HOLDS);
-    let found = follow(&toy, &mut slipping(0.0, 0.995), 1.0, 1);
+    let found = simulate(&toy, &mut slipping(0.0, 0.995), 1.0, 1);
     assert_events(&found, &[Event::Grazes, Event::Sticks(0.5, 0.498_75)], 1e-12);
 }
 
@@ -291,7 +291,7 @@ fn a_graze_is_told_before_the_stick_that_it_leads_to() {
 fn a_pad_that_has_not_come_away_since_its_release_has_not_come_back_either() {
     let toy = Toy::new(Law::Constant(2.0, 0.0), |x| (x, 1.0));
     let mut motion = Motion { state: pad(0.0, V), contact: ContactState::Stick };
-    assert_eq!(follow(&toy, &mut motion, 0.5, 1), [Event::Slips(0.0)]);
+    assert_eq!(simulate(&toy, &mut motion, 0.5, 1), [Event::Slips(0.0)]);
     assert_eq!(motion.contact, ContactState::Stick);
 }
 
@@ -299,7 +299,7 @@ fn a_pad_that_has_not_come_away_since_its_release_has_not_come_back_either() {
 fn the_parts_of_a_cut_step_make_up_the_whole_step() {
     let toy = Toy::steep(Law::Constant(-1.0, 0.0));
     let mut motion = slipping(0.0, V);
-    let found = follow(&toy, &mut motion, 4.0, 1);
+    let found = simulate(&toy, &mut motion, 4.0, 1);
     assert_events(&found, &[Event::Turns(1.0, 0.5)], 5e-12);
     assert!(close(motion.state.x, -4.0) && close(motion.state.u, -3.0), "{motion:?}");
 }

@@ -10,7 +10,7 @@ fn inputs(brake: &PadOnDisc) -> RandomInputs {
     }
 }
 
-fn follow_from_release(brake: &RigidBrake, inputs: RandomInputs, time: f64, h: f64) -> EventLog {
+fn simulate_from_release(brake: &RigidBrake, inputs: RandomInputs, time: f64, h: f64) -> EventLog {
     let sample = brake.sample(inputs);
     let mut motion =
         Motion { state: RigidState { x: sample.release(), u: brake.disc_speed }, contact: ContactState::Stick };
@@ -32,7 +32,7 @@ fn the_limit_cycle_is_that_of_the_table() {
     for (speed, period, largest, smallest, stick) in table {
         let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]);
         let rigid = RigidBrake::new(&brake);
-        let log = follow_from_release(&rigid, inputs(&brake), 40.0, rigid.step);
+        let log = simulate_from_release(&rigid, inputs(&brake), 40.0, rigid.step);
         let cycles = log.slips.len() - 1;
         let found = (log.slips[cycles] - log.slips[1]) / (cycles - 1) as f64;
         assert!((found - period).abs() < 1e-4, "{speed}: period {found}");
@@ -52,7 +52,7 @@ fn fixed_and_adaptive_steps_find_the_same_limit_cycle() {
         let cycle = brake.limit_cycle().unwrap();
         let rigid = RigidBrake::new(&brake);
         for divisor in [1.0, 4.0] {
-            let log = follow_from_release(&rigid, inputs(&brake), 20.0, rigid.step / divisor);
+            let log = simulate_from_release(&rigid, inputs(&brake), 20.0, rigid.step / divisor);
             let tolerance = 2e-4 / (divisor * divisor);
             let period = log.slips[3] - log.slips[2];
             assert!((period / cycle.period - 1.0).abs() < tolerance, "{speed} {divisor}: {period} {cycle:?}");
@@ -66,7 +66,7 @@ fn fixed_and_adaptive_steps_find_the_same_limit_cycle() {
 fn is_recaptured(speed: f64, divisor: f64) -> bool {
     let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]);
     let rigid = RigidBrake::new(&brake);
-    !follow_from_release(&rigid, inputs(&brake), 5.0, rigid.step / divisor).sticks.is_empty()
+    !simulate_from_release(&rigid, inputs(&brake), 5.0, rigid.step / divisor).sticks.is_empty()
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn steps_follow_the_friction_law_however_steep_it_is() {
             let mut rigid = RigidBrake::new(&at(speed));
             rigid.step /= divisor;
             rigid.refinement /= divisor;
-            !follow_from_release(&rigid, inputs(&at(speed)), 5.0, rigid.step).sticks.is_empty()
+            !simulate_from_release(&rigid, inputs(&at(speed)), 5.0, rigid.step).sticks.is_empty()
         };
         for divisor in [1.0, 2.0] {
             let (mut with, mut without) = (0.9 * expected, 1.1 * expected);
@@ -137,7 +137,7 @@ fn a_touch_between_the_ends_of_a_step_is_seen() {
     let saddle_node = at(10.0).saddle_node_speed().unwrap();
     let is_recaptured = |speed: f64, divisor: f64| {
         let rigid = RigidBrake::new(&at(speed));
-        !follow_from_release(&rigid, inputs(&at(speed)), 4.0, rigid.step / divisor).sticks.is_empty()
+        !simulate_from_release(&rigid, inputs(&at(speed)), 4.0, rigid.step / divisor).sticks.is_empty()
     };
     for divisor in [1.0, 1.1, 1.23, 1.37, 1.5, 1.71] {
         for share in [0.999, 0.9998, 0.9999] {
@@ -152,7 +152,7 @@ fn no_step_size_makes_it_chatter() {
     let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", 10.0)]);
     let rigid = RigidBrake::new(&brake);
     for divisor in [0.05, 0.1, 0.3, 1.0, 10.0, 77.0] {
-        let log = follow_from_release(&rigid, inputs(&brake), 200.0, rigid.step / divisor);
+        let log = simulate_from_release(&rigid, inputs(&brake), 200.0, rigid.step / divisor);
         // 200 time units are 56 cycles; chatter would show as hundreds of sticks.
         assert!((50..=65).contains(&log.sticks.len()), "step / {divisor}: {} sticks", log.sticks.len());
     }

@@ -3,7 +3,7 @@
 use super::*;
 
 #[track_caller]
-fn assert_part(part: &Part<Pad>, ending: Ending, contact: ContactState, time: f64, state: Pad) {
+fn assert_substep(part: &Substep<Pad>, ending: Ending, contact: ContactState, time: f64, state: Pad) {
     assert_eq!((part.ending, part.end.contact), (ending, contact), "{part:?}");
     let is_there = close(part.time, time) && close(part.end.state.x, state.x) && close(part.end.state.u, state.u);
     assert!(is_there, "{part:?}, not {time} {state:?}");
@@ -13,23 +13,23 @@ fn assert_part(part: &Part<Pad>, ending: Ending, contact: ContactState, time: f6
 fn a_stuck_pad_moves_with_the_disc_while_friction_holds_it() {
     let toy = Toy::new(Law::Spring(0.0), HOLDS_TWO);
     let part = stick(&toy, &pad(1.0, V), 0.5).unwrap();
-    assert_part(&part, Ending::Completed, ContactState::Stick, 0.5, pad(1.5, V));
+    assert_substep(&part, Ending::Completed, ContactState::Stick, 0.5, pad(1.5, V));
 }
 
 #[test]
 fn a_stuck_pad_slips_when_friction_holds_it_no_longer() {
     let toy = Toy::new(Law::Spring(0.0), HOLDS_TWO);
     let part = stick(&toy, &pad(1.7, V), 0.5).unwrap();
-    assert_part(&part, Ending::Released, ContactState::Slip, 0.3, pad(2.0, V));
+    assert_substep(&part, Ending::Released, ContactState::Slip, 0.3, pad(2.0, V));
     let part = stick(&toy, &pad(2.0, V), 0.5).unwrap();
-    assert_part(&part, Ending::Released, ContactState::Slip, 0.0, pad(2.0, V));
+    assert_substep(&part, Ending::Released, ContactState::Slip, 0.0, pad(2.0, V));
 }
 
 #[test]
 fn a_stuck_pad_runs_ahead_when_friction_keeps_it_back_no_longer() {
     let toy = Toy::new(Law::Spring(0.0), |x| (2.0 + x, 2.0 - x));
     let part = stick(&toy, &pad(1.7, V), 0.5).unwrap();
-    assert_part(&part, Ending::Released, ContactState::Overtaking, 0.3, pad(2.0, V));
+    assert_substep(&part, Ending::Released, ContactState::Overtaking, 0.3, pad(2.0, V));
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn a_pad_that_is_carried_out_of_sight_has_broken_down() {
 fn a_sliding_pad_that_meets_nothing_slides_on() {
     let toy = Toy::new(Law::Constant(0.5, 0.0), HOLDS);
     let part = slide(&toy, &slipping(0.0, 0.0), 1.0, false).unwrap();
-    assert_part(&part, Ending::Completed, ContactState::Slip, 1.0, pad(0.25, 0.5));
+    assert_substep(&part, Ending::Completed, ContactState::Slip, 1.0, pad(0.25, 0.5));
     assert!(!part.grazes);
     assert_eq!(part.acceleration, (0.5, 0.5));
 }
@@ -52,7 +52,7 @@ fn a_sliding_pad_that_meets_nothing_slides_on() {
 fn a_sliding_pad_sticks_where_it_meets_the_disc_and_friction_holds_it() {
     let toy = Toy::new(Law::Constant(2.0, 0.0), HOLDS_TWO);
     let part = slide(&toy, &slipping(1.0, 0.0), 1.0, false).unwrap();
-    assert_part(&part, Ending::Stuck, ContactState::Stick, 0.5, pad(1.25, V));
+    assert_substep(&part, Ending::Stuck, ContactState::Stick, 0.5, pad(1.25, V));
     assert_eq!(part.end.state.u, V, "exactly");
     assert!(!part.grazes);
 }
@@ -62,18 +62,18 @@ fn a_pad_that_runs_ahead_is_caught_by_the_disc_too() {
     let toy = Toy::new(Law::Constant(0.0, -2.0), HOLDS);
     let ahead = Motion { state: pad(0.0, 2.0), contact: ContactState::Overtaking };
     let part = slide(&toy, &ahead, 1.0, false).unwrap();
-    assert_part(&part, Ending::Stuck, ContactState::Stick, 0.5, pad(0.75, V));
+    assert_substep(&part, Ending::Stuck, ContactState::Stick, 0.5, pad(0.75, V));
     let part = slide(&toy, &ahead, 0.25, false).unwrap();
-    assert_part(&part, Ending::Completed, ContactState::Overtaking, 0.25, pad(0.4375, 1.5));
+    assert_substep(&part, Ending::Completed, ContactState::Overtaking, 0.25, pad(0.4375, 1.5));
 }
 
 #[test]
 fn a_pad_that_friction_cannot_hold_passes_the_disc_where_its_spring_pulls_it() {
     let toy = Toy::new(Law::Constant(2.0, 2.0), HOLDS_TWO);
     let part = slide(&toy, &slipping(-5.0, 0.0), 1.0, false).unwrap();
-    assert_part(&part, Ending::Overtaken, ContactState::Overtaking, 0.5, pad(-4.75, V));
+    assert_substep(&part, Ending::Overtaken, ContactState::Overtaking, 0.5, pad(-4.75, V));
     let part = slide(&toy, &slipping(5.0, 0.0), 1.0, false).unwrap();
-    assert_part(&part, Ending::Overtaken, ContactState::Slip, 0.5, pad(5.25, V));
+    assert_substep(&part, Ending::Overtaken, ContactState::Slip, 0.5, pad(5.25, V));
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn friction_that_just_suffices_holds_the_pad() {
 }
 
 /// A pad on a spring whose speed has a maximum `fastest` in the middle of a step of length 1.
-fn swings_by(fastest: f64) -> Part<Pad> {
+fn swings_by(fastest: f64) -> Substep<Pad> {
     let (sin, cos) = libm::sincos(0.5);
     let toy = Toy::new(Law::Spring(0.0), HOLDS_TWO);
     slide(&toy, &slipping(-fastest * sin, fastest * cos), 1.0, false).unwrap()
@@ -150,9 +150,9 @@ fn a_step_that_ends_next_to_the_disc_speed_grazes_unless_it_comes_from_there() {
 fn a_pad_that_does_not_come_away_from_the_disc_after_its_release_may_as_well_have_stuck() {
     let toy = Toy::new(Law::Constant(2.0, 0.0), HOLDS);
     let part = slide(&toy, &slipping(0.0, V), 0.5, true).unwrap();
-    assert_part(&part, Ending::Stuck, ContactState::Stick, 0.5, pad(0.75, V));
+    assert_substep(&part, Ending::Stuck, ContactState::Stick, 0.5, pad(0.75, V));
     let part = slide(&toy, &slipping(0.0, V), 0.5, false).unwrap();
-    assert_part(&part, Ending::Stuck, ContactState::Stick, 0.0, pad(0.0, V));
+    assert_substep(&part, Ending::Stuck, ContactState::Stick, 0.0, pad(0.0, V));
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn a_pad_that_comes_away_before_its_first_step_is_over_slides() {
     let toy = Toy::new(Law::Spring(0.0), HOLDS_TWO);
     let part = slide(&toy, &slipping(-0.1, V), 1.0, true).unwrap();
     let (sin, cos) = libm::sincos(1.0);
-    assert_part(&part, Ending::Completed, ContactState::Slip, 1.0, pad(sin - 0.1 * cos, cos + 0.1 * sin));
+    assert_substep(&part, Ending::Completed, ContactState::Slip, 1.0, pad(sin - 0.1 * cos, cos + 0.1 * sin));
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn a_pad_that_has_not_come_away_yet_grazes_nothing_however_slowly_it_moves() {
 fn a_pad_that_comes_away_from_the_disc_slides() {
     let toy = Toy::new(Law::Constant(-2.0, 0.0), HOLDS);
     let part = slide(&toy, &slipping(0.0, V), 0.5, true).unwrap();
-    assert_part(&part, Ending::Completed, ContactState::Slip, 0.5, pad(0.25, 0.0));
+    assert_substep(&part, Ending::Completed, ContactState::Slip, 0.5, pad(0.25, 0.0));
     assert!(!part.grazes);
 }
 
