@@ -8,7 +8,7 @@ use crate::numerics::exponential::exp;
 /// mu(v) = f_c + (f_s - f_c) exp(-(|v| / v_s)^delta)
 /// ```
 ///
-/// (the paper's equation 2.6 with the sign of its exponent mended). `v` and `v_s` share a unit; inside this crate
+/// (the paper's equation 2.6 with the sign of its exponent corrected). `v` and `v_s` share a unit; inside this crate
 /// they are scaled speeds.
 ///
 /// ```

@@ -1,24 +1,25 @@
-//! Whether stick-slip comes back cycle after cycle.
+//! Whether stick-slip persists from cycle to cycle.
 //!
 //! | state | event | then |
 //! |---|---|---|
 //! | free | sticks | sticking, the first stick |
 //! | sticking | slips | slipping; the share of the cycle spent in stick is known from the second release on |
 //! | slipping | swings, up to [`FIRST_SWINGS`](crate::criterion::transients::FIRST_SWINGS) of them | slipping: two turning points lie between two sticks |
-//! | | swings once more | free: the motion has come away |
-//! | | sticks | sticking, one cycle more |
+//! | | swings once more | free: stick-slip has ended |
+//! | | sticks | sticking, with one more cycle |
 //!
-//! Stick-slip counts as kept after [`CYCLES_TO_PERSIST`] cycles in a row. Where the share of stick is small, a small disturbance could
-//! end it: then [`CYCLES_WITH_SHORT_STICKS`] are asked for after which nothing rings any more, or else [`CYCLES_WHILE_RINGING`].
+//! Stick-slip persists if it lasts for more than [`CYCLES_TO_PERSIST`] cycles in a row. If the share of stick is small, a small
+//! disturbance could end it. Then it has to last for [`CYCLES_WITH_SHORT_STICKS`] cycles, and until nothing rings any more,
+//! or for [`CYCLES_WHILE_RINGING`].
 
 use crate::criterion::transients::FIRST_SWINGS;
 
-/// Cycles in a row that count as kept, with a large share of stick; with a small one after the ringing has died away; and
-/// while it lasts.
+/// Cycles in a row after which stick-slip persists: with a large share of stick; with a small one, after the ringing has
+/// died away; and while it lasts.
 ///
 /// Measured on 400 random brakes with discs of 0.2 to 5 % damping, released from stick at 0.9 to 1.03 of their saddle-node
-/// speed and followed for 2000 units of time: with linearly stable sliding none that stuck for a large share came free
-/// again, and one of a small share did, after 31 cycles in which its disc rang.
+/// speed and simulated for 2000 units of time. With linearly stable sliding, stick-slip with a large share of stick ended
+/// in none of them, and that with a small share in one, after 31 cycles in which the disc rang.
 const CYCLES_TO_PERSIST: u32 = 6;
 const CYCLES_WITH_SHORT_STICKS: u32 = 60;
 const CYCLES_WHILE_RINGING: u32 = 600;
@@ -72,7 +73,7 @@ impl Cycles {
         }
     }
 
-    /// A swing has ended; whether it was one too many for stick-slip.
+    /// A swing has ended. Returns whether it ended stick-slip, which has at most three swings between two sticks.
     pub fn swings(&mut self) -> bool {
         if self.sticks == 0 {
             return false;
@@ -85,7 +86,7 @@ impl Cycles {
         has_ended
     }
 
-    /// Whether the motion has stuck and not come free.
+    /// Whether the motion has stuck and stick-slip has not ended since.
     pub fn is_ongoing(&self) -> bool {
         self.sticks > 0
     }
@@ -104,8 +105,8 @@ impl Cycles {
         self.last_stick - self.first_stick
     }
 
-    /// Whether stick-slip has come back so often that it stays; `still_rings` says whether what was excited before the first
-    /// stick may still matter.
+    /// Whether stick-slip has lasted so long that it stays; `still_rings` is whether what was excited before the first stick
+    /// may still matter.
     pub fn persists(&self, still_rings: bool) -> bool {
         let kept = match (self.stick_share >= LARGE_SHARE, still_rings) {
             (true, _) => CYCLES_TO_PERSIST,
@@ -120,7 +121,7 @@ impl Cycles {
 mod tests {
     use super::*;
 
-    /// Cycles of period 2 in a row, of which the pad sticks for a share, until they count as kept or there are `most`.
+    /// Simulates cycles of period 2 with a share of stick, until they persist or there are `most`.
     fn sticks_until_kept(cycles: &mut Cycles, share: f64, most: u32) -> Option<u32> {
         for count in 1..=most {
             let time = 2.0 * f64::from(count);

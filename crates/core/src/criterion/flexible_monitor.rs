@@ -1,19 +1,19 @@
 //! The monitor of a flexible disc: the tangential motion, disturbed by everything that rings along.
 //!
-//! It composes four machines, each with a table of its own: [`Swings`], [`Cycles`], [`SettledAmplitude`] and
-//! [`Transients`].
+//! It combines four state machines: [`Swings`], [`Cycles`], [`SettledAmplitude`] and [`Transients`]. Each documents its
+//! states in a table of its own.
 //!
-//! | what the machines say | while | verdict |
+//! | finding | while | verdict |
 //! |---|---|---|
 //! | shrinking, and no larger than the stated displacement | not known to be unstable | stable |
-//! | creeping: no turn and no stick between two looks, half as far from the equilibrium as before | the same | stable |
+//! | creeping: no turn and no stick between two checks, half as far from the equilibrium as before | the same | stable |
 //! | still: [`STILL_SWINGS`] swings in a row far smaller than any cycle | the same | stable |
 //! | growing, or constant | | unstable |
-//! | stick-slip is kept | | unstable |
+//! | stick-slip persists | | unstable |
 //!
-//! Where the settled amplitude is asked for, an unstable motion is followed until stick-slip has one, or until its swings
-//! are constant. That the equilibrium is linearly stable is for the criterion to know; a monitor never hears of motions for
-//! which it is not, but for their amplitude.
+//! If the settled amplitude is wanted, an unstable motion is simulated until stick-slip has settled or until its swings are
+//! constant. The criterion finds out whether the equilibrium is linearly stable; if it is not, a motion is monitored only
+//! for its amplitude.
 
 use crate::criterion::cycles::Cycles;
 use crate::criterion::monitor::Monitor;
@@ -30,13 +30,13 @@ use crate::verdict::Verdict;
 /// not told from rest on a flexible disc.
 const LARGEST_BASIN: f64 = 0.1;
 
-/// Distance from the equilibrium, over x0, at which a motion that does not turn has arrived: beyond all that numbers
-/// resolve of a creeping motion's last part.
+/// Distance from the equilibrium, over x0, at which a motion that does not turn has arrived: smaller than what numbers
+/// resolve at the end of a creeping motion.
 const ARRIVED: f64 = 1e-6;
 
-/// Swings smaller than this, over x0 and over the smallest cycle, are no motion any more, if so many come in a row. What
-/// swings them is the ringing of a disc that dies away more slowly than the tangential motion did: it beats, and next to
-/// what the first swings could feign it says nothing.
+/// A motion with so many swings in a row that are smaller than this, over x0 and over the smallest cycle, is at rest. What
+/// is left is the ringing of a disc that dies away more slowly than the tangential motion did. It beats, so its changes say
+/// nothing beside what the first swings could imitate.
 const STILL: f64 = 1e-6;
 const STILL_SWINGS: u32 = 100;
 
@@ -48,7 +48,7 @@ pub(crate) struct MonitorOptions {
     /// Amplitude at which the pad swings as fast as the disc, that of the smallest stick-slip: on a slow disc far less
     /// than x0.
     pub smallest_cycle: f64,
-    /// Whether an unstable motion is followed until its amplitude has settled.
+    /// Whether an unstable motion is simulated until its amplitude has settled.
     pub until_settled: bool,
     /// What feeds small motions about steady sliding, if it is linearly unstable: then the verdict is known, and only the
     /// amplitude is not.
@@ -62,15 +62,15 @@ pub(crate) struct FlexibleMonitor {
     linear_growth_fed_by: Option<DegreeOfFreedom>,
     /// x0.
     equilibrium: f64,
-    /// Amplitude below which a shrinking motion has come home: the stated displacement.
+    /// Amplitude below which a shrinking motion counts as returned to the equilibrium: the stated displacement.
     basin: f64,
-    /// Amplitude of swings that are none, and how many of them came in a row.
+    /// Amplitude below which a swing counts as still, and how many such swings came in a row.
     still: f64,
     still_swings: u32,
-    /// Distance from the equilibrium at the last look, unless the motion has turned, stuck or slipped since.
+    /// Distance from the equilibrium at the last check, unless the motion has turned, stuck or slipped since.
     last_distance: Option<f64>,
     verdict: Option<Verdict>,
-    /// Known to be unstable, but followed further.
+    /// The motion is known to be unstable, and may be simulated further for its amplitude.
     is_known_unstable: bool,
     swings: Swings,
     cycles: Cycles,

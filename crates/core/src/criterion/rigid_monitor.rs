@@ -7,16 +7,16 @@
 //! | swinging | turns at the largest x: the first since the start, a release or an overtaking | its amplitude is the one to compare with |
 //! | | at an amplitude larger than the last by more than errors of the steps | unstable |
 //! | | smaller by more than these, and no cycle can lie inside (exponents up to 1) | stable |
-//! | | more than 1 % smaller, where one can | swinging, and compared with this one |
-//! | | in between, too slow to wait for | the return map says what comes of it |
+//! | | more than 1 % smaller, where one can | swinging; this amplitude is the next one to compare with |
+//! | | in between, too slow to wait for | the return map decides |
 //! | | sticks for the first time | held: until its release, which is the same for all motions that stick |
-//! | | sticks a second time, or a first time after a start at release | unstable: all cycles are the same from here |
-//! | | grazes the disc's speed in its first swing since the start or a release | the return map says what comes of that start or release |
+//! | | sticks a second time, or for the first time after a start at release | unstable: all later cycles are the same |
+//! | | grazes the disc's speed in its first swing since the start or a release | the return map decides from that start or release |
 //! | | overtakes the disc | swinging, with nothing to compare with |
-//! | held | would stick for longer than [`LONGEST_STICK`] | the return map says what comes of the release |
+//! | held | would stick for longer than [`LONGEST_STICK`] | the return map decides from the release |
 //! | | slips | swinging |
 //!
-//! An equilibrium that is linearly unstable makes a motion unstable from the start; it is followed for its amplitude.
+//! If the equilibrium is linearly unstable, the motion is unstable from the start and is simulated only for its amplitude.
 
 use crate::criterion::monitor::Monitor;
 use crate::degree_of_freedom::DegreeOfFreedom;
@@ -25,13 +25,13 @@ use crate::rigid_disc::planar_motion::PlanarMotion;
 use crate::rigid_disc::return_map::Fate;
 use crate::verdict::Verdict;
 
-/// A relative change of amplitude over a cycle that errors of the steps do not make: their damping is 4e-7.
+/// A relative change of amplitude over a cycle beyond all errors of the steps, whose damping is 4e-7.
 const RESOLVED: f64 = 1e-5;
 
-/// A change that is quick to wait for: a hundredfold decay takes 460 cycles at the most.
+/// A change that is worth waiting for: a hundredfold decay takes 460 cycles at the most.
 const CLEAR: f64 = 1e-2;
 
-/// Sticking that takes longer than this, in scaled time, is not waited for.
+/// A longer stick than this, in scaled time, is not simulated.
 const LONGEST_STICK: f64 = 100.0;
 
 /// What is known of one motion so far.
@@ -41,16 +41,16 @@ pub(crate) struct RigidMonitor {
     equilibrium: f64,
     has_no_inner_cycle: bool,
     until_settled: bool,
-    /// Known to be unstable, and followed for its amplitude.
+    /// The motion is known to be unstable, and may be simulated further for its amplitude.
     is_known_unstable: bool,
     verdict: Option<Verdict>,
     /// Amplitude of the last turning point at the largest x.
     last_top: Option<f64>,
-    /// The return map was asked about that amplitude, in vain.
+    /// The return map did not resolve that amplitude.
     is_unresolved: bool,
     last_turn: Option<f64>,
     amplitude: f64,
-    /// Times that it was released or stuck.
+    /// How often the pad stuck, a start at release included.
     sticks: u32,
     /// The state of slip at the start or the last release, until the first swing since then is over.
     started: Option<[f64; 2]>,
@@ -87,8 +87,8 @@ impl RigidMonitor {
         }
     }
 
-    /// What the return map says of a motion without sticking, or of one that is captured: it sticks and is released, and
-    /// what follows is the same for all motions.
+    /// Concludes from what the return map finds. A motion that is captured sticks and is released; what comes after a
+    /// release is the same for all motions.
     fn conclude_from(&mut self, fate: Fate) {
         let settled = |fate: Fate| if self.until_settled { self.motion.settles(fate) } else { fate };
         let fate = match settled(fate) {

@@ -2,9 +2,9 @@
 //!
 //! | state | on a cycle | then |
 //! |---|---|---|
-//! | a mean in the making | fewer than [`CYCLES_OF_MEAN`] amplitudes | they are added up |
+//! | summing | fewer than [`CYCLES_OF_MEAN`] amplitudes | they are added |
 //! | | the last of them | a mean is made; settled if it agrees with the one before, or if it is the last allowed |
-//! | any | the motion comes free | all is forgotten |
+//! | any | stick-slip ends | no mean |
 
 /// Amplitudes in a mean: the disc rings along, and single cycles differ.
 const CYCLES_OF_MEAN: u32 = 10;

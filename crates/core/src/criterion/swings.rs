@@ -6,19 +6,19 @@
 //! | state | a swing whose amplitude | trend | then |
 //! |---|---|---|---|
 //! | no reference | is any | unclear | it is the reference |
-//! | reference | exceeds the reference by more than may be imitated | growing | it is the new reference |
-//! | | falls short of it by more than may be imitated | shrinking | it is the new reference |
-//! | | does neither | unclear | the same reference, until time has doubled since: then it is the new one |
-//! | | has done neither for [`SUSTAINED`] swings and twice the time, with nothing left to be imitated | constant | the same reference |
+//! | reference | exceeds the reference by more than ringing can imitate | growing | it is the new reference |
+//! | | falls short of it by more than half of that | shrinking | it is the new reference |
+//! | | does neither | unclear | the same reference until time has doubled; then this amplitude |
+//! | | has done neither for [`SUSTAINED`] swings and twice the time, when ringing can imitate nothing any more | constant | the same reference |
 //!
-//! A stick makes an end of all references.
+//! A stick ends the comparison: the next swing is a new reference.
 
-/// Changes that say nothing: errors of steps and of the interpolation of turning points. Amplitudes of a cycle differ by
-/// 1e-6 with the steps in use, the more the less they resolve; this is a hundred times that.
+/// Relative changes below this say nothing: they may be errors of steps and of the interpolation of turning points. With
+/// the steps in use amplitudes of a cycle differ by 1e-6, a hundredth of this.
 const LEAST_CHANGE: f64 = 1e-4;
 
-/// The reference is taken anew when time has doubled, at first after this many units of scaled time: six periods, so
-/// that a slow trend adds up beyond [`LEAST_CHANGE`].
+/// The reference is renewed when time has doubled, at first after this many units of scaled time: six periods, so that a
+/// slow trend adds up beyond [`LEAST_CHANGE`].
 const FIRST_REFERENCE: f64 = 20.0;
 
 /// Swings of constant amplitude that make a cycle without sticking.
@@ -47,7 +47,7 @@ pub(crate) struct Swings {
 struct Reference {
     amplitude: f64,
     time: f64,
-    /// The amplitude that could be imitated then.
+    /// The change that ringing could imitate then.
     imitated: f64,
 }
 
@@ -57,7 +57,7 @@ impl Reference {
     }
 
     fn shrinks_to(&self, amplitude: f64) -> bool {
-        // Half of what may be imitated: this decides nothing but when a motion near a stable equilibrium is at home.
+        // Half of it is enough: this decides only when a motion near a stable equilibrium has returned.
         amplitude * (1.0 + LEAST_CHANGE + 0.5 * self.imitated / self.amplitude) < self.amplitude
     }
 }
@@ -80,7 +80,7 @@ impl Swings {
         self.amplitude
     }
 
-    /// The trend after a swing, if this amplitude may be imitated.
+    /// The trend after a swing, if ringing can imitate a change of this size.
     pub fn trend(&mut self, time: f64, imitated: f64) -> Trend {
         let amplitude = self.amplitude;
         let now = Reference { amplitude, time, imitated };
@@ -107,8 +107,8 @@ impl Swings {
         Trend::Unclear
     }
 
-    /// The motion sticks at `x`: no later swing is compared with the ones before. Whether the swing that ends here, which
-    /// is at least this long, had grown.
+    /// The motion sticks at `x`: no later swing is compared with the ones before. Returns whether the swing that ends here,
+    /// which is at least this long, had grown.
     pub fn sticks(&mut self, x: f64) -> bool {
         let reference = self.reference;
         self.restart(None);

@@ -1,18 +1,18 @@
-//! The time-domain criterion: a sample is followed in time until its motion has shown what it will do.
+//! The time-domain criterion: the motion of a sample is simulated until its verdict is certain.
 //!
-//! What stable and unstable mean, and how a motion shows it, says [`crate::criterion::monitor`].
+//! [`crate::criterion::monitor`] defines stable and unstable, and how a motion shows it.
 //!
 //! Steps are those of the classical fourth-order Runge-Kutta method. Their length is 0.1 over the natural frequency of
 //! the pad on a rigid disc, 0.45 over the highest frequency of pad, contact and kept disc modes on a flexible one, and no
-//! longer than 1 over the highest damping rate. Inside such a step shorter ones follow the friction law where it is steep:
+//! longer than 1 over the highest damping rate. Such a step is divided where the friction law is steep:
 //! with `r = |v - x'| / v_s` and `p = r^delta`, so that friction above its kinetic value goes with `exp(-p)`,
 //!
 //! ```text
 //! h |x''| / v_s <= 0.25 (1 + p/5 + p^2/50) s(r),      h G (f_s - f_c) |d exp(-p) / dv| <= 0.4
 //! ```
 //!
-//! where `s` is the length in `r` over which `p` changes by one (1 for the exponent 1). The saddle-node of stick-slip is right
-//! to 1e-5 so, for disc speeds up to a thousand Stribeck velocities (a test).
+//! where `s` is the length in `r` over which `p` changes by one (1 for the exponent 1). With these steps the saddle-node of
+//! stick-slip is accurate to 1e-5 for disc speeds up to a thousand Stribeck velocities, as the tests check.
 
 use thiserror::Error;
 
@@ -32,11 +32,11 @@ use crate::parameters::ParameterError;
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::verdict::Verdict;
 
-/// Version of how the time-domain criterion judges. It changes whenever a verdict does, so that runs of different versions
-/// are never mixed; the samples themselves are the results version's.
+/// Version of the time-domain criterion. It changes whenever a verdict does, so that runs of different versions are never
+/// mixed. The samples themselves have a version of their own.
 ///
 /// 2: ringing of the disc after the tangential motion has died away is no growth. 3: linear stability decides where it
-/// can, on a rigid disc the return map where motions are slow; steps follow the friction law.
+/// can, and on a rigid disc the return map decides slow motions; steps are divided where the friction law is steep.
 pub const VERDICTS_VERSION: u32 = 3;
 
 /// Steps to the horizon at the most.
@@ -60,7 +60,7 @@ impl From<ParameterError> for TimeDomainError {
     }
 }
 
-/// The disc that a motion is followed on.
+/// The disc of a simulation.
 #[derive(Debug, Clone)]
 pub enum DiscModel {
     /// The pad alone: no disc, `sin(phi) = 0`, `cos(phi) = 1`.
@@ -90,7 +90,8 @@ impl TimeDomain {
     /// Prepares the criterion.
     ///
     /// # Errors
-    /// As [`FlexibleBrake::with_modes`]; settings out of range; more steps to the horizon than anyone could wait for.
+    /// [`TimeDomainError::Settings`] if a setting is out of range or the horizon is more than 1e8 steps away;
+    /// [`TimeDomainError::Brake`] as [`FlexibleBrake::with_modes`].
     pub fn new(brake: &PadOnDisc, disc: &DiscModel, settings: TimeDomainSettings) -> Result<Self, TimeDomainError> {
         settings.validate()?;
         let system = match disc {
@@ -107,8 +108,7 @@ impl TimeDomain {
         Ok(criterion)
     }
 
-    /// The same criterion with steps shorter by a factor, those that the friction law asks for too: for studies of
-    /// convergence.
+    /// The same criterion with all steps shorter by a factor, for studies of convergence.
     #[must_use]
     pub fn with_steps_divided_by(mut self, divisor: f64) -> Self {
         let (step, refinement) = match &mut self.system {
@@ -120,8 +120,8 @@ impl TimeDomain {
         self
     }
 
-    /// Follows one sample until it is decided. A sample without preload presses nothing together and is stable; so is one
-    /// whose friction rises with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction.
+    /// Decides one sample. A sample without preload presses nothing together and is stable; so is one whose friction rises
+    /// with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction.
     #[must_use]
     pub fn decide(&self, inputs: RandomInputs) -> Decision {
         match &self.system {
@@ -151,7 +151,7 @@ impl TimeDomain {
         }
     }
 
-    /// The motion that a sample starts with, and its monitor; or what is known of it without following it.
+    /// The motion that a sample starts with, and its monitor; or the decision if it needs no simulation.
     pub(crate) fn start_rigid(
         &self,
         sample: &RigidSample<'_>,
@@ -170,7 +170,7 @@ impl TimeDomain {
 
     /// See [`TimeDomain::start_rigid`].
     ///
-    /// `stability` is what the brake's coupled eigenvalues say of the sample.
+    /// `stability` finds the linear stability of the sample.
     pub(crate) fn start_flexible(
         &self,
         sample: &FlexibleSample<'_>,
@@ -230,7 +230,7 @@ impl TimeDomain {
         Ok((Motion { state, contact: start.contact }, equilibrium))
     }
 
-    /// Follows a motion that has come `begun` steps far to its verdict or to the horizon.
+    /// Simulates a motion from step `begun` on, to its verdict or to the horizon.
     pub(crate) fn simulate<E: Equations, M: Monitor>(
         &self,
         equations: &E,
@@ -256,8 +256,8 @@ impl TimeDomain {
         self.conclude_without_verdict(Verdict::Undecided, &monitor, steps as f64 * h)
     }
 
-    /// The decision of a motion that ended at the horizon or broke down. One that is known to be unstable is so without
-    /// a settled amplitude, unless that amplitude is what decides.
+    /// The decision on a motion that ended at the horizon or broke down. If it is known to be unstable, that is its verdict,
+    /// unless the settled amplitude is what decides.
     pub(crate) fn conclude_without_verdict<M: Monitor>(&self, otherwise: Verdict, monitor: &M, time: f64) -> Decision {
         let known = monitor.is_unstable() && self.settings.amplitude_index.is_none();
         let verdict = if known { Verdict::Unstable } else { otherwise };
@@ -268,7 +268,7 @@ impl TimeDomain {
         (self.settings.horizon / h).ceil() as u64
     }
 
-    /// The decision of a motion with this verdict; with the paper's index the settled amplitude has the last word.
+    /// The decision on a motion with this verdict. With the paper's index the settled amplitude decides.
     pub(crate) fn conclude<M: Monitor>(&self, verdict: Verdict, monitor: &M, time: f64) -> Decision {
         let amplitude = (verdict == Verdict::Unstable && self.settings.until_settled()).then(|| monitor.amplitude());
         let verdict = match (self.settings.amplitude_index, amplitude) {

@@ -1,24 +1,25 @@
-//! How much of a change of amplitude the other degrees of freedom may feign.
+//! How large a change of amplitude the other degrees of freedom can imitate.
 //!
-//! Pad and disc ring when a motion is let go, at its start or at a release from stick, and what rings along is seen in the
-//! tangential motion as amplitudes that change from swing to swing though nothing feeds or damps them.
+//! A start or a release from stick excites all degrees of freedom of pad and disc. Their ringing shows in the tangential
+//! motion as amplitudes that change from swing to swing although nothing feeds or damps them.
 //!
 //! | state | on a swing | on a stick | on a release |
 //! |---|---|---|---|
-//! | just let go, first swings to come | the excitation is the largest amplitude of these swings | let go anew | let go from here |
-//! | ringing | nothing | let go anew; what still rings counts on | |
+//! | just excited, first swings to come | the excitation is the largest amplitude of these swings | excited again | excited from here |
+//! | ringing | nothing | excited again; what still rings is kept | |
 //!
-//! What may be imitated is the excitation, dying away at the slowest damping rate of these degrees of freedom. It is an
-//! amplitude of its own: where the tangential motion has died away faster, beats of the ringing are no growth.
+//! A change can be imitated up to the excitation, which dies away at the slowest damping rate of these degrees of freedom.
+//! The excitation is an amplitude of its own: if the tangential motion has died away faster, beats of the ringing are no
+//! growth.
 
-/// Swings after a motion was let go that say how much the other degrees of freedom can have been excited: a swing takes
+/// Swings after a start or a release that show how much the other degrees of freedom can have been excited: a swing takes
 /// at most as long as it takes the contact to pass the excitation on.
 pub(super) const FIRST_SWINGS: u32 = 3;
 
 /// The share of a ringing that does not matter any more: a hundredth of the amplitude it began with.
 const NEGLIGIBLE_RINGING: f64 = 1e-2;
 
-/// What is left of transients.
+/// The ringing that is left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Transients {
     /// Slowest damping rate of the degrees of freedom that ring, per unit of scaled time.
@@ -29,7 +30,7 @@ pub(crate) struct Transients {
 }
 
 impl Transients {
-    /// Of a motion that is let go at time 0.
+    /// Of a motion that is excited at time 0.
     pub fn new(rate: f64) -> Self {
         // The start is a turning point already: one swing shows its amplitude.
         Self { rate, excited_at: 0.0, excitation: 0.0, first_swings: 1 }
@@ -43,21 +44,21 @@ impl Transients {
         }
     }
 
-    /// The motion sticks: all rings anew from here.
+    /// The motion sticks, which excites all degrees of freedom again.
     pub fn sticks(&mut self, time: f64) {
         self.slips(time);
         self.first_swings = FIRST_SWINGS;
     }
 
-    /// The motion is released, after a stick that may have taken longer than anything rings: the next swings excite from
-    /// here.
+    /// The motion is released, perhaps after a stick that lasted longer than any ringing: the next swings show the excitation
+    /// from here.
     pub fn slips(&mut self, time: f64) {
         self.excitation *= self.left(time);
         self.excited_at = time;
     }
 
-    /// The change of an amplitude that may still be imitated. A motion larger than it was when it was let go excites as
-    /// much as it is.
+    /// The change of an amplitude that ringing can still imitate. A motion larger than the excitation excites as much as its
+    /// own amplitude.
     pub fn imitated(&self, time: f64, amplitude: f64) -> f64 {
         self.excitation.max(amplitude) * self.left(time)
     }

@@ -16,11 +16,11 @@
 //! the same nodes with the same weights: the work done on the nodes is the work that the loads do at their points.
 //!
 //! Time steps are `dt = dtheta / (C Om)` with the smallest integer C for which explicit steps are stable. The disc
-//! makes steps of central differences, its load taken in their middle, where the deflection is known. The pad then
-//! follows through the same step by the Runge-Kutta method with located stick and slip (as on every other disc), on a
-//! surface that moves linearly from the disc's old deflection to its new one. Either way round the error is of second
-//! order in dt (of first order in the one step in which friction jumps at an event), and dt is a small fraction of
-//! what the pad's motion would need: what is left is the error of the grid.
+//! makes steps of central differences, with the load in their middle, where the deflection is known. The pad then makes
+//! the same step by the Runge-Kutta method with located stick and slip (as on every other disc), on a surface that moves
+//! linearly from the disc's old deflection to its new one. The error is of second order in dt, or of first order in the one
+//! step in which friction jumps at an event. As dt is a small fraction of what the pad's motion needs, what is left is the
+//! error of the grid.
 
 use thiserror::Error;
 
@@ -69,7 +69,7 @@ pub enum Allotment {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FiniteDifferenceError {
-    /// A grid too coarse to mean anything, or too fine to be followed.
+    /// A grid that is too coarse to mean anything, or too fine to simulate.
     #[error("grid.{key} = {value} is out of range: it must be at least {least} and at most {most}")]
     Grid {
         /// Which number of the grid.
@@ -108,7 +108,7 @@ pub enum FiniteDifferenceError {
 /// ```
 #[derive(Debug, Clone)]
 pub struct FiniteDifferenceBrake {
-    /// Gives the pad's equations, eta1 and the interval between moments; its disc is not used.
+    /// Gives the pad's equations, eta1, linear stability and the interval between moments; its disc does not move.
     pub(crate) modal: FlexibleMotion,
     pub(crate) plate: PlateGrid,
     pub(crate) patch: MovingPatch,
@@ -188,7 +188,7 @@ impl FiniteDifferenceBrake {
     /// from angle 0 on.
     ///
     /// # Errors
-    /// [`FiniteDifferenceError::NotSolvable`] if the stiffness of the grid is singular, for plates beyond any sense.
+    /// [`FiniteDifferenceError::NotSolvable`] if the stiffness of the grid is singular, which no plate of a brake is.
     pub fn static_deflection(&self, pressure: impl Fn(f64, f64) -> f64) -> Result<Vec<f64>, FiniteDifferenceError> {
         let brake = self.modal.brake.brake();
         let h = brake.parameters().disc.thickness;

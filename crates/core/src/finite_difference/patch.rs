@@ -10,7 +10,7 @@ use crate::numerics::quadrature::gauss_legendre;
 pub(crate) struct MovingPatch {
     radii: Vec<PatchRadius>,
     angles: Vec<PatchAngle>,
-    /// Where deflections are told: the edge, and a quarter of the way to it.
+    /// Where deflections are recorded: at the edge, and a quarter of the way to it.
     edge: PatchRadius,
     inside: PatchRadius,
     /// A_s over h^2.
@@ -114,7 +114,7 @@ impl MovingPatch {
         RingPosition { column: column as usize, share: position - before }
     }
 
-    /// Where on the grid the angles of the patch are.
+    /// Finds where on the grid the angles of the patch are.
     pub fn locate(&self, plate: &PlateGrid, passage: Passage, positions: &mut Vec<RingPosition>) {
         positions.clear();
         positions.extend(self.angles.iter().map(|angle| Self::position_of(plate, angle.elements, passage)));

@@ -17,7 +17,7 @@ const ROUNDS: usize = 500;
 /// Change in a round, relative to the pad's displacements, at which an equilibrium is found.
 const FOUND: f64 = 1e-13;
 
-/// A motion of pad and disc on its way, and room for what its steps need.
+/// A motion of pad and disc, and room for what its steps need.
 pub(super) struct Simulation<'a> {
     brake: &'a FiniteDifferenceBrake,
     inputs: RandomInputs,
@@ -141,7 +141,7 @@ impl FiniteDifferenceBrake {
         Err(FlexibleError::NoEquilibrium { preload, static_friction }.into())
     }
 
-    /// A motion at its beginning, and the equilibrium's x.
+    /// A motion at its start, and the equilibrium's x.
     pub(super) fn start(
         &self,
         inputs: RandomInputs,

@@ -1,7 +1,7 @@
 //! The recorded motion of pad and disc on the grid, with its verdict.
 
 use crate::criterion::flexible_monitor::{FlexibleMonitor, MonitorOptions};
-use crate::criterion::monitor::Monitor;
+use crate::criterion::monitor::{Monitor, is_check_due};
 use crate::criterion::settings::TimeDomainSettings;
 use crate::finite_difference::brake::{Allotment, FiniteDifferenceBrake, FiniteDifferenceError};
 use crate::flexible_disc::linear_stability::LinearStability;
@@ -13,7 +13,7 @@ use crate::trajectory::recording::Trajectory;
 use crate::trajectory::settled::SettledMotion;
 use crate::verdict::Verdict;
 
-/// Writes down what happens, and judges it until that is certain.
+/// Records the events of a motion, and monitors it until its verdict is certain.
 struct MonitoredLog {
     log: EventLog,
     monitor: FlexibleMonitor,
@@ -21,10 +21,18 @@ struct MonitoredLog {
 }
 
 impl MonitoredLog {
-    fn tell(&mut self, what: impl Fn(&mut dyn Observer)) {
-        what(&mut self.log);
+    fn tell(&mut self, event: impl Fn(&mut dyn Observer)) {
+        event(&mut self.log);
         if self.verdict.is_none() {
-            what(&mut self.monitor);
+            event(&mut self.monitor);
+            self.verdict = self.monitor.verdict();
+        }
+    }
+
+    /// See [`Monitor::check`].
+    fn check(&mut self, x: f64, speed: f64) {
+        if self.verdict.is_none() {
+            self.monitor.check(x, speed);
             self.verdict = self.monitor.verdict();
         }
     }
@@ -43,10 +51,11 @@ impl Observer for MonitoredLog {
 }
 
 impl FiniteDifferenceBrake {
-    /// The motion of pad and disc for a time `horizon`, from steady sliding with x where `start` says (with
-    /// `displacement` as in [`TimeDomainSettings`]). Its moments are a whole number of steps apart, about as far as
-    /// those of [`TimeDomain::trajectory`](crate::criterion::time_domain::TimeDomain::trajectory). The verdict is that of the motion up to
-    /// `horizon`.
+    /// The motion of pad and disc for a scaled time `horizon`, from steady sliding with x where `start` says;
+    /// `displacement` is that of [`TimeDomainSettings`]. Its moments are a whole number of steps apart, about as far as
+    /// those of [`TimeDomain::trajectory`]. The verdict is that of the motion up to `horizon`.
+    ///
+    /// [`TimeDomain::trajectory`]: crate::criterion::time_domain::TimeDomain::trajectory
     ///
     /// # Errors
     /// [`FiniteDifferenceError::Settings`] if `displacement` or `horizon` is out of range,
@@ -63,7 +72,7 @@ impl FiniteDifferenceBrake {
         let (mut simulation, equilibrium) = self.start(inputs, start, displacement, allotment)?;
         let (x, u) = (simulation.pad.state.q[0], simulation.pad.state.u[0]);
         let slowest_transient = self.modal.brake.equations.slowest_transient();
-        // Linear stability is that of the modes: a motion on the grid would take long to show it.
+        // Linear stability is that of the modes: on the grid a motion would take long to show it.
         let linear_growth_fed_by = match self.modal.brake.by_eigenvalues(inputs)? {
             LinearStability::Stable => None,
             LinearStability::Unstable { fed_by } => Some(fed_by),
@@ -83,6 +92,10 @@ impl FiniteDifferenceBrake {
         while !broken && moments.len() as u64 <= intervals {
             broken = (0..every).any(|_| !simulation.step(&mut monitored));
             if !broken {
+                if is_check_due(moments.len() as u64) {
+                    let state = &simulation.pad.state;
+                    monitored.check(state.q[0], state.u[0]);
+                }
                 moments.push(simulation.moment());
             }
         }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// Critical products on the lattice, found when they are first asked for. Each is a function of the brake alone.
+/// Critical products on the lattice, found when they are first needed. Each is a function of the brake alone.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CriticalProducts {
     corners: Arc<RwLock<Corners>>,

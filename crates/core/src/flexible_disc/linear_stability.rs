@@ -13,7 +13,7 @@
 //! |---|---|
 //! | below all four by more than they differ among themselves, and by 0.2 % | stable |
 //! | above all four by as much | unstable, fed by falling friction |
-//! | else, or if a corner has no single critical product | the sample's own eigenvalues say |
+//! | else, or if a corner has no single critical product | by the sample's own eigenvalues |
 //!
 //! A corner has no single critical product if it is unstable without any fall of friction: then modes of pad and disc feed
 //! each other through the contact (flutter), or the disc turns faster than one of its waves. Such corners are never
@@ -36,7 +36,7 @@ use crate::rigid_disc::pad_on_disc::RandomInputs;
 const PRELOAD_SPACING: f64 = 0.1;
 const FRICTION_SPACING: f64 = 0.02;
 
-/// Least distance from the critical products of a box at which they are believed, relative to them.
+/// Least distance from the critical products of a box at which they decide, relative to them.
 const LEAST_MARGIN: f64 = 2e-3;
 
 /// Rows of the lattice, far beyond any friction coefficient.
@@ -47,7 +47,7 @@ const FARTHEST_ROW: f64 = 1e6;
 const STABLE_AT: [f64; 6] = [-1.0, -0.3, 0.25, 0.5, 0.75, 0.95];
 const UNSTABLE_AT: [f64; 4] = [1.05, 1.5, 4.0, 30.0];
 
-/// Multiples of the critical product between which the lattice is believed.
+/// Multiples of the critical product between which the lattice decides.
 const BELIEVED: (f64, f64) = (-1.0, 30.0);
 
 /// Linear stability of one sample.

@@ -21,11 +21,12 @@ impl TimeDomain {
         self.decide_all_with(inputs, InstructionSet::widest())
     }
 
-    /// Follows every sample of a list as [`TimeDomain::monitor`] does, with the same bits, by the lanes of `set`.
+    /// Decides every sample of a list as [`TimeDomain::decide`] does, with the same bits, by the lanes of `set`.
     ///
     /// # Panics
     /// If this processor does not have `set`.
     #[must_use]
+    #[doc(hidden)]
     pub fn decide_all_with(&self, inputs: &[RandomInputs], set: InstructionSet) -> Vec<Decision> {
         assert!(InstructionSet::available().contains(&set), "this processor has no {set:?}");
         match &self.system {
@@ -39,12 +40,13 @@ impl TimeDomain {
         }
     }
 
-    /// Takes `steps` steps of every sample of a list, for benchmarks of the steps alone: nobody looks at the motions, and
-    /// all must be plain slip. By the scalar code one after the other, or by full bundles of lanes. Samples that do not
-    /// fill a bundle are left out.
+    /// Takes `steps` steps of every sample of a list, for benchmarks of the steps alone: no motion is monitored, and all must
+    /// be plain slip. Without a `set` the scalar code takes them one sample after the other; else full bundles of lanes do,
+    /// and samples that do not fill a bundle are left out.
     ///
     /// # Panics
     /// If this processor does not have `set`.
+    #[doc(hidden)]
     pub fn take_steps(&self, inputs: &[RandomInputs], steps: u32, set: Option<InstructionSet>) {
         match (&self.system, set) {
             (System::Rigid(brake), Some(set)) => {

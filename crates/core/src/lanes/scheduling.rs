@@ -10,17 +10,17 @@ use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
 use crate::verdict::Verdict;
 
-/// When no samples are left and no more than this share of the lanes is busy, the scalar code is faster.
+/// When no samples are left and no more than one lane in this number is busy, the scalar code is faster.
 const SCALAR_FINISH_DIVISOR: usize = 8;
 
-/// A bundle of lanes with one set of equations.
+/// Lanes with one set of equations.
 pub(super) trait Bundle {
     /// Lanes.
     const LANES: usize;
 
     type Monitor: Monitor;
 
-    /// Puts a sample into the next state of a lane, or says what is known of it without following it.
+    /// Puts a sample into the next state of a lane, or decides it without simulation.
     fn begin(
         &mut self,
         criterion: &TimeDomain,
@@ -28,7 +28,7 @@ pub(super) trait Bundle {
         inputs: RandomInputs,
     ) -> Result<(ContactState, Self::Monitor), Decision>;
 
-    /// Puts the motion of a sample into the next state of a lane, decided or not.
+    /// Puts the start of a sample into the next state of a lane, decided or not.
     fn place(&mut self, criterion: &TimeDomain, lane: usize, inputs: RandomInputs);
 
     /// One step of slip in every lane, from the present states to the next ones.
@@ -57,11 +57,11 @@ pub(super) trait Bundle {
     /// Length of a step.
     fn step_length(&self) -> f64;
 
-    /// Follows the sample of a lane to its end by the scalar code, `steps` steps after its beginning.
+    /// Simulates the sample of a lane to its end by the scalar code, from `steps` steps after its start.
     fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &RunningSample<Self::Monitor>, steps: u64) -> Decision;
 }
 
-/// What is known of the sample in a lane.
+/// The sample that a lane simulates.
 #[derive(Clone, Copy)]
 pub(super) struct RunningSample<M> {
     /// Its place in the list.

@@ -56,7 +56,7 @@ impl FlexibleMotion {
         FlexibleSample { brake: &self.brake, inputs, friction_steps: self.friction_steps(inputs) }
     }
 
-    /// What the friction law asks of the steps of a sample.
+    /// The limits that the friction of a sample sets to steps.
     pub fn friction_steps(&self, inputs: RandomInputs) -> FrictionSteps {
         FrictionSteps::of_pad(&self.brake.equations.pad, inputs, self.refinement)
     }

@@ -2,8 +2,7 @@
 //!
 //! A step of a tenth over the natural frequency resolves the springs. It does not resolve the friction law where the
 //! disc is much faster than the Stribeck velocity: there friction rises only within a few `v_s` of sticking, and a pad
-//! passes that range in a fraction of such a step. So a step ends early where one of two limits asks for it. With the
-//! sliding speed `r = |v - x'| / v_s` and `p = r^delta`, friction above its kinetic value is proportional to `exp(-p)`:
+//! passes that range in a fraction of such a step. So two limits may divide a step. With the sliding speed `r = |v - x'| / v_s` and `p = r^delta`, friction above its kinetic value is proportional to `exp(-p)`:
 //!
 //! ```text
 //! resolution   h |x''| / v_s  <=  0.25 e(p) s(r)      e(p) = 1 + p/5 + p^2/50 <= exp(p/5)
@@ -13,7 +12,7 @@
 //! *Resolution*: `r` may change by a part of the length `s` over which `p` changes by one. The error of a fourth-order
 //! step is proportional to `exp(-p) (change of p)^5`, so at equal error the change may grow as `exp(p/5)`; where friction
 //! has fallen to nothing, nothing limits the step. *Feedback*: near sticking the falling friction drives the pad away at
-//! the rate `lambda`, which steps have to follow even while nothing moves much yet.
+//! the rate `lambda`, which steps have to resolve even while nothing moves much yet.
 //!
 //! | exponent | s(r) | why |
 //! |---|---|---|
@@ -21,10 +20,10 @@
 //! | above 1 | `1 / delta` below r = 1, `r^(1 - delta) / delta` above, at most `1.2 r` | at rest its second derivative may be infinite |
 //! | below 1 | `r^(1 - delta) / delta`, at most `1.2 r` | at rest its slope is infinite |
 //!
-//! Below `r = 1e-5` steps shrink no further: what the law still does there changes no speed by more than `1e-5 v_s`.
+//! Below `r = 1e-5` steps shrink no further: there the law changes no speed by more than `1e-5 v_s`.
 //!
-//! Both limits are held after a step, by the speeds and accelerations at its ends. A plain step has these anyway, so
-//! lanes can tell at the cost of some comparisons which steps are too long, and leave those to the scalar code.
+//! Both limits are checked after a step, with the speeds and accelerations at its ends. A plain step has these anyway, so
+//! lanes find out by a few comparisons which steps are too long, and leave those to the scalar code.
 
 use crate::friction::StribeckLaw;
 use crate::pad::equations::PadEquations;
@@ -45,7 +44,7 @@ const FLOOR: f64 = 1e-5;
 /// Length of any step times the highest damping rate: the method is stable up to 2.8.
 pub(crate) const DAMPED_STEP: f64 = 1.0;
 
-/// What a friction law asks of the steps that integrate it.
+/// The limits that a friction law sets to the steps that integrate it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FrictionSteps {
     disc_speed: f64,
@@ -139,7 +138,7 @@ impl FrictionSteps {
     }
 }
 
-/// The beginning of the series of `exp(p)`, by which the feedback has fallen for the exponent 1 at least.
+/// The beginning of the series of `exp(p)`: for the exponent 1 the feedback has fallen by at least this factor.
 #[inline(always)]
 fn growth(p: f64) -> f64 {
     1.0 + p * (1.0 + p * (0.5 + p * (1.0 / 6.0 + p * (1.0 / 24.0))))

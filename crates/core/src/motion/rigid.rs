@@ -1,4 +1,4 @@
-//! The tangential motion of the pad on a rigid disc, as the time-domain criterion follows it.
+//! The tangential motion of the pad on a rigid disc, as the time-domain criterion simulates it.
 //!
 //! `sin(phi) = 0`, `cos(phi) = 1`, no disc: normal motion and rotation do not act back on the tangential one, and a pad
 //! that starts pressed on the disc stays so. What is left is a mass on a moving belt,
@@ -8,8 +8,9 @@
 //! stick (x' = v):  while |K x + C v| <= G f_s           K = (k_x + k_t2) / (M eta0),  C = c_x sqrt(eta0) / (M eta0)
 //! ```
 //!
-//! in Runge-Kutta steps of a tenth over the natural frequency, shorter where friction is steep ([`crate::motion::friction_steps`]).
-//! [`crate::rigid_disc::return_map`] follows the same equations with an adaptive method of its own; the tests compare the two.
+//! in Runge-Kutta steps of a tenth over the natural frequency, shorter where friction is steep
+//! ([`crate::motion::friction_steps`]). [`crate::rigid_disc::planar_motion`] integrates the same equations by an adaptive
+//! method; the tests compare the two.
 
 use crate::friction::{StribeckLaw, decay};
 use crate::motion::friction_steps::{DAMPED_STEP, FrictionSteps};
@@ -55,7 +56,7 @@ pub(crate) struct RigidSample<'a> {
     pub falling_pull: f64,
     /// G f_s.
     pub static_pull: f64,
-    /// What friction asks of the steps.
+    /// The limits of the steps.
     pub friction_steps: FrictionSteps,
 }
 
@@ -98,7 +99,7 @@ impl RigidBrake {
         }
     }
 
-    /// What the friction of a sample asks of steps.
+    /// The limits that the friction of a sample sets to steps.
     #[inline(always)]
     pub fn friction_steps(&self, falling_pull: f64) -> FrictionSteps {
         let (v, inverse) = (self.disc_speed, self.inverse_stribeck);

@@ -2,7 +2,7 @@
 
 use crate::pad::contact_state::ContactState;
 
-/// Where a motion starts. All but the tangential motion starts from steady sliding of the model in use.
+/// Where the tangential motion starts. Everything else starts from steady sliding of the model in use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Start {
     /// At the sliding equilibrium, x displaced outwards by a stated fraction of x0: does steady sliding hold?

@@ -35,7 +35,7 @@ impl PadOnDisc {
     /// The stick-slip limit cycle on a rigid disc with constant contact force, or `None` if there is none at this
     /// operating point.
     ///
-    /// The cycle is followed from the release from stick: all motions that stick leave it at the same point, by the
+    /// The cycle is simulated from the release from stick: all motions that stick leave it at the same point, by the
     /// same slip phase. Accuracy some 1e-10 (Dormand-Prince 5(4), located ends; the pad's speed may touch the disc's
     /// between two steps). A slip phase that takes more than 20 000 steps, of a pad far lighter or more damped than any
     /// brake's, counts as not recaptured.

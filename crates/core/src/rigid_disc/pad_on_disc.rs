@@ -114,7 +114,7 @@ impl PadOnDisc {
         Self::new(parameters).unwrap()
     }
 
-    /// Everything derived must be an ordinary positive number, or verdicts would rest on infinities.
+    /// Checks that everything derived is an ordinary positive number, so that no verdict rests on infinities.
     fn check_derived_values(&self) -> Result<(), ParameterError> {
         let derived = [
             ("the flexural rigidity of the disc", self.scales.flexural_rigidity),

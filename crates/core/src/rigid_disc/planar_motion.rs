@@ -19,8 +19,8 @@ const TOLERANCE: f64 = 1e-12;
 /// needs more; an explicit method is the wrong one for it.
 const MOST_STEPS: usize = 20_000;
 
-/// Steps after which it is asked whether a motion is on its way home, some ten times those of a swing: one that creeps does
-/// not turn.
+/// Steps between checks whether a motion surely returns to the equilibrium, some ten times those of a swing: a creeping
+/// motion does not turn.
 const STEPS_BETWEEN_CHECKS: usize = 1024;
 
 /// The tangential motion of one sample on a rigid disc; forces over the mass, scaled time.
@@ -169,8 +169,8 @@ impl PlanarMotion {
         (late, self.step(state, late).0)
     }
 
-    /// Follows slip from a state until the pad reaches the disc's speed, or x its largest value again. `size` is the
-    /// amplitude to which errors are compared.
+    /// Simulates slip from a state until the pad reaches the disc's speed, or x its largest value again. Errors are relative
+    /// to the amplitude `size`.
     pub fn slip(&self, from: [f64; 2], size: f64) -> Slip {
         let frequency = self.stiffness.sqrt();
         let sliding = |state: [f64; 2]| self.disc_speed - state[1];

@@ -6,8 +6,8 @@
 //! x'' = G mu(v - x') - K x - C x',        x' < v
 //! ```
 //!
-//! whose orbits do not cross. On the section `x' = 0`, `x = x0 + a`, `a > 0` (the largest x of a swing) a motion comes
-//! back with another amplitude `R(a)`, and R grows with a. That decides what waiting cannot:
+//! whose orbits do not cross. On the section `x' = 0`, `x = x0 + a`, `a > 0` (the largest x of a swing) a motion returns
+//! with another amplitude `R(a)`, and R grows with a. That decides motions that change too slowly to simulate:
 //!
 //! * A swing longer than the one before is followed by longer ones only; a shorter one by shorter ones.
 //! * A shrinking motion comes to rest exactly if `R(s) < s` for all smaller amplitudes s. If some `R(s) >= s`, a limit
@@ -21,9 +21,8 @@
 //! * The energy `u^2/2 + K (x - x0)^2/2` of a motion with speeds up to U falls as long as
 //!   `C > [G mu(v - u) - G mu(v)] / u` for all `|u| <= U`: such a motion comes to rest, however slowly.
 //!
-//! Steps are those of Dormand and Prince's method, adaptive, with a local error of 1e-12 of the motion's own size; ends of
-//! slip and turning points are located by bisection. This is the reference that the fixed steps of the time-domain
-//! criterion are tested against, and its answer where a motion on a rigid disc changes too slowly to wait for.
+//! The motions are those of [`crate::rigid_disc::planar_motion`]. The fixed steps of the time-domain criterion are tested
+//! against them, and the criterion uses the return map for motions on a rigid disc that change too slowly.
 
 use crate::numerics::root_location::bisect;
 use crate::rigid_disc::planar_motion::{PlanarMotion, Slip, SlipEnd};
@@ -46,7 +45,7 @@ const LINEAR: f64 = 0.01;
 pub(crate) enum Fate {
     /// It comes to rest relative to steady sliding.
     Equilibrium,
-    /// Its swings grow from this amplitude: what they grow to, [`PlanarMotion::settles`] finds out.
+    /// Its swings grow from this amplitude; [`PlanarMotion::settles`] finds what they grow to.
     Grows { from: f64 },
     /// A limit cycle without sticking lies between these amplitudes, and the motion outside it.
     Trapped { inner: f64, outer: f64 },

@@ -21,9 +21,9 @@ pub struct Trajectory {
     pub moments: Vec<Moment>,
     /// Scaled time between moments.
     pub interval: f64,
-    /// What the motion settled to; `None` if the computation broke down or nothing was followed.
+    /// What the motion settled to; `None` if the computation broke down or nothing was simulated.
     pub settled: Option<SettledMotion>,
-    /// The verdict on the motion, as a run would give it: certain before the trajectory ends or not.
+    /// The verdict on the motion as a run would give it, whether it is certain before the trajectory ends or not.
     pub verdict: Verdict,
     /// What feeds the motion if it is unstable.
     pub fed_by: Option<DegreeOfFreedom>,

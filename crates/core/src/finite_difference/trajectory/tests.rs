@@ -3,6 +3,7 @@ use crate::criterion::time_domain::{DiscModel, TimeDomain};
 use crate::finite_difference::brake::DiscGrid;
 use crate::flexible_disc::brake::FlexibleBrake;
 use crate::flexible_disc::error::FlexibleError;
+use crate::motion::moment::Moment;
 use crate::rigid_disc::pad_on_disc::PadOnDisc;
 
 const NOMINAL: RandomInputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
@@ -198,4 +199,20 @@ fn what_cannot_be_followed_is_refused() {
     }
     assert!(matches!(simulate(NOMINAL, 0.0, 10.0), FiniteDifferenceError::Settings(_)));
     assert!(matches!(simulate(NOMINAL, 0.01, f64::NAN), FiniteDifferenceError::Settings(_)));
+}
+
+#[test]
+fn a_motion_that_does_not_turn_is_decided_as_on_the_modal_disc() {
+    for speed in [1.0, 5.0] {
+        let changes = [("damping.tangential", 5e4), ("operating_point.rotating_speed", speed)];
+        let pad = PadOnDisc::preset_with(&changes);
+        let settings = TimeDomainSettings::default();
+        let modal = TimeDomain::new(&pad, &DiscModel::Flexible { modes: 5 }, settings).unwrap().decide(NOMINAL);
+        assert_eq!(modal.verdict, Verdict::Stable, "{speed}");
+        let brake = FiniteDifferenceBrake::new(pad, DiscGrid { radial: 6, per_pad: 6 }).unwrap();
+        let trajectory = brake.trajectory(NOMINAL, Start::NearEquilibrium, 0.01, 40.0, Allotment::Linear).unwrap();
+        let falls = |pair: &[Moment]| pair[1].tangential.0 < pair[0].tangential.0;
+        assert!(trajectory.moments.windows(2).all(falls), "{speed}: it turns");
+        assert_eq!(trajectory.verdict, Verdict::Stable, "{speed}");
+    }
 }
