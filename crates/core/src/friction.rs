@@ -80,7 +80,7 @@ impl StribeckLaw {
 
 /// `exp(-r^delta)` for integration steps, `r` the sliding speed over the Stribeck velocity.
 ///
-/// A step may look a little beyond the moment at which the sliding speed vanishes; for Tustin's law the curve is
+/// A step may reach a little beyond the moment at which the sliding speed vanishes; for Tustin's law the curve is
 /// continued smoothly to `r = -1`, so that the step keeps its order, and is constant below.
 #[inline(always)]
 pub(crate) fn decay(r: f64, exponent: f64) -> f64 {

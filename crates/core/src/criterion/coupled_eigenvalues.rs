@@ -8,9 +8,8 @@ use crate::rigid_disc::pad_on_disc::RandomInputs;
 use crate::verdict::Verdict;
 
 impl FlexibleBrake {
-    /// The verdict on a sample by the coupled eigenvalues, of its own or by the lattice, whichever is asked for by
-    /// `stability`: [`FlexibleBrake::linear_stability`] for one of many samples, [`FlexibleBrake::by_eigenvalues`] for a
-    /// single one. Without preload a sample is stable; one whose equilibrium or eigenvalues cannot be found is failed.
+    /// Decides a sample by the coupled eigenvalues. `stability` finds its linear stability:
+    /// [`FlexibleBrake::linear_stability`] for one of many samples, [`FlexibleBrake::by_eigenvalues`] for a single one. Without preload a sample is stable; one whose equilibrium or eigenvalues cannot be found is failed.
     #[must_use]
     pub fn decide_with(
         &self,

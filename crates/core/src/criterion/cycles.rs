@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn while_the_disc_rings_short_sticks_are_not_believed_for_long() {
+    fn while_the_disc_rings_short_sticks_have_to_last_longer() {
         let mut cycles = Cycles::new();
         assert_eq!(sticks_until_kept(&mut cycles, 0.01, 60), None);
         (0..540).for_each(|cycle| cycles.sticks(200.0 + f64::from(cycle)));
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn three_swings_between_sticks_are_no_coming_free() {
+    fn three_swings_between_sticks_do_not_end_stick_slip() {
         let mut cycles = Cycles::new();
         for cycle in 0..20 {
             cycles.sticks(f64::from(cycle));
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn coming_free_in_between_starts_the_count_anew() {
+    fn an_end_in_between_restarts_the_count() {
         let mut cycles = Cycles::new();
         assert_eq!(sticks_until_kept(&mut cycles, 0.3, 6), None);
         assert!(!cycles.swings() && cycles.swings());
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_is_there_with_the_second_stick() {
+    fn the_second_stick_completes_a_cycle() {
         let mut cycles = Cycles::new();
         cycles.sticks(1.0);
         assert!(!cycles.has_cycle());

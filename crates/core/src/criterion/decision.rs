@@ -8,7 +8,7 @@ use crate::verdict::Verdict;
 pub struct Decision {
     /// The verdict.
     pub verdict: Verdict,
-    /// Settled amplitude of an unstable motion, where settings ask for it.
+    /// Settled amplitude (half peak to peak of x, over h) of an unstable motion, if the settings record it.
     pub amplitude: Option<f64>,
     /// Scaled time that was simulated; 0 where linear stability decides.
     pub time: f64,

@@ -112,10 +112,10 @@ impl FlexibleMonitor {
         match self.swings.trend(time, imitated) {
             Trend::Growing => self.becomes_unstable(),
             Trend::Shrinking if !self.is_known_unstable && amplitude <= self.basin => {
-                self.verdict = Some(Verdict::Stable)
+                self.verdict = Some(Verdict::Stable);
             }
             Trend::Constant if self.is_known_unstable || amplitude > self.basin => {
-                self.verdict = Some(Verdict::Unstable)
+                self.verdict = Some(Verdict::Unstable);
             }
             Trend::Shrinking | Trend::Constant | Trend::Unclear => {}
         }

@@ -1,4 +1,5 @@
-//! What a motion in time says of a brake: the criterion, its settings, and the range in which it was tested.
+//! Criteria that decide samples: the simulation in time, its settings and the range in which it was tested, and the coupled
+//! eigenvalues.
 
 pub mod decision;
 

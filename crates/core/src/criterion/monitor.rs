@@ -33,7 +33,7 @@ use crate::verdict::Verdict;
 
 /// Decides a motion while it is simulated.
 pub(crate) trait Monitor: Observer + Copy {
-    /// The verdict, once it is certain (and, where asked for, once the amplitude has settled).
+    /// The verdict, once it is certain (and once the amplitude has settled, if that is wanted).
     fn verdict(&self) -> Option<Verdict>;
 
     /// Whether the motion is known to be unstable, settled or not.

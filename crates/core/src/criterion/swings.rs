@@ -145,8 +145,8 @@ mod tests {
             self.time += 3.0;
             self.x += 2.0 * self.side * amplitude;
             self.side = -self.side;
-            let told = self.swings.turns(self.x).unwrap();
-            assert!((told - amplitude).abs() < 1e-12);
+            let reported = self.swings.turns(self.x).unwrap();
+            assert!((reported - amplitude).abs() < 1e-12);
             self.swings.trend(self.time, imitated)
         }
 
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn constant_swings_say_nothing_while_something_may_be_imitated() {
+    fn constant_swings_say_nothing_while_ringing_can_imitate_a_change() {
         assert_eq!(first_trend(|_| 0.7, 0.71e-4), None);
         assert_eq!(first_trend(|_| 0.7, 0.69e-4), Some((249, Trend::Constant)));
     }
@@ -233,14 +233,14 @@ mod tests {
     }
 
     #[test]
-    fn beats_within_what_may_be_imitated_say_nothing() {
+    fn beats_that_ringing_can_imitate_say_nothing() {
         let beating = |count: f64| 1.0 + 0.02 * libm::sin(0.7 * count);
         assert_eq!(first_trend(beating, 0.1), None);
         assert!(first_trend(beating, 0.0).is_some());
     }
 
     #[test]
-    fn what_may_be_imitated_counts_whole_against_growth_and_half_against_shrinking() {
+    fn imitation_counts_whole_against_growth_and_half_against_shrinking() {
         let second = |imitated: f64, amplitude: f64| {
             let mut driven = Driven::new();
             driven.swing(2.0, imitated);
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stick_makes_an_end_of_the_reference_and_tells_of_growth_before_it() {
+    fn a_stick_ends_the_reference_and_shows_growth_before_it() {
         for (amplitude, has_grown) in [(1.5, true), (1.0, false), (0.5, false)] {
             let mut driven = Driven::new();
             driven.swing(1.0, 0.0);
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stick_without_anything_to_compare_with_tells_of_no_growth() {
+    fn a_stick_without_anything_to_compare_with_shows_no_growth() {
         assert!(!Swings::new(None).sticks(1.0));
         assert!(!Swings::new(Some(0.0)).sticks(1.0));
     }

@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn after_a_stick_the_first_three_swings_excite_and_what_rang_rings_on() {
+    fn after_a_stick_the_first_three_swings_excite_and_earlier_ringing_is_kept() {
         let mut transients = Transients::new(0.1);
         transients.swings(2.0);
         transients.sticks(10.0);

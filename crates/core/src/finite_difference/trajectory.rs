@@ -21,7 +21,7 @@ struct MonitoredLog {
 }
 
 impl MonitoredLog {
-    fn tell(&mut self, event: impl Fn(&mut dyn Observer)) {
+    fn report(&mut self, event: impl Fn(&mut dyn Observer)) {
         event(&mut self.log);
         if self.verdict.is_none() {
             event(&mut self.monitor);
@@ -40,13 +40,13 @@ impl MonitoredLog {
 
 impl Observer for MonitoredLog {
     fn turns(&mut self, time: f64, x: f64) {
-        self.tell(|observer| observer.turns(time, x));
+        self.report(|observer| observer.turns(time, x));
     }
     fn sticks(&mut self, time: f64, x: f64) {
-        self.tell(|observer| observer.sticks(time, x));
+        self.report(|observer| observer.sticks(time, x));
     }
     fn slips(&mut self, time: f64) {
-        self.tell(|observer| observer.slips(time));
+        self.report(|observer| observer.slips(time));
     }
 }
 

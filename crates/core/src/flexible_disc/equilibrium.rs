@@ -50,7 +50,7 @@ impl EquilibriumSearch {
         if let Some(q) = equations.iterate(inputs, start.clone(), &self.approximate_inverse) {
             return upright(q);
         }
-        // The fixed linearisation is too far off: linearise anew at each step.
+        // The fixed linearisation is too far off: linearise again at each step.
         let mut inverse = DMatrix::zeros(0, 0);
         let mut q = start;
         for _ in 0..50 {

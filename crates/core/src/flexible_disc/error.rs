@@ -20,7 +20,7 @@ pub enum FlexibleError {
     /// A number of modes that is not available.
     #[error("{count} disc modes: there must be at least 1 and at most {MOST_DISC_MODES}")]
     ModeCount {
-        /// As asked for.
+        /// The requested number.
         count: usize,
     },
     /// The kept modes are too stiff: the disc would be nearly rigid.
@@ -29,7 +29,7 @@ pub enum FlexibleError {
         100.0 * .share, 100.0 * LEAST_COMPLIANCE
     )]
     TooFewModes {
-        /// As asked for.
+        /// The requested number.
         count: usize,
         /// What they carry.
         share: f64,

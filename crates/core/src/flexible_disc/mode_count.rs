@@ -138,7 +138,7 @@ impl ModeStudy {
             is_enough &= growth_error <= GROWTH_TOLERANCE
                 && equilibrium_error <= EQUILIBRIUM_TOLERANCE
                 && (growth_rate > 0.0) == (exact > 0.0);
-            // A change of sign says more than any size of it; not a number is worst of all.
+            // A change of sign is worse than any error of the size; not a number is worst of all.
             let changes_sign = (growth_rate > 0.0) != (exact > 0.0);
             let error = (growth_error / GROWTH_TOLERANCE).max(equilibrium_error / EQUILIBRIUM_TOLERANCE);
             let error = if growth_rate.is_nan() { f64::INFINITY } else { error + f64::from(changes_sign) * 1e9 };

@@ -23,7 +23,7 @@ pub(crate) const RADIAL_FUNCTIONS: usize = 16;
 /// Points of the Gauss-Legendre rule, exact for the polynomial part of the integrands and far beyond it.
 const QUADRATURE_POINTS: usize = 48;
 
-/// Modes of the disc that a model may keep, and the largest number of nodal diameters that is looked through for them.
+/// Modes of the disc that a model may keep, and the number of nodal diameters among which they are sought.
 pub const MOST_DISC_MODES: usize = 24;
 
 /// A clamped-free annular plate, by its two ratios.
@@ -101,7 +101,7 @@ impl AnnularPlate {
     /// [`EigenvalueError`] if the matrices degenerate, as they do when the annulus is almost closed.
     ///
     /// # Panics
-    /// If more than eight are asked for: the expansion does not resolve them.
+    /// If `count` exceeds eight: the expansion does not resolve more modes.
     pub fn modes(&self, nodal_diameters: u32, count: usize) -> Result<Vec<PlateMode>, EigenvalueError> {
         assert!(count <= RADIAL_FUNCTIONS / 2, "at most {} radial modes are resolved", RADIAL_FUNCTIONS / 2);
         let (stiffness, mass) = self.energies(f64::from(nodal_diameters));

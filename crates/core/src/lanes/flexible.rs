@@ -156,9 +156,15 @@ impl Bundle for FlexibleBundle<'_> {
         self.motion.step
     }
 
-    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &RunningSample<Self::Monitor>, steps: u64) -> Decision {
+    fn finish(
+        &self,
+        criterion: &TimeDomain,
+        lane: usize,
+        running: &RunningSample<Self::Monitor>,
+        steps: u64,
+    ) -> Decision {
         let sample = self.motion.sample(self.inputs[lane]);
-        let motion = Motion { state: self.present(lane), contact: slot.contact };
-        criterion.simulate(&sample, motion, slot.monitor, self.motion.step, steps)
+        let motion = Motion { state: self.present(lane), contact: running.contact };
+        criterion.simulate(&sample, motion, running.monitor, self.motion.step, steps)
     }
 }

@@ -133,10 +133,16 @@ impl Bundle for RigidBundle<'_> {
         self.brake.step
     }
 
-    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &RunningSample<Self::Monitor>, steps: u64) -> Decision {
+    fn finish(
+        &self,
+        criterion: &TimeDomain,
+        lane: usize,
+        running: &RunningSample<Self::Monitor>,
+        steps: u64,
+    ) -> Decision {
         let sample = self.brake.sample(self.inputs[lane]);
-        let motion = Motion { state: self.present(lane), contact: slot.contact };
-        criterion.simulate(&sample, motion, slot.monitor, self.brake.step, steps)
+        let motion = Motion { state: self.present(lane), contact: running.contact };
+        criterion.simulate(&sample, motion, running.monitor, self.brake.step, steps)
     }
 }
 

@@ -58,7 +58,13 @@ pub(super) trait Bundle {
     fn step_length(&self) -> f64;
 
     /// Simulates the sample of a lane to its end by the scalar code, from `steps` steps after its start.
-    fn finish(&self, criterion: &TimeDomain, lane: usize, slot: &RunningSample<Self::Monitor>, steps: u64) -> Decision;
+    fn finish(
+        &self,
+        criterion: &TimeDomain,
+        lane: usize,
+        sample: &RunningSample<Self::Monitor>,
+        steps: u64,
+    ) -> Decision;
 }
 
 /// The sample that a lane simulates.
@@ -83,7 +89,7 @@ pub(super) fn run<B: Bundle>(
     let limit = criterion.steps_to_horizon(h);
     let mut decisions = vec![Decision::OUTSIDE_PHYSICS; inputs.len()];
     let mut waiting = 0..inputs.len();
-    let mut slots: Vec<Option<RunningSample<B::Monitor>>> = vec![None; B::LANES];
+    let mut running: Vec<Option<RunningSample<B::Monitor>>> = vec![None; B::LANES];
     let mut busy = 0;
     let mut now = 0_u64;
     // The first step at which a lane may have reached its horizon.
@@ -97,17 +103,17 @@ pub(super) fn run<B: Bundle>(
         }
         None
     };
-    for (lane, slot) in slots.iter_mut().enumerate() {
-        *slot = refill(bundle, lane, &mut decisions, now);
-        busy += usize::from(slot.is_some());
+    for (lane, sample) in running.iter_mut().enumerate() {
+        *sample = refill(bundle, lane, &mut decisions, now);
+        busy += usize::from(sample.is_some());
     }
     bundle.commit();
     let mut exhausted = busy < B::LANES;
     while busy > 0 {
         if exhausted && busy * SCALAR_FINISH_DIVISOR <= B::LANES {
-            for (lane, slot) in slots.iter().enumerate() {
-                if let Some(slot) = slot {
-                    decisions[slot.index] = bundle.finish(criterion, lane, slot, now - slot.started);
+            for (lane, sample) in running.iter().enumerate() {
+                if let Some(sample) = sample {
+                    decisions[sample.index] = bundle.finish(criterion, lane, sample, now - sample.started);
                 }
             }
             break;
@@ -117,43 +123,43 @@ pub(super) fn run<B: Bundle>(
         if at_deadline {
             deadline = u64::MAX;
         }
-        for (lane, place) in slots.iter_mut().enumerate() {
-            let Some(slot) = place else { continue };
-            let steps = now - slot.started;
+        for (lane, place) in running.iter_mut().enumerate() {
+            let Some(sample) = place else { continue };
+            let steps = now - sample.started;
             let time = steps as f64 * h;
-            let finding = if slot.contact == ContactState::Slip { bundle.finding(lane) } else { Finding::Event };
+            let finding = if sample.contact == ContactState::Slip { bundle.finding(lane) } else { Finding::Event };
             let decision = match finding {
                 Finding::Nothing => None,
                 Finding::Turn => {
                     let (x, u, acceleration) = bundle.tangential(lane);
                     let (part, at) = turning_point(x, u, acceleration, h);
-                    slot.monitor.turns(time + part, at);
+                    sample.monitor.turns(time + part, at);
                     None
                 }
-                Finding::Event => match bundle.scalar_step(lane, slot.contact, time, &mut slot.monitor) {
+                Finding::Event => match bundle.scalar_step(lane, sample.contact, time, &mut sample.monitor) {
                     Ok(contact) => {
-                        slot.contact = contact;
+                        sample.contact = contact;
                         None
                     }
-                    Err(Breakdown) => Some(criterion.conclude_without_verdict(Verdict::Failed, &slot.monitor, time)),
+                    Err(Breakdown) => Some(criterion.conclude_without_verdict(Verdict::Failed, &sample.monitor, time)),
                 },
             };
-            let looks = is_check_due(steps + 1);
-            if looks && decision.is_none() {
+            let checks = is_check_due(steps + 1);
+            if checks && decision.is_none() {
                 let (x, u) = bundle.next(lane);
-                slot.monitor.check(x, u);
+                sample.monitor.check(x, u);
             }
             let decision = decision.or_else(|| {
-                let verdict = if finding == Finding::Nothing && !looks { None } else { slot.monitor.verdict() };
+                let verdict = if finding == Finding::Nothing && !checks { None } else { sample.monitor.verdict() };
                 let end = (steps + 1) as f64 * h;
                 match verdict {
-                    Some(verdict) => Some(criterion.conclude(verdict, &slot.monitor, end)),
+                    Some(verdict) => Some(criterion.conclude(verdict, &sample.monitor, end)),
                     None => (at_deadline && steps + 1 >= limit)
-                        .then(|| criterion.conclude_without_verdict(Verdict::Undecided, &slot.monitor, end)),
+                        .then(|| criterion.conclude_without_verdict(Verdict::Undecided, &sample.monitor, end)),
                 }
             });
             if let Some(decision) = decision {
-                decisions[slot.index] = decision;
+                decisions[sample.index] = decision;
                 // Written to the next state, which becomes the present one below.
                 *place = refill(bundle, lane, &mut decisions, now + 1);
                 if place.is_none() {
@@ -161,8 +167,8 @@ pub(super) fn run<B: Bundle>(
                     exhausted = true;
                 }
             }
-            if at_deadline && let Some(slot) = place {
-                deadline = deadline.min(slot.started + limit);
+            if at_deadline && let Some(sample) = place {
+                deadline = deadline.min(sample.started + limit);
             }
         }
         bundle.commit();

@@ -3,7 +3,7 @@
 //!
 //! Stick and slip are states, not a smoothed sign function. In slip the pad moves under kinetic friction until the
 //! sliding speed vanishes; in stick it moves with the disc until the friction that this takes exceeds what static
-//! friction can give. [`advance`] takes a step as one or more parts, each in one state of contact:
+//! friction can give. [`advance`] takes a step as one or more substeps, each in one state of contact:
 //!
 //! | in the state | function | a substep ends | then |
 //! |---|---|---|---|
@@ -57,7 +57,7 @@ pub(crate) trait Equations {
     /// motion.
     fn meeting_rate(&self) -> f64;
 
-    /// What the friction law asks of steps.
+    /// The limits that the friction law sets to steps.
     fn friction_steps(&self) -> &FrictionSteps;
 }
 
@@ -153,7 +153,7 @@ pub(crate) fn turning_point(x: f64, u: (f64, f64), acceleration: (f64, f64), h: 
 /// What ended a substep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Ending {
-    /// The time asked for, or as much of it as the friction law allows.
+    /// The given time, or as much of it as the friction law allows.
     Completed,
     /// Static friction could hold the pad no longer.
     Released,
@@ -318,7 +318,7 @@ fn resolved_step<E: Equations>(
             check(equations, &step.next)?;
             return Ok((step, h));
         }
-        // Infinite accelerations ask for the deepest cut.
+        // Infinite accelerations take the deepest cut.
         let share = CUT / limits.excess(ends, step.acceleration, h);
         h *= if share > DEEPEST_CUT { share.min(CUT) } else { DEEPEST_CUT };
     }
@@ -358,7 +358,7 @@ fn least_sliding<E: Equations>(
     h: f64,
     sliding: &impl Fn(&E::State) -> f64,
 ) -> (f64, E::State) {
-    // The sliding speed falls as long as the acceleration at the end of a partial step says so.
+    // Whether the sliding speed still falls at the end of a partial step.
     let falls = |part: f64| {
         let step = equations.step(from, contact, part);
         let direction = if contact == ContactState::Slip { 1.0 } else { -1.0 };

@@ -37,7 +37,8 @@ const MOST_SCANNED: usize = 160;
 /// Changes over a cycle, relative to the amplitude, that are lost in the errors of the method.
 const UNRESOLVED: f64 = 1e-10;
 
-/// How near the change over a cycle must come to that of the linearised motion for smaller amplitudes to follow it too.
+/// How near the change over a cycle must come to that of the linearised motion, for smaller amplitudes to change like it
+/// too.
 const LINEAR: f64 = 0.01;
 
 /// What becomes of a motion whose swings shrink, or grow.

@@ -1,4 +1,4 @@
-//! Made-up motions about the equilibrium 1, told swing by swing and stick by stick.
+//! Invented motions about the equilibrium 1, reported swing by swing and stick by stick.
 
 use super::*;
 
@@ -98,7 +98,7 @@ fn growing_swings_are_unstable_fed_by_the_tangential_motion() {
 }
 
 #[test]
-fn growing_swings_say_nothing_while_as_much_may_be_imitated() {
+fn growing_swings_say_nothing_while_ringing_can_imitate_as_much() {
     let mut driven = Driven::new(RINGS_FOR_EVER);
     driven.swing(0.1);
     for _ in 0..10 {
@@ -152,7 +152,7 @@ fn swings_that_shrink_onto_a_cycle_are_unstable() {
 }
 
 #[test]
-fn beats_of_what_rings_are_no_growth_and_ring_down_to_a_stable_motion() {
+fn beats_of_ringing_are_no_growth_and_die_away_to_a_stable_motion() {
     // The tangential motion has died away after some swings; what rings dies away at 0.01 and beats.
     let ringing = |time: f64| decays(1.0, 0.1)(time) + decays(0.5, 0.01)(time) * (1.0 + 0.5 * libm::sin(0.13 * time));
     let (verdict, amplitude) = Driven::new(0.01).swings(ringing).unwrap();
@@ -162,7 +162,7 @@ fn beats_of_what_rings_are_no_growth_and_ring_down_to_a_stable_motion() {
 }
 
 #[test]
-fn what_rings_after_a_release_is_no_growth_either() {
+fn ringing_after_a_release_is_no_growth_either() {
     let mut driven = Driven::new(0.01);
     driven.swing(0.5);
     driven.time = 3000.0;
@@ -193,7 +193,7 @@ fn the_first_swings_after_a_stick_are_compared_with_nothing() {
     let mut driven = Driven::new(RINGS_NEVER);
     driven.swing(0.1);
     driven.stick(1.0);
-    // Three swings that grow, as between two sticks; with the fourth the motion comes free and is decision anew.
+    // Three swings that grow, as between two sticks; with the fourth stick-slip ends and swings are compared.
     for amplitude in [0.2, 0.3, 0.4, 0.5] {
         driven.swing(amplitude);
         assert_eq!(driven.monitor.verdict(), None);
@@ -226,7 +226,7 @@ fn a_motion_that_barely_sticks_is_unstable_with_its_sixty_first_stick() {
 }
 
 #[test]
-fn a_motion_that_creeps_home_is_stable() {
+fn a_motion_that_creeps_towards_the_equilibrium_is_stable() {
     assert_eq!(Driven::new(RINGS_NEVER).check(&[0.009, 0.005]), None, "not half as far");
     assert_eq!(Driven::new(RINGS_NEVER).check(&[0.009, 0.004]), Some(Verdict::Stable));
     assert_eq!(Driven::new(RINGS_NEVER).check(&[0.9, 0.3, 0.1, 0.03, 0.011]), None, "outside the displacement");
@@ -250,7 +250,7 @@ fn a_motion_that_has_arrived_is_stable_though_it_gets_no_nearer() {
 }
 
 #[test]
-fn a_motion_that_turns_between_two_looks_does_not_creep() {
+fn a_motion_that_turns_between_two_checks_does_not_creep() {
     let mut driven = Driven::new(RINGS_NEVER);
     driven.check(&[0.009]);
     driven.swing(0.005);
@@ -258,7 +258,7 @@ fn a_motion_that_turns_between_two_looks_does_not_creep() {
 }
 
 #[test]
-fn a_pad_that_sticks_on_a_slow_disc_does_not_creep_home_however_near_it_is_carried() {
+fn a_pad_that_sticks_on_a_slow_disc_does_not_creep_however_near_it_is_carried() {
     let mut driven = Driven::new(RINGS_NEVER);
     driven.monitor.sticks(1.0, 0.9);
     assert_eq!(driven.check(&[0.009, 0.003, 0.001, 1e-4, 1e-7, 1e-8]), None);
@@ -285,7 +285,7 @@ fn a_motion_that_escapes_without_a_turn_has_no_verdict() {
 }
 
 #[test]
-fn a_motion_known_to_grow_does_not_creep_home() {
+fn a_motion_known_to_be_unstable_does_not_become_stable_by_creeping() {
     let mut driven = Driven::with(MonitorOptions { until_settled: true, ..options(RINGS_NEVER) }, DISPLACEMENT);
     driven.swing(0.001);
     driven.swing(0.002);
@@ -309,7 +309,7 @@ fn a_linearly_unstable_equilibrium_makes_a_motion_unstable_at_once() {
 }
 
 #[test]
-fn where_the_amplitude_is_asked_for_the_motion_is_followed_until_its_means_agree() {
+fn where_the_amplitude_is_wanted_the_motion_is_simulated_until_its_means_agree() {
     for options in [REPELLED, options(RINGS_NEVER)] {
         let mut driven = Driven::with(MonitorOptions { until_settled: true, ..options }, DISPLACEMENT);
         assert_eq!(driven.monitor.verdict(), None);
@@ -334,7 +334,7 @@ fn the_amplitude_of_stick_slip_that_scatters_is_its_mean() {
 }
 
 #[test]
-fn what_persists_is_known_to_be_unstable_before_its_amplitude_is() {
+fn stick_slip_is_known_to_be_unstable_before_its_amplitude_is_known() {
     let mut driven = Driven::with(MonitorOptions { until_settled: true, ..options(RINGS_NEVER) }, DISPLACEMENT);
     for stick in 1..=10 {
         driven.stick(3.0);
@@ -345,7 +345,7 @@ fn what_persists_is_known_to_be_unstable_before_its_amplitude_is() {
 }
 
 #[test]
-fn amplitudes_from_before_a_motion_came_free_are_forgotten() {
+fn amplitudes_from_before_the_end_of_stick_slip_are_forgotten() {
     let mut driven = Driven::with(MonitorOptions { until_settled: true, ..REPELLED }, DISPLACEMENT);
     for _ in 0..15 {
         driven.stick(3.0);
@@ -360,7 +360,7 @@ fn amplitudes_from_before_a_motion_came_free_are_forgotten() {
 
 #[test]
 fn the_amplitude_of_a_cycle_without_sticking_is_that_of_its_swings() {
-    // However small: an equilibrium that repels has no motion at home.
+    // However small: no motion returns to an equilibrium that repels.
     let mut driven = Driven::with(MonitorOptions { until_settled: true, ..REPELLED }, DISPLACEMENT);
     assert_eq!(driven.verdict_of_swings(|time| 0.002 + decays(0.1, 0.05)(time)), Some(Verdict::Unstable));
     assert!((driven.monitor.amplitude() - 0.002).abs() < 1e-6, "{}", driven.monitor.amplitude());
@@ -374,7 +374,7 @@ fn a_verdict_stands() {
 }
 
 #[test]
-fn a_motion_that_has_come_to_rest_is_stable_however_what_rings_along_beats() {
+fn a_motion_at_rest_is_stable_however_its_ringing_beats() {
     // After a first swing that may be imitated for ever, 1e-7 of the equilibrium, beating.
     let beats = |time: f64| 1e-7 * (1.5 + (0.3 * time).sin());
     let verdict = |options: MonitorOptions, amplitude: &dyn Fn(f64) -> f64| {

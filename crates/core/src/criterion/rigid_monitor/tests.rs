@@ -1,4 +1,4 @@
-//! Made-up motions on rigid discs, told swing by swing and stick by stick; the return map knows the true ones.
+//! Invented motions on rigid discs, reported swing by swing and stick by stick; the return map knows the true ones.
 
 use super::*;
 use crate::friction::StribeckLaw;
@@ -56,10 +56,10 @@ fn what_surely_comes_to_rest_is_stable_at_once() {
 fn a_linearly_unstable_equilibrium_makes_a_motion_unstable_at_once() {
     let at_once = monitor(repelling(), false, 0.01);
     assert_eq!(at_once.verdict(), Some(Verdict::Unstable));
-    let followed = monitor(repelling(), true, 0.01);
-    assert_eq!(followed.verdict(), None);
-    assert!(at_once.is_unstable() && followed.is_unstable());
-    assert_eq!(followed.fed_by(), DegreeOfFreedom::Tangential);
+    let simulated = monitor(repelling(), true, 0.01);
+    assert_eq!(simulated.verdict(), None);
+    assert!(at_once.is_unstable() && simulated.is_unstable());
+    assert_eq!(simulated.fed_by(), DegreeOfFreedom::Tangential);
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn where_no_cycle_can_lie_inside_the_first_swing_that_shrinks_is_stable() {
 }
 
 #[test]
-fn where_a_cycle_can_lie_inside_swings_that_shrink_are_followed_until_they_surely_come_to_rest() {
+fn where_a_cycle_can_lie_inside_shrinking_swings_are_simulated_until_they_surely_come_to_rest() {
     let mut monitor = monitor(flat_at_rest(), false, 3.9);
     assert_eq!(swings(&mut monitor, &[3.8, 3.5, 3.0]), None);
     assert!(!monitor.is_unstable());
@@ -106,7 +106,7 @@ fn turns_below_the_equilibrium_are_compared_with_nothing() {
 }
 
 #[test]
-fn of_slow_swings_the_return_map_says_what_comes() {
+fn the_return_map_decides_slow_swings() {
     for shift in [1.0 + 5e-6, 1.0, 1.0 - 5e-6] {
         assert_eq!(swings(&mut monitor(bistable(), false, 2.5), &[2.5 * shift]), Some(Verdict::Stable));
         assert_eq!(swings(&mut monitor(bistable(), false, 3.5), &[3.5 * shift]), Some(Verdict::Unstable));
@@ -118,30 +118,30 @@ fn of_slow_swings_the_return_map_says_what_comes() {
 }
 
 #[test]
-fn what_the_return_map_cannot_resolve_is_followed_further() {
-    // The unstable cycle between home and stick-slip, to the last digits.
-    let (mut home, mut captured) = (2.5, 3.5);
+fn a_motion_that_the_return_map_cannot_resolve_is_simulated_further() {
+    // The unstable cycle between rest and stick-slip, to the last digits.
+    let (mut shrinking, mut captured) = (2.5, 3.5);
     for _ in 0..60 {
-        let middle = 0.5 * (home + captured);
+        let middle = 0.5 * (shrinking + captured);
         match bistable().fate_of_swing(middle) {
-            Fate::Equilibrium => home = middle,
+            Fate::Equilibrium => shrinking = middle,
             Fate::Grows { .. } => captured = middle,
-            _ => (home, captured) = (middle, middle),
+            _ => (shrinking, captured) = (middle, middle),
         }
     }
-    assert_eq!(bistable().fate_of_swing(home), Fate::Unresolved);
-    let mut monitor = monitor(bistable(), false, home);
-    assert_eq!(swings(&mut monitor, &[home; 3]), None);
-    assert!(monitor.is_unresolved, "and the map is not asked again");
+    assert_eq!(bistable().fate_of_swing(shrinking), Fate::Unresolved);
+    let mut monitor = monitor(bistable(), false, shrinking);
+    assert_eq!(swings(&mut monitor, &[shrinking; 3]), None);
+    assert!(monitor.is_unresolved, "the map is not used again");
     // As a motion would be decision whose inner cycles are not excluded.
     monitor.has_no_inner_cycle = false;
-    assert_eq!(swings(&mut monitor, &[0.98 * home]), None);
+    assert_eq!(swings(&mut monitor, &[0.98 * shrinking]), None);
     assert!(!monitor.is_unresolved, "but of another swing");
-    assert_eq!(swings(&mut monitor, &[0.98 * home]), Some(Verdict::Stable));
+    assert_eq!(swings(&mut monitor, &[0.98 * shrinking]), Some(Verdict::Stable));
 }
 
 #[test]
-fn the_first_stick_says_nothing_and_the_second_that_all_cycles_are_the_same() {
+fn the_first_stick_decides_nothing_and_the_second_that_all_cycles_are_the_same() {
     let mut monitor = monitor(bistable(), false, 3.9);
     monitor.sticks(1.0, 0.9);
     assert_eq!(monitor.verdict(), None);
@@ -163,29 +163,29 @@ fn a_start_at_release_counts_as_a_stick() {
 
 #[test]
 fn a_swing_after_a_stick_is_not_compared_with_one_before_it() {
-    let mut told = monitor(bistable(), false, 2.5);
-    told.sticks(1.0, 0.9);
-    told.slips(2.0);
-    assert_eq!(swings(&mut told, &[3.5]), None);
-    // Nor after a release of which no stick was told.
-    let mut told = monitor(bistable(), false, 2.5);
-    told.slips(2.0);
-    assert_eq!(swings(&mut told, &[3.5]), None);
+    let mut monitored = monitor(bistable(), false, 2.5);
+    monitored.sticks(1.0, 0.9);
+    monitored.slips(2.0);
+    assert_eq!(swings(&mut monitored, &[3.5]), None);
+    // Nor after a release without a reported stick.
+    let mut monitored = monitor(bistable(), false, 2.5);
+    monitored.slips(2.0);
+    assert_eq!(swings(&mut monitored, &[3.5]), None);
 }
 
 #[test]
-fn a_stick_too_long_to_wait_for_ends_as_its_release_does() {
-    // A disc so slow that it carries the pad to its release for 350 units of time; a light pad comes back to stick, one
-    // in honey creeps home.
+fn a_stick_too_long_to_simulate_is_decided_by_its_release() {
+    // A disc so slow that it carries the pad to its release for 350 units of time; a light pad sticks again, an
+    // overdamped one creeps towards the equilibrium.
     for (damping, verdict) in [(0.1, Verdict::Unstable), (2.5, Verdict::Stable)] {
         let motion = motion(1e-3, damping, 1e-4, 1.0);
-        let mut held = monitor(motion, false, 0.15);
-        assert_eq!(held.verdict(), None);
-        held.sticks(1.0, motion.release() - 0.09);
-        assert_eq!(held.verdict(), None, "{damping}: 90 units of time are waited for");
-        let mut held = monitor(motion, false, 0.15);
-        held.sticks(1.0, motion.release() - 0.35);
-        assert_eq!(held.verdict(), Some(verdict), "{damping}");
+        let mut sticking = monitor(motion, false, 0.15);
+        assert_eq!(sticking.verdict(), None);
+        sticking.sticks(1.0, motion.release() - 0.09);
+        assert_eq!(sticking.verdict(), None, "{damping}: a stick of 90 units of time is simulated");
+        let mut sticking = monitor(motion, false, 0.15);
+        sticking.sticks(1.0, motion.release() - 0.35);
+        assert_eq!(sticking.verdict(), Some(verdict), "{damping}");
     }
 }
 
@@ -193,7 +193,7 @@ fn a_stick_too_long_to_wait_for_ends_as_its_release_does() {
 fn the_amplitude_of_stick_slip_is_half_of_its_last_swing() {
     let mut monitor = monitor(bistable(), true, 2.5);
     assert_eq!(swings(&mut monitor, &[2.6]), None);
-    assert!(monitor.is_unstable(), "known, but followed for its amplitude");
+    assert!(monitor.is_unstable(), "known, but simulated for its amplitude");
     monitor.sticks(1.0, 0.9);
     monitor.slips(2.0);
     assert_eq!(swings(&mut monitor, &[3.9]), None);
@@ -221,11 +221,11 @@ fn a_motion_known_to_be_unstable_does_not_come_to_rest() {
     assert_eq!(swings(&mut monitor, &[2.6, 1.0]), None);
     monitor.check(monitor.equilibrium, 0.0);
     assert_eq!(monitor.verdict(), None);
-    assert_eq!(swings(&mut monitor, &[2.5, 2.5]), None, "whatever the return map says of such a swing");
+    assert_eq!(swings(&mut monitor, &[2.5, 2.5]), None, "whatever the return map finds for such a swing");
 }
 
 #[test]
-fn a_look_sees_what_surely_comes_to_rest_without_a_turn() {
+fn a_check_decides_a_motion_that_surely_comes_to_rest_without_a_turn() {
     let mut monitor = monitor(bistable(), false, 2.5);
     monitor.check(monitor.equilibrium + 1.0, 2.3);
     assert_eq!(monitor.verdict(), None);
@@ -234,7 +234,7 @@ fn a_look_sees_what_surely_comes_to_rest_without_a_turn() {
 }
 
 #[test]
-fn of_a_start_that_grazes_the_return_map_says_what_comes() {
+fn the_return_map_decides_a_start_that_grazes() {
     for (a, verdict) in [(2.5, Verdict::Stable), (3.5, Verdict::Unstable)] {
         let mut monitor = monitor(bistable(), false, a);
         monitor.grazes();
@@ -244,7 +244,7 @@ fn of_a_start_that_grazes_the_return_map_says_what_comes() {
 
 #[test]
 fn a_start_that_is_captured_ends_as_its_release_does() {
-    // So damped that there is no stick-slip: from far away the pad is captured, but from its release it comes home.
+    // So damped that there is no stick-slip: from far away the pad is captured, but from its release it comes to rest.
     let damped = motion(4.0, 0.03, 1.0, 1.0);
     let mut monitor = monitor(damped, false, 6.0);
     assert_eq!(damped.fate_from([damped.equilibrium() + 6.0, 0.0]), Fate::Captured);
@@ -253,7 +253,7 @@ fn a_start_that_is_captured_ends_as_its_release_does() {
 }
 
 #[test]
-fn of_a_release_that_grazes_the_return_map_says_what_comes_though_the_start_would_have_come_to_rest() {
+fn the_return_map_decides_a_release_that_grazes_though_the_start_would_have_come_to_rest() {
     let mut monitor = monitor(bistable(), false, 2.5);
     monitor.slips(1.0);
     monitor.grazes();

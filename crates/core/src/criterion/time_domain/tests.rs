@@ -60,7 +60,7 @@ fn late_motion(criterion: &TimeDomain, inputs: RandomInputs, time: f64) -> LateM
     }
 }
 
-/// The verdict of the flexible disc's monitor if nobody tells it of linear stability.
+/// The verdict of the flexible disc's monitor without knowledge of linear stability.
 fn unaided_verdict(criterion: &TimeDomain, inputs: RandomInputs) -> Verdict {
     let System::Flexible(brake) = &criterion.system else { panic!("a flexible disc") };
     let sample = brake.sample(inputs);
@@ -143,7 +143,7 @@ fn the_threshold_in_time_is_that_of_the_eigenvalues() {
             }
             slow
         };
-        // The motion itself, and where there is one the monitor that is not told of linear stability.
+        // By the motion itself, and on a flexible disc by the monitor without knowledge of linear stability.
         let grows = |criterion: &TimeDomain| {
             let [soon, late] = [800.0, 1600.0].map(|time| late_motion(criterion, NOMINAL, time));
             late.sticks_after(0.0) || late.amplitude() > soon.amplitude()
@@ -237,7 +237,7 @@ fn recording_the_amplitude_changes_no_verdict() {
 }
 
 #[test]
-fn a_displacement_beyond_the_limit_cycle_is_no_home_to_come_to() {
+fn a_displacement_beyond_the_limit_cycle_makes_no_stick_slip_stable() {
     for disc in [DiscModel::Rigid, FLEXIBLE] {
         for displacement in [0.5, 5.0, 20.0] {
             let settings = TimeDomainSettings { displacement, ..Default::default() };
@@ -266,7 +266,7 @@ fn overdamped_and_stiff_motions_are_decided_too() {
 }
 
 #[test]
-fn a_brake_whose_disc_flutters_is_unstable_and_says_so() {
+fn a_brake_whose_disc_flutters_is_unstable_and_fed_by_the_disc() {
     // Without damping the disc is unstable at any speed; with it, far beyond all that discs withstand. The audit's
     // brake: coupled growth +0.0007, which the tangential motion does not show.
     let audited = [
@@ -309,8 +309,8 @@ fn friction_that_rises_with_speed_does_not_stop_flutter() {
 }
 
 #[test]
-fn a_pad_that_stuck_once_and_creeps_home_is_stable() {
-    // The audit's brake, overdamped: it stuck once, and no monitor looked again.
+fn a_pad_that_stuck_once_and_creeps_towards_the_equilibrium_is_stable() {
+    // An overdamped brake that sticks once and then never turns.
     let changes = [("damping.tangential", 6000.0), ("operating_point.rotating_speed", 10.0)];
     let brake = PadOnDisc::preset_with(&changes);
     let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
@@ -351,7 +351,7 @@ fn ringing_after_a_long_stick_is_no_instability() {
 }
 
 #[test]
-fn a_disc_that_rings_longer_than_the_pad_swings_leaves_nothing_undecided() {
+fn a_motion_whose_disc_rings_longer_than_its_pad_swings_is_decided() {
     // Partial contact and little damping of the disc: beyond time 100 nothing but its beats is left to see.
     let changes = [
         ("disc.youngs_modulus", 2.726e10),
@@ -404,7 +404,7 @@ fn a_short_horizon_leaves_samples_undecided() {
 }
 
 #[test]
-fn silly_settings_are_refused() {
+fn settings_out_of_range_are_refused() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let good = TimeDomainSettings::default();
         assert!(TimeDomainSettings { horizon: bad, ..good }.validate().is_err());
@@ -412,7 +412,7 @@ fn silly_settings_are_refused() {
         assert!(TimeDomainSettings { amplitude_index: Some(bad), ..good }.validate().is_err());
     }
     assert!(TimeDomainSettings::default().validate().is_ok());
-    // More steps than anyone could wait for.
+    // More than 1e8 steps.
     let brake = PadOnDisc::preset_with(&[]);
     let endless = TimeDomainSettings { horizon: 1e8, ..Default::default() };
     assert!(matches!(

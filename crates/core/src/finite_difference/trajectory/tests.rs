@@ -113,7 +113,7 @@ fn nothing_moves_at_the_equilibrium_but_what_the_nodes_stir() {
 
 #[test]
 fn steady_sliding_is_that_of_the_modal_disc() {
-    // A press and a friction strong enough that the friction's following the deflected surface shows.
+    // Preload and friction so strong that the follower load on the deflected surface shows.
     let inputs = RandomInputs { preload: 1.0, static_friction: 3.0 };
     let modes = FlexibleBrake::with_modes(brake(2.0), 16).unwrap();
     let q = modes.sliding_equilibrium(inputs).unwrap();
@@ -184,7 +184,7 @@ fn verdicts_are_those_of_the_modal_disc() {
 }
 
 #[test]
-fn what_cannot_be_followed_is_refused() {
+fn motions_that_cannot_be_simulated_are_refused() {
     let brake = on_grid(10.0, 6);
     let simulate = |inputs, displacement, horizon| {
         brake.trajectory(inputs, Start::Rest, displacement, horizon, Allotment::Linear).unwrap_err()

@@ -67,7 +67,7 @@ impl ContactPatch {
         Self { nodes, even, odd, averages, region }
     }
 
-    /// Whether no node can have lifted off, by a bound that costs less than the nodes. False says nothing.
+    /// Whether no node can have lifted off, by a bound that costs less than the nodes. False decides nothing.
     pub fn is_surely_whole(&self, pad: PadPosition, amplitudes: &[f64]) -> bool {
         let averages = &self.averages;
         let mut margin = -pad.normal - averages.largest_arc * pad.tilt.abs();
@@ -180,13 +180,21 @@ impl ContactPatch {
 struct LineSums<'a> {
     patch: &'a ContactPatch,
     loads: &'a mut ContactLoads,
-    /// For cosine and sine of every harmonic: the load, and the follower load.
-    harmonics: [[f64; 4]; MOST_HARMONICS],
+    harmonics: [HarmonicLoads; MOST_HARMONICS],
+}
+
+/// Load and follower load on the cosine and the sine of one harmonic.
+#[derive(Debug, Clone, Copy, Default)]
+struct HarmonicLoads {
+    cosine: f64,
+    sine: f64,
+    follower_cosine: f64,
+    follower_sine: f64,
 }
 
 impl<'a> LineSums<'a> {
     fn new(patch: &'a ContactPatch, loads: &'a mut ContactLoads) -> Self {
-        Self { patch, loads, harmonics: [[0.0; 4]; MOST_HARMONICS] }
+        Self { patch, loads, harmonics: [HarmonicLoads::default(); MOST_HARMONICS] }
     }
 }
 
@@ -196,10 +204,10 @@ impl Visitor for LineSums<'_> {
         let follower = share * node.slope;
         self.loads.pressure += share;
         for (sums, (cosine, sine)) in self.harmonics.iter_mut().zip(node.waves) {
-            sums[0] += share * cosine;
-            sums[1] += share * sine;
-            sums[2] += follower * cosine;
-            sums[3] += follower * sine;
+            sums.cosine += share * cosine;
+            sums.sine += share * sine;
+            sums.follower_cosine += follower * cosine;
+            sums.follower_sine += follower * sine;
         }
     }
 
@@ -207,15 +215,15 @@ impl Visitor for LineSums<'_> {
         let region = &self.patch.region;
         let evens = region.harmonics.iter().zip(&radius.shapes);
         for ((n, shape), k) in evens.zip(0..) {
-            self.loads.on_modes[k] += shape * self.harmonics[*n][0];
-            self.loads.follower[k] += shape * self.harmonics[*n][2];
+            self.loads.on_modes[k] += shape * self.harmonics[*n].cosine;
+            self.loads.follower[k] += shape * self.harmonics[*n].follower_cosine;
         }
         for (&mode, k) in region.odd_modes.iter().zip(self.patch.even..) {
             let (shape, sums) = (radius.shapes[mode], &self.harmonics[region.harmonics[mode]]);
-            self.loads.on_modes[k] += shape * sums[1];
-            self.loads.follower[k] += shape * sums[3];
+            self.loads.on_modes[k] += shape * sums.sine;
+            self.loads.follower[k] += shape * sums.follower_sine;
         }
-        self.harmonics = [[0.0; 4]; MOST_HARMONICS];
+        self.harmonics = [HarmonicLoads::default(); MOST_HARMONICS];
     }
 }
 

@@ -17,7 +17,7 @@ fn inputs(count: u32) -> impl Iterator<Item = RandomInputs> {
 }
 
 #[test]
-fn the_lattice_says_what_the_eigenvalues_say() {
+fn the_lattice_agrees_with_the_eigenvalues() {
     for changes in [
         vec![("operating_point.rotating_speed", 15.4)],
         vec![("operating_point.rotating_speed", 15.4), ("disc.youngs_modulus", 4e9)],

@@ -85,7 +85,7 @@ fn other_discs_patches_and_exponents_agree_as_well() {
 }
 
 #[test]
-fn decisions_are_pinned() {
+fn outcomes_are_pinned() {
     // Regression values, the same on every architecture: an FNV-1a hash of every verdict, time and amplitude.
     let settings = TimeDomainSettings { record_amplitude: true, start: Start::Rest, ..Default::default() };
     let hashes = [DiscModel::Rigid, DiscModel::Flexible { modes: 5 }].map(|disc| {

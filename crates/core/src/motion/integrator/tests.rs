@@ -35,7 +35,7 @@ struct Toy {
 
 const V: f64 = 1.0;
 
-/// What static friction has in hand at x, against slip and against overtaking.
+/// The reserve of static friction at x, against slip and against overtaking.
 type Reserves = fn(f64) -> (f64, f64);
 
 /// Static friction that always holds.
@@ -45,7 +45,7 @@ const HOLDS: Reserves = |_| (1.0, 1.0);
 const HOLDS_TWO: Reserves = |x| (2.0 - x, 2.0 + x);
 
 impl Toy {
-    /// With friction that asks nothing of steps.
+    /// With friction that sets no limits to steps.
     fn new(law: Law, reserve: Reserves) -> Self {
         Self { law, reserve, limits: FrictionSteps::new(V, 0.0, 1.0, 0.0, 1.0) }
     }
@@ -60,9 +60,9 @@ impl Equations for Toy {
     type State = Pad;
 
     fn step(&self, &Pad { x, u }: &Pad, contact: ContactState, h: f64) -> Step<Pad> {
-        let constant = |a: f64, told: f64| Step {
+        let constant = |a: f64, reported: f64| Step {
             next: Pad { x: x + h * (u + 0.5 * h * a), u: u + h * a },
-            acceleration: (told, told),
+            acceleration: (reported, reported),
         };
         match self.law {
             _ if contact == ContactState::Stick => constant(0.0, 0.0),
@@ -196,7 +196,7 @@ fn a_turning_point_of_a_spring_is_found_to_the_fifth_order_of_the_step() {
     assert!(errors[0] < 1e-5 && errors[1] < errors[0] / 15.0, "{errors:?}");
 }
 
-/// Follows a pad step by step, and keeps what is told of it.
+/// Simulates a pad step by step, and keeps its events.
 fn simulate(toy: &Toy, motion: &mut Motion<Pad>, h: f64, steps: u32) -> Vec<Event> {
     let mut log = Log::default();
     for step in 0..steps {
@@ -254,7 +254,7 @@ fn stick_slip_on_a_spring_has_the_period_and_the_turns_of_its_closed_form() {
 }
 
 #[test]
-fn several_events_in_one_step_are_told_in_their_order() {
+fn several_events_in_one_step_are_reported_in_their_order() {
     // It turns, meets the disc, and is carried to where friction holds it no longer; then it slips away.
     let toy = Toy::new(Law::Constant(2.0, 0.0), |x| (1.0 - x, 9.0));
     let mut motion = slipping(0.0, -1.0);
@@ -272,7 +272,7 @@ fn several_events_in_one_step_are_told_in_their_order() {
 }
 
 #[test]
-fn a_pad_that_overtakes_the_disc_is_followed_through_the_step_and_nothing_is_told() {
+fn a_pad_that_overtakes_the_disc_in_a_step_is_simulated_to_its_end_without_an_event() {
     let toy = Toy::new(Law::Constant(1.0, 0.5), |_| (9.0, -1.0));
     let mut motion = slipping(0.0, 0.0);
     assert_eq!(simulate(&toy, &mut motion, 2.0, 1), []);
@@ -281,14 +281,14 @@ fn a_pad_that_overtakes_the_disc_is_followed_through_the_step_and_nothing_is_tol
 }
 
 #[test]
-fn a_graze_is_told_before_the_stick_that_it_leads_to() {
+fn a_graze_is_reported_before_the_stick_that_it_leads_to() {
     let toy = Toy::new(Law::Constant(0.01, 0.0), HOLDS);
     let found = simulate(&toy, &mut slipping(0.0, 0.995), 1.0, 1);
     assert_events(&found, &[Event::Grazes, Event::Sticks(0.5, 0.498_75)], 1e-12);
 }
 
 #[test]
-fn a_pad_that_has_not_come_away_since_its_release_has_not_come_back_either() {
+fn a_pad_that_has_not_left_the_disc_since_its_release_reports_no_stick() {
     let toy = Toy::new(Law::Constant(2.0, 0.0), |x| (x, 1.0));
     let mut motion = Motion { state: pad(0.0, V), contact: ContactState::Stick };
     assert_eq!(simulate(&toy, &mut motion, 0.5, 1), [Event::Slips(0.0)]);
@@ -296,7 +296,7 @@ fn a_pad_that_has_not_come_away_since_its_release_has_not_come_back_either() {
 }
 
 #[test]
-fn the_parts_of_a_cut_step_make_up_the_whole_step() {
+fn the_substeps_of_a_cut_step_make_up_the_whole_step() {
     let toy = Toy::steep(Law::Constant(-1.0, 0.0));
     let mut motion = slipping(0.0, V);
     let found = simulate(&toy, &mut motion, 4.0, 1);

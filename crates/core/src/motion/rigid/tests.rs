@@ -84,7 +84,7 @@ fn the_saddle_node_is_found_at_any_step_size() {
 }
 
 #[test]
-fn steps_follow_the_friction_law_however_steep_it_is() {
+fn steps_resolve_the_friction_law_however_steep_it_is() {
     // Where stick-slip ends, by these steps and by the adaptive method; the disc passes the pad at up to a thousand
     // Stribeck velocities.
     for (exponent, stribeck_velocity) in [
@@ -159,7 +159,7 @@ fn no_step_size_makes_it_chatter() {
 }
 
 #[test]
-fn a_pad_far_behind_is_overtaken_by_nothing_and_one_far_ahead_comes_back() {
+fn a_pad_that_runs_ahead_of_the_disc_returns_to_the_limit_cycle() {
     // Hurled against the calliper, the pad runs ahead of the disc and is caught on its way back.
     let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", 10.0)]);
     let rigid = RigidBrake::new(&brake);

@@ -47,12 +47,12 @@ fn between_critical_speed_and_saddle_node_the_start_decides() {
     assert_eq!(motion.fate_of_swing(0.1 * x0), Fate::Equilibrium);
     assert_eq!(motion.fate_of_release(), Fate::Captured);
     // The unstable cycle between them: from slightly larger amplitudes the pad is captured.
-    let (mut home, mut captured) = (0.1 * x0, motion.slip_from_release().0.x - x0);
+    let (mut shrinking, mut captured) = (0.1 * x0, motion.slip_from_release().0.x - x0);
     for _ in 0..40 {
-        let middle = 0.5 * (home + captured);
-        if motion.fate_of_swing(middle) == Fate::Equilibrium { home = middle } else { captured = middle }
+        let middle = 0.5 * (shrinking + captured);
+        if motion.fate_of_swing(middle) == Fate::Equilibrium { shrinking = middle } else { captured = middle }
     }
-    assert!(motion.change(0.999 * home) < 0.0 && motion.change(1.001 * home) > 0.0, "{home}");
+    assert!(motion.change(0.999 * shrinking) < 0.0 && motion.change(1.001 * shrinking) > 0.0, "{shrinking}");
 }
 
 #[test]

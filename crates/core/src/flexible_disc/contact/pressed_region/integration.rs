@@ -7,7 +7,7 @@ use crate::flexible_disc::contact::pressed_region::shapes::PressedRegion;
 use crate::flexible_disc::contact::pressed_region::survey::Survey;
 use crate::numerics::sine_cosine::sine_and_cosine;
 
-/// What the pressed region looks like.
+/// The extent of the pressed region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Pressed {
     /// All of the patch.

@@ -20,7 +20,7 @@ pub(crate) struct Radius {
     pub shapes: [f64; MOST_DISC_MODES],
 }
 
-/// An angle at which the gap of every line is looked at.
+/// An angle at which the gap of every line is evaluated.
 #[derive(Debug, Clone)]
 pub(super) struct SampleAngle {
     pub theta: f64,

@@ -4,7 +4,7 @@ use crate::flexible_disc::contact::pressed_region::line::{Radius, SampleAngle};
 use crate::flexible_disc::plate_modes::{MOST_DISC_MODES, PlateMode, RADIAL_FUNCTIONS, RadialFunctions};
 use crate::numerics::quadrature::gauss_legendre;
 
-/// Intervals between the lines on which the pressed region is looked for, along the radius.
+/// Intervals along the radius between the lines on which the pressed region is sought.
 pub(super) const PROBE_INTERVALS: usize = 8;
 
 /// The disc's modes on the patch, at any radius and angle; lengths are over b here.

@@ -33,7 +33,7 @@ fn a_stuck_pad_runs_ahead_when_friction_keeps_it_back_no_longer() {
 }
 
 #[test]
-fn a_pad_that_is_carried_out_of_sight_has_broken_down() {
+fn a_pad_that_is_carried_too_far_has_broken_down() {
     assert_eq!(stick(&Toy::new(Law::Spring(0.0), HOLDS), &pad(999.0, V), 2.0).err(), Some(Breakdown));
     assert_eq!(stick(&Toy::new(Law::Spring(0.0), HOLDS), &pad(-1001.0, V), 0.5).err(), Some(Breakdown));
     assert!(stick(&Toy::new(Law::Spring(0.0), HOLDS), &pad(999.0, V), 0.5).is_ok());
@@ -147,7 +147,7 @@ fn a_step_that_ends_next_to_the_disc_speed_grazes_unless_it_comes_from_there() {
 }
 
 #[test]
-fn a_pad_that_does_not_come_away_from_the_disc_after_its_release_may_as_well_have_stuck() {
+fn a_pad_that_does_not_leave_the_disc_after_its_release_sticks_again() {
     let toy = Toy::new(Law::Constant(2.0, 0.0), HOLDS);
     let part = slide(&toy, &slipping(0.0, V), 0.5, true).unwrap();
     assert_substep(&part, Ending::Stuck, ContactState::Stick, 0.5, pad(0.75, V));
@@ -156,7 +156,7 @@ fn a_pad_that_does_not_come_away_from_the_disc_after_its_release_may_as_well_hav
 }
 
 #[test]
-fn a_pad_that_comes_away_before_its_first_step_is_over_slides() {
+fn a_pad_that_leaves_the_disc_before_its_first_step_is_over_slides() {
     // Its speed has a maximum soon after the release, and at the end of the step it lags behind.
     let toy = Toy::new(Law::Spring(0.0), HOLDS_TWO);
     let part = slide(&toy, &slipping(-0.1, V), 1.0, true).unwrap();
@@ -165,13 +165,13 @@ fn a_pad_that_comes_away_before_its_first_step_is_over_slides() {
 }
 
 #[test]
-fn a_pad_that_has_not_come_away_yet_grazes_nothing_however_slowly_it_moves() {
+fn a_pad_that_has_not_left_the_disc_yet_does_not_graze_it_however_slowly_it_moves() {
     let toy = Toy::new(Law::Constant(0.01, 0.0), HOLDS);
     assert!(!slide(&toy, &slipping(0.0, V), 0.5, true).unwrap().grazes);
 }
 
 #[test]
-fn a_pad_that_comes_away_from_the_disc_slides() {
+fn a_pad_that_leaves_the_disc_slides() {
     let toy = Toy::new(Law::Constant(-2.0, 0.0), HOLDS);
     let part = slide(&toy, &slipping(0.0, V), 0.5, true).unwrap();
     assert_substep(&part, Ending::Completed, ContactState::Slip, 0.5, pad(0.25, 0.0));
@@ -226,7 +226,7 @@ fn a_step_is_cut_no_further_than_makes_sense() {
 }
 
 #[test]
-fn what_is_not_a_number_is_given_up() {
+fn a_step_that_is_not_a_number_breaks_down() {
     for toy in [Toy::steep(Law::Broken), Toy::new(Law::Broken, HOLDS)] {
         assert_eq!(resolved(&toy, pad(0.0, 0.0), 1.0).err(), Some(Breakdown));
         assert_eq!(advance(&toy, &mut slipping(0.0, 0.0), 0.0, 1.0, &mut Log::default()), Err(Breakdown));
