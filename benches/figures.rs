@@ -13,11 +13,14 @@ use std::time::{Duration, Instant};
 
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
-use stickslip_core::criterion::time_domain::{Decision, DiscModel, Start, TimeDomain, TimeDomainSettings};
-use stickslip_core::lanes::InstructionSet;
+use stickslip_core::criterion::decision::Decision;
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
+use stickslip_core::lanes::dispatch::InstructionSet;
+use stickslip_core::motion::moment::Moment;
+use stickslip_core::motion::start::Start;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::trajectory::Moment;
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::draw::deviates::{DeviateStream, Points};
 use stickslip_sampler::draw::identity::block_generator;

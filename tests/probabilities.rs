@@ -10,7 +10,9 @@ use std::fs;
 
 use common::{BOTH, EIGENVALUE, Place, Table, job, submitted};
 use serde_json::Value;
-use stickslip_core::criterion::time_domain::{Decision, DiscModel, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::decision::Decision;
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};

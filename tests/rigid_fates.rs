@@ -6,7 +6,7 @@
 mod fates;
 
 use fates::{FATES, FATES_AT_BOUNDARIES, cases};
-use stickslip_core::criterion::time_domain::Decision;
+use stickslip_core::criterion::decision::Decision;
 use stickslip_core::verdict::Verdict;
 
 /// Judges every case of a file with steps divided by `divisor`, and holds the verdicts against the fates: how many are

@@ -2,9 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use stickslip_core::criterion::time_domain::Start;
 use stickslip_core::flexible_disc::brake::DISC_MODES;
-use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
+use stickslip_core::flexible_disc::brake::FlexibleBrake;
+use stickslip_core::flexible_disc::error::FlexibleError;
+use stickslip_core::motion::start::Start;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::parameters::SCALARS;
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;

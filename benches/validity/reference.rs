@@ -12,11 +12,13 @@
 //! | at the end: without sticking, the swing falls in each length, and as fast as before | stable |
 //! | at the end: anything else | none |
 
-use stickslip_core::criterion::time_domain::{Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::TimeDomain;
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::flexible_disc::linear_stability::LinearStability;
+use stickslip_core::motion::start::Start;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::trajectory::sweep;
+use stickslip_core::trajectory::sweep::sweep;
 use stickslip_core::verdict::Verdict;
 
 /// Lengths of the motions: to three times the horizon of the verdicts.

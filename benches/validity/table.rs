@@ -1,7 +1,7 @@
 //! Verdicts beside their references, binned and printed as Markdown.
 
-use stickslip_core::criterion::time_domain::Start;
 use stickslip_core::criterion::validity::Quantity;
+use stickslip_core::motion::start::Start;
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_core::verdict::Verdict;
 

@@ -2,7 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a file that cannot be read should say so and stop")]
 
-use stickslip_core::criterion::time_domain::{Decision, DiscModel, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::decision::Decision;
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
+use stickslip_core::motion::start::Start;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::verdict::Verdict;

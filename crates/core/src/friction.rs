@@ -8,7 +8,7 @@ use crate::numerics::exponential::exp;
 /// mu(v) = f_c + (f_s - f_c) exp(-(|v| / v_s)^delta)
 /// ```
 ///
-/// (the paper's equation 2.6 with the sign of its exponent mended). `v` and `v_s` share a unit; inside this crate
+/// (the paper's equation 2.6 with the sign of its exponent corrected). `v` and `v_s` share a unit; inside this crate
 /// they are scaled speeds.
 ///
 /// ```
@@ -80,12 +80,23 @@ impl StribeckLaw {
 
 /// `exp(-r^delta)` for integration steps, `r` the sliding speed over the Stribeck velocity.
 ///
-/// A step may look a little beyond the moment at which the sliding speed vanishes; for Tustin's law the curve is
+/// A step may reach a little beyond the moment at which the sliding speed vanishes; for Tustin's law the curve is
 /// continued smoothly to `r = -1`, so that the step keeps its order, and is constant below.
 #[inline(always)]
 pub(crate) fn decay(r: f64, exponent: f64) -> f64 {
-    let power = if exponent == 1.0 { if r < -1.0 { -1.0 } else { r } } else { libm::pow(r.abs(), exponent) };
+    let power = if exponent == 1.0 { tustin_power(r) } else { libm::pow(r.abs(), exponent) };
     exp(-power)
+}
+
+/// [`decay`] for the exponent 1, Tustin's law; without a branch, for lanes.
+#[inline(always)]
+pub(crate) fn tustin_decay(r: f64) -> f64 {
+    exp(-tustin_power(r))
+}
+
+#[inline(always)]
+fn tustin_power(r: f64) -> f64 {
+    if r < -1.0 { -1.0 } else { r }
 }
 
 #[cfg(test)]

@@ -39,11 +39,15 @@ pub mod friction;
 
 pub mod verdict;
 
+pub mod degree_of_freedom;
+
 pub mod rigid_disc;
+
+mod pad;
 
 pub mod flexible_disc;
 
-mod motion;
+pub mod motion;
 
 pub mod criterion;
 

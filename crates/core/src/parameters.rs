@@ -1,7 +1,7 @@
 //! The parameters of the model: names, units, valid ranges, and the preset reconstructed from the paper.
 //!
-//! Every value is known by its key, `section.name`, in job specs, on the command line and in error messages.
-//! [`SCALARS`] is the one list of them; whatever a user may set, print or validate goes through it.
+//! Every value is known by its key, `section.name`. [`SCALARS`] is the one list of keys, through which values are set,
+//! printed and validated.
 
 use std::fmt;
 
@@ -69,7 +69,7 @@ pub struct Damping {
     pub angular: f64,
 }
 
-/// The Stribeck friction law, see [`crate::friction`].
+/// The Stribeck friction law, see the module `friction`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Friction {
     /// Static friction coefficient f_s.
@@ -93,8 +93,7 @@ pub struct OperatingPoint {
 
 /// All parameters of the model, in SI units.
 ///
-/// A plain record: [`PadOnDisc::new`](crate::rigid_disc::pad_on_disc::PadOnDisc::new) validates it once, and everything that computes
-/// takes the validated type.
+/// A plain record: `PadOnDisc::new` validates it once, and everything that computes takes the validated type.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
     /// The disc.
@@ -154,10 +153,10 @@ impl fmt::Display for Limits {
     }
 }
 
-/// What a user may know of one parameter: its key, symbol, unit, limits and meaning.
+/// One parameter: its key, symbol, unit, limits and meaning.
 #[derive(Debug, Clone, Copy)]
 pub struct Scalar {
-    /// `section.name`, as in job specs and on the command line.
+    /// `section.name`.
     pub key: &'static str,
     /// The paper's symbol.
     pub symbol: &'static str,
@@ -219,7 +218,7 @@ macro_rules! scalar {
 
 /// Every parameter of the model, in the order of the preset.
 ///
-/// The upper limits are far beyond any brake; they catch slipped units (GPa for Pa, mm for m), not bad designs.
+/// The upper limits are far beyond any brake; they catch wrong units (GPa for Pa, mm for m), not bad designs.
 #[rustfmt::skip]
 pub static SCALARS: [Scalar; 27] = [
     scalar!(disc.density, "rho", "kg/m^3", Limits::above(0.0, 1e5), "density of the disc"),

@@ -1,4 +1,4 @@
-//! What can be said of one sample, and how often it was said.
+//! Verdicts on samples, and their counts.
 
 use std::ops::{Add, AddAssign};
 
@@ -9,7 +9,7 @@ pub enum Verdict {
     Stable,
     /// Steady sliding does not persist: the pad sticks and slips.
     Unstable,
-    /// The motion was followed as far as the job allows without a certain answer.
+    /// The motion was simulated as far as the settings allow without a certain verdict.
     Undecided,
     /// The computation broke down, for example by overflow or without convergence.
     Failed,
@@ -26,13 +26,13 @@ impl Verdict {
 /// How many samples received each verdict. Integers, so that no sum depends on its order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct VerdictCounts {
-    /// Samples judged [`Verdict::Stable`].
+    /// Samples decided as [`Verdict::Stable`].
     pub stable: u64,
-    /// Samples judged [`Verdict::Unstable`].
+    /// Samples decided as [`Verdict::Unstable`].
     pub unstable: u64,
-    /// Samples judged [`Verdict::Undecided`].
+    /// Samples decided as [`Verdict::Undecided`].
     pub undecided: u64,
-    /// Samples judged [`Verdict::Failed`].
+    /// Samples decided as [`Verdict::Failed`].
     pub failed: u64,
 }
 

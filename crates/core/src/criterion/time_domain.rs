@@ -1,127 +1,66 @@
-//! The time-domain criterion: a sample is followed in time until its motion has shown what it will do.
+//! The time-domain criterion: the motion of a sample is simulated until its verdict is certain.
 //!
-//! What stable and unstable mean, and how a motion shows it, says [`crate::criterion::judge`].
+//! [`crate::criterion::monitor`] defines stable and unstable, and how a motion shows it.
 //!
 //! Steps are those of the classical fourth-order Runge-Kutta method. Their length is 0.1 over the natural frequency of
 //! the pad on a rigid disc, 0.45 over the highest frequency of pad, contact and kept disc modes on a flexible one, and no
-//! longer than 1 over the highest damping rate. Inside such a step shorter ones follow the friction law where it is steep:
+//! longer than 1 over the highest damping rate. Such a step is divided where the friction law is steep:
 //! with `r = |v - x'| / v_s` and `p = r^delta`, so that friction above its kinetic value goes with `exp(-p)`,
 //!
 //! ```text
 //! h |x''| / v_s <= 0.25 (1 + p/5 + p^2/50) s(r),      h G (f_s - f_c) |d exp(-p) / dv| <= 0.4
 //! ```
 //!
-//! where `s` is the length in `r` over which `p` changes by one (1 for the exponent 1). The saddle-node of stick-slip is right
-//! to 1e-5 so, for disc speeds up to a thousand Stribeck velocities (a test).
+//! where `s` is the length in `r` over which `p` changes by one (1 for the exponent 1). With these steps the saddle-node of
+//! stick-slip is accurate to 1e-5 for disc speeds up to a thousand Stribeck velocities, as the tests check.
 
 use thiserror::Error;
 
-use crate::criterion::judge::{CoupledJudge, Judge, PlanarJudge, Rules, is_time_to_look};
-use crate::flexible_disc::brake::{ContactState, FlexibleBrake, FlexibleError};
-use crate::flexible_disc::linear_stability::{DegreeOfFreedom, LinearStability};
-use crate::lanes::InstructionSet;
-use crate::motion::flexible::{FlexibleSample, FlexibleState};
+use crate::criterion::decision::Decision;
+use crate::criterion::flexible_monitor::{FlexibleMonitor, MonitorOptions};
+use crate::criterion::monitor::{Monitor, is_check_due};
+use crate::criterion::rigid_monitor::RigidMonitor;
+use crate::criterion::settings::{SettingsError, TimeDomainSettings};
+use crate::flexible_disc::brake::FlexibleBrake;
+use crate::flexible_disc::error::FlexibleError;
+use crate::flexible_disc::linear_stability::LinearStability;
+use crate::motion::flexible::{FlexibleMotion, FlexibleSample, FlexibleState};
 use crate::motion::integrator::{Equations, Motion, advance};
 use crate::motion::rigid::{RigidBrake, RigidSample, RigidState};
+use crate::pad::contact_state::ContactState;
+use crate::parameters::ParameterError;
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::verdict::Verdict;
 
-/// Horizon unless told otherwise, in scaled time.
-pub const HORIZON: f64 = 10_000.0;
-
-/// Version of how the time-domain criterion judges. It changes whenever a verdict does, so that runs of different versions
-/// are never mixed; the samples themselves are the results version's.
+/// Version of the time-domain criterion. It changes whenever a verdict does, so that runs of different versions are never
+/// mixed. The samples themselves have a version of their own.
 ///
 /// 2: ringing of the disc after the tangential motion has died away is no growth. 3: linear stability decides where it
-/// can, on a rigid disc the return map where motions are slow; steps follow the friction law.
+/// can, and on a rigid disc the return map decides slow motions; steps are divided where the friction law is steep.
 pub const VERDICTS_VERSION: u32 = 3;
 
 /// Steps to the horizon at the most.
 const MOST_STEPS: f64 = 1e8;
 
-/// Displacement of a start near the equilibrium unless told otherwise, relative to x0.
-pub const DISPLACEMENT: f64 = 0.01;
-
-/// Where a motion starts. All but the tangential motion starts from steady sliding of the model in use.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Start {
-    /// At the sliding equilibrium, x displaced outwards by a stated fraction of x0: does steady sliding hold?
-    NearEquilibrium,
-    /// x = x' = 0, a brake that has just been applied: does it squeal?
-    Rest,
-    /// At the release from stick: does stick-slip keep itself going?
-    LimitCycle,
-}
-
-/// How the motion of a sample is followed and judged.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TimeDomainSettings {
-    /// Where it starts.
-    pub start: Start,
-    /// Displacement over x0, greater than 0. Where a motion does not start there, it is the distance from the
-    /// equilibrium at which a shrinking motion counts as having come home.
-    pub displacement: f64,
-    /// Scaled time after which a sample is undecided, greater than 0.
-    pub horizon: f64,
-    /// Unstable where the settled amplitude (half peak to peak of x) exceeds this, the paper's own index; `None` for
-    /// the motion itself: unstable where it grows or keeps to stick-slip.
-    pub amplitude_index: Option<f64>,
-    /// Whether unstable motions are followed until their amplitude has settled.
-    pub record_amplitude: bool,
-}
-
-impl Default for TimeDomainSettings {
-    fn default() -> Self {
-        Self {
-            start: Start::NearEquilibrium,
-            displacement: DISPLACEMENT,
-            horizon: HORIZON,
-            amplitude_index: None,
-            record_amplitude: false,
-        }
-    }
-}
-
-/// A setting that makes no sense.
+/// Why there is no time-domain criterion, or no motion of a sample.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
-pub enum SettingsError {
-    /// Out of range or not a number.
-    #[error("{key} = {value} is out of range: it must be greater than 0 and at most {largest}")]
-    OutOfRange {
-        /// Which setting.
-        key: &'static str,
-        /// Its value.
-        value: f64,
-        /// The limit.
-        largest: f64,
-    },
+pub enum TimeDomainError {
+    /// A setting out of range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The model of the disc, or its equilibrium.
+    #[error(transparent)]
+    Brake(#[from] FlexibleError),
 }
 
-impl TimeDomainSettings {
-    /// Checks every value.
-    ///
-    /// # Errors
-    /// [`SettingsError`] with the first one that is out of range.
-    pub fn validate(&self) -> Result<(), SettingsError> {
-        let check = |key, value: f64, largest| {
-            if value > 0.0 && value <= largest {
-                Ok(())
-            } else {
-                Err(SettingsError::OutOfRange { key, value, largest })
-            }
-        };
-        check("displacement", self.displacement, 1e3)?;
-        check("horizon", self.horizon, 1e9)?;
-        self.amplitude_index.map_or(Ok(()), |amplitude| check("index.amplitude", amplitude, 1e3))
-    }
-
-    fn until_settled(&self) -> bool {
-        self.record_amplitude || self.amplitude_index.is_some()
+impl From<ParameterError> for TimeDomainError {
+    fn from(error: ParameterError) -> Self {
+        Self::Brake(error.into())
     }
 }
 
-/// The disc that a motion is followed on.
+/// The disc of a simulation.
 #[derive(Debug, Clone)]
 pub enum DiscModel {
     /// The pad alone: no disc, `sin(phi) = 0`, `cos(phi) = 1`.
@@ -131,33 +70,6 @@ pub enum DiscModel {
         /// See [`FlexibleBrake::with_modes`].
         modes: usize,
     },
-}
-
-/// What became of a sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Decision {
-    /// The verdict.
-    pub verdict: Verdict,
-    /// Settled amplitude of an unstable motion, where settings ask for it.
-    pub amplitude: Option<f64>,
-    /// Scaled time that was followed; 0 where linear stability decides.
-    pub time: f64,
-    /// What feeds an unstable motion: the tangential motion of the pad, or the degree of freedom that grows even without
-    /// friction that falls with speed.
-    pub fed_by: Option<DegreeOfFreedom>,
-}
-
-impl From<Verdict> for Decision {
-    /// A verdict that no motion had to be followed for.
-    fn from(verdict: Verdict) -> Self {
-        Self { verdict, amplitude: None, time: 0.0, fed_by: None }
-    }
-}
-
-impl Decision {
-    pub(crate) const OUTSIDE_PHYSICS: Self =
-        Self { verdict: Verdict::Stable, amplitude: None, time: 0.0, fed_by: None };
-    pub(crate) const FAILED: Self = Self { verdict: Verdict::Failed, amplitude: None, time: 0.0, fed_by: None };
 }
 
 /// The time-domain criterion at one rotating speed.
@@ -171,20 +83,21 @@ pub struct TimeDomain {
 #[derive(Debug, Clone)]
 pub(crate) enum System {
     Rigid(RigidBrake),
-    Flexible(Box<FlexibleBrake>),
+    Flexible(Box<FlexibleMotion>),
 }
 
 impl TimeDomain {
     /// Prepares the criterion.
     ///
     /// # Errors
-    /// As [`FlexibleBrake::with_modes`]; settings out of range; more steps to the horizon than anyone could wait for.
-    pub fn new(brake: &PadOnDisc, disc: &DiscModel, settings: TimeDomainSettings) -> Result<Self, FlexibleError> {
+    /// [`TimeDomainError::Settings`] if a setting is out of range or the horizon is more than 1e8 steps away;
+    /// [`TimeDomainError::Brake`] as [`FlexibleBrake::with_modes`].
+    pub fn new(brake: &PadOnDisc, disc: &DiscModel, settings: TimeDomainSettings) -> Result<Self, TimeDomainError> {
         settings.validate()?;
         let system = match disc {
             DiscModel::Rigid => System::Rigid(RigidBrake::new(brake)),
             DiscModel::Flexible { modes } => {
-                System::Flexible(Box::new(FlexibleBrake::with_modes(brake.clone(), *modes)?))
+                System::Flexible(Box::new(FlexibleMotion::new(FlexibleBrake::with_modes(brake.clone(), *modes)?)))
             }
         };
         let criterion = Self { settings, system, brake: brake.clone() };
@@ -195,8 +108,7 @@ impl TimeDomain {
         Ok(criterion)
     }
 
-    /// The same criterion with steps shorter by a factor, those that the friction law asks for too: for studies of
-    /// convergence.
+    /// The same criterion with all steps shorter by a factor, for studies of convergence.
     #[must_use]
     pub fn with_steps_divided_by(mut self, divisor: f64) -> Self {
         let (step, refinement) = match &mut self.system {
@@ -208,65 +120,67 @@ impl TimeDomain {
         self
     }
 
-    /// Follows one sample until it is decided. A sample without preload presses nothing together and is stable; so is one
-    /// whose friction rises with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction.
+    /// Decides one sample. A sample without preload presses nothing together and is stable; so is one whose friction rises
+    /// with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction.
     #[must_use]
     pub fn decide(&self, inputs: RandomInputs) -> Decision {
         match &self.system {
-            System::Rigid(brake) => {
-                let sample = brake.sample(inputs);
+            System::Rigid(motion) => {
+                let sample = motion.sample(inputs);
                 match self.start_rigid(&sample, inputs) {
-                    Ok((motion, judge)) => self.follow(&sample, motion, judge, brake.step, 0),
+                    Ok((start, monitor)) => self.simulate(&sample, start, monitor, motion.step, 0),
                     Err(known) => known,
                 }
             }
-            System::Flexible(brake) => {
-                let sample = FlexibleSample::new(brake, inputs);
+            System::Flexible(motion) => {
+                let sample = motion.sample(inputs);
                 match self.start_flexible(&sample, FlexibleBrake::by_eigenvalues) {
-                    Ok((motion, judge)) => self.follow(&sample, motion, judge, brake.step_length(), 0),
+                    Ok((start, monitor)) => self.simulate(&sample, start, monitor, motion.step, 0),
                     Err(known) => known,
                 }
             }
         }
     }
 
-    /// Follows every sample of a list as [`TimeDomain::judge`] does, with the same bits, many at once. Linear stability is
-    /// [`FlexibleBrake::linear_stability`]'s here and [`FlexibleBrake::by_eigenvalues`]' there, which tests hold against
-    /// each other.
+    /// The length of a step, scaled time.
     #[must_use]
-    pub fn decide_all(&self, inputs: &[RandomInputs]) -> Vec<Decision> {
-        self.decide_all_with(inputs, InstructionSet::widest())
+    pub fn step_length(&self) -> f64 {
+        match &self.system {
+            System::Rigid(motion) => motion.step,
+            System::Flexible(motion) => motion.step,
+        }
     }
 
-    /// The motion that a sample starts with, and its judge; or what is known of it without following it.
+    /// The motion that a sample starts with, and its monitor; or the decision if it needs no simulation.
     pub(crate) fn start_rigid(
         &self,
         sample: &RigidSample<'_>,
         inputs: RandomInputs,
-    ) -> Result<(Motion<RigidState>, PlanarJudge), Decision> {
+    ) -> Result<(Motion<RigidState>, RigidMonitor), Decision> {
         if self.brake.is_outside_physics(inputs) {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
         let motion = self.rigid_start(sample);
         let starts_at_release = motion.contact == ContactState::Stick;
         let state = (motion.state.x, motion.state.u);
-        let judge = PlanarJudge::new(sample.planar_motion(), self.settings.until_settled(), state, starts_at_release);
-        self.unless_decided(motion, judge)
+        let monitor =
+            RigidMonitor::new(sample.planar_motion(), self.settings.until_settled(), state, starts_at_release);
+        self.unless_decided(motion, monitor)
     }
 
     /// See [`TimeDomain::start_rigid`].
     ///
-    /// `stability` is what the brake's coupled eigenvalues say of the sample.
+    /// `stability` finds the linear stability of the sample.
     pub(crate) fn start_flexible(
         &self,
         sample: &FlexibleSample<'_>,
         stability: impl Fn(&FlexibleBrake, RandomInputs) -> Result<LinearStability, FlexibleError>,
-    ) -> Result<(Motion<FlexibleState>, CoupledJudge), Decision> {
+    ) -> Result<(Motion<FlexibleState>, FlexibleMonitor), Decision> {
         let (brake, inputs) = (sample.brake, sample.inputs);
         if inputs.preload <= 0.0 {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
-        let repelled_by = match stability(brake, inputs) {
+        let linear_growth_fed_by = match stability(brake, inputs) {
             Ok(LinearStability::Stable) if self.brake.is_outside_physics(inputs) => {
                 return Err(Decision::OUTSIDE_PHYSICS);
             }
@@ -274,29 +188,31 @@ impl TimeDomain {
             Ok(LinearStability::Unstable { fed_by }) => Some(fed_by),
             Err(_) => return Err(Decision::FAILED),
         };
-        let rules = Rules {
-            slowest_transient: brake.slowest_transient(),
-            smallest_cycle: brake.pad.smallest_cycle(),
+        let options = MonitorOptions {
+            slowest_transient: brake.equations.slowest_transient(),
+            smallest_cycle: brake.equations.pad.smallest_cycle(),
             until_settled: self.settings.until_settled(),
-            repelled_by,
+            linear_growth_fed_by,
         };
         let (motion, equilibrium) = self.flexible_start(sample).map_err(|_| Decision::FAILED)?;
         let starts_turning_at = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
-        let judge = CoupledJudge::new(rules, equilibrium, self.settings.displacement, starts_turning_at);
-        self.unless_decided(motion, judge)
+        let monitor = FlexibleMonitor::new(options, equilibrium, self.settings.displacement, starts_turning_at);
+        self.unless_decided(motion, monitor)
     }
 
-    fn unless_decided<S, J: Judge>(&self, motion: Motion<S>, judge: J) -> Result<(Motion<S>, J), Decision> {
-        match judge.verdict() {
-            None => Ok((motion, judge)),
-            Some(verdict) => Err(self.conclude(verdict, &judge, 0.0)),
+    fn unless_decided<S, M: Monitor>(&self, motion: Motion<S>, monitor: M) -> Result<(Motion<S>, M), Decision> {
+        match monitor.verdict() {
+            None => Ok((motion, monitor)),
+            Some(verdict) => Err(self.conclude(verdict, &monitor, 0.0)),
         }
     }
 
     /// The motion at its beginning.
     pub(crate) fn rigid_start(&self, sample: &RigidSample<'_>) -> Motion<RigidState> {
-        let (x, u, contact) = self.tangential_start(sample.equilibrium(), sample.release(), sample.brake.disc_speed);
-        Motion { state: RigidState { x, u }, contact }
+        let TimeDomainSettings { start, displacement, .. } = self.settings;
+        let release = || sample.release();
+        let start = start.tangential(displacement, sample.equilibrium(), release, sample.brake.disc_speed);
+        Motion { state: RigidState { x: start.x, u: start.speed }, contact: start.contact }
     }
 
     /// The motion at its beginning, and the equilibrium's x.
@@ -306,62 +222,55 @@ impl TimeDomain {
     ) -> Result<(Motion<FlexibleState>, f64), FlexibleError> {
         let mut state = sample.equilibrium()?;
         let equilibrium = state.q[0];
-        let release = sample.release(&state);
-        let (x, u, contact) = self.tangential_start(equilibrium, release, sample.brake.pad.disc_speed);
-        state.q[0] = x;
-        state.u[0] = u;
-        Ok((Motion { state, contact }, equilibrium))
+        let TimeDomainSettings { start, displacement, .. } = self.settings;
+        let release = || sample.release(&state);
+        let start = start.tangential(displacement, equilibrium, release, sample.brake.equations.pad.disc_speed);
+        state.q[0] = start.x;
+        state.u[0] = start.speed;
+        Ok((Motion { state, contact: start.contact }, equilibrium))
     }
 
-    fn tangential_start(&self, equilibrium: f64, release: f64, disc_speed: f64) -> (f64, f64, ContactState) {
-        match self.settings.start {
-            Start::NearEquilibrium => (equilibrium * (1.0 + self.settings.displacement), 0.0, ContactState::Slip),
-            Start::Rest => (0.0, 0.0, ContactState::Slip),
-            Start::LimitCycle => (release, disc_speed, ContactState::Stick),
-        }
-    }
-
-    /// Follows a motion that has come `begun` steps far to its verdict or to the horizon.
-    pub(crate) fn follow<E: Equations, J: Judge>(
+    /// Simulates a motion from step `begun` on, to its verdict or to the horizon.
+    pub(crate) fn simulate<E: Equations, M: Monitor>(
         &self,
         equations: &E,
         mut motion: Motion<E::State>,
-        mut judge: J,
+        mut monitor: M,
         h: f64,
         begun: u64,
     ) -> Decision {
         let steps = self.steps_to_horizon(h);
         for step in begun..steps {
             let time = step as f64 * h;
-            if advance(equations, &mut motion, time, h, &mut judge).is_err() {
-                return self.conclude_without_verdict(Verdict::Failed, &judge, time);
+            if advance(equations, &mut motion, time, h, &mut monitor).is_err() {
+                return self.conclude_without_verdict(Verdict::Failed, &monitor, time);
             }
-            if is_time_to_look(step + 1) {
+            if is_check_due(step + 1) {
                 let (x, u) = equations.tangential(&motion.state);
-                judge.looks(x, u);
+                monitor.check(x, u);
             }
-            if let Some(verdict) = judge.verdict() {
-                return self.conclude(verdict, &judge, (step + 1) as f64 * h);
+            if let Some(verdict) = monitor.verdict() {
+                return self.conclude(verdict, &monitor, (step + 1) as f64 * h);
             }
         }
-        self.conclude_without_verdict(Verdict::Undecided, &judge, steps as f64 * h)
+        self.conclude_without_verdict(Verdict::Undecided, &monitor, steps as f64 * h)
     }
 
-    /// The outcome of a motion that ended at the horizon or broke down. One that is known to be unstable is so without
-    /// a settled amplitude, unless that amplitude is what decides.
-    pub(crate) fn conclude_without_verdict<J: Judge>(&self, otherwise: Verdict, judge: &J, time: f64) -> Decision {
-        let known = judge.is_unstable() && self.settings.amplitude_index.is_none();
+    /// The decision on a motion that ended at the horizon or broke down. If it is known to be unstable, that is its verdict,
+    /// unless the settled amplitude is what decides.
+    pub(crate) fn conclude_without_verdict<M: Monitor>(&self, otherwise: Verdict, monitor: &M, time: f64) -> Decision {
+        let known = monitor.is_unstable() && self.settings.amplitude_index.is_none();
         let verdict = if known { Verdict::Unstable } else { otherwise };
-        Decision { verdict, amplitude: None, time, fed_by: known.then(|| judge.fed_by()) }
+        Decision { verdict, amplitude: None, time, fed_by: known.then(|| monitor.fed_by()) }
     }
 
     pub(crate) fn steps_to_horizon(&self, h: f64) -> u64 {
         (self.settings.horizon / h).ceil() as u64
     }
 
-    /// The outcome of a motion with this verdict; with the paper's index the settled amplitude has the last word.
-    pub(crate) fn conclude<J: Judge>(&self, verdict: Verdict, judge: &J, time: f64) -> Decision {
-        let amplitude = (verdict == Verdict::Unstable && self.settings.until_settled()).then(|| judge.amplitude());
+    /// The decision on a motion with this verdict. With the paper's index the settled amplitude decides.
+    pub(crate) fn conclude<M: Monitor>(&self, verdict: Verdict, monitor: &M, time: f64) -> Decision {
+        let amplitude = (verdict == Verdict::Unstable && self.settings.until_settled()).then(|| monitor.amplitude());
         let verdict = match (self.settings.amplitude_index, amplitude) {
             (Some(limit), Some(amplitude)) if amplitude <= limit => Verdict::Stable,
             _ => verdict,
@@ -371,451 +280,10 @@ impl TimeDomain {
             verdict,
             amplitude: amplitude.filter(|_| is_unstable),
             time,
-            fed_by: is_unstable.then(|| judge.fed_by()),
+            fed_by: is_unstable.then(|| monitor.fed_by()),
         }
-    }
-}
-
-impl FlexibleBrake {
-    /// The slowest damping rate of the normal, angular and disc motion, taken apart: half of the damping, or where a motion
-    /// is overdamped, its stiffness over its damping. What their coupling takes of it near flutter is not in it.
-    pub(crate) fn slowest_transient(&self) -> f64 {
-        let rate = |damping: f64, stiffness: f64| (0.5 * damping).min(stiffness / damping.max(f64::MIN_POSITIVE));
-        let pad = &self.pad;
-        let normal = rate(pad.normal_damping, pad.normal_stiffness + pad.pressure_gain);
-        (0.5 * self.disc_damping).min(normal).min(rate(pad.angular_damping, pad.angular_stiffness))
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::motion::integrator::Observer;
-
-    const NOMINAL: RandomInputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
-
-    fn criterion(speed: f64, disc: &DiscModel, settings: TimeDomainSettings) -> TimeDomain {
-        TimeDomain::new(&PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]), disc, settings).unwrap()
-    }
-
-    const FLEXIBLE: DiscModel = DiscModel::Flexible { modes: 5 };
-
-    /// The last turning points of a motion, and when it last stuck.
-    #[derive(Default)]
-    struct Aftermath {
-        turns: [f64; 2],
-        last_stick: Option<f64>,
-    }
-
-    impl Aftermath {
-        fn amplitude(&self) -> f64 {
-            0.5 * (self.turns[1] - self.turns[0]).abs()
-        }
-
-        fn sticks_after(&self, time: f64) -> bool {
-            self.last_stick.is_some_and(|stick| stick > time)
-        }
-    }
-
-    impl Observer for Aftermath {
-        fn turns(&mut self, _: f64, x: f64) {
-            self.turns = [self.turns[1], x];
-        }
-        fn sticks(&mut self, time: f64, _: f64) {
-            self.last_stick = Some(time);
-        }
-        fn slips(&mut self, _: f64) {}
-    }
-
-    /// Follows a sample for `time`, whatever a judge might think of it.
-    fn aftermath(criterion: &TimeDomain, inputs: RandomInputs, time: f64) -> Aftermath {
-        fn run<E: Equations>(equations: &E, mut motion: Motion<E::State>, h: f64, time: f64) -> Aftermath {
-            let x = equations.tangential(&motion.state).0;
-            let mut aftermath = Aftermath { turns: [x; 2], last_stick: None };
-            for step in 0..(time / h) as u64 {
-                advance(equations, &mut motion, step as f64 * h, h, &mut aftermath).unwrap();
-            }
-            aftermath
-        }
-        match &criterion.system {
-            System::Rigid(brake) => {
-                let sample = brake.sample(inputs);
-                run(&sample, criterion.rigid_start(&sample), brake.step, time)
-            }
-            System::Flexible(brake) => {
-                let sample = FlexibleSample::new(brake, inputs);
-                run(&sample, criterion.flexible_start(&sample).unwrap().0, brake.step_length(), time)
-            }
-        }
-    }
-
-    /// The verdict of the flexible disc's judge if nobody tells it of linear stability.
-    fn unaided_verdict(criterion: &TimeDomain, inputs: RandomInputs) -> Verdict {
-        let System::Flexible(brake) = &criterion.system else { panic!("a flexible disc") };
-        let sample = FlexibleSample::new(brake, inputs);
-        let (motion, equilibrium) = criterion.flexible_start(&sample).unwrap();
-        let rules = Rules {
-            slowest_transient: brake.slowest_transient(),
-            smallest_cycle: brake.pad.smallest_cycle(),
-            until_settled: false,
-            repelled_by: None,
-        };
-        let turning = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
-        let judge = CoupledJudge::new(rules, equilibrium, criterion.settings.displacement, turning);
-        criterion.follow(&sample, motion, judge, brake.step_length(), 0).verdict
-    }
-
-    /// Follows a sample ten times as long as its verdict took, and at least for some hundred cycles, and finds the same.
-    fn assert_verdict_holds(criterion: &TimeDomain, inputs: RandomInputs, context: &str) -> Verdict {
-        let judged = criterion.decide(inputs);
-        let soon = judged.time.max(60.0);
-        let late = 10.0 * soon;
-        let at_verdict = aftermath(criterion, inputs, soon).amplitude();
-        let end = aftermath(criterion, inputs, late);
-        let keeps_sticking = end.sticks_after(late - 10.0);
-        let holds = match judged.verdict {
-            Verdict::Unstable => keeps_sticking || end.amplitude() > at_verdict,
-            Verdict::Stable => !keeps_sticking && (end.amplitude() < at_verdict || end.amplitude() < 1e-9),
-            other => panic!("{context}: {inputs:?} {other:?}"),
-        };
-        assert!(holds, "{context}: {inputs:?} {judged:?} {at_verdict} then {} {:?}", end.amplitude(), end.last_stick);
-        judged.verdict
-    }
-
-    #[test]
-    fn verdicts_hold_ten_times_as_long_near_both_boundaries() {
-        for (disc, boundaries) in [(DiscModel::Rigid, [15.56, 30.197]), (FLEXIBLE, [15.398, 30.6])] {
-            for start in [Start::NearEquilibrium, Start::Rest, Start::LimitCycle] {
-                let mut seen = [0; 4];
-                for (boundary, offset) in
-                    boundaries.into_iter().flat_map(|b| (0..24).map(move |i| (b, (f64::from(i) - 11.3) / 11.3)))
-                {
-                    // Denser towards the boundary: to one part in 1400 of it.
-                    let speed = boundary * (1.0 + 0.05 * offset * offset * offset.signum());
-                    let criterion = criterion(speed, &disc, TimeDomainSettings { start, ..Default::default() });
-                    let verdict = assert_verdict_holds(&criterion, NOMINAL, &format!("{disc:?} {start:?} {speed}"));
-                    seen[verdict as usize] += 1;
-                }
-                assert!(seen[0] >= 10 && seen[1] >= 10, "{disc:?} {start:?} {seen:?}: both verdicts must occur");
-            }
-        }
-    }
-
-    #[test]
-    fn ringing_of_the_disc_is_no_instability() {
-        // Much preload and little falling friction: the tangential motion dies away faster than the disc rings, and what
-        // is left to see beats. No stick-slip exists there (22 rad/s, the limit cycle starts at f_s = 0.264 and more).
-        for speed in [22.0, 30.0] {
-            let criterion =
-                criterion(speed, &FLEXIBLE, TimeDomainSettings { start: Start::Rest, ..Default::default() });
-            for i in 0..60 {
-                let (row, column) = (i / 10, i % 10);
-                let preload = 0.35 + 0.13 * f64::from(row);
-                let static_friction = 0.2502 + 0.0008 * f64::from(column);
-                let inputs = RandomInputs { preload, static_friction };
-                let end = aftermath(&criterion, inputs, 400.0);
-                assert!(
-                    end.amplitude() < 2e-5 && !end.sticks_after(50.0),
-                    "{speed} {inputs:?}: it does not come to rest"
-                );
-                assert_eq!(criterion.decide(inputs).verdict, Verdict::Stable, "{speed} {inputs:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_threshold_in_time_is_that_of_the_eigenvalues() {
-        for disc in [DiscModel::Rigid, FLEXIBLE] {
-            // A small displacement: at one percent of x0 the falling friction is no longer quite linear.
-            let settings = TimeDomainSettings { displacement: 1e-4, ..Default::default() };
-            let boundary = |is_unstable: &dyn Fn(&TimeDomain) -> bool| {
-                let (mut slow, mut fast) = (14.0, 17.0);
-                while fast - slow > 1e-4 {
-                    let middle = 0.5 * (slow + fast);
-                    if is_unstable(&criterion(middle, &disc, settings)) { slow = middle } else { fast = middle }
-                }
-                slow
-            };
-            // The motion itself, and where there is one the judge that is not told of linear stability.
-            let grows = |criterion: &TimeDomain| {
-                let [soon, late] = [800.0, 1600.0].map(|time| aftermath(criterion, NOMINAL, time));
-                late.sticks_after(0.0) || late.amplitude() > soon.amplitude()
-            };
-            let in_time = match disc {
-                DiscModel::Rigid => vec![boundary(&grows)],
-                DiscModel::Flexible { .. } => {
-                    vec![boundary(&grows), boundary(&|at| unaided_verdict(at, NOMINAL) == Verdict::Unstable)]
-                }
-            };
-            let by_eigenvalues = boundary(&|criterion| match &criterion.system {
-                System::Rigid(_) => criterion.brake.growth_rate() > 0.0,
-                System::Flexible(brake) => brake.growth_rate(NOMINAL).unwrap() > 0.0,
-            });
-            let by_criterion = boundary(&|criterion| criterion.decide(NOMINAL).verdict == Verdict::Unstable);
-            // What is left is the damping of the method, a part in 10^5; the criterion itself has none.
-            for in_time in in_time {
-                assert!((in_time - by_eigenvalues).abs() < 1e-3, "{disc:?} {in_time} {by_eigenvalues}");
-            }
-            assert!((by_criterion - by_eigenvalues).abs() < 2e-4, "{disc:?} {by_criterion} {by_eigenvalues}");
-        }
-    }
-
-    #[test]
-    fn what_a_brake_does_between_the_boundaries_depends_on_its_start() {
-        for disc in [DiscModel::Rigid, FLEXIBLE] {
-            for (speed, expected) in [
-                (12.0, [Verdict::Unstable, Verdict::Unstable, Verdict::Unstable]),
-                (22.0, [Verdict::Stable, Verdict::Unstable, Verdict::Unstable]),
-                (34.0, [Verdict::Stable, Verdict::Stable, Verdict::Stable]),
-            ] {
-                for (start, expected) in
-                    [Start::NearEquilibrium, Start::Rest, Start::LimitCycle].into_iter().zip(expected)
-                {
-                    let criterion = criterion(speed, &disc, TimeDomainSettings { start, ..Default::default() });
-                    assert_eq!(criterion.decide(NOMINAL).verdict, expected, "{disc:?} {speed} {start:?}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_settled_amplitude_is_that_of_the_limit_cycle() {
-        let settings = TimeDomainSettings { record_amplitude: true, ..Default::default() };
-        for speed in [8.0, 12.0, 15.0] {
-            let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]);
-            let cycle = brake.limit_cycle().unwrap();
-            let expected = 0.5 * (cycle.tangential_max - cycle.tangential_min);
-            let rigid = criterion(speed, &DiscModel::Rigid, settings).decide(NOMINAL).amplitude.unwrap();
-            assert!((rigid / expected - 1.0).abs() < 2e-4, "{speed}: {rigid} {expected}");
-            let flexible = criterion(speed, &FLEXIBLE, settings).decide(NOMINAL).amplitude.unwrap();
-            assert!((flexible / expected - 1.0).abs() < 0.05, "{speed}: {flexible} {expected}");
-        }
-    }
-
-    #[test]
-    fn the_papers_index_is_a_limit_on_the_settled_amplitude() {
-        let judge = |limit: f64| {
-            let settings = TimeDomainSettings { amplitude_index: Some(limit), ..Default::default() };
-            criterion(12.0, &DiscModel::Rigid, settings).decide(NOMINAL).verdict
-        };
-        // The limit cycle at 12 rad/s has an amplitude of 0.0057.
-        assert_eq!([judge(0.005), judge(0.006)], [Verdict::Unstable, Verdict::Stable]);
-    }
-
-    #[test]
-    fn inputs_outside_physics_are_stable_and_blown_up_ones_failed() {
-        let criterion = criterion(10.0, &FLEXIBLE, TimeDomainSettings::default());
-        for (preload, static_friction) in [(0.0, 0.4), (-0.1, 0.4), (0.1, 0.2), (0.1, 0.0), (-0.1, 0.2)] {
-            let judged = criterion.decide(RandomInputs { preload, static_friction });
-            assert_eq!((judged.verdict, judged.time), (Verdict::Stable, 0.0));
-        }
-        assert_eq!(criterion.decide(RandomInputs { preload: 0.1, static_friction: f64::NAN }).verdict, Verdict::Failed);
-        assert_eq!(criterion.decide(RandomInputs { preload: f64::NAN, static_friction: 0.4 }).verdict, Verdict::Failed);
-    }
-
-    #[test]
-    fn recording_the_amplitude_changes_no_verdict() {
-        for (disc, horizon) in [(DiscModel::Rigid, 9.0), (FLEXIBLE, 40.0)] {
-            for start in [Start::NearEquilibrium, Start::Rest] {
-                let plain = TimeDomainSettings { start, horizon, ..Default::default() };
-                let recording = TimeDomainSettings { record_amplitude: true, ..plain };
-                let [plain, recording] = [plain, recording].map(|settings| criterion(15.0, &disc, settings));
-                for i in 0..120 {
-                    let inputs = RandomInputs { preload: 0.003 * f64::from(i), static_friction: 0.39 };
-                    let (plain, recording) = (plain.decide(inputs), recording.decide(inputs));
-                    assert_eq!(plain.verdict, recording.verdict, "{disc:?} {start:?} {inputs:?}");
-                    assert!(recording.amplitude.is_none() || recording.verdict == Verdict::Unstable);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_displacement_beyond_the_limit_cycle_is_no_home_to_come_to() {
-        for disc in [DiscModel::Rigid, FLEXIBLE] {
-            for displacement in [0.5, 5.0, 20.0] {
-                let settings = TimeDomainSettings { displacement, ..Default::default() };
-                assert_eq!(
-                    criterion(10.0, &disc, settings).decide(NOMINAL).verdict,
-                    Verdict::Unstable,
-                    "{displacement}"
-                );
-                assert_eq!(criterion(40.0, &disc, settings).decide(NOMINAL).verdict, Verdict::Stable, "{displacement}");
-            }
-        }
-    }
-
-    #[test]
-    fn overdamped_and_stiff_motions_are_decided_too() {
-        for damping in [6e3, 1e4, 1e5] {
-            for disc in [DiscModel::Rigid, FLEXIBLE] {
-                for start in [Start::NearEquilibrium, Start::Rest] {
-                    let brake = PadOnDisc::preset_with(&[("damping.tangential", damping)]);
-                    let settings = TimeDomainSettings { start, ..Default::default() };
-                    let judged = TimeDomain::new(&brake, &disc, settings).unwrap().decide(NOMINAL);
-                    assert_eq!(judged.verdict, Verdict::Stable, "{damping} {disc:?} {start:?} {judged:?}");
-                }
-            }
-        }
-        // The normal motion may be as stiff.
-        let brake = PadOnDisc::preset_with(&[("damping.normal", 1e5)]);
-        let judged = TimeDomain::new(&brake, &FLEXIBLE, TimeDomainSettings::default()).unwrap().decide(NOMINAL);
-        assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
-    }
-
-    #[test]
-    fn a_brake_whose_disc_flutters_is_unstable_and_says_so() {
-        // Without damping the disc is unstable at any speed; with it, far beyond all that discs withstand. The audit's
-        // brake: coupled growth +0.0007, which the tangential motion does not show.
-        let audited = [
-            ("disc.youngs_modulus", 7e10),
-            ("disc.thickness", 0.01),
-            ("disc.transverse_damping_ratio", 0.002),
-            ("friction.stribeck_velocity", 20.0),
-            ("friction.kinetic_coefficient", 0.15),
-            ("friction.static_coefficient", 0.45),
-            ("operating_point.rotating_speed", 20.0),
-        ];
-        for (changes, modes) in [
-            (&[("disc.transverse_damping_ratio", 0.0), ("operating_point.rotating_speed", 20.0)][..], 5),
-            (&[("disc.transverse_damping_ratio", 0.02), ("operating_point.rotating_speed", 2e4)][..], 5),
-            (&audited[..], 16),
-        ] {
-            let brake = PadOnDisc::preset_with(changes);
-            let inputs = RandomInputs { preload: 0.1, static_friction: brake.parameters().friction.static_coefficient };
-            for start in [Start::NearEquilibrium, Start::Rest, Start::LimitCycle] {
-                let settings = TimeDomainSettings { start, ..Default::default() };
-                let criterion = TimeDomain::new(&brake, &DiscModel::Flexible { modes }, settings).unwrap();
-                let judged = criterion.decide(inputs);
-                assert_eq!(judged.verdict, Verdict::Unstable, "{changes:?} {start:?}");
-                assert_eq!(judged.fed_by, Some(DegreeOfFreedom::Disc), "{changes:?} {start:?}");
-            }
-        }
-        let groaning = criterion(10.0, &FLEXIBLE, TimeDomainSettings::default()).decide(NOMINAL);
-        assert_eq!(groaning.fed_by, Some(DegreeOfFreedom::Tangential));
-        assert_eq!(criterion(40.0, &FLEXIBLE, TimeDomainSettings::default()).decide(NOMINAL).fed_by, None);
-    }
-
-    #[test]
-    fn friction_that_rises_with_speed_does_not_stop_flutter() {
-        let brake = PadOnDisc::preset_with(&[("disc.transverse_damping_ratio", 0.0)]);
-        let rising = RandomInputs { preload: 0.1, static_friction: 0.2 };
-        let flexible = TimeDomain::new(&brake, &FLEXIBLE, TimeDomainSettings::default()).unwrap().decide(rising);
-        assert_eq!((flexible.verdict, flexible.fed_by), (Verdict::Unstable, Some(DegreeOfFreedom::Disc)));
-        let rigid = TimeDomain::new(&brake, &DiscModel::Rigid, TimeDomainSettings::default()).unwrap().decide(rising);
-        assert_eq!(rigid.verdict, Verdict::Stable);
-    }
-
-    #[test]
-    fn a_pad_that_stuck_once_and_creeps_home_is_stable() {
-        // The audit's brake, overdamped: it stuck once, and no judge looked again.
-        let changes = [("damping.tangential", 6000.0), ("operating_point.rotating_speed", 10.0)];
-        let brake = PadOnDisc::preset_with(&changes);
-        let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
-        for disc in [DiscModel::Rigid, FLEXIBLE] {
-            let judged = TimeDomain::new(&brake, &disc, settings).unwrap().decide(NOMINAL);
-            assert_eq!(judged.verdict, Verdict::Stable, "{disc:?} {judged:?}");
-        }
-    }
-
-    #[test]
-    fn ringing_after_a_long_stick_is_no_instability() {
-        // On a disc so slow the pad sticks for 2300 units of time, and what rings at its release beats for some hundred.
-        let changes = [
-            ("disc.youngs_modulus", 7.26e10),
-            ("disc.thickness", 0.0117),
-            ("disc.transverse_damping_ratio", 0.01025),
-            ("stiffness.calliper_tangential", 4.914e7),
-            ("stiffness.calliper_normal", 4.411e7),
-            ("stiffness.calliper_angular", 1.729e4),
-            ("stiffness.contact_normal", 2.214e7),
-            ("stiffness.contact_tangential_1", 1.3066e7),
-            ("stiffness.contact_tangential_2", 2.8613e7),
-            ("damping.tangential", 25.14),
-            ("damping.normal", 47.2),
-            ("damping.angular", 0.1022),
-            ("friction.kinetic_coefficient", 0.15916),
-            ("friction.stribeck_velocity", 0.3982),
-            ("friction.stribeck_exponent", 1.5),
-            ("operating_point.rotating_speed", 0.00151),
-        ];
-        let inputs = RandomInputs { preload: 0.0908, static_friction: 0.16947 };
-        let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
-        let criterion = TimeDomain::new(&PadOnDisc::preset_with(&changes), &FLEXIBLE, settings).unwrap();
-        let end = aftermath(&criterion, inputs, 8000.0);
-        assert!(end.amplitude() < 1e-10 && !end.sticks_after(3000.0), "it does not come to rest");
-        let judged = criterion.decide(inputs);
-        assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
-    }
-
-    #[test]
-    fn a_disc_that_rings_longer_than_the_pad_swings_leaves_nothing_undecided() {
-        // Partial contact and little damping of the disc: beyond time 100 nothing but its beats is left to see.
-        let changes = [
-            ("disc.youngs_modulus", 2.726e10),
-            ("disc.thickness", 0.01058),
-            ("disc.transverse_damping_ratio", 0.002523),
-            ("stiffness.calliper_tangential", 4.598e7),
-            ("stiffness.calliper_normal", 1.2391e7),
-            ("stiffness.calliper_angular", 6.899e4),
-            ("stiffness.contact_normal", 1.1207e8),
-            ("stiffness.contact_tangential_1", 1.6564e7),
-            ("stiffness.contact_tangential_2", 2.3442e7),
-            ("damping.tangential", 1465.5),
-            ("damping.normal", 209.3),
-            ("damping.angular", 0.06608),
-            ("friction.kinetic_coefficient", 0.33254),
-            ("friction.stribeck_velocity", 1.8077),
-            ("friction.stribeck_exponent", 1.5),
-            ("operating_point.rotating_speed", 15.614),
-        ];
-        let inputs = RandomInputs { preload: 0.1146, static_friction: 0.64816 };
-        let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
-        let judged = TimeDomain::new(&PadOnDisc::preset_with(&changes), &FLEXIBLE, settings).unwrap().decide(inputs);
-        assert_eq!(judged.verdict, Verdict::Stable, "{judged:?}");
-        assert!(judged.time < 4000.0, "{judged:?}");
-    }
-
-    #[test]
-    fn smooth_cycles_are_unstable_up_to_the_speed_at_which_they_end() {
-        // The audit: exponent 2, c_x 3000, from rest; sustained to 7.3237 rad/s.
-        let at = |speed: f64, record_amplitude: bool| {
-            let brake = PadOnDisc::preset_with(&[
-                ("friction.stribeck_exponent", 2.0),
-                ("damping.tangential", 3000.0),
-                ("operating_point.rotating_speed", speed),
-            ]);
-            let settings = TimeDomainSettings { start: Start::Rest, record_amplitude, ..Default::default() };
-            TimeDomain::new(&brake, &DiscModel::Rigid, settings).unwrap().decide(NOMINAL)
-        };
-        for (speed, expected) in [(7.25, Verdict::Unstable), (7.3236, Verdict::Unstable), (7.3238, Verdict::Stable)] {
-            assert_eq!(at(speed, false).verdict, expected, "{speed}");
-        }
-        let amplitudes = [7.0, 7.25, 7.32].map(|speed| at(speed, true).amplitude.unwrap());
-        assert!(amplitudes.is_sorted_by(|a, b| a > b) && amplitudes[2] > 1e-4, "{amplitudes:?}");
-    }
-
-    #[test]
-    fn a_short_horizon_leaves_samples_undecided() {
-        let settings = TimeDomainSettings { horizon: 3.0, ..Default::default() };
-        assert_eq!(criterion(15.5, &FLEXIBLE, settings).decide(NOMINAL).verdict, Verdict::Undecided);
-    }
-
-    #[test]
-    fn silly_settings_are_refused() {
-        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let good = TimeDomainSettings::default();
-            assert!(TimeDomainSettings { horizon: bad, ..good }.validate().is_err());
-            assert!(TimeDomainSettings { displacement: bad, ..good }.validate().is_err());
-            assert!(TimeDomainSettings { amplitude_index: Some(bad), ..good }.validate().is_err());
-        }
-        assert!(TimeDomainSettings::default().validate().is_ok());
-        // More steps than anyone could wait for.
-        let brake = PadOnDisc::preset_with(&[]);
-        let endless = TimeDomainSettings { horizon: 1e8, ..Default::default() };
-        assert!(matches!(
-            TimeDomain::new(&brake, &DiscModel::Rigid, endless).unwrap_err(),
-            FlexibleError::Settings(SettingsError::OutOfRange { key: "horizon", .. })
-        ));
-    }
-}
+mod tests;

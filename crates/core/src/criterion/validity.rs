@@ -37,8 +37,8 @@
 //! # Flexible disc
 //!
 //! 60 verdicts on 20 random brakes, three starts each, with a horizon of 10 000. The reference of a linearly unstable brake is its
-//! eigenvalues; else motions of the same equations with a quarter of the step, up to three times the horizon, that no judge
-//! looks at.
+//! eigenvalues; else motions of the same equations with a quarter of the step, up to three times the horizon, whose last
+//! quarters are compared.
 //!
 //! | range | cases | wrong | undecided | share of both | no reference | changed by half steps |
 //! |---|---|---|---|---|---|---|
@@ -176,7 +176,7 @@ pub fn uncovered(brake: &PadOnDisc, disc: &DiscModel) -> Vec<Uncovered> {
         DiscModel::Rigid => RIGID_DISC,
         DiscModel::Flexible { .. } => FLEXIBLE_DISC,
     };
-    // What was typed in as the limit may come out of a formula as a little more.
+    // A value that was given as the limit may be a little more after a formula.
     let contains =
         |covered: &Covered, value: f64| value >= covered.from * (1.0 - 1e-9) && value <= covered.to * (1.0 + 1e-9);
     let values = ranges.into_iter().map(|covered| Uncovered { covered, value: covered.quantity.of(brake) });

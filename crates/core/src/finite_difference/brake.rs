@@ -16,18 +16,22 @@
 //! the same nodes with the same weights: the work done on the nodes is the work that the loads do at their points.
 //!
 //! Time steps are `dt = dtheta / (C Om)` with the smallest integer C for which explicit steps are stable. The disc
-//! makes steps of central differences, its load taken in their middle, where the deflection is known. The pad then
-//! follows through the same step by the Runge-Kutta method with located stick and slip (as on every other disc), on a
-//! surface that moves linearly from the disc's old deflection to its new one. Either way round the error is of second
-//! order in dt (of first order in the one step in which friction jumps at an event), and dt is a small fraction of
-//! what the pad's motion would need: what is left is the error of the grid.
+//! makes steps of central differences, with the load in their middle, where the deflection is known. The pad then makes
+//! the same step by the Runge-Kutta method with located stick and slip (as on every other disc), on a surface that moves
+//! linearly from the disc's old deflection to its new one. The error is of second order in dt, or of first order in the one
+//! step in which friction jumps at an event. As dt is a small fraction of what the pad's motion needs, what is left is the
+//! error of the grid.
 
 use thiserror::Error;
 
-use crate::criterion::time_domain::SettingsError;
+use crate::criterion::settings::SettingsError;
 use crate::finite_difference::patch::{MovingPatch, Passage, Surface};
-use crate::finite_difference::plate::{ExplicitStep, PlateGrid, PlateMotion};
-use crate::flexible_disc::brake::{FlexibleBrake, FlexibleError};
+use crate::finite_difference::plate::grid::PlateGrid;
+use crate::finite_difference::plate::motion::{ExplicitStep, PlateMotion};
+use crate::flexible_disc::brake::FlexibleBrake;
+use crate::flexible_disc::error::FlexibleError;
+use crate::motion::flexible::FlexibleMotion;
+use crate::pad::equations::PadEquations;
 use crate::rigid_disc::pad_on_disc::PadOnDisc;
 
 /// Numbers of intervals that a grid may have along the radius, and elements that it may have under the pad.
@@ -65,7 +69,7 @@ pub enum Allotment {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FiniteDifferenceError {
-    /// A grid too coarse to mean anything, or too fine to be followed.
+    /// A grid that is too coarse to mean anything, or too fine to simulate.
     #[error("grid.{key} = {value} is out of range: it must be at least {least} and at most {most}")]
     Grid {
         /// Which number of the grid.
@@ -91,7 +95,10 @@ pub enum FiniteDifferenceError {
 /// Pad and disc on a grid, at one rotating speed.
 ///
 /// ```
-/// use stickslip_core::{Allotment, DiscGrid, FiniteDifferenceBrake, PadOnDisc, Parameters, RandomInputs, Start};
+/// use stickslip_core::finite_difference::brake::{Allotment, DiscGrid, FiniteDifferenceBrake};
+/// use stickslip_core::motion::start::Start;
+/// use stickslip_core::parameters::Parameters;
+/// use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 /// let brake = PadOnDisc::new(Parameters::sui_ding_2018())?;
 /// let brake = FiniteDifferenceBrake::new(brake, DiscGrid { radial: 6, per_pad: 6 })?;
 /// let inputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
@@ -101,8 +108,8 @@ pub enum FiniteDifferenceError {
 /// ```
 #[derive(Debug, Clone)]
 pub struct FiniteDifferenceBrake {
-    /// Gives the pad's equations, eta1 and the interval between moments; its disc is not used.
-    pub(crate) modal: FlexibleBrake,
+    /// Gives the pad's equations, eta1, linear stability and the interval between moments; its disc does not move.
+    pub(crate) modal: FlexibleMotion,
     pub(crate) plate: PlateGrid,
     pub(crate) patch: MovingPatch,
     /// Om.
@@ -128,8 +135,8 @@ impl FiniteDifferenceBrake {
                 return Err(FiniteDifferenceError::Grid { key, value, least, most });
             }
         }
-        let modal = FlexibleBrake::new(brake)?;
-        let brake = modal.brake();
+        let modal = FlexibleMotion::new(FlexibleBrake::new(brake)?);
+        let brake = modal.brake.brake();
         let parameters = brake.parameters();
         let (disc, h) = (&parameters.disc, parameters.disc.thickness);
         let radii = (disc.inner_radius / h, disc.outer_radius / h);
@@ -140,12 +147,17 @@ impl FiniteDifferenceBrake {
         // The contact stiffens the disc at the most as if one node carried the whole pad.
         let least_area = plate.area(1).min(plate.area(plate.rings));
         let stiffest = plate.largest_squared_frequency() + contact_gain / least_area;
-        let longest = (STEP * 2.0 / stiffest.sqrt()).min(modal.step_length());
+        let longest = (STEP * 2.0 / stiffest.sqrt()).min(modal.step);
         let steps_per_element = (plate.angle / (spin * longest)).ceil().max(1.0);
         let step_length = plate.angle / (spin * steps_per_element);
-        let step = plate.explicit_step(step_length, modal.disc_damping, spin);
+        let step = plate.explicit_step(step_length, modal.brake.equations.disc_damping, spin);
         let steps_per_element = steps_per_element as u64;
         Ok(Self { modal, plate, patch, spin, contact_gain, steps_per_element, step_length, step })
+    }
+
+    /// The pad's equations.
+    pub(crate) fn pad(&self) -> &PadEquations {
+        &self.modal.brake.equations.pad
     }
 
     /// dt, scaled time.
@@ -166,7 +178,7 @@ impl FiniteDifferenceBrake {
         count: usize,
     ) -> Result<Vec<f64>, FiniteDifferenceError> {
         let squared = self.plate.squared_frequencies(nodal_diameters).map_err(FlexibleError::from)?;
-        let thickness = self.modal.brake().parameters().disc.thickness;
+        let thickness = self.modal.brake.brake().parameters().disc.thickness;
         let parameter = |squared: &f64| self.plate.outer * self.plate.outer * (squared * thickness).sqrt();
         Ok(squared.iter().take(count).map(parameter).collect())
     }
@@ -176,9 +188,9 @@ impl FiniteDifferenceBrake {
     /// from angle 0 on.
     ///
     /// # Errors
-    /// [`FiniteDifferenceError::NotSolvable`] if the stiffness of the grid is singular, for plates beyond any sense.
+    /// [`FiniteDifferenceError::NotSolvable`] if the stiffness of the grid is singular, which no plate of a brake is.
     pub fn static_deflection(&self, pressure: impl Fn(f64, f64) -> f64) -> Result<Vec<f64>, FiniteDifferenceError> {
-        let brake = self.modal.brake();
+        let brake = self.modal.brake.brake();
         let h = brake.parameters().disc.thickness;
         let scale = h * h / brake.scales().flexural_rigidity * self.patch.area;
         let places = self.patch.places(self.plate.angle);
@@ -195,7 +207,7 @@ impl FiniteDifferenceBrake {
     /// # Errors
     /// As [`FiniteDifferenceBrake::static_deflection`].
     pub fn compliance(&self) -> Result<f64, FiniteDifferenceError> {
-        let h = self.modal.brake().parameters().disc.thickness;
+        let h = self.modal.brake.brake().parameters().disc.thickness;
         let area = h * h * self.patch.area;
         let deflection = self.static_deflection(|_, _| 1.0 / area)?;
         let surface = self.surface(&self.plate.at_rest(&deflection));
@@ -204,10 +216,10 @@ impl FiniteDifferenceBrake {
 
     /// The deflection, ring by ring, that stands still under the loads of the points where the pad is at first.
     pub(crate) fn steady_deflection(&self, spin: f64, loads: &[f64]) -> Result<Vec<f64>, FiniteDifferenceError> {
-        let mut footing = Vec::new();
-        self.patch.stand(&self.plate, Passage::default(), &mut footing);
+        let mut positions = Vec::new();
+        self.patch.locate(&self.plate, Passage::default(), &mut positions);
         let mut by_node = vec![0.0; self.plate.rings * self.plate.columns];
-        self.patch.allot(&self.plate, &footing, loads, |ring, column, load| {
+        self.patch.allot(&self.plate, &positions, loads, |ring, column, load| {
             by_node[(ring - 1) * self.plate.columns + column] += load;
         });
         self.plate.steady_deflection(spin, &by_node).ok_or(FiniteDifferenceError::NotSolvable)
@@ -215,159 +227,12 @@ impl FiniteDifferenceBrake {
 
     /// The disc under the pad where the pad is at first.
     pub(crate) fn surface(&self, motion: &PlateMotion) -> Surface {
-        let (mut footing, mut surface) = (Vec::new(), Surface::default());
-        self.patch.stand(&self.plate, Passage::default(), &mut footing);
-        self.patch.read(&self.plate, motion, &footing, &mut surface);
+        let (mut positions, mut surface) = (Vec::new(), Surface::default());
+        self.patch.locate(&self.plate, Passage::default(), &mut positions);
+        self.patch.read(&self.plate, motion, &positions, &mut surface);
         surface
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn grid(points: usize) -> DiscGrid {
-        DiscGrid { radial: points, per_pad: points }
-    }
-
-    fn on_grid(points: usize, changes: &[(&str, f64)]) -> FiniteDifferenceBrake {
-        FiniteDifferenceBrake::new(PadOnDisc::preset_with(changes), grid(points)).unwrap()
-    }
-
-    /// Mean deflection of the patch, and the mean of `w r theta`, some time after a constant pressure of `k_en` over
-    /// the patch was suddenly laid on the disc; by the modes in the space-fixed frame.
-    fn suddenly_loaded_modes(brake: &FlexibleBrake, time: f64) -> (f64, f64) {
-        let n = brake.amplitudes.len();
-        let averages = &brake.patch.averages;
-        let rates = |a: &[f64], u: &[f64]| -> Vec<f64> {
-            let rate = |(k, mode): (usize, &crate::flexible_disc::brake::Amplitude)| {
-                let load = averages.shape.get(k).map_or(0.0, |shape| mode.compliance * shape);
-                load - mode.stiffness * a[k] - brake.disc_damping * u[k] - mode.gyroscopic * u[mode.partner]
-            };
-            brake.amplitudes.iter().enumerate().map(rate).collect()
-        };
-        let steps = 4000;
-        let h = time / f64::from(steps);
-        let (mut a, mut u) = (vec![0.0; n], vec![0.0; n]);
-        let add =
-            |a: &[f64], factor: f64, b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + factor * b).collect() };
-        for _ in 0..steps {
-            let k1 = rates(&a, &u);
-            let u2 = add(&u, 0.5 * h, &k1);
-            let k2 = rates(&add(&a, 0.5 * h, &u), &u2);
-            let u3 = add(&u, 0.5 * h, &k2);
-            let k3 = rates(&add(&a, 0.5 * h, &u2), &u3);
-            let u4 = add(&u, h, &k3);
-            let k4 = rates(&add(&a, h, &u3), &u4);
-            for k in 0..n {
-                a[k] += h / 6.0 * (u[k] + 2.0 * (u2[k] + u3[k]) + u4[k]);
-                u[k] += h / 6.0 * (k1[k] + 2.0 * (k2[k] + k3[k]) + k4[k]);
-            }
-        }
-        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum();
-        (sum(&a, &averages.shape), sum(&a[averages.shape.len()..], &averages.arc_shape))
-    }
-
-    /// The same on the grid, in the disc's frame.
-    fn suddenly_loaded_grid(brake: &FiniteDifferenceBrake, allotment: Allotment, time: f64) -> (f64, f64) {
-        let (plate, patch) = (&brake.plate, &brake.patch);
-        let mut motion = plate.at_rest(&vec![0.0; plate.rings * plate.columns]);
-        let loads: Vec<f64> = patch.points.iter().map(|point| brake.contact_gain * point.weight).collect();
-        let (mut footing, mut surface) = (Vec::new(), Surface::default());
-        let steps = (time / brake.step_length).round() as u64;
-        for step in 0..=steps {
-            patch.stand(plate, brake.passage(allotment, step), &mut footing);
-            if step == steps {
-                break;
-            }
-            plate.accelerate(&brake.step, &mut motion);
-            // The first half of the first step is before the load.
-            let share = if step == 0 { 0.5 } else { 1.0 };
-            patch.allot(plate, &footing, &loads, |ring, column, load| {
-                plate.push(&brake.step, &mut motion, ring, column, share * load);
-            });
-            plate.drift(&brake.step, &mut motion);
-        }
-        patch.read(plate, &motion, &footing, &mut surface);
-        let by_arc = surface.deflections.iter().zip(&patch.points).map(|(w, point)| w * point.arc);
-        (patch.average(surface.deflections.iter().copied()), patch.average(by_arc))
-    }
-
-    #[test]
-    fn the_two_frames_describe_one_motion() {
-        // So fast, and so much damped, that the rotation and both parts of the damping show: at rest the load would not
-        // tilt the disc at all.
-        let fast = [("operating_point.rotating_speed", 2500.0), ("disc.transverse_damping_ratio", 0.1)];
-        let modal = FlexibleBrake::with_modes(PadOnDisc::preset_with(&fast), 16).unwrap();
-        let grids = [8, 16].map(|points| on_grid(points, &fast));
-        for time in [1.0, 2.0, 5.0, 10.0] {
-            let exact = suddenly_loaded_modes(&modal, time);
-            let deviation = |grid: &FiniteDifferenceBrake, allotment| {
-                let (mean, by_arc) = suddenly_loaded_grid(grid, allotment, time);
-                (mean - exact.0).abs().max((by_arc - exact.1).abs())
-            };
-            let [coarse, fine] = [0, 1].map(|grid| deviation(&grids[grid], Allotment::Linear));
-            assert!(fine < 1.2e-3 && fine < 0.45 * coarse, "{time}: {coarse} {fine}, {exact:?}");
-            // Half an element of the way at the most is missing or ahead.
-            let [coarse, fine] = [0, 1].map(|grid| deviation(&grids[grid], Allotment::Nodal));
-            assert!(fine < 5e-3 && coarse < 1.1e-2, "{time}: {coarse} {fine}, {exact:?}");
-        }
-    }
-
-    #[test]
-    fn the_deflection_of_steady_sliding_stays_under_the_pad() {
-        let brake = on_grid(12, &[("operating_point.rotating_speed", 2500.0)]);
-        let (plate, patch, step) = (&brake.plate, &brake.patch, &brake.step);
-        let loads: Vec<f64> = patch.points.iter().map(|point| brake.contact_gain * point.weight).collect();
-        let deflection = brake.steady_deflection(brake.spin, &loads).unwrap();
-        let mut motion = plate.standing_still(&deflection, brake.spin, brake.step_length);
-        let first = brake.surface(&motion);
-        let (mut footing, mut surface) = (Vec::new(), Surface::default());
-        let largest = first.deflections.iter().copied().fold(0.0, f64::max);
-        for steps in 0..3 * brake.steps_per_element {
-            patch.stand(plate, brake.passage(Allotment::Linear, steps), &mut footing);
-            patch.read(plate, &motion, &footing, &mut surface);
-            for (now, then) in surface.deflections.iter().zip(&first.deflections) {
-                assert!((now - then).abs() < 2e-2 * largest, "{steps}: {now} {then}");
-            }
-            plate.accelerate(step, &mut motion);
-            patch
-                .allot(plate, &footing, &loads, |ring, column, load| plate.push(step, &mut motion, ring, column, load));
-            plate.drift(step, &mut motion);
-        }
-    }
-
-    #[test]
-    fn the_disc_yields_to_the_pad_as_its_modes_do() {
-        // 1.84e-9 m/N: modes with up to 12 nodal diameters, four radial each (physics notes, section 7).
-        let modal: f64 = FlexibleBrake::with_modes(PadOnDisc::preset_with(&[]), 16).unwrap().compliances().iter().sum();
-        let [coarse, middle, fine] =
-            [8, 16, 32].map(|points| on_grid(points, &[]).compliance().unwrap() / 1.8435e-9 - 1.0);
-        assert!(coarse / middle > 3.5 && coarse / middle < 4.5, "{coarse} {middle}");
-        assert!(middle / fine > 3.5 && middle / fine < 4.5, "{middle} {fine}");
-        assert!(fine.abs() < 2e-3, "{fine}");
-        // The modes that are left out make the disc a little stiffer.
-        assert!(modal < 1.8435e-9 && modal > 0.995 * 1.8435e-9, "{modal:e}");
-        let frequencies = on_grid(16, &[]).frequency_parameters(2, 2).unwrap();
-        let exact = [13.3679, 83.5585];
-        assert!(
-            frequencies.iter().zip(exact).all(|(value, exact)| (value / exact - 1.0).abs() < 0.02),
-            "{frequencies:?}"
-        );
-    }
-
-    #[test]
-    fn bad_grids_are_refused() {
-        for (radial, per_pad, wrong) in
-            [(3, 8, "radial = 3"), (65, 8, "radial = 65"), (8, 3, "per_pad = 3"), (8, 65, "64")]
-        {
-            let error =
-                FiniteDifferenceBrake::new(PadOnDisc::preset_with(&[]), DiscGrid { radial, per_pad }).unwrap_err();
-            assert!(matches!(error, FiniteDifferenceError::Grid { .. }));
-            assert!(error.to_string().contains(wrong), "{error}");
-        }
-        for (radial, per_pad) in [(4, 4), (4, 64), (8, 4)] {
-            assert!(FiniteDifferenceBrake::new(PadOnDisc::preset_with(&[]), DiscGrid { radial, per_pad }).is_ok());
-        }
-    }
-}
+mod tests;

@@ -4,6 +4,10 @@ pub(crate) mod plate;
 
 pub(crate) mod patch;
 
+mod pad_on_surface;
+
 pub mod brake;
 
-pub(crate) mod motion;
+mod simulation;
+
+mod trajectory;

@@ -1,15 +1,16 @@
-//! The patch where the pad touches the disc of [`crate::finite_difference::brake`], and how it moves over the grid.
+//! The patch where the pad touches the disc, and how it moves over the grid.
 
-use crate::finite_difference::plate::{PlateGrid, PlateMotion};
-use crate::flexible_disc::contact::{ANGULAR_POINTS, RADIAL_POINTS};
-use crate::flexible_disc::plate_modes::gauss_legendre;
+use crate::finite_difference::plate::grid::PlateGrid;
+use crate::finite_difference::plate::motion::PlateMotion;
+use crate::flexible_disc::contact::points::{ANGULAR_POINTS, RADIAL_POINTS};
+use crate::numerics::quadrature::gauss_legendre;
 
 /// The points of the patch, each radius with each angle.
 #[derive(Debug, Clone)]
 pub(crate) struct MovingPatch {
     radii: Vec<PatchRadius>,
     angles: Vec<PatchAngle>,
-    /// Where deflections are told: the edge, and a quarter of the way to it.
+    /// Where deflections are recorded: at the edge, and a quarter of the way to it.
     edge: PatchRadius,
     inside: PatchRadius,
     /// A_s over h^2.
@@ -55,7 +56,7 @@ pub(crate) struct Passage {
 
 /// A place between the nodes e and e + 1 of a ring.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Foothold {
+pub(crate) struct RingPosition {
     column: usize,
     /// Of the node e + 1, the paper's `i/C`.
     share: f64,
@@ -106,25 +107,25 @@ impl MovingPatch {
     }
 
     /// The node e before an angle, and how far the angle is beyond it, `i/C`.
-    fn foothold(plate: &PlateGrid, elements: f64, passage: Passage) -> Foothold {
+    fn position_of(plate: &PlateGrid, elements: f64, passage: Passage) -> RingPosition {
         let position = elements - passage.part;
         let before = position.floor();
         let column = (before as i64 - passage.whole as i64).rem_euclid(plate.columns as i64);
-        Foothold { column: column as usize, share: position - before }
+        RingPosition { column: column as usize, share: position - before }
     }
 
-    /// Where on the grid the angles of the patch are.
-    pub fn stand(&self, plate: &PlateGrid, passage: Passage, footing: &mut Vec<Foothold>) {
-        footing.clear();
-        footing.extend(self.angles.iter().map(|angle| Self::foothold(plate, angle.elements, passage)));
+    /// Finds where on the grid the angles of the patch are.
+    pub fn locate(&self, plate: &PlateGrid, passage: Passage, positions: &mut Vec<RingPosition>) {
+        positions.clear();
+        positions.extend(self.angles.iter().map(|angle| Self::position_of(plate, angle.elements, passage)));
     }
 
     /// Reads the disc under the patch.
-    pub fn read(&self, plate: &PlateGrid, motion: &PlateMotion, footing: &[Foothold], surface: &mut Surface) {
+    pub fn read(&self, plate: &PlateGrid, motion: &PlateMotion, positions: &[RingPosition], surface: &mut Surface) {
         surface.deflections.clear();
         surface.slopes.clear();
         for radius in &self.radii {
-            for &Foothold { column, share } in footing {
+            for &RingPosition { column, share } in positions {
                 let (mut deflection, mut slope) = (0.0, 0.0);
                 for (ring, weight) in radius.rings() {
                     let [before, own, next, after] = plate.four_nodes(motion, ring, column);
@@ -141,15 +142,15 @@ impl MovingPatch {
     pub fn allot(
         &self,
         plate: &PlateGrid,
-        footing: &[Foothold],
+        positions: &[RingPosition],
         loads: &[f64],
         mut push: impl FnMut(usize, usize, f64),
     ) {
-        for (radius, loads) in self.radii.iter().zip(loads.chunks_exact(footing.len())) {
+        for (radius, loads) in self.radii.iter().zip(loads.chunks_exact(positions.len())) {
             // What is allotted to the clamped rim moves nothing.
             for (ring, weight) in radius.rings().into_iter().filter(|(ring, _)| *ring > 0) {
                 let weight = weight / plate.area(ring);
-                for (&Foothold { column, share }, load) in footing.iter().zip(loads) {
+                for (&RingPosition { column, share }, load) in positions.iter().zip(loads) {
                     push(ring, column, weight * (1.0 - share) * load);
                     push(ring, (column + 1) % plate.columns, weight * share * load);
                 }
@@ -159,7 +160,7 @@ impl MovingPatch {
 
     /// w at the middle of the pad: at the outer edge, and a quarter of the way to it.
     pub fn middle(&self, plate: &PlateGrid, motion: &PlateMotion, passage: Passage) -> (f64, f64) {
-        let Foothold { column, share } = Self::foothold(plate, 0.0, passage);
+        let RingPosition { column, share } = Self::position_of(plate, 0.0, passage);
         let at = |radius: &PatchRadius| {
             let ring = |(ring, weight): (usize, f64)| {
                 let [_, own, next, _] = plate.four_nodes(motion, ring, column);
@@ -184,55 +185,4 @@ impl MovingPatch {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_allotted_is_what_is_read() {
-        // The work of loads on any deflection is the same on the grid as at the points.
-        let plate = PlateGrid::new(8, 48, (3.2, 6.75), 0.02, 0.3);
-        let patch = MovingPatch::new(&plate, 3.3, 0.5, 8);
-        let deflection: Vec<f64> = (0..8 * 48).map(|k| libm::sin((7 * k * k) as f64)).collect();
-        let loads: Vec<f64> = (0..patch.points.len()).map(|k| libm::cos((5 * k * k) as f64)).collect();
-        let motion = plate.at_rest(&deflection);
-        for passage in [Passage::default(), Passage { whole: 3, part: 0.7 }, Passage { whole: 45, part: 0.1 }] {
-            let (mut footing, mut surface) = (Vec::new(), Surface::default());
-            patch.stand(&plate, passage, &mut footing);
-            patch.read(&plate, &motion, &footing, &mut surface);
-            let at_points: f64 = surface.deflections.iter().zip(&loads).map(|(w, load)| w * load).sum();
-            let mut on_grid = 0.0;
-            patch.allot(&plate, &footing, &loads, |ring, column, load| {
-                on_grid += plate.area(ring) * load * deflection[(ring - 1) * 48 + column];
-            });
-            assert!((at_points - on_grid).abs() < 1e-13 && at_points.abs() > 0.1, "{at_points} {on_grid}");
-        }
-    }
-
-    #[test]
-    fn the_patch_reads_what_is_there_and_where_it_is() {
-        // w = (r - a) (1 + cos(2 (theta + Om t))) seen from the pad, which is linear along the radius.
-        let plate = PlateGrid::new(5, 96, (3.2, 6.75), 0.02, 0.3);
-        let patch = MovingPatch::new(&plate, 4.5, 0.5, 8);
-        let (whole, part) = (90, 0.3);
-        let passed = (whole as f64 + part) * plate.angle;
-        let node = |ring: usize, column: usize| {
-            (plate.radius(ring) - 3.2) * (1.0 + libm::cos(2.0 * (column as f64 * plate.angle + passed)))
-        };
-        let deflection: Vec<f64> = (1..=5).flat_map(|ring| (0..96).map(move |column| node(ring, column))).collect();
-        let motion = plate.at_rest(&deflection);
-        let (mut footing, mut surface) = (Vec::new(), Surface::default());
-        patch.stand(&plate, Passage { whole, part }, &mut footing);
-        patch.read(&plate, &motion, &footing, &mut surface);
-        for (((radius, theta), w), slope) in patch.places(plate.angle).zip(&surface.deflections).zip(&surface.slopes) {
-            let height = radius - 3.2;
-            // Second order in the spacing of 0.065.
-            assert!((w - height * (1.0 + libm::cos(2.0 * theta))).abs() < 3e-3 * height, "{radius} {theta}: {w}");
-            let exact = -2.0 * height * libm::sin(2.0 * theta) / radius;
-            assert!((slope - exact).abs() < 2e-2 * height / radius, "{radius} {theta}: {slope} {exact}");
-        }
-        let (edge, inside) = patch.middle(&plate, &motion, Passage { whole, part });
-        assert!((edge - 2.0 * 3.55).abs() < 0.01 && (inside - 0.5 * 3.55).abs() < 0.01, "{edge} {inside}");
-        let total: f64 = patch.points.iter().map(|point| point.weight).sum();
-        assert!((total - 1.0).abs() < 1e-14 && (patch.area - 0.5 * (6.75 * 6.75 - 4.5 * 4.5)).abs() < 1e-12, "{total}");
-    }
-}
+mod tests;

@@ -13,31 +13,30 @@
 //! |---|---|
 //! | below all four by more than they differ among themselves, and by 0.2 % | stable |
 //! | above all four by as much | unstable, fed by falling friction |
-//! | else, or if a corner has no single critical product | the sample's own eigenvalues say |
+//! | else, or if a corner has no single critical product | by the sample's own eigenvalues |
 //!
 //! A corner has no single critical product if it is unstable without any fall of friction: then modes of pad and disc feed
 //! each other through the contact (flutter), or the disc turns faster than one of its waves. Such corners are never
 //! interpolated.
 
-use std::collections::HashMap;
-use std::fmt;
-use std::sync::{Arc, PoisonError, RwLock};
-
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::criterion::time_domain::Decision;
-use crate::flexible_disc::brake::{FlexibleBrake, FlexibleError, PAD};
-use crate::flexible_disc::stability::first_order;
+use crate::degree_of_freedom::DegreeOfFreedom;
+use crate::flexible_disc::brake::FlexibleBrake;
+use crate::flexible_disc::error::FlexibleError;
+use crate::flexible_disc::linearisation::first_order;
+use crate::friction::decay;
 use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
+use crate::numerics::root_location::false_position;
+use crate::pad::equations::PAD;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
-use crate::verdict::Verdict;
 
 /// Lattice spacing of the logarithm of the preload, and of the friction coefficient. Neighbouring critical products of
 /// the preset differ by less than a part in a thousand.
 const PRELOAD_SPACING: f64 = 0.1;
 const FRICTION_SPACING: f64 = 0.02;
 
-/// Least distance from the critical products of a box at which they are believed, relative to them.
+/// Least distance from the critical products of a box at which they decide, relative to them.
 const LEAST_MARGIN: f64 = 2e-3;
 
 /// Rows of the lattice, far beyond any friction coefficient.
@@ -48,32 +47,8 @@ const FARTHEST_ROW: f64 = 1e6;
 const STABLE_AT: [f64; 6] = [-1.0, -0.3, 0.25, 0.5, 0.75, 0.95];
 const UNSTABLE_AT: [f64; 4] = [1.05, 1.5, 4.0, 30.0];
 
-/// Multiples of the critical product between which the lattice is believed.
+/// Multiples of the critical product between which the lattice decides.
 const BELIEVED: (f64, f64) = (-1.0, 30.0);
-
-/// A degree of freedom of pad and disc.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum DegreeOfFreedom {
-    /// x, along the motion of the disc.
-    Tangential,
-    /// y, along the disc's axis.
-    Normal,
-    /// phi, the rotation of the pad.
-    Angular,
-    /// The bending of the disc.
-    Disc,
-}
-
-impl fmt::Display for DegreeOfFreedom {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Tangential => "tangential motion of the pad",
-            Self::Normal => "normal motion of the pad",
-            Self::Angular => "rotation of the pad",
-            Self::Disc => "bending of the disc",
-        })
-    }
-}
 
 /// Linear stability of one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,26 +61,6 @@ pub enum LinearStability {
         /// the degree of freedom that has the largest share of the kinetic energy of the fastest growing mode.
         fed_by: DegreeOfFreedom,
     },
-}
-
-/// Critical products on the lattice, found when they are first asked for. Each is a function of the brake alone.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct CriticalProducts {
-    corners: Arc<RwLock<Corners>>,
-}
-
-/// By their place on the lattice: along the logarithm of the preload and along the friction coefficient.
-type Corners = HashMap<(i64, i64), Option<f64>>;
-
-impl CriticalProducts {
-    fn at(&self, corner: (i64, i64), find: impl FnOnce() -> Option<f64>) -> Option<f64> {
-        let known = self.corners.read().unwrap_or_else(PoisonError::into_inner).get(&corner).copied();
-        known.unwrap_or_else(|| {
-            let found = find();
-            self.corners.write().unwrap_or_else(PoisonError::into_inner).insert(corner, found);
-            found
-        })
-    }
 }
 
 /// The linearised equations at one preload and friction coefficient, for any slope.
@@ -140,26 +95,6 @@ impl FlexibleBrake {
         }
     }
 
-    /// The verdict on a sample by the coupled eigenvalues, of its own or by the lattice, whichever is asked for by
-    /// `stability`: [`FlexibleBrake::linear_stability`] for one of many samples, [`FlexibleBrake::by_eigenvalues`] for a
-    /// single one. Without preload a sample is stable; one whose equilibrium or eigenvalues cannot be found is failed.
-    #[must_use]
-    pub fn decide_with(
-        &self,
-        inputs: RandomInputs,
-        stability: impl Fn(&Self, RandomInputs) -> Result<LinearStability, FlexibleError>,
-    ) -> Decision {
-        if inputs.preload <= 0.0 {
-            return Decision::OUTSIDE_PHYSICS;
-        }
-        let (verdict, fed_by) = match stability(self, inputs) {
-            Ok(LinearStability::Stable) => (Verdict::Stable, None),
-            Ok(LinearStability::Unstable { fed_by }) => (Verdict::Unstable, Some(fed_by)),
-            Err(_) => (Verdict::Failed, None),
-        };
-        Decision { fed_by, ..Decision::from(verdict) }
-    }
-
     /// [`FlexibleBrake::linear_stability`] by the eigenvalues of this very sample.
     ///
     /// # Errors
@@ -173,7 +108,7 @@ impl FlexibleBrake {
         let fed_by = if linearisation.growth_rate(0.0)? <= 0.0 {
             DegreeOfFreedom::Tangential
         } else {
-            self.largest_share(&linearisation.matrix(self.friction_slope(inputs.static_friction)), *fastest)
+            self.largest_share(&linearisation.matrix(self.equations.friction_slope(inputs.static_friction)), *fastest)
         };
         Ok(LinearStability::Unstable { fed_by })
     }
@@ -189,9 +124,9 @@ impl FlexibleBrake {
 
     fn linearisation(&self, inputs: RandomInputs) -> Result<Linearisation, FlexibleError> {
         let q = self.sliding_equilibrium(inputs)?;
-        let mu = self.pad.friction_coefficient(self.pad.disc_speed, inputs.static_friction);
-        let (stiffness, damping) = self.linearise_with(&q, mu, 0.0);
-        let damping_by_slope = self.linearise_with(&q, mu, 1.0).1 - &damping;
+        let mu = self.equations.pad.friction_coefficient(self.equations.pad.disc_speed, inputs.static_friction);
+        let (stiffness, damping) = self.equations.linearise_with(&q, mu, 0.0);
+        let damping_by_slope = self.equations.linearise_with(&q, mu, 1.0).1 - &damping;
         Ok(Linearisation { stiffness, damping, damping_by_slope })
     }
 
@@ -200,7 +135,7 @@ impl FlexibleBrake {
         if !(preload > 0.0 && static_friction.is_finite()) {
             return None;
         }
-        let pad = &self.pad;
+        let pad = &self.equations.pad;
         let mu = pad.friction_coefficient(pad.disc_speed, static_friction);
         let column = (libm::log(preload) / PRELOAD_SPACING).floor() as i64;
         let row = ((mu - pad.kinetic_friction) / FRICTION_SPACING).floor();
@@ -214,7 +149,7 @@ impl FlexibleBrake {
             least = least.min(critical);
             most = most.max(critical);
         }
-        let product = self.friction_slope(static_friction) * preload;
+        let product = self.equations.friction_slope(static_friction) * preload;
         let margin = (most - least) + LEAST_MARGIN * most;
         if product < least - margin && product >= BELIEVED.0 * least {
             Some(LinearStability::Stable)
@@ -225,13 +160,23 @@ impl FlexibleBrake {
         }
     }
 
+    /// [`FlexibleBrake::sliding_equilibrium`] at a friction coefficient `mu`, whatever law gives it.
+    fn sliding_equilibrium_with(&self, preload: f64, mu: f64) -> Option<Vec<f64>> {
+        let pad = &self.equations.pad;
+        let kinetic = pad.kinetic_friction;
+        let left = decay(pad.disc_speed * pad.inverse_stribeck, pad.stribeck_exponent);
+        let static_friction = if mu == kinetic { kinetic } else { kinetic + (mu - kinetic) / left };
+        let q = self.sliding_equilibrium(RandomInputs { preload, static_friction }).ok()?;
+        q.iter().all(|q| q.is_finite()).then_some(q)
+    }
+
     /// The critical product at a corner of the lattice, if it has a single one.
     fn critical_product(&self, (column, row): (i64, i64)) -> Option<f64> {
         let preload = libm::exp(PRELOAD_SPACING * column as f64);
-        let mu = self.pad.kinetic_friction + FRICTION_SPACING * row as f64;
+        let mu = self.equations.pad.kinetic_friction + FRICTION_SPACING * row as f64;
         let q = self.sliding_equilibrium_with(preload, mu)?;
-        let (stiffness, damping) = self.linearise_with(&q, mu, 0.0);
-        let damping_by_slope = self.linearise_with(&q, mu, 1.0).1 - &damping;
+        let (stiffness, damping) = self.equations.linearise_with(&q, mu, 0.0);
+        let damping_by_slope = self.equations.linearise_with(&q, mu, 1.0).1 - &damping;
         let linearisation = Linearisation { stiffness, damping, damping_by_slope };
         let growth_rate = |slope: f64| linearisation.growth_rate(slope).ok();
         let at_rest = growth_rate(0.0)?;
@@ -254,21 +199,10 @@ impl FlexibleBrake {
         if at_high <= 0.0 {
             return None;
         }
-        // False position with halved weights (Illinois).
-        for _ in 0..60 {
-            if high - low <= 1e-9 * high {
-                break;
-            }
-            let middle = high - at_high * (high - low) / (at_high - at_low);
-            let at_middle = growth_rate(middle)?;
-            if at_middle > 0.0 {
-                (high, at_high) = (middle, at_middle);
-                at_low *= 0.5;
-            } else {
-                (low, at_low) = (middle, at_middle);
-                at_high *= 0.5;
-            }
-        }
+        // Where the eigenvalues do not converge, the value is no number, and the search ends there.
+        let value = |slope: &f64| growth_rate(*slope).map_or(f64::NAN, |rate| -rate);
+        let (high, _) = false_position((low, -at_low), (high, -at_high), high, 1e-9 * high, |slope| slope, value);
+        growth_rate(high)?;
         let stable = STABLE_AT.iter().all(|share| growth_rate(share * high).is_some_and(|rate| rate < 0.0));
         let unstable = UNSTABLE_AT.iter().all(|multiple| growth_rate(multiple * high).is_some_and(|rate| rate > 0.0));
         (stable && unstable).then_some(high * preload)
@@ -283,8 +217,9 @@ impl FlexibleBrake {
         let length = self.brake().scales().length;
         let pad = &self.brake().parameters().pad;
         let inertia = pad.moment_of_inertia / (pad.mass * length * length);
-        let disc = self.amplitudes.iter().enumerate();
-        let disc = disc.map(|(k, amplitude)| energy(PAD + k, self.pad.pressure_gain / amplitude.compliance)).sum();
+        let disc = self.equations.amplitudes.iter().enumerate();
+        let disc =
+            disc.map(|(k, amplitude)| energy(PAD + k, self.equations.pad.pressure_gain / amplitude.compliance)).sum();
         let shares = [
             (DegreeOfFreedom::Tangential, energy(0, 1.0)),
             (DegreeOfFreedom::Normal, energy(1, 1.0)),
@@ -314,77 +249,4 @@ fn eigenvector(matrix: &DMatrix<f64>, value: Eigenvalue) -> DVector<Complex<f64>
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::rigid_disc::pad_on_disc::PadOnDisc;
-
-    fn flexible(changes: &[(&str, f64)]) -> FlexibleBrake {
-        FlexibleBrake::with_modes(PadOnDisc::preset_with(changes), 5).unwrap()
-    }
-
-    /// Inputs over the plane, denser towards the boundary of the preset's product.
-    fn inputs(count: u32) -> impl Iterator<Item = RandomInputs> {
-        (0..count).map(move |i| {
-            let (a, b) = (0.618_034 * f64::from(i), 0.414_214 * f64::from(i));
-            let (a, b) = (a - a.floor(), b - b.floor());
-            let preload = 0.005 + 0.6 * a * a;
-            let fall = if i % 2 == 0 { b * 0.7 - 0.1 } else { 0.0138 / preload * (1.0 + 0.02 * (b - 0.5)) };
-            RandomInputs { preload, static_friction: 0.25 + fall }
-        })
-    }
-
-    #[test]
-    fn the_lattice_says_what_the_eigenvalues_say() {
-        for changes in [
-            vec![("operating_point.rotating_speed", 15.4)],
-            vec![("operating_point.rotating_speed", 15.4), ("disc.youngs_modulus", 4e9)],
-            vec![("operating_point.rotating_speed", 24.0), ("friction.stribeck_exponent", 2.0)],
-            vec![("operating_point.rotating_speed", 20.0), ("disc.transverse_damping_ratio", 0.0)],
-            // 50 Stribeck velocities: nothing is left of the fall of friction there.
-            vec![("operating_point.rotating_speed", 15.0), ("friction.stribeck_velocity", 0.0405)],
-        ] {
-            let flexible = flexible(&changes);
-            let mut by_lattice = 0;
-            for inputs in inputs(300) {
-                let exact = flexible.by_eigenvalues(inputs).unwrap();
-                if let Some(stability) = flexible.by_lattice(inputs) {
-                    assert_eq!(stability, exact, "{changes:?} {inputs:?}");
-                    by_lattice += 1;
-                }
-                assert_eq!(flexible.linear_stability(inputs).unwrap(), exact);
-            }
-            // An undamped disc flutters almost everywhere, and has few critical products.
-            let flutters = changes.contains(&("disc.transverse_damping_ratio", 0.0));
-            assert!(flutters || by_lattice > 200, "{changes:?}: {by_lattice}");
-        }
-    }
-
-    #[test]
-    fn flutter_is_fed_by_the_disc_and_stick_slip_by_the_tangential_motion() {
-        let nominal = RandomInputs { preload: 0.1, static_friction: 0.39 };
-        let groaning = flexible(&[("operating_point.rotating_speed", 12.0)]);
-        let tangential = LinearStability::Unstable { fed_by: DegreeOfFreedom::Tangential };
-        assert_eq!(groaning.linear_stability(nominal).unwrap(), tangential);
-        assert_eq!(groaning.by_eigenvalues(nominal).unwrap(), tangential);
-        let disc = LinearStability::Unstable { fed_by: DegreeOfFreedom::Disc };
-        for changes in [
-            [("disc.transverse_damping_ratio", 0.0), ("operating_point.rotating_speed", 40.0)],
-            [("disc.transverse_damping_ratio", 0.02), ("operating_point.rotating_speed", 2e4)],
-        ] {
-            assert_eq!(flexible(&changes).linear_stability(nominal).unwrap(), disc, "{changes:?}");
-        }
-    }
-
-    #[test]
-    fn an_eigenvector_is_one() {
-        let flexible = flexible(&[]);
-        let inputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
-        let matrix = flexible.linearisation(inputs).unwrap().matrix(0.3);
-        for value in eigenvalues(&matrix).unwrap().into_iter().take(3) {
-            let vector = eigenvector(&matrix, value);
-            let image = matrix.map(|entry| Complex::new(entry, 0.0)) * &vector;
-            let residual = (image - &vector * value).norm();
-            assert!(residual < 1e-7 * vector.norm(), "{value}: {residual}");
-        }
-    }
-}
+mod tests;

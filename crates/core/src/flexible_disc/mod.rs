@@ -1,14 +1,23 @@
-//! The pad on a flexible disc: the modes of the disc, contact over the patch, the equilibrium of both, and its stability.
+//! The pad on a flexible disc: the modes of the disc, contact over the patch, the equations of motion, the equilibrium of
+//! both, and its stability.
 
 pub mod plate_modes;
 
+mod compliance;
+
+pub mod error;
+
 pub(crate) mod contact;
 
-pub(crate) mod partial_contact;
+pub(crate) mod equations;
+
+mod linearisation;
+
+mod equilibrium;
+
+mod critical_products;
 
 pub mod brake;
-
-pub(crate) mod stability;
 
 pub mod linear_stability;
 

@@ -7,14 +7,16 @@
 //! - the growth rate has the same sign and is within [`GROWTH_TOLERANCE`] of the larger of its own size and the pad's
 //!   damping rate `c_x sqrt(eta0) / (2 M eta0)`,
 //!
-//! at every pair of inputs that is asked for. The tolerance of the growth rate follows from what it is for: the growth rate
+//! at every given pair of inputs. The tolerance of the growth rate follows from what it is for: the growth rate
 //! of the tangential motion is falling friction, in proportion to the preload, less the damping rate. An error of 5e-4 of
 //! the damping rate moves the critical preload by 0.05 %, and the probability of instability of a cell with a standard
 //! deviation of 20 % by 0.001 at the most. The preset needs five modes.
 
 use std::fmt;
 
-use crate::flexible_disc::brake::{FlexibleBrake, FlexibleError, compliances, lowest_modes};
+use crate::flexible_disc::brake::FlexibleBrake;
+use crate::flexible_disc::compliance::{compliances, lowest_modes};
+use crate::flexible_disc::error::FlexibleError;
 use crate::flexible_disc::plate_modes::{MOST_DISC_MODES, PlateMode};
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 
@@ -64,8 +66,8 @@ impl fmt::Display for ModeCheck {
     }
 }
 
-/// The inputs at which a model with given parameters is tried unless others are given: its own static friction with its
-/// own preload, a third and three times of it. Without any preload, that of the preset.
+/// The default inputs at which the numbers of modes are compared: the brake's static friction with its preload, a third of it
+/// and three times of it. Without any preload, that of the preset.
 #[must_use]
 pub fn representative_inputs(brake: &PadOnDisc) -> Vec<RandomInputs> {
     let parameters = brake.parameters();
@@ -136,7 +138,7 @@ impl ModeStudy {
             is_enough &= growth_error <= GROWTH_TOLERANCE
                 && equilibrium_error <= EQUILIBRIUM_TOLERANCE
                 && (growth_rate > 0.0) == (exact > 0.0);
-            // A change of sign says more than any size of it; not a number is worst of all.
+            // A change of sign is worse than any error of the size; not a number is worst of all.
             let changes_sign = (growth_rate > 0.0) != (exact > 0.0);
             let error = (growth_error / GROWTH_TOLERANCE).max(equilibrium_error / EQUILIBRIUM_TOLERANCE);
             let error = if growth_rate.is_nan() { f64::INFINITY } else { error + f64::from(changes_sign) * 1e9 };

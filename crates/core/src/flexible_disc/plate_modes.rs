@@ -14,6 +14,7 @@
 use nalgebra::{Cholesky, DMatrix, SymmetricEigen};
 
 use crate::numerics::eigenvalues::EigenvalueError;
+use crate::numerics::quadrature::{gauss_legendre, legendre};
 use crate::rigid_disc::pad_on_disc::PadOnDisc;
 
 /// Radial functions of the expansion. Sixteen give the first four frequencies of each nodal diameter to ten digits.
@@ -22,7 +23,7 @@ pub(crate) const RADIAL_FUNCTIONS: usize = 16;
 /// Points of the Gauss-Legendre rule, exact for the polynomial part of the integrands and far beyond it.
 const QUADRATURE_POINTS: usize = 48;
 
-/// Modes of the disc that a model may keep, and the largest number of nodal diameters that is looked through for them.
+/// Modes of the disc that a model may keep, and the number of nodal diameters among which they are sought.
 pub const MOST_DISC_MODES: usize = 24;
 
 /// A clamped-free annular plate, by its two ratios.
@@ -100,7 +101,7 @@ impl AnnularPlate {
     /// [`EigenvalueError`] if the matrices degenerate, as they do when the annulus is almost closed.
     ///
     /// # Panics
-    /// If more than eight are asked for: the expansion does not resolve them.
+    /// If `count` exceeds eight: the expansion does not resolve more modes.
     pub fn modes(&self, nodal_diameters: u32, count: usize) -> Result<Vec<PlateMode>, EigenvalueError> {
         assert!(count <= RADIAL_FUNCTIONS / 2, "at most {} radial modes are resolved", RADIAL_FUNCTIONS / 2);
         let (stiffness, mass) = self.energies(f64::from(nodal_diameters));
@@ -176,39 +177,6 @@ impl RadialTerms {
         let hoop = first / r - n * n * value / (r * r);
         Self { value, second, laplacian: second + hoop, hoop, twist: first / r - value / (r * r) }
     }
-}
-
-/// Legendre polynomial with its first two derivatives, |x| <= 1, by the three-term recurrence.
-fn legendre(degree: usize, x: f64) -> (f64, f64, f64) {
-    let (mut p, mut dp, mut ddp) = (1.0, 0.0, 0.0);
-    let (mut p_before, mut dp_before, mut ddp_before) = (0.0, 0.0, 0.0);
-    for k in 1..=degree {
-        let (a, b) = ((2 * k - 1) as f64 / k as f64, (k - 1) as f64 / k as f64);
-        let next =
-            (a * x * p - b * p_before, a * (p + x * dp) - b * dp_before, a * (2.0 * dp + x * ddp) - b * ddp_before);
-        (p_before, dp_before, ddp_before) = (p, dp, ddp);
-        (p, dp, ddp) = next;
-    }
-    (p, dp, ddp)
-}
-
-/// Nodes and weights of the Gauss-Legendre rule on [-1, 1], by Newton's iteration from Tricomi's estimate.
-pub(crate) fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
-    let rule = |i: usize| {
-        let angle = std::f64::consts::PI * (i as f64 + 0.75) / (points as f64 + 0.5);
-        let mut x = libm::cos(angle);
-        for _ in 0..20 {
-            let (p, dp, _) = legendre(points, x);
-            let step = p / dp;
-            x -= step;
-            if step.abs() < 1e-16 {
-                break;
-            }
-        }
-        let (_, dp, _) = legendre(points, x);
-        (x, 2.0 / ((1.0 - x * x) * dp * dp))
-    };
-    (0..points).map(rule).collect()
 }
 
 impl PadOnDisc {

@@ -1,21 +1,36 @@
-//! Pad and flexible disc followed in time: fixed Runge-Kutta steps of the equations of [`crate::flexible_disc::brake`].
+//! The motion of pad and flexible disc in time: fixed Runge-Kutta steps of the equations of
+//! [`crate::flexible_disc::equations`].
 
-use crate::flexible_disc::brake::{ContactForces, ContactState, FlexibleBrake, FlexibleError, PAD, sine_and_cosine};
-use crate::flexible_disc::contact::{ContactLoads, MOST_AMPLITUDES};
-use crate::motion::friction_steps::FrictionSteps;
+use crate::flexible_disc::brake::FlexibleBrake;
+use crate::flexible_disc::contact::loads::{ContactLoads, MOST_AMPLITUDES};
+use crate::flexible_disc::contact::position::PadPosition;
+use crate::flexible_disc::equations::FlexibleEquations;
+use crate::flexible_disc::error::FlexibleError;
+use crate::motion::friction_steps::{DAMPED_STEP, FrictionSteps};
 use crate::motion::integrator::{Equations, Reserve, Step};
+use crate::motion::moment::{Moment, RecordedContact};
+use crate::numerics::sine_cosine::sine_and_cosine;
+use crate::pad::contact_state::ContactState;
+use crate::pad::equations::{ContactForces, PAD};
 use crate::rigid_disc::pad_on_disc::RandomInputs;
 
 /// Step length times the highest frequency of pad, contact and kept disc modes.
 const STEP: f64 = 0.45;
 
-/// Step length times the highest damping rate: the method is stable up to 2.8.
-pub(crate) const DAMPED_STEP: f64 = 1.0;
-
 /// Degrees of freedom at the most.
 pub(crate) const MOST_FREEDOMS: usize = PAD + MOST_AMPLITUDES;
 
-/// Displacements and speeds, of which the first [`FlexibleBrake::size`] count.
+/// Pad and flexible disc, and the steps in which their motion is simulated.
+#[derive(Debug, Clone)]
+pub(crate) struct FlexibleMotion {
+    pub brake: FlexibleBrake,
+    /// Length of a step.
+    pub step: f64,
+    /// See [`FrictionSteps::new`].
+    pub refinement: f64,
+}
+
+/// Displacements and speeds, of which the first [`FlexibleEquations::size`] count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FlexibleState {
     pub q: [f64; MOST_FREEDOMS],
@@ -30,44 +45,42 @@ pub(crate) struct FlexibleSample<'a> {
     pub friction_steps: FrictionSteps,
 }
 
-impl FlexibleBrake {
-    /// The length of a step.
-    pub(crate) fn step_length(&self) -> f64 {
-        self.step
+impl FlexibleMotion {
+    pub fn new(brake: FlexibleBrake) -> Self {
+        let step = Self::resolving_step(&brake.equations);
+        Self { brake, step, refinement: 1.0 }
     }
 
-    /// What the friction law asks of the steps of a sample.
-    pub(crate) fn friction_steps(&self, inputs: RandomInputs) -> FrictionSteps {
-        let (pad, brake) = (&self.pad, self.brake());
-        // With the contact force on a rigid disc, which no motion exceeds by much.
-        let gain = pad.transmission * brake.normal_force_per_preload() / brake.scaled_mass() * inputs.preload;
-        let falling_pull = gain * (inputs.static_friction - pad.kinetic_friction).max(0.0);
-        FrictionSteps::new(pad.disc_speed, pad.inverse_stribeck, pad.stribeck_exponent, falling_pull, self.refinement)
+    /// The equations of one sample.
+    pub fn sample(&self, inputs: RandomInputs) -> FlexibleSample<'_> {
+        FlexibleSample { brake: &self.brake, inputs, friction_steps: self.friction_steps(inputs) }
+    }
+
+    /// The limits that the friction of a sample sets to steps.
+    pub fn friction_steps(&self, inputs: RandomInputs) -> FrictionSteps {
+        FrictionSteps::of_pad(&self.brake.equations.pad, inputs, self.refinement)
     }
 
     /// The length of a step that resolves every degree of freedom.
-    pub(crate) fn resolving_step(&self) -> f64 {
-        let pad = &self.pad;
+    fn resolving_step(equations: &FlexibleEquations) -> f64 {
+        let pad = &equations.pad;
         let normal = pad.normal_stiffness + pad.pressure_gain;
         let tangential = pad.tangential_stiffness + pad.contact_tangential;
         let pad_frequencies = [normal, tangential, pad.angular_stiffness].map(f64::sqrt);
-        let modes = self.amplitudes.iter().zip(&self.patch.averages.largest_shape).map(|(amplitude, shape)| {
-            // In the space-fixed frame rotation splits the frequency by n Om.
-            let spin = 0.5 * amplitude.gyroscopic.abs();
-            (amplitude.stiffness + spin * spin + amplitude.compliance * shape * shape).sqrt() + spin
-        });
+        let modes =
+            equations.amplitudes.iter().zip(&equations.patch.averages.largest_shape).map(|(amplitude, shape)| {
+                // In the space-fixed frame rotation splits the frequency by n Om.
+                let spin = 0.5 * amplitude.gyroscopic.abs();
+                (amplitude.stiffness + spin * spin + amplitude.compliance * shape * shape).sqrt() + spin
+            });
         let fastest = modes.chain(pad_frequencies).fold(0.0, f64::max);
-        let dampings = [self.disc_damping, pad.tangential_damping, pad.normal_damping, pad.angular_damping];
+        let dampings = [equations.disc_damping, pad.tangential_damping, pad.normal_damping, pad.angular_damping];
         let most_damped = dampings.into_iter().fold(0.0, f64::max);
         (STEP / fastest).min(DAMPED_STEP / most_damped)
     }
 }
 
-impl<'a> FlexibleSample<'a> {
-    pub fn new(brake: &'a FlexibleBrake, inputs: RandomInputs) -> Self {
-        Self { brake, inputs, friction_steps: brake.friction_steps(inputs) }
-    }
-
+impl FlexibleSample<'_> {
     /// Steady sliding, with nothing moving.
     pub fn equilibrium(&self) -> Result<FlexibleState, FlexibleError> {
         let mut state = FlexibleState { q: [0.0; MOST_FREEDOMS], u: [0.0; MOST_FREEDOMS] };
@@ -78,20 +91,17 @@ impl<'a> FlexibleSample<'a> {
 
     /// The tangential displacement at which static friction can just hold the pad, everything else as in `state`.
     pub fn release(&self, state: &FlexibleState) -> f64 {
-        let pad = &self.brake.pad;
         let (forces, _) = self.rates(state, ContactState::Slip);
-        let (sine, cosine) = sine_and_cosine(state.q[2]);
-        let friction = pad.transmission * self.inputs.static_friction * forces.pressure;
-        (friction * cosine - forces.pressure * sine - pad.tangential_damping * pad.disc_speed)
-            / (pad.tangential_stiffness + pad.contact_tangential * cosine)
+        let angle = sine_and_cosine(state.q[2]);
+        self.brake.equations.pad.release(self.inputs.static_friction, forces.pressure, angle)
     }
 
     /// Forces and accelerations in a state.
     pub fn rates(&self, state: &FlexibleState, contact: ContactState) -> (ContactForces, [f64; MOST_FREEDOMS]) {
-        let n = self.brake.size();
+        let n = self.brake.equations.size();
         let mut accelerations = [0.0; MOST_FREEDOMS];
         let mut loads = ContactLoads::zero();
-        let forces = self.brake.accelerations(
+        let forces = self.brake.equations.accelerations(
             self.inputs,
             contact,
             &state.q[..n],
@@ -101,6 +111,29 @@ impl<'a> FlexibleSample<'a> {
         );
         (forces, accelerations)
     }
+
+    /// Everything that is recorded of a state.
+    pub fn moment(&self, time: f64, state: &FlexibleState, contact: ContactState) -> Moment {
+        let equations = &self.brake.equations;
+        let (forces, _) = self.rates(state, contact);
+        let (sine, cosine) = sine_and_cosine(state.q[2]);
+        let position = PadPosition { normal: state.q[1], tilt: sine / cosine };
+        let amplitudes = &state.q[PAD..equations.size()];
+        // The sine shapes vanish at theta = 0.
+        let deflection =
+            |shapes: &[f64]| amplitudes.iter().zip(shapes).map(|(amplitude, shape)| amplitude * shape).sum::<f64>();
+        let contact = RecordedContact {
+            state: contact,
+            force: equations.brake.newtons(forces.pressure),
+            friction_ratio: forces.friction_ratio,
+        };
+        let pad = |values: &[f64; MOST_FREEDOMS]| [values[0], values[1], values[2]];
+        Moment {
+            contact_share: equations.patch.contact_share(position, amplitudes),
+            deflection: (deflection(&equations.shapes_at_edge), deflection(&equations.shapes_inside)),
+            ..Moment::of_pad(time, pad(&state.q), pad(&state.u), equations.pad.disc_speed, contact)
+        }
+    }
 }
 
 impl Equations for FlexibleSample<'_> {
@@ -108,7 +141,7 @@ impl Equations for FlexibleSample<'_> {
 
     #[allow(clippy::needless_range_loop, reason = "arrays by one index read like the formula, and like the lanes")]
     fn step(&self, state: &FlexibleState, contact: ContactState, h: f64) -> Step<FlexibleState> {
-        let n = self.brake.size();
+        let n = self.brake.equations.size();
         let (half, sixth) = (0.5 * h, h / 6.0);
         let mut stage = *state;
         let k1 = self.rates(&stage, contact).1;
@@ -140,12 +173,12 @@ impl Equations for FlexibleSample<'_> {
     }
 
     fn disc_speed(&self) -> f64 {
-        self.brake.pad.disc_speed
+        self.brake.equations.pad.disc_speed
     }
 
     fn moving_with_disc(&self, state: &FlexibleState) -> FlexibleState {
         let mut state = *state;
-        state.u[0] = self.brake.pad.disc_speed;
+        state.u[0] = self.brake.equations.pad.disc_speed;
         state
     }
 
@@ -158,7 +191,7 @@ impl Equations for FlexibleSample<'_> {
     }
 
     fn meeting_rate(&self) -> f64 {
-        self.brake.pad.meeting_rate()
+        self.brake.equations.pad.meeting_rate()
     }
 
     fn friction_steps(&self) -> &FrictionSteps {

@@ -1,11 +1,11 @@
-//! Following a motion with stick and slip: fixed Runge-Kutta steps, and inside them the moments at which pad and disc
+//! Simulation of a motion with stick and slip: fixed Runge-Kutta steps, and inside them the moments at which pad and disc
 //! begin or cease to stick, located to the last digits.
 //!
 //! Stick and slip are states, not a smoothed sign function. In slip the pad moves under kinetic friction until the
 //! sliding speed vanishes; in stick it moves with the disc until the friction that this takes exceeds what static
-//! friction can give. [`advance`] takes a step as one or more parts, each in one state of contact:
+//! friction can give. [`advance`] takes a step as one or more substeps, each in one state of contact:
 //!
-//! | in the state | function | a part ends | then |
+//! | in the state | function | a substep ends | then |
 //! |---|---|---|---|
 //! | stick | [`stick`] | completed, at the end of the step | stick |
 //! | | | released, static friction is exhausted | slip or overtaking, as the needed friction points |
@@ -13,25 +13,26 @@
 //! | | | stuck, the sliding speed vanishes and static friction can hold the pad | stick |
 //! | | | overtaken, the sliding speed vanishes and static friction cannot | overtaking or slip, the other sense |
 //!
-//! So no step size makes the motion chatter, and none steps across the friction law.
+//! So the motion does not chatter at any step size, and no step jumps across the friction law.
 
-use crate::flexible_disc::brake::ContactState;
 use crate::motion::friction_steps::FrictionSteps;
+use crate::numerics::root_location::false_position;
+use crate::pad::contact_state::ContactState;
 
-/// Changes of contact in one step at the most, and parts; more of them means that the equations make no sense. Some
-/// hundred parts are usual where the disc is a thousand times faster than the Stribeck velocity.
+/// Changes of contact in one step at the most, and substeps; more of them mean that the equations make no sense. Some
+/// hundred substeps are usual where the disc is a thousand times faster than the Stribeck velocity.
 const MOST_CHANGES: usize = 64;
-const MOST_PARTS: usize = 1_000_000;
+const MOST_SUBSTEPS: usize = 1_000_000;
 
-/// A part that the friction law cuts is shortened to this share of what it allows, so that a second cut is rare, and to
-/// no less than this share of its length at once.
+/// A substep that the friction law cuts is shortened to this share of what the law allows, so that a second cut is rare, and
+/// at once to no less than this share of its length.
 const CUT: f64 = 0.8;
 const DEEPEST_CUT: f64 = 1e-3;
 
 /// Displacements beyond this many disc thicknesses are no motion of a brake: the computation has broken down.
 pub(crate) const FARTHEST: f64 = 1e3;
 
-/// What a system of equations has to offer to be followed.
+/// A system of equations that can be simulated.
 pub(crate) trait Equations {
     /// Displacements and speeds.
     type State: Copy;
@@ -48,15 +49,15 @@ pub(crate) trait Equations {
     /// The same state moving exactly with the disc.
     fn moving_with_disc(&self, state: &Self::State) -> Self::State;
 
-    /// What static friction has in hand while pad and disc stick: `f_s P` less the friction that is needed, against the
-    /// pad slipping back, and against it running ahead. Any positive multiple of it.
+    /// The reserve of static friction while pad and disc stick, up to a positive factor: `f_s P` less the friction that is
+    /// needed to keep the pad from slipping back, and from running ahead.
     fn reserve(&self, state: &Self::State) -> Reserve;
 
-    /// An acceleration of the size that a pad has when it meets the disc at full tilt: the disc's speed times the natural
-    /// frequency of the tangential motion.
+    /// A typical acceleration of a pad that meets the disc: the disc's speed times the natural frequency of the tangential
+    /// motion.
     fn meeting_rate(&self) -> f64;
 
-    /// What the friction law asks of steps.
+    /// The limits that the friction law sets to steps.
     fn friction_steps(&self) -> &FrictionSteps;
 }
 
@@ -75,7 +76,7 @@ pub(crate) struct Step<S> {
     pub acceleration: (f64, f64),
 }
 
-/// What is told of a motion while it is followed.
+/// Receives the events of a motion while it is simulated.
 pub(crate) trait Observer {
     /// The tangential motion turns back at `x`.
     fn turns(&mut self, time: f64, x: f64);
@@ -86,14 +87,14 @@ pub(crate) trait Observer {
     /// Pad and disc pass each other without sticking.
     fn overtakes(&mut self) {}
     /// The pad comes so near the disc's speed, or meets it so slowly, that errors of the steps may decide whether they
-    /// stick; told before it is told that they do.
+    /// stick. If they do, this comes first.
     fn grazes(&mut self) {}
 }
 
 /// A pad grazes where its sliding speed has a minimum below this share of the disc's speed, or where it meets the disc with
-/// less than this share of the disc's speed times its natural frequency: errors of the sliding speed are some 1e-6 of the
-/// disc's where stick-slip ends (a test of the steps), and the acceleration goes with the square root of the distance to a
-/// mere touch.
+/// less than this share of the disc's speed times its natural frequency. Where stick-slip ends, errors of the sliding speed
+/// are some 1e-6 of the disc's (a test of the steps), and the acceleration at the meeting grows with the square root of the
+/// distance to a mere touch.
 const GRAZING_SPEED: f64 = 1e-4;
 const GRAZING_RATE: f64 = 3e-2;
 
@@ -149,10 +150,10 @@ pub(crate) fn turning_point(x: f64, u: (f64, f64), acceleration: (f64, f64), h: 
     (h * s, x + h * s * (u.0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0))))
 }
 
-/// What ended a part of a step.
+/// What ended a substep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Ending {
-    /// The time asked for, or as much of it as the friction law allows.
+    /// The given time, or as much of it as the friction law allows.
     Completed,
     /// Static friction could hold the pad no longer.
     Released,
@@ -162,9 +163,9 @@ enum Ending {
     Overtaken,
 }
 
-/// A part of a step, in one state of contact.
+/// A part of a step in one state of contact.
 #[derive(Debug, Clone, Copy)]
-struct Part<S> {
+struct Substep<S> {
     time: f64,
     end: Motion<S>,
     /// x'' at its beginning and its end.
@@ -173,7 +174,7 @@ struct Part<S> {
     grazes: bool,
 }
 
-/// Follows a motion for one step of length `h` from `time` on, whatever happens in it.
+/// Simulates one step of length `h` from `time` on, whatever happens in it.
 pub(crate) fn advance<E: Equations>(
     equations: &E,
     motion: &mut Motion<E::State>,
@@ -184,9 +185,9 @@ pub(crate) fn advance<E: Equations>(
     let mut done = 0.0;
     let mut just_released = false;
     let mut changes = 0;
-    // The longest part that is tried: after a cut, parts grow again by doubling.
+    // The longest substep that is tried: after a cut, substeps grow again by doubling.
     let mut longest = h;
-    for _ in 0..MOST_PARTS {
+    for _ in 0..MOST_SUBSTEPS {
         let remaining = h - done;
         let begin = time + done;
         let part = if motion.contact == ContactState::Stick {
@@ -205,7 +206,7 @@ pub(crate) fn advance<E: Equations>(
         match part.ending {
             Ending::Completed => {}
             Ending::Released => observer.slips(begin + part.time),
-            // What has not come away since its release has not come back either.
+            // A pad that has not left the disc since its release has not come to stick either.
             Ending::Stuck if before.1 == equations.disc_speed() => {}
             Ending::Stuck => observer.sticks(begin + part.time, after.0),
             Ending::Overtaken => observer.overtakes(),
@@ -226,8 +227,8 @@ pub(crate) fn advance<E: Equations>(
     Err(Breakdown)
 }
 
-/// Follows pad and disc as they move together, until static friction is exhausted, at most for a time `h`.
-fn stick<E: Equations>(equations: &E, from: &E::State, h: f64) -> Result<Part<E::State>, Breakdown> {
+/// Simulates pad and disc as they move together, until static friction is exhausted, at most for a time `h`.
+fn stick<E: Equations>(equations: &E, from: &E::State, h: f64) -> Result<Substep<E::State>, Breakdown> {
     let margin = |state: &E::State| {
         let reserve = equations.reserve(state);
         reserve.against_slip.min(reserve.against_overtaking)
@@ -239,7 +240,7 @@ fn stick<E: Equations>(equations: &E, from: &E::State, h: f64) -> Result<Part<E:
             Ending::Released => ContactState::Overtaking,
             _ => ContactState::Stick,
         };
-        Ok(Part { time, end: Motion { state, contact }, acceleration: (0.0, 0.0), ending, grazes: false })
+        Ok(Substep { time, end: Motion { state, contact }, acceleration: (0.0, 0.0), ending, grazes: false })
     };
     if margin(from) <= 0.0 {
         return part(0.0, *from, Ending::Released);
@@ -253,14 +254,14 @@ fn stick<E: Equations>(equations: &E, from: &E::State, h: f64) -> Result<Part<E:
     part(time, state, Ending::Released)
 }
 
-/// Follows a sliding pad until it meets the disc's speed, at most for a time `h`, and no longer than the friction law
-/// allows a step to be.
+/// Simulates a sliding pad until it meets the disc's speed, at most for a time `h`, and no longer than the friction law
+/// allows.
 fn slide<E: Equations>(
     equations: &E,
     motion: &Motion<E::State>,
     h: f64,
     just_released: bool,
-) -> Result<Part<E::State>, Breakdown> {
+) -> Result<Substep<E::State>, Breakdown> {
     let Motion { state: from, contact } = *motion;
     let direction = if contact == ContactState::Slip { 1.0 } else { -1.0 };
     let sliding = |state: &E::State| direction * (equations.disc_speed() - equations.tangential(state).1);
@@ -276,12 +277,12 @@ fn slide<E: Equations>(
     }
     let Some((late, state)) = meets else {
         let end = Motion { state: step.next, contact };
-        return Ok(Part { time: h, end, acceleration: step.acceleration, ending: Ending::Completed, grazes });
+        return Ok(Substep { time: h, end, acceleration: step.acceleration, ending: Ending::Completed, grazes });
     };
     let (time, state) = if ends.0 > 0.0 {
         locate(late, &state, |part| equations.step(&from, contact, part).next, sliding)
     } else if just_released {
-        // It does not come away from the disc in this time: it may as well have stuck.
+        // It does not leave the disc in this time: it may as well have stuck.
         (h, step.next)
     } else {
         (0.0, from)
@@ -297,7 +298,7 @@ fn slide<E: Equations>(
         (ContactState::Slip, Ending::Overtaken)
     };
     grazes = ends.0 > 0.0 && acceleration.1.abs() < GRAZING_RATE * equations.meeting_rate();
-    Ok(Part { time, end: Motion { state, contact }, acceleration, ending, grazes })
+    Ok(Substep { time, end: Motion { state, contact }, acceleration, ending, grazes })
 }
 
 /// A step of length `h`, or the longest shorter one that the friction law allows; and its length.
@@ -317,13 +318,13 @@ fn resolved_step<E: Equations>(
             check(equations, &step.next)?;
             return Ok((step, h));
         }
-        // Infinite accelerations ask for the deepest cut.
+        // Infinite accelerations take the deepest cut.
         let share = CUT / limits.excess(ends, step.acceleration, h);
         h *= if share > DEEPEST_CUT { share.min(CUT) } else { DEEPEST_CUT };
     }
 }
 
-/// Tells of a turning point inside a step, if there is one.
+/// Reports a turning point inside a substep, if there is one.
 fn report_turn(
     (x, u): (f64, f64),
     next: (f64, f64),
@@ -357,7 +358,7 @@ fn least_sliding<E: Equations>(
     h: f64,
     sliding: &impl Fn(&E::State) -> f64,
 ) -> (f64, E::State) {
-    // The sliding speed falls as long as the acceleration at the end of a partial step says so.
+    // Whether the sliding speed still falls at the end of a partial step.
     let falls = |part: f64| {
         let step = equations.step(from, contact, part);
         let direction = if contact == ContactState::Slip { 1.0 } else { -1.0 };
@@ -381,43 +382,11 @@ fn least_sliding<E: Equations>(
     nearest
 }
 
-/// The time in `0..late` at which `value`, positive before and not positive at `late`, vanishes; and the state there, on
-/// the side where it is not positive. The Illinois variant of the false position, with bisection as its safeguard.
+/// The time in `0..late` at which `value`, positive before and not positive in the `state` at `late`, vanishes; and the
+/// state there.
 fn locate<S: Copy>(late: f64, state: &S, state_after: impl Fn(f64) -> S, value: impl Fn(&S) -> f64) -> (f64, S) {
-    let (mut early, mut late, mut state) = (0.0, late, *state);
-    let (mut at_early, mut at_late) = (value(&state_after(0.0)), value(&state));
-    let tolerance = 1e-15 * late;
-    let mut side = 0;
-    for iteration in 0..100 {
-        if late - early <= tolerance || at_late == 0.0 {
-            break;
-        }
-        let secant = early + (late - early) * (at_early / (at_early - at_late));
-        let middle = 0.5 * (early + late);
-        let part = if iteration % 8 < 7 && secant > early && secant < late { secant } else { middle };
-        if part <= early || part >= late {
-            break;
-        }
-        let candidate = state_after(part);
-        let at_part = value(&candidate);
-        if at_part > 0.0 {
-            early = part;
-            at_early = at_part;
-            if side == 1 {
-                at_late *= 0.5;
-            }
-            side = 1;
-        } else {
-            late = part;
-            at_late = at_part;
-            state = candidate;
-            if side == 2 {
-                at_early *= 0.5;
-            }
-            side = 2;
-        }
-    }
-    (late, state)
+    let ends = ((0.0, value(&state_after(0.0))), (late, value(state)));
+    false_position(ends.0, ends.1, *state, 1e-15 * late, state_after, value)
 }
 
 #[cfg(test)]

@@ -3,3 +3,9 @@
 pub mod exponential;
 
 pub mod eigenvalues;
+
+pub mod quadrature;
+
+pub(crate) mod sine_cosine;
+
+pub(crate) mod root_location;

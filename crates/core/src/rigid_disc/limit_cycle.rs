@@ -10,8 +10,9 @@
 //! Stick and slip are states with located ends, not a smoothed sign function: a switch at step ends chatters.
 
 use crate::friction::StribeckLaw;
+use crate::numerics::root_location::bisect;
 use crate::rigid_disc::pad_on_disc::PadOnDisc;
-use crate::rigid_disc::return_map::{PlanarMotion, SlipEnd};
+use crate::rigid_disc::planar_motion::{PlanarMotion, SlipEnd};
 
 /// The highest admissible rotating speed, see `operating_point.rotating_speed`; the search for the saddle-node ends
 /// there.
@@ -34,7 +35,7 @@ impl PadOnDisc {
     /// The stick-slip limit cycle on a rigid disc with constant contact force, or `None` if there is none at this
     /// operating point.
     ///
-    /// The cycle is followed from the release from stick: all motions that stick leave it at the same point, by the
+    /// The cycle is simulated from the release from stick: all motions that stick leave it at the same point, by the
     /// same slip phase. Accuracy some 1e-10 (Dormand-Prince 5(4), located ends; the pad's speed may touch the disc's
     /// between two steps). A slip phase that takes more than 20 000 steps, of a pad far lighter or more damped than any
     /// brake's, counts as not recaptured.
@@ -103,15 +104,7 @@ impl PadOnDisc {
             (0..points).scan(HIGHEST_SPEED, |speed, _| Some(std::mem::replace(speed, *speed / ratio))).collect();
         // Falling speeds: the first one with a limit cycle lies below the saddle-node, the one before it above.
         let first = scan.iter().position(|&speed| cycles(speed))?;
-        let (mut with, mut without) = (scan[first], scan[first.checked_sub(1)?]);
-        while without - with > 1e-10 * with {
-            let middle = 0.5 * (with + without);
-            if cycles(middle) {
-                with = middle;
-            } else {
-                without = middle;
-            }
-        }
+        let (with, without) = bisect((scan[first], scan[first.checked_sub(1)?]), 1000, 1e-10, cycles);
         Some(0.5 * (with + without))
     }
 }

@@ -1,7 +1,5 @@
 //! The validated model at one operating point: scales, steady sliding, and its linearisation.
 
-use nalgebra::DMatrix;
-
 use crate::friction::StribeckLaw;
 use crate::parameters::{ParameterError, Parameters};
 
@@ -70,7 +68,8 @@ pub struct Oscillator {
 /// Rigid disc, `sin(phi) = 0`, `cos(phi) = 1`, as in section 3.3 of the paper.
 ///
 /// ```
-/// use stickslip_core::{PadOnDisc, Parameters};
+/// use stickslip_core::parameters::Parameters;
+/// use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 /// let mut parameters = Parameters::sui_ding_2018();
 /// parameters.set("operating_point.rotating_speed", 35.0)?;
 /// let brake = PadOnDisc::new(parameters)?;
@@ -115,7 +114,7 @@ impl PadOnDisc {
         Self::new(parameters).unwrap()
     }
 
-    /// Everything derived must be an ordinary positive number, or verdicts would rest on infinities.
+    /// Checks that everything derived is an ordinary positive number, so that no verdict rests on infinities.
     fn check_derived_values(&self) -> Result<(), ParameterError> {
         let derived = [
             ("the flexural rigidity of the disc", self.scales.flexural_rigidity),
@@ -218,6 +217,11 @@ impl PadOnDisc {
         self.parameters.pad.mass * self.scales.eta0
     }
 
+    /// The force (N) that gives the pad this acceleration in scaled time.
+    pub(crate) fn newtons(&self, acceleration: f64) -> f64 {
+        acceleration * self.scaled_mass() * self.scales.length
+    }
+
     /// The equilibrium of steady sliding on a rigid disc:
     ///
     /// ```text
@@ -257,12 +261,13 @@ impl PadOnDisc {
 
     /// The fall of the friction force with the pad's speed, `(k_t2 / k_t1) N (f_s - f_c) w(v)`, N/m: what friction
     /// takes away from the damping of the tangential motion.
-    fn friction_weakening_force(&self) -> f64 {
+    pub(super) fn friction_weakening_force(&self) -> f64 {
         let falling = self.friction.static_coefficient - self.friction.kinetic_coefficient;
         self.friction_transmission() * self.normal_force() * falling * self.friction.weakening(self.disc_speed())
     }
 
-    /// The tangential motion near steady sliding; its damping is `-m1` of the paper's equation (3.8).
+    /// The tangential motion near steady sliding; its damping is `-m1` of the Jacobian, see
+    /// [`PadOnDisc::jacobian`].
     #[must_use]
     pub fn tangential_oscillator(&self) -> Oscillator {
         Oscillator {
@@ -290,29 +295,6 @@ impl PadOnDisc {
             stiffness: self.parameters.stiffness.calliper_angular / inertia,
         }
     }
-
-    /// The 6x6 Jacobian of the scaled equations at steady sliding, the paper's equation (3.8), for the state
-    /// `(x, x', y, y', phi, phi')` and scaled time.
-    #[must_use]
-    pub fn jacobian(&self) -> DMatrix<f64> {
-        let Parameters { stiffness, pad, .. } = &self.parameters;
-        let [x, y, phi] = [self.tangential_oscillator(), self.normal_oscillator(), self.angular_oscillator()];
-        let mass = self.scaled_mass();
-        let friction_by_normal = self.friction.coefficient(self.disc_speed()) * stiffness.contact_normal;
-        let arm = 0.5 * pad.moment_arm * self.scales.length / (pad.moment_of_inertia * self.scales.eta0);
-
-        let mut jacobian = DMatrix::zeros(6, 6);
-        for (row, oscillator) in [(0, x), (2, y), (4, phi)] {
-            jacobian[(row, row + 1)] = 1.0;
-            jacobian[(row + 1, row)] = -oscillator.stiffness;
-            jacobian[(row + 1, row + 1)] = -oscillator.damping;
-        }
-        jacobian[(1, 2)] = -self.friction_transmission() * friction_by_normal / mass;
-        jacobian[(5, 0)] = -arm * stiffness.contact_tangential_2;
-        jacobian[(5, 1)] = arm * self.friction_weakening_force();
-        jacobian[(5, 2)] = -arm * self.friction_transmission() * friction_by_normal;
-        jacobian
-    }
 }
 
 /// Numbers between 0 and 1 from a simple generator (Marsaglia's xorshift), for tests.
@@ -331,75 +313,10 @@ pub(crate) fn uniform_draws(seed: u64) -> impl FnMut() -> f64 {
 mod tests {
     use super::*;
 
-    /// The scaled equations of motion (2.5) for a rigid disc, sin(phi) = 0, cos(phi) = 1, sliding forward; written
-    /// from the paper, independently of the linearisation.
-    fn right_hand_side(brake: &PadOnDisc, state: &[f64; 6]) -> [f64; 6] {
-        let [x, vx, y, vy, phi, vphi] = *state;
-        let p = brake.parameters();
-        let (k, c) = (&p.stiffness, &p.damping);
-        let (eta0, root) = (brake.scales().eta0, brake.scales().eta0.sqrt());
-        let contact = k.contact_normal * (-y).max(0.0);
-        let friction = brake.friction_law().coefficient(brake.disc_speed() - vx) * contact;
-        let spring = k.contact_tangential_2 * (x - friction / k.contact_tangential_1);
-        let ax = -(k.calliper_tangential * x + c.tangential * root * vx + spring) / (p.pad.mass * eta0);
-        let ay = -(k.calliper_normal * (p.operating_point.preload + y) + c.normal * root * vy - contact)
-            / (p.pad.mass * eta0);
-        let moment = spring * p.disc.thickness * p.pad.moment_arm / 2.0;
-        let aphi = -(k.calliper_angular * phi + c.angular * root * vphi + moment) / (p.pad.moment_of_inertia * eta0);
-        [vx, ax, vy, ay, vphi, aphi]
-    }
-
-    fn brakes() -> Vec<PadOnDisc> {
-        let points = [(16.0, 0.1, 1.0), (35.0, 0.1, 1.0), (4.0, 0.3, 2.0), (12.0, 0.05, 0.6)];
-        let brake = |(speed, preload, exponent)| {
-            PadOnDisc::preset_with(&[
-                ("operating_point.rotating_speed", speed),
-                ("operating_point.preload", preload),
-                ("friction.stribeck_exponent", exponent),
-            ])
-        };
-        points.map(brake).to_vec()
-    }
-
-    #[test]
-    fn nothing_moves_at_the_equilibrium() {
-        for brake in brakes() {
-            let e = brake.sliding_equilibrium();
-            let rate = right_hand_side(&brake, &[e.tangential, 0.0, e.normal, 0.0, e.angle, 0.0]);
-            for component in rate {
-                assert!(component.abs() < 1e-15, "{rate:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_jacobian_is_the_derivative_of_the_equations_of_motion() {
-        for brake in brakes() {
-            let e = brake.sliding_equilibrium();
-            let at = [e.tangential, 0.0, e.normal, 0.0, e.angle, 0.0];
-            let jacobian = brake.jacobian();
-            for column in 0..6 {
-                let step = 1e-6;
-                let [mut ahead, mut behind] = [at, at];
-                ahead[column] += step;
-                behind[column] -= step;
-                let [ahead, behind] = [right_hand_side(&brake, &ahead), right_hand_side(&brake, &behind)];
-                for row in 0..6 {
-                    let difference = (ahead[row] - behind[row]) / (2.0 * step);
-                    let entry = jacobian[(row, column)];
-                    assert!(
-                        (difference - entry).abs() < 2e-7 * (1.0 + entry.abs()),
-                        "({row}, {column}): {difference} {entry}"
-                    );
-                }
-            }
-        }
-    }
-
     #[test]
     fn friction_settles_around_a_quarter_at_35_rad_per_s() {
         // The paper, section 3.4: "the friction coefficient will be settled in a range around 0.25".
-        let brake = &brakes()[1];
+        let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", 35.0)]);
         assert!((brake.sliding_equilibrium().friction_coefficient - 0.25).abs() < 5e-3);
     }
 }

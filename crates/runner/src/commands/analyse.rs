@@ -1,8 +1,9 @@
 //! `analyse`: one parameter point.
 
 use serde_json::{Value, json};
+use stickslip_core::degree_of_freedom::DegreeOfFreedom;
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
-use stickslip_core::flexible_disc::linear_stability::{DegreeOfFreedom, LinearStability};
+use stickslip_core::flexible_disc::linear_stability::LinearStability;
 use stickslip_core::parameters::{ParameterError, Parameters, SCALARS};
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 

@@ -1,7 +1,8 @@
 //! `replay`: one sample of a run again, with its motion.
 
 use serde_json::json;
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
 use stickslip_core::verdict::Verdict;
 
 use super::completion::was_counted_without_map;

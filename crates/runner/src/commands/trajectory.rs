@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainError};
 use stickslip_core::finite_difference::brake::{Allotment, DiscGrid, FiniteDifferenceBrake, FiniteDifferenceError};
 use stickslip_core::flexible_disc::brake::DISC_MODES;
-use stickslip_core::flexible_disc::brake::FlexibleError;
 use stickslip_core::flexible_disc::mode_count::{ModeStudy, representative_inputs};
+use stickslip_core::motion::moment::Moment;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::trajectory::{Moment, Trajectory};
+use stickslip_core::trajectory::recording::Trajectory;
 use stickslip_core::verdict::Verdict;
 
 use super::analyse::brake;
@@ -101,7 +102,7 @@ pub fn simulate(
     inputs: RandomInputs,
     horizon: Option<f64>,
 ) -> Result<Trajectory, Failure> {
-    let refused = |error: FlexibleError| Failure::Usage(error.to_string());
+    let refused = |error: TimeDomainError| Failure::Usage(error.to_string());
     let criterion = TimeDomain::new(pad, disc, settings).map_err(refused)?;
     let horizon = checked_horizon(horizon, criterion.step_length())?;
     criterion.trajectory(inputs, horizon).map_err(refused)

@@ -1,7 +1,8 @@
 //! The criterion of a job, ready for the brakes that its samples are.
 
-use stickslip_core::criterion::time_domain::{Decision, TimeDomain};
-use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
+use stickslip_core::criterion::decision::Decision;
+use stickslip_core::criterion::time_domain::{TimeDomain, TimeDomainError};
+use stickslip_core::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
@@ -30,7 +31,7 @@ pub enum ReadyCriterion {
 
 impl ReadyCriterion {
     /// Of a brake.
-    pub fn new(brake: PadOnDisc, criterion: &Criterion) -> Result<Self, FlexibleError> {
+    pub fn new(brake: PadOnDisc, criterion: &Criterion) -> Result<Self, TimeDomainError> {
         Ok(match criterion {
             Criterion::Eigenvalue => Self::Eigenvalue(brake.stability_boundary()),
             Criterion::CoupledEigenvalue { modes } => {
@@ -103,7 +104,7 @@ impl VaryingBrake {
 
 impl Criteria {
     /// Of a job.
-    pub fn new(job: &Job) -> Result<Self, FlexibleError> {
+    pub fn new(job: &Job) -> Result<Self, TimeDomainError> {
         if job.random.other().is_some() {
             return Ok(Self::BySample(Box::new(VaryingBrake {
                 parameters: job.parameters.clone(),

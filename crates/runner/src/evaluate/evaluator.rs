@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use stickslip_core::criterion::time_domain::Decision;
+use stickslip_core::criterion::decision::Decision;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::draw::deviates::{CHUNK_SAMPLES, Points};

@@ -1,8 +1,8 @@
 //! What a job counts beside its verdicts: integers, so that no sum depends on its order.
 
 use serde::{Deserialize, Serialize};
-use stickslip_core::criterion::time_domain::Decision;
-use stickslip_core::flexible_disc::linear_stability::DegreeOfFreedom;
+use stickslip_core::criterion::decision::Decision;
+use stickslip_core::degree_of_freedom::DegreeOfFreedom;
 use stickslip_core::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::estimate::score::{CellParameter, ScoreSums, ScoreTotals};
 use stickslip_sampler::estimate::sobol_indices::{IndexCounts, SobolIndices, indices};

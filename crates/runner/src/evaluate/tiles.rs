@@ -3,7 +3,7 @@
 use std::cell::Cell as Counter;
 use std::time::{Duration, Instant};
 
-use stickslip_core::criterion::time_domain::Decision;
+use stickslip_core::criterion::decision::Decision;
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_core::verdict::Verdict;
 use stickslip_sampler::verdict_map::tile::{Tile, TileIndex};

@@ -2,10 +2,13 @@
 
 use std::ops::Range;
 
-use stickslip_core::criterion::time_domain::{DiscModel, Start, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainError};
 use stickslip_core::flexible_disc::brake::DISC_MODES;
-use stickslip_core::flexible_disc::brake::{FlexibleBrake, FlexibleError};
+use stickslip_core::flexible_disc::brake::FlexibleBrake;
+use stickslip_core::flexible_disc::error::FlexibleError;
 use stickslip_core::flexible_disc::mode_count::{ModeCheck, ModeStudy};
+use stickslip_core::motion::start::Start;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_sampler::grid::Grid;
@@ -98,7 +101,7 @@ impl Criterion {
         };
         let speeds = grid.rotating_speed.values();
         let slowest = speeds.iter().copied().fold(f64::INFINITY, f64::min);
-        let check = |speed: f64| -> Result<(), FlexibleError> {
+        let check = |speed: f64| -> Result<(), TimeDomainError> {
             let mut parameters = parameters.clone();
             parameters.operating_point.rotating_speed = speed;
             let brake = PadOnDisc::new(parameters)?;
@@ -108,18 +111,19 @@ impl Criterion {
             // Without any preload every sample is stable by definition.
             match modes {
                 Some(modes) if inputs.preload > 0.0 => {
-                    FlexibleBrake::with_modes(brake, modes)?.sliding_equilibrium(inputs).map(|_| ())
+                    FlexibleBrake::with_modes(brake, modes)?.sliding_equilibrium(inputs)?;
                 }
-                _ => Ok(()),
+                _ => {}
             }
+            Ok(())
         };
         let checked = check(slowest).and_then(|()| check(largest(speeds)));
         checked.map_err(|error| {
             let span = match error {
-                FlexibleError::ModeCount { .. } | FlexibleError::TooFewModes { .. } => {
+                TimeDomainError::Brake(FlexibleError::ModeCount { .. } | FlexibleError::TooFewModes { .. }) => {
                     spec.disc_modes.as_ref().map(Spanned::span)
                 }
-                FlexibleError::Settings(_) => spec.horizon.as_ref().map(Spanned::span),
+                TimeDomainError::Settings(_) => spec.horizon.as_ref().map(Spanned::span),
                 _ => None,
             };
             Complaint::maybe_at(span, format!("criterion: {error}"))
@@ -253,7 +257,11 @@ impl CriterionSpec {
             change(&mut alone);
             match alone.validate() {
                 Ok(()) => change(&mut settings),
-                Err(error) => complaints.push(Complaint::at(span, format!("criterion.{error}"))),
+                Err(error) => {
+                    // The setting has another name than its key in a job.
+                    let message = format!("criterion.{error}").replace("amplitude_index", "index.amplitude");
+                    complaints.push(Complaint::at(span, message));
+                }
             }
         };
         if let Some(displacement) = &self.displacement {

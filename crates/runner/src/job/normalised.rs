@@ -5,7 +5,8 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use stickslip_core::criterion::time_domain::{DiscModel, Start};
+use stickslip_core::criterion::time_domain::DiscModel;
+use stickslip_core::motion::start::Start;
 use stickslip_core::parameters::SCALARS;
 use stickslip_sampler::estimate::looks::Precision;
 use stickslip_sampler::inputs::Marginal;

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainSettings};
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
 use stickslip_core::flexible_disc::brake::DISC_MODES;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::trajectory::{SweepPoint, sweep};
+use stickslip_core::trajectory::sweep::{SweepPoint, sweep};
 
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};

@@ -2,11 +2,14 @@
 
 use std::path::Path;
 
-use stickslip_core::criterion::time_domain::{DiscModel, Start, TimeDomainSettings};
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::DiscModel;
 use stickslip_core::flexible_disc::brake::DISC_MODES;
+use stickslip_core::motion::moment::Moment;
+use stickslip_core::motion::start::Start;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::trajectory::{Moment, Trajectory};
+use stickslip_core::trajectory::recording::Trajectory;
 
 use super::spectrum::{Spectrum, spectrum};
 use crate::commands::{columns, simulate};

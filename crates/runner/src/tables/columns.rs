@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Field};
-use stickslip_core::flexible_disc::linear_stability::DegreeOfFreedom;
+use stickslip_core::degree_of_freedom::DegreeOfFreedom;
 use stickslip_sampler::estimate::score::CellParameter;
 use stickslip_sampler::estimate::sobol_indices::SobolIndices;
 use stickslip_sampler::grid::Cell;

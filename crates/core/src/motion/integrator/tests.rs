@@ -1,11 +1,10 @@
 //! Equations of motion with closed forms: a pad under a constant acceleration, and one on a spring.
 
-use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::*;
 
-mod parts;
+mod substeps;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Pad {
@@ -36,7 +35,7 @@ struct Toy {
 
 const V: f64 = 1.0;
 
-/// What static friction has in hand at x, against slip and against overtaking.
+/// The reserve of static friction at x, against slip and against overtaking.
 type Reserves = fn(f64) -> (f64, f64);
 
 /// Static friction that always holds.
@@ -46,7 +45,7 @@ const HOLDS: Reserves = |_| (1.0, 1.0);
 const HOLDS_TWO: Reserves = |x| (2.0 - x, 2.0 + x);
 
 impl Toy {
-    /// With friction that asks nothing of steps.
+    /// With friction that sets no limits to steps.
     fn new(law: Law, reserve: Reserves) -> Self {
         Self { law, reserve, limits: FrictionSteps::new(V, 0.0, 1.0, 0.0, 1.0) }
     }
@@ -61,9 +60,9 @@ impl Equations for Toy {
     type State = Pad;
 
     fn step(&self, &Pad { x, u }: &Pad, contact: ContactState, h: f64) -> Step<Pad> {
-        let constant = |a: f64, told: f64| Step {
+        let constant = |a: f64, reported: f64| Step {
             next: Pad { x: x + h * (u + 0.5 * h * a), u: u + h * a },
-            acceleration: (told, told),
+            acceleration: (reported, reported),
         };
         match self.law {
             _ if contact == ContactState::Stick => constant(0.0, 0.0),
@@ -197,44 +196,8 @@ fn a_turning_point_of_a_spring_is_found_to_the_fifth_order_of_the_step() {
     assert!(errors[0] < 1e-5 && errors[1] < errors[0] / 15.0, "{errors:?}");
 }
 
-type Curve = fn(f64) -> f64;
-
-#[test]
-fn an_event_is_located_to_the_last_digits_on_its_later_side() {
-    let events: [(Curve, f64); 6] = [
-        (libm::cos, FRAC_PI_2),
-        (|t| 1.0 - t, 1.0),
-        (|t| 1.0 - t * t * t * t * t * t * t * t, 1.0),
-        // So steep beyond the event that secants alone get nowhere.
-        (|t| 1.0 - libm::pow(t / 1.1, 90.0), 1.1),
-        (|t| libm::exp(-30.0 * t) - libm::exp(-30.0), 1.0),
-        (|t| if t < 1.3 { 1e9 } else { -1e-9 }, 1.3),
-    ];
-    for (index, (value, expected)) in events.into_iter().enumerate() {
-        let (time, state) = locate(2.0, &2.0, |part| part, |&state| value(state));
-        assert!((time - expected).abs() < 1e-14, "{index}: {time}");
-        assert_eq!(time, state, "the state is that of the time");
-        assert!(value(state) <= 0.0, "{index}: {}", value(state));
-    }
-}
-
-#[test]
-fn an_event_far_from_either_end_of_a_curved_step_takes_few_steps_to_locate() {
-    // From either side secants alone would creep up to it.
-    let curved: [Curve; 2] = [|t| 1.0 - t * t * t * t * t * t * t * t, |t| libm::exp(-5.0 * t) - libm::exp(-5.0)];
-    for (index, value) in curved.into_iter().enumerate() {
-        let steps = Cell::new(0);
-        let state_after = |part| {
-            steps.set(steps.get() + 1);
-            part
-        };
-        locate(2.0, &2.0, state_after, |&state| value(state));
-        assert!(steps.get() <= 22, "{index}: {}", steps.get());
-    }
-}
-
-/// Follows a pad step by step, and keeps what is told of it.
-fn follow(toy: &Toy, motion: &mut Motion<Pad>, h: f64, steps: u32) -> Vec<Event> {
+/// Simulates a pad step by step, and keeps its events.
+fn simulate(toy: &Toy, motion: &mut Motion<Pad>, h: f64, steps: u32) -> Vec<Event> {
     let mut log = Log::default();
     for step in 0..steps {
         advance(toy, motion, h * f64::from(step), h, &mut log).unwrap();
@@ -280,7 +243,7 @@ fn stick_slip_on_a_spring_has_the_period_and_the_turns_of_its_closed_form() {
     for h in [0.05, 0.3, 0.71] {
         let mut motion = Motion { state: pad(1.75, V), contact: ContactState::Stick };
         let steps = libm::ceil((expected.len() as f64 / 4.0) * (slip + 1.0) / h);
-        let found = follow(&toy, &mut motion, h, steps as u32);
+        let found = simulate(&toy, &mut motion, h, steps as u32);
         // Turning points are interpolated.
         assert_events(&found[..12], &expected, 1e-4 + 0.02 * h * h * h * h);
         let exact = |event: &&Event| !matches!(event, Event::Turns(..));
@@ -291,52 +254,52 @@ fn stick_slip_on_a_spring_has_the_period_and_the_turns_of_its_closed_form() {
 }
 
 #[test]
-fn several_events_in_one_step_are_told_in_their_order() {
+fn several_events_in_one_step_are_reported_in_their_order() {
     // It turns, meets the disc, and is carried to where friction holds it no longer; then it slips away.
     let toy = Toy::new(Law::Constant(2.0, 0.0), |x| (1.0 - x, 9.0));
     let mut motion = slipping(0.0, -1.0);
-    let found = follow(&toy, &mut motion, 1.5, 1);
+    let found = simulate(&toy, &mut motion, 1.5, 1);
     assert_events(&found, &[Event::Turns(0.5, -0.25), Event::Sticks(1.0, 0.0)], 5e-12);
     assert_eq!(motion.contact, ContactState::Stick);
     assert!(close(motion.state.x, 0.5) && motion.state.u == V, "{motion:?}");
 
     let toy = Toy::new(Law::Constant(-1.0, 0.0), |x| (1.0 - x, 9.0));
     let mut motion = Motion { state: pad(0.5, V), contact: ContactState::Stick };
-    let found = follow(&toy, &mut motion, 2.0, 1);
+    let found = simulate(&toy, &mut motion, 2.0, 1);
     assert_events(&found, &[Event::Slips(0.5), Event::Turns(1.5, 1.5)], 5e-12);
     assert_eq!(motion.contact, ContactState::Slip);
     assert!(close(motion.state.x, 1.375) && close(motion.state.u, -0.5), "{motion:?}");
 }
 
 #[test]
-fn a_pad_that_overtakes_the_disc_is_followed_through_the_step_and_nothing_is_told() {
+fn a_pad_that_overtakes_the_disc_in_a_step_is_simulated_to_its_end_without_an_event() {
     let toy = Toy::new(Law::Constant(1.0, 0.5), |_| (9.0, -1.0));
     let mut motion = slipping(0.0, 0.0);
-    assert_eq!(follow(&toy, &mut motion, 2.0, 1), []);
+    assert_eq!(simulate(&toy, &mut motion, 2.0, 1), []);
     assert_eq!(motion.contact, ContactState::Overtaking);
     assert!(close(motion.state.x, 0.5 + 1.25) && close(motion.state.u, 1.5), "{motion:?}");
 }
 
 #[test]
-fn a_graze_is_told_before_the_stick_that_it_leads_to() {
+fn a_graze_is_reported_before_the_stick_that_it_leads_to() {
     let toy = Toy::new(Law::Constant(0.01, 0.0), HOLDS);
-    let found = follow(&toy, &mut slipping(0.0, 0.995), 1.0, 1);
+    let found = simulate(&toy, &mut slipping(0.0, 0.995), 1.0, 1);
     assert_events(&found, &[Event::Grazes, Event::Sticks(0.5, 0.498_75)], 1e-12);
 }
 
 #[test]
-fn a_pad_that_has_not_come_away_since_its_release_has_not_come_back_either() {
+fn a_pad_that_has_not_left_the_disc_since_its_release_reports_no_stick() {
     let toy = Toy::new(Law::Constant(2.0, 0.0), |x| (x, 1.0));
     let mut motion = Motion { state: pad(0.0, V), contact: ContactState::Stick };
-    assert_eq!(follow(&toy, &mut motion, 0.5, 1), [Event::Slips(0.0)]);
+    assert_eq!(simulate(&toy, &mut motion, 0.5, 1), [Event::Slips(0.0)]);
     assert_eq!(motion.contact, ContactState::Stick);
 }
 
 #[test]
-fn the_parts_of_a_cut_step_make_up_the_whole_step() {
+fn the_substeps_of_a_cut_step_make_up_the_whole_step() {
     let toy = Toy::steep(Law::Constant(-1.0, 0.0));
     let mut motion = slipping(0.0, V);
-    let found = follow(&toy, &mut motion, 4.0, 1);
+    let found = simulate(&toy, &mut motion, 4.0, 1);
     assert_events(&found, &[Event::Turns(1.0, 0.5)], 5e-12);
     assert!(close(motion.state.x, -4.0) && close(motion.state.u, -3.0), "{motion:?}");
 }

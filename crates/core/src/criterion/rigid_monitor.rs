@@ -1,0 +1,209 @@
+//! The monitor of a rigid disc, where the tangential motion is planar and its orbits do not cross
+//! ([`crate::rigid_disc::return_map`]).
+//!
+//! | state | event | then |
+//! |---|---|---|
+//! | any | the energy is so small that friction cannot feed the motion any more | stable |
+//! | swinging | turns at the largest x: the first since the start, a release or an overtaking | its amplitude is the one to compare with |
+//! | | at an amplitude larger than the last by more than errors of the steps | unstable |
+//! | | smaller by more than these, and no cycle can lie inside (exponents up to 1) | stable |
+//! | | more than 1 % smaller, where one can | swinging; this amplitude is the next one to compare with |
+//! | | in between, too slow to wait for | the return map decides |
+//! | | sticks for the first time | held: until its release, which is the same for all motions that stick |
+//! | | sticks a second time, or for the first time after a start at release | unstable: all later cycles are the same |
+//! | | grazes the disc's speed in its first swing since the start or a release | the return map decides from that start or release |
+//! | | overtakes the disc | swinging, with nothing to compare with |
+//! | held | would stick for longer than [`LONGEST_STICK`] | the return map decides from the release |
+//! | | slips | swinging |
+//!
+//! If the equilibrium is linearly unstable, the motion is unstable from the start and is simulated only for its amplitude.
+
+use crate::criterion::monitor::Monitor;
+use crate::degree_of_freedom::DegreeOfFreedom;
+use crate::motion::integrator::Observer;
+use crate::rigid_disc::planar_motion::PlanarMotion;
+use crate::rigid_disc::return_map::Fate;
+use crate::verdict::Verdict;
+
+/// A relative change of amplitude over a cycle beyond all errors of the steps, whose damping is 4e-7.
+const RESOLVED: f64 = 1e-5;
+
+/// A change that is worth waiting for: a hundredfold decay takes 460 cycles at the most.
+const CLEAR: f64 = 1e-2;
+
+/// A longer stick than this, in scaled time, is not simulated.
+const LONGEST_STICK: f64 = 100.0;
+
+/// What is known of one motion so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RigidMonitor {
+    motion: PlanarMotion,
+    equilibrium: f64,
+    has_no_inner_cycle: bool,
+    until_settled: bool,
+    /// The motion is known to be unstable, and may be simulated further for its amplitude.
+    is_known_unstable: bool,
+    verdict: Option<Verdict>,
+    /// Amplitude of the last turning point at the largest x.
+    last_top: Option<f64>,
+    /// The return map did not resolve that amplitude.
+    is_unresolved: bool,
+    last_turn: Option<f64>,
+    amplitude: f64,
+    /// How often the pad stuck, a start at release included.
+    sticks: u32,
+    /// The state of slip at the start or the last release, until the first swing since then is over.
+    started: Option<[f64; 2]>,
+}
+
+impl RigidMonitor {
+    /// For a motion that starts in this state, in slip or at its release from stick.
+    pub fn new(motion: PlanarMotion, until_settled: bool, (x, speed): (f64, f64), starts_at_release: bool) -> Self {
+        let is_linearly_unstable = motion.damping_at_equilibrium() < 0.0;
+        let mut monitor = Self {
+            motion,
+            equilibrium: motion.equilibrium(),
+            has_no_inner_cycle: motion.has_no_inner_cycle(),
+            until_settled,
+            is_known_unstable: is_linearly_unstable,
+            verdict: (is_linearly_unstable && !until_settled).then_some(Verdict::Unstable),
+            last_top: None,
+            is_unresolved: false,
+            last_turn: None,
+            amplitude: 0.0,
+            sticks: u32::from(starts_at_release),
+            started: Some([x, speed]),
+        };
+        if speed == 0.0 && monitor.verdict.is_none() {
+            monitor.turns(0.0, x);
+        }
+        monitor
+    }
+
+    fn becomes_unstable(&mut self) {
+        self.is_known_unstable = true;
+        if !self.until_settled {
+            self.verdict = Some(Verdict::Unstable);
+        }
+    }
+
+    /// Concludes from what the return map finds. A motion that is captured sticks and is released; what comes after a
+    /// release is the same for all motions.
+    fn conclude_from(&mut self, fate: Fate) {
+        let settled = |fate: Fate| if self.until_settled { self.motion.settles(fate) } else { fate };
+        let fate = match settled(fate) {
+            Fate::Captured => match settled(self.motion.fate_of_release()) {
+                Fate::Captured => return self.conclude_from_stick_slip(),
+                released => released,
+            },
+            fate => fate,
+        };
+        match fate {
+            Fate::Equilibrium if !self.is_known_unstable => self.verdict = Some(Verdict::Stable),
+            Fate::Grows { .. } | Fate::Trapped { .. } => self.becomes_unstable(),
+            Fate::SmoothCycle { amplitude } => {
+                self.amplitude = amplitude;
+                self.is_known_unstable = true;
+                self.verdict = Some(Verdict::Unstable);
+            }
+            Fate::Equilibrium | Fate::Captured | Fate::Unresolved => self.is_unresolved = true,
+        }
+    }
+
+    fn conclude_from_stick_slip(&mut self) {
+        if let (out, Some(back)) = self.motion.slip_from_release() {
+            self.amplitude = 0.5 * (out.x - back.smallest);
+        }
+        self.is_known_unstable = true;
+        self.verdict = Some(Verdict::Unstable);
+    }
+}
+
+impl Monitor for RigidMonitor {
+    fn verdict(&self) -> Option<Verdict> {
+        self.verdict
+    }
+
+    fn is_unstable(&self) -> bool {
+        self.is_known_unstable
+    }
+
+    fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+
+    fn fed_by(&self) -> DegreeOfFreedom {
+        DegreeOfFreedom::Tangential
+    }
+
+    fn check(&mut self, x: f64, speed: f64) {
+        if self.verdict.is_none() && !self.is_known_unstable && self.motion.comes_to_rest(x, speed) {
+            self.verdict = Some(Verdict::Stable);
+        }
+    }
+}
+
+impl Observer for RigidMonitor {
+    fn turns(&mut self, _: f64, x: f64) {
+        if let Some(before) = self.last_turn.replace(x) {
+            self.amplitude = 0.5 * (x - before).abs();
+        }
+        self.check(x, 0.0);
+        let a = x - self.equilibrium;
+        if a <= 0.0 || self.verdict.is_some() {
+            return;
+        }
+        let Some(before) = self.last_top else {
+            self.last_top = Some(a);
+            return;
+        };
+        self.started = None;
+        let change = a / before - 1.0;
+        if change > RESOLVED {
+            self.becomes_unstable();
+        } else if change < -RESOLVED && !self.is_known_unstable && self.has_no_inner_cycle {
+            self.verdict = Some(Verdict::Stable);
+        }
+        if self.verdict.is_some() {
+            return;
+        }
+        if change.abs() > CLEAR {
+            self.last_top = Some(a);
+            self.is_unresolved = false;
+        } else if !self.is_unresolved {
+            self.conclude_from(self.motion.fate_of_swing(a));
+        }
+    }
+
+    fn sticks(&mut self, _: f64, x: f64) {
+        if self.verdict.is_some() {
+            return;
+        }
+        self.sticks += 1;
+        if self.sticks > 1 {
+            self.is_known_unstable = true;
+            self.verdict = Some(Verdict::Unstable);
+        } else if (self.motion.release() - x) > LONGEST_STICK * self.motion.disc_speed {
+            self.conclude_from(self.motion.fate_of_release());
+        }
+    }
+
+    fn slips(&mut self, _: f64) {
+        self.started = Some([self.motion.release(), self.motion.disc_speed]);
+        self.last_top = None;
+    }
+
+    fn overtakes(&mut self) {
+        self.last_top = None;
+        self.started = None;
+    }
+
+    fn grazes(&mut self) {
+        if let (Some(state), None) = (self.started.take(), self.verdict) {
+            self.conclude_from(self.motion.fate_from(state));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

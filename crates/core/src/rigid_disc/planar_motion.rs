@@ -1,0 +1,235 @@
+//! The tangential motion on a rigid disc, by an adaptive method.
+//!
+//! Slip is a plane autonomous system, with all forces over the mass and in scaled time:
+//!
+//! ```text
+//! x'' = G mu(v - x') - K x - C x',        x' < v
+//! ```
+//!
+//! Steps are those of Dormand and Prince's method, adaptive, with a local error of 1e-12 of the motion's own size. Ends of
+//! slip and turning points are located by bisection.
+
+use crate::friction::StribeckLaw;
+use crate::numerics::root_location::bisect;
+
+/// Local error allowed in one step, relative to the size of the motion.
+const TOLERANCE: f64 = 1e-12;
+
+/// Steps of one slip phase at the most; some hundred are usual. Only a pad so light or so damped that its motion is stiff
+/// needs more; an explicit method is the wrong one for it.
+const MOST_STEPS: usize = 20_000;
+
+/// Steps between checks whether a motion surely returns to the equilibrium, some ten times those of a swing: a creeping
+/// motion does not turn.
+const STEPS_BETWEEN_CHECKS: usize = 1024;
+
+/// The tangential motion of one sample on a rigid disc; forces over the mass, scaled time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PlanarMotion {
+    /// K.
+    pub stiffness: f64,
+    /// C.
+    pub damping: f64,
+    /// v.
+    pub disc_speed: f64,
+    /// G mu: the friction law with its coefficients multiplied by G.
+    pub law: StribeckLaw,
+}
+
+/// How a slip phase ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum SlipEnd {
+    /// At a turning point, the largest x of a swing.
+    Turned,
+    /// The pad has reached the disc's speed.
+    Captured,
+    /// It comes to rest without turning again.
+    Equilibrium,
+    /// Too many steps, or numbers out of range.
+    Unresolved,
+}
+
+/// A slip phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Slip {
+    pub end: SlipEnd,
+    pub duration: f64,
+    /// x at its end, and the smallest x on the way.
+    pub x: f64,
+    pub smallest: f64,
+}
+
+impl PlanarMotion {
+    /// Steady sliding, x0.
+    pub fn equilibrium(&self) -> f64 {
+        self.law.coefficient(self.disc_speed) / self.stiffness
+    }
+
+    /// Where static friction can hold the pad no longer.
+    pub fn release(&self) -> f64 {
+        (self.law.static_coefficient - self.damping * self.disc_speed) / self.stiffness
+    }
+
+    fn falling(&self) -> f64 {
+        self.law.static_coefficient - self.law.kinetic_coefficient
+    }
+
+    /// The damping of small motions about steady sliding; negative where friction feeds them.
+    pub fn damping_at_equilibrium(&self) -> f64 {
+        let falling = self.falling();
+        // Without a fall there is nothing to multiply a slope with that may be infinite.
+        if falling == 0.0 { self.damping } else { self.damping - falling * self.law.weakening(self.disc_speed) }
+    }
+
+    /// Whether a swing that shrinks without meeting the disc's speed must come to rest: see the module's documentation.
+    pub fn has_no_inner_cycle(&self) -> bool {
+        self.law.exponent <= 1.0 && self.damping_at_equilibrium() > 0.0
+    }
+
+    /// Whether a motion that moves at speeds up to `fastest`, if it keeps its energy, surely comes to rest.
+    pub fn comes_to_rest_from(&self, fastest: f64) -> bool {
+        let (v, falling) = (self.disc_speed, self.falling());
+        let slope = if falling <= 0.0 {
+            // Friction that rises with speed damps; at least it does not feed.
+            0.0
+        } else if fastest >= v {
+            return false;
+        } else {
+            let steepest = self.law.steepest_between(v - fastest, v + fastest);
+            if steepest <= v - fastest && fastest > 1e-6 * v {
+                // The curve is convex there, and the chord to its upper end the steepest.
+                (self.law.coefficient(v - fastest) - self.law.coefficient(v)) / fastest
+            } else {
+                falling * self.law.weakening(steepest)
+            }
+        };
+        self.damping > slope
+    }
+
+    /// Whether the motion in a state of slip surely comes to rest.
+    pub fn comes_to_rest(&self, x: f64, speed: f64) -> bool {
+        let distance = x - self.equilibrium();
+        self.comes_to_rest_from((speed * speed + self.stiffness * distance * distance).sqrt())
+    }
+
+    fn rate(&self, [x, speed]: [f64; 2]) -> [f64; 2] {
+        [speed, self.law.coefficient(self.disc_speed - speed) - self.stiffness * x - self.damping * speed]
+    }
+
+    /// One step of Dormand and Prince's fifth-order method; the second value is the estimate of its error.
+    fn step(&self, state: [f64; 2], h: f64) -> ([f64; 2], [f64; 2]) {
+        let combine = |terms: &[(f64, [f64; 2])]| {
+            let mut sum = [0.0; 2];
+            for (factor, rate) in terms {
+                sum[0] += factor * rate[0];
+                sum[1] += factor * rate[1];
+            }
+            sum
+        };
+        let at = |terms: &[(f64, [f64; 2])]| {
+            let sum = combine(terms);
+            self.rate([state[0] + h * sum[0], state[1] + h * sum[1]])
+        };
+        let k1 = self.rate(state);
+        let k2 = at(&[(1.0 / 5.0, k1)]);
+        let k3 = at(&[(3.0 / 40.0, k1), (9.0 / 40.0, k2)]);
+        let k4 = at(&[(44.0 / 45.0, k1), (-56.0 / 15.0, k2), (32.0 / 9.0, k3)]);
+        let k5 =
+            at(&[(19_372.0 / 6561.0, k1), (-25_360.0 / 2187.0, k2), (64_448.0 / 6561.0, k3), (-212.0 / 729.0, k4)]);
+        let k6 = at(&[
+            (9017.0 / 3168.0, k1),
+            (-355.0 / 33.0, k2),
+            (46_732.0 / 5247.0, k3),
+            (49.0 / 176.0, k4),
+            (-5103.0 / 18_656.0, k5),
+        ]);
+        let increment = combine(&[
+            (35.0 / 384.0, k1),
+            (500.0 / 1113.0, k3),
+            (125.0 / 192.0, k4),
+            (-2187.0 / 6784.0, k5),
+            (11.0 / 84.0, k6),
+        ]);
+        let next = [state[0] + h * increment[0], state[1] + h * increment[1]];
+        let k7 = self.rate(next);
+        let error = combine(&[
+            (71.0 / 57_600.0, k1),
+            (-71.0 / 16_695.0, k3),
+            (71.0 / 1920.0, k4),
+            (-17_253.0 / 339_200.0, k5),
+            (22.0 / 525.0, k6),
+            (-1.0 / 40.0, k7),
+        ]);
+        (next, [h * error[0], h * error[1]])
+    }
+
+    /// The part of a step at whose end `event` vanishes; it is positive at its beginning, not at its end.
+    fn locate(&self, state: [f64; 2], h: f64, event: impl Fn([f64; 2]) -> f64) -> (f64, [f64; 2]) {
+        let (_, late) = bisect((0.0, h), 100, 0.0, |part| event(self.step(state, part).0) > 0.0);
+        (late, self.step(state, late).0)
+    }
+
+    /// Simulates slip from a state until the pad reaches the disc's speed, or x its largest value again. Errors are relative
+    /// to the amplitude `size`.
+    pub fn slip(&self, from: [f64; 2], size: f64) -> Slip {
+        let frequency = self.stiffness.sqrt();
+        let sliding = |state: [f64; 2]| self.disc_speed - state[1];
+        let mut state = from;
+        let mut slip = Slip { end: SlipEnd::Unresolved, duration: 0.0, x: from[0], smallest: from[0] };
+        let mut h = 1e-3 / frequency;
+        for count in 1..=MOST_STEPS {
+            let (next, error) = self.step(state, h);
+            let error = (error[0].abs() / size).max(error[1].abs() / (size * frequency)) / TOLERANCE;
+            if error.is_nan() {
+                return slip;
+            }
+            if error > 1.0 {
+                h *= (0.9 * libm::pow(error, -0.2)).max(0.2);
+                continue;
+            }
+            let captured = (sliding(state) > 0.0).then(|| self.capture(state, next, h)).flatten();
+            let part = captured.unwrap_or(h);
+            if state[1] < 0.0 && self.step(state, part).0[1] >= 0.0 {
+                slip.smallest = slip.smallest.min(self.locate(state, part, |state| -state[1]).1[0]);
+            }
+            if captured.is_some() {
+                let (part, caught) = self.locate(state, part, sliding);
+                return Slip { end: SlipEnd::Captured, duration: slip.duration + part, x: caught[0], ..slip };
+            }
+            if state[1] > 0.0 && next[1] <= 0.0 {
+                let (part, turned) = self.locate(state, h, |state| state[1]);
+                return Slip { end: SlipEnd::Turned, duration: slip.duration + part, x: turned[0], ..slip };
+            }
+            slip.duration += h;
+            slip.x = next[0];
+            state = next;
+            if count % STEPS_BETWEEN_CHECKS == 0 && self.comes_to_rest(state[0], state[1]) {
+                return Slip { end: SlipEnd::Equilibrium, ..slip };
+            }
+            h *= (0.9 * libm::pow(error.max(1e-10), -0.2)).clamp(0.2, 5.0);
+        }
+        slip
+    }
+
+    /// A time within the step `h` from `state` to `next` at which the pad is not slower than the disc, if there is one: at
+    /// its end, or where its speed has a maximum in between.
+    fn capture(&self, state: [f64; 2], next: [f64; 2], h: f64) -> Option<f64> {
+        if self.disc_speed - next[1] <= 0.0 {
+            return Some(h);
+        }
+        if self.rate(state)[1] <= 0.0 || self.rate(next)[1] >= 0.0 {
+            return None;
+        }
+        let (part, fastest) = self.locate(state, h, |state| self.rate(state)[1]);
+        (self.disc_speed - fastest[1] <= 0.0).then_some(part)
+    }
+
+    /// The slip phase that begins at release from stick, to its first turning point and on from there; `None` in place of
+    /// the second where the first does not turn.
+    pub fn slip_from_release(&self) -> (Slip, Option<Slip>) {
+        let size = self.release().abs().max(self.disc_speed / self.stiffness.sqrt());
+        let first = self.slip([self.release(), self.disc_speed], size);
+        let second = (first.end == SlipEnd::Turned).then(|| self.slip([first.x, 0.0], size));
+        (first, second)
+    }
+}
