@@ -1,31 +1,47 @@
 //! Job specs: what a user writes, checked and made into what the engine runs.
 
-mod diagnosis;
 mod keys;
 
+mod diagnosis;
+
 mod criterion_spec;
+
 mod distribution_spec;
+
 mod random_spec;
+
 mod sampling_spec;
+
 mod spec;
 
 mod reading;
 
 mod measured;
+
 mod random_input;
+
 mod scatter;
 
 mod criterion;
-mod model;
-pub mod plausibility;
+
 mod random;
+
+pub mod plausibility;
+
+mod model;
+
 mod sampling;
+
 mod sampling_checks;
+
 mod validated;
+
 mod validation;
 
-mod identity;
 mod normalised;
+
+mod identity;
+
 mod source;
 
 pub use criterion::Criterion;

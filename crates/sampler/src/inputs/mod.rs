@@ -6,13 +6,19 @@
 //!
 //! Quantiles are accurate in both tails: they are computed from `Phi(z)` or from `1 - Phi(z)`, whichever is smaller.
 
-mod columns;
 mod correlation;
+
 mod empirical;
-mod marginal;
-mod transform;
+
 mod truncation;
+
+mod marginal;
+
 mod weibull;
+
+mod transform;
+
+mod columns;
 
 #[cfg(test)]
 mod tests;

@@ -16,9 +16,9 @@
 //! curve leaves between two verdicts, boxes that are not resolved, missing tiles, and samples that are undecided or
 //! failed.
 
-mod crossed;
 mod input;
 
+mod crossed;
 use stickslip_core::verdict::Verdict;
 
 use self::crossed::{Crossed, CrossedIntegrals};
