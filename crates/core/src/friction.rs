@@ -45,8 +45,7 @@ impl StribeckLaw {
     ///
     /// It does not depend on the friction coefficients. `speed` > 0; for exponents below 1 it grows without
     /// bound towards zero speed.
-    #[must_use]
-    pub fn weakening(&self, speed: f64) -> f64 {
+    pub(crate) fn weakening(&self, speed: f64) -> f64 {
         let (power, decay) = self.decay(speed);
         if self.exponent == 1.0 {
             decay / self.stribeck_velocity
@@ -61,8 +60,7 @@ impl StribeckLaw {
     ///
     /// For exponents up to 1 the slope falls with speed; above 1 it has its crest at
     /// `v_s (1 - 1 / delta)^(1 / delta)`.
-    #[must_use]
-    pub fn steepest_between(&self, from: f64, to: f64) -> f64 {
+    pub(crate) fn steepest_between(&self, from: f64, to: f64) -> f64 {
         if self.exponent <= 1.0 {
             return from;
         }

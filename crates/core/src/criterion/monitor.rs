@@ -1,20 +1,5 @@
 //! When the verdict on a motion is certain.
 //!
-//! # What stable and unstable mean
-//!
-//! *Stable* is a motion that converges to the sliding equilibrium of the model in use. *Unstable* is one that does not: it
-//! sticks and slips for ever, or it keeps to a cycle without sticking, however small. All criteria, discs and starts share
-//! this meaning:
-//!
-//! * A **linearly unstable** equilibrium attracts no motion. Such a sample is unstable whatever the start, and its motion
-//!   is simulated only for its settled amplitude.
-//! * With a **linearly stable** equilibrium the start decides, and the motion is simulated. If it starts outside an
-//!   unstable cycle around the equilibrium, it does not return, however small its displacement is.
-//!
-//! *Undecided* is a motion that shows neither before the horizon; *failed* is one whose computation broke down.
-//!
-//! # How a motion is monitored
-//!
 //! The integrator reports turning points, sticks and releases to a monitor, which also checks displacement and speed at
 //! intervals.
 //!

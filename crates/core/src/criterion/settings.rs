@@ -8,7 +8,7 @@ use crate::motion::start::Start;
 pub const HORIZON: f64 = 10_000.0;
 
 /// Default displacement of a start near the equilibrium, relative to x0.
-pub const DISPLACEMENT: f64 = 0.01;
+pub(crate) const DISPLACEMENT: f64 = 0.01;
 
 /// How the motion of a sample is simulated and decided.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,19 @@
 //! The time-domain criterion: the motion of a sample is simulated until its verdict is certain.
 //!
-//! [`crate::criterion::monitor`] defines stable and unstable, and how a motion shows it.
+//! # What stable and unstable mean
+//!
+//! *Stable* is a motion that converges to the sliding equilibrium of the model in use. *Unstable* is one that does not: it
+//! sticks and slips for ever, or it keeps to a cycle without sticking, however small. All criteria, discs and starts share
+//! this meaning:
+//!
+//! * A **linearly unstable** equilibrium attracts no motion. Such a sample is unstable whatever the start, and its motion
+//!   is simulated only for its settled amplitude.
+//! * With a **linearly stable** equilibrium the start decides, and the motion is simulated. If it starts outside an
+//!   unstable cycle around the equilibrium, it does not return, however small its displacement is.
+//!
+//! *Undecided* is a motion that shows neither before the horizon; *failed* is one whose computation broke down.
+//!
+//! # Steps
 //!
 //! Steps are those of the classical fourth-order Runge-Kutta method. Their length is 0.1 over the natural frequency of
 //! the pad on a rigid disc, 0.45 over the highest frequency of pad, contact and kept disc modes on a flexible one, and no

@@ -172,7 +172,8 @@ impl FiniteDifferenceBrake {
     ///
     /// # Errors
     /// [`FiniteDifferenceError::Brake`] if the eigenvalues do not converge.
-    pub fn frequency_parameters(
+    #[cfg(test)]
+    pub(crate) fn frequency_parameters(
         &self,
         nodal_diameters: usize,
         count: usize,
@@ -189,7 +190,11 @@ impl FiniteDifferenceBrake {
     ///
     /// # Errors
     /// [`FiniteDifferenceError::NotSolvable`] if the stiffness of the grid is singular, which no plate of a brake is.
-    pub fn static_deflection(&self, pressure: impl Fn(f64, f64) -> f64) -> Result<Vec<f64>, FiniteDifferenceError> {
+    #[cfg(test)]
+    pub(crate) fn static_deflection(
+        &self,
+        pressure: impl Fn(f64, f64) -> f64,
+    ) -> Result<Vec<f64>, FiniteDifferenceError> {
         let brake = self.modal.brake.brake();
         let h = brake.parameters().disc.thickness;
         let scale = h * h / brake.scales().flexural_rigidity * self.patch.area;
@@ -202,11 +207,12 @@ impl FiniteDifferenceBrake {
     }
 
     /// The mean static deflection under the pad for a unit force that is spread evenly over the patch, m/N; what
-    /// [`FlexibleBrake::compliances`] adds up to.
+    /// the compliances of the modes add up to.
     ///
     /// # Errors
     /// As [`FiniteDifferenceBrake::static_deflection`].
-    pub fn compliance(&self) -> Result<f64, FiniteDifferenceError> {
+    #[cfg(test)]
+    pub(crate) fn compliance(&self) -> Result<f64, FiniteDifferenceError> {
         let h = self.modal.brake.brake().parameters().disc.thickness;
         let area = h * h * self.patch.area;
         let deflection = self.static_deflection(|_, _| 1.0 / area)?;

@@ -14,6 +14,7 @@ pub(crate) struct MovingPatch {
     edge: PatchRadius,
     inside: PatchRadius,
     /// A_s over h^2.
+    #[cfg(test)]
     pub area: f64,
     /// Radius by radius.
     pub points: Vec<PatchPoint>,
@@ -103,7 +104,15 @@ impl MovingPatch {
         let on_radius = |radius: f64| PatchRadius::new(plate, radius, 0.0);
         let edge = on_radius(plate.outer);
         let inside = on_radius(plate.inner + 0.25 * (plate.outer - plate.inner));
-        Self { radii, angles, edge, inside, area: 4.0 * half_angle * half * middle, points }
+        Self {
+            radii,
+            angles,
+            edge,
+            inside,
+            #[cfg(test)]
+            area: 4.0 * half_angle * half * middle,
+            points,
+        }
     }
 
     /// The node e before an angle, and how far the angle is beyond it, `i/C`.
@@ -172,6 +181,7 @@ impl MovingPatch {
     }
 
     /// Radius over h and angle of every point, for elements of an angle.
+    #[cfg(test)]
     pub fn places(&self, element: f64) -> impl Iterator<Item = (f64, f64)> {
         self.radii
             .iter()

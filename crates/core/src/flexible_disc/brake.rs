@@ -92,16 +92,8 @@ impl FlexibleBrake {
     }
 
     /// Degrees of freedom: x, y, phi, the cosine amplitudes and the sine amplitudes of the disc.
-    #[must_use]
-    pub fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         self.equations.size()
-    }
-
-    /// What each mode adds to the static deflection of the disc under the pad, averaged over the patch, for a unit
-    /// force that is spread evenly over it; m/N.
-    #[must_use]
-    pub fn compliances(&self) -> Vec<f64> {
-        compliances(&self.equations.brake, &self.equations.modes)
     }
 
     /// The displacements of steady sliding: x and y over h, phi in rad, then the amplitudes of the disc over h.
@@ -117,7 +109,7 @@ impl FlexibleBrake {
     ///
     /// # Errors
     /// [`FlexibleError`] if there is no equilibrium, or if the eigenvalues do not converge.
-    pub fn coupled_eigenvalues(&self, inputs: RandomInputs) -> Result<Vec<Eigenvalue>, FlexibleError> {
+    pub(crate) fn coupled_eigenvalues(&self, inputs: RandomInputs) -> Result<Vec<Eigenvalue>, FlexibleError> {
         let q = self.sliding_equilibrium(inputs)?;
         let (stiffness, damping) = self.equations.linearise(inputs, &q);
         Ok(eigenvalues(&first_order(&stiffness, &damping))?)
@@ -126,7 +118,7 @@ impl FlexibleBrake {
     /// The largest real part of the coupled eigenvalues: steady sliding is unstable where it is positive.
     ///
     /// # Errors
-    /// As [`FlexibleBrake::coupled_eigenvalues`].
+    /// [`FlexibleError`] if there is no equilibrium, or if the eigenvalues do not converge.
     pub fn growth_rate(&self, inputs: RandomInputs) -> Result<f64, FlexibleError> {
         let values = self.coupled_eigenvalues(inputs)?;
         Ok(values.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max))

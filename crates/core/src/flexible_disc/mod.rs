@@ -3,7 +3,7 @@
 
 pub mod plate_modes;
 
-mod compliance;
+pub(crate) mod compliance;
 
 pub mod error;
 

@@ -50,8 +50,7 @@ pub struct PlateMode {
 
 impl PlateMode {
     /// The radial shape `R` at radius `r`, `a/b <= r <= 1`, with b as unit of length.
-    #[must_use]
-    pub fn shape(&self, r: f64) -> f64 {
+    pub(crate) fn shape(&self, r: f64) -> f64 {
         let functions = RadialFunctions::at(r, self.radius_ratio);
         let terms = self.coefficients.iter().zip(&functions.polynomials);
         functions.factor * terms.map(|(c, p)| c * p).sum::<f64>()

@@ -35,8 +35,7 @@ const Q: [f64; 10] = [
 
 /// `exp(x)` to less than one unit in the last place for `|x| <= 708`; arguments beyond are clamped, NaN gives NaN.
 #[inline(always)]
-#[must_use]
-pub fn exp(x: f64) -> f64 {
+pub(crate) fn exp(x: f64) -> f64 {
     // Comparisons and not `clamp`, `min` or `max`: those choose between NaN and limit differently.
     let x = if x > LARGEST { LARGEST } else { x };
     let x = if x < -LARGEST { -LARGEST } else { x };

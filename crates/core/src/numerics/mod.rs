@@ -1,10 +1,10 @@
 //! Numerical methods that know nothing of brakes.
 
-pub mod exponential;
+pub(crate) mod exponential;
 
 pub mod eigenvalues;
 
-pub mod quadrature;
+pub(crate) mod quadrature;
 
 pub(crate) mod sine_cosine;
 

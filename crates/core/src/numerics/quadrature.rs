@@ -1,8 +1,7 @@
 //! The Gauss-Legendre rule, and the Legendre polynomials that it comes from.
 
 /// Legendre polynomial with its first two derivatives, |x| <= 1, by the three-term recurrence.
-#[must_use]
-pub fn legendre(degree: usize, x: f64) -> (f64, f64, f64) {
+pub(crate) fn legendre(degree: usize, x: f64) -> (f64, f64, f64) {
     let (mut p, mut dp, mut ddp) = (1.0, 0.0, 0.0);
     let (mut p_before, mut dp_before, mut ddp_before) = (0.0, 0.0, 0.0);
     for k in 1..=degree {
@@ -16,8 +15,7 @@ pub fn legendre(degree: usize, x: f64) -> (f64, f64, f64) {
 }
 
 /// Nodes and weights of the Gauss-Legendre rule on [-1, 1], by Newton's iteration from Tricomi's estimate.
-#[must_use]
-pub fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
     let rule = |i: usize| {
         let angle = std::f64::consts::PI * (i as f64 + 0.75) / (points as f64 + 0.5);
         let mut x = libm::cos(angle);

@@ -56,7 +56,7 @@ pub struct SlidingEquilibrium {
 
 /// A damped oscillator `u'' + damping u' + stiffness u = 0` in scaled time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Oscillator {
+pub(crate) struct Oscillator {
     /// Coefficient of the velocity; negative when friction feeds the motion.
     pub damping: f64,
     /// Coefficient of the displacement, the square of the undamped angular frequency.
@@ -174,15 +174,13 @@ impl PadOnDisc {
     }
 
     /// The contact force over h that one unit of preload produces, `k_en k_y / (k_en + k_y)`, N/m.
-    #[must_use]
-    pub fn normal_force_per_preload(&self) -> f64 {
+    pub(crate) fn normal_force_per_preload(&self) -> f64 {
         let stiffness = &self.parameters.stiffness;
         stiffness.contact_normal * stiffness.calliper_normal / (stiffness.contact_normal + stiffness.calliper_normal)
     }
 
     /// N, the contact force over h of steady sliding, N/m.
-    #[must_use]
-    pub fn normal_force(&self) -> f64 {
+    pub(crate) fn normal_force(&self) -> f64 {
         self.normal_force_per_preload() * self.parameters.operating_point.preload
     }
 
@@ -237,8 +235,7 @@ impl PadOnDisc {
     }
 
     /// [`PadOnDisc::sliding_equilibrium`] with other values of preload and static friction.
-    #[must_use]
-    pub fn sliding_equilibrium_at(&self, inputs: RandomInputs) -> SlidingEquilibrium {
+    pub(crate) fn sliding_equilibrium_at(&self, inputs: RandomInputs) -> SlidingEquilibrium {
         let Parameters { stiffness, pad, .. } = &self.parameters;
         let normal_force = self.normal_force_per_preload() * inputs.preload;
         let law = StribeckLaw { static_coefficient: inputs.static_friction, ..self.friction };
@@ -268,8 +265,7 @@ impl PadOnDisc {
 
     /// The tangential motion near steady sliding; its damping is `-m1` of the Jacobian, see
     /// [`PadOnDisc::jacobian`].
-    #[must_use]
-    pub fn tangential_oscillator(&self) -> Oscillator {
+    pub(crate) fn tangential_oscillator(&self) -> Oscillator {
         Oscillator {
             damping: (self.scaled_tangential_damping() - self.friction_weakening_force()) / self.scaled_mass(),
             stiffness: self.tangential_stiffness() / self.scaled_mass(),
@@ -277,8 +273,7 @@ impl PadOnDisc {
     }
 
     /// The normal motion near steady sliding.
-    #[must_use]
-    pub fn normal_oscillator(&self) -> Oscillator {
+    pub(crate) fn normal_oscillator(&self) -> Oscillator {
         let Parameters { stiffness, damping, .. } = &self.parameters;
         Oscillator {
             damping: damping.normal * self.scales.eta0.sqrt() / self.scaled_mass(),
@@ -287,8 +282,7 @@ impl PadOnDisc {
     }
 
     /// The rotation of the pad near steady sliding.
-    #[must_use]
-    pub fn angular_oscillator(&self) -> Oscillator {
+    pub(crate) fn angular_oscillator(&self) -> Oscillator {
         let inertia = self.parameters.pad.moment_of_inertia * self.scales.eta0;
         Oscillator {
             damping: self.parameters.damping.angular * self.scales.eta0.sqrt() / inertia,

@@ -20,7 +20,6 @@ use crate::verdict::{Verdict, VerdictCounts};
 impl Oscillator {
     /// Both roots of `lambda^2 + damping lambda + stiffness = 0`, the larger real part first, then the positive
     /// imaginary part. `stiffness` > 0.
-    #[must_use]
     pub fn eigenvalues(&self) -> [Eigenvalue; 2] {
         let half = -0.5 * self.damping;
         let discriminant = half * half - self.stiffness;

@@ -1,7 +1,10 @@
 //! The grid of the plate and its operator.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+#[cfg(test)]
+use nalgebra::SymmetricEigen;
+use nalgebra::{DMatrix, DVector};
 
+#[cfg(test)]
 use crate::numerics::eigenvalues::EigenvalueError;
 
 /// A number for each power of the second difference along a ring: `c[0] + c[1] d + c[2] d^2`.
@@ -147,6 +150,7 @@ impl PlateGrid {
     }
 
     /// The squared frequencies of all motions with `nodal_diameters`, in ascending order.
+    #[cfg(test)]
     pub fn squared_frequencies(&self, nodal_diameters: usize) -> Result<Vec<f64>, EigenvalueError> {
         let mut matrix = self.radial_operator(nodal_diameters);
         for row in 0..self.rings {
