@@ -31,9 +31,10 @@ target/readers/ready: tests/requirements.txt
 	    rm -rf target/readers; test -z "$$CI"; \
 	fi
 
-# Formatting, lints and documentation, all warnings errors.
+# Formatting, lints, documentation and the order of imports; all warnings are errors.
 check:
 	$(CARGO) fmt --all --check
+	$(CARGO) test --locked --quiet -p stickslip-core --test structure
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
 

@@ -16,16 +16,16 @@
 //! whole patch after all, the loads are summed node by node, which is the same sum in another order. Mode shapes are
 //! even (cosine) or odd (sine) in theta, and so is each average: half of the products vanish and are left out.
 
+pub(crate) mod position;
+
+pub(crate) mod node;
+
 mod averages;
 
 pub(crate) mod loads;
 
-pub(crate) mod node;
+mod pressed_region;
 
 pub(crate) mod patch;
 
 pub(crate) mod points;
-
-pub(crate) mod position;
-
-mod pressed_region;
