@@ -2,6 +2,13 @@
 //! arise and the order of declaration is an order in which to read. What ARCHITECTURE.md says of the modules and of places in
 //! the code is up to date.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on should say so and stop"
+)]
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
