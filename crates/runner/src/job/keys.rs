@@ -81,14 +81,14 @@ fn place_in_job(scalar: &Scalar, table: &str) -> String {
 /// The key of a job spec that may have been meant by one that `table` does not have, among those that it has and those of
 /// other tables, as the end of a message.
 pub fn suggestion(wrong: &str, table: &str, candidates: &[&str]) -> String {
+    if let Some((right, _)) = TABLES.iter().find(|(_, keys)| keys.contains(&wrong)) {
+        return format!("; `{wrong}` belongs in [{right}]");
+    }
     if let Some(right) = nearest(wrong, candidates.iter().copied()) {
         return format!("; did you mean `{right}`?");
     }
-    if let Some(scalar) = parameter(wrong).or_else(|| parameter(&format!("{table}.{wrong}"))) {
-        return format!("; did you mean {}?", place_in_job(scalar, table));
-    }
-    let place = TABLES.iter().find(|(_, keys)| keys.contains(&wrong));
-    place.map_or(String::new(), |(table, _)| format!("; `{wrong}` belongs in [{table}]"))
+    let meant = parameter(wrong).or_else(|| parameter(&format!("{table}.{wrong}")));
+    meant.map_or(String::new(), |scalar| format!("; did you mean {}?", place_in_job(scalar, table)))
 }
 
 /// The complaint about a key of the parameters that does not exist. `in_job` tells a job spec from `--set`.

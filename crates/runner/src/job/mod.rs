@@ -15,6 +15,7 @@ mod sampling_spec;
 mod spec;
 
 mod reading;
+mod syntax;
 
 mod measured;
 

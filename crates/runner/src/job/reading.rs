@@ -9,13 +9,14 @@ use toml::de::{DeTable, DeValue, Deserializer, Error};
 use super::diagnosis::{Complaint, Complaints};
 use super::keys::{nearest, suggestion};
 use super::spec::JobSpec;
+use super::syntax;
 
 /// Reads a job spec. An entry that cannot be read is complained about and left out, so that the others are read too;
 /// `None` if nothing can be read.
 pub fn read(text: &str, complaints: &mut Complaints) -> Option<JobSpec> {
     let (mut document, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
-        errors_of_syntax(text, &errors).into_iter().for_each(|complaint| complaints.push(complaint));
+        syntax::errors(text, errors).into_iter().for_each(|complaint| complaints.push(complaint));
         return None;
     }
     loop {
@@ -38,80 +39,13 @@ pub fn read(text: &str, complaints: &mut Complaints) -> Option<JobSpec> {
         // What is said of a table from which an entry was taken may follow from that.
         if !complaints.has_unread(&keys) {
             let value = value_at(document.get_ref(), &path);
-            // A wrong name is quoted in the error.
-            let value = value.filter(|value| !choices.is_empty() && !value.get_ref().is_str());
-            complaints.push(match value.map(Spanned::span) {
-                Some(span) => {
-                    let message = not_a_choice(&keys.join("."), text.get(span.clone()).unwrap_or_default(), &choices);
-                    Complaint::at(span, message)
-                }
-                None => Complaint::maybe_at(error.span(), in_words(text, &path, &error)),
-            });
+            let complaint = value.and_then(|value| about_value(text, &keys.join("."), value, &choices, &error));
+            let in_words = || Complaint::maybe_at(error.span(), in_words(text, &path, &error));
+            complaints.push(complaint.unwrap_or_else(in_words));
         }
         change(document.get_mut(), &path, None);
         complaints.note_unread(path);
     }
-}
-
-/// What is wrong with the lines that are no TOML.
-fn errors_of_syntax(text: &str, errors: &[Error]) -> Vec<Complaint> {
-    let mut complaints = Vec::new();
-    let mut last = None;
-    for error in errors {
-        let start = error.span().map_or(0, |span| span.start.min(text.len()));
-        let newline = text.as_bytes()[..start].iter().rposition(|&byte| byte == b'\n');
-        let line_start = newline.map_or(0, |newline| newline + 1);
-        // Further errors of a line mostly follow from the first.
-        if last.replace(line_start) == Some(line_start) {
-            continue;
-        }
-        let line = text.get(line_start..).and_then(|rest| rest.lines().next()).unwrap_or("");
-        let commas = decimal_commas(line);
-        for place in &commas {
-            let number = &line[place.clone()];
-            let message = format!("{number} has a decimal comma; write {}", number.replacen(',', ".", 1));
-            complaints.push(Complaint::at(line_start + place.start..line_start + place.end, message));
-        }
-        if commas.is_empty() {
-            complaints.push(Complaint::maybe_at(error.span(), syntax_in_words(text, start, error)));
-        }
-    }
-    complaints
-}
-
-/// What is wrong with a line that is no TOML.
-fn syntax_in_words(text: &str, start: usize, error: &Error) -> String {
-    let is_part = |c: char| c.is_alphanumeric() || "-_.".contains(c);
-    let rest = text.get(start..).unwrap_or_default();
-    let word = &rest[..rest.find(|c| !is_part(c)).unwrap_or(rest.len())];
-    let is_value = text.get(..start).is_some_and(|before| before.trim_end_matches([' ', '\t']).ends_with('='));
-    if is_value && word.starts_with(char::is_alphabetic) {
-        return format!("{word} is no value: a text is written in quotes, \"{word}\"");
-    }
-    error.message().to_owned()
-}
-
-/// The numbers with a comma between their digits, outside strings and comments.
-fn decimal_commas(line: &str) -> Vec<Range<usize>> {
-    let bytes = line.as_bytes();
-    let digits = |byte: &&u8| byte.is_ascii_digit();
-    let (mut found, mut quote): (Vec<Range<usize>>, Option<u8>) = (Vec::new(), None);
-    for (i, &byte) in bytes.iter().enumerate() {
-        match (quote, byte) {
-            (None, b'#') => break,
-            (None, b'"' | b'\'') => quote = Some(byte),
-            (Some(open), _) if open == byte => quote = None,
-            (None, b',') => {
-                let before = bytes[..i].iter().rev().take_while(digits).count();
-                let after = bytes[i + 1..].iter().take_while(digits).count();
-                if before > 0 && after > 0 && found.last().is_none_or(|number| number.end <= i - before) {
-                    found.push(i - before..i + 1 + after);
-                }
-            }
-            _ => {}
-        }
-    }
-    found
 }
 
 /// The keys that lead to the innermost entry about which something is said at `span`.
@@ -170,16 +104,24 @@ fn in_words(text: &str, path: &[String], error: &Error) -> String {
     if let Some(name) = message.strip_prefix("missing field ") {
         return format!("missing key {name} in {key}");
     }
+    // Some types say themselves what is wrong with which key.
+    let own = if message.starts_with(path[0].as_str()) { message.to_owned() } else { format!("{key}: {message}") };
+    in_words_for(text, &key, error).unwrap_or(own)
+}
+
+/// What is wrong with a value of a wrong type or size.
+fn in_words_for(text: &str, key: &str, error: &Error) -> Option<String> {
     let typed = error.span().and_then(|span| text.get(span)).unwrap_or_default();
-    if message == "integer number overflowed" {
-        return format!("{key} = {} is too large; it must be {}", short(typed), whole_number(&key));
-    }
-    let types = message.split_once(": ").filter(|(start, _)| start.starts_with("invalid "));
-    match types.and_then(|(_, types)| types.split_once(", expected ")) {
-        Some((found, expected)) => wrong_type(&key, typed, found, expected),
-        // Some types say themselves what is wrong with which key.
-        None if message.starts_with(path[0].as_str()) => message.to_owned(),
-        None => format!("{key}: {message}"),
+    match error.message() {
+        "integer number overflowed" => {
+            Some(format!("{key} = {} is too large; it must be {}", short(typed), whole_number(key)))
+        }
+        "floating-point number overflowed" => Some(format!("{key} = {} is too large for a number", short(typed))),
+        message => {
+            let (start, types) = message.split_once(": ")?;
+            let (found, expected) = types.split_once(", expected ")?;
+            start.starts_with("invalid ").then(|| wrong_type(key, typed, found, expected))
+        }
     }
 }
 
@@ -253,11 +195,34 @@ fn choices_at(document: &Spanned<DeTable<'_>>, path: &[String]) -> Vec<String> {
     }
 }
 
-/// Something else than a name where one of a few is wanted.
-fn not_a_choice(key: &str, typed: &str, choices: &[String]) -> String {
-    let choices: Vec<&str> = choices.iter().map(String::as_str).collect();
-    let choices = listed(&choices).replace('`', "\"");
-    format!("{key} = {} is not a value that it may have; write {choices}", short(typed))
+/// A complaint about a value that is seen from the value itself, not from the error.
+fn about_value(
+    text: &str,
+    key: &str,
+    value: &Spanned<DeValue<'_>>,
+    choices: &[String],
+    error: &Error,
+) -> Option<Complaint> {
+    let span = value.span();
+    let typed = short(text.get(span.clone()).unwrap_or_default());
+    match value.get_ref() {
+        DeValue::Datetime(_) => Some(Complaint::at(span, format!("{key} = {typed} is a date"))),
+        DeValue::Array(_) if typed.starts_with("[[") && !key.contains('.') => {
+            Some(Complaint::at(span, format!("[[{key}]] would be a list of tables; write [{key}], and once only")))
+        }
+        // The error is about an element.
+        DeValue::Array(_) if error.span().is_some_and(|place| place != span) => {
+            Some(Complaint::maybe_at(error.span(), in_words_for(text, &format!("an element of {key}"), error)?))
+        }
+        // A wrong name is quoted in the error.
+        DeValue::String(_) => None,
+        _ if !choices.is_empty() => {
+            let choices: Vec<&str> = choices.iter().map(String::as_str).collect();
+            let choices = listed(&choices).replace('`', "\"");
+            Some(Complaint::at(span, format!("{key} = {typed} is not a value that it may have; write {choices}")))
+        }
+        _ => None,
+    }
 }
 
 /// The value of the entry at a path.

@@ -1,0 +1,94 @@
+//! What is wrong with a text that is no TOML, for people who write MATLAB or numbers with a decimal comma.
+
+use std::ops::Range;
+
+use toml::de::Error;
+
+use super::diagnosis::Complaint;
+
+/// One complaint for each line that is no TOML, up to one that leaves the rest of the text without meaning.
+pub fn errors(text: &str, mut errors: Vec<Error>) -> Vec<Complaint> {
+    let start_of = |error: &Error| error.span().map_or(0, |span| span.start.min(text.len()));
+    errors.sort_by_key(start_of);
+    let mut complaints = Vec::new();
+    let mut last = None;
+    for error in &errors {
+        let newline = text.as_bytes()[..start_of(error)].iter().rposition(|&byte| byte == b'\n');
+        let line_start = newline.map_or(0, |newline| newline + 1);
+        // Further errors of a line mostly follow from the first.
+        if last.replace(line_start) == Some(line_start) {
+            continue;
+        }
+        let line = text.get(line_start..).and_then(|rest| rest.lines().next()).unwrap_or("");
+        let commas = decimal_commas(line);
+        for place in &commas {
+            let number = &line[place.clone()];
+            let message = format!("{number} has a decimal comma; write {}", number.replacen(',', ".", 1));
+            complaints.push(Complaint::at(line_start + place.start..line_start + place.end, message));
+        }
+        if !commas.is_empty() {
+            continue;
+        }
+        if error.message().starts_with("missing comma") {
+            let message = "a comma is missing between the values of a list, or the list is not closed with ]";
+            complaints.push(Complaint::maybe_at(error.span(), message));
+            break;
+        }
+        complaints
+            .push(Complaint::maybe_at(error.span(), in_words(line).unwrap_or_else(|| error.message().to_owned())));
+    }
+    complaints
+}
+
+/// What is wrong with a line of a key and a value, if that is known.
+fn in_words(line: &str) -> Option<String> {
+    let (key, value) = line.split_once('=')?;
+    let (key, value) = (key.trim(), value.trim());
+    if value.is_empty() || value.starts_with('#') {
+        return Some(format!("{key} has no value"));
+    }
+    if value.starts_with(['"', '\'']) {
+        return None;
+    }
+    if let Some((before, _)) = value.split_once('%') {
+        return Some(format!("a comment begins with #, not with %: {key} = {} # ...", before.trim()));
+    }
+    if let Some(before) = value.strip_suffix(';') {
+        return Some(format!("a line has no semicolon at its end: {key} = {before}"));
+    }
+    if value.contains(['(', ':']) {
+        return Some("a range of values is written as { from = 0.1, to = 0.2, points = 5 }".to_owned());
+    }
+    let inside = value.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
+    if let Some(inside) = inside {
+        let numbers: Vec<&str> = inside.split([' ', ',']).filter(|word| !word.is_empty()).collect();
+        let are_numbers = numbers.iter().all(|number| number.parse::<f64>().is_ok());
+        return are_numbers.then(|| format!("the values of a list are separated by commas: [{}]", numbers.join(", ")));
+    }
+    let is_word = value.chars().all(|c| c.is_alphanumeric() || "-_. ".contains(c));
+    (is_word && value.starts_with(char::is_alphabetic))
+        .then(|| format!("{value} is no value: a text is written in quotes, \"{value}\""))
+}
+
+/// The numbers with a comma between their digits, outside strings and comments.
+fn decimal_commas(line: &str) -> Vec<Range<usize>> {
+    let bytes = line.as_bytes();
+    let digits = |byte: &&u8| byte.is_ascii_digit();
+    let (mut found, mut quote): (Vec<Range<usize>>, Option<u8>) = (Vec::new(), None);
+    for (i, &byte) in bytes.iter().enumerate() {
+        match (quote, byte) {
+            (None, b'#') => break,
+            (None, b'"' | b'\'') => quote = Some(byte),
+            (Some(open), _) if open == byte => quote = None,
+            (None, b',') => {
+                let before = bytes[..i].iter().rev().take_while(digits).count();
+                let after = bytes[i + 1..].iter().take_while(digits).count();
+                if before > 0 && after > 0 && found.last().is_none_or(|number| number.end <= i - before) {
+                    found.push(i - before..i + 1 + after);
+                }
+            }
+            _ => {}
+        }
+    }
+    found
+}
