@@ -14,8 +14,9 @@ mod sampling_spec;
 
 mod spec;
 
-mod reading;
 mod syntax;
+
+mod reading;
 
 mod measured;
 
