@@ -11,7 +11,13 @@ use crate::job::{Job, JobSource};
 use crate::output::{counted, result, warn};
 
 /// How long the cost of a sample is measured.
-const TRIAL: Duration = Duration::from_millis(30);
+const TRIAL: Duration = Duration::from_millis(600);
+
+/// Evaluations after which it is known well enough.
+const TRIAL_EVALUATIONS: u32 = 16;
+
+/// Samples that are evaluated first, and at once.
+const FIRST_TRIAL_SAMPLES: u64 = 10;
 
 /// How long tiles of verdict maps are resolved to measure theirs.
 const TRIAL_OF_MAPS: Duration = Duration::from_secs(1);
@@ -108,16 +114,27 @@ fn duration(seconds: f64) -> String {
 /// The rate of one thread, from samples of the job itself.
 fn samples_per_second(job: &Job) -> Result<f64, Failure> {
     let evaluator = Evaluator::new(job)?;
-    let started = Instant::now();
-    // A hundredth of a unit: the costlier the samples, the fewer at once. Units of jobs with a map are large, as most of their
-    // samples are looked up; here none is.
-    let trial = job.unit_samples() / if job.uses_maps() { 10_000 } else { 100 };
     let parts = evaluator.parts();
-    let (mut samples, mut cell) = (0, 0);
-    while started.elapsed() < TRIAL {
-        samples += evaluator.count(parts.of(cell).start, 0..parts.most(0).min(trial)).len();
+    let most = parts.most(0).min(job.unit_samples());
+    // Some criteria compute tables when they are first used, which a whole run does once.
+    evaluator.count(parts.of(0).start, 0..FIRST_TRIAL_SAMPLES.min(most));
+    let started = Instant::now();
+    let (mut samples, mut seconds, mut evaluations) = (0, 0.0, 0);
+    let (mut cell, mut at_once) = (0, FIRST_TRIAL_SAMPLES.min(most));
+    while evaluations == 0 || (evaluations < TRIAL_EVALUATIONS && started.elapsed() < TRIAL) {
+        let begun = Instant::now();
+        let evaluated = evaluator.count(parts.of(cell).start, 0..at_once).len();
+        let took = begun.elapsed();
         // A stride that visits cells all over the grid.
         cell = (cell + 7919) % job.cells();
+        // Few samples at once take longer each than a whole unit does: simulations share vector registers.
+        if took < TRIAL / 4 && at_once < most {
+            at_once = most.min(2 * at_once);
+        } else {
+            samples += evaluated;
+            seconds += took.as_secs_f64();
+            evaluations += 1;
+        }
     }
-    Ok(samples as f64 / started.elapsed().as_secs_f64())
+    Ok(samples as f64 / seconds)
 }
