@@ -27,7 +27,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// The criterion with steps divided by `divisor`, and what it is to judge.
+    /// The criterion with steps divided by `divisor`, and the inputs of the sample.
     pub fn criterion(&self, divisor: f64) -> (TimeDomain, RandomInputs) {
         let settings = TimeDomainSettings {
             start: self.start,

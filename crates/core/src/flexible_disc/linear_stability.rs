@@ -4,9 +4,9 @@
 //! The linearised equations depend on a sample through three numbers: the preload, the friction coefficient `mu` of
 //! steady sliding, and the slope `m = (f_s - f_c) w(v)` with which friction falls there. The slope enters only through a
 //! force on the tangential motion, proportional to `m Delta`, so at each preload and coefficient there is a critical
-//! product: below it the falling friction takes less than the damping gives.
+//! product, below which the falling friction feeds the motion less than the dampers take from it.
 //!
-//! Eigenvalues of all degrees of freedom take some hundred microseconds. So critical products are found once on a lattice
+//! The eigenvalues of all degrees of freedom take some hundred microseconds. So critical products are found once on a lattice
 //! of preload and coefficient, and a sample is compared with those at the corners of its box:
 //!
 //! | `m Delta` of the sample | linearly |

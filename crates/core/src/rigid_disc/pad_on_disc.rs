@@ -30,7 +30,7 @@ impl Scales {
     }
 }
 
-/// What a sample perturbs.
+/// The two inputs that every sample has of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomInputs {
     /// Delta.
@@ -57,7 +57,7 @@ pub struct SlidingEquilibrium {
 /// A damped oscillator `u'' + damping u' + stiffness u = 0` in scaled time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Oscillator {
-    /// Coefficient of the velocity; negative when friction feeds the motion.
+    /// Coefficient of the velocity; negative where friction feeds the motion.
     pub damping: f64,
     /// Coefficient of the displacement, the square of the undamped angular frequency.
     pub stiffness: f64,
