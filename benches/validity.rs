@@ -1,6 +1,6 @@
 //! `make validity`: verdicts compared with independent references over the range of brakes; the tables of
-//! `stickslip_core::criterion::validity`. With a rigid disc the references are an independent program's; with a flexible one they are
-//! longer motions of the same equations with finer steps.
+//! `stickslip_core::criterion::validity`. With a rigid disc the references are an independent program's; with a
+//! flexible one they are longer motions of the same equations with finer steps.
 //!
 //! `VALIDITY_BRAKES=20` or `VALIDITY_BRAKES=100..120` takes only these of the random brakes with a flexible disc.
 

@@ -9,8 +9,8 @@ use fates::{FATES, FATES_AT_BOUNDARIES, cases};
 use stickslip_core::criterion::decision::Decision;
 use stickslip_core::verdict::Verdict;
 
-/// Decides every case of a file with steps divided by `divisor`, and compares the verdicts with the fates. Returns how many
-/// are undecided.
+/// Decides every case of a file with steps divided by `divisor`, and compares the verdicts with the fates. Returns how
+/// many are undecided.
 #[track_caller]
 fn assert_fates(text: &str, divisor: f64) -> usize {
     let mut undecided = 0;

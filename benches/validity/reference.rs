@@ -1,7 +1,7 @@
 //! References for motions on a flexible disc, found without the monitors of the criterion.
 //!
-//! A motion is simulated with steps a quarter of those in use, whose errors are 256 times smaller, for longer and longer
-//! times. Its last quarter is summarised: how far x swings, and how much of the time pad and disc stick.
+//! A motion is simulated with steps a quarter of those in use, whose errors are 256 times smaller, for longer and
+//! longer times. Its last quarter is summarised: how far x swings, and how much of the time pad and disc stick.
 //!
 //! | the last quarters | reference |
 //! |---|---|
@@ -30,8 +30,8 @@ const DIVISOR: f64 = 4.0;
 /// The swing that is rest, over the first.
 const AT_REST: f64 = 1e-4;
 
-/// Change of the swing between two lengths that is none: motions that still change, change more over a time three times as
-/// long.
+/// Change of the swing between two lengths that is none: motions that still change, change more over a time three times
+/// as long.
 const SAME: f64 = 1e-5;
 
 /// The same for stick-slip whose cycles differ, because the disc rings along.
@@ -76,7 +76,8 @@ impl Equilibrium {
         Self { inputs, x, driven, growth_rate, stability }
     }
 
-    /// The verdict on a motion, undecided where nothing shows; and whether motion and eigenvalues contradict each other.
+    /// The verdict on a motion, undecided where nothing shows; and whether motion and eigenvalues contradict each
+    /// other.
     pub fn reference(&self, criterion: &TimeDomain, settings: &TimeDomainSettings) -> (Verdict, bool) {
         let near = settings.start == Start::NearEquilibrium;
         let displaced = self.x.abs() * if near { settings.displacement } else { 1.0 };

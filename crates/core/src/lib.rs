@@ -1,5 +1,5 @@
-//! Physics of a brake pad pressed on a rotating disc: parameters, friction law, steady sliding and its stability, the modes
-//! of the disc, contact, the motion of pad and disc in time, and the criteria that decide samples.
+//! Physics of a brake pad pressed on a rotating disc: parameters, friction law, steady sliding and its stability, the
+//! modes of the disc, contact, the motion of pad and disc in time, and the criteria that decide samples.
 //!
 //! The model is the pad-on-disc system of X. Sui and Q. Ding, "Instability and stochastic analyses of a
 //! pad-on-disc frictional system in moving interactions", Nonlinear Dynamics (2018),
@@ -45,8 +45,8 @@
 //! | [`trajectory`] | single motions recorded, what they settle to, sweeps of the rotating speed |
 //! | [`finite_difference`] | the paper's own discretisation of the disc, as a reference |
 //!
-//! This crate uses no random numbers, threads or files. Its results do not depend on the processor: every transcendental
-//! function is `libm`'s or this crate's own.
+//! This crate uses no random numbers, threads or files. Its results do not depend on the processor: every
+//! transcendental function is `libm`'s or this crate's own.
 
 // Tests compare with formulas as a textbook writes them.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]

@@ -184,8 +184,8 @@ impl PadOnDisc {
         self.normal_force_per_preload() * self.parameters.operating_point.preload
     }
 
-    /// Whether a sample is stable by definition: without preload there is no contact force, and with `f_s < f_c` friction
-    /// rises with speed.
+    /// Whether a sample is stable by definition: without preload there is no contact force, and with `f_s < f_c`
+    /// friction rises with speed.
     #[must_use]
     pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
         inputs.preload <= 0.0 || inputs.static_friction < self.friction.kinetic_coefficient
