@@ -27,7 +27,7 @@ use crate::verdict::Verdict;
 /// Largest distance from the equilibrium, over x0, at which a shrinking motion counts as returned to it, however large
 /// the stated displacement: cycles of the preset, and of the brakes on which verdicts were tested, are wider. A stable
 /// cycle that is smaller than the displacement and has a linearly stable equilibrium inside (possible for exponents
-/// above 1) is not told from rest on a flexible disc.
+/// above 1) is not distinguished from rest on a flexible disc.
 const LARGEST_BASIN: f64 = 0.1;
 
 /// Distance from the equilibrium, over x0, at which a motion that does not turn has arrived: smaller than what numbers

@@ -124,6 +124,7 @@ impl TimeDomain {
 
     /// The same criterion with all steps shorter by a factor, for studies of convergence.
     #[must_use]
+    #[doc(hidden)]
     pub fn with_steps_divided_by(mut self, divisor: f64) -> Self {
         let (step, refinement) = match &mut self.system {
             System::Rigid(brake) => (&mut brake.step, &mut brake.refinement),

@@ -10,6 +10,7 @@
 //! the processor has is chosen at run time. Only Tustin's law (exponent 1) has lanes: other exponents need a power
 //! function, and their samples are simulated one by one.
 
+#[doc(hidden)]
 pub mod dispatch;
 
 mod findings;
