@@ -1,6 +1,6 @@
-//! `make validity`: verdicts held against references that no judge had a part in, over the range of brakes; the tables of
-//! `stickslip_core::criterion::validity`. With a rigid disc the references are an independent program's; with a flexible one they are
-//! longer motions of the same equations with finer steps.
+//! `make validity`: verdicts compared with independent references over the range of brakes; the tables of
+//! `stickslip_core::criterion::validity`. With a rigid disc the references are an independent program's; with a
+//! flexible one they are longer motions of the same equations with finer steps.
 //!
 //! `VALIDITY_BRAKES=20` or `VALIDITY_BRAKES=100..120` takes only these of the random brakes with a flexible disc.
 
@@ -43,14 +43,14 @@ const BRAKES: usize = 20;
 const THREADS: usize = 2;
 
 fn main() {
-    // `cargo test --benches` runs this with --test: nothing to find out then.
+    // `cargo test --benches` runs this with --test: nothing to compute then.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
     let rigid = rigid_disc();
     println!("Rigid disc: {} verdicts with a horizon of 1e5 against independent return maps\n", rigid.len());
     print_table(&rigid);
-    let range = asked_for();
+    let range = selected();
     let brakes = range.len();
     let flexible: Vec<Held> = in_parallel(range, flexible_disc).into_iter().flatten().collect();
     println!("\nFlexible disc: {brakes} brakes, verdicts with a horizon of {HORIZON} against longer motions\n");
@@ -61,8 +61,8 @@ fn main() {
     print_cases(&flexible, &mut std::io::stdout());
 }
 
-/// The random brakes that the environment asks for.
-fn asked_for() -> Range<usize> {
+/// The random brakes that the environment selects.
+fn selected() -> Range<usize> {
     let Ok(text) = std::env::var("VALIDITY_BRAKES") else { return 0..BRAKES };
     let number = |text: &str| text.parse::<usize>().expect("VALIDITY_BRAKES is COUNT or FROM..TO");
     text.split_once("..").map_or_else(|| 0..number(&text), |(from, to)| number(from)..number(to))

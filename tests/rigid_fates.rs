@@ -9,18 +9,18 @@ use fates::{FATES, FATES_AT_BOUNDARIES, cases};
 use stickslip_core::criterion::decision::Decision;
 use stickslip_core::verdict::Verdict;
 
-/// Judges every case of a file with steps divided by `divisor`, and holds the verdicts against the fates: how many are
-/// undecided.
+/// Decides every case of a file with steps divided by `divisor`, and compares the verdicts with the fates. Returns how
+/// many are undecided.
 #[track_caller]
 fn assert_fates(text: &str, divisor: f64) -> usize {
     let mut undecided = 0;
     let mut wrong = Vec::new();
     for case in cases(text) {
-        let judged = case.decide(divisor);
-        if judged.verdict == Verdict::Undecided {
+        let decision = case.decide(divisor);
+        if decision.verdict == Verdict::Undecided {
             undecided += 1;
-        } else if judged.verdict != case.fate {
-            wrong.push(format!("line {}: {judged:?}", case.line));
+        } else if decision.verdict != case.fate {
+            wrong.push(format!("line {}: {decision:?}", case.line));
         }
     }
     assert!(wrong.is_empty(), "steps / {divisor}: {wrong:#?}");
@@ -45,11 +45,11 @@ fn shorter_steps_change_no_verdict() {
 fn lanes_and_scalar_code_agree_on_brakes_of_all_kinds() {
     for case in cases(FATES).iter().step_by(4) {
         let (criterion, inputs) = case.criterion(1.0);
-        let bits = |judged: Decision| (judged.verdict, judged.time.to_bits(), judged.fed_by);
+        let bits = |decision: Decision| (decision.verdict, decision.time.to_bits(), decision.fed_by);
         let expected = bits(criterion.decide(inputs));
         // The same sample many times over fills the lanes.
-        for judged in criterion.decide_all(&[inputs; 70]) {
-            assert_eq!(bits(judged), expected, "line {}", case.line);
+        for decision in criterion.decide_all(&[inputs; 70]) {
+            assert_eq!(bits(decision), expected, "line {}", case.line);
         }
     }
 }

@@ -101,8 +101,8 @@ fn random_parameters(deviates: &mut Deviates) -> Parameters {
     parameters
 }
 
-/// A speed near one of the boundaries, the nearer the likelier, from a third to three times of it; near the Stribeck velocity
-/// where there is no boundary.
+/// A speed near one of the boundaries, the nearer the likelier, from a third to three times of it; near the Stribeck
+/// velocity where there is no boundary.
 fn random_speed(brake: &PadOnDisc, deviates: &mut Deviates) -> f64 {
     let linear = brake.unstable_speeds();
     let share = deviates.share();

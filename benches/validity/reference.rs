@@ -1,7 +1,7 @@
-//! What becomes of motions on a flexible disc, seen without any judge.
+//! References for motions on a flexible disc, found without the monitors of the criterion.
 //!
-//! A motion is followed with steps a quarter of those in use, whose errors are 256 times smaller, for longer and longer, and
-//! its last quarter is looked at: how far x swings, and how much of the time pad and disc stick.
+//! A motion is simulated with steps a quarter of those in use, whose errors are 256 times smaller, for longer and
+//! longer times. Its last quarter is summarised: how far x swings, and how much of the time pad and disc stick.
 //!
 //! | the last quarters | reference |
 //! |---|---|
@@ -30,8 +30,8 @@ const DIVISOR: f64 = 4.0;
 /// The swing that is rest, over the first.
 const AT_REST: f64 = 1e-4;
 
-/// Change of the swing between two lengths that is none: motions that still change, change more over a time three times as
-/// long.
+/// Change of the swing between two lengths that is none: motions that still change, change more over a time three times
+/// as long.
 const SAME: f64 = 1e-5;
 
 /// The same for stick-slip whose cycles differ, because the disc rings along.
@@ -43,18 +43,18 @@ const AS_FAST: f64 = 0.7;
 /// E-foldings that growth near an unstable equilibrium is given to show in time.
 const GROWTH: f64 = 25.0;
 
-/// Longest time that is waited for it.
+/// Longest time that is simulated for it.
 const LONGEST_GROWTH: f64 = 2000.0;
 
 /// The last quarter of a motion of some length.
 #[derive(Debug, Clone, Copy)]
-struct Look {
+struct LastQuarter {
     length: f64,
     swing: f64,
     stick: f64,
 }
 
-/// Linear stability of one brake, and where its motions settle.
+/// Linear stability of one brake, and the scales of its motions.
 pub struct Equilibrium {
     inputs: RandomInputs,
     /// x of steady sliding.
@@ -76,7 +76,8 @@ impl Equilibrium {
         Self { inputs, x, driven, growth_rate, stability }
     }
 
-    /// What becomes of a motion, undecided where nothing shows; and whether motion and eigenvalues contradict each other.
+    /// The verdict on a motion, undecided where nothing shows; and whether motion and eigenvalues contradict each
+    /// other.
     pub fn reference(&self, criterion: &TimeDomain, settings: &TimeDomainSettings) -> (Verdict, bool) {
         let near = settings.start == Start::NearEquilibrium;
         let displaced = self.x.abs() * if near { settings.displacement } else { 1.0 };
@@ -92,7 +93,7 @@ impl Equilibrium {
     }
 }
 
-/// A motion that is looked at.
+/// A motion whose last quarters are compared.
 struct Motion {
     criterion: TimeDomain,
     first_swing: f64,
@@ -100,38 +101,38 @@ struct Motion {
 
 impl Motion {
     /// The last quarter of a motion of this length, unless it breaks down.
-    fn look(&self, inputs: RandomInputs, length: f64) -> Option<Look> {
+    fn last_quarter(&self, inputs: RandomInputs, length: f64) -> Option<LastQuarter> {
         let points = sweep(std::slice::from_ref(&self.criterion), inputs, length).ok()?;
         let point = points.first()?;
-        Some(Look { length, swing: point.tangential_max - point.tangential_min, stick: point.stick_fraction })
+        Some(LastQuarter { length, swing: point.tangential_max - point.tangential_min, stick: point.stick_fraction })
     }
 
     fn grows(&self, inputs: RandomInputs, time: f64) -> bool {
-        let look = self.look(inputs, time.max(LENGTHS[0]));
-        look.is_some_and(|look| look.stick > 0.0 || look.swing > 3.0 * self.first_swing)
+        let quarter = self.last_quarter(inputs, time.max(LENGTHS[0]));
+        quarter.is_some_and(|quarter| quarter.stick > 0.0 || quarter.swing > 3.0 * self.first_swing)
     }
 
     fn fate(&self, inputs: RandomInputs) -> Verdict {
-        let mut looks = Vec::new();
+        let mut quarters = Vec::new();
         for length in LENGTHS {
-            let Some(look) = self.look(inputs, length) else { return Verdict::Undecided };
-            looks.push(look);
-            if look.stick == 0.0 && look.swing < AT_REST * self.first_swing {
+            let Some(quarter) = self.last_quarter(inputs, length) else { return Verdict::Undecided };
+            quarters.push(quarter);
+            if quarter.stick == 0.0 && quarter.swing < AT_REST * self.first_swing {
                 return Verdict::Stable;
             }
-            let goes_on = match looks[..] {
+            let persists = match quarters[..] {
                 [.., b, c] if is_same(b, c, SAME) => true,
                 [.., a, b, c] if length >= 10_000.0 && c.stick > 0.0 => {
                     is_same(a, c, NEARLY_SAME) && is_same(b, c, NEARLY_SAME)
                 }
                 _ => false,
             };
-            if goes_on {
+            if persists {
                 return Verdict::Unstable;
             }
         }
-        let [.., a, b, c] = looks[..] else { return Verdict::Undecided };
-        let shrinks = |from: Look, to: Look| libm::log(from.swing / to.swing) / (to.length - from.length);
+        let [.., a, b, c] = quarters[..] else { return Verdict::Undecided };
+        let shrinks = |from: LastQuarter, to: LastQuarter| libm::log(from.swing / to.swing) / (to.length - from.length);
         let slides = a.stick + b.stick + c.stick == 0.0;
         if slides && shrinks(a, b) > 0.0 && shrinks(b, c) > AS_FAST * shrinks(a, b) {
             Verdict::Stable
@@ -141,8 +142,8 @@ impl Motion {
     }
 }
 
-/// Whether two looks show the same motion.
-fn is_same(one: Look, other: Look, same: f64) -> bool {
+/// Whether two last quarters show the same motion.
+fn is_same(one: LastQuarter, other: LastQuarter, same: f64) -> bool {
     // The share of stick is cut at the ends of the quarter, which are no whole number of cycles apart.
     let cut = same.max(20.0 / one.length);
     (one.swing - other.swing).abs() <= same * other.swing

@@ -13,8 +13,8 @@ use stickslip_core::verdict::Verdict;
 /// 400 brakes of all kinds.
 pub const FATES: &str = include_str!("rigid-fates.csv");
 
-/// 2000 brakes around the boundaries of the verdicts, at distances from 1e-7 of them on; smooth cycles, very slow and very
-/// fast discs among them.
+/// 2000 brakes around the boundaries of the verdicts, at distances from 1e-7 of them on; smooth cycles, very slow and
+/// very fast discs among them.
 pub const FATES_AT_BOUNDARIES: &str = include_str!("rigid-fates-more.csv");
 
 /// One brake of a file of fates.
@@ -27,7 +27,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// The criterion with steps divided by `divisor`, and what it is to judge.
+    /// The criterion with steps divided by `divisor`, and the inputs of the sample.
     pub fn criterion(&self, divisor: f64) -> (TimeDomain, RandomInputs) {
         let settings = TimeDomainSettings {
             start: self.start,

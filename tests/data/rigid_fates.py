@@ -170,8 +170,8 @@ def locate(mode, a, b, k1a, k1b, h, p, of_rate, sign):
 
 
 @njit
-def follow(mode, a, b, p, home, tolerance):
-    """Follows the motion to its next upper turning point, into stick, or home.
+def simulate(mode, a, b, p, return_radius, tolerance):
+    """Simulates the motion to its next upper turning point, into stick, or back to the equilibrium.
 
     Returns (what happened, y of the turning point or of sticking, least sliding speed on the way, times the pad overtook)."""
     s = p[3]
@@ -190,7 +190,7 @@ def follow(mode, a, b, p, home, tolerance):
             y, u, w = a, 1.0 + b, b
         least = min(least, w if mode < 2 else 0.0)
         radius = math.hypot(y, u)
-        if radius <= home:
+        if radius <= return_radius:
             return HOME, y, least, overtaken
         # Steps are short against the width over which friction changes.
         width = 0.3 * (w + 0.1 * s)
@@ -251,9 +251,9 @@ def follow(mode, a, b, p, home, tolerance):
 
 
 @njit
-def after_turning(amplitude, p, home, tolerance):
+def after_turning(amplitude, p, return_radius, tolerance):
     """The return map: from the turning point y = amplitude (upper if positive, lower if negative) to the next upper one."""
-    return follow(0, amplitude, 0.0, p, home, tolerance)
+    return simulate(0, amplitude, 0.0, p, return_radius, tolerance)
 
 
 # ---------------------------------------------------------------------------------------------------- the verdict
@@ -294,7 +294,7 @@ class Scan:
     def change(self, amplitude):
         what, y, least, over = after_turning(amplitude, self.p, 1e-3 * self.radius, self.tolerance)
         if what == FAILED:
-            raise ArithmeticError("the motion was not followed to its end")
+            raise ArithmeticError("the motion was not simulated to its end")
         self.overtaken += over
         h = y / amplitude - 1.0 if what == TURNED else (math.inf if what == STUCK else -1.0)
         return what, h, least
@@ -321,14 +321,14 @@ class Scan:
     def run(self, start, direction, sign, end, enough=math.inf):
         """Scans from `start` (direction -1 inwards, +1 outwards) to `end` while h has the sign `sign` and |h| is below `enough`.
 
-        Returns why it stopped ("end", "enough", "crossed", "stuck", "home"), where, the least |h| and the largest |h| on the way,
+        Returns why it stopped ("end", "enough", "crossed", "stuck", "returned"), where, the least |h| and the largest |h| on the way,
         and how far beyond zero h was seen to go."""
         layer = 0.02 * self.p[3]
         what, h, least = self.change(start)
         if what == STUCK:
             return "stuck", start, 1.0, 0.0, 0.0
         if what == HOME:
-            return "home", start, 1.0, 1.0, 0.0
+            return "returned", start, 1.0, 1.0, 0.0
         if h * sign <= 0.0:
             return "crossed", start, 0.0, 0.0, abs(h)
         trail = [(start, h, least)]
@@ -349,7 +349,7 @@ class Scan:
             if what == STUCK:
                 return "stuck", new, nearest, largest, 0.0
             if what == HOME:
-                return "home", new, nearest, largest, 0.0
+                return "returned", new, nearest, largest, 0.0
             if h * sign <= 0.0:
                 return "crossed", new, nearest, largest, abs(h)
             trail.append((new, h, least))
@@ -410,7 +410,7 @@ def fate(case, tolerance=TOLERANCE):
         what, turning, _, over = after_turning(-place, p, scan.radius, tolerance)
         scan.overtaken += over
         if what == HOME:
-            return verdict("stable", "equilibrium", -scan.growth, "goes home at once")
+            return verdict("stable", "equilibrium", -scan.growth, "returns to the equilibrium at once")
         if what == STUCK:
             sticks, graze = True, grazing_distance(p, -place, tolerance)
 
@@ -418,7 +418,7 @@ def fate(case, tolerance=TOLERANCE):
     if not sticks:
         what, h, _ = scan.change(turning)
         if what == HOME:
-            return verdict("stable", "equilibrium", -scan.growth, "goes home without turning again")
+            return verdict("stable", "equilibrium", -scan.growth, "returns to the equilibrium without turning again")
         if what == TURNED and h < 0.0:
             return inwards(scan, turning, 1.0, verdict)
         sticks = True
@@ -433,15 +433,15 @@ def fate(case, tolerance=TOLERANCE):
                 raise ArithmeticError("winding outwards ended in: " + why)
 
     # From stick every motion goes the same way.
-    what, turning, _, over = follow(1, 0.0, 0.0, p, scan.radius, tolerance)
+    what, turning, _, over = simulate(1, 0.0, 0.0, p, scan.radius, tolerance)
     scan.overtaken += over
     if what == HOME:
-        return verdict("stable", "equilibrium", min(margin, -scan.growth), "is released and goes home without turning")
+        return verdict("stable", "equilibrium", min(margin, -scan.growth), "is released and returns to the equilibrium without turning")
     if what != TURNED:
         raise ArithmeticError("the released orbit does not turn")
     what, h, _ = scan.change(turning)
     if what == HOME:
-        return verdict("stable", "equilibrium", min(margin, -scan.growth), "is released and goes home without turning again")
+        return verdict("stable", "equilibrium", min(margin, -scan.growth), "is released and returns to the equilibrium without turning again")
     released = grazing_distance(p, turning, tolerance)
     if what == STUCK:
         return verdict("unstable", "stick-slip", min(margin, graze, released), "the released orbit sticks again")
@@ -497,8 +497,8 @@ def one(path, row):
     else:
         mode, a, b = 1, 0.0, 0.0
     for turn in range(60):
-        what, y, least, over = follow(mode, a, b, p, 0.0, TOLERANCE)
-        print(turn, ["", "turns", "sticks", "home", "failed"][what], f"y {y!r}, least sliding speed {least:.3g} v, overtook {over}")
+        what, y, least, over = simulate(mode, a, b, p, 0.0, TOLERANCE)
+        print(turn, ["", "turns", "sticks", "returned", "failed"][what], f"y {y!r}, least sliding speed {least:.3g} v, overtook {over}")
         mode, a, b = (1, 0.0, 0.0) if what == STUCK else (0, y, 0.0)
 
 
@@ -561,7 +561,7 @@ def nudge(rng):
 def released_orbit_sticks(case):
     p = reduced(case)
     radius = 1e-3 * certain_radius(p) if half_growth(p) < 0.0 else 0.0
-    what, turning, _, _ = follow(1, 0.0, 0.0, p, radius, TOLERANCE)
+    what, turning, _, _ = simulate(1, 0.0, 0.0, p, radius, TOLERANCE)
     return what == TURNED and after_turning(turning, p, radius, TOLERANCE)[0] == STUCK
 
 

@@ -1,10 +1,11 @@
-//! Physics of a brake pad pressed on a rotating disc: parameters, friction law, steady sliding, its stability,
-//! the modes of the disc, contact, and the motion of pad and disc in time with its verdicts.
+//! Physics of a brake pad pressed on a rotating disc: parameters, friction law, steady sliding and its stability, the
+//! modes of the disc, contact, the motion of pad and disc in time, and the criteria that decide samples.
 //!
 //! The model is the pad-on-disc system of X. Sui and Q. Ding, "Instability and stochastic analyses of a
 //! pad-on-disc frictional system in moving interactions", Nonlinear Dynamics (2018),
 //! doi 10.1007/s11071-018-4280-4, called "the paper" below. Its Table 1 (the parameter values) did not survive in
-//! the copy that this crate was written from: the preset [`Parameters::sui_ding_2018`](parameters::Parameters::sui_ding_2018) is a reconstruction.
+//! the copy that this crate was written from: the preset
+//! [`Parameters::sui_ding_2018`](parameters::Parameters::sui_ding_2018) is a reconstruction.
 //!
 //! # Notation
 //!
@@ -25,8 +26,27 @@
 //! | N, P | `normal_force` | contact force between pad and disc |
 //! | m1 / 2 | `growth_rate` | real part of the tangential eigenvalue pair, per unit of scaled time |
 //!
-//! Modules are declared in reading order. Nothing here knows of random numbers, threads or files, and no
-//! result depends on the processor: every transcendental function is `libm`'s or this crate's own.
+//! # Modules
+//!
+//! Modules are declared in reading order, and each imports only earlier ones.
+//!
+//! | module | contents |
+//! |---|---|
+//! | [`parameters`] | all parameters with keys, units, limits and the preset |
+//! | [`numerics`] | methods that know nothing of brakes: eigenvalues, quadrature, root location, exponential, sine and cosine |
+//! | [`friction`] | the Stribeck law |
+//! | [`verdict`], [`degree_of_freedom`] | what a criterion returns: a verdict, and what feeds an unstable motion |
+//! | [`rigid_disc`] | the pad on a rigid disc: steady sliding, its stability in closed form, limit cycle, return map |
+//! | `pad` | states of contact, and the pad's equations of motion on any disc |
+//! | [`flexible_disc`] | modes of the disc, contact over the patch, equations, equilibrium, linear stability |
+//! | [`motion`] | starts, steps with stick and slip, the motions on a rigid and on a flexible disc |
+//! | [`criterion`] | the simulation in time until the verdict is certain, its settings and its range of validity |
+//! | [`lanes`] | the same for many samples at once, in vector registers |
+//! | [`trajectory`] | single motions recorded, what they settle to, sweeps of the rotating speed |
+//! | [`finite_difference`] | the paper's own discretisation of the disc, as a reference |
+//!
+//! This crate uses no random numbers, threads or files. Its results do not depend on the processor: every
+//! transcendental function is `libm`'s or this crate's own.
 
 // Tests compare with formulas as a textbook writes them.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]

@@ -9,7 +9,8 @@ use crate::verdict::Verdict;
 
 impl FlexibleBrake {
     /// Decides a sample by the coupled eigenvalues. `stability` finds its linear stability:
-    /// [`FlexibleBrake::linear_stability`] for one of many samples, [`FlexibleBrake::by_eigenvalues`] for a single one. Without preload a sample is stable; one whose equilibrium or eigenvalues cannot be found is failed.
+    /// [`FlexibleBrake::linear_stability`] for one of many samples, [`FlexibleBrake::by_eigenvalues`] for a single one.
+    /// Without preload a sample is stable; one whose equilibrium or eigenvalues cannot be found is failed.
     #[must_use]
     pub fn decide_with(
         &self,

@@ -8,18 +8,18 @@
 //! | | swings once more | free: stick-slip has ended |
 //! | | sticks | sticking, with one more cycle |
 //!
-//! Stick-slip persists if it lasts for more than [`CYCLES_TO_PERSIST`] cycles in a row. If the share of stick is small, a small
-//! disturbance could end it. Then it has to last for [`CYCLES_WITH_SHORT_STICKS`] cycles, and until nothing rings any more,
-//! or for [`CYCLES_WHILE_RINGING`].
+//! Stick-slip persists if it lasts for more than [`CYCLES_TO_PERSIST`] cycles in a row. If the share of stick is small,
+//! a small disturbance could end it. Then it has to last for [`CYCLES_WITH_SHORT_STICKS`] cycles, and until nothing
+//! rings any more, or for [`CYCLES_WHILE_RINGING`].
 
 use crate::criterion::transients::FIRST_SWINGS;
 
-/// Cycles in a row after which stick-slip persists: with a large share of stick; with a small one, after the ringing has
-/// died away; and while it lasts.
+/// Cycles in a row after which stick-slip persists: with a large share of stick; with a small one, after the ringing
+/// has died away; and while it lasts.
 ///
-/// Measured on 400 random brakes with discs of 0.2 to 5 % damping, released from stick at 0.9 to 1.03 of their saddle-node
-/// speed and simulated for 2000 units of time. With linearly stable sliding, stick-slip with a large share of stick ended
-/// in none of them, and that with a small share in one, after 31 cycles in which the disc rang.
+/// Measured on 400 random brakes with discs of 0.2 to 5 % damping, released from stick at 0.9 to 1.03 of their
+/// saddle-node speed and simulated for 2000 units of time. With linearly stable sliding, stick-slip with a large share
+/// of stick ended in none of them, and that with a small share in one, after 31 cycles in which the disc rang.
 const CYCLES_TO_PERSIST: u32 = 6;
 const CYCLES_WITH_SHORT_STICKS: u32 = 60;
 const CYCLES_WHILE_RINGING: u32 = 600;
@@ -105,8 +105,8 @@ impl Cycles {
         self.last_stick - self.first_stick
     }
 
-    /// Whether stick-slip has lasted so long that it stays; `still_rings` is whether what was excited before the first stick
-    /// may still matter.
+    /// Whether stick-slip has lasted so long that it stays; `still_rings` is whether what was excited before the first
+    /// stick may still matter.
     pub fn persists(&self, still_rings: bool) -> bool {
         let kept = match (self.stick_share >= LARGE_SHARE, still_rings) {
             (true, _) => CYCLES_TO_PERSIST,

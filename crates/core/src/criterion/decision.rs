@@ -12,8 +12,8 @@ pub struct Decision {
     pub amplitude: Option<f64>,
     /// Scaled time that was simulated; 0 where linear stability decides.
     pub time: f64,
-    /// What feeds an unstable motion: the tangential motion of the pad, or the degree of freedom that grows even without
-    /// friction that falls with speed.
+    /// What feeds an unstable motion: the tangential motion of the pad, or the degree of freedom that grows even
+    /// without friction that falls with speed.
     pub fed_by: Option<DegreeOfFreedom>,
 }
 

@@ -11,9 +11,9 @@
 //! | growing, or constant | | unstable |
 //! | stick-slip persists | | unstable |
 //!
-//! If the settled amplitude is wanted, an unstable motion is simulated until stick-slip has settled or until its swings are
-//! constant. The criterion finds out whether the equilibrium is linearly stable; if it is not, a motion is monitored only
-//! for its amplitude.
+//! If the settled amplitude is wanted, an unstable motion is simulated until stick-slip has settled or until its swings
+//! are constant. The criterion finds out whether the equilibrium is linearly stable; if it is not, a motion is
+//! monitored only for its amplitude.
 
 use crate::criterion::cycles::Cycles;
 use crate::criterion::monitor::Monitor;
@@ -24,19 +24,19 @@ use crate::degree_of_freedom::DegreeOfFreedom;
 use crate::motion::integrator::Observer;
 use crate::verdict::Verdict;
 
-/// Largest distance from the equilibrium, over x0, at which a shrinking motion counts as returned to it, however large the
-/// stated displacement: cycles of the preset, and of the brakes on which verdicts were tested, are wider. A stable cycle
-/// that is smaller than the displacement and has a linearly stable equilibrium inside (possible for exponents above 1) is
-/// not told from rest on a flexible disc.
+/// Largest distance from the equilibrium, over x0, at which a shrinking motion counts as returned to it, however large
+/// the stated displacement: cycles of the preset, and of the brakes on which verdicts were tested, are wider. A stable
+/// cycle that is smaller than the displacement and has a linearly stable equilibrium inside (possible for exponents
+/// above 1) is not distinguished from rest on a flexible disc.
 const LARGEST_BASIN: f64 = 0.1;
 
 /// Distance from the equilibrium, over x0, at which a motion that does not turn has arrived: smaller than what numbers
 /// resolve at the end of a creeping motion.
 const ARRIVED: f64 = 1e-6;
 
-/// A motion with so many swings in a row that are smaller than this, over x0 and over the smallest cycle, is at rest. What
-/// is left is the ringing of a disc that dies away more slowly than the tangential motion did. It beats, so its changes say
-/// nothing beside what the first swings could imitate.
+/// A motion with so many swings in a row that are smaller than this, over x0 and over the smallest cycle, is at rest.
+/// What is left is the ringing of a disc that dies away more slowly than the tangential motion did. It beats, so its
+/// changes say nothing beside what the first swings could imitate.
 const STILL: f64 = 1e-6;
 const STILL_SWINGS: u32 = 100;
 
@@ -50,8 +50,8 @@ pub(crate) struct MonitorOptions {
     pub smallest_cycle: f64,
     /// Whether an unstable motion is simulated until its amplitude has settled.
     pub until_settled: bool,
-    /// What feeds small motions about steady sliding, if it is linearly unstable: then the verdict is known, and only the
-    /// amplitude is not.
+    /// What feeds small motions about steady sliding, if it is linearly unstable: then the verdict is known, and only
+    /// the amplitude is not.
     pub linear_growth_fed_by: Option<DegreeOfFreedom>,
 }
 
@@ -79,8 +79,8 @@ pub(crate) struct FlexibleMonitor {
 }
 
 impl FlexibleMonitor {
-    /// For a motion about the equilibrium `x0`, with the stated displacement over x0, that starts at a turning point if it
-    /// starts without speed.
+    /// For a motion about the equilibrium `x0`, with the stated displacement over x0, that starts at a turning point if
+    /// it starts without speed.
     pub fn new(options: MonitorOptions, equilibrium: f64, displacement: f64, starts_turning_at: Option<f64>) -> Self {
         Self {
             until_settled: options.until_settled,

@@ -1,5 +1,5 @@
-//! Criteria that decide samples: the simulation in time, its settings and the range in which it was tested, and the coupled
-//! eigenvalues.
+//! Criteria that decide samples: the simulation in time, its settings and the range in which it was tested, and the
+//! coupled eigenvalues.
 
 pub mod decision;
 

@@ -30,7 +30,8 @@ pub(crate) trait Monitor: Observer + Copy {
     /// What feeds the motion, if it is unstable.
     fn fed_by(&self) -> DegreeOfFreedom;
 
-    /// Checks displacement and speed, every [`STEPS_BETWEEN_CHECKS`] steps: a motion without turning points has no swings.
+    /// Checks displacement and speed, every [`STEPS_BETWEEN_CHECKS`] steps: a motion without turning points has no
+    /// swings.
     fn check(&mut self, x: f64, speed: f64);
 }
 

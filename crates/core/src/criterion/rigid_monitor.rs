@@ -16,7 +16,8 @@
 //! | held | would stick for longer than [`LONGEST_STICK`] | the return map decides from the release |
 //! | | slips | swinging |
 //!
-//! If the equilibrium is linearly unstable, the motion is unstable from the start and is simulated only for its amplitude.
+//! If the equilibrium is linearly unstable, the motion is unstable from the start and is simulated only for its
+//! amplitude.
 
 use crate::criterion::monitor::Monitor;
 use crate::degree_of_freedom::DegreeOfFreedom;

@@ -20,8 +20,8 @@ pub struct TimeDomainSettings {
     pub displacement: f64,
     /// Scaled time after which a sample is undecided, greater than 0 and at most 1e9.
     pub horizon: f64,
-    /// The paper's own index: a sample is unstable if the settled amplitude (half peak to peak of x) exceeds this, greater
-    /// than 0 and at most 1000. By default (`None`) it is unstable if its motion grows or keeps to stick-slip.
+    /// The paper's own index: a sample is unstable if the settled amplitude (half peak to peak of x) exceeds this,
+    /// greater than 0 and at most 1000. By default (`None`) it is unstable if its motion grows or keeps to stick-slip.
     pub amplitude_index: Option<f64>,
     /// Whether unstable motions are simulated until their amplitude has settled.
     pub record_amplitude: bool,

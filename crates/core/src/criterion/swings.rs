@@ -13,12 +13,12 @@
 //!
 //! A stick ends the comparison: the next swing is a new reference.
 
-/// Relative changes below this say nothing: they may be errors of steps and of the interpolation of turning points. With
-/// the steps in use amplitudes of a cycle differ by 1e-6, a hundredth of this.
+/// Relative changes below this say nothing: they may be errors of steps and of the interpolation of turning points.
+/// With the steps in use amplitudes of a cycle differ by 1e-6, a hundredth of this.
 const LEAST_CHANGE: f64 = 1e-4;
 
-/// The reference is renewed when time has doubled, at first after this many units of scaled time: six periods, so that a
-/// slow trend adds up beyond [`LEAST_CHANGE`].
+/// The reference is renewed when time has doubled, at first after this many units of scaled time: six periods, so that
+/// a slow trend adds up beyond [`LEAST_CHANGE`].
 const FIRST_REFERENCE: f64 = 20.0;
 
 /// Swings of constant amplitude that make a cycle without sticking.
@@ -107,8 +107,8 @@ impl Swings {
         Trend::Unclear
     }
 
-    /// The motion sticks at `x`: no later swing is compared with the ones before. Returns whether the swing that ends here,
-    /// which is at least this long, had grown.
+    /// The motion sticks at `x`: no later swing is compared with the ones before. Returns whether the swing that ends
+    /// here, which is at least this long, had grown.
     pub fn sticks(&mut self, x: f64) -> bool {
         let reference = self.reference;
         self.restart(None);

@@ -2,12 +2,12 @@
 //!
 //! # What stable and unstable mean
 //!
-//! *Stable* is a motion that converges to the sliding equilibrium of the model in use. *Unstable* is one that does not: it
-//! sticks and slips for ever, or it keeps to a cycle without sticking, however small. All criteria, discs and starts share
-//! this meaning:
+//! *Stable* is a motion that converges to the sliding equilibrium of the model in use. *Unstable* is one that does not:
+//! it sticks and slips for ever, or it keeps to a cycle without sticking, however small. All criteria, discs and starts
+//! share this meaning:
 //!
-//! * A **linearly unstable** equilibrium attracts no motion. Such a sample is unstable whatever the start, and its motion
-//!   is simulated only for its settled amplitude.
+//! * A **linearly unstable** equilibrium attracts no motion. Such a sample is unstable whatever the start, and its
+//!   motion is simulated only for its settled amplitude.
 //! * With a **linearly stable** equilibrium the start decides, and the motion is simulated. If it starts outside an
 //!   unstable cycle around the equilibrium, it does not return, however small its displacement is.
 //!
@@ -16,16 +16,17 @@
 //! # Steps
 //!
 //! Steps are those of the classical fourth-order Runge-Kutta method. Their length is 0.1 over the natural frequency of
-//! the pad on a rigid disc, 0.45 over the highest frequency of pad, contact and kept disc modes on a flexible one, and no
-//! longer than 1 over the highest damping rate. Such a step is divided where the friction law is steep:
-//! with `r = |v - x'| / v_s` and `p = r^delta`, so that friction above its kinetic value goes with `exp(-p)`,
+//! the pad on a rigid disc, 0.45 over the highest frequency of pad, contact and kept disc modes on a flexible one, and
+//! no longer than 1 over the highest damping rate. Such a step is divided where the friction law is steep: with `r = |v
+//! - x'| / v_s` and `p = r^delta`, so that friction above its kinetic value goes with `exp(-p)`,
 //!
 //! ```text
 //! h |x''| / v_s <= 0.25 (1 + p/5 + p^2/50) s(r),      h G (f_s - f_c) |d exp(-p) / dv| <= 0.4
 //! ```
 //!
-//! where `s` is the length in `r` over which `p` changes by one (1 for the exponent 1). With these steps the saddle-node of
-//! stick-slip is accurate to 1e-5 for disc speeds up to a thousand Stribeck velocities, as the tests check.
+//! where `s` is the length in `r` over which `p` changes by one (1 for the exponent 1). With these steps the
+//! saddle-node of stick-slip is accurate to 1e-5 for disc speeds up to a thousand Stribeck velocities, as the tests
+//! check.
 
 use thiserror::Error;
 
@@ -45,8 +46,8 @@ use crate::parameters::ParameterError;
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use crate::verdict::Verdict;
 
-/// Version of the time-domain criterion. It changes whenever a verdict does, so that runs of different versions are never
-/// mixed. The samples themselves have a version of their own.
+/// Version of the time-domain criterion. It changes whenever a verdict does, so that runs of different versions are
+/// never mixed. The samples themselves have a version of their own.
 ///
 /// 2: ringing of the disc after the tangential motion has died away is no growth. 3: linear stability decides where it
 /// can, and on a rigid disc the return map decides slow motions; steps are divided where the friction law is steep.
@@ -123,6 +124,7 @@ impl TimeDomain {
 
     /// The same criterion with all steps shorter by a factor, for studies of convergence.
     #[must_use]
+    #[doc(hidden)]
     pub fn with_steps_divided_by(mut self, divisor: f64) -> Self {
         let (step, refinement) = match &mut self.system {
             System::Rigid(brake) => (&mut brake.step, &mut brake.refinement),
@@ -133,8 +135,8 @@ impl TimeDomain {
         self
     }
 
-    /// Decides one sample. A sample without preload presses nothing together and is stable; so is one whose friction rises
-    /// with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction.
+    /// Decides one sample. A sample without preload presses nothing together and is stable; so is one whose friction
+    /// rises with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction.
     #[must_use]
     pub fn decide(&self, inputs: RandomInputs) -> Decision {
         match &self.system {
@@ -269,8 +271,8 @@ impl TimeDomain {
         self.conclude_without_verdict(Verdict::Undecided, &monitor, steps as f64 * h)
     }
 
-    /// The decision on a motion that ended at the horizon or broke down. If it is known to be unstable, that is its verdict,
-    /// unless the settled amplitude is what decides.
+    /// The decision on a motion that ended at the horizon or broke down. If it is known to be unstable, that is its
+    /// verdict, unless the settled amplitude is what decides.
     pub(crate) fn conclude_without_verdict<M: Monitor>(&self, otherwise: Verdict, monitor: &M, time: f64) -> Decision {
         let known = monitor.is_unstable() && self.settings.amplitude_index.is_none();
         let verdict = if known { Verdict::Unstable } else { otherwise };

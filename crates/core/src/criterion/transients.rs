@@ -1,19 +1,19 @@
 //! How large a change of amplitude the other degrees of freedom can imitate.
 //!
-//! A start or a release from stick excites all degrees of freedom of pad and disc. Their ringing shows in the tangential
-//! motion as amplitudes that change from swing to swing although nothing feeds or damps them.
+//! A start or a release from stick excites all degrees of freedom of pad and disc. Their ringing shows in the
+//! tangential motion as amplitudes that change from swing to swing although nothing feeds or damps them.
 //!
 //! | state | on a swing | on a stick | on a release |
 //! |---|---|---|---|
 //! | just excited, first swings to come | the excitation is the largest amplitude of these swings | excited again | excited from here |
 //! | ringing | nothing | excited again; what still rings is kept | |
 //!
-//! A change can be imitated up to the excitation, which dies away at the slowest damping rate of these degrees of freedom.
-//! The excitation is an amplitude of its own: if the tangential motion has died away faster, beats of the ringing are no
-//! growth.
+//! A change can be imitated up to the excitation, which dies away at the slowest damping rate of these degrees of
+//! freedom. The excitation is an amplitude of its own: if the tangential motion has died away faster, beats of the
+//! ringing are no growth.
 
-/// Swings after a start or a release that show how much the other degrees of freedom can have been excited: a swing takes
-/// at most as long as it takes the contact to pass the excitation on.
+/// Swings after a start or a release that show how much the other degrees of freedom can have been excited: a swing
+/// takes at most as long as it takes the contact to pass the excitation on.
 pub(super) const FIRST_SWINGS: u32 = 3;
 
 /// The share of a ringing that does not matter any more: a hundredth of the amplitude it began with.
@@ -50,15 +50,15 @@ impl Transients {
         self.first_swings = FIRST_SWINGS;
     }
 
-    /// The motion is released, perhaps after a stick that lasted longer than any ringing: the next swings show the excitation
-    /// from here.
+    /// The motion is released, perhaps after a stick that lasted longer than any ringing: the next swings show the
+    /// excitation from here.
     pub fn slips(&mut self, time: f64) {
         self.excitation *= self.left(time);
         self.excited_at = time;
     }
 
-    /// The change of an amplitude that ringing can still imitate. A motion larger than the excitation excites as much as its
-    /// own amplitude.
+    /// The change of an amplitude that ringing can still imitate. A motion larger than the excitation excites as much
+    /// as its own amplitude.
     pub fn imitated(&self, time: f64, amplitude: f64) -> f64 {
         self.excitation.max(amplitude) * self.left(time)
     }

@@ -1,12 +1,12 @@
 //! Over which brakes verdicts in time were tested, and how often they were wrong or missing.
 //!
-//! `make validity` repeats both tables (some ten minutes on two cores) and lists the cases one by one; `VALIDITY_BRAKES=300` in the
-//! environment takes more of the random flexible brakes. A range contains its lower end.
+//! `make validity` repeats both tables (some ten minutes on two cores) and lists the cases one by one;
+//! `VALIDITY_BRAKES=300` in the environment takes more of the random flexible brakes. A range contains its lower end.
 //!
 //! # Rigid disc
 //!
-//! 2400 verdicts with a horizon of 1e5 against independent return maps (tests/data/rigid-fates.csv, rigid-fates-more.csv), 2000 of
-//! them drawn around the boundaries of the verdicts.
+//! 2400 verdicts with a horizon of 1e5 against independent return maps (tests/data/rigid-fates.csv,
+//! rigid-fates-more.csv), 2000 of them drawn around the boundaries of the verdicts.
 //!
 //! | range | cases | wrong | undecided | share of both | no reference | changed by half steps |
 //! |---|---|---|---|---|---|---|
@@ -36,9 +36,9 @@
 //!
 //! # Flexible disc
 //!
-//! 60 verdicts on 20 random brakes, three starts each, with a horizon of 10 000. The reference of a linearly unstable brake is its
-//! eigenvalues; else motions of the same equations with a quarter of the step, up to three times the horizon, whose last
-//! quarters are compared.
+//! 60 verdicts on 20 random brakes, three starts each, with a horizon of 10 000. The reference of a linearly unstable
+//! brake is its eigenvalues; else motions of the same equations with a quarter of the step, up to three times the
+//! horizon, whose last quarters are compared.
 //!
 //! | range | cases | wrong | undecided | share of both | no reference | changed by half steps |
 //! |---|---|---|---|---|---|---|
@@ -64,9 +64,9 @@
 //!
 //! # Outside the range
 //!
-//! [`uncovered`] says which quantity of a brake lies outside the ranges [`RIGID_DISC`] and [`FLEXIBLE_DISC`]; `stickslip check`
-//! and `stickslip submit` warn then. A verdict there may be right, but it was not tested. Look at single
-//! samples with `stickslip trajectory`, and compare the run with one of a tenfold horizon (`stickslip compare`).
+//! [`uncovered`] lists the quantities of a brake that lie outside the ranges [`RIGID_DISC`] and [`FLEXIBLE_DISC`];
+//! `stickslip check` and `stickslip submit` warn of them. A verdict there may be right, but it was not tested. Look at
+//! single samples with `stickslip trajectory`, and compare the run with one of a tenfold horizon (`stickslip compare`).
 
 use std::fmt;
 
@@ -134,8 +134,8 @@ const fn covered(quantity: Quantity, from: f64, to: f64) -> Covered {
     Covered { quantity, from, to }
 }
 
-/// With a rigid disc. Source: the smallest and largest values in tests/data/rigid-fates.csv and rigid-fates-more.csv, rounded
-/// inwards.
+/// With a rigid disc. Source: the smallest and largest values in tests/data/rigid-fates.csv and rigid-fates-more.csv,
+/// rounded inwards.
 pub const RIGID_DISC: [Covered; 4] = [
     covered(Quantity::SpeedRatio, 1e-4, 1e3),
     covered(Quantity::Exponent, 0.5, 3.0),
@@ -143,8 +143,8 @@ pub const RIGID_DISC: [Covered; 4] = [
     covered(Quantity::FrictionRatio, 1.0, 3.0),
 ];
 
-/// With a flexible disc. Source: what the random brakes of `make validity` are drawn from (benches/validity/brakes.rs); of v / v_s
-/// the decades in the middle, where most of them lie.
+/// With a flexible disc. Source: what the random brakes of `make validity` are drawn from (benches/validity/brakes.rs);
+/// of v / v_s the decades in the middle, where most of them lie.
 pub const FLEXIBLE_DISC: [Covered; 4] = [
     covered(Quantity::SpeedRatio, 1e-2, 1e2),
     covered(Quantity::Exponent, 0.5, 3.0),

@@ -17,10 +17,10 @@
 //!
 //! Time steps are `dt = dtheta / (C Om)` with the smallest integer C for which explicit steps are stable. The disc
 //! makes steps of central differences, with the load in their middle, where the deflection is known. The pad then makes
-//! the same step by the Runge-Kutta method with located stick and slip (as on every other disc), on a surface that moves
-//! linearly from the disc's old deflection to its new one. The error is of second order in dt, or of first order in the one
-//! step in which friction jumps at an event. As dt is a small fraction of what the pad's motion needs, what is left is the
-//! error of the grid.
+//! the same step by the Runge-Kutta method with located stick and slip (as on every other disc), on a surface that
+//! moves linearly from the disc's old deflection to its new one. The error is of second order in dt, or of first order
+//! in the one step in which friction jumps at an event. As dt is a small fraction of what the pad's motion needs, what
+//! is left is the error of the grid.
 
 use thiserror::Error;
 

@@ -55,7 +55,7 @@ pub(crate) struct Passage {
     pub part: f64,
 }
 
-/// A place between the nodes e and e + 1 of a ring.
+/// A position on a ring, between the nodes e and e + 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RingPosition {
     column: usize,

@@ -3,8 +3,8 @@
 //! # How many modes
 //!
 //! 60 random brakes, each with its own preload, a third of it and three times of it, compared with 24 modes. The brakes
-//! have E 2e10 to 2.1e11 Pa, h 8 to 30 mm, preload 0.02 to 0.3, zeta 0.002 to 0.05, contact stiffness 0.3 to 3 times that
-//! of the preset, 5 to 40 rad/s, v_s 0.2 to 3 m/s, f_c 0.1 to 0.4, and f_s up to twice that.
+//! have E 2e10 to 2.1e11 Pa, h 8 to 30 mm, preload 0.02 to 0.3, zeta 0.002 to 0.05, contact stiffness 0.3 to 3 times
+//! that of the preset, 5 to 40 rad/s, v_s 0.2 to 3 m/s, f_c 0.1 to 0.4, and f_s up to twice that.
 //!
 //! | modes | other sign of the growth rate | largest difference | over the growth rate or 0.1 |
 //! |---|---|---|---|
@@ -12,8 +12,8 @@
 //! | as `mode_count` finds, 5 to 14 | 0 of 180 | 0.007 | 0.14 % |
 //! | 16 | 0 of 180 | 0.002 | 0.02 % |
 //!
-//! Five modes were not enough at 46 of the 180 points. A sign changes only close to the boundary; the module `mode_count`
-//! says what a difference of the growth rate means there.
+//! Five modes were not enough at 46 of the 180 points. A sign changes only close to the boundary; the module
+//! `mode_count` says what a difference of the growth rate means there.
 
 use crate::flexible_disc::compliance::{LEAST_COMPLIANCE, compliances, lowest_modes};
 use crate::flexible_disc::critical_products::CriticalProducts;
@@ -50,8 +50,8 @@ impl FlexibleBrake {
     /// The model with the `count` disc modes of lowest frequency; a cosine and its sine count as one.
     ///
     /// # Errors
-    /// As [`FlexibleBrake::new`], and if `count` is 0, more than [`MOST_DISC_MODES`], or too small to carry nine tenths of the disc's
-    /// static compliance under the pad.
+    /// As [`FlexibleBrake::new`], and if `count` is 0, more than [`MOST_DISC_MODES`], or too small to carry nine tenths
+    /// of the disc's static compliance under the pad.
     pub fn with_modes(brake: PadOnDisc, count: usize) -> Result<Self, FlexibleError> {
         if count == 0 || count > MOST_DISC_MODES {
             return Err(FlexibleError::ModeCount { count });

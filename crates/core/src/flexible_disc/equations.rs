@@ -106,8 +106,8 @@ impl FlexibleEquations {
         PAD + self.amplitudes.len()
     }
 
-    /// The slowest damping rate of the normal, angular and disc motion, each taken alone: half of the damping, or for an
-    /// overdamped motion its stiffness over its damping. Near flutter their coupling reduces it; that is left out.
+    /// The slowest damping rate of the normal, angular and disc motion, each taken alone: half of the damping, or for
+    /// an overdamped motion its stiffness over its damping. Near flutter their coupling reduces it; that is left out.
     pub fn slowest_transient(&self) -> f64 {
         let rate = |damping: f64, stiffness: f64| (0.5 * damping).min(stiffness / damping.max(f64::MIN_POSITIVE));
         let pad = &self.pad;

@@ -2,12 +2,12 @@
 //! where it is not.
 //!
 //! The linearised equations depend on a sample through three numbers: the preload, the friction coefficient `mu` of
-//! steady sliding, and the slope `m = (f_s - f_c) w(v)` with which friction falls there. The slope enters only through a
-//! force on the tangential motion, proportional to `m Delta`, so at each preload and coefficient there is a critical
-//! product: below it the falling friction takes less than the damping gives.
+//! steady sliding, and the slope `m = (f_s - f_c) w(v)` with which friction falls there. The slope enters only through
+//! a force on the tangential motion, proportional to `m Delta`, so at each preload and coefficient there is a critical
+//! product, below which the falling friction feeds the motion less than the dampers take from it.
 //!
-//! Eigenvalues of all degrees of freedom take some hundred microseconds. So critical products are found once on a lattice
-//! of preload and coefficient, and a sample is compared with those at the corners of its box:
+//! The eigenvalues of all degrees of freedom take some hundred microseconds. So critical products are found once on a
+//! lattice of preload and coefficient, and a sample is compared with those at the corners of its box:
 //!
 //! | `m Delta` of the sample | linearly |
 //! |---|---|
@@ -15,9 +15,9 @@
 //! | above all four by as much | unstable, fed by falling friction |
 //! | else, or if a corner has no single critical product | by the sample's own eigenvalues |
 //!
-//! A corner has no single critical product if it is unstable without any fall of friction: then modes of pad and disc feed
-//! each other through the contact (flutter), or the disc turns faster than one of its waves. Such corners are never
-//! interpolated.
+//! A corner has no single critical product if it is unstable without any fall of friction: then modes of pad and disc
+//! feed each other through the contact (flutter), or the disc turns faster than one of its waves. Such corners are
+//! never interpolated.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -57,8 +57,8 @@ pub enum LinearStability {
     Stable,
     /// They grow.
     Unstable {
-        /// What feeds them: the tangential motion where they would die away if friction did not fall with speed; or else
-        /// the degree of freedom that has the largest share of the kinetic energy of the fastest growing mode.
+        /// What feeds them: the tangential motion where they would die away if friction did not fall with speed; or
+        /// else the degree of freedom that has the largest share of the kinetic energy of the fastest growing mode.
         fed_by: DegreeOfFreedom,
     },
 }
@@ -184,7 +184,8 @@ impl FlexibleBrake {
         if at_rest >= 0.0 || by_slope <= 0.0 {
             return None;
         }
-        // Where the falling friction takes what the tangential damper gives; the other degrees of freedom shift it a little.
+        // Where the falling friction takes what the tangential damper gives; the other degrees of freedom shift it a
+        // little.
         let guess = -linearisation.damping[(0, 0)] / by_slope;
         let (mut low, mut at_low, mut high) = (0.0, at_rest, guess);
         let mut at_high = growth_rate(high)?;
@@ -212,7 +213,8 @@ impl FlexibleBrake {
     fn largest_share(&self, matrix: &DMatrix<f64>, value: Eigenvalue) -> DegreeOfFreedom {
         let size = self.size();
         let mode = eigenvector(matrix, value);
-        // Kinetic energy over the pad's mass: x, y, phi and the amplitudes with the masses that go with the contact force.
+        // Kinetic energy over the pad's mass: x, y, phi and the amplitudes with the masses that go with the contact
+        // force.
         let energy = |i: usize, mass: f64| 0.5 * mass * mode[size + i].norm_sqr();
         let length = self.brake().scales().length;
         let pad = &self.brake().parameters().pad;

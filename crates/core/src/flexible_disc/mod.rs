@@ -1,5 +1,5 @@
-//! The pad on a flexible disc: the modes of the disc, contact over the patch, the equations of motion, the equilibrium of
-//! both, and its stability.
+//! The pad on a flexible disc: the modes of the disc, contact over the patch, the equations of motion, the equilibrium
+//! of both, and its stability.
 
 pub mod plate_modes;
 

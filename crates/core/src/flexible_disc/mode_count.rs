@@ -7,9 +7,9 @@
 //! - the growth rate has the same sign and is within [`GROWTH_TOLERANCE`] of the larger of its own size and the pad's
 //!   damping rate `c_x sqrt(eta0) / (2 M eta0)`,
 //!
-//! at every given pair of inputs. The tolerance of the growth rate follows from what it is for: the growth rate
-//! of the tangential motion is falling friction, in proportion to the preload, less the damping rate. An error of 5e-4 of
-//! the damping rate moves the critical preload by 0.05 %, and the probability of instability of a cell with a standard
+//! at every given pair of inputs. The tolerance of the growth rate follows from what it is for: the growth rate of the
+//! tangential motion is falling friction, in proportion to the preload, less the damping rate. An error of 5e-4 of the
+//! damping rate moves the critical preload by 0.05 %, and the probability of instability of a cell with a standard
 //! deviation of 20 % by 0.001 at the most. The preset needs five modes.
 
 use std::fmt;
@@ -66,8 +66,8 @@ impl fmt::Display for ModeCheck {
     }
 }
 
-/// The default inputs at which the numbers of modes are compared: the brake's static friction with its preload, a third of it
-/// and three times of it. Without any preload, that of the preset.
+/// The default inputs at which the numbers of modes are compared: the brake's static friction with its preload, a third
+/// of it and three times of it. Without any preload, that of the preset.
 #[must_use]
 pub fn representative_inputs(brake: &PadOnDisc) -> Vec<RandomInputs> {
     let parameters = brake.parameters();

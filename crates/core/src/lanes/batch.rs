@@ -11,8 +11,9 @@ use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
 
 impl TimeDomain {
-    /// Decides every sample of a list as [`TimeDomain::decide`] does, with the same bits, many at once. Linear stability is
-    /// [`FlexibleBrake::linear_stability`]'s here and [`FlexibleBrake::by_eigenvalues`]'s there; tests compare the two.
+    /// Decides every sample of a list as [`TimeDomain::decide`] does, with the same bits, many at once. Linear
+    /// stability is [`FlexibleBrake::linear_stability`]'s here and [`FlexibleBrake::by_eigenvalues`]'s there; tests
+    /// compare the two.
     ///
     /// [`FlexibleBrake::linear_stability`]: crate::flexible_disc::brake::FlexibleBrake::linear_stability
     /// [`FlexibleBrake::by_eigenvalues`]: crate::flexible_disc::brake::FlexibleBrake::by_eigenvalues
@@ -40,9 +41,9 @@ impl TimeDomain {
         }
     }
 
-    /// Takes `steps` steps of every sample of a list, for benchmarks of the steps alone: no motion is monitored, and all must
-    /// be plain slip. Without a `set` the scalar code takes them one sample after the other; else full bundles of lanes do,
-    /// and samples that do not fill a bundle are left out.
+    /// Takes `steps` steps of every sample of a list, for benchmarks of the steps alone: no motion is monitored, and
+    /// all must be plain slip. Without a `set` the scalar code takes them one sample after the other; else full bundles
+    /// of lanes do, and samples that do not fill a bundle are left out.
     ///
     /// # Panics
     /// If this processor does not have `set`.

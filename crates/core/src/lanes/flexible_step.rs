@@ -45,7 +45,8 @@ pub(super) struct ContactRows {
     pub follower: Vec<Row>,
 }
 
-/// The averages of [`crate::flexible_disc::contact`], one after the other: for each product its factors in the loads on some rows.
+/// The averages of [`crate::flexible_disc::contact`] product by product: the factors of a product in all loads are
+/// neighbours.
 pub(super) struct Tables {
     pub even_even: Vec<f64>,
     pub odd_odd: Vec<f64>,
@@ -127,7 +128,8 @@ pub(super) fn flexible_step(brake: &FlexibleEquations, tables: &Tables, lanes: &
     }
 }
 
-/// [`FlexibleEquations`]'s accelerations in slip with the whole patch in contact; clears `plain` where that may not hold.
+/// [`FlexibleEquations`]'s accelerations in slip with the whole patch in contact; clears `plain` where that may not
+/// hold.
 #[inline(always)]
 fn flexible_rates(
     brake: &FlexibleEquations,

@@ -2,7 +2,8 @@
 //!
 //! A step of a tenth over the natural frequency resolves the springs. It does not resolve the friction law where the
 //! disc is much faster than the Stribeck velocity: there friction rises only within a few `v_s` of sticking, and a pad
-//! passes that range in a fraction of such a step. So two limits may divide a step. With the sliding speed `r = |v - x'| / v_s` and `p = r^delta`, friction above its kinetic value is proportional to `exp(-p)`:
+//! passes that range in a fraction of such a step. So two limits may divide a step. With the sliding speed `r = |v -
+//! x'| / v_s` and `p = r^delta`, friction above its kinetic value is proportional to `exp(-p)`:
 //!
 //! ```text
 //! resolution   h |x''| / v_s  <=  0.25 e(p) s(r)      e(p) = 1 + p/5 + p^2/50 <= exp(p/5)
@@ -10,9 +11,9 @@
 //! ```
 //!
 //! *Resolution*: `r` may change by a part of the length `s` over which `p` changes by one. The error of a fourth-order
-//! step is proportional to `exp(-p) (change of p)^5`, so at equal error the change may grow as `exp(p/5)`; where friction
-//! has fallen to nothing, nothing limits the step. *Feedback*: near sticking the falling friction drives the pad away at
-//! the rate `lambda`, which steps have to resolve even while nothing moves much yet.
+//! step is proportional to `exp(-p) (change of p)^5`, so at equal error the change may grow as `exp(p/5)`; where
+//! friction has fallen to nothing, nothing limits the step. *Feedback*: near sticking the falling friction drives the
+//! pad away at the rate `lambda`, which steps have to resolve even while nothing moves much yet.
 //!
 //! | exponent | s(r) | why |
 //! |---|---|---|
@@ -22,8 +23,8 @@
 //!
 //! Below `r = 1e-5` steps shrink no further: there the law changes no speed by more than `1e-5 v_s`.
 //!
-//! Both limits are checked after a step, with the speeds and accelerations at its ends. A plain step has these anyway, so
-//! lanes find out by a few comparisons which steps are too long, and leave those to the scalar code.
+//! Both limits are checked after a step, with the speeds and accelerations at its ends. A plain step has these anyway,
+//! so lanes find out by a few comparisons which steps are too long, and leave those to the scalar code.
 
 use crate::friction::StribeckLaw;
 use crate::pad::equations::PadEquations;
@@ -31,8 +32,8 @@ use crate::rigid_disc::pad_on_disc::RandomInputs;
 
 /// Largest change of `p` where friction has not fallen yet, and largest growth of a disturbance, in one step.
 ///
-/// Measured together, see the tests: the saddle-node of stick-slip is where the adaptive reference finds it, to 1e-5, for
-/// disc speeds up to 1000 Stribeck velocities.
+/// Measured together, see the tests: the saddle-node of stick-slip is where the adaptive reference finds it, to 1e-5,
+/// for disc speeds up to 1000 Stribeck velocities.
 const RESOLUTION: f64 = 0.25;
 const FEEDBACK: f64 = 0.4;
 

@@ -1,5 +1,5 @@
-//! Simulation of a motion with stick and slip: fixed Runge-Kutta steps, and inside them the moments at which pad and disc
-//! begin or cease to stick, located to the last digits.
+//! Simulation of a motion with stick and slip: fixed Runge-Kutta steps, and inside them the moments at which pad and
+//! disc begin or cease to stick, located to the last digits.
 //!
 //! Stick and slip are states, not a smoothed sign function. In slip the pad moves under kinetic friction until the
 //! sliding speed vanishes; in stick it moves with the disc until the friction that this takes exceeds what static
@@ -24,8 +24,8 @@ use crate::pad::contact_state::ContactState;
 const MOST_CHANGES: usize = 64;
 const MOST_SUBSTEPS: usize = 1_000_000;
 
-/// A substep that the friction law cuts is shortened to this share of what the law allows, so that a second cut is rare, and
-/// at once to no less than this share of its length.
+/// A substep that the friction law cuts is shortened to this share of what the law allows, so that a second cut is
+/// rare, and at once to no less than this share of its length.
 const CUT: f64 = 0.8;
 const DEEPEST_CUT: f64 = 1e-3;
 
@@ -49,12 +49,12 @@ pub(crate) trait Equations {
     /// The same state moving exactly with the disc.
     fn moving_with_disc(&self, state: &Self::State) -> Self::State;
 
-    /// The reserve of static friction while pad and disc stick, up to a positive factor: `f_s P` less the friction that is
-    /// needed to keep the pad from slipping back, and from running ahead.
+    /// The reserve of static friction while pad and disc stick, up to a positive factor: `f_s P` less the friction that
+    /// is needed to keep the pad from slipping back, and from running ahead.
     fn reserve(&self, state: &Self::State) -> Reserve;
 
-    /// A typical acceleration of a pad that meets the disc: the disc's speed times the natural frequency of the tangential
-    /// motion.
+    /// A typical acceleration of a pad that meets the disc: the disc's speed times the natural frequency of the
+    /// tangential motion.
     fn meeting_rate(&self) -> f64;
 
     /// The limits that the friction law sets to steps.
@@ -91,10 +91,10 @@ pub(crate) trait Observer {
     fn grazes(&mut self) {}
 }
 
-/// A pad grazes where its sliding speed has a minimum below this share of the disc's speed, or where it meets the disc with
-/// less than this share of the disc's speed times its natural frequency. Where stick-slip ends, errors of the sliding speed
-/// are some 1e-6 of the disc's (a test of the steps), and the acceleration at the meeting grows with the square root of the
-/// distance to a mere touch.
+/// A pad grazes where its sliding speed has a minimum below this share of the disc's speed, or where it meets the disc
+/// with less than this share of the disc's speed times its natural frequency. Where stick-slip ends, errors of the
+/// sliding speed are some 1e-6 of the disc's (a test of the steps), and the acceleration at the meeting grows with the
+/// square root of the distance to a mere touch.
 const GRAZING_SPEED: f64 = 1e-4;
 const GRAZING_RATE: f64 = 3e-2;
 
@@ -109,15 +109,15 @@ pub(crate) struct Motion<S> {
     pub contact: ContactState,
 }
 
-/// Whether the sliding speed may vanish inside a step at whose ends it does not: it falls at the beginning, rises at the
-/// end, and is small enough. `r` and `rate` are the sliding speed and its rate of change at both ends.
+/// Whether the sliding speed may vanish inside a step at whose ends it does not: it falls at the beginning, rises at
+/// the end, and is small enough. `r` and `rate` are the sliding speed and its rate of change at both ends.
 #[inline(always)]
 pub(crate) fn may_touch(r: (f64, f64), rate: (f64, f64), h: f64) -> bool {
     (r.0 + h * rate.0 < 0.0) & (r.1 - h * rate.1 < 0.0)
 }
 
-/// Whether a step that slows down the sliding ends so near the disc's speed that the pad grazes it. `r` is the sliding speed
-/// at both ends.
+/// Whether a step that slows down the sliding ends so near the disc's speed that the pad grazes it. `r` is the sliding
+/// speed at both ends.
 #[inline(always)]
 pub(crate) fn grazes_at_end(r: (f64, f64), disc_speed: f64) -> bool {
     (r.1 < GRAZING_SPEED * disc_speed) & (r.1 < r.0)

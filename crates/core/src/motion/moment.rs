@@ -42,7 +42,8 @@ pub(crate) struct RecordedContact {
 }
 
 impl Moment {
-    /// The moment of a pad with the displacements `q` and speeds `u` of x, y and phi, wholly in contact with a flat disc.
+    /// The moment of a pad with the displacements `q` and speeds `u` of x, y and phi, wholly in contact with a flat
+    /// disc.
     pub(crate) fn of_pad(time: f64, q: [f64; PAD], u: [f64; PAD], disc_speed: f64, contact: RecordedContact) -> Self {
         let friction_coefficient = if contact.force > 0.0 { contact.friction_ratio } else { 0.0 };
         Self {

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! in Runge-Kutta steps of a tenth over the natural frequency, shorter where friction is steep
-//! ([`crate::motion::friction_steps`]). [`crate::rigid_disc::planar_motion`] integrates the same equations by an adaptive
-//! method; the tests compare the two.
+//! ([`crate::motion::friction_steps`]). [`crate::rigid_disc::planar_motion`] integrates the same equations by an
+//! adaptive method; the tests compare the two.
 
 use crate::friction::{StribeckLaw, decay};
 use crate::motion::friction_steps::{DAMPED_STEP, FrictionSteps};

@@ -22,8 +22,8 @@ pub(crate) struct TangentialStart {
 }
 
 impl Start {
-    /// x and its speed at the start: `displacement` is relative to the `equilibrium`, and `release` gives the x at which
-    /// static friction can just hold the pad.
+    /// x and its speed at the start: `displacement` is relative to the `equilibrium`, and `release` gives the x at
+    /// which static friction can just hold the pad.
     pub(crate) fn tangential(
         self,
         displacement: f64,

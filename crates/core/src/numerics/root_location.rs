@@ -1,7 +1,7 @@
 //! Where a function changes its sign, inside a bracket.
 
-/// Halves the bracket `early..late` as long as its middle lies inside it and it is wider than `tolerance` times `early`,
-/// `most` times at the most; `is_early` is true for points before the change of sign. Returns the bracket.
+/// Halves the bracket `early..late` as long as its middle lies inside it and it is wider than `tolerance` times
+/// `early`, `most` times at the most; `is_early` is true for points before the change of sign. Returns the bracket.
 pub(crate) fn bisect(
     (mut early, mut late): (f64, f64),
     most: usize,
@@ -25,8 +25,8 @@ pub(crate) fn bisect(
 /// An end of a bracket: the point, and the value there.
 pub(crate) type End = (f64, f64);
 
-/// Where a value that is positive at `early` and not positive at `late` vanishes, on the side where it is not positive, to
-/// `tolerance`; and the state there. The Illinois variant of the false position, with bisection as its safeguard.
+/// Where a value that is positive at `early` and not positive at `late` vanishes, on the side where it is not positive,
+/// to `tolerance`; and the state there. The Illinois variant of the false position, with bisection as its safeguard.
 ///
 /// `state_at` computes the state at a point, and `value` the value of a state; `state` is the one at `late`.
 pub(crate) fn false_position<S: Copy>(

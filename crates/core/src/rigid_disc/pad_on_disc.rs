@@ -30,7 +30,7 @@ impl Scales {
     }
 }
 
-/// What a sample perturbs.
+/// The two inputs that every sample has of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomInputs {
     /// Delta.
@@ -57,7 +57,7 @@ pub struct SlidingEquilibrium {
 /// A damped oscillator `u'' + damping u' + stiffness u = 0` in scaled time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Oscillator {
-    /// Coefficient of the velocity; negative when friction feeds the motion.
+    /// Coefficient of the velocity; negative where friction feeds the motion.
     pub damping: f64,
     /// Coefficient of the displacement, the square of the undamped angular frequency.
     pub stiffness: f64,
@@ -184,8 +184,8 @@ impl PadOnDisc {
         self.normal_force_per_preload() * self.parameters.operating_point.preload
     }
 
-    /// Whether a sample is stable by definition: without preload there is no contact force, and with `f_s < f_c` friction
-    /// rises with speed.
+    /// Whether a sample is stable by definition: without preload there is no contact force, and with `f_s < f_c`
+    /// friction rises with speed.
     #[must_use]
     pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
         inputs.preload <= 0.0 || inputs.static_friction < self.friction.kinetic_coefficient

@@ -6,8 +6,8 @@
 //! x'' = G mu(v - x') - K x - C x',        x' < v
 //! ```
 //!
-//! Steps are those of Dormand and Prince's method, adaptive, with a local error of 1e-12 of the motion's own size. Ends of
-//! slip and turning points are located by bisection.
+//! Steps are those of Dormand and Prince's method, adaptive, with a local error of 1e-12 of the motion's own size. Ends
+//! of slip and turning points are located by bisection.
 
 use crate::friction::StribeckLaw;
 use crate::numerics::root_location::bisect;
@@ -15,8 +15,8 @@ use crate::numerics::root_location::bisect;
 /// Local error allowed in one step, relative to the size of the motion.
 const TOLERANCE: f64 = 1e-12;
 
-/// Steps of one slip phase at the most; some hundred are usual. Only a pad so light or so damped that its motion is stiff
-/// needs more; an explicit method is the wrong one for it.
+/// Steps of one slip phase at the most; some hundred are usual. Only a pad so light or so damped that its motion is
+/// stiff needs more; an explicit method is the wrong one for it.
 const MOST_STEPS: usize = 20_000;
 
 /// Steps between checks whether a motion surely returns to the equilibrium, some ten times those of a swing: a creeping
@@ -169,8 +169,8 @@ impl PlanarMotion {
         (late, self.step(state, late).0)
     }
 
-    /// Simulates slip from a state until the pad reaches the disc's speed, or x its largest value again. Errors are relative
-    /// to the amplitude `size`.
+    /// Simulates slip from a state until the pad reaches the disc's speed, or x its largest value again. Errors are
+    /// relative to the amplitude `size`.
     pub fn slip(&self, from: [f64; 2], size: f64) -> Slip {
         let frequency = self.stiffness.sqrt();
         let sliding = |state: [f64; 2]| self.disc_speed - state[1];
@@ -211,8 +211,8 @@ impl PlanarMotion {
         slip
     }
 
-    /// A time within the step `h` from `state` to `next` at which the pad is not slower than the disc, if there is one: at
-    /// its end, or where its speed has a maximum in between.
+    /// A time within the step `h` from `state` to `next` at which the pad is not slower than the disc, if there is one:
+    /// at its end, or where its speed has a maximum in between.
     fn capture(&self, state: [f64; 2], next: [f64; 2], h: f64) -> Option<f64> {
         if self.disc_speed - next[1] <= 0.0 {
             return Some(h);
@@ -224,8 +224,8 @@ impl PlanarMotion {
         (self.disc_speed - fastest[1] <= 0.0).then_some(part)
     }
 
-    /// The slip phase that begins at release from stick, to its first turning point and on from there; `None` in place of
-    /// the second where the first does not turn.
+    /// The slip phase that begins at release from stick, to its first turning point and on from there; `None` in place
+    /// of the second where the first does not turn.
     pub fn slip_from_release(&self) -> (Slip, Option<Slip>) {
         let size = self.release().abs().max(self.disc_speed / self.stiffness.sqrt());
         let first = self.slip([self.release(), self.disc_speed], size);

@@ -6,29 +6,30 @@
 //! x'' = G mu(v - x') - K x - C x',        x' < v
 //! ```
 //!
-//! whose orbits do not cross. On the section `x' = 0`, `x = x0 + a`, `a > 0` (the largest x of a swing) a motion returns
-//! with another amplitude `R(a)`, and R grows with a. That decides motions that change too slowly to simulate:
+//! whose orbits do not cross. On the section `x' = 0`, `x = x0 + a`, `a > 0` (the largest x of a swing) a motion
+//! returns with another amplitude `R(a)`, and R grows with a. That decides motions that change too slowly to simulate:
 //!
 //! * A swing longer than the one before is followed by longer ones only; a shorter one by shorter ones.
 //! * A shrinking motion comes to rest exactly if `R(s) < s` for all smaller amplitudes s. If some `R(s) >= s`, a limit
 //!   cycle lies between, and the motion never gets inside it.
-//! * For exponents up to 1 and a linearly stable equilibrium there is no stable cycle without sticking, and one unstable
-//!   one at the most: a swing that shrinks decides by itself. Let `F(u) = G mu(v - u)` and `f = C - F'`, the damping. On
-//!   both sides of `u = 0` the quotient `f / u` falls, because `u f' - f = F' - u F'' - C` is largest at `u = 0`, where it
-//!   is `F'(0) - C < 0`; its derivative is `-u` times the third derivative of F, which is positive as all derivatives of
-//!   `exp(-r^delta)` alternate in sign. That is the condition of Zhang's theorem on Lienard's equation (Zhang Zhifen et
-//!   al., *Qualitative Theory of Differential Equations*, chapter 4) with time running backwards.
+//! * For exponents up to 1 and a linearly stable equilibrium there is no stable cycle without sticking, and one
+//!   unstable one at the most: a swing that shrinks decides by itself. Let `F(u) = G mu(v - u)` and `f = C - F'`, the
+//!   damping. On both sides of `u = 0` the quotient `f / u` falls, because `u f' - f = F' - u F'' - C` is largest at `u
+//!   = 0`, where it is `F'(0) - C < 0`; its derivative is `-u` times the third derivative of F, which is positive as
+//!   all derivatives of `exp(-r^delta)` alternate in sign. That is the condition of Zhang's theorem on Lienard's
+//!   equation (Zhang Zhifen et al., *Qualitative Theory of Differential Equations*, chapter 4) with time running
+//!   backwards.
 //! * The energy `u^2/2 + K (x - x0)^2/2` of a motion with speeds up to U falls as long as
 //!   `C > [G mu(v - u) - G mu(v)] / u` for all `|u| <= U`: such a motion comes to rest, however slowly.
 //!
-//! The motions are those of [`crate::rigid_disc::planar_motion`]. The fixed steps of the time-domain criterion are tested
-//! against them, and the criterion uses the return map for motions on a rigid disc that change too slowly.
+//! The motions are those of [`crate::rigid_disc::planar_motion`]. The fixed steps of the time-domain criterion are
+//! tested against them, and the criterion uses the return map for motions on a rigid disc that change too slowly.
 
 use crate::numerics::root_location::bisect;
 use crate::rigid_disc::planar_motion::{PlanarMotion, Slip, SlipEnd};
 
-/// Ratio of neighbouring amplitudes in a scan. Between them the change over a cycle is taken to have one extremum at the
-/// most; that one is searched for.
+/// Ratio of neighbouring amplitudes in a scan. Between them the change over a cycle is taken to have one extremum at
+/// the most; that one is searched for.
 const SCAN_RATIO: f64 = 0.9;
 
 /// Amplitudes scanned at the most: down to 1e-7 of the first.
@@ -37,8 +38,8 @@ const MOST_SCANNED: usize = 160;
 /// Changes over a cycle, relative to the amplitude, that are lost in the errors of the method.
 const UNRESOLVED: f64 = 1e-10;
 
-/// How near the change over a cycle must come to that of the linearised motion, for smaller amplitudes to change like it
-/// too.
+/// How near the change over a cycle must come to that of the linearised motion, for smaller amplitudes to change like
+/// it too.
 const LINEAR: f64 = 0.01;
 
 /// What becomes of a motion whose swings shrink, or grow.

@@ -21,11 +21,11 @@ pub struct SweepPoint {
     pub stick_fraction: f64,
 }
 
-/// Sweeps the rotating speed as a braking driver would: at each criterion's speed the motion continues from where it was at
-/// the speed before, for a scaled time `dwell`, and its last quarter is summarised.
+/// Sweeps the rotating speed as a braking driver would: at each criterion's speed the motion continues from where it
+/// was at the speed before, for a scaled time `dwell`, and its last quarter is summarised.
 ///
-/// All criteria must be of the same brake and disc, and `dwell` positive and finite. The first motion starts as its settings
-/// say. A sweep ends where a motion breaks down.
+/// All criteria must be of the same brake and disc, and `dwell` positive and finite. The first motion starts as its
+/// settings say. A sweep ends where a motion breaks down.
 ///
 /// # Errors
 /// [`TimeDomainError`] if there is no equilibrium to start from.
@@ -62,8 +62,8 @@ pub fn sweep(criteria: &[TimeDomain], inputs: RandomInputs, dwell: f64) -> Resul
     Ok(points)
 }
 
-/// Simulates a motion for some steps. Returns its end, and over the last quarter the largest and smallest x and the share
-/// of stick; nothing if it breaks down.
+/// Simulates a motion for some steps. Returns its end, and over the last quarter the largest and smallest x and the
+/// share of stick; nothing if it breaks down.
 #[allow(clippy::type_complexity, reason = "used once, right above")]
 fn dwell_on<E: Equations>(
     equations: &E,

@@ -13,8 +13,8 @@ pub(crate) struct Averages {
     pub even_even: Vec<f64>,
     /// `<psi_j psi_j'>`, `odd` by `odd`.
     pub odd_odd: Vec<f64>,
-    /// For each even amplitude the factors of its follower load: of the products `a_i a_j` (`even` by `odd`), of `-y a_j`,
-    /// and of `-tan(phi) a_i`.
+    /// For each even amplitude the factors of its follower load: of the products `a_i a_j` (`even` by `odd`), of `-y
+    /// a_j`, and of `-tan(phi) a_i`.
     pub even_follower: Vec<Vec<f64>>,
     /// For each odd amplitude: of `a_i a_i'` and `a_j a_j'` (second index not below the first), of `-y a_i`, and of
     /// `-tan(phi) a_j`.

@@ -20,12 +20,12 @@ pub(crate) mod position;
 
 pub(crate) mod node;
 
-mod averages;
+pub(crate) mod points;
 
 pub(crate) mod loads;
+
+mod averages;
 
 mod pressed_region;
 
 pub(crate) mod patch;
-
-pub(crate) mod points;

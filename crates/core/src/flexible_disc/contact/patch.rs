@@ -11,8 +11,8 @@ use crate::flexible_disc::plate_modes::PlateMode;
 use crate::numerics::quadrature::gauss_legendre;
 use crate::parameters::Parameters;
 
-/// What a partly lifted patch has more, on each piece and between two cuts of the radius: where pieces part and join, the
-/// integrand is smooth but no longer a product of shapes.
+/// Further points for a partly lifted patch, on each piece and between two cuts of the radius: where pieces divide and
+/// join, the integrand is smooth but no longer a product of shapes.
 const FURTHER_POINTS: usize = 4;
 
 /// The patch with the shapes of the disc's amplitudes on it.

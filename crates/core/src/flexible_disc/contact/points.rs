@@ -8,8 +8,8 @@ use crate::parameters::Parameters;
 pub(crate) const RADIAL_POINTS: usize = 4;
 pub(crate) const ANGULAR_POINTS: usize = 8;
 
-/// What the rule may miss of a product of three shapes (two and a slope, as in the follower load), relative to the cube of
-/// their size. Products of two shapes are better by far. The 4 x 8 points of the preset with five modes miss 5e-6.
+/// What the rule may miss of a product of three shapes (two and a slope, as in the follower load), relative to the cube
+/// of their size. Products of two shapes are better by far. The 4 x 8 points of the preset with five modes miss 5e-6.
 const PRODUCT_TOLERANCE: f64 = 1e-5;
 
 /// Points at the most; beyond them the modes are finer than anything that the plate model describes.

@@ -225,7 +225,8 @@ fn assert_events(found: &[Event], expected: &[Event], tolerance: f64) {
 
 #[test]
 fn stick_slip_on_a_spring_has_the_period_and_the_turns_of_its_closed_form() {
-    // Static friction holds up to x = 2, kinetic friction centres the spring at 1.5: slip is part of a circle around it.
+    // Static friction holds up to x = 2, kinetic friction centres the spring at 1.5: slip is part of a circle around
+    // it.
     let toy = Toy::new(Law::Spring(1.5), HOLDS_TWO);
     let radius = f64::sqrt(1.0 + 0.25);
     let to_turn = libm::atan(2.0);

@@ -47,8 +47,8 @@ impl Survey<'_> {
         (!whole).then_some(cuts)
     }
 
-    /// The cuts between two probes with different pieces: first those where the edge of the pressed region leaves the patch
-    /// at an end of the lines, then, between them, those where it touches a line.
+    /// The cuts between two probes with different pieces: first those where the edge of the pressed region leaves the
+    /// patch at an end of the lines, then, between them, those where it touches a line.
     fn cuts_between(&self, (from, at_from): (f64, &Roots), (to, at_to): (f64, &Roots), cuts: &mut Cuts) {
         let samples = &self.region.samples;
         let changes = |changes: bool, end: Option<&SampleAngle>| match end {
@@ -75,8 +75,8 @@ impl Survey<'_> {
         }
     }
 
-    /// The radius between two at which the gap at an end of the lines vanishes: the secant of a bracket, with the Illinois
-    /// rule.
+    /// The radius between two at which the gap at an end of the lines vanishes: the secant of a bracket, with the
+    /// Illinois rule.
     fn exit(&self, from: f64, to: f64, end: &SampleAngle) -> f64 {
         let resolution = CUT_RESOLUTION * (to - from);
         let (mut a, mut b) = ((from, self.gap_at_end(from, end)), (to, self.gap_at_end(to, end)));
@@ -96,9 +96,9 @@ impl Survey<'_> {
         b.0
     }
 
-    /// The radius between two at which roots meet, and lines have fewer of them beyond. The square of the distance of two
-    /// roots is nearly linear in the radius; each prediction of its zero is approached by nine tenths, from the side where
-    /// the roots are.
+    /// The radius between two at which roots meet, and lines have fewer of them beyond. The square of the distance of
+    /// two roots is nearly linear in the radius; each prediction of its zero is approached by nine tenths, from the
+    /// side where the roots are.
     fn touch(&self, from: (f64, usize), to: (f64, usize)) -> f64 {
         let (many, mut few) = if from.1 > to.1 { (from, to.0) } else { (to, from.0) };
         let resolution = CUT_RESOLUTION * (1.0 - self.region.inner);

@@ -78,8 +78,8 @@ impl Line {
         (self.waves[0].0, swing + self.tilt.abs() * half_angle)
     }
 
-    /// The root between two angles of which one presses and the other does not: Newton's method from where the chord of the
-    /// gaps vanishes, kept between them.
+    /// The root between two angles of which one presses and the other does not: Newton's method from where the chord of
+    /// the gaps vanishes, kept between them.
     pub fn root(&self, from: (f64, f64), to: (f64, f64)) -> f64 {
         let pressed_at_from = from.1 > 0.0;
         let mut theta = (from.0 * to.1 - to.0 * from.1) / (to.1 - from.1);

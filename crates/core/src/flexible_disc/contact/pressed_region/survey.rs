@@ -44,7 +44,8 @@ impl Survey<'_> {
             if pressed != (here.0 > 0.0) {
                 roots.push(root((from, before.0), (to, here.0)));
             } else if (before.1 > 0.0) != pressed && (here.1 > 0.0) == pressed {
-                // An extremum towards zero. It lies on the near side of where the tangents meet, if that is not beyond 0.
+                // An extremum towards zero. It lies on the near side of where the tangents meet, if that is not beyond
+                // 0.
                 let meeting =
                     (before.1 * here.0 - here.1 * before.0 - before.1 * here.1 * (to - from)) / (before.1 - here.1);
                 if (meeting > 0.0) != pressed {
