@@ -266,6 +266,12 @@ impl PadOnDisc {
         stiffness.contact_normal * stiffness.calliper_normal / (stiffness.contact_normal + stiffness.calliper_normal)
     }
 
+    /// The contact force (N) of steady sliding on a rigid disc with this preload, `h Delta k_en k_y / (k_en + k_y)`.
+    #[must_use]
+    pub fn contact_force(&self, preload: f64) -> f64 {
+        self.scales.newtons(self.normal_force_per_preload() * preload)
+    }
+
     /// N, the contact force over h of steady sliding, N/m.
     pub(crate) fn normal_force(&self) -> f64 {
         self.normal_force_per_preload() * self.parameters.operating_point.preload
