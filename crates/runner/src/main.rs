@@ -7,6 +7,8 @@ mod failure;
 
 mod output;
 
+mod units;
+
 mod interrupt;
 
 mod files;

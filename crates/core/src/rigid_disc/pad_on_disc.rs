@@ -3,14 +3,51 @@
 use crate::friction::StribeckLaw;
 use crate::parameters::{ParameterError, Parameters};
 
-/// The scales that make the equations of motion dimensionless.
+/// The units of the scaled quantities, and the conversion to SI.
+///
+/// The paper measures lengths by the thickness h of the disc and time by
+///
+/// ```text
+/// tau = sqrt(rho h^4 / D),      D = E h^3 / (12 (1 - nu^2)),      eta0 = 1 / tau^2
+/// ```
+///
+/// **Dimension of tau.** With rho in kg/m^3, h in m and D in N m, `rho h^4 / D` is in s^2/m, so tau is a time over the
+/// root of a length. A plate has the mass `rho h` per area, and its own time scale for a length L is
+/// `sqrt(rho h L^4 / D)`, which for L = h is `tau sqrt(h)`. The paper takes the number tau, with all lengths in metres,
+/// as a number of seconds.
+///
+/// **The conversion is exact nevertheless**, for pad and disc. Substitute t = tau t' in the equations in SI, with tau as a
+/// number of seconds:
+///
+/// - Pad: `M x_tt` becomes `M eta0 x''`, and a damper becomes `c sqrt(eta0) x'`.
+/// - Disc: `rho h w_tt + D nabla^4 w = p` becomes `w'' + (1/h) nabla^4 w = (h^2 / D) p`, with lengths over h. The factor
+///   1/h, the number of the thickness in metres, makes up for the missing root of a metre.
+///
+/// So a scaled frequency over tau is the frequency in hertz. A disc mode of frequency parameter lambda^2 has the scaled
+/// angular frequency `lambda^2 h^(3/2) / b^2`, and over tau this is the textbook's
+/// `(lambda^2 / b^2) sqrt(D / (rho h))`. With a true time scale, `tau sqrt(h)`, it would be `lambda^2 h^2 / b^2`.
+///
+/// The price is that scaled times, speeds and frequencies hold for lengths in metres only, and that those of discs of
+/// different thickness cannot be compared. Seconds and hertz can.
+///
+/// Forces of the scaled equations are divided by h and carry N/m; see [`Scales::newtons`].
+///
+/// ```
+/// use stickslip_core::parameters::Parameters;
+/// use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+/// let brake = PadOnDisc::new(Parameters::sui_ding_2018())?;
+/// let frequency = brake.sliding_eigenvalues()[0].im / std::f64::consts::TAU;
+/// assert!((frequency - 0.3327).abs() < 1e-4); // "Hz of scaled time"
+/// assert!((brake.scales().hertz(frequency) - 3694.0).abs() < 1.0);
+/// # Ok::<(), stickslip_core::parameters::ParameterError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scales {
     /// Flexural rigidity D = E h^3 / (12 (1 - nu^2)), N m.
     pub flexural_rigidity: f64,
     /// Length scale h, m.
     pub length: f64,
-    /// Time scale tau = sqrt(rho h^4 / D): one unit of scaled time, taken as seconds.
+    /// Time scale tau = sqrt(rho h^4 / D): one unit of scaled time, in seconds.
     pub time: f64,
     /// Speed scale h / tau = sqrt(D / (rho h^2)), m/s.
     pub speed: f64,
@@ -27,6 +64,49 @@ impl Scales {
         let eta0 = flexural_rigidity / (disc.density * h * h * h * h);
         let time = 1.0 / eta0.sqrt();
         Self { flexural_rigidity, length: h, time, speed: h / time, eta0 }
+    }
+
+    /// A scaled time in s.
+    #[must_use]
+    pub fn seconds(&self, time: f64) -> f64 {
+        time * self.time
+    }
+
+    /// A scaled length in m.
+    #[must_use]
+    pub fn metres(&self, length: f64) -> f64 {
+        length * self.length
+    }
+
+    /// A scaled length in mm.
+    #[must_use]
+    pub fn millimetres(&self, length: f64) -> f64 {
+        1e3 * self.metres(length)
+    }
+
+    /// A scaled speed in m/s.
+    #[must_use]
+    pub fn metres_per_second(&self, speed: f64) -> f64 {
+        speed * self.speed
+    }
+
+    /// A rate for each unit of scaled time, such as the real part of an eigenvalue or an angular speed, in 1/s.
+    #[must_use]
+    pub fn per_second(&self, rate: f64) -> f64 {
+        rate / self.time
+    }
+
+    /// A frequency in cycles for each unit of scaled time ("Hz of scaled time"), in Hz. Of a pair of eigenvalues
+    /// `re +- i im` it is `im / (2 pi)`.
+    #[must_use]
+    pub fn hertz(&self, frequency: f64) -> f64 {
+        frequency / self.time
+    }
+
+    /// A force of the scaled equations (N/m) in N: times h.
+    #[must_use]
+    pub fn newtons(&self, force: f64) -> f64 {
+        force * self.length
     }
 }
 
@@ -167,6 +247,13 @@ impl PadOnDisc {
         self.parameters.disc.outer_radius * self.parameters.operating_point.rotating_speed / self.scales.speed
     }
 
+    /// V = b Omega (m/s), the speed of the disc under the pad at a rotating speed Omega (rad/s): the sliding speed while
+    /// the pad does not move.
+    #[must_use]
+    pub fn speed_under_pad(&self, rotating_speed: f64) -> f64 {
+        self.parameters.disc.outer_radius * rotating_speed
+    }
+
     /// The rotating speed (rad/s) at which the disc passes the pad with scaled speed `disc_speed`.
     #[must_use]
     pub fn rotating_speed(&self, disc_speed: f64) -> f64 {
@@ -177,6 +264,12 @@ impl PadOnDisc {
     pub(crate) fn normal_force_per_preload(&self) -> f64 {
         let stiffness = &self.parameters.stiffness;
         stiffness.contact_normal * stiffness.calliper_normal / (stiffness.contact_normal + stiffness.calliper_normal)
+    }
+
+    /// The contact force (N) of steady sliding on a rigid disc with this preload, `h Delta k_en k_y / (k_en + k_y)`.
+    #[must_use]
+    pub fn contact_force(&self, preload: f64) -> f64 {
+        self.scales.newtons(self.normal_force_per_preload() * preload)
     }
 
     /// N, the contact force over h of steady sliding, N/m.

@@ -1,141 +1,290 @@
 //! `analyse`: one parameter point.
 
-use serde_json::{Value, json};
+use std::f64::consts::TAU;
+
+use serde_json::{Map, Value, json};
 use stickslip_core::degree_of_freedom::DegreeOfFreedom;
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
+use stickslip_core::flexible_disc::error::FlexibleError;
 use stickslip_core::flexible_disc::linear_stability::LinearStability;
+use stickslip_core::numerics::eigenvalues::{Eigenvalue, eigenvalues};
 use stickslip_core::parameters::{ParameterError, Parameters, SCALARS};
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::rigid_disc::limit_cycle::LimitCycle;
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs, SlidingEquilibrium};
+use stickslip_core::rigid_disc::stability::SpeedRange;
 
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
 use crate::job::{plausibility, unknown_parameter};
 use crate::output::{result, warn};
+use crate::units::{duration, force, frequency, growth_rate, length, range, row, scales_line, significant, speed};
+
+/// Disc frequencies are shown up to this number of nodal diameters.
+const MOST_NODAL_DIAMETERS: u32 = 4;
 
 /// `stickslip analyse`.
 pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
-    let brake = brake(&arguments.set)?;
-    let eigenvalues = stickslip_core::numerics::eigenvalues::eigenvalues(&brake.jacobian())
-        .map_err(|error| Failure::InputOutput(format!("eigenvalues of steady sliding: {error}")))?;
-    let equilibrium = brake.sliding_equilibrium();
-    let boundary = brake.stability_boundary();
-    let parameters = brake.parameters();
-    let operating_point = &parameters.operating_point;
-    let speeds = brake.unstable_speeds();
-    let stable = brake.growth_rate() <= 0.0;
-    let (limit_cycle, saddle_node) = (brake.limit_cycle(), brake.saddle_node_speed());
-    let inputs =
-        RandomInputs { preload: operating_point.preload, static_friction: parameters.friction.static_coefficient };
-    let coupled = FlexibleBrake::with_enough_modes(brake.clone()).and_then(|flexible| {
-        Ok(Coupled {
-            growth_rate: flexible.growth_rate(inputs)?,
-            stability: flexible.by_eigenvalues(inputs)?,
-            modes: flexible.modes(),
-        })
-    });
-    let critical_static_friction = boundary.critical_static_friction(operating_point.preload);
-    let critical_preload = boundary.critical_preload(parameters.friction.static_coefficient);
-    if arguments.json {
-        let values: serde_json::Map<String, Value> =
+    let analysis = Analysis::new(brake(&arguments.set)?);
+    result(&if arguments.json { format!("{:#}\n", analysis.json()?) } else { analysis.text() })
+}
+
+/// One parameter point.
+struct Analysis {
+    equilibrium: SlidingEquilibrium,
+    stable: bool,
+    coupled: Result<Coupled, FlexibleError>,
+    disc_frequencies: Vec<f64>,
+    unstable_speeds: Option<SpeedRange>,
+    saddle_node: Option<f64>,
+    limit_cycle: Option<LimitCycle>,
+    critical_static_friction: f64,
+    critical_preload: f64,
+    brake: PadOnDisc,
+}
+
+impl Analysis {
+    fn new(brake: PadOnDisc) -> Self {
+        let parameters = brake.parameters();
+        let preload = parameters.operating_point.preload;
+        let static_friction = parameters.friction.static_coefficient;
+        let inputs = RandomInputs { preload, static_friction };
+        let coupled = FlexibleBrake::with_enough_modes(brake.clone()).and_then(|flexible| {
+            Ok(Coupled {
+                growth_rate: flexible.growth_rate(inputs)?,
+                stability: flexible.by_eigenvalues(inputs)?,
+                modes: flexible.modes(),
+            })
+        });
+        let boundary = brake.stability_boundary();
+        Self {
+            equilibrium: brake.sliding_equilibrium(),
+            stable: brake.growth_rate() <= 0.0,
+            coupled,
+            disc_frequencies: disc_frequencies(&brake),
+            unstable_speeds: brake.unstable_speeds(),
+            saddle_node: brake.saddle_node_speed(),
+            limit_cycle: brake.limit_cycle(),
+            critical_static_friction: boundary.critical_static_friction(preload),
+            critical_preload: boundary.critical_preload(static_friction),
+            brake,
+        }
+    }
+
+    /// Everything by name; JSON has no infinity and no NaN, they become null.
+    fn json(&self) -> Result<Value, Failure> {
+        let eigenvalues = eigenvalues(&self.brake.jacobian())
+            .map_err(|error| Failure::InputOutput(format!("eigenvalues of steady sliding: {error}")))?;
+        let (scales, parameters) = (self.brake.scales(), self.brake.parameters());
+        let point = &parameters.operating_point;
+        let values: Map<String, Value> =
             SCALARS.iter().map(|scalar| (scalar.key.to_owned(), json!(scalar.value(parameters)))).collect();
-        // JSON has no infinity; serde_json writes null, which reads as "there is none".
-        let analysis = json!({
-            "equilibrium": { "x": equilibrium.tangential, "y": equilibrium.normal, "phi": equilibrium.angle },
-            "normal_force_n": equilibrium.normal_force * brake.scales().length,
-            "friction_coefficient": equilibrium.friction_coefficient,
+        let coupled = self.coupled.as_ref().ok();
+        let [x, _, y, _, phi, _] = self.brake.sliding_eigenvalues();
+        let mode = |value: Eigenvalue| {
+            json!({
+                "growth_rate_per_s": scales.per_second(value.re),
+                "frequency_hz": scales.hertz(value.im / TAU),
+            })
+        };
+        let critical = self.unstable_speeds.map(|speeds| speeds.to);
+        let lower_critical = self.unstable_speeds.map(|speeds| speeds.from).filter(|from| *from > 0.0);
+        let in_m_s = |speed: Option<f64>| speed.map(|speed| self.brake.speed_under_pad(speed));
+        let mut analysis = json!({
+            "equilibrium": {
+                "x": self.equilibrium.tangential,
+                "y": self.equilibrium.normal,
+                "phi": self.equilibrium.angle,
+                "x_mm": scales.millimetres(self.equilibrium.tangential),
+                "y_mm": scales.millimetres(self.equilibrium.normal),
+            },
+            "normal_force_n": scales.newtons(self.equilibrium.normal_force),
+            "friction_coefficient": self.equilibrium.friction_coefficient,
             "eigenvalues": eigenvalues.iter().map(|value| [value.re, value.im]).collect::<Vec<_>>(),
-            "growth_rate": brake.growth_rate(),
-            "stable": stable,
-            "coupled_growth_rate": coupled.as_ref().ok().map(|coupled| coupled.growth_rate),
-            "coupled_stable": coupled.as_ref().ok().map(|coupled| coupled.stability == LinearStability::Stable),
-            "coupled_fed_by": coupled.as_ref().ok().and_then(Coupled::fed_by).map(|freedom| freedom.to_string()),
-            "disc_modes": coupled.as_ref().ok().map(|coupled| coupled.modes),
-            "unstable_speeds": match speeds {
+            "growth_rate": self.brake.growth_rate(),
+            "stable": self.stable,
+            "coupled_growth_rate": coupled.map(|coupled| coupled.growth_rate),
+            "coupled_stable": coupled.map(|coupled| coupled.stability == LinearStability::Stable),
+            "coupled_fed_by": coupled.and_then(Coupled::fed_by).map(|freedom| freedom.to_string()),
+            "disc_modes": coupled.map(|coupled| coupled.modes),
+            "unstable_speeds": match self.unstable_speeds {
                 None => json!("none"),
                 Some(speeds) if speeds.to.is_infinite() => json!("all"),
                 Some(speeds) => json!([speeds.from, speeds.to]),
             },
-            "critical_speed_rad_s": speeds.map(|speeds| speeds.to),
-            "lower_critical_speed_rad_s": speeds.map(|speeds| speeds.from).filter(|from| *from > 0.0),
-            "saddle_node_speed_rad_s": saddle_node,
-            "limit_cycle": limit_cycle.map(|cycle| json!({
+            "critical_speed_rad_s": critical,
+            "lower_critical_speed_rad_s": lower_critical,
+            "saddle_node_speed_rad_s": self.saddle_node,
+            "limit_cycle": self.limit_cycle.map(|cycle| json!({
                 "period": cycle.period,
                 "x_max": cycle.tangential_max,
                 "x_min": cycle.tangential_min,
                 "stick_fraction": cycle.stick_fraction,
+                "period_s": scales.seconds(cycle.period),
+                "frequency_hz": scales.hertz(1.0 / cycle.period),
+                "x_max_mm": scales.millimetres(cycle.tangential_max),
+                "x_min_mm": scales.millimetres(cycle.tangential_min),
             })),
-            "critical_static_friction": critical_static_friction,
-            "critical_preload": critical_preload,
-            "time_scale_s": brake.scales().time,
+            "critical_static_friction": self.critical_static_friction,
+            "critical_preload": self.critical_preload,
+            "time_scale_s": scales.time,
             "parameters": values,
         });
-        return result(&format!("{analysis:#}\n"));
+        let in_si = json!({
+            "speed_under_pad_m_s": self.brake.speed_under_pad(point.rotating_speed),
+            "preload_mm": scales.millimetres(point.preload),
+            "pad_modes": { "tangential": mode(x), "normal": mode(y), "angular": mode(phi) },
+            "growth_rate_per_s": scales.per_second(self.brake.growth_rate()),
+            "coupled_growth_rate_per_s": coupled.map(|coupled| scales.per_second(coupled.growth_rate)),
+            "disc_frequencies_hz": self.disc_frequencies,
+            "critical_speed_m_s": in_m_s(critical),
+            "lower_critical_speed_m_s": in_m_s(lower_critical),
+            "saddle_node_speed_m_s": in_m_s(self.saddle_node),
+            "critical_preload_mm": scales.millimetres(self.critical_preload),
+            "critical_normal_force_n": self.brake.contact_force(self.critical_preload),
+            "length_scale_m": scales.length,
+            "speed_scale_m_s": scales.speed,
+        });
+        if let (Value::Object(analysis), Value::Object(in_si)) = (&mut analysis, in_si) {
+            analysis.extend(in_si);
+        }
+        Ok(analysis)
     }
-    let mut text = format!(
-        "Steady sliding at {} rad/s, preload {}, static friction {}: {}\n\n",
-        operating_point.rotating_speed,
-        operating_point.preload,
-        parameters.friction.static_coefficient,
-        headline(stable, coupled.as_ref().ok())
-    );
-    text += &format!(
-        "equilibrium        x0 = {:.6e}, y0 = {:.6e} (times h = {} m), phi0 = {:.6e} rad\n",
-        equilibrium.tangential,
-        equilibrium.normal,
-        brake.scales().length,
-        equilibrium.angle
-    );
-    text += &format!(
-        "contact            N = {:.1} N, friction coefficient {:.5}\n",
-        equilibrium.normal_force * brake.scales().length,
-        equilibrium.friction_coefficient
-    );
-    text += "eigenvalues        of scaled time (frequency in Hz of scaled time)\n";
-    for value in eigenvalues.iter().filter(|value| value.im >= 0.0) {
-        text += &format!(
-            "                   {:+.6} +- {:.6} i   ({:.4} Hz)\n",
-            value.re,
-            value.im,
-            value.im / std::f64::consts::TAU
-        );
+
+    fn text(&self) -> String {
+        let parameters = self.brake.parameters();
+        format!(
+            "Steady sliding at {} rad/s, preload {}, static friction {}: {}\n\n{}\n{}\n{}\n{}",
+            parameters.operating_point.rotating_speed,
+            parameters.operating_point.preload,
+            parameters.friction.static_coefficient,
+            headline(self.stable, self.coupled.as_ref().ok()),
+            self.sliding_text(),
+            self.modes_text(),
+            self.limits_text(),
+            scales_line(self.brake.scales())
+        )
     }
-    text += &format!("growth rate        {:+.6} (tangential motion)\n", brake.growth_rate());
-    text += &match coupled {
-        Ok(Coupled { growth_rate, modes, .. }) => {
-            format!(
-                "coupled            {growth_rate:+.6} (largest growth rate of pad and flexible disc, {modes} disc modes)\n"
+
+    /// The equilibrium.
+    fn sliding_text(&self) -> String {
+        let (scales, point) = (self.brake.scales(), &self.brake.parameters().operating_point);
+        let equilibrium = &self.equilibrium;
+        let in_mm = |label: &str, value: f64| row(label, &format!("{value:.6e}"), &length(scales.metres(value)));
+        row("", "scaled", "SI")
+            + &row(
+                "speed under pad",
+                &format!("{:.6e}", self.brake.disc_speed()),
+                &speed(self.brake.speed_under_pad(point.rotating_speed)),
             )
+            + &row("preload", &point.preload.to_string(), &length(scales.metres(point.preload)))
+            + &row("contact force", "", &format!("{:.1} N", scales.newtons(equilibrium.normal_force)))
+            + &row("friction mu0", &format!("{:.5}", equilibrium.friction_coefficient), "")
+            + &in_mm("equilibrium x0", equilibrium.tangential)
+            + &in_mm("equilibrium y0", equilibrium.normal)
+            + &row("equilibrium phi0", "", &format!("{:.6e} rad", equilibrium.angle))
+    }
+
+    /// Frequencies and growth rates of small motions.
+    fn modes_text(&self) -> String {
+        let scales = self.brake.scales();
+        let mut text = "Small motions of the pad on a rigid disc, eigenvalues\n".to_owned();
+        let [x, x_slower, y, y_slower, phi, phi_slower] = self.brake.sliding_eigenvalues();
+        for (label, first, second) in
+            [("  tangential, x", x, x_slower), ("  normal, y", y, y_slower), ("  rotation, phi", phi, phi_slower)]
+        {
+            let rate = |value: Eigenvalue| growth_rate(scales.per_second(value.re));
+            text += &if first.im > 0.0 {
+                row(
+                    label,
+                    &format!("{:+.6} +- {:.6} i", first.re, first.im),
+                    &format!("{}, growth rate {}", frequency(scales.hertz(first.im / TAU)), rate(first)),
+                )
+            } else {
+                row(
+                    label,
+                    &format!("{:+.6}, {:+.6}", first.re, second.re),
+                    &format!("no oscillation, growth rates {}, {}", rate(first), rate(second)),
+                )
+            };
         }
-        Err(error) => format!("coupled            {error}\n"),
-    };
-    text += &match speeds {
-        None => "critical speed     none: steady sliding is stable at every speed\n".to_owned(),
-        Some(speeds) if speeds.to.is_infinite() => "critical speed     none: unstable at every speed\n".to_owned(),
-        Some(speeds) if speeds.from > 0.0 => {
-            format!("critical speed     {:.4} rad/s, unstable down to {:.4} rad/s\n", speeds.to, speeds.from)
+        text += &match &self.coupled {
+            Ok(Coupled { growth_rate: rate, modes, .. }) => {
+                format!("Pad and flexible disc together, {modes} disc modes\n")
+                    + &row("  fastest growth", &format!("{rate:+.6}"), &growth_rate(scales.per_second(*rate)))
+            }
+            Err(error) => format!("Pad and flexible disc together: {error}\n"),
+        };
+        if !self.disc_frequencies.is_empty() {
+            let kilohertz: Vec<String> = self.disc_frequencies.iter().map(|hertz| significant(1e-3 * hertz)).collect();
+            text += &format!(
+                "Disc alone, lowest mode with 0 to {} nodal diameters\n                   {} kHz\n",
+                kilohertz.len() - 1,
+                kilohertz.join(", ")
+            );
         }
-        Some(speeds) => format!("critical speed     {:.4} rad/s, unstable below\n", speeds.to),
+        text
+    }
+
+    /// Where steady sliding and stick-slip begin and end.
+    fn limits_text(&self) -> String {
+        let scales = self.brake.scales();
+        let in_m_s = |rad_s: f64| speed(self.brake.speed_under_pad(rad_s));
+        let mut text = match self.unstable_speeds {
+            None => "critical speed     none: steady sliding is stable at every speed\n".to_owned(),
+            Some(speeds) if speeds.to.is_infinite() => "critical speed     none: unstable at every speed\n".to_owned(),
+            Some(SpeedRange { from, to }) if from > 0.0 => format!(
+                "critical speed     {to:.4} rad/s, unstable down to {from:.4} rad/s ({} and {} under the pad)\n",
+                in_m_s(to),
+                in_m_s(from)
+            ),
+            Some(SpeedRange { to, .. }) => {
+                format!("critical speed     {to:.4} rad/s, unstable below ({} under the pad)\n", in_m_s(to))
+            }
+        };
+        text += &match self.saddle_node {
+            None if self.limit_cycle.is_some() => "saddle-node        none: stick-slip at every speed\n".to_owned(),
+            None if !self.stable => "saddle-node        not found: the motion is too stiff for the method\n".to_owned(),
+            None => "saddle-node        none: no stick-slip limit cycle at any speed\n".to_owned(),
+            Some(speed) => format!(
+                "saddle-node        {speed:.4} rad/s, no stick-slip limit cycle above ({} under the pad)\n",
+                in_m_s(speed)
+            ),
+        };
+        text += &match self.limit_cycle {
+            None if !self.stable => "limit cycle        not found: the motion is too stiff for the method\n".to_owned(),
+            None => "limit cycle        none at this speed\n".to_owned(),
+            Some(cycle) => {
+                let (low, high) = (cycle.tangential_min, cycle.tangential_max);
+                let cycles = 1.0 / cycle.period;
+                row(
+                    "limit cycle, x",
+                    &format!("{low:.6} to {high:.6}"),
+                    &format!("{} mm", range(scales.millimetres(low), scales.millimetres(high))),
+                ) + &row("  period", &format!("{:.5}", cycle.period), &duration(scales.seconds(cycle.period)))
+                    + &row("  frequency", &format!("{cycles:.4}"), &frequency(scales.hertz(cycles)))
+                    + &row("  stick", &format!("{:.1} % of the period", 100.0 * cycle.stick_fraction), "")
+            }
+        };
+        text += &format!("critical friction  {} at this preload and speed\n", finite(self.critical_static_friction));
+        let force = if self.critical_preload.is_finite() {
+            let displacement = scales.metres(self.critical_preload);
+            format!(" ({}, {})", length(displacement), force(self.brake.contact_force(self.critical_preload)))
+        } else {
+            String::new()
+        };
+        text + &format!("critical preload   {} at this friction and speed{force}\n", finite(self.critical_preload))
+    }
+}
+
+/// Lowest frequency of the disc with 0, 1, ... nodal diameters, Hz: at rest and without the pad. Empty if the plate has
+/// no modes that can be computed.
+fn disc_frequencies(brake: &PadOnDisc) -> Vec<f64> {
+    let plate = brake.annular_plate();
+    let lowest = |nodal_diameters| {
+        let modes = plate.modes(nodal_diameters, 1).ok()?;
+        Some(brake.scales().hertz(brake.disc_frequency(modes.first()?) / TAU))
     };
-    text += &match saddle_node {
-        None if limit_cycle.is_some() => "saddle-node        none: stick-slip at every speed\n".to_owned(),
-        None if !stable => "saddle-node        not found: the motion is too stiff for the method\n".to_owned(),
-        None => "saddle-node        none: no stick-slip limit cycle at any speed\n".to_owned(),
-        Some(speed) => format!("saddle-node        {speed:.4} rad/s, no stick-slip limit cycle above\n"),
-    };
-    text += &match limit_cycle {
-        None if !stable => "limit cycle        not found: the motion is too stiff for the method\n".to_owned(),
-        None => "limit cycle        none at this speed\n".to_owned(),
-        Some(cycle) => format!(
-            "limit cycle        x from {:.6} to {:.6}, period {:.5} (scaled time), {:.1} % of it in stick\n",
-            cycle.tangential_min,
-            cycle.tangential_max,
-            cycle.period,
-            100.0 * cycle.stick_fraction
-        ),
-    };
-    text += &format!("critical friction  {} at this preload and speed\n", finite(critical_static_friction));
-    text += &format!("critical preload   {} at this friction and speed\n", finite(critical_preload));
-    result(&text)
+    (0..=MOST_NODAL_DIAMETERS).map_while(lowest).collect()
 }
 
 /// What the eigenvalues of pad and flexible disc say.

@@ -16,6 +16,8 @@ mod completion;
 
 mod submit;
 
+mod motion_report;
+
 mod trajectory;
 
 mod replay;
@@ -31,7 +33,8 @@ pub use check::check;
 pub use compare::compare;
 pub use completion::{FinishedRun, complete_run};
 pub use describe::{completions, man, schema};
+pub use motion_report::columns;
 pub use replay::replay;
 pub use status::status;
 pub use submit::{merge, resume, submit};
-pub use trajectory::{columns, simulate, trajectory};
+pub use trajectory::{simulate, trajectory};

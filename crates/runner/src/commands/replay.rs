@@ -1,14 +1,14 @@
 //! `replay`: one sample of a run again, with its motion.
 
-use serde_json::json;
 use stickslip_core::criterion::settings::TimeDomainSettings;
 use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
 use stickslip_core::verdict::Verdict;
 
 use super::completion::was_counted_without_map;
-use super::trajectory::{lines, name, report, simulate};
+use super::motion_report::{Facts, name, report};
+use super::trajectory::simulate;
 use crate::cli::ReplayArguments;
-use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::evaluator::{EvaluatedSample, Evaluator};
 use crate::failure::Failure;
 use crate::job::{Criterion, Job, OutsidePhysics, RandomInput};
 use crate::output::result;
@@ -24,33 +24,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
         return Err(Failure::Usage(format!("--sample {}: there is no such sample", arguments.sample)));
     };
     let verdict = sample.decision.verdict;
-    let cell = job.grid.cell(arguments.cell);
-    let mut facts = json!({
-        "run": arguments.run.display().to_string(),
-        "cell": arguments.cell,
-        "sample": arguments.sample,
-        "rotating_speed_rad_s": cell.rotating_speed,
-        "preload": sample.drawn.preload,
-        "static_friction": sample.drawn.static_friction,
-    });
-    for (input, &value) in job.random.inputs.iter().zip(&sample.values) {
-        if let RandomInput::Other(_) = input {
-            let name = if input.name() == "rotating_speed" { "rotating_speed_rad_s" } else { input.name() };
-            facts[name] = json!(value);
-        }
-    }
-    if sample.is_outside_physics {
-        facts["outside_physics"] = json!(match job.outside_physics {
-            OutsidePhysics::Stable => "decided as it is",
-            OutsidePhysics::Failed => "counts as failed",
-            OutsidePhysics::Clamp => "clamped to the border",
-        });
-    }
-    facts["verdict_in_run"] = json!(name(sample.looked_up.unwrap_or(verdict)));
-    if let Some(looked_up) = sample.looked_up {
-        facts["verdict_looked_up"] = json!(name(looked_up));
-        facts["verdict_simulated"] = json!(name(verdict));
-    }
+    let facts = facts(arguments, &job, &sample);
     // A run that did not look at motions gets one of the model that it looked at.
     let (disc, settings) = match &job.criterion {
         Criterion::Eigenvalue => (DiscModel::Rigid, TimeDomainSettings::default()),
@@ -73,14 +47,53 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
         if arguments.out.is_some() {
             return Err(Failure::Usage(format!("--out: this sample is {why}")));
         }
-        result(&if arguments.json { format!("{facts:#}\n") } else { format!("{}{why}\n", lines(&facts)) })
+        let why = if arguments.json { String::new() } else { format!("{why}\n") };
+        result(&format!("{}{why}", facts.text(arguments.json)))
     };
     let (Some(pad), None) = (&sample.brake, outside) else { return without_motion(outside.unwrap_or_default()) };
     if let Err(error) = TimeDomain::new(pad, &disc, settings) {
         return without_motion(&format!("{}; its motion cannot be simulated: {error}", name(verdict)));
     }
     let trajectory = simulate(pad, &disc, settings, sample.inputs, arguments.horizon)?;
-    report(&facts, &trajectory, arguments.out.as_deref(), arguments.json)
+    report(facts, pad.scales(), &trajectory, arguments.out.as_deref(), arguments.json)
+}
+
+/// What the run drew and decided.
+fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample) -> Facts {
+    let mut facts = Facts::default();
+    facts.add("run", arguments.run.display().to_string());
+    facts.add("cell", arguments.cell);
+    facts.add("sample", arguments.sample);
+    let mut rotating_speed = job.grid.cell(arguments.cell).rotating_speed;
+    for (input, &value) in job.random.inputs.iter().zip(&sample.values) {
+        if input.is_rotating_speed() {
+            rotating_speed = value;
+        }
+    }
+    facts.add_operating_point(rotating_speed, sample.drawn, sample.brake.as_ref());
+    for (input, &value) in job.random.inputs.iter().zip(&sample.values) {
+        if let RandomInput::Other(scalar) = input
+            && !input.is_rotating_speed()
+        {
+            let unit = if scalar.unit == "1" { "" } else { scalar.unit };
+            facts.add_with_unit(scalar.key, scalar.key, value, unit);
+        }
+    }
+    if sample.is_outside_physics {
+        let meaning = match job.outside_physics {
+            OutsidePhysics::Stable => "decided as it is",
+            OutsidePhysics::Failed => "counts as failed",
+            OutsidePhysics::Clamp => "clamped to the border",
+        };
+        facts.add("outside_physics", meaning);
+    }
+    let verdict = sample.decision.verdict;
+    facts.add("verdict_in_run", name(sample.looked_up.unwrap_or(verdict)));
+    if let Some(looked_up) = sample.looked_up {
+        facts.add("verdict_looked_up", name(looked_up));
+        facts.add("verdict_simulated", name(verdict));
+    }
+    facts
 }
 
 /// What evaluates the samples of a run, with the map that it used, if the wanted sample is one of them.

@@ -6,12 +6,14 @@ use stickslip_core::criterion::settings::TimeDomainSettings;
 use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
 use stickslip_core::flexible_disc::brake::DISC_MODES;
 use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_core::trajectory::sweep::{SweepPoint, sweep};
 
+use super::preset::brake_at;
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
 use crate::picture::curves;
+use crate::units::{scales_line, speed};
 
 /// Speeds of the sweep, rad/s.
 const SLOWEST: f64 = 10.0;
@@ -23,6 +25,8 @@ const DWELL: f64 = 400.0;
 
 /// Sweeps both discs down and up, writes every point, and draws the sweeps of the flexible disc.
 pub fn diagram(directory: &Path) -> Result<String, Failure> {
+    let preset = brake_at(SLOWEST)?;
+    let scales = preset.scales();
     let mut columns = [const { Vec::new() }; 6];
     let mut text =
         "Figure 6: turning points of the tangential motion against rotating speed (rad/s), preload 0.1\n\n".to_owned();
@@ -46,10 +50,13 @@ pub fn diagram(directory: &Path) -> Result<String, Failure> {
         }
         let jump = |points: &[SweepPoint], sticks: bool| {
             let found = points.iter().find(|point| (point.stick_fraction > 0.0) == sticks);
-            found.map_or("none".to_owned(), |point| format!("{:.1}", point.rotating_speed))
+            found.map_or("none".to_owned(), |point| {
+                let under_pad = speed(preset.speed_under_pad(point.rotating_speed));
+                format!("{:.1} rad/s ({under_pad})", point.rotating_speed)
+            })
         };
         boundaries += &format!(
-            "{name:>9} disc: stick-slip begins at {} rad/s on the way down, ends at {} rad/s on the way up\n",
+            "{name:>9} disc: stick-slip begins at {} on the way down, ends at {} on the way up\n",
             jump(&down, true),
             jump(&up, false)
         );
@@ -66,7 +73,10 @@ pub fn diagram(directory: &Path) -> Result<String, Failure> {
     text += &boundaries;
     text += "the paper prints 15.56 (Hopf) and 30 (saddle-node). On the way down growth takes its time beyond the boundary; on\n\
         the way up each step of the speed disturbs the motion, and just below the saddle-node little is enough.\n";
-    let [flexible, direction, speed, largest, smallest, stick] = columns;
+    let [flexible, direction, speeds, largest, smallest, stick] = columns;
+    let millimetres = |values: &[f64]| values.iter().map(|&x| scales.millimetres(x)).collect::<Vec<f64>>();
+    let (largest_mm, smallest_mm) = (millimetres(&largest), millimetres(&smallest));
+    let under_pad = speeds.iter().map(|&rad_s| preset.speed_under_pad(rad_s)).collect();
     let column = |name, unit, long_name, values: Vec<f64>| DescribedColumn { name, unit, long_name, values };
     write_columns(
         directory,
@@ -74,13 +84,17 @@ pub fn diagram(directory: &Path) -> Result<String, Failure> {
         &[
             column("flexible_disc", "1", "1 for the flexible disc, 0 for the rigid one", flexible),
             column("direction", "1", "-1 for the sweep down, 1 for the sweep up", direction),
-            column("rotating_speed_rad_s", "rad/s", "rotating speed of the disc", speed),
+            column("rotating_speed_rad_s", "rad/s", "rotating speed of the disc", speeds),
             column("x_max", "1", "largest settled tangential displacement over disc thickness", largest),
             column("x_min", "1", "smallest settled tangential displacement over disc thickness", smallest),
             column("stick_fraction", "1", "share of the time in stick", stick),
+            column("speed_under_pad_m_s", "m/s", "speed of the disc under the pad", under_pad),
+            column("x_max_mm", "mm", "largest settled tangential displacement", largest_mm),
+            column("x_min_mm", "mm", "smallest settled tangential displacement", smallest_mm),
         ],
     )?;
     text += &format!("data: {}\n", directory.join("bifurcation.parquet").display());
+    text += &scales_line(scales);
     Ok(text)
 }
 
@@ -92,10 +106,8 @@ fn sweep_disc(disc: &DiscModel, down: bool) -> Result<Vec<SweepPoint>, Failure> 
         static_friction: parameters.friction.static_coefficient,
     };
     let criterion = |index: i32| {
-        let mut parameters = parameters.clone();
         let index = if down { STEPS - index } else { index };
-        parameters.operating_point.rotating_speed = SLOWEST + STEP * f64::from(index);
-        let brake = PadOnDisc::new(parameters).map_err(|error| failed(&error))?;
+        let brake = brake_at(SLOWEST + STEP * f64::from(index))?;
         TimeDomain::new(&brake, disc, TimeDomainSettings::default()).map_err(|error| failed(&error))
     };
     let criteria = (0..=STEPS).map(criterion).collect::<Result<Vec<_>, _>>()?;

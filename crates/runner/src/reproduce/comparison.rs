@@ -1,5 +1,6 @@
 //! A Monte Carlo surface against the exact probabilities.
 
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::integrate::closed_form;
 use stickslip_sampler::special_functions::{beta, normal};
 
@@ -8,6 +9,7 @@ use crate::failure::Failure;
 use crate::job::Criterion;
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
+use crate::units;
 
 /// Unstable (or stable) samples that a cell must be expected to have before its deviation is called normal.
 const ENOUGH: f64 = 10.0;
@@ -88,5 +90,24 @@ pub fn summary(run: &FinishedRun, rows: &[ComparedRow]) -> String {
             "in {rare} cells fewer than {ENOUGH} samples are expected on one side; there max |p - exact| = {largest_rare:.5}\n"
         );
     }
-    text
+    text + &in_si(run)
+}
+
+/// Speeds and preloads of a run in SI.
+fn in_si(run: &FinishedRun) -> String {
+    let Ok(brake) = PadOnDisc::new(run.job.parameters.clone()) else { return String::new() };
+    let grid = &run.job.grid;
+    let range = |values: &[f64], text: &dyn Fn(f64) -> String| match values {
+        [only] => text(*only),
+        [first, .., last] => format!("{} to {}", text(*first), text(*last)),
+        [] => String::new(),
+    };
+    let scales = brake.scales();
+    let (speeds, preloads) = (grid.rotating_speed.values(), grid.preload.values());
+    format!(
+        "in SI: the disc passes the pad at {}; the preload is {}, {} of contact force\n",
+        range(speeds, &|value| units::speed(brake.speed_under_pad(value))),
+        range(preloads, &|value| units::length(scales.metres(value))),
+        range(preloads, &|value| units::force(brake.contact_force(value)))
+    )
 }

@@ -11,6 +11,7 @@ use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
 use crate::picture::{curves, picture};
 use crate::tables::surface::Surface;
+use crate::units;
 
 /// Figures 14 and 15: a surface, and how it compares with the exact one.
 pub fn surface(run: &FinishedRun) -> Result<String, Failure> {
@@ -22,10 +23,10 @@ pub fn surface(run: &FinishedRun) -> Result<String, Failure> {
 /// Figure 4: the largest real part of the eigenvalues against rotating speed, for each preload.
 pub fn growth_rates(run: &FinishedRun) -> Result<String, Failure> {
     let speeds = run.job.grid.rotating_speed.values();
-    let mut columns = [Vec::new(), Vec::new(), Vec::new()];
+    let mut columns = [const { Vec::new() }; 5];
     let mut lines = Vec::new();
     let mut text = "Figure 4: largest real part of the eigenvalues against rotating speed (rad/s)\n\n".to_owned();
-    let mut critical = String::new();
+    let (mut critical, mut one_in_si) = (String::new(), String::new());
     for &preload in run.job.grid.preload.values() {
         let brake_at = |speed: f64| {
             let mut parameters = run.job.parameters.clone();
@@ -36,24 +37,36 @@ pub fn growth_rates(run: &FinishedRun) -> Result<String, Failure> {
         };
         let mut line = Vec::new();
         for &speed in speeds {
-            let values = brake_at(speed)?.sliding_eigenvalues();
-            let largest = values.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
+            let brake = brake_at(speed)?;
+            let largest = brake.sliding_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
             line.push((speed, largest));
             columns[0].push(speed);
             columns[1].push(preload);
             columns[2].push(largest);
+            columns[3].push(brake.speed_under_pad(speed));
+            columns[4].push(brake.scales().per_second(largest));
         }
         lines.push(line);
-        let crossing =
-            brake_at(speeds[0])?.unstable_speeds().map_or("none".to_owned(), |range| format!("{:.3} rad/s", range.to));
-        critical += &format!("curve {}: preload {preload}, critical speed {crossing}\n", lines.len());
+        let brake = brake_at(speeds[0])?;
+        let crossing = brake.unstable_speeds().map_or("none".to_owned(), |range| {
+            format!("{:.3} rad/s ({})", range.to, units::speed(brake.speed_under_pad(range.to)))
+        });
+        let scales = brake.scales();
+        critical += &format!(
+            "curve {}: preload {preload} ({}, {}), critical speed {crossing}\n",
+            lines.len(),
+            units::length(scales.metres(preload)),
+            units::force(brake.contact_force(preload))
+        );
+        one_in_si = units::significant(scales.per_second(1.0));
     }
     text += &curves(&lines);
     text += &critical;
     text +=
         "the floor at -0.02 is the angular motion, which no speed changes; the paper prints 15.56 for preload 0.1\n";
+    text += &format!("in SI: a growth rate of 1 in scaled time is {one_in_si} 1/s\n");
     let path = run.directory.path().join("growth_rate.parquet");
-    let [speed, preload, growth_rate] = columns;
+    let [speed, preload, growth_rate, under_pad, per_second] = columns;
     write_columns(
         run.directory.path(),
         "growth_rate.parquet",
@@ -75,6 +88,18 @@ pub fn growth_rates(run: &FinishedRun) -> Result<String, Failure> {
                 unit: "1",
                 long_name: "largest real part of the eigenvalues, per unit of scaled time",
                 values: growth_rate,
+            },
+            DescribedColumn {
+                name: "speed_under_pad_m_s",
+                unit: "m/s",
+                long_name: "speed of the disc under the pad",
+                values: under_pad,
+            },
+            DescribedColumn {
+                name: "growth_rate_per_s",
+                unit: "1/s",
+                long_name: "largest real part of the eigenvalues",
+                values: per_second,
             },
         ],
     )?;

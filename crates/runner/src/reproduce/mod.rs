@@ -1,5 +1,7 @@
 //! The paper's tables and figures again, from the job specs in `jobs/`.
 
+mod preset;
+
 mod comparison;
 
 mod tables;

@@ -171,3 +171,35 @@ fn twice_the_points_change_no_growth_rate_of_a_soft_brake() {
     }
     assert!(partly >= 10, "{partly}: the patch must have lifted off in part for the test to mean something");
 }
+
+#[test]
+fn the_disc_in_the_equations_vibrates_at_the_textbooks_frequencies_in_hertz() {
+    // With a pad that hardly touches, the eigenvalues of pad and disc contain those of the disc alone. Seen from the pad,
+    // a wave with n nodal diameters on a disc that turns has the angular frequencies omega - n Omega and omega + n Omega.
+    // lambda^2 is from the zeros of the determinant of Bessel functions, computed independently of this crate.
+    let frequency_parameters = [11.7565, 11.9802, 13.3679, 17.3691, 24.6646];
+    let speed = 80.0;
+    for (youngs_modulus, thickness) in [(2.1e11, 0.02), (7e10, 0.008)] {
+        let brake = PadOnDisc::preset_with(&[
+            ("disc.youngs_modulus", youngs_modulus),
+            ("disc.thickness", thickness),
+            ("disc.transverse_damping_ratio", 1e-6),
+            ("stiffness.contact_normal", 100.0),
+            ("stiffness.contact_tangential_1", 100.0),
+            ("stiffness.contact_tangential_2", 100.0),
+            ("operating_point.rotating_speed", speed),
+        ]);
+        let scales = *brake.scales();
+        let values = FlexibleBrake::with_modes(brake, 5).unwrap().coupled_eigenvalues(NOMINAL).unwrap();
+        let found: Vec<f64> = values.iter().map(|value| scales.per_second(value.im)).collect();
+        let rigidity = youngs_modulus * thickness * thickness * thickness / (12.0 * (1.0 - 0.09));
+        let per_parameter = (rigidity / (7800.0 * thickness)).sqrt() / (0.135 * 0.135);
+        for (n, parameter) in frequency_parameters.iter().enumerate() {
+            for turning in [-1.0, 1.0] {
+                let expected = parameter * per_parameter + turning * n as f64 * speed;
+                let nearest = found.iter().map(|value| (value - expected).abs()).fold(f64::INFINITY, f64::min);
+                assert!(nearest < 2e-5 * expected, "n = {n}: {expected} is not in {found:?}");
+            }
+        }
+    }
+}
