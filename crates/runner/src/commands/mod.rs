@@ -22,10 +22,6 @@ mod trajectory;
 
 mod replay;
 
-mod matching;
-
-mod differences;
-
 mod compare;
 
 pub use analyse::analyse;

@@ -1,83 +1,24 @@
-//! What `compare` found, as text, picture, JSON and columns.
+//! The differences of two runs as text, picture, JSON and columns.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use indicatif::HumanCount;
 use serde_json::{Value, json as object};
-use stickslip_sampler::estimate::difference::{Difference, PairedCounts};
-use stickslip_sampler::grid::{Cell, Grid};
 
+use super::differences::{Differences, Interval, Row};
 use crate::files::table::{TableColumn, TableValues};
 
-/// Rows and columns of a picture at the most; larger grids are thinned out.
+/// Largest number of rows and columns of a picture; larger grids are thinned out.
 const MOST_ROWS: usize = 15;
 const MOST_COLUMNS: usize = 60;
 
-/// Slices (speeds and standard deviations) shown at the most.
+/// Largest number of slices (combinations of speed and standard deviation) that are shown.
 const MOST_SLICES: usize = 4;
 
-/// Signs with the difference from which they hold; the last one for less than all.
+/// Signs, each with the smallest difference that it is drawn for.
 const SIGNS: [(f64, char); 5] = [(0.1, '#'), (0.01, '+'), (-0.01, ' '), (-0.1, '-'), (f64::NEG_INFINITY, '=')];
 
-/// What the interval of a difference is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Interval {
-    /// From the verdicts on the same samples.
-    Paired,
-    /// From independent counts.
-    Unpaired,
-    /// From counts that share random numbers, but not sample by sample.
-    Dependent,
-    /// From the bounds of an integral, and the interval of the other run where that has samples.
-    Bounds,
-}
-
-impl Interval {
-    /// As in the result column.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Paired => "paired",
-            Self::Unpaired => "unpaired",
-            Self::Dependent => "dependent",
-            Self::Bounds => "bounds",
-        }
-    }
-}
-
-/// The difference in one cell.
-#[derive(Debug, Clone, Copy)]
-pub struct Row {
-    /// As the first run has it.
-    pub cell: Cell,
-    /// Its index in the second run.
-    pub second_cell: u64,
-    /// Pairs of samples.
-    pub pairs: u64,
-    /// Those where both are decided; none unless paired.
-    pub joint: PairedCounts,
-    /// Probability in the first run, of the paired samples where there are any.
-    pub first: Option<f64>,
-    /// Likewise in the second.
-    pub second: Option<f64>,
-    /// Second minus first.
-    pub difference: Difference,
-    /// What its interval is.
-    pub interval: Interval,
-}
-
-/// The differences of two runs.
-pub struct Differences<'a> {
-    /// The reference, as typed.
-    pub first: &'a str,
-    /// What is compared with it.
-    pub second: &'a str,
-    /// The cells of the reference.
-    pub grid: &'a Grid,
-    /// One for each cell that both have, in the order of the first; at least one.
-    pub rows: Vec<Row>,
-}
-
-/// What a comparison comes to.
+/// The figures that summarise a comparison.
 struct Facts<'a> {
     cells: usize,
     paired: usize,
@@ -87,7 +28,7 @@ struct Facts<'a> {
     largest: Option<&'a Row>,
     higher: usize,
     lower: usize,
-    /// Pairs of samples, where both are decided, unstable in the first only, and in the second only.
+    /// Pairs of samples: all, those where both are decided, and those unstable in the first or the second run only.
     pairs: u64,
     decided: u64,
     only_first: u64,
@@ -106,7 +47,7 @@ impl<'a> Facts<'a> {
             paired: rows.iter().filter(|row| row.interval == Interval::Paired).count(),
             mean: mean(&mut known().map(|(value, _)| value)),
             mean_absolute: mean(&mut known().map(|(value, _)| value.abs())),
-            // The first of several.
+            // Of several, the first.
             largest: known().rev().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).map(|(_, row)| row),
             higher: rows.iter().filter(|row| row.difference.low > 0.0).count(),
             lower: rows.iter().filter(|row| row.difference.high < 0.0).count(),
@@ -124,7 +65,7 @@ impl<'a> Facts<'a> {
     }
 }
 
-/// A block of text; `meaning` says what the intervals hold for.
+/// A summary in a few lines; `meaning` says what the confidence of the intervals is.
 pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
     let facts = Facts::of(differences);
     let Differences { first, second, .. } = differences;
@@ -176,7 +117,7 @@ pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
     text
 }
 
-/// A share; none at all is told from next to none.
+/// A share in per cent. A share of zero differs from one that rounds to zero.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent {
@@ -226,8 +167,8 @@ pub fn json(compared: &[Differences<'_>], confidence: f64, simultaneous: bool) -
     Value::Array(compared.iter().map(of).collect())
 }
 
-/// The difference over preload and static friction, a slice for each speed and standard deviation that has at least two
-/// of either.
+/// The difference over preload and static friction: one slice for each speed and standard deviation, if it has at least
+/// two preloads and two static frictions.
 pub fn picture(differences: &Differences<'_>) -> String {
     let [_, _, preloads, frictions] = differences.grid.lengths();
     let mut slices: BTreeMap<u64, BTreeMap<(u64, u64), &Row>> = BTreeMap::new();
@@ -256,7 +197,7 @@ pub fn picture(differences: &Differences<'_>) -> String {
     text
 }
 
-/// At most `most` evenly spread entries, both ends included.
+/// At most `most` evenly spaced entries, both ends included.
 fn thinned(entries: &[u64], most: usize) -> Vec<u64> {
     let length = entries.len();
     if length <= most {
@@ -339,7 +280,7 @@ pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
         real("std_static_friction", "standard deviation of the static friction coefficient over its expected value", |row| Some(row.cell.relative_std.static_friction)),
         real("preload", "expected preload, calliper displacement over disc thickness", |row| Some(row.cell.preload)),
         real("static_friction", "expected static friction coefficient", |row| Some(row.cell.static_friction)),
-        integer("n_paired", "samples that both runs judged; 0 unless paired", |row| row.pairs),
+        integer("n_paired", "samples that both runs decided; 0 unless paired", |row| row.pairs),
         integer("n_both", "paired samples unstable in both runs", |row| row.joint.both),
         integer("n_only_first", "paired samples unstable in the first run, stable in the second", |row| row.joint.only_first),
         integer("n_only_second", "paired samples stable in the first run, unstable in the second", |row| row.joint.only_second),

@@ -1,0 +1,135 @@
+//! A finished run whose samples are evaluated again.
+
+use std::fs;
+use std::path::PathBuf;
+
+use indicatif::HumanCount;
+use stickslip_core::verdict::VerdictCounts;
+use stickslip_sampler::estimate::interval::{BinomialInterval, Estimate, IntervalKind};
+use stickslip_sampler::estimate::randomisations;
+
+use super::run::Run;
+use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::integral::IntegratedCell;
+use crate::evaluate::sums::Lookups;
+use crate::failure::{Failure, Signal};
+use crate::interrupt::Interrupt;
+use crate::job::Effort;
+use crate::output::note;
+use crate::schedule::engine::{Engine, Outcome};
+use crate::store::map_pieces;
+use crate::tables::row::unaudited;
+
+/// A finished run whose samples can be evaluated again.
+pub struct EvaluatedRun<'a> {
+    /// The run.
+    pub run: &'a Run,
+    /// Evaluates its samples, by its verdict maps where it has any.
+    pub evaluator: Evaluator<'a>,
+    /// One for each cell where probabilities are integrated, else none.
+    integrated: Vec<IntegratedCell>,
+}
+
+impl<'a> EvaluatedRun<'a> {
+    /// Completes the verdict maps of a run if it needs them: for integrals, or if samples are evaluated (`needs_verdicts`).
+    /// Tiles of the maps in the directories `maps` are used, too.
+    pub fn new(
+        run: &'a Run,
+        needs_verdicts: bool,
+        maps: &[PathBuf],
+        engine: &Engine,
+        interrupt: &Interrupt,
+    ) -> Result<Self, Failure> {
+        let mut evaluator = Evaluator::new(&run.job)?;
+        let mut integrated = Vec::new();
+        if run.job.uses_maps() && (needs_verdicts || run.job.is_integrated()) {
+            complete_maps(run, &mut evaluator, maps, engine, interrupt)?;
+        }
+        if run.job.is_integrated() {
+            let (outcome, cells) = engine.integrate(&evaluator, interrupt)?;
+            if let Outcome::Stopped(signal) = outcome {
+                return Err(stopped(signal));
+            }
+            integrated = cells;
+        }
+        Ok(Self { run, evaluator, integrated })
+    }
+
+    /// The probability of a cell, with its bounds where it is integrated, else with the interval of a confidence.
+    pub fn estimate(&self, cell: u64, confidence: f64) -> Estimate {
+        let Run { job, parts, tally, .. } = self.run;
+        if let Some(integrated) = self.integrated.get(cell as usize) {
+            return integrated.estimate;
+        }
+        if let Effort::Randomisations { .. } = job.sampling.effort {
+            let parts: Vec<VerdictCounts> = parts.of(cell).map(|part| tally.counts(part)).collect();
+            return randomisations::estimate(&parts, job.random.inputs.len(), confidence);
+        }
+        let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
+        let estimate = interval.estimate(&self.run.counts(cell));
+        // A job with `until` has an unbiased estimate of its own.
+        let probability =
+            parts.estimate_at_stop(tally, cell).map_or(estimate.probability, |at_stop| at_stop.probability);
+        Estimate { probability, ..estimate }
+    }
+
+    /// How many samples of a cell, or of its audit, were looked up, simulated and audited.
+    pub fn lookups(&self, cell: u64) -> Lookups {
+        self.integrated.get(cell as usize).map_or_else(|| self.run.lookups(cell), |integrated| integrated.lookups)
+    }
+
+    /// The largest error of a cell's probability that the audit of its verdict map does not exclude; 0 without an audit.
+    pub fn unaudited(&self, cell: u64, confidence: f64) -> f64 {
+        if !self.run.is_audited() {
+            return 0.0;
+        }
+        let samples = (!self.run.job.is_integrated()).then(|| self.run.counts(cell).total());
+        unaudited(&self.lookups(cell), samples, confidence)
+    }
+
+    /// The share of the error probability that belongs to the look at which a cell stopped; 1 without looks.
+    pub fn error_share(&self, cell: u64) -> f64 {
+        self.run.parts.error_share_at_stop(&self.run.tally, cell)
+    }
+}
+
+/// Completes the verdict maps of a run, with tiles of other runs where they fit. New tiles are kept in the run, if it can be
+/// written to.
+fn complete_maps(
+    run: &Run,
+    evaluator: &mut Evaluator<'_>,
+    maps: &[PathBuf],
+    engine: &Engine,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    // The run may belong to somebody else.
+    let own = run.directory.maps();
+    let is_writable = fs::create_dir_all(&own).is_ok() && tempfile::tempfile_in(&own).is_ok();
+    map_pieces::load(evaluator.maps_mut(), &own)?;
+    let mut borrowed = false;
+    for other in maps.iter().filter(|other| **other != own) {
+        borrowed |= map_pieces::load(evaluator.maps_mut(), other)? > 0;
+    }
+    let completed = engine.complete_maps(evaluator, is_writable.then_some(own.as_path()), borrowed, interrupt)?;
+    if let Outcome::Stopped(signal) = completed.outcome {
+        return Err(stopped(signal));
+    }
+    if let Some(why) = completed.why_given_up(&run.job) {
+        note(format_args!("{}: {why}", run.name));
+    } else if completed.simulations > 0 {
+        note(format_args!(
+            "{}: verdict map of {} tiles from {} simulations{}",
+            run.name,
+            HumanCount(evaluator.maps().needed() as u64),
+            HumanCount(completed.simulations),
+            if is_writable { "; kept in the run for the next time" } else { "" }
+        ));
+    }
+    Ok(())
+}
+
+/// A comparison that a signal ended.
+pub fn stopped(signal: Signal) -> Failure {
+    let message = "nothing was compared; finished tiles of verdict maps are kept. Run the same command again";
+    Failure::Stopped { signal, message: message.to_owned() }
+}

@@ -1,0 +1,127 @@
+//! `compare`: finished runs cell by cell, and sample by sample where they share their samples.
+//!
+//! Neither surfaces nor pieces hold the joint verdicts of two runs, so the samples are evaluated again. They are pure
+//! functions of the seed, and with a verdict map most of their verdicts cost little. A cell is paired only if the verdicts are
+//! those that both runs counted. By default the intervals hold for all cells together.
+
+mod run;
+
+mod matching;
+
+mod evaluated_run;
+
+mod pairs;
+
+mod differences;
+
+mod report;
+
+use std::path::PathBuf;
+
+use indicatif::HumanCount;
+use stickslip_sampler::estimate::interval::simultaneous_confidence;
+
+use self::differences::{Differences, differences};
+use self::evaluated_run::EvaluatedRun;
+use self::matching::{Dependence, Matching};
+use self::report::{json, picture, summary, table};
+use self::run::Run;
+use crate::cli::CompareArguments;
+use crate::evaluate::sums::Lookups;
+use crate::failure::Failure;
+use crate::files::table::write_table;
+use crate::interrupt::Interrupt;
+use crate::output::{note, output_file, result};
+use crate::schedule::engine::Engine;
+
+/// `stickslip compare`.
+pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    if arguments.runs.len() < 2 {
+        let only = arguments.runs.first().map_or_else(String::new, |run| format!(", not only {}", run.display()));
+        let message =
+            format!("compare takes two runs or more{only}: first the reference, then those that are compared with it");
+        return Err(Failure::Usage(message));
+    }
+    let confidence = arguments.confidence;
+    if !(0.0 < confidence && confidence <= 1.0 - 1e-12) {
+        let message = format!(
+            "--confidence {confidence} is out of range: it must be greater than 0 and less than 1, for example 0.95"
+        );
+        return Err(Failure::Usage(message));
+    }
+    let out = arguments.out.as_deref().map(|out| output_file(out).map(|place| (out, place))).transpose()?;
+
+    let runs: Vec<Run> = arguments.runs.iter().map(|path| Run::open(path)).collect::<Result<_, _>>()?;
+    let matchings: Vec<Matching> =
+        runs[1..].iter().map(|second| Matching::new(&runs[0], second)).collect::<Result<_, _>>()?;
+    let engine = Engine::new(arguments.threads.count())?;
+    let evaluated = evaluated_runs(&runs, &matchings, &engine, interrupt)?;
+    evaluated.iter().for_each(warn_of_audit);
+    let cells =
+        if arguments.pointwise { 1 } else { matchings.iter().map(|matching| matching.cells.len() as u64).sum() };
+    let of_a_cell = simultaneous_confidence(confidence, cells);
+    let (reference, others) = evaluated.split_at(1);
+    let mut compared = Vec::with_capacity(others.len());
+    for (second, matching) in others.iter().zip(&matchings) {
+        compared.push(differences(&engine, &reference[0], second, matching, of_a_cell, interrupt)?);
+    }
+
+    if let Some((out, (directory, name))) = out {
+        let footer = [
+            ("stickslip:confidence", confidence.to_string()),
+            ("stickslip:simultaneous", (!arguments.pointwise).to_string()),
+            ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
+        ];
+        write_table(&directory, &name, &table(&compared), &footer)?;
+        note(format_args!("{}: {} rows", out.display(), rows(&compared)));
+    }
+    if arguments.json {
+        return result(&format!("{:#}\n", json(&compared, confidence, !arguments.pointwise)));
+    }
+    let meaning = if arguments.pointwise {
+        format!("(confidence {confidence} for each by itself)")
+    } else {
+        format!("(confidence {confidence} for all together)")
+    };
+    let text = |compared: &Differences| format!("{}\n{}", summary(compared, &meaning), picture(compared));
+    result(&compared.iter().map(text).collect::<String>())
+}
+
+fn rows(compared: &[Differences]) -> HumanCount {
+    HumanCount(compared.iter().map(|differences| differences.rows.len() as u64).sum())
+}
+
+/// Prepares runs for the evaluation of their samples; `matchings` are those of all runs but the first with the first.
+fn evaluated_runs<'a>(
+    runs: &'a [Run],
+    matchings: &[Matching],
+    engine: &Engine,
+    interrupt: &Interrupt,
+) -> Result<Vec<EvaluatedRun<'a>>, Failure> {
+    let is_paired: Vec<bool> = matchings
+        .iter()
+        .map(|matching| matching.cells.iter().any(|cell| cell.dependence == Dependence::Paired))
+        .collect();
+    let maps: Vec<PathBuf> = runs.iter().map(|run| run.directory.maps()).collect();
+    let mut evaluated = Vec::with_capacity(runs.len());
+    for (i, run) in runs.iter().enumerate() {
+        let needs_verdicts = if i == 0 { is_paired.contains(&true) } else { is_paired[i - 1] };
+        evaluated.push(EvaluatedRun::new(run, needs_verdicts, &maps, engine, interrupt)?);
+    }
+    Ok(evaluated)
+}
+
+/// Warns if the audit of a run found its verdict map wrong somewhere.
+fn warn_of_audit(evaluated: &EvaluatedRun<'_>) {
+    let run = evaluated.run;
+    let mut lookups = Lookups::default();
+    (0..run.job.cells()).for_each(|cell| lookups.add(evaluated.lookups(cell)));
+    if lookups.differed > 0 {
+        note(format_args!(
+            "warning: {}: {} of {} audited samples differed, so its verdict map is wrong somewhere; the intervals contain what the audit does not exclude",
+            run.name,
+            HumanCount(lookups.differed),
+            HumanCount(lookups.audited)
+        ));
+    }
+}

@@ -1,0 +1,87 @@
+//! A finished run that is compared with others.
+
+use std::path::Path;
+
+use stickslip_core::verdict::VerdictCounts;
+
+use crate::evaluate::parts::Parts;
+use crate::evaluate::sums::{Lookups, SumLayout};
+use crate::failure::Failure;
+use crate::job::{Audit, Criterion, Effort, EvaluateMode, Job};
+use crate::output::quoted;
+use crate::store::directory::{Access, RunDirectory};
+use crate::store::tally::Tally;
+
+/// A finished run.
+pub struct Run {
+    /// The path of its directory, as typed.
+    pub name: String,
+    /// Its directory.
+    pub directory: RunDirectory,
+    /// Its job, changed to use a verdict map where the criterion allows one.
+    pub job: Job,
+    /// The parts of its cells.
+    pub parts: Parts,
+    /// Its verdicts.
+    pub tally: Tally,
+    /// Where its sums count the audit of its own verdict map; `None` if its verdicts were not looked up and audited.
+    audited: Option<SumLayout>,
+}
+
+impl Run {
+    /// Opens a finished run.
+    ///
+    /// # Errors
+    /// Among others, a run that is not finished.
+    pub fn open(path: &Path) -> Result<Self, Failure> {
+        let directory = RunDirectory::open(path, Access::Shared)?;
+        let mut job = directory.job()?;
+        let tally = directory.tally(&job)?;
+        let parts = Parts::new(&job);
+        let complete = directory.complete_cells(&job, &tally);
+        if complete < job.cells() {
+            return Err(Failure::Job(format!(
+                "{} is not finished: {complete} of {} cells are complete. Finish it with `stickslip resume {}`, then compare",
+                path.display(),
+                job.cells(),
+                quoted(path)
+            )));
+        }
+        let audited = job.sampling.is_audited.then(|| SumLayout::of(&job));
+        // A map gives the same verdicts as evaluate = "each" with a small part of the simulations.
+        let can_have_map = !matches!(job.criterion, Criterion::Eigenvalue) && job.random.other().is_none();
+        if can_have_map && !job.uses_maps() {
+            job.sampling.evaluate = EvaluateMode::Boundary;
+            job.sampling.audit = Audit::Samples(0);
+            job.sampling.is_audited = false;
+        }
+        Ok(Self { name: path.display().to_string(), directory, job, parts, tally, audited })
+    }
+
+    /// The verdicts that the run counted in a cell.
+    pub fn counts(&self, cell: u64) -> VerdictCounts {
+        self.parts.counts(&self.tally, cell)
+    }
+
+    /// Whether its verdicts were looked up in a verdict map and audited.
+    pub fn is_audited(&self) -> bool {
+        self.audited.is_some()
+    }
+
+    /// How many samples of a cell were looked up, simulated and audited.
+    pub fn lookups(&self, cell: u64) -> Lookups {
+        let mut lookups = Lookups::default();
+        for part in self.parts.of(cell) {
+            lookups.add(self.audited.map(|layout| layout.read_lookups(self.tally.sums(part))).unwrap_or_default());
+        }
+        lookups
+    }
+
+    /// The number of samples in each randomisation of a cell; one number without randomisations.
+    pub fn lengths(&self, cell: u64) -> Vec<u64> {
+        match self.job.sampling.effort {
+            Effort::Randomisations { count, points } => vec![points; count as usize],
+            _ => vec![self.counts(cell).total()],
+        }
+    }
+}
