@@ -469,7 +469,7 @@ fn samples_that_the_job_does_not_ask_for_are_never_counted() {
     // Nor can a job be shrunk by hand.
     place.write("runs/odd/job.toml", &surface_job("odd", 3, 500, 7));
     for words in ["status runs/odd", "resume runs/odd", "merge runs/odd"] {
-        place.run(words).refused(65, &["its pieces hold sample 999", "asks for 500 samples only"]);
+        place.run(words).refused(65, &["its pieces hold sample 999", "has only 500 samples"]);
     }
     // Files of other programs are nobody's pieces.
     place.write("runs/odd/job.toml", &surface_job("odd", 3, 1000, 7));
@@ -491,7 +491,7 @@ fn pieces_without_their_job_are_used_if_they_are_of_this_one_and_refused_otherwi
     strip();
     place.run("submit job.toml --seed 8").refused(65, &["belongs to another job", "--out"]);
     assert!(!place.path("runs/bare/job.toml").exists(), "nothing is written into a refused directory");
-    place.run("submit job.toml --samples 500").refused(65, &["asks for 500 samples only"]);
+    place.run("submit job.toml --samples 500").refused(65, &["has only 500 samples"]);
     let outcome = place.run("submit job.toml").done();
     assert!(!outcome.stderr.contains("samples in"), "nothing is computed twice: {}", outcome.stderr);
     assert_eq!(place.surface("runs/bare"), before);

@@ -115,7 +115,7 @@ fn duration(seconds: f64) -> String {
 fn samples_per_second(job: &Job) -> Result<f64, Failure> {
     let evaluator = Evaluator::new(job)?;
     let parts = evaluator.parts();
-    let most = parts.most(0).min(job.unit_samples());
+    let most = parts.max_samples(0).min(job.unit_samples());
     // Some criteria compute tables when they are first used, which a whole run does once.
     evaluator.count(parts.of(0).start, 0..FIRST_TRIAL_SAMPLES.min(most));
     let started = Instant::now();

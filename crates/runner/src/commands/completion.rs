@@ -133,7 +133,7 @@ pub fn compute(
             note(format_args!(
                 "verdict map: {} tiles from {} simulations, {} of them new ({:.2} s)",
                 HumanCount(evaluator.maps().needed() as u64),
-                HumanCount(evaluator.maps().questions()),
+                HumanCount(evaluator.maps().simulations()),
                 HumanCount(completed.simulations),
                 started.elapsed().as_secs_f64()
             ));

@@ -85,7 +85,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
 /// A warning that a job has not enough work for so many shards.
 fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
     let parts = Parts::new(job);
-    let (work, what) = if parts.are_decided_in_turn() {
+    let (work, what) = if parts.are_sequential() {
         (job.cells(), counted(job.cells().into(), "cell", "cells"))
     } else {
         let units = Plan::new(&Tally::new(parts.count()), &parts, job.unit_samples(), None).units();

@@ -1,4 +1,4 @@
-//! The criterion of a job, ready for the brakes that its samples are.
+//! The criterion of a job, prepared for its brakes.
 
 use stickslip_core::criterion::decision::Decision;
 use stickslip_core::criterion::time_domain::{TimeDomain, TimeDomainError};
@@ -13,13 +13,13 @@ use crate::job::{Criterion, Job, RandomInput};
 
 /// What decides the samples of a job.
 pub enum Criteria {
-    /// Only preload and static friction scatter: one brake for each rotating speed of the grid.
+    /// Only preload and static friction scatter. There is one brake for each rotating speed of the grid.
     BySpeed(Vec<ReadyCriterion>),
-    /// Another parameter scatters as well: every sample is a brake of its own.
+    /// Other parameters scatter, too. Every sample is a brake of its own.
     BySample(Box<VaryingBrake>),
 }
 
-/// A criterion for one brake at one rotating speed, whose preload and static friction are still open.
+/// A criterion for one brake at one rotating speed, given everything but preload and static friction.
 pub enum ReadyCriterion {
     /// See [`Criterion::Eigenvalue`].
     Eigenvalue(StabilityBoundary),
@@ -30,7 +30,7 @@ pub enum ReadyCriterion {
 }
 
 impl ReadyCriterion {
-    /// Of a brake.
+    /// Prepares the criterion of a job for a brake.
     pub fn new(brake: PadOnDisc, criterion: &Criterion) -> Result<Self, TimeDomainError> {
         Ok(match criterion {
             Criterion::Eigenvalue => Self::Eigenvalue(brake.stability_boundary()),
@@ -60,14 +60,14 @@ impl ReadyCriterion {
     fn decide_one(&self, inputs: RandomInputs) -> Decision {
         match self {
             Self::Eigenvalue(boundary) => boundary.verdict(inputs.preload, inputs.static_friction).into(),
-            // What serves many samples of one brake does not pay for a single one.
+            // `linear_stability` prepares for many samples of one brake, which does not pay for a single one.
             Self::CoupledEigenvalue(brake) => brake.decide_with(inputs, FlexibleBrake::by_eigenvalues),
             Self::TimeDomain(criterion) => criterion.decide(inputs),
         }
     }
 }
 
-/// A brake of which any parameter scatters.
+/// A brake with random parameters other than preload and static friction.
 pub struct VaryingBrake {
     parameters: Parameters,
     criterion: Criterion,
@@ -75,7 +75,7 @@ pub struct VaryingBrake {
 }
 
 impl VaryingBrake {
-    /// The brake of one sample; `None` if a value is not admissible. `values` are its random inputs, in the order of the job's.
+    /// The brake of one sample; `None` if a value is not admissible. `values` are its random inputs, in the job's order.
     fn brake(&self, rotating_speed: f64, inputs: RandomInputs, values: impl Iterator<Item = f64>) -> Option<PadOnDisc> {
         let mut parameters = self.parameters.clone();
         parameters.operating_point.rotating_speed = rotating_speed;
@@ -85,13 +85,13 @@ impl VaryingBrake {
                 parameters.set(scalar.key, value).ok()?;
             }
         }
-        // The model wants friction that does not rise with speed; the sample is decided with its own.
+        // A brake cannot be made with friction that rises with speed. The sample is decided with its own static friction.
         let friction = &mut parameters.friction;
         friction.static_coefficient = friction.static_coefficient.max(friction.kinetic_coefficient);
         PadOnDisc::new(parameters).ok()
     }
 
-    /// Decides one sample. A value that is not admissible (a stiffness below zero, say) fails it.
+    /// Decides one sample. It fails if a value is not admissible, such as a stiffness below zero.
     fn decide(&self, rotating_speed: f64, inputs: RandomInputs, values: impl Iterator<Item = f64>) -> Decision {
         let failed = Decision::from(Verdict::Failed);
         let Some(brake) = self.brake(rotating_speed, inputs, values) else { return failed };
@@ -103,7 +103,7 @@ impl VaryingBrake {
 }
 
 impl Criteria {
-    /// Of a job.
+    /// Prepares the criterion of a job.
     pub fn new(job: &Job) -> Result<Self, TimeDomainError> {
         if job.random.other().is_some() {
             return Ok(Self::BySample(Box::new(VaryingBrake {
@@ -116,7 +116,7 @@ impl Criteria {
         Ok(Self::BySpeed(job.brakes()?.into_iter().map(ready).collect::<Result<_, _>>()?))
     }
 
-    /// The criterion at a rotating speed of the grid, unless every sample is a brake of its own.
+    /// The criterion at a rotating speed of the grid; `None` if every sample is a brake of its own.
     pub fn at_speed(&self, speed: usize) -> Option<&ReadyCriterion> {
         match self {
             Self::BySpeed(criteria) => criteria.get(speed),
@@ -124,7 +124,7 @@ impl Criteria {
         }
     }
 
-    /// The boundary at a rotating speed of the grid, where it is known in closed form.
+    /// The stability boundary at a rotating speed of the grid, if it is known in closed form.
     pub fn boundary(&self, speed: usize) -> Option<&StabilityBoundary> {
         match self.at_speed(speed) {
             Some(ReadyCriterion::Eigenvalue(boundary)) => Some(boundary),
@@ -132,7 +132,7 @@ impl Criteria {
         }
     }
 
-    /// The verdicts on samples at one rotating speed, counted, where they are known in closed form.
+    /// The verdict counts of samples at one rotating speed, if the boundary is known in closed form.
     #[inline]
     pub fn count(&self, speed: usize, samples: &Samples) -> Option<VerdictCounts> {
         Some(self.boundary(speed)?.count(samples.preloads(), samples.static_frictions()))

@@ -1,8 +1,8 @@
-//! The one way from a cell, a part and a range of samples to their inputs, their verdicts and what is recorded of them.
+//! Evaluates samples: from a cell, a part and a range of samples to their inputs, their verdicts and what is recorded.
 //!
-//! Whatever the criterion, the number of random inputs, the map or the audit, samples are drawn in chunks, and each chunk is
-//! decided: in closed form, by looking samples up in the verdict map, or by simulation. Everything here is a pure function of
-//! the job, its maps and the arguments.
+//! All commands evaluate samples by this code, with any criterion, random inputs and maps. Samples are drawn in chunks. Each
+//! chunk is decided in closed form, by looking its samples up in the verdict map, or by simulation. Everything here is a pure
+//! function of the job, its maps and the arguments.
 
 use std::ops::Range;
 
@@ -24,10 +24,10 @@ use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::job::{Audit, Criterion, Effort, Job, OutsidePhysics};
 
-/// Samples that are decided together where some are simulated: enough to keep vector lanes busy, few enough for memory.
+/// Samples in a chunk if some are simulated: enough to keep the vector lanes busy, few enough for the memory.
 const SIMULATED_CHUNK: usize = 100 * BLOCK_SAMPLES as usize;
 
-/// Everything that deciding a sample of a job takes.
+/// Evaluates the samples of a job.
 pub struct Evaluator<'a> {
     pub(super) job: &'a Job,
     pub(super) parts: Parts,
@@ -37,26 +37,27 @@ pub struct Evaluator<'a> {
     chunk: usize,
 }
 
-/// One sample of a run, evaluated again.
+/// One sample of a run, with everything that is known about it.
 pub struct EvaluatedSample {
     /// Preload and static friction as drawn.
     pub drawn: RandomInputs,
-    /// Preload and static friction that are decided: the same, unless the job clamps samples outside physics.
+    /// Preload and static friction that the verdict is for. They differ from the drawn ones only if the job clamps samples
+    /// outside physics.
     pub inputs: RandomInputs,
     /// Whether the drawn values are outside physics.
     pub is_outside_physics: bool,
-    /// Every random input, in the order of the job's.
+    /// Every random input, in the job's order.
     pub values: Vec<f64>,
     /// The brake; `None` if a value is not admissible.
     pub brake: Option<PadOnDisc>,
-    /// What the criterion says of it.
+    /// The decision of the criterion.
     pub decision: Decision,
-    /// The verdict that counts instead, if the sample is looked up in a map.
+    /// The verdict from the map, which the run counts instead, if the sample is looked up.
     pub looked_up: Option<Verdict>,
 }
 
 impl<'a> Evaluator<'a> {
-    /// Of a job; its maps have no tiles yet.
+    /// An evaluator for a job. Its maps have no tiles yet.
     pub fn new(job: &'a Job) -> Result<Self, Failure> {
         let criteria = Criteria::new(job).map_err(|error| Failure::Job(error.to_string()))?;
         let is_closed = matches!(job.criterion, Criterion::Eigenvalue);
@@ -85,19 +86,19 @@ impl<'a> Evaluator<'a> {
         &self.maps
     }
 
-    /// Its verdict maps, to add tiles.
+    /// Its verdict maps, for adding tiles.
     pub fn maps_mut(&mut self) -> &mut Maps {
         &mut self.maps
     }
 
-    /// Evaluates one unit of work: samples of a part, and what is recorded of them.
+    /// Evaluates one unit of work, consecutive samples of a part, and counts what the job records.
     pub fn count(&self, part: u64, samples: Range<u64>) -> FinishedUnit {
         let (cell, place) = self.parts.place(part);
         let cell = self.job.grid.cell(cell);
         let speed = self.job.grid.rotating_speed_index(cell.index);
         let mut counts = VerdictCounts::default();
         let mut amplitudes = Distribution::default();
-        let mut sums = self.layout.nothing();
+        let mut sums = self.layout.zeros();
         let mut lookups = Lookups::default();
         let mut drawing = self.draw(&cell, place, samples.clone(), self.job.points());
         let mut second =
@@ -111,7 +112,7 @@ impl<'a> Evaluator<'a> {
             if !self.layout.need_samples()
                 && let Some(mut counted) = self.criteria.count(speed, chunk)
             {
-                // The closed form finds what is outside physics stable.
+                // The closed form finds samples outside physics stable.
                 if self.job.outside_physics == OutsidePhysics::Failed {
                     counted.stable -= outside;
                     counted.failed += outside;
@@ -142,11 +143,12 @@ impl<'a> Evaluator<'a> {
         FinishedUnit { part, samples, counts, amplitudes, sums }
     }
 
-    /// The verdicts that are counted on consecutive samples of a cell, of its randomisation `randomisation` where it has any.
+    /// The verdicts that a run counts for consecutive samples of a cell. With Sobol points, these are samples of one
+    /// randomisation; otherwise `randomisation` is 0.
     pub fn verdicts(&self, cell: u64, randomisation: usize, samples: Range<u64>) -> Vec<Verdict> {
         let place = self.job.grid.cell(cell);
-        // With looks, the samples are numbered over all parts of the cell; a randomisation numbers its own.
-        let places = match self.parts.are_decided_in_turn() {
+        // With looks, samples are numbered over all parts of the cell; with randomisations, within each.
+        let places = match self.parts.are_sequential() {
             true => 0..self.parts.of_a_cell(),
             false => randomisation..randomisation + 1,
         };
@@ -154,7 +156,7 @@ impl<'a> Evaluator<'a> {
         for part in places {
             let first = self.parts.first_sample(part);
             let mut next = samples.start.max(first) - first;
-            let end = samples.end.min(first + self.parts.most(part)).saturating_sub(first);
+            let end = samples.end.min(first + self.parts.max_samples(part)).saturating_sub(first);
             if next >= end {
                 continue;
             }
@@ -169,14 +171,14 @@ impl<'a> Evaluator<'a> {
         verdicts
     }
 
-    /// One sample again, numbered over all parts of its cell.
+    /// Evaluates one sample, numbered over all parts of its cell.
     pub fn sample(&self, cell: u64, sample: u64) -> Option<EvaluatedSample> {
         let (part, number) = self.parts.locate(sample);
         let place = self.job.grid.cell(cell);
         let mut drawing = self.draw(&place, part, number..number + 1, self.job.points());
         let samples = drawing.next_chunk(1)?;
         let speed = self.job.grid.rotating_speed_index(cell);
-        // As in an audit, the sample is simulated whatever a map says.
+        // As in an audit, the sample is simulated even if a map has its verdict.
         let decision = self.decide(&place, samples, &[true], &mut Lookups::default()).pop()?;
         let is_audited = self.audited(self.parts.of(cell).start + part as u64, number..number + 1);
         let map = self.maps.get(speed).filter(|_| !is_audited.contains(&true));
@@ -199,7 +201,7 @@ impl<'a> Evaluator<'a> {
         })
     }
 
-    /// Looks the first samples of a cell up in its verdict map, and simulates them as well: the audit of an integral.
+    /// The audit of an integral: looks the first samples of a cell up in its verdict map and simulates them as well.
     pub fn audit_integral(&self, cell: &Cell) -> Lookups {
         let mut lookups = Lookups::default();
         if let (Audit::Samples(wanted), true) = (self.job.sampling.audit, self.job.uses_maps()) {
@@ -211,7 +213,7 @@ impl<'a> Evaluator<'a> {
         lookups
     }
 
-    /// The first samples of a cell, each simulated.
+    /// Simulates the first samples of a cell.
     pub(super) fn simulate_first(&self, cell: u64, samples: u64) -> Vec<Decision> {
         let place = self.job.grid.cell(cell);
         let mut drawing = self.draw(&place, 0, 0..samples, self.job.points());
@@ -220,13 +222,13 @@ impl<'a> Evaluator<'a> {
         self.criteria.decide(self.job.grid.rotating_speed_index(cell), place.rotating_speed, chunk, &all)
     }
 
-    /// Samples of the part at `place` in a cell.
+    /// Draws samples of the part at `place` in a cell.
     fn draw(&self, cell: &Cell, place: usize, samples: Range<u64>, points: Points) -> Drawing<'a> {
         let first = self.parts.first_sample(place);
         Drawing::new(self.job, cell, place, first + samples.start..first + samples.end, points)
     }
 
-    /// Decides samples, those outside physics as the job wants it.
+    /// Decides samples, those outside physics as the job specifies.
     fn decide(&self, cell: &Cell, samples: &Samples, audited: &[bool], lookups: &mut Lookups) -> Vec<Decision> {
         let outside = match self.job.outside_physics {
             OutsidePhysics::Stable => 0,
@@ -247,7 +249,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Decides samples: those that a map tells are looked up, unless they are audited; the others are decided one by one.
+    /// Decides samples. Those that a map has a verdict for are looked up; the others, and those that are audited, are
+    /// simulated.
     fn decide_all(&self, cell: &Cell, samples: &Samples, audited: &[bool], lookups: &mut Lookups) -> Vec<Decision> {
         let speed = self.job.grid.rotating_speed_index(cell.index);
         let Some(map) = self.maps.get(speed) else {
@@ -278,7 +281,8 @@ impl<'a> Evaluator<'a> {
         all
     }
 
-    /// Which samples of a part are audited: by their number in the cell, unless a randomisation numbers its own.
+    /// Which samples of a part are audited. Samples are numbered within the cell, with Sobol points within the
+    /// randomisation.
     fn audited(&self, part: u64, samples: Range<u64>) -> Vec<bool> {
         if !self.layout.lookups() || self.job.sampling.audit.is_nothing() {
             return Vec::new();
@@ -296,7 +300,7 @@ impl<'a> Evaluator<'a> {
                 samples.map(|sample| sample < wanted).collect()
             }
             Audit::Share(share) => {
-                let key = if self.parts.are_decided_in_turn() { cell } else { part };
+                let key = if self.parts.are_sequential() { cell } else { part };
                 audit::choose(self.job.sampling.seed, key, samples, share)
             }
         }

@@ -12,18 +12,18 @@ use crate::evaluate::sums::Lookups;
 /// The probability of a cell by integration.
 #[derive(Debug, Clone, Copy)]
 pub struct IntegratedCell {
-    /// Probability, and the bounds of its error.
+    /// The probability and its error bounds.
     pub estimate: Estimate,
     /// Its derivatives.
     pub derivatives: Derivatives,
-    /// The probability that a sample is undecided, or fails.
+    /// The probability that a sample is undecided or fails.
     pub undecided: f64,
     /// The audit of the map behind it.
     pub lookups: Lookups,
 }
 
 impl IntegratedCell {
-    /// Of a cell of which nothing is known.
+    /// A cell that is not integrated yet.
     pub fn unknown() -> Self {
         Self {
             estimate: Estimate { probability: None, low: 0.0, high: 1.0 },

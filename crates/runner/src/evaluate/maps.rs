@@ -1,4 +1,4 @@
-//! The verdict maps of a job: which tiles its samples need, and what these may cost.
+//! The verdict maps of a job: the tiles that its samples need, and the limit of their cost.
 
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::Marginal;
@@ -8,22 +8,23 @@ use stickslip_sampler::verdict_map::tile::{TILES, Tile, TileIndex};
 
 use crate::job::{Job, RandomInput};
 
-/// Samples beyond this many standard deviations together are simulated: one in 6.6e7.
+/// Radius of the mapped region in standard deviations of both inputs together. One sample in 6.6e7 is outside and is
+/// simulated.
 const REACH: f64 = 6.0;
 
 /// A verdict map for each rotating speed of a job.
 #[derive(Debug)]
 pub struct Maps {
     keys: Vec<String>,
-    /// Tiles that the job's samples need.
+    /// The tiles that the job's samples need, for each speed.
     needed: Vec<Vec<TileIndex>>,
     maps: Vec<VerdictMap>,
-    /// What the needed tiles may cost together, beside the audit; more, and the samples themselves cost less.
+    /// Largest cost of all needed tiles. Beyond it, simulating the samples costs less than the maps and their audit.
     most: Option<u128>,
 }
 
 impl Maps {
-    /// Of a job, without tiles yet.
+    /// The maps of a job, without tiles yet.
     pub fn new(job: &Job) -> Self {
         let kinetic_coefficient = job.parameters.friction.kinetic_coefficient;
         let speeds = job.grid.rotating_speed.values();
@@ -38,25 +39,25 @@ impl Maps {
         }
     }
 
-    /// Limits what the needed tiles may cost together.
+    /// Limits the cost of all needed tiles.
     pub fn limit(&mut self, most: u128) {
         self.most = Some(most);
     }
 
-    /// Whether tiles of such a cost are more than the samples themselves.
+    /// Whether maps of this cost cost more than simulating the samples.
     ///
-    /// Only the sum over all needed tiles decides, which depends on the job alone: not on threads, shards, interruptions,
-    /// or where tiles come from. As it only grows, a part of it that is too large already is enough.
+    /// The answer depends on the sum over all needed tiles, and so on the job alone: not on threads, shards, interruptions or
+    /// the source of the tiles. The sum only grows, so a partial sum beyond the limit is enough.
     pub fn are_too_costly(&self, cost: u64) -> bool {
         self.most.is_some_and(|most| u128::from(cost) > most)
     }
 
-    /// Gives the maps up: every sample is simulated.
+    /// Gives the maps up, so that every sample is simulated.
     pub fn give_up(&mut self) {
         self.maps.clear();
     }
 
-    /// The map at a rotating speed, if the job uses any.
+    /// The map at a rotating speed; `None` if there are no maps.
     pub fn get(&self, speed: usize) -> Option<&VerdictMap> {
         self.maps.get(speed)
     }
@@ -66,7 +67,7 @@ impl Maps {
         self.maps[speed].insert(index, tile);
     }
 
-    /// Needed tiles that are not there yet.
+    /// The needed tiles that are not there yet.
     pub fn missing(&self) -> Vec<(usize, TileIndex)> {
         let missing = |(speed, tiles): (usize, &Vec<TileIndex>)| -> Vec<(usize, TileIndex)> {
             tiles.iter().filter(|index| self.maps[speed].tile(**index).is_none()).map(|index| (speed, *index)).collect()
@@ -74,47 +75,47 @@ impl Maps {
         self.needed.iter().enumerate().flat_map(missing).collect()
     }
 
-    /// How many tiles the job needs.
+    /// The number of tiles that the job needs.
     pub fn needed(&self) -> usize {
         self.needed.iter().map(Vec::len).sum()
     }
 
-    /// How many tiles are there.
+    /// The number of tiles that are there.
     pub fn resolved(&self) -> usize {
         self.maps.iter().map(|map| map.tiles().count()).sum()
     }
 
-    /// What all tiles together cost, whenever.
+    /// The cost of all tiles that are there, including those of earlier sessions and other runs.
     pub fn cost(&self) -> u64 {
         self.maps.iter().flat_map(VerdictMap::tiles).map(|(_, tile)| tile.cost).sum()
     }
 
-    /// Simulations that all tiles together took, whenever.
-    pub fn questions(&self) -> u64 {
+    /// The number of simulations behind all tiles that are there, including those of earlier sessions and other runs.
+    pub fn simulations(&self) -> u64 {
         self.maps.iter().flat_map(VerdictMap::tiles).map(|(_, tile)| tile.questions).sum()
     }
 
-    /// The place of a rotating speed whose verdicts have this key.
+    /// The index of the rotating speed whose verdicts have this key.
     pub fn speed_of(&self, key: &str) -> Option<usize> {
         self.keys.iter().position(|own| own == key)
     }
 
-    /// What the verdicts at a rotating speed depend on, see [`Job::map_key`].
+    /// Everything that the verdicts at a rotating speed depend on, see [`Job::map_key`].
     pub fn key(&self, speed: usize) -> &str {
         &self.keys[speed]
     }
 
     /// Whether a tile is needed and not there yet.
-    pub fn wants(&self, speed: usize, index: TileIndex) -> bool {
+    pub fn needs(&self, speed: usize, index: TileIndex) -> bool {
         self.maps[speed].tile(index).is_none() && self.needed[speed].binary_search(&index).is_ok()
     }
 
-    /// Whether there are maps: not if the job uses none, or they were given up.
+    /// Whether there are no maps: the job uses none, or they were given up.
     pub fn is_empty(&self) -> bool {
         self.maps.is_empty()
     }
 
-    /// Every tile that is there, with the place of its rotating speed.
+    /// All tiles that are there, each with the index of its rotating speed.
     pub fn tiles(&self) -> Vec<(usize, TileIndex, Tile)> {
         let tiles = self.maps.iter().enumerate();
         tiles.flat_map(|(speed, map)| map.tiles().map(move |(index, tile)| (speed, index, tile.clone()))).collect()
@@ -146,17 +147,17 @@ fn needed_tiles(job: &Job, speed: usize) -> Vec<TileIndex> {
     tiles
 }
 
-/// How far samples reach along one coordinate.
+/// The range of samples along one coordinate.
 struct Spread {
     low: f64,
     high: f64,
-    /// Expected value and standard deviation, where distance can be counted in these.
+    /// Expected value and standard deviation, if the coordinate is independent and normally distributed.
     normal: Option<(f64, f64)>,
 }
 
 impl Spread {
-    /// The tiles that it reaches, each with its distance from the expected value in standard deviations (0 where that has
-    /// no meaning).
+    /// The tiles in the range, each with its distance from the expected value in standard deviations (0 if the coordinate is
+    /// not normally distributed).
     fn tiles(&self, bounds: impl Fn(u32) -> Box2, axis: usize) -> Vec<(u32, f64)> {
         let reached = |tile: &u32| {
             let bounds = bounds(*tile);
@@ -171,7 +172,7 @@ impl Spread {
     }
 }
 
-/// How far the samples of a cell reach in preload and falling friction.
+/// The ranges of the samples of a cell in preload and falling friction.
 fn spread(job: &Job, cell: &Cell) -> [Spread; 2] {
     let random = &job.random;
     let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];

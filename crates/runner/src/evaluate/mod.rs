@@ -1,4 +1,4 @@
-//! Samples evaluated: their inputs drawn, their verdicts found, looked up or simulated.
+//! Evaluation of samples: drawing their inputs, and finding their verdicts in closed form, by looking up or by simulation.
 
 pub mod parts;
 

@@ -1,8 +1,8 @@
-//! The parts of a cell: groups of its samples that are counted apart.
+//! The parts of a cell: groups of its samples that are counted separately.
 //!
-//! Most jobs have one part for each cell. Sobol points have one for each randomisation, whose scatter tells their error;
-//! jobs with `until` have one for the samples between two looks, so that a decision rests on whole looks alone and is the
-//! same however the work was shared or interrupted. Parts are numbered over all cells of a job.
+//! Most jobs have one part in each cell. With Sobol points, each randomisation is a part, and their scatter gives the error.
+//! With `until`, the samples between two looks are a part. Whether a cell stops then depends on complete parts only, and not
+//! on how the work was shared or interrupted. Parts are numbered over all cells of a job.
 
 use std::ops::Range;
 
@@ -10,20 +10,21 @@ use stickslip_sampler::estimate::looks::Looks;
 
 use crate::job::{Effort, Job};
 
-/// With looks, pieces number the parts of a cell as if there were so many: a higher limit of samples adds parts.
+/// Number of parts of a cell by which pieces number them, with looks. It leaves room for the parts that a higher limit of
+/// samples adds.
 const STORED_PARTS: u64 = 1024;
 
 /// The parts of all cells of a job.
 #[derive(Debug, Clone)]
 pub struct Parts {
     cells: u64,
-    /// Samples of each part of a cell at the most.
+    /// Largest number of samples in each part of a cell.
     samples: Vec<u64>,
     looks: Option<Looks>,
 }
 
 impl Parts {
-    /// Of a job.
+    /// The parts of a job.
     pub fn new(job: &Job) -> Self {
         let looks = match &job.sampling.effort {
             Effort::Until(looks) => Some(looks.clone()),
@@ -32,7 +33,7 @@ impl Parts {
         Self { cells: job.cells(), samples: job.sampling.parts(), looks }
     }
 
-    /// Of a job with one part for each cell.
+    /// The parts of a job that has one in each cell.
     #[cfg(test)]
     pub fn plain(cells: u64, samples: u64) -> Self {
         Self { cells, samples: vec![samples], looks: None }
@@ -58,7 +59,7 @@ impl Parts {
         self.looks.as_ref()
     }
 
-    /// The cell of a part, and its place among the parts of that cell.
+    /// The cell of a part and its index among the parts of that cell.
     pub fn place(&self, part: u64) -> (u64, usize) {
         let parts = self.of_a_cell() as u64;
         (part / parts, (part % parts) as usize)
@@ -76,7 +77,7 @@ impl Parts {
         cell * self.stored_parts() + place as u64
     }
 
-    /// The cell of a part by its number in pieces, and the part itself, unless the job has no such part of its cells.
+    /// The cell of a part, given its number in pieces, and the part itself; `None` if the job has no such part.
     pub fn locate_stored(&self, stored: u64) -> (u64, Option<u64>) {
         let (cell, place) = (stored / self.stored_parts(), stored % self.stored_parts());
         let parts = self.of_a_cell() as u64;
@@ -87,18 +88,19 @@ impl Parts {
         if self.looks.is_some() { STORED_PARTS } else { self.of_a_cell() as u64 }
     }
 
-    /// Whether the parts of a cell depend on each other, so that one process had better compute them all.
-    pub fn are_decided_in_turn(&self) -> bool {
+    /// Whether the parts of a cell are computed in order, each only if those before it were not enough. One process should
+    /// then compute them all.
+    pub fn are_sequential(&self) -> bool {
         self.looks.is_some()
     }
 
-    /// Samples at the most of the part at `place` in its cell.
-    pub fn most(&self, place: usize) -> u64 {
+    /// The largest number of samples in the part at `place` in its cell.
+    pub fn max_samples(&self, place: usize) -> u64 {
         self.samples[place]
     }
 
-    /// The number by which the first sample of the part at `place` in its cell is drawn. With looks, samples are numbered over
-    /// all parts of the cell; randomisations number their own.
+    /// The number of the first sample of the part at `place` in its cell, by which it is drawn. With looks, samples are
+    /// numbered over all parts of the cell; with randomisations, within each.
     pub fn first_sample(&self, place: usize) -> u64 {
         match &self.looks {
             Some(looks) if place > 0 => looks.ends()[place - 1],
@@ -106,7 +108,8 @@ impl Parts {
         }
     }
 
-    /// The place of the part with a sample, numbered over all parts of its cell, and the sample's number in that part.
+    /// The place of the part that contains a sample, and the sample's number in it. The given number runs over all parts of the
+    /// cell.
     pub fn locate(&self, sample: u64) -> (usize, u64) {
         let mut before = 0;
         for (place, &samples) in self.samples.iter().enumerate() {

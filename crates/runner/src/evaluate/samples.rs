@@ -1,4 +1,4 @@
-//! Consecutive samples of one cell: their deviates, and the inputs that these become.
+//! Consecutive samples of one cell: their deviates, and the inputs that these are transformed to.
 
 use std::ops::Range;
 
@@ -9,24 +9,24 @@ use stickslip_sampler::inputs::InputColumns;
 
 use crate::job::{Job, RandomInput};
 
-/// Some consecutive samples of one cell, in columns.
+/// Consecutive samples of one cell, in columns.
 #[derive(Debug, Clone)]
 pub struct Samples {
     len: usize,
     /// Independent standard normal deviates, one column for each random input.
     deviates: Vec<Vec<f64>>,
-    /// What they become, likewise.
+    /// The values of the random inputs, likewise.
     values: Vec<Vec<f64>>,
-    /// Of preload, static friction and kinetic friction.
+    /// Preload, static friction and kinetic friction.
     columns: [Column; 3],
 }
 
-/// Where the values of a parameter are.
+/// Where the values of a parameter are stored.
 #[derive(Debug, Clone)]
 enum Column {
-    /// Those of a random input.
+    /// In the column of a random input.
     Random(usize),
-    /// One for each sample, or more of them, of a parameter that does not scatter.
+    /// Here, as the parameter does not scatter: one value for each sample, perhaps more.
     Fixed(Vec<f64>),
 }
 
@@ -53,21 +53,20 @@ impl Samples {
         }
     }
 
-    /// Whether a sample is outside physics: without preload nothing is pressed together, and with `f_s < f_c` friction rises
-    /// with speed.
+    /// Whether a sample is outside physics: without preload the pad is not pressed on the disc, and with `f_s < f_c` friction
+    /// rises with speed.
     pub fn is_outside_physics(&self, sample: usize) -> bool {
         self.preloads()[sample] <= 0.0 || self.static_frictions()[sample] < self.column(2)[sample]
     }
 
-    /// How many samples are outside physics.
+    /// The number of samples outside physics.
     #[inline]
     pub fn count_outside_physics(&self) -> u64 {
         let samples = self.preloads().iter().zip(self.static_frictions()).zip(self.column(2));
         samples.map(|((&preload, &friction), &kinetic)| u64::from(preload <= 0.0) | u64::from(friction < kinetic)).sum()
     }
 
-    /// These samples with those outside physics moved to its border: no preload below 0, no static friction below the
-    /// kinetic one.
+    /// A copy in which preload is at least 0, and static friction at least the kinetic friction.
     pub fn clamped(&self) -> Self {
         let mut clamped = self.clone();
         let preloads = self.preloads().iter().map(|preload| preload.max(0.0)).collect();
@@ -87,12 +86,12 @@ impl Samples {
         RandomInputs { preload: self.preloads()[sample], static_friction: self.static_frictions()[sample] }
     }
 
-    /// Every random input of one sample, in the order of the job's.
+    /// Every random input of one sample, in the job's order.
     pub fn values(&self, sample: usize) -> impl Iterator<Item = f64> + '_ {
         self.values.iter().map(move |column| column[sample])
     }
 
-    /// The deviates of preload and static friction of one sample, where they scatter.
+    /// The deviates of preload and static friction of one sample; `None` for one that does not scatter.
     pub fn deviates(&self, sample: usize) -> [Option<f64>; 2] {
         [0, 1].map(|which| match &self.columns[which] {
             Column::Random(input) => Some(self.deviates[*input][sample]),
@@ -100,7 +99,7 @@ impl Samples {
         })
     }
 
-    /// These samples with one input each taken from others.
+    /// A copy with the values of one input taken from other samples.
     pub fn with_input_of(&self, input: usize, others: &Self) -> Self {
         let mut mixed = self.clone();
         mixed.values[input].clone_from(&others.values[input]);
@@ -113,13 +112,13 @@ pub struct Drawing<'a> {
     deviates: Deviates,
     inputs: InputColumns<'a>,
     left: u64,
-    /// Those drawn last; their memory is used again.
+    /// The samples drawn last; their memory is used again.
     samples: Samples,
 }
 
 impl<'a> Drawing<'a> {
-    /// Samples `range` of the part at `place` of a cell, as [`Parts::first_sample`](super::parts::Parts::first_sample) numbers
-    /// them.
+    /// Starts to draw the samples `range` of the part at `place` in a cell, numbered as by
+    /// [`Parts::first_sample`](super::parts::Parts::first_sample).
     pub fn new(job: &'a Job, cell: &Cell, place: usize, range: Range<u64>, points: Points) -> Self {
         let random = &job.random;
         let stream = DeviateStream {
@@ -152,7 +151,7 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// The next samples, `most` of them or as many as are left; `None` after the last.
+    /// The next `most` samples, or as many as are left; `None` after the last.
     #[inline]
     pub fn next_chunk(&mut self, most: usize) -> Option<&Samples> {
         let len = self.left.min(most as u64) as usize;

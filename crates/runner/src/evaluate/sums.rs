@@ -1,4 +1,4 @@
-//! What a job counts beside its verdicts: integers, so that no sum depends on its order.
+//! The sums that a job has beside its verdict counts. They are integers, so that they do not depend on the order of adding.
 
 use serde::{Deserialize, Serialize};
 use stickslip_core::criterion::decision::Decision;
@@ -11,7 +11,7 @@ use stickslip_sampler::grid::Cell;
 use crate::evaluate::samples::Samples;
 use crate::job::{EvaluateMode, Job};
 
-/// Which sums a job has, and where they lie among all of them.
+/// Which sums a job has, and their places in the list of sums.
 #[derive(Debug, Clone, Copy)]
 pub struct SumLayout {
     /// Whether samples are drawn.
@@ -19,26 +19,26 @@ pub struct SumLayout {
     lookups: bool,
     sources: bool,
     derivatives: bool,
-    /// Random inputs, where their Sobol indices are wanted; 0 where not.
+    /// Number of random inputs if the job computes Sobol indices, else 0.
     sensitivity: usize,
 }
 
-/// How samples of a job with a verdict map were decided.
+/// Counts of the samples of a job with a verdict map, by how they were decided. The others were looked up.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lookups {
-    /// Simulated, because the map does not tell.
+    /// Simulated, as the map has no verdict for them.
     #[serde(rename = "lookups_simulated")]
     pub simulated: u64,
     /// Looked up, and simulated as well, as a check.
     #[serde(rename = "lookups_audited")]
     pub audited: u64,
-    /// Of these, with another verdict than the one looked up.
+    /// Audited samples whose simulated verdict differs from the one looked up.
     #[serde(rename = "audit_differed")]
     pub differed: u64,
 }
 
 impl Lookups {
-    /// Adds those of another part.
+    /// Adds the counts of other samples.
     pub fn add(&mut self, other: Self) {
         self.simulated += other.simulated;
         self.audited += other.audited;
@@ -47,36 +47,36 @@ impl Lookups {
 }
 
 const LOOKUPS: usize = 3;
-/// Degrees of freedom that an unstable sample may be fed by, beside the tangential motion.
+/// Degrees of freedom that may feed an unstable sample, beside the tangential motion.
 const SOURCES: [DegreeOfFreedom; 3] = [DegreeOfFreedom::Normal, DegreeOfFreedom::Angular, DegreeOfFreedom::Disc];
 const DERIVATIVES: usize = ScoreSums::COUNT;
-/// For each input, the counts behind its indices, and the samples that are left out of them.
+/// Sums for each input: the counts behind its Sobol indices, and the samples that they leave out.
 const PER_INPUT: usize = 7;
 
 impl SumLayout {
-    /// Of a job.
+    /// The sums of a job.
     pub fn of(job: &Job) -> Self {
         Self {
             samples: !job.is_integrated(),
             lookups: job.uses_maps() && job.sampling.evaluate == EvaluateMode::Boundary,
-            // What a map tells is fed by the tangential motion: maps are refused where anything else grows.
+            // Samples that a map finds unstable are fed by the tangential motion: jobs are refused a map where other motions grow.
             sources: job.has_flexible_disc() && !job.is_integrated(),
             derivatives: job.sampling.derivatives,
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
         }
     }
 
-    /// Whether samples have to be known one by one.
+    /// Whether the sums need the verdict on each sample.
     pub fn need_samples(&self) -> bool {
         self.lookups || self.derivatives || self.sensitivity > 0
     }
 
-    /// Whether derivatives are wanted.
+    /// Whether the job computes derivatives.
     pub fn derivatives(&self) -> bool {
         self.derivatives
     }
 
-    /// Inputs whose Sobol indices are wanted.
+    /// The number of inputs with Sobol indices; 0 if the job computes none.
     pub fn sensitivity(&self) -> usize {
         self.sensitivity
     }
@@ -86,7 +86,7 @@ impl SumLayout {
         self.lookups
     }
 
-    /// Whether it is counted what feeds unstable samples.
+    /// Whether unstable samples are counted by the degree of freedom that feeds them.
     pub fn sources(&self) -> bool {
         self.sources
     }
@@ -107,29 +107,29 @@ impl SumLayout {
         self.derivatives_at() + if self.derivatives { DERIVATIVES } else { 0 }
     }
 
-    /// How many sums there are.
+    /// The number of sums.
     pub fn count(self) -> usize {
         self.sensitivity_at() + PER_INPUT * self.sensitivity
     }
 
-    /// SumLayout with nothing in them.
-    pub fn nothing(self) -> Vec<i64> {
+    /// All sums, zero.
+    pub fn zeros(self) -> Vec<i64> {
         vec![0; self.count()]
     }
 
-    /// Adds samples outside physics.
+    /// Adds a number of samples outside physics.
     pub fn add_outside_physics(self, sums: &mut [i64], count: u64) {
         if self.samples {
             sums[0] += count.cast_signed();
         }
     }
 
-    /// How many samples are outside physics; `None` where no samples are drawn.
+    /// The number of samples outside physics; `None` if the job draws no samples.
     pub fn read_outside_physics(self, sums: &[i128]) -> Option<u64> {
         self.samples.then(|| sums.first().map_or(0, |&sum| u64::try_from(sum).unwrap_or(0)))
     }
 
-    /// Adds how samples were decided.
+    /// Adds counts of simulated and audited samples.
     pub fn add_lookups(self, sums: &mut [i64], lookups: Lookups) {
         if self.lookups {
             for (sum, count) in
@@ -140,7 +140,7 @@ impl SumLayout {
         }
     }
 
-    /// Adds what feeds the unstable samples.
+    /// Counts unstable samples by the degree of freedom that feeds them.
     pub fn add_sources(self, sums: &mut [i64], decisions: &[Decision]) {
         if self.sources {
             for (sum, source) in sums[self.sources_at()..].iter_mut().zip(SOURCES) {
@@ -149,7 +149,7 @@ impl SumLayout {
         }
     }
 
-    /// How many unstable samples are fed by one degree of freedom.
+    /// The number of unstable samples that a degree of freedom feeds.
     pub fn read_source(self, sums: &[i128], source: DegreeOfFreedom, unstable: u64) -> u64 {
         let counts = sums.get(self.sources_at()..self.derivatives_at()).unwrap_or_default();
         let count = |i: usize| counts.get(i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
@@ -159,7 +159,7 @@ impl SumLayout {
         }
     }
 
-    /// Adds the scores of the samples.
+    /// Adds the scores of samples, for derivatives.
     pub fn add_scores(self, sums: &mut [i64], cell: &Cell, samples: &Samples, verdicts: &[Verdict]) {
         if !self.derivatives {
             return;
@@ -175,8 +175,8 @@ impl SumLayout {
         }
     }
 
-    /// Adds the verdicts on samples `first` and `second` and, for each input, on the first ones with that input of the
-    /// second.
+    /// Adds verdicts for Sobol indices: on samples `first`, on as many others `second` and, for each input, on the first ones
+    /// with that input taken from the second (`mixed`).
     pub fn add_sensitivity(self, sums: &mut [i64], first: &[Verdict], second: &[Verdict], mixed: &[Vec<Verdict>]) {
         let is_unstable = |verdict: Verdict| match verdict {
             Verdict::Unstable => Some(true),
@@ -195,7 +195,7 @@ impl SumLayout {
         }
     }
 
-    /// How the samples were decided.
+    /// The counts of simulated and audited samples.
     pub fn read_lookups(self, sums: &[i128]) -> Lookups {
         let at = self.lookups_at();
         let count = |i: usize| sums.get(at + i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
@@ -206,7 +206,7 @@ impl SumLayout {
         }
     }
 
-    /// The derivative of the probability by a number of the cell, and its standard error.
+    /// The derivative of the probability by a parameter of the cell, and its standard error.
     pub fn read_derivative(
         self,
         sums: &[i128],
@@ -220,7 +220,7 @@ impl SumLayout {
         ScoreTotals::from_sums(sums).derivative(number, cell, counts, probability?)
     }
 
-    /// The counts behind the Sobol indices of an input, and the samples that are left out of them because one of their
+    /// The counts behind the Sobol indices of an input, and the number of samples that they leave out because one of the
     /// verdicts is undecided or failed.
     fn index_counts(self, sums: &[i128], input: usize) -> Option<(IndexCounts, u64)> {
         let part = sums.get(self.sensitivity_at() + PER_INPUT * input..)?.get(..PER_INPUT)?;
@@ -236,12 +236,12 @@ impl SumLayout {
         Some((counts, count(6)))
     }
 
-    /// The Sobol indices of an input; `None` where the verdict does not vary.
+    /// The Sobol indices of an input; `None` if all verdicts are the same.
     pub fn read_sensitivity(self, sums: &[i128], input: usize) -> Option<SobolIndices> {
         indices(&self.index_counts(sums, input)?.0)
     }
 
-    /// Samples that the Sobol indices of an input leave out.
+    /// The number of samples that the Sobol indices of an input leave out.
     pub fn read_left_out(self, sums: &[i128], input: usize) -> u64 {
         self.index_counts(sums, input).map_or(0, |(_, left_out)| left_out)
     }

@@ -1,4 +1,4 @@
-//! Tiles of verdict maps, resolved by simulation, and what they cost.
+//! Resolving tiles of verdict maps by simulation, and the cost of that.
 
 use std::cell::Cell as Counter;
 use std::time::{Duration, Instant};
@@ -10,44 +10,44 @@ use stickslip_sampler::verdict_map::tile::{Tile, TileIndex};
 
 use crate::evaluate::evaluator::Evaluator;
 
-/// Verdicts of a tile that are asked for at once; a signal is looked for between.
+/// Simulations of a tile between two checks for a signal.
 const TILE_BATCH: usize = 64;
 
-/// Tiles of a trial at the most.
+/// Largest number of tiles of a trial.
 const MOST_TRIAL_TILES: usize = 32;
 
 /// The golden section.
 const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
 
-/// Cells, and samples of each, by which the cost of simulating the samples of a job is estimated.
+/// Number of cells, and of samples in each, from which the cost of simulating all samples of a job is estimated.
 const TRIAL_CELLS: u64 = 64;
 const TRIAL_SAMPLES: u64 = 4;
 
-/// What resolving some tiles took.
+/// The cost of resolving some tiles.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MapTrial {
-    /// Tiles that were begun.
+    /// Tiles that were started.
     pub tiles: u64,
-    /// How many of them were dropped because they took too long.
+    /// Tiles that were dropped because they took too long.
     pub unfinished: u64,
-    /// Verdicts that were asked for.
+    /// Simulations.
     pub simulations: u64,
-    /// What they cost.
+    /// Their cost, see [`cost_of`].
     pub cost: u64,
-    /// How long it took.
+    /// Their time in seconds.
     pub seconds: f64,
 }
 
 impl Evaluator<'_> {
-    /// Limits the cost of the verdict maps to that of simulating the samples, less what the audit takes of it. That is
-    /// estimated from the first samples of some cells: a function of the job alone.
+    /// Limits the cost of the verdict maps to that of simulating all samples but the audited ones. It is estimated from the
+    /// first samples of some cells, and so depends on the job alone.
     pub fn limit_maps(&mut self) {
         if self.job.is_integrated() || !self.job.uses_maps() {
             return;
         }
         let cells = self.job.cells();
         let trial = cells.min(TRIAL_CELLS);
-        let samples = self.parts.most(0).min(TRIAL_SAMPLES);
+        let samples = self.parts.max_samples(0).min(TRIAL_SAMPLES);
         let mut cost = 0;
         for turn in 0..trial {
             let cell = (u128::from(turn) * u128::from(cells) / u128::from(trial)) as u64;
@@ -57,17 +57,17 @@ impl Evaluator<'_> {
         self.maps.limit(others.saturating_mul(u128::from(cost)) / u128::from((trial * samples).max(1)));
     }
 
-    /// Resolves one tile; `None` if `goes_on`, which is told the decisions as they come, said no.
-    pub fn resolve(&self, speed: usize, index: TileIndex, goes_on: impl Fn(&[Decision]) -> bool) -> Option<Tile> {
+    /// Resolves one tile. `keep_going` is called with the decisions of each batch; if it returns false, the result is `None`.
+    pub fn resolve(&self, speed: usize, index: TileIndex, keep_going: impl Fn(&[Decision]) -> bool) -> Option<Tile> {
         let map = self.maps.get(speed)?;
         let criterion = self.criteria.at_speed(speed)?;
-        let mut is_stopped = !goes_on(&[]);
+        let mut is_stopped = !keep_going(&[]);
         let mut cost = 0;
         let mut tile = Tile::resolve(index, |points| {
             let mut verdicts = Vec::with_capacity(points.len());
             for points in points.chunks(TILE_BATCH) {
                 if is_stopped {
-                    // The tile is dropped; the sooner it is done, the better.
+                    // The tile will be dropped. Equal verdicts end its resolution soonest.
                     verdicts.extend(points.iter().map(|_| Verdict::Stable));
                     continue;
                 }
@@ -79,7 +79,7 @@ impl Evaluator<'_> {
                 let decisions = criterion.decide(&inputs);
                 verdicts.extend(decisions.iter().map(|decision| decision.verdict));
                 cost += cost_of(&decisions);
-                is_stopped = !goes_on(&decisions);
+                is_stopped = !keep_going(&decisions);
             }
             verdicts
         });
@@ -87,21 +87,21 @@ impl Evaluator<'_> {
         (!is_stopped).then_some(tile)
     }
 
-    /// Resolves some of the tiles that are missing, evenly spread, for about `time`: what they say of the cost of all.
-    /// A tile that takes more than a quarter of it is dropped.
+    /// Resolves some of the missing tiles, evenly spread, for about `time`, to estimate the cost of all. A tile that takes
+    /// more than a quarter of the time is dropped.
     pub fn try_maps(&self, time: Duration) -> MapTrial {
         let missing = self.maps.missing();
         let started = Instant::now();
         let mut trial = MapTrial::default();
         for turn in 0..MOST_TRIAL_TILES.min(missing.len()) {
-            // Multiples of the golden section, so that however many there is time for, they are spread evenly.
+            // Multiples of the golden section are spread evenly, however many tiles there is time for.
             let place = (0.5 + turn as f64 * GOLDEN_SECTION).fract() * missing.len() as f64;
             let (speed, index) = missing[place as usize];
             let begun = Instant::now();
             let counts = Counter::new((0, 0));
             let tile = self.resolve(speed, index, |decisions| {
-                let (asked, cost) = counts.get();
-                counts.set((asked + decisions.len() as u64, cost + cost_of(decisions)));
+                let (simulations, cost) = counts.get();
+                counts.set((simulations + decisions.len() as u64, cost + cost_of(decisions)));
                 started.elapsed() < time && begun.elapsed() < time / 4
             });
             trial.tiles += 1;
@@ -117,7 +117,7 @@ impl Evaluator<'_> {
     }
 }
 
-/// What verdicts cost: one each, and the scaled time for which a motion was simulated.
+/// The cost of decisions: one each, plus the scaled time for which a motion was simulated.
 pub fn cost_of(decisions: &[Decision]) -> u64 {
     decisions.iter().map(|decision| 1 + decision.time as u64).sum()
 }

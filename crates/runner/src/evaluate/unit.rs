@@ -5,18 +5,18 @@ use std::ops::Range;
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::distribution::Distribution;
 
-/// The counted verdicts of consecutive samples of one part: what a worker hands back and a piece holds.
+/// The verdict counts of consecutive samples of one part: what a thread returns and a piece holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FinishedUnit {
     /// The part, numbered over all cells.
     pub part: u64,
-    /// Its samples, counted from 0 in each part.
+    /// Its samples, numbered from 0 within the part.
     pub samples: Range<u64>,
     /// Their verdicts.
     pub counts: VerdictCounts,
-    /// Settled amplitudes of those unstable ones that settled, where the job records them.
+    /// Settled amplitudes of the unstable samples that settled, if the job records them.
     pub amplitudes: Distribution,
-    /// Further sums that the job asks for, see [`SumLayout`](crate::evaluate::sums::SumLayout).
+    /// Further sums, see [`SumLayout`](crate::evaluate::sums::SumLayout).
     pub sums: Vec<i64>,
 }
 

@@ -1,4 +1,4 @@
-//! Files: written whole or not at all, and Parquet tables whose columns are described.
+//! Writing files, whole or not at all, and Parquet tables whose columns carry unit and meaning.
 
 pub mod publish;
 

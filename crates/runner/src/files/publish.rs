@@ -8,16 +8,16 @@ use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
 
-/// Names of files that are not finished begin so; a killed process leaves them behind.
+/// Prefix of the names of unfinished files. A killed process leaves them behind.
 const PREFIX: &str = ".unfinished-";
 
-/// Puts `bytes` into `directory` under `name`, whole or not at all.
+/// Writes `bytes` as the file `name` in `directory`, whole or not at all.
 pub fn publish(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {
     publish_with(directory, name, |file| file.write_all(bytes))
         .map_err(|error| Failure::writing(&directory.join(name), error))
 }
 
-/// Puts `bytes` into `directory` under `name`, unless that name is taken; false then.
+/// Writes `bytes` as the file `name` in `directory`, unless there is one of that name; returns false then.
 pub fn publish_first(directory: &Path, name: &str, bytes: &[u8]) -> Result<bool, Failure> {
     let written = (|| {
         let mut temporary = temporary(directory)?;
@@ -32,7 +32,7 @@ pub fn publish_first(directory: &Path, name: &str, bytes: &[u8]) -> Result<bool,
     written.map_err(|error| Failure::writing(&directory.join(name), error))
 }
 
-/// Lets `write` fill a temporary file in `directory`, and gives it its `name` when it is on disk.
+/// Lets `write` fill a temporary file in `directory`, and renames it to `name` when it is on disk.
 pub fn publish_with<E: From<io::Error>>(
     directory: &Path,
     name: &str,
@@ -47,7 +47,7 @@ pub fn publish_with<E: From<io::Error>>(
 
 fn temporary(directory: &Path) -> io::Result<NamedTempFile> {
     let temporary = tempfile::Builder::new().prefix(PREFIX).tempfile_in(directory)?;
-    // Like any other file of the user: readable for whom the directory is, not only for its owner.
+    // Temporary files are private by default. Whoever may read the directory may read this file, too.
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
@@ -57,7 +57,7 @@ fn temporary(directory: &Path) -> io::Result<NamedTempFile> {
     Ok(temporary)
 }
 
-/// The rename itself must survive a power cut.
+/// Syncs a directory, so that a rename survives a power cut.
 fn sync(directory: &Path) -> io::Result<()> {
     File::open(directory)?.sync_all()
 }
@@ -67,7 +67,7 @@ pub fn is_temporary(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(PREFIX))
 }
 
-/// Removes what killed processes left behind. Only for the one process that owns the directory.
+/// Removes the unfinished files of killed processes. No other process may work in the directory at the same time.
 pub fn remove_temporary(directory: &Path) -> Result<(), Failure> {
     for path in files(directory)?.iter().filter(|path| is_temporary(path)) {
         fs::remove_file(path).map_err(|error| Failure::writing(path, error))?;
@@ -75,7 +75,7 @@ pub fn remove_temporary(directory: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Everything in a directory, sorted.
+/// The paths of everything in a directory, sorted.
 pub fn files(directory: &Path) -> Result<Vec<PathBuf>, Failure> {
     let entries = fs::read_dir(directory).map_err(|error| Failure::reading(directory, error))?;
     let mut paths = Vec::new();

@@ -1,4 +1,4 @@
-//! Tables beside the surface: columns of equal length, each with its unit and meaning, as one Parquet file.
+//! Tables other than the surface: columns of equal length, each with unit and meaning, in one Parquet file.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,14 +15,14 @@ use parquet::file::properties::WriterProperties;
 use crate::failure::Failure;
 use crate::files::publish::publish;
 
-/// A field that says its unit and meaning.
+/// A field with its unit and meaning in its metadata.
 pub fn described_field(name: &str, unit: &str, long_name: &str, data_type: DataType, nullable: bool) -> Field {
     let pairs = [("unit", unit), ("long_name", long_name)];
     let metadata: HashMap<String, String> = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).into();
     Field::new(name, data_type, nullable).with_metadata(metadata)
 }
 
-/// A column of real numbers beside the surface, for figures.
+/// A column of real numbers, for figures.
 pub struct DescribedColumn {
     /// Name.
     pub name: &'static str,
@@ -42,7 +42,7 @@ pub fn write_columns(directory: &Path, name: &str, columns: &[DescribedColumn]) 
     write_batch(directory, name, fields, arrays, None)
 }
 
-/// Writes one batch of columns as a file of its own, whole or not at all.
+/// Writes columns as one batch, whole or not at all.
 fn write_batch(
     directory: &Path,
     name: &str,
@@ -73,7 +73,7 @@ pub enum TableValues {
     Text(Vec<String>),
 }
 
-/// A column of any type in a file of its own.
+/// A column of any type.
 pub struct TableColumn {
     /// Name.
     pub name: &'static str,

@@ -1,4 +1,4 @@
-//! The computation: units of work on all cores, finished pieces on disk.
+//! The computation: units of work on all threads, and finished pieces on disk.
 
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
@@ -18,15 +18,15 @@ use crate::store::directory::RunDirectory;
 use crate::store::piece;
 use crate::store::tally::Tally;
 
-/// Finished units waiting to be written at the most, whatever the clock says.
+/// Largest number of finished units that wait to be written.
 const MOST_PENDING: usize = 100_000;
 
 /// How a computation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// Everything planned is counted.
+    /// Everything that was planned is done.
     Finished,
-    /// A signal came; what was finished is on disk.
+    /// A signal ended it. What was finished is on disk.
     Stopped(Signal),
 }
 
@@ -35,13 +35,13 @@ pub struct Engine {
     pool: ThreadPool,
 }
 
-/// What the thread that collects finished work is told.
+/// What the thread that collects finished work receives.
 pub(super) enum Event<T> {
     /// A unit is finished.
     Unit(T),
-    /// Nothing for a while.
+    /// No unit finished for a while.
     Idle,
-    /// That was all.
+    /// All work has ended.
     Done,
 }
 
@@ -55,7 +55,7 @@ impl Engine {
         Ok(Self { pool })
     }
 
-    /// The probability of every cell by integration.
+    /// Integrates the probability of every cell.
     pub fn integrate(
         &self,
         evaluator: &Evaluator<'_>,
@@ -71,10 +71,10 @@ impl Engine {
         Ok((outcome, cells))
     }
 
-    /// Computes everything in `plan`, adds it to `tally` and to the pieces of `directory`.
+    /// Computes everything in `plan`, adds it to `tally`, and writes it to pieces in `directory`.
     ///
-    /// Pieces are written as the computation goes, the first soon, later ones less often: a kill loses a tenth of the
-    /// time already spent, and never more than ten seconds.
+    /// Pieces are written during the computation, at growing intervals. A kill loses a tenth of the time already spent, and
+    /// never more than ten seconds.
     pub fn run(
         &self,
         evaluator: &Evaluator<'_>,
@@ -103,7 +103,7 @@ impl Engine {
             let interval = (started.elapsed() / 10).clamp(Duration::from_millis(100), Duration::from_secs(10));
             let due = done || written.elapsed() >= interval || pending.len() >= MOST_PENDING;
             if due && !pending.is_empty() {
-                // Units stay apart in a piece: two processes that do the same work write the same units.
+                // Units are not joined, so that two processes that do the same work write the same units.
                 pending.sort_by_key(|unit| (unit.part, unit.samples.start));
                 pending.iter_mut().for_each(|unit: &mut FinishedUnit| unit.part = evaluator.parts().stored(unit.part));
                 piece::write(&shards, &experiment, &pending)?;
@@ -114,7 +114,7 @@ impl Engine {
         })
     }
 
-    /// Does `units` units of work on all threads, and hands what comes out, in any order, to `take` on this one.
+    /// Does `units` units of work on all threads, and passes the results, in any order, to `take` on this thread.
     pub fn for_each_in_parallel<T: Send>(
         &self,
         units: u64,
@@ -130,6 +130,7 @@ impl Engine {
         })
     }
 
+    /// Does `units` units of work on all threads, and passes events to `take` on this thread.
     pub(super) fn in_parallel<T: Send>(
         &self,
         units: u64,
@@ -141,10 +142,10 @@ impl Engine {
         thread::scope(|scope| {
             let worker = scope.spawn(move || {
                 self.pool.install(|| {
-                    // The first unit that finds a signal, or nobody to send to because writing failed, ends them all.
+                    // After a signal, or when the receiver is gone because writing failed, no further unit is started.
                     (0..units).into_par_iter().try_for_each(|index| {
-                        let go_on = interrupt.signal().is_none();
-                        go_on.then(|| sender.send(work(index)).ok()).flatten()
+                        let is_running = interrupt.signal().is_none();
+                        is_running.then(|| sender.send(work(index)).ok()).flatten()
                     })
                 })
             });
@@ -160,7 +161,7 @@ impl Engine {
     }
 }
 
-/// Takes what is finished until the workers are done.
+/// Passes finished work to `take` until all threads are done.
 fn collect<T>(receiver: &Receiver<T>, take: &mut impl FnMut(Event<T>) -> Result<(), Failure>) -> Result<(), Failure> {
     loop {
         match receiver.recv_timeout(Duration::from_millis(50)) {

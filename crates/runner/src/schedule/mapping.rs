@@ -1,4 +1,4 @@
-//! The verdict maps of a job, completed on all cores, unless they cost more than the samples.
+//! Completing the verdict maps of a job on all threads, unless they cost more than the samples.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,28 +16,28 @@ use crate::schedule::engine::{Engine, Event, Outcome};
 use crate::schedule::progress::Progress;
 use crate::store::map_pieces;
 
-/// What became of the verdict maps of a job.
+/// How the completion of verdict maps ended.
 #[derive(Debug, Clone, Copy)]
 pub struct CompletedMaps {
-    /// How it ended.
+    /// Whether it finished.
     pub outcome: Outcome,
-    /// Verdicts that were asked for.
+    /// Simulations that were made now.
     pub simulations: u64,
-    /// Needed tiles that are resolved.
+    /// Number of tiles that are resolved.
     pub tiles: u64,
-    /// With maps that cost more than the samples: simulations when that was known, whenever made.
+    /// If the maps were given up because they cost more than the samples: all simulations made for them until then.
     pub given_up: Option<u64>,
 }
 
 impl CompletedMaps {
-    /// What to say of maps that were given up, if they were.
+    /// A note that the maps were given up, if they were.
     pub fn why_given_up(&self, job: &Job) -> Option<String> {
-        let asked = self.given_up?;
+        let simulations = self.given_up?;
         let audited = job.audited_samples();
         let audit = if audited > 0 { format!(" than the map and its audit of {audited}") } else { String::new() };
         Some(format!(
-            "the verdict map is given up after {} simulations ({} tiles were resolved), as simulating the {} samples costs less{}: each is simulated by itself, as with evaluate = \"each\"",
-            HumanCount(asked),
+            "the verdict map is given up after {} simulations ({} tiles were resolved), as simulating the {} samples costs less{}: each sample is simulated, as with evaluate = \"each\"",
+            HumanCount(simulations),
             HumanCount(self.tiles),
             job.total_samples(),
             audit
@@ -46,8 +46,8 @@ impl CompletedMaps {
 }
 
 impl Engine {
-    /// Completes the verdict maps of `evaluator` by simulation, or gives them up when they cost more than the samples. What is new is kept
-    /// in `keep`, if there is such a directory, and so is what was `borrowed` from others.
+    /// Completes the verdict maps of `evaluator` by simulation, or gives them up if they cost more than the samples. New tiles
+    /// are written to the directory `keep`, if there is one. If some are `borrowed` from other runs, those are, too.
     pub fn complete_maps(
         &self,
         evaluator: &mut Evaluator<'_>,
@@ -60,8 +60,8 @@ impl Engine {
             map_pieces::write_all(evaluator.maps(), keep)?;
         }
         let missing = evaluator.maps().missing();
-        let known = evaluator.maps().questions();
-        let (asked, cost) = (AtomicU64::new(known), AtomicU64::new(evaluator.maps().cost()));
+        let known = evaluator.maps().simulations();
+        let (simulations, cost) = (AtomicU64::new(known), AtomicU64::new(evaluator.maps().cost()));
         let mut progress = Progress::new(missing.len() as u128, "tiles");
         let mut finished: Vec<(usize, TileIndex, Tile)> = Vec::new();
         let mut written = 0;
@@ -69,7 +69,7 @@ impl Engine {
         let resolve = |unit: u64| {
             let (speed, index) = missing[unit as usize];
             let tile = evaluator.resolve(speed, index, |decisions| {
-                count(&asked, decisions.len() as u64);
+                count(&simulations, decisions.len() as u64);
                 let cost = count(&cost, cost_of(decisions));
                 interrupt.signal().is_none() && !evaluator.maps().are_too_costly(cost)
             });
@@ -93,13 +93,13 @@ impl Engine {
         for (speed, index, tile) in finished {
             evaluator.maps_mut().insert(speed, index, tile);
         }
-        let asked = asked.into_inner();
+        let simulations = simulations.into_inner();
         let given_up = outcome == Outcome::Finished && evaluator.maps().are_too_costly(cost.into_inner());
         let completed = CompletedMaps {
             outcome,
-            simulations: asked - known,
+            simulations: simulations - known,
             tiles: evaluator.maps().resolved() as u64,
-            given_up: given_up.then_some(asked),
+            given_up: given_up.then_some(simulations),
         };
         if given_up {
             evaluator.maps_mut().give_up();
@@ -108,7 +108,7 @@ impl Engine {
     }
 }
 
-/// Adds to a counter that threads share; what it is then.
+/// Adds to a counter that threads share, and returns its new value.
 fn count(counter: &AtomicU64, more: u64) -> u64 {
     counter.fetch_add(more, Ordering::Relaxed) + more
 }

@@ -1,4 +1,4 @@
-//! Which work is open, its division into units, and the one parallel loop that does it.
+//! Scheduling: which work is missing, its division into units, and the one parallel loop that does it.
 
 pub mod progress;
 

@@ -1,4 +1,4 @@
-//! Cutting the missing samples into units of work, and sharing them among shards.
+//! Dividing the missing samples into units of work, and sharing the units among shards.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,14 +12,14 @@ use crate::store::tally::Tally;
 pub struct Shard {
     index: u64,
     count: u64,
-    /// As typed: the last one is N or 0.
+    /// The index as typed: the last shard is N or 0.
     typed: u64,
 }
 
 impl FromStr for Shard {
     type Err = String;
 
-    /// `I/N`. Both counts from 0 to N - 1 and from 1 to N reach every shard: N is taken for 0.
+    /// `I/N`, with I from 1 to N or from 0 to N - 1: N is the same shard as 0.
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong =
             || format!("{text:?} is not a shard; write I/N, for example 1/16, with I from 1 to N (or from 0 to N-1)");
@@ -34,7 +34,7 @@ impl FromStr for Shard {
 }
 
 impl Shard {
-    /// How many there are.
+    /// The number of shards.
     pub fn count(self) -> u64 {
         self.count
     }
@@ -46,14 +46,14 @@ impl fmt::Display for Shard {
     }
 }
 
-/// The units of work of one process, without a list of them: 10^10 samples take no more memory than 10^4.
+/// The units of work of one process. They are not listed, so that 10^10 samples take no more memory than 10^4.
 #[derive(Debug)]
 pub struct Plan {
     gaps: Vec<Gap>,
-    /// Samples of a unit at the most. Units start at multiples of it, whatever is counted already, so that shards agree
-    /// on them.
+    /// Largest number of samples in a unit. Units start at multiples of it, whatever is counted already, so that shards
+    /// agree on them.
     unit_samples: u64,
-    /// For each gap the number of units before it; one more entry at the end.
+    /// The number of units before each gap, and at the end the number of all units.
     units_before: Vec<u64>,
 }
 
@@ -69,7 +69,7 @@ struct Gap {
 }
 
 impl Gap {
-    /// `units_before` units of all parts come before those of this one.
+    /// The units of a gap that a shard computes. The parts before this one have `units_before` units.
     fn new(part: u64, samples: Range<u64>, unit: u64, units_before: u128, shard: Option<Shard>) -> Self {
         let Shard { index, count, .. } = shard.unwrap_or(Shard { index: 0, count: 1, typed: 1 });
         let (from, to) = (samples.start / unit, samples.end.div_ceil(unit));
@@ -78,19 +78,19 @@ impl Gap {
         Self { part, samples, first, step: count, units: to.saturating_sub(first).div_ceil(count) }
     }
 
-    /// All of a gap, for one process.
+    /// All units of a gap.
     fn whole(part: u64, samples: Range<u64>, unit: u64) -> Self {
         let (first, to) = (samples.start / unit, samples.end.div_ceil(unit));
         Self { part, samples, first, step: 1, units: to - first }
     }
 
-    /// The samples of the i-th unit.
+    /// The samples of unit `i`.
     fn unit(&self, i: u64, unit_samples: u64) -> Range<u64> {
         let start = (self.first + i * self.step) * unit_samples;
         self.samples.start.max(start)..self.samples.end.min(start + unit_samples)
     }
 
-    /// Samples over all units: only the outer ones may be cut.
+    /// The number of samples in all units. Only the first and the last unit may be shorter than the others.
     fn total(&self, unit_samples: u64) -> u128 {
         let length = |i: u64| u128::from(self.unit(i, unit_samples).end - self.unit(i, unit_samples).start);
         match self.units {
@@ -102,19 +102,19 @@ impl Gap {
 }
 
 impl Plan {
-    /// The units that are missing of the samples that `parts` want now.
+    /// The missing units of the samples that are wanted now.
     ///
-    /// Consecutive units, counted over all parts, go to different shards, so that jobs of one cell and jobs of many are
-    /// shared alike; but cells whose parts are decided in turn go to a shard as a whole.
+    /// Consecutive units, counted over all parts, go to different shards, so that jobs with one cell and jobs with many are
+    /// shared alike. Cells whose parts are sequential go to a shard as a whole.
     pub fn new(tally: &Tally, parts: &Parts, unit_samples: u64, shard: Option<Shard>) -> Self {
         let part_units: Vec<u128> =
-            (0..parts.of_a_cell()).map(|place| u128::from(parts.most(place).div_ceil(unit_samples))).collect();
+            (0..parts.of_a_cell()).map(|place| u128::from(parts.max_samples(place).div_ceil(unit_samples))).collect();
         let cell_units: u128 = part_units.iter().sum();
         let missing = tally.gaps(&parts.wanted(tally)).into_iter();
         let gaps = missing.filter_map(|(part, gap)| {
             let (cell, place) = parts.place(part);
             match shard {
-                Some(Shard { index, count, .. }) if parts.are_decided_in_turn() => {
+                Some(Shard { index, count, .. }) if parts.are_sequential() => {
                     (cell % count == index).then(|| Gap::whole(part, gap, unit_samples))
                 }
                 _ => {
@@ -139,7 +139,7 @@ impl Plan {
         self.units_before[self.gaps.len()]
     }
 
-    /// Samples over all units.
+    /// The number of samples in all units.
     pub fn samples(&self) -> u128 {
         self.gaps.iter().map(|gap| gap.total(self.unit_samples)).sum()
     }
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn shards_part_the_units_however_they_are_counted() {
+    fn shards_share_all_units_whether_counted_from_0_or_1() {
         let tally = tally_with_holes();
         let mut whole = units(&tally, None);
         whole.sort_by_key(|(cell, samples)| (*cell, samples.start));
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shard_is_the_same_whatever_is_done_already() {
+    fn a_shard_does_not_depend_on_finished_work() {
         let shard: Shard = "2/3".parse().unwrap();
         let fresh = units(&Tally::new(7), Some(shard));
         for (cell, samples) in units(&tally_with_holes(), Some(shard)) {
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn silly_shards_are_refused() {
+    fn invalid_shards_are_refused() {
         for text in ["", "3", "4/3", "1/0", "a/b", "-1/3", "1/3/5", "0/0"] {
             assert!(text.parse::<Shard>().is_err(), "{text}");
         }

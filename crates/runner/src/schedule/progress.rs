@@ -1,4 +1,4 @@
-//! How far a run is: a bar on a terminal, plain lines elsewhere.
+//! Progress of a computation: a bar on a terminal, plain lines elsewhere.
 
 use std::fmt::Write;
 use std::io::{self, IsTerminal as _};
@@ -8,7 +8,7 @@ use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressDrawTarget, Prog
 
 use crate::output::note;
 
-/// Plain lines come this often, or whenever another twentieth is done (but not in bursts).
+/// Time between plain lines. A line is also printed when another twentieth is done, after the shortest time.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(30);
 const PLAIN_SHORTEST: Duration = Duration::from_secs(2);
 
@@ -25,7 +25,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Progress towards `total` samples, or whatever the `unit` is.
+    /// Progress towards `total` samples, or other things that `unit` names.
     pub fn new(total: u128, unit: &'static str) -> Self {
         let total = u64::try_from(total).unwrap_or(u64::MAX);
         let bar = io::stderr().is_terminal().then(|| {
@@ -34,7 +34,7 @@ impl Progress {
                 "{{bar:30}} {{percent:>3}} %  {{human_pos}} of {{human_len}} {unit}  {{rate}} {unit}/s  {{eta}} left"
             );
             let rate = |state: &ProgressState, out: &mut dyn Write| {
-                // Nothing to be done about a terminal that takes no text.
+                // An error would only leave the rate out of the bar.
                 let _ = write!(out, "{}", HumanCount(state.per_sec() as u64));
             };
             let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
@@ -45,7 +45,7 @@ impl Progress {
         Self { bar, total, unit, done: 0, started: now, last_line: now, last_done: 0 }
     }
 
-    /// Adds finished samples.
+    /// Adds finished samples (or other units).
     pub fn advance(&mut self, samples: u64) {
         self.done += samples;
         if let Some(bar) = &self.bar {
@@ -53,7 +53,7 @@ impl Progress {
         }
     }
 
-    /// Prints a plain line if it is time for one.
+    /// Prints a plain line if one is due.
     pub fn tick(&mut self) {
         if self.bar.is_some() {
             return;
@@ -78,7 +78,7 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(self) {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();

@@ -1,4 +1,4 @@
-//! The run directory: who may write in it, and what job it belongs to.
+//! The run directory: its lock, its job and its paths.
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -18,15 +18,15 @@ use crate::output::note;
 use crate::store::piece;
 use crate::store::tally::Tally;
 
-/// The footer key of a surface that says which job it is of.
+/// The footer key of a surface for the hash of its job.
 pub const JOB_HASH_KEY: &str = "stickslip:job_hash";
 
 /// How a process works in a run directory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
-    /// Alone: it may tidy up and write the surface.
+    /// Alone. It may remove unfinished files and write the surface.
     Alone,
-    /// Beside others: a shard, which only adds pieces.
+    /// Beside others, as a shard, which only adds pieces.
     Shared,
 }
 
@@ -34,12 +34,12 @@ pub enum Access {
 #[derive(Debug)]
 pub struct RunDirectory {
     path: PathBuf,
-    /// Holds the lock on the directory as long as it is open.
+    /// The lock, held as long as this file is open.
     _lock: Option<File>,
 }
 
 impl RunDirectory {
-    /// Opens `path` for a job, creating it if there is nothing yet.
+    /// Opens `path` for a job, and creates it if it does not exist.
     pub fn create(path: &Path, access: Access) -> Result<Self, Failure> {
         if path.exists() && !path.is_dir() {
             let message = format!("{} is a file; a run needs a directory. Choose another with --out", path.display());
@@ -60,7 +60,7 @@ impl RunDirectory {
         Self::lock(path, access)
     }
 
-    /// Opens an existing run to look at it, whoever works in it.
+    /// Opens an existing run for reading, without a lock.
     pub fn view(path: &Path) -> Result<Self, Failure> {
         Self::require_run(path)?;
         Ok(Self { path: path.to_owned(), _lock: None })
@@ -85,7 +85,7 @@ impl RunDirectory {
             Access::Alone => directory.try_lock(),
             Access::Shared => directory.try_lock_shared(),
         };
-        // `status` holds the lock for an instant; that must not look like a run.
+        // `status` takes the lock for an instant, so a single failure does not mean that the run is in use.
         let mut locked = try_lock();
         for _ in 0..10 {
             if !matches!(locked, Err(TryLockError::WouldBlock)) {
@@ -98,14 +98,14 @@ impl RunDirectory {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let message =
-                    format!("{} is in use by another stickslip; wait for it, or stop it first", path.display());
+                    format!("{} is in use by another stickslip; wait until it ends, or stop it", path.display());
                 return Err(Failure::Busy(message));
             }
-            // Some network file systems have no locks. Pieces are safe without (whole files under names of their
-            // own, counted once), so a missing lock costs at worst work done twice.
+            // Some network file systems have no locks. Pieces are safe without: they are whole files with names of their
+            // own, and are counted once. At worst, work is done twice.
             Err(TryLockError::Error(error)) => {
                 note(format_args!(
-                    "note: {} cannot be locked ({error}); make sure that nothing else runs in it",
+                    "note: {} cannot be locked ({error}); make sure that no other stickslip works in it",
                     path.display()
                 ));
             }
@@ -113,37 +113,37 @@ impl RunDirectory {
         Ok(Self { path: path.to_owned(), _lock: Some(directory) })
     }
 
-    /// Whether another process works in this run now.
+    /// Whether another process is working in this run.
     pub fn in_use(&self) -> bool {
         File::open(&self.path).is_ok_and(|directory| matches!(directory.try_lock(), Err(TryLockError::WouldBlock)))
     }
 
-    /// Where it is.
+    /// The path of the directory.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The finished pieces.
+    /// The directory of the finished pieces.
     pub fn shards(&self) -> PathBuf {
         self.path.join("shards")
     }
 
-    /// The verdict maps.
+    /// The directory of the verdict maps.
     pub fn maps(&self) -> PathBuf {
         self.path.join("map")
     }
 
-    /// The result.
+    /// The path of the result.
     pub fn surface(&self) -> PathBuf {
         self.path.join("surface.parquet")
     }
 
-    /// Whether the result is there and says that it is of this job.
+    /// Whether there is a result that belongs to this job.
     pub fn has_surface_of(&self, job: &Job) -> bool {
         job_hash_of_file(&self.surface()) == Some(job.hash())
     }
 
-    /// Cells of a job that are complete; an integrated surface is there as a whole or not at all.
+    /// The number of complete cells of a job. An integrated surface is complete as a whole or not at all.
     pub fn complete_cells(&self, job: &Job, tally: &Tally) -> u64 {
         match job.is_integrated() {
             false => Parts::new(job).complete_cells(tally),
@@ -152,7 +152,7 @@ impl RunDirectory {
         }
     }
 
-    /// The frozen job, if one is there yet.
+    /// The frozen job, if there is one.
     pub fn job_source(&self) -> Result<Option<JobSource>, Failure> {
         let path = self.path.join("job.toml");
         if path.exists() { JobSource::read(&path).map(Some) } else { Ok(None) }
@@ -166,24 +166,24 @@ impl RunDirectory {
         }
     }
 
-    /// Freezes the job, unless another process has just frozen one; false then.
+    /// Freezes the job, unless another process has just frozen one; returns false then.
     pub fn freeze_first(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
         publish_first(&self.path, "job.toml", source.frozen(job).as_bytes())
     }
 
-    /// Freezes the job in place of the one that is there.
+    /// Replaces the frozen job.
     pub fn freeze(&self, source: &JobSource, job: &Job) -> Result<(), Failure> {
         publish(&self.path, "job.toml", source.frozen(job).as_bytes())
     }
 
-    /// Removes what killed processes left behind.
+    /// Removes the unfinished files of killed processes.
     pub fn tidy(&self) -> Result<(), Failure> {
         remove_temporary(&self.path)?;
         remove_temporary(&self.shards())?;
         if self.maps().is_dir() { remove_temporary(&self.maps()) } else { Ok(()) }
     }
 
-    /// Everything counted so far. Pieces that cannot be trusted are named on standard error and left out.
+    /// Everything counted so far. Damaged pieces are named on standard error and left out.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
         let parts = Parts::new(job);
         let is_part = |stored: u64| parts.locate_stored(stored).0 < job.cells();
@@ -194,11 +194,11 @@ impl RunDirectory {
         let mut units = Vec::with_capacity(pieces.units.len());
         for unit in pieces.units {
             let (cell, part) = parts.locate_stored(unit.part);
-            let wanted = part.filter(|&part| unit.samples.end <= parts.most(parts.place(part).1));
+            let wanted = part.filter(|&part| unit.samples.end <= parts.max_samples(parts.place(part).1));
             let Some(part) = wanted else {
                 let what = part.map_or("more samples".to_owned(), |_| format!("sample {}", unit.samples.end - 1));
                 return Err(Failure::Job(format!(
-                    "{}: its pieces hold {what} of cell {cell}, but its job.toml asks for {} samples only; was it edited?",
+                    "{}: its pieces hold {what} of cell {cell}, but its job.toml has only {} samples; was it edited?",
                     self.path.display(),
                     job.sampling.samples
                 )));
@@ -210,7 +210,7 @@ impl RunDirectory {
             let (cell, place) = parts.place(part);
             let of = if parts.of_a_cell() > 1 { format!("part {place} of cell {cell}") } else { format!("cell {cell}") };
             Failure::InputOutput(format!(
-                "{}: two pieces disagree on samples {} to {} of {of}. One of them is wrong; move shards/ aside and compute again",
+                "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move shards/ elsewhere and compute again",
                 self.path.display(),
                 samples.start,
                 samples.end - 1
@@ -220,7 +220,7 @@ impl RunDirectory {
     }
 }
 
-/// The job that a surface on disk says it is of; `None` if there is none, or none that can be read.
+/// The hash of the job in the footer of a surface; `None` if there is no surface that can be read.
 fn job_hash_of_file(path: &Path) -> Option<String> {
     let reader = SerializedFileReader::new(File::open(path).ok()?).ok()?;
     let pairs = reader.metadata().file_metadata().key_value_metadata()?;
@@ -231,9 +231,9 @@ fn looks_empty(path: &Path) -> Result<bool, Failure> {
     let entries = fs::read_dir(path).map_err(|error| Failure::reading(path, error))?;
     for entry in entries {
         let entry = entry.map_err(|error| Failure::reading(path, error))?;
-        // What a submit killed in its first moment leaves.
+        // A `submit` that was killed at its start leaves shards/ and unfinished files. Another shard may just have written
+        // job.toml.
         let name = entry.file_name();
-        // A job.toml that another shard has just put there makes it a run.
         if name != "shards" && name != "job.toml" && !is_temporary(&entry.path()) {
             return Ok(false);
         }

@@ -1,7 +1,7 @@
-//! The pieces of finished tiles of verdict maps on disk.
+//! Pieces of verdict maps: files of finished tiles.
 //!
-//! Pieces are Parquet files of boxes, in `map/`, named like those of samples by the hash of their bytes. They say what
-//! decides their verdicts (model, rotating speed, criterion), so that other jobs can use them.
+//! They are Parquet files of boxes in `map/`, named by the hash of their content like those of samples. They name everything
+//! that their verdicts depend on (model, rotating speed, criterion), so that other jobs can use them.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -29,8 +29,8 @@ use crate::store::piece::digest;
 
 const KEY: &str = "stickslip:verdict_map";
 
-/// Adds the needed tiles that lie in a directory of pieces to `maps`; how many. Others are left there, so that a map does not
-/// depend on what it was borrowed from.
+/// Adds the tiles in a directory of pieces that `maps` need, and returns their number. Tiles that are not needed are left out,
+/// so that a map does not depend on where its tiles come from.
 pub fn load(maps: &mut Maps, directory: &Path) -> Result<usize, Failure> {
     let mut loaded = 0;
     if maps.is_empty() || !directory.is_dir() {
@@ -50,7 +50,7 @@ pub fn load(maps: &mut Maps, directory: &Path) -> Result<usize, Failure> {
             Ok((key, tiles)) => {
                 let Some(speed) = maps.speed_of(&key) else { continue };
                 for (index, tile) in tiles {
-                    if maps.wants(speed, index) {
+                    if maps.needs(speed, index) {
                         maps.insert(speed, index, tile);
                         loaded += 1;
                     }
@@ -77,7 +77,7 @@ pub fn write(maps: &Maps, directory: &Path, tiles: &[(usize, TileIndex, Tile)]) 
     Ok(())
 }
 
-/// Writes every tile that is there: what was borrowed from another run is kept in this one.
+/// Writes all tiles of `maps`, including those of other runs.
 pub fn write_all(maps: &Maps, directory: &Path) -> Result<(), Failure> {
     write(maps, directory, &maps.tiles())
 }
@@ -86,13 +86,16 @@ pub fn write_all(maps: &Maps, directory: &Path) -> Result<(), Failure> {
 const INTEGERS: [(&str, &str); 9] = [
     ("tile_column", "position of the tile along the preload"),
     ("tile_row", "position of the tile along the falling friction"),
-    ("questions", "verdicts that the tile took"),
-    ("kind", "0 cut into four, 1 uniform, 2 crossed by a curve over preload, 3 over falling friction, 4 unresolved"),
-    ("first_child", "of a box that is cut, the place in its tile of the first of four"),
+    ("questions", "simulations that the tile took"),
+    (
+        "kind",
+        "0 divided into four, 1 uniform, 2 crossed by a curve over preload, 3 crossed by a curve over falling friction, 4 unresolved",
+    ),
+    ("first_child", "of a divided box: place in its tile of the first of its four boxes"),
     ("verdict_below", "verdict below the curve, or of a uniform box: 0 stable, 1 unstable, 2 undecided, 3 failed"),
     ("verdict_above", "verdict above the curve"),
-    ("cut", "how often the tile was cut for this box"),
-    ("cost", "what the verdicts that the tile took cost, in units of scaled time"),
+    ("cut", "how often the tile was divided to get this box"),
+    ("cost", "cost of the simulations that the tile took, in units of scaled time"),
 ];
 
 const GUARD: &str = "guard";
@@ -113,7 +116,7 @@ fn verdict(code: i64) -> Result<Verdict, String> {
         1 => Ok(Verdict::Unstable),
         2 => Ok(Verdict::Undecided),
         3 => Ok(Verdict::Failed),
-        _ => Err(format!("{code} is no verdict")),
+        _ => Err(format!("{code} is not a verdict")),
     }
 }
 
@@ -162,11 +165,17 @@ fn encode(key: &str, tiles: &[&(usize, TileIndex, Tile)]) -> Result<Vec<u8>, par
         fields.push(described_field(name, "1", long_name, DataType::Int64, false));
         columns.push(Arc::new(Int64Array::from(values)));
     }
-    fields.push(described_field(GUARD, "1", "distance kept from the curves", DataType::Float64, false));
+    fields.push(described_field(
+        GUARD,
+        "1",
+        "distance from the curves within which samples are simulated",
+        DataType::Float64,
+        false,
+    ));
     columns.push(Arc::new(Float64Array::from(guards)));
     for (name, mut list) in CURVES.into_iter().zip(curves) {
         let list = list.finish();
-        let meaning = "Chebyshev coefficients, on the box, of the end of what is certainly below, or above";
+        let meaning = "Chebyshev coefficients, on the box, of the curve below which (lower) or above which (upper) the verdict is certain";
         fields.push(described_field(name, "1", meaning, list.data_type().clone(), false));
         columns.push(Arc::new(list));
     }
@@ -183,7 +192,7 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
     let builder = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes)).map_err(|e| text(&e))?;
     let metadata = builder.metadata().file_metadata().key_value_metadata();
     let key = metadata.and_then(|pairs| pairs.iter().find(|pair| pair.key == KEY));
-    let key = key.and_then(|pair| pair.value.clone()).ok_or("it is no verdict map")?;
+    let key = key.and_then(|pair| pair.value.clone()).ok_or("it is not a piece of a verdict map")?;
     let mut tiles: BTreeMap<TileIndex, (Vec<Node>, [u64; 2])> = BTreeMap::new();
     for batch in builder.build().map_err(|e| text(&e))? {
         let batch = batch.map_err(|e| text(&e))?;
@@ -218,7 +227,7 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
                     guard: guards.value(row),
                 }),
                 4 => Node::Unresolved,
-                kind => return Err(format!("{kind} is no kind of box")),
+                kind => return Err(format!("{kind} is not a kind of box")),
             };
             let count = |column: usize| u64::try_from(value(column)).map_err(|_| "a count is negative");
             let counts = [count(2)?, count(8)?];
@@ -240,13 +249,13 @@ mod tests {
 
     /// A tile with boxes of every kind.
     fn tile(index: TileIndex) -> Tile {
-        let judge = |point: &[f64; 2]| match point {
+        let verdict_at = |point: &[f64; 2]| match point {
             [x, y] if (x - 0.2).abs() < 0.01 && (y - 0.2).abs() < 0.01 => Verdict::Failed,
             [x, y] if x * y > 0.03 => Verdict::Unstable,
             [x, y] if x + y > 0.5 => Verdict::Undecided,
             _ => Verdict::Stable,
         };
-        Tile::resolve(index, |points| points.iter().map(judge).collect())
+        Tile::resolve(index, |points| points.iter().map(verdict_at).collect())
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! Pieces: files of finished work, the only state that a resumed run trusts.
+//! Pieces: files of finished units, from which a run resumes.
 //!
-//! A piece is a small Parquet file of units, named by the hash of its own bytes, written under a temporary name
-//! and renamed when it is on disk. A piece that is torn, altered or from another job is never read as good.
+//! A piece is a small Parquet file, named by the hash of its content. It is written under a temporary name and renamed when it
+//! is on disk. A piece that is incomplete, altered or from another job is never used.
 
 use std::fs;
 use std::path::Path;
@@ -24,21 +24,21 @@ use crate::job::IDENTITY_VERSION;
 
 const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
 
-/// Of pieces that hold settled amplitudes: their sum, and a list of bins, each followed by its count.
+/// Columns of pieces with settled amplitudes: their sum, and a list of bins, each followed by its count.
 const AMPLITUDE_SUM: &str = "amplitude_sum";
 const AMPLITUDE_BINS: &str = "amplitude_bins";
 
-/// Of pieces with further sums.
+/// Column of pieces with further sums.
 const SUMS: &str = "sums";
 
 const EXPERIMENT_KEY: &str = "stickslip:experiment";
 const IDENTITY_KEY: &str = "stickslip:identity_version";
 const VERDICTS_KEY: &str = "stickslip:verdicts_version";
 
-/// The version of a job's identity in pieces that do not say it.
+/// The version of a job's identity in pieces that do not name it.
 const UNNAMED_IDENTITY: u32 = 1;
 
-/// Pieces that do not say by which version of the verdicts they were made are of this one or an older one.
+/// Pieces that do not name the version of their verdicts have this one or an older one.
 const UNNAMED_VERDICTS: u32 = 2;
 
 /// Writes units as a new piece in `directory`.
@@ -48,19 +48,19 @@ pub fn write(directory: &Path, experiment: &str, units: &[FinishedUnit]) -> Resu
     publish(directory, &name, &bytes)
 }
 
-/// What the pieces of a directory hold, and what was wrong with those that were left out.
+/// The units in the pieces of a directory, and the complaints about pieces that were left out.
 #[derive(Debug, Default)]
 pub struct Pieces {
-    /// Segments of every sound piece.
+    /// The units of all pieces that are in order.
     pub units: Vec<FinishedUnit>,
-    /// One line for each piece that was not.
+    /// One line for each piece that is not.
     pub complaints: Vec<String>,
 }
 
-/// Reads every piece in `directory`; `is_part` tells the numbers that parts may have.
+/// Reads every piece in `directory`. `is_part` says which numbers parts may have, and `sums` is the number of sums.
 ///
 /// # Errors
-/// A directory that cannot be read, or a sound piece of another experiment: these runs must not be mixed.
+/// A directory that cannot be read, or an undamaged piece of another experiment: the two must not be mixed.
 pub fn read_all(
     directory: &Path,
     experiment: &str,
@@ -70,7 +70,7 @@ pub fn read_all(
     let mut pieces = Pieces::default();
     for path in files(directory)? {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        // Whatever else lies there (.DS_Store, say) is none of our business.
+        // Other files, such as .DS_Store, are left alone.
         if is_temporary(&path) || path.extension().is_none_or(|extension| extension != "parquet") {
             continue;
         }
@@ -98,7 +98,7 @@ pub fn read_all(
     Ok(pieces)
 }
 
-/// What a piece says of the run that it belongs to.
+/// The run that a piece belongs to, as named in its footer.
 struct Owner {
     experiment: String,
     identity_version: u32,
@@ -106,7 +106,7 @@ struct Owner {
 }
 
 impl Owner {
-    /// Why a piece of another job or version is not used, and what to do.
+    /// A message why a piece of another job or version is refused, and what to do.
     fn refused(&self, path: &Path) -> Failure {
         let path = path.display();
         let version = self.verdicts_version;
@@ -118,7 +118,7 @@ impl Owner {
         } else if self.identity_version != IDENTITY_VERSION {
             let which = if self.identity_version < IDENTITY_VERSION { "an earlier" } else { "a later" };
             format!(
-                "{path} was written by {which} version of stickslip, which identifies jobs in another way: this version cannot tell whether the piece belongs to this job. {of_versions}"
+                "{path} was written by {which} version of stickslip, which identifies jobs differently, so it is not known whether the piece belongs to this job. {of_versions}"
             )
         } else {
             format!(
@@ -191,7 +191,7 @@ fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<FinishedUnit>), String> {
     let value_of = |key: &str| metadata?.iter().find(|pair| pair.key == key)?.value.clone();
     let version_of = |key: &str| value_of(key)?.parse::<u32>().ok();
     let owner = Owner {
-        experiment: value_of(EXPERIMENT_KEY).ok_or("it does not say which job it belongs to")?,
+        experiment: value_of(EXPERIMENT_KEY).ok_or("it does not name its job")?,
         identity_version: version_of(IDENTITY_KEY).unwrap_or(UNNAMED_IDENTITY),
         verdicts_version: version_of(VERDICTS_KEY).unwrap_or(UNNAMED_VERDICTS),
     };
@@ -220,12 +220,12 @@ fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<FinishedUnit>), String> {
     Ok((owner, units))
 }
 
-/// The settled amplitudes in one row, if the piece holds any.
+/// The settled amplitudes in one row; empty if the piece holds none.
 fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, String> {
     let (Some(sums), Some(bins)) = (batch.column_by_name(AMPLITUDE_SUM), batch.column_by_name(AMPLITUDE_BINS)) else {
         return Ok(Distribution::default());
     };
-    let sums = sums.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not as they should be")?;
+    let sums = sums.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not integers")?;
     let bins = integers(bins, row)?;
     let mut pairs = Vec::with_capacity(bins.len() / 2);
     for pair in bins.chunks_exact(2) {
@@ -241,9 +241,9 @@ fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, St
 
 /// The list of integers in one row of a column.
 fn integers(column: &ArrayRef, row: usize) -> Result<Vec<i64>, String> {
-    let lists = column.as_any().downcast_ref::<ListArray>().ok_or("a column of lists is not as it should be")?;
+    let lists = column.as_any().downcast_ref::<ListArray>().ok_or("a column of lists of integers is not one")?;
     let list = lists.value(row);
-    let list = list.as_any().downcast_ref::<Int64Array>().ok_or("a column of lists is not as it should be")?;
+    let list = list.as_any().downcast_ref::<Int64Array>().ok_or("a column of lists of integers is not one")?;
     Ok(list.values().to_vec())
 }
 
@@ -252,7 +252,7 @@ mod tests {
     use super::*;
     use std::path::PathBuf;
 
-    fn some_segments() -> Vec<FinishedUnit> {
+    fn some_units() -> Vec<FinishedUnit> {
         (0..50)
             .map(|cell| FinishedUnit {
                 part: cell,
@@ -264,7 +264,7 @@ mod tests {
             .collect()
     }
 
-    /// Of the three unstable samples in some units, none in others.
+    /// The amplitudes of the three unstable samples in every other unit, none in the rest.
     fn amplitudes(cell: u64) -> Distribution {
         let mut amplitudes = Distribution::default();
         (0..3 * (cell % 2)).for_each(|i| amplitudes.add(1e-3 * (cell + i) as f64));
@@ -273,7 +273,7 @@ mod tests {
 
     fn written() -> (tempfile::TempDir, PathBuf) {
         let directory = tempfile::tempdir().unwrap();
-        write(directory.path(), "experiment", &some_segments()).unwrap();
+        write(directory.path(), "experiment", &some_units()).unwrap();
         let piece = files(directory.path()).unwrap().remove(0);
         (directory, piece)
     }
@@ -282,12 +282,12 @@ mod tests {
     fn a_piece_reads_back_as_written() {
         let (directory, _) = written();
         let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
-        assert_eq!(pieces.units, some_segments());
+        assert_eq!(pieces.units, some_units());
         assert!(pieces.complaints.is_empty());
     }
 
     #[test]
-    fn any_damaged_byte_is_noticed() {
+    fn damage_is_found() {
         let (directory, piece) = written();
         let sound = fs::read(&piece).unwrap();
         for position in (0..sound.len()).step_by(7) {
@@ -307,7 +307,7 @@ mod tests {
     #[test]
     fn counts_that_do_not_add_up_are_refused_even_with_a_good_checksum() {
         let directory = tempfile::tempdir().unwrap();
-        let mut units = some_segments();
+        let mut units = some_units();
         units[7].counts.stable += 1;
         write(directory.path(), "experiment", &units).unwrap();
         let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn a_piece_of_an_earlier_identity_is_refused_with_what_to_do() {
+    fn a_piece_of_an_earlier_identity_is_refused_with_a_remedy() {
         let piece = Path::new("run/shards/0123.parquet");
         let owner = |identity_version| Owner {
             experiment: "e".to_owned(),

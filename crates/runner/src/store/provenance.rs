@@ -1,4 +1,4 @@
-//! `run.json`: what may differ between identical runs: when, where, with how many threads, by which build.
+//! `run.json`: what may differ between runs of one job, such as time, host, number of threads and build.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::files::publish::publish;
 
-/// One stretch of work on a run.
+/// One session of work on a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Session {
     command: String,
@@ -34,9 +34,9 @@ pub struct Session {
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct MapUse {
     map_tiles: u64,
-    /// Of this session; tiles that were there already cost none.
+    /// Simulations of this session only.
     map_simulations: u64,
-    /// Whether they would have cost more than the samples, which were simulated instead.
+    /// Whether the maps were given up, as they would have cost more than simulating the samples.
     #[serde(default)]
     map_given_up: bool,
 }
@@ -47,7 +47,7 @@ struct Record {
 }
 
 impl Session {
-    /// Starts the clock.
+    /// Starts a session.
     pub fn start(command: &str, threads: usize) -> Self {
         Self {
             command: command.to_owned(),
@@ -69,18 +69,17 @@ impl Session {
         }
     }
 
-    /// Notes how many tiles the verdict maps have, how many simulations this session spent on them, and whether they were given
-    /// up.
+    /// Records the tiles of the verdict maps, the simulations that this session made for them, and whether they were given up.
     pub fn maps(&mut self, map_tiles: u64, map_simulations: u64, map_given_up: bool) {
         self.maps = Some(MapUse { map_tiles, map_simulations, map_given_up });
     }
 
-    /// Notes how the samples of the run were judged.
+    /// Records how many samples of the run were simulated and audited, if it uses verdict maps.
     pub fn lookups(&mut self, lookups: Lookups) {
         self.lookups = self.maps.map(|_| lookups);
     }
 
-    /// Appends the finished session to `run.json`. A record that cannot be read is begun anew: nothing depends on it.
+    /// Appends the finished session to `run.json`. A file that cannot be read is replaced, as nothing depends on it.
     pub fn record(mut self, directory: &Path, outcome: &str, samples: u64) -> Result<(), Failure> {
         self.seconds = self.clock.elapsed().as_secs_f64();
         self.outcome = outcome.to_owned();

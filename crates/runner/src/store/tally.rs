@@ -1,4 +1,4 @@
-//! Which samples of which cell are counted, and their verdicts so far.
+//! The samples of a run that are counted so far, and their verdicts.
 
 use std::cmp::Reverse;
 use std::ops::Range;
@@ -8,7 +8,7 @@ use stickslip_sampler::estimate::distribution::Distribution;
 
 use crate::evaluate::unit::FinishedUnit;
 
-/// The state of a run: for each part the samples counted so far and their verdicts.
+/// The units of a run added up: for each part, which samples are counted, and their verdicts.
 #[derive(Debug, Clone)]
 pub struct Tally {
     parts: Vec<PartTally>,
@@ -19,7 +19,7 @@ struct PartTally {
     counts: VerdictCounts,
     amplitudes: Distribution,
     sums: Vec<i128>,
-    /// Disjoint, sorted, not touching.
+    /// The samples that are counted: sorted ranges with gaps between them.
     covered: Vec<Range<u64>>,
 }
 
@@ -48,16 +48,16 @@ impl PartTally {
 }
 
 impl Tally {
-    /// Nothing counted yet.
+    /// A tally in which nothing is counted.
     pub fn new(parts: u64) -> Self {
         Self { parts: vec![PartTally::default(); parts as usize] }
     }
 
-    /// Adds what pieces hold. Segments may come in any order and more than once (a task that a batch system
-    /// started twice); samples that are already counted are not counted again.
+    /// Adds the units of pieces, in any order. Samples are counted once, even if a unit is there twice because a batch system
+    /// started a task twice.
     ///
     /// # Errors
-    /// The part and the samples of two units with different verdicts on them: one is wrong, and nothing tells which.
+    /// The part and the samples of two units that have different verdicts on the same samples: one of them is wrong.
     pub fn add_all(&mut self, mut units: Vec<FinishedUnit>) -> Result<(), (u64, Range<u64>)> {
         units.sort_by_key(|unit| (unit.part, unit.samples.start, Reverse(unit.samples.end)));
         for pair in units.windows(2) {
@@ -85,7 +85,7 @@ impl Tally {
         }
     }
 
-    /// The verdicts of one part.
+    /// The verdict counts of one part.
     pub fn counts(&self, part: u64) -> VerdictCounts {
         self.parts[part as usize].counts
     }
@@ -100,7 +100,7 @@ impl Tally {
         &self.parts[part as usize].sums
     }
 
-    /// Samples counted, over all parts.
+    /// The number of samples that are counted, over all parts.
     pub fn counted(&self) -> u128 {
         self.parts.iter().map(|part| u128::from(part.counts.total())).sum()
     }
@@ -111,7 +111,7 @@ impl Tally {
             || self.parts[part as usize].covered.first().is_some_and(|first| first.start == 0 && first.end >= samples)
     }
 
-    /// The samples that are not counted yet, by part, of as many as are wanted of each.
+    /// The samples that are missing, by part, given how many samples of each part are wanted.
     pub fn gaps(&self, wanted: &[u64]) -> Vec<(u64, Range<u64>)> {
         let mut gaps = Vec::new();
         for ((index, part), &samples) in self.parts.iter().enumerate().zip(wanted) {
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn disagreement_is_an_error() {
+    fn units_that_disagree_are_an_error() {
         let wrong = FinishedUnit { counts: VerdictCounts { stable: 10, ..Default::default() }, ..unit(0, 0..10) };
         let error = Tally::new(1).add_all(vec![unit(0, 0..10), wrong]).unwrap_err();
         assert_eq!(error, (0, 0..10));

@@ -1,4 +1,4 @@
-//! Which samples of a job are still wanted, and what counted cells come to.
+//! The samples of a job that are still wanted, and the estimates of cells that stop by precision.
 
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::interval::Estimate;
@@ -7,19 +7,19 @@ use crate::evaluate::parts::Parts;
 use crate::store::tally::Tally;
 
 impl Parts {
-    /// How far a cell is: the number of its parts that are wanted, as far as can be said now (all of them, or up to the next
-    /// look), and the counts at every look that is complete.
+    /// The number of parts of a cell that are wanted now (all of them, or those up to the next look), and the counts at every
+    /// complete look.
     fn progress(&self, tally: &Tally, cell: u64) -> (usize, Vec<VerdictCounts>) {
         let Some(looks) = self.looks() else { return (self.of_a_cell(), Vec::new()) };
         let mut counts = VerdictCounts::default();
         let mut complete = Vec::new();
         for (place, part) in self.of(cell).enumerate() {
-            if !tally.is_complete(part, self.most(place)) {
+            if !tally.is_complete(part, self.max_samples(place)) {
                 return (place + 1, complete);
             }
             counts += tally.counts(part);
             complete.push(counts);
-            // Samples beyond a look are only there because it was not enough; that need not be found out again.
+            // Samples beyond a look are there only because the look was not enough, so it need not be checked again.
             let went_on = place + 1 < self.of_a_cell() && tally.counts(part + 1).total() > 0;
             if !went_on && looks.is_enough(place, &counts) {
                 return (place + 1, complete);
@@ -28,11 +28,11 @@ impl Parts {
         (self.of_a_cell(), complete)
     }
 
-    /// The samples that are wanted of each part, as far as can be said now.
+    /// The number of samples of each part that are wanted now.
     pub fn wanted(&self, tally: &Tally) -> Vec<u64> {
         let of_cell = |cell: u64| {
             let (wanted, _) = self.progress(tally, cell);
-            (0..self.of_a_cell()).map(move |place| if place < wanted { self.most(place) } else { 0 })
+            (0..self.of_a_cell()).map(move |place| if place < wanted { self.max_samples(place) } else { 0 })
         };
         (0..self.cells()).flat_map(of_cell).collect()
     }
@@ -40,26 +40,26 @@ impl Parts {
     /// Whether a cell has all its samples.
     pub fn is_complete(&self, tally: &Tally, cell: u64) -> bool {
         let (wanted, _) = self.progress(tally, cell);
-        self.of(cell).take(wanted).enumerate().all(|(place, part)| tally.is_complete(part, self.most(place)))
+        self.of(cell).take(wanted).enumerate().all(|(place, part)| tally.is_complete(part, self.max_samples(place)))
     }
 
-    /// Cells that have all their samples.
+    /// The number of cells that have all their samples.
     pub fn complete_cells(&self, tally: &Tally) -> u64 {
         (0..self.cells()).filter(|&cell| self.is_complete(tally, cell)).count() as u64
     }
 
-    /// The verdicts of a cell, over all its parts.
+    /// The verdict counts of a cell, over all its parts.
     pub fn counts(&self, tally: &Tally, cell: u64) -> VerdictCounts {
         self.of(cell).fold(VerdictCounts::default(), |counts, part| counts + tally.counts(part))
     }
 
-    /// With `until`, the estimate at the look at which a cell stopped, or at the last one that is complete.
+    /// The estimate at the look at which a cell stopped, or at its last complete look; `None` for jobs without `until`.
     pub fn estimate_at_stop(&self, tally: &Tally, cell: u64) -> Option<Estimate> {
         let looks = self.looks()?;
         Some(looks.estimate(&self.progress(tally, cell).1))
     }
 
-    /// The share of the error that belongs to the look at which a cell stopped; all of it without looks.
+    /// The share of the error probability that belongs to the look at which a cell stopped; 1 for jobs without `until`.
     pub fn error_share_at_stop(&self, tally: &Tally, cell: u64) -> f64 {
         let Some(looks) = self.looks() else { return 1.0 };
         self.progress(tally, cell).1.len().checked_sub(1).map_or(1.0, |look| looks.error_share(look))

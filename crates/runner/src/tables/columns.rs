@@ -1,4 +1,4 @@
-//! The columns of `surface.parquet`: name, unit, meaning, and how a row has the value.
+//! The columns of `surface.parquet`: name, unit, meaning, and how to read the value from a row.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::files::table::described_field;
 use crate::job::{Effort, Job, RandomInput, SamplingMethod};
 use crate::tables::row::SurfaceRow;
 
-/// A column: name, unit, meaning, and its values.
+/// A column: its name, unit, meaning and values.
 pub struct Column {
     name: Cow<'static, str>,
     unit: Cow<'static, str>,
@@ -31,7 +31,7 @@ pub enum Values {
     OptionalReal(Read<Option<f64>>),
 }
 
-/// A value of a row.
+/// Reads a value from a row.
 pub type Read<T> = Box<dyn Fn(&SurfaceRow) -> T>;
 
 impl Column {
@@ -74,7 +74,7 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
         columns.extend(amplitude_columns());
     }
     if job.is_integrated() && job.uses_maps() {
-        let meaning = "probability that a sample is undecided, or fails";
+        let meaning = "probability that a sample is undecided or fails";
         columns.push(Column::optional("p_undecided", meaning, |row| Some(row.integrated?.undecided)));
     }
     if layout.lookups() || (job.is_integrated() && job.sampling.is_audited) {
@@ -100,7 +100,7 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
     columns
 }
 
-/// The columns of every surface; `probability` says what that is.
+/// The columns of every surface; `probability` is the meaning of `p_unstable`.
 #[rustfmt::skip]
 fn first_columns(probability: &'static str) -> Vec<Column> {
     vec![
@@ -111,10 +111,10 @@ fn first_columns(probability: &'static str) -> Vec<Column> {
         Column::real("preload", "expected preload, calliper displacement over disc thickness", |row| row.cell.preload),
         Column::real("static_friction", "expected static friction coefficient", |row| row.cell.static_friction),
         Column::integer("n_samples", "samples", |row| row.counts.total()),
-        Column::integer("n_stable", "samples judged stable", |row| row.counts.stable),
-        Column::integer("n_unstable", "samples judged unstable", |row| row.counts.unstable),
+        Column::integer("n_stable", "samples decided as stable", |row| row.counts.stable),
+        Column::integer("n_unstable", "samples decided as unstable", |row| row.counts.unstable),
         Column::integer("n_undecided", "samples without a certain verdict", |row| row.counts.undecided),
-        Column::integer("n_failed", "samples whose computation broke down", |row| row.counts.failed),
+        Column::integer("n_failed", "samples whose computation failed", |row| row.counts.failed),
         Column::optional("p_unstable", probability, |row| row.estimate.probability),
         Column::real("p_low", "lower end of the confidence interval of the probability", |row| row.estimate.low),
         Column::real("p_high", "upper end of the confidence interval of the probability", |row| row.estimate.high),
@@ -135,24 +135,28 @@ fn amplitude_columns() -> Vec<Column> {
 /// Columns of jobs with a verdict map.
 fn lookup_columns() -> Vec<Column> {
     vec![
-        Column::integer("n_simulated", "samples that the verdict map does not tell, and that were simulated", |row| {
-            row.lookups.simulated
-        }),
-        Column::integer("n_audited", "samples that were looked up and simulated all the same", |row| {
+        Column::integer(
+            "n_simulated",
+            "samples that were simulated, as the verdict map has no verdict for them",
+            |row| row.lookups.simulated,
+        ),
+        Column::integer("n_audited", "samples that were looked up and simulated as well, as a check", |row| {
             row.lookups.audited
         }),
-        Column::integer("n_audit_differed", "audited samples that were judged otherwise than looked up", |row| {
-            row.lookups.differed
-        }),
+        Column::integer(
+            "n_audit_differed",
+            "audited samples whose simulated verdict differs from the one looked up",
+            |row| row.lookups.differed,
+        ),
         Column::optional(
             "p_audit",
-            "probability of samples whose looked-up verdict the audit does not exclude to be wrong; p_low and p_high contain it",
+            "largest share of wrong looked-up verdicts that the audit does not exclude; p_low and p_high contain it",
             |row| row.unaudited,
         ),
     ]
 }
 
-/// Columns of jobs on a flexible disc: what feeds the unstable samples.
+/// Columns of jobs with a flexible disc: the degrees of freedom that feed the unstable samples.
 fn source_columns(layout: SumLayout) -> Vec<Column> {
     let column = |name, meaning, source| {
         Column::integer(name, meaning, move |row: &SurfaceRow| {
@@ -183,7 +187,7 @@ fn source_columns(layout: SumLayout) -> Vec<Column> {
     ]
 }
 
-/// Columns of jobs with derivatives: exact where probabilities are integrated, else with their standard errors.
+/// Columns of jobs with derivatives: exact if probabilities are integrated, else with standard errors.
 fn derivative_columns(layout: SumLayout, integrated: bool) -> Vec<Column> {
     let numbers = [
         (CellParameter::Preload, "dp_dpreload", "expected preload at constant relative standard deviation"),
@@ -251,8 +255,9 @@ fn sensitivity_columns(layout: SumLayout, inputs: &[RandomInput]) -> Vec<Column>
     columns
 }
 
-/// Adds what the first columns do not say of the inputs: expected value and standard deviation of those other than preload
-/// and static friction; mean and standard deviation of those that are truncated, whose other columns are named parameters.
+/// Adds columns for the inputs: expected value and standard deviation of those other than preload and static friction, and
+/// mean and standard deviation of those that are truncated. The other columns of a truncated input then name parameters of
+/// its distribution.
 fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
     for (i, (&input, marginal)) in job.random.inputs.iter().zip(&job.random.marginals).enumerate() {
         let name = input.name();

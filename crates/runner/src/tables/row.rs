@@ -1,4 +1,4 @@
-//! What is known of one cell: a row of the surface.
+//! A row of the surface: everything that is known of one cell.
 
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::audit;
@@ -12,36 +12,36 @@ use crate::evaluate::sums::Lookups;
 /// One row of the result.
 #[derive(Debug, Clone)]
 pub struct SurfaceRow {
-    /// Expected values and scatter.
+    /// Expected values and standard deviations.
     pub cell: Cell,
-    /// Verdicts.
+    /// Verdict counts.
     pub counts: VerdictCounts,
     /// Probability and interval.
     pub estimate: Estimate,
-    /// The share of samples whose looked-up verdict the audit does not exclude to be wrong; `None` without an audit.
+    /// The largest share of wrong looked-up verdicts that the audit does not exclude; `None` without an audit.
     pub unaudited: Option<f64>,
     /// Settled amplitudes of the unstable samples, if the job records them.
     pub amplitudes: Distribution,
-    /// Samples without preload or with friction that rises with speed; 0 where none are drawn.
+    /// Number of samples without preload or with friction that rises with speed; 0 if none are drawn.
     pub outside_physics: u64,
-    /// How its samples, or those of its audit, were judged.
+    /// How many of its samples, or of its audit, were simulated and audited.
     pub(super) lookups: Lookups,
-    /// Further sums that the job asks for.
+    /// Further sums.
     pub(super) sums: Vec<i128>,
-    /// What is known beside the probability, where it was integrated.
+    /// The integral, where the probability was integrated.
     pub(super) integrated: Option<IntegratedCell>,
 }
 
 impl SurfaceRow {
-    /// The share of samples without a verdict, undecided or failed.
+    /// The share of samples that are undecided or failed.
     pub fn unknown_share(&self) -> f64 {
         let counted = self.counts.without_verdict() as f64 / self.counts.total().max(1) as f64;
         self.integrated.map_or(counted, |integrated| integrated.undecided)
     }
 }
 
-/// The share of a cell whose looked-up verdicts may be wrong, as far as the audit does not exclude it. Of `samples` in all,
-/// those that were simulated are right; an integral has none.
+/// The largest share of a cell with wrong looked-up verdicts that the audit does not exclude. Of the `samples` of the cell,
+/// those that were simulated are right; an integral has no samples.
 pub fn unaudited(lookups: &Lookups, samples: Option<u64>, confidence: f64) -> f64 {
     let looked_up = samples.map_or(1.0, |samples| {
         samples.saturating_sub(lookups.simulated + lookups.audited) as f64 / samples.max(1) as f64
@@ -49,7 +49,7 @@ pub fn unaudited(lookups: &Lookups, samples: Option<u64>, confidence: f64) -> f6
     looked_up * audit::upper_bound(lookups.differed, lookups.audited, confidence)
 }
 
-/// An estimate if so large a share of the samples may have the other verdict.
+/// An estimate whose interval allows for a share `by` of the samples with the other verdict.
 pub fn widened(estimate: &Estimate, by: f64) -> Estimate {
     Estimate { low: (estimate.low - by).max(0.0), high: (estimate.high + by).min(1.0), ..*estimate }
 }

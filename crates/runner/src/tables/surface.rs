@@ -30,7 +30,7 @@ use crate::store::tally::Tally;
 use crate::tables::columns::{self, Column};
 use crate::tables::row::{SurfaceRow, unaudited, widened};
 
-/// Rows that are held in memory at once; also the size of a row group.
+/// Number of rows that are held in memory at once, and in a row group.
 const BATCH_ROWS: u64 = 65_536;
 
 /// The result of a job.
@@ -38,11 +38,11 @@ const BATCH_ROWS: u64 = 65_536;
 pub struct Surface<'a> {
     job: &'a Job,
     tally: &'a Tally,
-    /// One for each cell where probabilities are integrated, else none.
+    /// The integral of each cell, if probabilities are integrated; empty otherwise.
     integrated: &'a [IntegratedCell],
     parts: Parts,
     layout: SumLayout,
-    /// With looks, the estimate of each cell: rows are made more than once.
+    /// With looks, the estimate of each cell, kept because rows are made more than once.
     at_stop: OnceCell<Vec<Estimate>>,
 }
 
@@ -59,12 +59,12 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// The surface of a job that integrates, one probability for each cell.
+    /// The surface of a job that integrates, with an integral for each cell.
     pub fn integrated(job: &'a Job, tally: &'a Tally, integrated: &'a [IntegratedCell]) -> Self {
         Self { integrated, ..Self::new(job, tally) }
     }
 
-    /// The job behind it.
+    /// Its job.
     pub fn job(&self) -> &Job {
         self.job
     }
@@ -80,7 +80,7 @@ impl<'a> Surface<'a> {
         }
         let integrated = self.integrated.get(cell as usize).copied();
         let lookups = integrated.map_or_else(|| self.layout.read_lookups(&sums), |integrated| integrated.lookups);
-        // With a map that was given up, or audited as a whole, every sample was simulated.
+        // If the map was given up or every sample audited, all were simulated.
         let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
         let confidence = self.job.confidence(is_audited);
         let counted =
@@ -102,7 +102,7 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// The probability of a cell, and the interval that its counts give at a confidence.
+    /// The probability of a cell, with the interval of a confidence from its counts.
     fn estimate(&self, cell: u64, counts: &VerdictCounts, confidence: f64) -> Estimate {
         match self.job.sampling.effort {
             Effort::Samples(_) | Effort::Integrated => self.job.interval(confidence).estimate(counts),
@@ -123,7 +123,7 @@ impl<'a> Surface<'a> {
         self.integrated.iter().map(|cell| cell.undecided).fold(0.0, f64::max)
     }
 
-    /// How the samples of all cells were judged, where they are looked up in a map.
+    /// How many samples of all cells were simulated and audited, in jobs with verdict maps.
     pub fn lookups(&self) -> Lookups {
         let mut lookups = Lookups::default();
         for part in 0..self.parts.count() {
@@ -138,11 +138,10 @@ impl<'a> Surface<'a> {
         (0..self.job.cells()).map(|cell| self.row(cell))
     }
 
-    /// Writes `surface.parquet` into `directory`, whole or not at all. Returns false if the same bytes are there
-    /// already.
+    /// Writes `surface.parquet` into `directory`, whole or not at all. Returns false if the file has the same bytes already.
     pub fn publish(&self, directory: &Path) -> Result<bool, Failure> {
         let target = directory.join("surface.parquet");
-        // The same bytes may be there already; a hash tells without holding them.
+        // A hash compares the bytes without holding them in memory.
         let present = hash_of_file(&target).map_err(|error| Failure::reading(&target, error))?;
         let written = || -> Result<bool, ParquetError> {
             if let Some(present) = present
@@ -176,7 +175,7 @@ impl<'a> Surface<'a> {
         writer.into_inner()
     }
 
-    /// The footer: the job and what makes its values, and nothing that differs between two runs of one job.
+    /// The footer: the job and the versions that its values depend on. Nothing in it differs between two runs of one job.
     fn properties(&self) -> WriterProperties {
         let mut footer = vec![
             ("stickslip:job", self.job.normalised()),
@@ -198,7 +197,7 @@ fn add_sums(total: &mut Vec<i128>, sums: &[i128]) {
     total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
 }
 
-/// The hash of a file's content, if there is one.
+/// The hash of a file's content; `None` if there is no file.
 fn hash_of_file(path: &Path) -> io::Result<Option<blake3::Hash>> {
     if !path.is_file() {
         return Ok(None);
