@@ -135,7 +135,7 @@ fn a_run_of_another_job_is_refused_and_untouched() {
     place.run("submit job.toml --seed 8").refused(65, &["run of another job", "`seed = 7`", "`seed = 8`", "--out"]);
     place
         .run("submit job.toml --samples 50")
-        .refused(65, &["100 samples in each cell, more than the 50 asked for", "--out"]);
+        .refused(65, &["100 samples in each cell, more than the 50 of this one", "--out"]);
     place.write("job.toml", &surface_job("mine", 3, 100, 7).replace("15.0", "16.0"));
     place.run("submit job.toml").refused(65, &["rotating_speed = [15.0]", "rotating_speed = [16.0]"]);
     assert_eq!(place.surface("runs/mine"), before);
@@ -464,7 +464,7 @@ fn samples_that_the_job_does_not_ask_for_are_never_counted() {
     for words in ["submit job.toml --samples 2000 --shard 2/2", "submit job.toml --samples 2000"] {
         place.run(words).refused(73, &["unfinished run", "stickslip resume runs/odd"]);
     }
-    place.run("submit job.toml --samples 500 --shard 2/2").refused(65, &["more than the 500 asked for"]);
+    place.run("submit job.toml --samples 500 --shard 2/2").refused(65, &["more than the 500 of this one"]);
     place.run("resume runs/odd").done();
     // Nor can a job be shrunk by hand.
     place.write("runs/odd/job.toml", &surface_job("odd", 3, 500, 7));

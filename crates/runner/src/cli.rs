@@ -14,8 +14,8 @@ use crate::target::Target;
 #[derive(Debug, Parser)]
 #[command(name = "stickslip", version, about, max_term_width = 110)]
 #[command(after_help = "Exit codes: 0 done; 64 usage; 65 bad job spec, or a job that differs from the run's; \
-    70 the audit found the verdict map wrong somewhere (the result is written); 73 cannot create output; 74 I/O error; 75 the run directory is in use; 130 and 143 interrupted (what was \
-    finished is kept).")]
+    70 an audit found that the verdict map is wrong somewhere (the result is written); 73 cannot create output; 74 I/O error; 75 the run directory is in use; 130 and 143 interrupted (finished \
+    work is kept).")]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -29,21 +29,21 @@ pub enum Command {
     Submit(SubmitArguments),
     /// Continue a run that was interrupted
     Resume(ResumeArguments),
-    /// Show how far a run is
+    /// Show the progress of a run
     Status(StatusArguments),
-    /// Validate a job: show it normalised, with its cells, samples and expected cost
+    /// Validate a job, and show it with all defaults, its cells, samples and expected cost
     Check(CheckArguments),
-    /// Analyse one parameter point: equilibrium, eigenvalues, critical speed
+    /// Analyse one operating point: equilibrium, eigenvalues, critical speed
     Analyse(AnalyseArguments),
-    /// Simulate one motion in time: time series and its summary
+    /// Simulate one motion: time series and summary
     Trajectory(TrajectoryArguments),
-    /// Compute one sample of a run again, bit for bit: inputs, verdict, trajectory
+    /// Reproduce one sample of a run bit for bit: inputs, verdict, trajectory
     Replay(ReplayArguments),
-    /// Compare finished runs cell by cell, sample by sample where they share their samples
+    /// Compare finished runs cell by cell, and sample by sample if they share their samples
     Compare(CompareArguments),
     /// Reproduce a table or figure of Sui & Ding (2018)
     Reproduce(ReproduceArguments),
-    /// Join the pieces of finished shards into the surface
+    /// Write the surface from the pieces of finished shards
     Merge(MergeArguments),
     /// Print the JSON schema of job specs
     Schema,
@@ -64,13 +64,13 @@ pub struct SubmitArguments {
     pub out: Option<PathBuf>,
     #[command(flatten)]
     pub threads: ThreadsArgument,
-    /// Seed of the random numbers, instead of the job's
+    /// Seed of the random numbers, in place of the job's
     #[arg(long, value_name = "S", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
-    /// Samples in each cell (with until: at most), instead of the job's; more than a finished run has extends it
+    /// Samples in each cell (with until: at most), in place of the job's; more than a finished run has extend it
     #[arg(long, value_name = "N", value_parser = whole_number, allow_negative_numbers = true)]
     pub samples: Option<u64>,
-    /// Compute only one of N parts, to be merged later; I counts from 1 to N or from 0 to N-1
+    /// Compute only one of N shards, to be merged later; I counts from 1 to N or from 0 to N-1
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
     #[command(flatten)]
@@ -82,21 +82,21 @@ fn whole_number(text: &str) -> Result<u64, String> {
     text.replace('_', "").parse().map_err(|_| "write a whole number, for example 10000 or 10_000".to_owned())
 }
 
-/// A seed, as a job spec can hold it.
+/// A seed in the range that a job spec allows.
 fn seed(text: &str) -> Result<u64, String> {
     let seed = text.replace('_', "").parse().ok().filter(|&seed: &u64| i64::try_from(seed).is_ok());
     seed.ok_or_else(|| format!("a seed is a whole number from 0 to {} (2^63 - 1)", i64::MAX))
 }
 
-/// The name of a file that is written as Parquet.
+/// The path of a file that will be written as Parquet.
 fn parquet_file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    // A directory is refused later, as one.
+    // A directory is refused later, with a message of its own.
     if path.is_dir() || path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) {
         return Ok(path);
     }
     let name = path.with_extension("parquet");
-    Err(format!("the file is written as Parquet, whatever its name: call it {}", name.display()))
+    Err(format!("the file is written as Parquet; name it {}", name.display()))
 }
 
 /// Verdict maps of other runs.
@@ -116,7 +116,7 @@ pub struct ThreadsArgument {
 }
 
 impl ThreadsArgument {
-    /// As given, by default one for each processor.
+    /// The number of threads, by default one for each processor.
     pub fn count(&self) -> usize {
         self.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, std::num::NonZero::get), usize::from)
     }
@@ -140,7 +140,7 @@ pub struct StatusArguments {
     /// The run directory
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
-    /// As JSON
+    /// Print JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -161,7 +161,7 @@ pub struct AnalyseArguments {
     /// Change a value of the preset, for example friction.static_coefficient=0.45; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// As JSON
+    /// Print JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -175,19 +175,19 @@ pub struct TrajectoryArguments {
     /// The disc under the pad
     #[arg(long, value_enum, default_value_t = DiscArgument::Flexible)]
     pub disc: DiscArgument,
-    /// Modes of the flexible disc that are kept, those of lowest frequency [default: as many as the growth rate needs]
+    /// Number of modes of the flexible disc, lowest frequencies first [default: as many as the growth rate needs]
     #[arg(long, value_name = "N")]
     pub disc_modes: Option<usize>,
     /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc) [default: 8x8]
     #[arg(long, value_name = "RxN", value_parser = grid)]
     pub grid: Option<DiscGrid>,
-    /// How the moving load of the finite-difference disc passes from node to node [default: linear]
+    /// How the moving load of the finite-difference disc is shared among nodes [default: linear]
     #[arg(long, value_enum)]
     pub allotment: Option<AllotmentArgument>,
     /// Where the motion starts
     #[arg(long, value_enum, default_value_t = StartKind::NearEquilibrium)]
     pub start: StartKind,
-    /// Displacement of a start near the equilibrium, over the equilibrium's own [default: 0.01]
+    /// Relative displacement from the equilibrium at the start [default: 0.01]
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     pub displacement: Option<f64>,
     /// Scaled time to simulate [default: 500]
@@ -196,7 +196,7 @@ pub struct TrajectoryArguments {
     /// Write the time series to a Parquet file
     #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
-    /// Summary as JSON
+    /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -206,18 +206,18 @@ pub struct TrajectoryArguments {
 pub enum DiscArgument {
     /// No disc: the pad alone, sin(phi) = 0
     Rigid,
-    /// Modes of an annular plate
+    /// An annular plate, by its modes
     Flexible,
-    /// The paper's polar grid with the moving load, a reference for the modes; takes seconds to minutes
+    /// The paper's polar grid with a moving load, a reference for the modes; takes seconds to minutes
     FiniteDifference,
 }
 
-/// How the moving load of the finite-difference disc passes from node to node.
+/// How the moving load of the finite-difference disc is shared among nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum AllotmentArgument {
     /// It jumps from node to node (the paper's condition a)
     Nodal,
-    /// It is shared linearly by the two nodes around it (condition b)
+    /// The two nodes around it share it linearly (condition b)
     Linear,
 }
 
@@ -230,7 +230,7 @@ fn grid(text: &str) -> Result<DiscGrid, String> {
 }
 
 impl DiscArgument {
-    /// As typed.
+    /// Its name on the command line.
     pub fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
@@ -242,10 +242,10 @@ pub struct ReplayArguments {
     /// The run directory
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
-    /// The cell, as in the column of that name
+    /// The cell, by its number in the column `cell`
     #[arg(long, value_name = "I", value_parser = whole_number)]
     pub cell: u64,
-    /// The sample of that cell, counted from 0
+    /// The sample of that cell, numbered from 0
     #[arg(long, value_name = "J", value_parser = whole_number)]
     pub sample: u64,
     /// Scaled time to simulate [default: 500]
@@ -254,7 +254,7 @@ pub struct ReplayArguments {
     /// Write the time series to a Parquet file
     #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
-    /// Summary as JSON
+    /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -262,19 +262,19 @@ pub struct ReplayArguments {
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
 pub struct CompareArguments {
-    /// The run directories: first the reference, then those that are compared with it
+    /// Run directories: the reference, then the runs to compare with it
     #[arg(value_name = "RUN_DIR", required = true)]
     pub runs: Vec<PathBuf>,
     /// Write one row for each pair of runs and cell to a Parquet file
     #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
-    /// Confidence of the intervals of the differences, all of them together
+    /// Confidence that all intervals of the differences hold together
     #[arg(long, value_name = "C", default_value_t = 0.95, allow_negative_numbers = true)]
     pub confidence: f64,
-    /// Intervals that hold for each cell by itself, not for all together
+    /// Let the confidence hold for each cell by itself, not for all together
     #[arg(long)]
     pub pointwise: bool,
-    /// Summary as JSON
+    /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
@@ -284,7 +284,7 @@ pub struct CompareArguments {
 /// Arguments of `reproduce`.
 #[derive(Debug, Args)]
 pub struct ReproduceArguments {
-    /// Which table or figure
+    /// The table or figure
     #[arg(value_name = "NAME", value_enum)]
     pub target: Target,
     /// Directory for the runs; each goes to DIR/NAME
@@ -297,7 +297,7 @@ pub struct ReproduceArguments {
 /// Arguments of `merge`.
 #[derive(Debug, Args)]
 pub struct MergeArguments {
-    /// The run directory that the shards were submitted to
+    /// The run directory of the shards
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
 }

@@ -1,4 +1,4 @@
-//! Why a command ended without its result, and the exit code that says so.
+//! Failures of commands, with their messages and exit codes.
 
 use std::fmt;
 use std::io;
@@ -9,9 +9,9 @@ use thiserror::Error;
 /// The signal that ended a run early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Signal {
-    /// Ctrl-C.
+    /// SIGINT, from Ctrl-C.
     Interrupt,
-    /// `kill`, a batch system at its time limit.
+    /// SIGTERM, from `kill` or a batch system at its time limit.
     Terminate,
 }
 
@@ -24,10 +24,10 @@ impl fmt::Display for Signal {
     }
 }
 
-/// Every way in which a command can fail. The text is the whole message to the user.
+/// A failure of a command. Its text is the whole message to the user.
 #[derive(Debug, Error)]
 pub enum Failure {
-    /// The command line asks for something that does not exist.
+    /// The command line is not valid.
     #[error("{0}")]
     Usage(String),
     /// The job spec is not valid, or differs from the run's.
@@ -39,18 +39,18 @@ pub enum Failure {
     /// Reading or writing failed.
     #[error("{0}")]
     InputOutput(String),
-    /// The result is there, but its verdict map is wrong somewhere.
+    /// The result is written, but its verdict map is wrong somewhere.
     #[error("{0}")]
     Audit(String),
-    /// Another process works in the run directory.
+    /// Another process is working in the run directory.
     #[error("{0}")]
     Busy(String),
-    /// A signal ended the run; what was finished is kept.
+    /// A signal ended the run. Finished work is kept.
     #[error("{signal}; {message}")]
     Stopped {
-        /// Which signal.
+        /// The signal.
         signal: Signal,
-        /// What is kept, and how to go on.
+        /// What is kept, and how to continue.
         message: String,
     },
 }
@@ -70,7 +70,7 @@ impl Failure {
         }
     }
 
-    /// The same failure with a word on how to go on, where something that was computed is kept.
+    /// Adds to an I/O error how to continue with the work that is kept.
     pub fn with_remedy(self, remedy: &str) -> Self {
         match self {
             Self::InputOutput(message) => Self::InputOutput(format!("{message}; {remedy}")),
@@ -88,12 +88,12 @@ impl Failure {
         Self::InputOutput(format!("cannot write {}: {error}", path.display()))
     }
 
-    /// A file or directory could not be made.
+    /// A file or directory could not be created.
     pub fn creating(path: &Path, error: impl fmt::Display) -> Self {
         Self::CannotCreate(format!("cannot create {}: {error}", path.display()))
     }
 
-    /// Standard output did not take a result.
+    /// A result could not be written to standard output.
     pub fn output(error: &io::Error) -> Self {
         Self::InputOutput(format!("cannot write to standard output: {error}"))
     }

@@ -1,4 +1,4 @@
-//! `stickslip`: the command line of the engine. Reads job specs, runs them on all cores, keeps run directories, and
+//! `stickslip`: the command line of the engine. It reads job specs, runs them on all threads, keeps run directories, and
 //! reproduces the tables and figures of Sui & Ding (2018).
 //!
 //! Modules are declared in reading order; physics is in `stickslip-core`, statistics in `stickslip-sampler`.
@@ -46,8 +46,8 @@ fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            let wanted = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
-            return match (error.print(), wanted) {
+            let is_output = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
+            return match (error.print(), is_output) {
                 (Ok(()), true) => ExitCode::SUCCESS,
                 (Err(error), true) => fail(&Failure::output(&error)),
                 (_, false) => ExitCode::from(64),

@@ -1,4 +1,4 @@
-//! Writing to standard output and standard error without a panic when nobody reads.
+//! Writing to standard output and standard error, without a panic if they are closed.
 
 use std::fmt;
 use std::io::{self, Write as _};
@@ -11,38 +11,38 @@ use crate::failure::Failure;
 /// Writes a result to standard output.
 ///
 /// # Errors
-/// A closed pipe or a full disk, as any other output error: the command says so and exits with its code.
+/// Any output error, including a closed pipe and a full disk.
 pub fn result(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Failure::output(&error))
 }
 
-/// Says something on standard error. If that is closed, nobody wants to hear it.
+/// Writes a message to standard error. Errors are ignored, as there is no other place to report them.
 pub fn note(text: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "stickslip: {text}");
 }
 
-/// Says warnings on standard error.
+/// Writes warnings to standard error.
 pub fn warn(warnings: impl IntoIterator<Item = String>) {
     warnings.into_iter().for_each(|warning| note(format_args!("warning: {warning}")));
 }
 
-/// A path as a shell takes it back, for commands that a message suggests.
+/// A path quoted for a shell, for commands that a message suggests.
 pub fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let is_plain = |c: char| c.is_alphanumeric() || "._-/+=:@".contains(c);
     if !text.is_empty() && text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }
 
-/// Directory and name of a file that a user asks for with --out, if it can be written.
+/// The directory and name of the file of `--out`, if it can be written.
 pub fn output_file(out: &Path) -> Result<(PathBuf, String), Failure> {
     let directory = match out.parent() {
         Some(parent) if parent != Path::new("") => parent.to_owned(),
         _ => PathBuf::from("."),
     };
     let name = out.file_name().and_then(|name| name.to_str());
-    let name = name.ok_or_else(|| Failure::CannotCreate(format!("{} does not name a file", out.display())))?;
-    // A device, a pipe or a link would be replaced by the file.
+    let name = name.ok_or_else(|| Failure::CannotCreate(format!("{} is not the name of a file", out.display())))?;
+    // Writing would replace a device, a pipe or a link by a file.
     if out.symlink_metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         return Err(Failure::CannotCreate(format!("{} is not an ordinary file; name one", out.display())));
     }
@@ -56,12 +56,12 @@ pub fn output_file(out: &Path) -> Result<(PathBuf, String), Failure> {
     Ok((directory, name.to_owned()))
 }
 
-/// A number of things, in words.
+/// A number of things, with the noun in singular or plural.
 pub fn counted(count: u128, one: &str, many: &str) -> String {
     format!("{} {}", HumanCount128(count), if count == 1 { one } else { many })
 }
 
-/// A count of any size with separators.
+/// A count, with separators between thousands if it fits 64 bits.
 pub struct HumanCount128(pub u128);
 
 impl fmt::Display for HumanCount128 {

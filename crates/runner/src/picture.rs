@@ -1,27 +1,27 @@
-//! A small picture of a surface for the terminal.
+//! Pictures of surfaces and curves for the terminal.
 
 use crate::job::RandomInput;
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
-/// Rows and columns of a picture at the most; larger grids are thinned out.
+/// Largest number of rows and columns of a picture; larger grids are thinned out.
 const MOST_ROWS: usize = 15;
 const MOST_COLUMNS: usize = 60;
 
-/// Slices (speeds and standard deviations) shown at the most.
+/// Largest number of slices (combinations of speed and standard deviation) that are shown.
 const MOST_SLICES: usize = 4;
 
-/// Widest bar.
+/// Length of the bar for a probability of 1.
 const BAR: usize = 40;
 
-/// Shades with the probability from which they hold.
+/// Shades, each with the smallest probability that it is drawn for.
 const SHADES: [(f64, char); 6] = [(0.8, '█'), (0.6, '▓'), (0.4, '▒'), (0.2, '░'), (0.01, '·'), (0.0, ' ')];
 
-/// Where more of the samples than this have no verdict, the probability among the others is not drawn.
+/// Largest share of samples without a verdict with which a probability is drawn.
 const MOST_UNKNOWN: f64 = 0.1;
 
-/// The probability of instability over preload and static friction, a slice for each speed and standard deviation;
-/// bars where only one of the two varies.
+/// The probability of instability over preload and static friction, one slice for each speed and standard deviation. If only
+/// one of the two varies, the picture shows bars.
 pub fn picture(surface: &Surface<'_>) -> String {
     let [speeds, stds, preloads, frictions] = surface.job().grid.lengths().map(|length| length as usize);
     let slices = speeds * stds;
@@ -44,7 +44,7 @@ pub fn picture(surface: &Surface<'_>) -> String {
 fn slice_title(surface: &Surface<'_>, first: u64) -> String {
     let cell = surface.row(first).cell;
     let mut scatter = Vec::new();
-    // That of measured values has many digits.
+    // The standard deviation of measured values has many digits.
     let rounded = |std: f64| (std * 1e6).round() / 1e6;
     for (name, std) in [("preload", cell.relative_std.preload), ("friction", cell.relative_std.static_friction)] {
         if std > 0.0 {
@@ -62,7 +62,7 @@ fn slice_title(surface: &Surface<'_>, first: u64) -> String {
     format!("Probability of instability at {} rad/s; relative std: {scatter}\n\n", cell.rotating_speed)
 }
 
-/// Indices of at most `most` of `length` evenly spread entries, both ends included.
+/// At most `most` evenly spaced indices below `length`, both ends included.
 fn thinned(length: usize, most: usize) -> Vec<usize> {
     if length <= most {
         return (0..length).collect();
@@ -97,7 +97,7 @@ fn heat_map(surface: &Surface<'_>, first: u64, preloads: usize, frictions: usize
     text + "\n"
 }
 
-/// The probability of a cell, if most samples have a verdict.
+/// The probability of a cell, if enough samples have a verdict.
 fn known_probability(row: &SurfaceRow) -> Option<f64> {
     row.estimate.probability.filter(|_| row.unknown_share() <= MOST_UNKNOWN)
 }
@@ -131,7 +131,7 @@ fn bars(surface: &Surface<'_>, first: u64, preloads: usize, frictions: usize) ->
     text
 }
 
-/// A number with at most three decimals, and none that say nothing.
+/// A number with at most three decimals, without trailing zeros.
 fn short(value: f64) -> String {
     let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -141,7 +141,7 @@ fn short(value: f64) -> String {
 const PLOT_ROWS: usize = 20;
 const PLOT_COLUMNS: usize = 72;
 
-/// Curves over a common abscissa, the n-th drawn with the digit n, and the zero line.
+/// Curves over a common abscissa, the n-th drawn with the digit n, with a line at zero.
 pub fn curves(lines: &[Vec<(f64, f64)>]) -> String {
     let points = || lines.iter().flatten().copied();
     let range = |values: &mut dyn Iterator<Item = f64>| {

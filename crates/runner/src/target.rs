@@ -2,10 +2,10 @@
 
 use clap::ValueEnum;
 
-/// What can be reproduced.
+/// A table or figure that can be reproduced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Target {
-    /// Ten preloads (the paper's numbers are lost, its range is not)
+    /// Ten preloads (of the paper's numbers, only the range is known)
     Table2,
     /// Ten static friction coefficients, four scatters
     Table3,
@@ -41,19 +41,19 @@ pub enum Target {
     Fig15a,
     /// Surface at 15 rad/s, standard deviation 0.3
     Fig15b,
-    /// Every number printed in the paper against ours
+    /// Every number printed in the paper beside the computed one
     Scoreboard,
     /// All of the above
     All,
 }
 
 impl Target {
-    /// As typed.
+    /// Its name on the command line.
     pub fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
-    /// The job spec behind a target, if it has one.
+    /// The job spec of a target, if it has one.
     pub fn job(self) -> Option<&'static str> {
         match self {
             Self::Table2 => Some(include_str!("../../../jobs/table2.toml")),

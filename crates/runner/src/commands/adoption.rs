@@ -1,4 +1,4 @@
-//! Whether a run directory is one of a job that is submitted to it.
+//! Checking whether a job may be submitted to a run directory.
 
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
@@ -7,36 +7,39 @@ use crate::output::{note, quoted};
 use crate::store::directory::RunDirectory;
 use crate::store::tally::Tally;
 
-/// What a directory holds of a job that is submitted to it.
-pub enum Standing {
-    /// Nothing, or a finished run with fewer samples in each cell.
-    Fresh(Tally),
-    /// Some of the samples.
+/// The state of the run of a submitted job.
+pub enum RunState {
+    /// New, or a finished run that now gets more samples.
+    New(Tally),
+    /// Some samples are counted.
     Unfinished(Tally),
-    /// All samples.
+    /// All samples are counted.
     Finished(Tally),
 }
 
-impl Standing {
-    /// The samples that are there.
+impl RunState {
+    /// The samples that are counted already.
     pub fn into_tally(self) -> Tally {
         match self {
-            Self::Fresh(tally) | Self::Unfinished(tally) | Self::Finished(tally) => tally,
+            Self::New(tally) | Self::Unfinished(tally) | Self::Finished(tally) => tally,
         }
     }
 }
 
-/// Makes the directory one of this job, or refuses if it belongs to another. Gives the job as the run has it: it keeps the
-/// name and the description under which it began.
-pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(Job, Standing), Failure> {
+/// Freezes a job in a run directory that has none, or checks that the directory belongs to the same job. Returns the job with
+/// the name and description of the run.
+///
+/// # Errors
+/// A directory that belongs to another job, or to the same one with more samples or unfinished with fewer.
+pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(Job, RunState), Failure> {
     if directory.job_source()?.is_none() {
-        // Pieces may be there without a job (a job.toml removed by hand): those of this job count, others are refused
-        // before anything is written. Unless another shard has frozen the job in the meantime.
+        // There may be pieces without a job.toml, if somebody removed it. Those of this job count; others are refused before
+        // anything is written. Meanwhile, another shard may have frozen the job.
         let tally = directory.tally(&job);
         if directory.job_source()?.is_none() {
             let tally = tally?;
             if directory.freeze_first(source, &job)? {
-                return Ok((job, Standing::Fresh(tally)));
+                return Ok((job, RunState::New(tally)));
             }
         }
     }
@@ -52,24 +55,24 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     let at_most = if job.stops_by_precision() { "at most " } else { "" };
     if wanted < there {
         return Err(Failure::Job(format!(
-            "{path} holds a run of this job with {at_most}{there} samples in each cell, more than the {wanted} asked for. Ask for them with --samples {there}, or choose another directory with --out"
+            "{path} holds a run of this job with {at_most}{there} samples in each cell, more than the {wanted} of this one. Use --samples {there}, or choose another directory with --out"
         )));
     }
     let tally = directory.tally(&existing)?;
     let finished = Parts::new(&existing).complete_cells(&tally) == existing.cells();
     if wanted == there {
-        return Ok((existing, if finished { Standing::Finished(tally) } else { Standing::Unfinished(tally) }));
+        return Ok((existing, if finished { RunState::Finished(tally) } else { RunState::Unfinished(tally) }));
     }
     if !finished {
         return Err(Failure::CannotCreate(format!(
-            "{path} holds an unfinished run of this job with {at_most}{there} samples in each cell; finish it with `stickslip resume {path}`, then ask for {wanted}"
+            "{path} holds an unfinished run of this job with {at_most}{there} samples in each cell; finish it with `stickslip resume {path}`, then submit the job with {wanted}"
         )));
     }
     note(format_args!("{path}: from {at_most}{there} to {at_most}{wanted} samples in each cell"));
     directory.freeze(source, &job)?;
-    // With more samples a cell may have more parts.
+    // With more samples, a cell may have more parts.
     let tally = directory.tally(&job)?;
-    Ok((job, Standing::Fresh(tally)))
+    Ok((job, RunState::New(tally)))
 }
 
 /// The first line in which two normalised jobs differ.
@@ -82,14 +85,14 @@ fn first_difference(existing: &str, new: &str) -> String {
         match (a.next(), b.next()) {
             (Some(a), Some(b)) if a == b => {}
             (Some(a), Some(b)) => return format!("it has `{}`, the job has `{}`", excerpt(a, b), excerpt(b, a)),
-            (None, None) => return "it was made by another version".to_owned(),
+            (None, None) => return "it is of another version".to_owned(),
             (Some(a), None) => return format!("it has `{}`, the job does not", excerpt(a, "")),
             (None, Some(b)) => return format!("the job has `{}`, the run does not", excerpt(b, "")),
         }
     }
 }
 
-/// A line that is not too long for a message, or the part of it where it begins to differ from another one.
+/// A line, or the excerpt of a long line that begins to differ from another one.
 fn excerpt(line: &str, other: &str) -> String {
     const LONGEST: usize = 120;
     if line.chars().count() <= LONGEST {

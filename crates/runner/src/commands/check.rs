@@ -1,4 +1,4 @@
-//! `check`: what a job is and what it will cost.
+//! `check`: validates a job and estimates its cost.
 
 use std::time::{Duration, Instant};
 
@@ -10,16 +10,16 @@ use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::{counted, result, warn};
 
-/// How long the cost of a sample is measured.
+/// Longest time for measuring the cost of a sample.
 const TRIAL: Duration = Duration::from_millis(600);
 
-/// Evaluations after which it is known well enough.
+/// Number of evaluations from which the cost is known well enough.
 const TRIAL_EVALUATIONS: u32 = 16;
 
-/// Samples that are evaluated first, and at once.
+/// Number of samples in the first evaluation.
 const FIRST_TRIAL_SAMPLES: u64 = 10;
 
-/// How long tiles of verdict maps are resolved to measure theirs.
+/// Time for measuring the cost of tiles of verdict maps.
 const TRIAL_OF_MAPS: Duration = Duration::from_secs(1);
 
 /// `stickslip check`.
@@ -46,7 +46,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     ))
 }
 
-/// What samples cost that are judged one by one.
+/// The cost of samples that are decided one by one.
 fn cost_of_samples(job: &Job, rate: f64, threads: usize) -> String {
     let cost = duration(job.total_samples() as f64 / rate / threads as f64);
     let at_most = if job.stops_by_precision() { "at most " } else { "" };
@@ -58,7 +58,7 @@ fn cost_of_samples(job: &Job, rate: f64, threads: usize) -> String {
     )
 }
 
-/// What verdict maps cost, by some of their tiles, and whether they are worth it.
+/// The cost of verdict maps, estimated from some of their tiles, and whether a run will use them.
 fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
     let mut evaluator = Evaluator::new(job)?;
     evaluator.limit_maps();
@@ -66,7 +66,7 @@ fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
     let trial = evaluator.try_maps(TRIAL_OF_MAPS);
     let share = tiles as f64 / trial.tiles.max(1) as f64;
     let [simulations, cost] = [trial.simulations, trial.cost].map(|count| (count as f64 * share) as u64);
-    // A tile that was dropped counts with what it took until then.
+    // A dropped tile counts with the cost until then.
     let (about, unfinished) = match trial.unfinished {
         0 => ("about", String::new()),
         unfinished => ("at least", format!(", {} of which took too long to finish", HumanCount(unfinished))),
@@ -96,7 +96,7 @@ fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
     let is_faster = !is_given_up && job.verdicts_of_samples() as f64 / rate < trial.seconds * share;
     let hint = if is_faster { "; but evaluate = \"each\" takes less time for this job" } else { "" };
     Ok(format!(
-        "# {map}\n# {audit} for its audit\n{}# each sample by itself takes {}; {what_it_does}{hint}\n",
+        "# {map}\n# {audit} for its audit\n{}# simulating each sample takes {}; {what_it_does}{hint}\n",
         cost_of_samples(job, rate, threads),
         counted(job.verdicts_of_samples(), "simulation", "simulations"),
     ))
@@ -111,7 +111,7 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-/// The rate of one thread, from samples of the job itself.
+/// Samples per second on one thread, measured on samples of the job.
 fn samples_per_second(job: &Job) -> Result<f64, Failure> {
     let evaluator = Evaluator::new(job)?;
     let parts = evaluator.parts();
@@ -127,7 +127,7 @@ fn samples_per_second(job: &Job) -> Result<f64, Failure> {
         let took = begun.elapsed();
         // A stride that visits cells all over the grid.
         cell = (cell + 7919) % job.cells();
-        // Few samples at once take longer each than a whole unit does: simulations share vector registers.
+        // A few samples at once take longer each than those of a whole unit, as simulations share vector registers.
         if took < TRIAL / 4 && at_once < most {
             at_once = most.min(2 * at_once);
         } else {

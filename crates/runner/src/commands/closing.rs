@@ -1,4 +1,4 @@
-//! What a finished run says of itself.
+//! The report of a finished run.
 
 use std::path::Path;
 
@@ -13,7 +13,10 @@ use crate::store::directory::RunDirectory;
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
-/// Where the result is and what it looks like.
+/// Prints the result as a picture, where it is, and notes on it.
+///
+/// # Errors
+/// An audit that found wrong verdicts in the verdict map.
 pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Result<(), Failure> {
     let line = closing_line(&directory.surface(), job, surface);
     let notes = [outside_physics(job, surface), without_verdict(surface), looked_up(job, surface)].concat();
@@ -23,7 +26,7 @@ pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Res
         return Ok(());
     }
     Err(Failure::Audit(format!(
-        "{}: {} of {} audited samples were judged otherwise than looked up, so the verdict map is wrong somewhere (a region of another verdict that it does not see). p_low and p_high of each cell contain what its audit does not exclude; {}",
+        "{}: {} of {} audited samples have another verdict than the one looked up, so the verdict map is wrong somewhere (it misses a region of another verdict). p_low and p_high of each cell contain what its audit does not exclude; {}",
         directory.surface().display(),
         HumanCount(differed),
         HumanCount(audited),
@@ -35,7 +38,7 @@ pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Res
     )))
 }
 
-/// A line on samples that were looked up in a verdict map, and what their audit says.
+/// A line on samples that were looked up in a verdict map, with the result of the audit.
 fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
     let Lookups { simulated, audited, differed } = surface.lookups();
     if !job.uses_maps() {
@@ -53,17 +56,17 @@ fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
     text += &if job.sampling.is_audited {
         let widest = surface.rows().filter_map(|row| row.unaudited).fold(0.0, f64::max);
         format!(
-            "audit: {} of {} differed, which leaves up to {widest:.1e} of a cell's samples open (p_audit)",
+            "audit: {} of {} differed, so up to {widest:.1e} of a cell's samples may have a wrong verdict (p_audit)",
             HumanCount(differed),
             HumanCount(audited)
         )
     } else {
-        "no audit: p_low and p_high take the map for right".to_owned()
+        "no audit: p_low and p_high assume that the map is right".to_owned()
     };
     text + "\n"
 }
 
-/// A line on the samples outside physics, if there are any.
+/// A line on samples outside physics, if there are any.
 fn outside_physics(job: &Job, surface: &Surface<'_>) -> String {
     let (mut outside, mut counted) = (0, 0_u128);
     let mut largest = 0.0_f64;
@@ -89,7 +92,7 @@ fn outside_physics(job: &Job, surface: &Surface<'_>) -> String {
     )
 }
 
-/// A line on the samples without a verdict, if there are any: they are counted, and widen the interval.
+/// A line on undecided and failed samples, if there are any.
 fn without_verdict(surface: &Surface<'_>) -> String {
     let (mut undecided, mut failed) = (0, 0);
     for row in surface.rows() {
@@ -99,7 +102,7 @@ fn without_verdict(surface: &Surface<'_>) -> String {
     match (undecided, failed) {
         (0, 0) => String::new(),
         _ => format!(
-            "{} undecided, {} failed; p_low and p_high count them for either side\n",
+            "{} undecided, {} failed; p_low and p_high allow for either verdict on them\n",
             count_of_samples(undecided.into()),
             HumanCount(failed)
         ),

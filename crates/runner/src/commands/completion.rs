@@ -1,4 +1,4 @@
-//! From a job and what is there of it to a finished run.
+//! Completing a run: computing what is missing of a job.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -8,7 +8,6 @@ use indicatif::HumanCount;
 use super::adoption::adopt;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
-use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
@@ -24,13 +23,13 @@ use crate::tables::surface::Surface;
 
 /// A run with all its samples counted and its surface written.
 pub struct FinishedRun {
-    /// Where it is.
+    /// Its directory.
     pub directory: RunDirectory,
     /// Its job.
     pub job: Job,
     /// Its verdicts.
     pub tally: Tally,
-    /// Its probabilities, where they are integrated.
+    /// Its probabilities, if they are integrated.
     integrated: Vec<IntegratedCell>,
 }
 
@@ -43,17 +42,17 @@ impl FinishedRun {
 
 /// How a run is computed.
 pub struct Work<'a> {
-    /// On so many threads.
+    /// The number of threads.
     pub threads: usize,
-    /// As a part of it.
+    /// The shard to compute; `None` for the whole run.
     pub shard: Option<Shard>,
-    /// Directories of verdict maps that may be used.
+    /// Directories of verdict maps of other runs that may be used.
     pub maps: Vec<PathBuf>,
-    /// By which command.
+    /// The command, for the record of the session.
     pub command: &'a str,
 }
 
-/// Brings a run of `source` to its end, whatever of it is there already.
+/// Completes the run of a job in the directory `out`, whatever is there already.
 pub fn complete_run(
     source: &JobSource,
     out: &Path,
@@ -63,7 +62,7 @@ pub fn complete_run(
     let job = source.job()?;
     let work = Work { threads, shard: None, maps: Vec::new(), command: "reproduce" };
     let directory = RunDirectory::create(out, Access::Alone)?;
-    // A run that was extended answers as well, and better.
+    // A run that was extended has the samples of this job and more.
     if let Some(existing) = directory.job_source()?.map(|frozen| frozen.job()).transpose()?
         && existing.experiment_hash() == job.experiment_hash()
         && existing.sampling.samples > job.sampling.samples
@@ -71,8 +70,8 @@ pub fn complete_run(
         let tally = directory.tally(&existing)?;
         return compute(directory, existing, tally, &work, interrupt);
     }
-    let (job, standing) = adopt(&directory, source, job)?;
-    compute(directory, job, standing.into_tally(), &work, interrupt)
+    let (job, state) = adopt(&directory, source, job)?;
+    compute(directory, job, state.into_tally(), &work, interrupt)
 }
 
 /// Computes what is missing; without a shard, writes the surface.
@@ -95,50 +94,12 @@ pub fn compute(
         None => format!("stickslip resume {path}"),
         Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
     };
-    let kept =
-        |failure: Failure| failure.with_remedy(&format!("what was written before is kept; continue with `{how}`"));
+    let kept = |failure: Failure| failure.with_remedy(&format!("what is on disk already is kept; continue with `{how}`"));
     let engine = Engine::new(threads)?;
     let mut evaluator = Evaluator::new(&job)?;
     let mut integrated = Vec::new();
-    let mut outcome = Outcome::Finished;
-    // The eigenvalues of a flexible disc, and motions, are decided once for each place in the plane; not if all is counted.
-    let counts_something = || Plan::new(&tally, &Parts::new(&job), job.unit_samples(), shard).units() > 0;
-    // The audit of a cell begins with its first sample: one that began without a map cannot be audited later.
-    if job.sampling.is_audited && was_counted_without_map(&job, &tally) {
-        evaluator.maps_mut().give_up();
-        if counts_something() {
-            note(format_args!(
-                "{path}: the samples counted so far were simulated, as a verdict map would have cost more, and so are the others; for a map, submit the job into another directory with --out"
-            ));
-        }
-    } else if job.uses_maps() && (job.is_integrated() || counts_something()) {
-        let own = directory.maps();
-        map_pieces::load(evaluator.maps_mut(), &own)?;
-        let mut borrowed = false;
-        for other in &work.maps {
-            let loaded = map_pieces::load(evaluator.maps_mut(), other)?;
-            borrowed |= loaded > 0;
-            if loaded == 0 && !evaluator.maps().missing().is_empty() {
-                note(format_args!("{}: no tile of this model, speed and criterion that is needed", other.display()));
-            }
-        }
-        let completed = engine.complete_maps(&mut evaluator, Some(&own), borrowed, interrupt).map_err(kept)?;
-        outcome = completed.outcome;
-        if outcome == Outcome::Finished {
-            session.maps(completed.tiles, completed.simulations, completed.given_up.is_some());
-        }
-        if let Some(why) = completed.why_given_up(&job) {
-            note(format_args!("{why} ({:.2} s)", started.elapsed().as_secs_f64()));
-        } else if outcome == Outcome::Finished {
-            note(format_args!(
-                "verdict map: {} tiles from {} simulations, {} of them new ({:.2} s)",
-                HumanCount(evaluator.maps().needed() as u64),
-                HumanCount(evaluator.maps().simulations()),
-                HumanCount(completed.simulations),
-                started.elapsed().as_secs_f64()
-            ));
-        }
-    }
+    let mut outcome =
+        prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt).map_err(kept)?;
     if outcome == Outcome::Finished && job.is_integrated() {
         (outcome, integrated) = engine.integrate(&evaluator, interrupt)?;
     } else if outcome == Outcome::Finished {
@@ -175,7 +136,7 @@ pub fn compute(
         let surface = run.surface();
         let is_new = surface.publish(run.directory.path())?;
         if run.job.is_integrated() && !is_new {
-            note(format_args!("{} is finished already; its surface came out the same", run.directory.path().display()));
+            note(format_args!("{} is finished already; its surface is unchanged", run.directory.path().display()));
         }
         if computed > 0 || is_new {
             session.lookups(surface.lookups());
@@ -185,14 +146,72 @@ pub fn compute(
     Ok(run)
 }
 
-/// Whether all that is counted of a run was simulated, as its verdict map was given up.
+/// Completes the verdict maps that the missing samples or integrals need, or gives them up.
+fn prepare_maps(
+    engine: &Engine,
+    evaluator: &mut Evaluator<'_>,
+    directory: &RunDirectory,
+    tally: &Tally,
+    work: &Work<'_>,
+    session: &mut Session,
+    interrupt: &Interrupt,
+) -> Result<Outcome, Failure> {
+    let job = evaluator.job();
+    let started = Instant::now();
+    let is_incomplete = || Plan::new(tally, evaluator.parts(), job.unit_samples(), work.shard).units() > 0;
+    // The audit of a cell begins with its first sample, so a run that began without a map cannot be audited later.
+    if job.sampling.is_audited && was_counted_without_map(job, tally) {
+        if is_incomplete() {
+            note(format_args!(
+                "{}: the samples counted so far were simulated, as a verdict map would have cost more, and so are the others; for a map, submit the job into another directory with --out",
+                quoted(directory.path())
+            ));
+        }
+        evaluator.maps_mut().give_up();
+        return Ok(Outcome::Finished);
+    }
+    if !job.uses_maps() || !(job.is_integrated() || is_incomplete()) {
+        return Ok(Outcome::Finished);
+    }
+    let own = directory.maps();
+    map_pieces::load(evaluator.maps_mut(), &own)?;
+    let mut borrowed = false;
+    for other in &work.maps {
+        let loaded = map_pieces::load(evaluator.maps_mut(), other)?;
+        borrowed |= loaded > 0;
+        if loaded == 0 && !evaluator.maps().missing().is_empty() {
+            note(format_args!(
+                "{}: it has no tile of this model, speed and criterion that this job needs",
+                other.display()
+            ));
+        }
+    }
+    let completed = engine.complete_maps(evaluator, Some(&own), borrowed, interrupt)?;
+    if completed.outcome == Outcome::Finished {
+        session.maps(completed.tiles, completed.simulations, completed.given_up.is_some());
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    if let Some(why) = completed.why_given_up(job) {
+        note(format_args!("{why} ({seconds:.2} s)"));
+    } else if completed.outcome == Outcome::Finished {
+        note(format_args!(
+            "verdict map: {} tiles from {} simulations, {} of them new ({seconds:.2} s)",
+            HumanCount(evaluator.maps().needed() as u64),
+            HumanCount(evaluator.maps().simulations()),
+            HumanCount(completed.simulations)
+        ));
+    }
+    Ok(completed.outcome)
+}
+
+/// Whether every sample that is counted was simulated because the verdict map was given up.
 pub fn was_counted_without_map(job: &Job, tally: &Tally) -> bool {
     let surface = Surface::new(job, tally);
     let simulated = surface.lookups().simulated;
     simulated > 0 && u128::from(simulated) == tally.counted()
 }
 
-/// Counts the samples that are missing; where more may be wanted after a look at them, in rounds.
+/// Evaluates and counts the missing samples. With `until`, it repeats that as long as more samples are wanted.
 fn count(
     engine: &Engine,
     evaluator: &Evaluator<'_>,

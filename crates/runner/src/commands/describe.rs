@@ -1,4 +1,4 @@
-//! `schema`, `completions` and `man`: the engine described for other programs.
+//! `schema`, `completions` and `man`: descriptions of the engine for other programs.
 
 use clap::CommandFactory as _;
 

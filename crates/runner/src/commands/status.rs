@@ -1,4 +1,4 @@
-//! `status`: how far a run is.
+//! `status`: the progress of a run.
 
 use serde_json::json;
 
@@ -17,7 +17,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     let tally = directory.tally(&job)?;
     let parts = Parts::new(&job);
     let in_use = directory.in_use();
-    // A surface of the run before it was extended does not count.
+    // After a run was extended, its surface does not count until it is written again.
     let surface = directory.surface();
     let is_written = directory.has_surface_of(&job);
     let complete_cells = directory.complete_cells(&job, &tally);
@@ -28,7 +28,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
         (false, _) => "unfinished",
     };
     let (counted, total) = (tally.counted(), job.total_samples());
-    // Where samples are not the measure of the work, or their number is not known before, cells are.
+    // Progress is measured in cells if no samples are drawn or their number is not known in advance.
     let by_cells = job.is_integrated() || job.stops_by_precision();
     let share = if by_cells { complete_cells as f64 / job.cells() as f64 } else { counted as f64 / total as f64 };
     let undecided: u64 = (0..parts.count()).map(|part| tally.counts(part).undecided).sum();

@@ -1,8 +1,8 @@
-//! `submit`, `resume` and `merge`: from a job to its surface.
+//! `submit`, `resume` and `merge`: computing the surface of a job.
 
 use std::path::{Path, PathBuf};
 
-use super::adoption::{Standing, adopt};
+use super::adoption::{RunState, adopt};
 use super::closing::report;
 use super::completion::{Work, compute};
 use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
@@ -25,7 +25,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     warn(job.warnings());
     if let (Some(shard), true) = (arguments.shard, job.is_integrated()) {
         let message =
-            format!("--shard {shard}: method = \"exact\" draws no samples that could be shared out; submit it without");
+            format!("--shard {shard}: method = \"exact\" draws no samples to share; submit the job without --shard");
         return Err(Failure::Usage(message));
     }
     warn(arguments.shard.and_then(|shard| shards_beyond_work(shard, &job)));
@@ -34,24 +34,24 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let access = if arguments.shard.is_some() { Access::Shared } else { Access::Alone };
     let directory = RunDirectory::create(&out, access)?;
     let threads = arguments.threads.count();
-    let (job, standing) = adopt(&directory, &source, job)?;
-    match standing {
-        Standing::Finished(tally) if arguments.shard.is_none() && !job.is_integrated() => {
+    let (job, state) = adopt(&directory, &source, job)?;
+    match state {
+        RunState::Finished(tally) if arguments.shard.is_none() && !job.is_integrated() => {
             note(format_args!("{} is finished already; nothing to do", out.display()));
-            // A surface that was lost or damaged comes back from the pieces.
+            // A lost or damaged surface is written again from the pieces.
             if Surface::new(&job, &tally).publish(directory.path())? {
-                note(format_args!("{} was missing or differed; it is written anew", directory.surface().display()));
+                note(format_args!("{} was missing or differed; it is written again", directory.surface().display()));
             }
             report(&directory, &job, &Surface::new(&job, &tally))
         }
-        Standing::Unfinished(tally) if arguments.shard.is_none() => Err(Failure::CannotCreate(format!(
+        RunState::Unfinished(tally) if arguments.shard.is_none() => Err(Failure::CannotCreate(format!(
             "{} holds an unfinished run of this job ({} of {} samples); continue it with `stickslip resume {}`",
             out.display(),
             HumanCount128(tally.counted()),
             HumanCount128(job.total_samples()),
             quoted(&out)
         ))),
-        Standing::Finished(tally) | Standing::Unfinished(tally) | Standing::Fresh(tally) => {
+        RunState::Finished(tally) | RunState::Unfinished(tally) | RunState::New(tally) => {
             let work = Work { threads, shard: arguments.shard, maps, command: "submit" };
             let run = compute(directory, job, tally, &work, interrupt)?;
             match arguments.shard {
@@ -82,7 +82,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     report(&run.directory, &run.job, &run.surface())
 }
 
-/// A warning that a job has not enough work for so many shards.
+/// A warning if a job has less work than shards.
 fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
     let parts = Parts::new(job);
     let (work, what) = if parts.are_sequential() {
@@ -99,11 +99,11 @@ fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
     })
 }
 
-/// The maps of the runs named with `--map`.
+/// The directories of the maps of the runs given with `--map`.
 fn map_directories(runs: &[PathBuf], job: &Job) -> Result<Vec<PathBuf>, Failure> {
     if let (Some(run), false) = (runs.first(), job.uses_maps()) {
         let message = format!(
-            "--map {}: this job uses no verdict map; it would with sampling.evaluate = \"boundary\" or method = \"exact\" and a criterion other than \"eigenvalue\"",
+            "--map {}: this job uses no verdict map. Maps are used with sampling.evaluate = \"boundary\" or method = \"exact\" and a criterion other than \"eigenvalue\"",
             run.display()
         );
         return Err(Failure::Usage(message));
@@ -113,7 +113,7 @@ fn map_directories(runs: &[PathBuf], job: &Job) -> Result<Vec<PathBuf>, Failure>
         if directory.is_dir() {
             Ok(directory)
         } else {
-            Err(Failure::InputOutput(format!("--map {}: there is no verdict map in this run", run.display())))
+            Err(Failure::InputOutput(format!("--map {}: this run has no verdict map", run.display())))
         }
     };
     runs.iter().map(map).collect()

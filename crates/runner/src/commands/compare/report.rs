@@ -109,7 +109,7 @@ pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
     }
     if facts.pairs > facts.decided {
         text += &format!(
-            "{} of {} samples have no verdict in one run or both; the intervals count them for either side\n",
+            "{} of {} samples have no verdict in one run or both; the intervals allow for either verdict on them\n",
             HumanCount(facts.pairs - facts.decided),
             HumanCount(facts.pairs)
         );
