@@ -1,8 +1,8 @@
-//! The coverage of the project's intervals, by simulation and by exact sums: one line for each case, with the method,
-//! the samples, the probability, the nominal coverage and the observed one.
+//! Coverage of the project's intervals, by simulation and by exact sums. Each case is a line with method, samples,
+//! probability, nominal and observed coverage.
 //!
-//! Run it with `make coverage`, about a minute. Repetitions are seeded. No motion is simulated: verdicts are drawn with
-//! a known probability, or come from a boundary in closed form.
+//! `make coverage` runs it in about a minute. Repetitions are seeded. No motion is simulated: verdicts are drawn with a
+//! known probability, or come from a boundary in closed form.
 
 #![allow(clippy::print_stdout, clippy::disallowed_methods, reason = "a table for people")]
 #![allow(clippy::unwrap_used, reason = "a table that cannot be made should say so and stop")]
@@ -111,7 +111,7 @@ fn binomial_intervals() {
     for confidence in [0.8, 0.9, 0.95, 0.99, 0.999] {
         for (name, kind) in kinds {
             let interval = BinomialInterval::new(kind, confidence);
-            // Between the ends of two counts coverage changes smoothly: a fine geometric grid finds the least.
+            // Coverage is smooth between the interval ends of two counts, so a fine geometric grid finds the minimum.
             let of = |i: i32| 1e-6 * (0.05 / 1e-6_f64).powf(f64::from(i) / 4000.0);
             let at = |i: i32| (exact_coverage(&interval, 10_000, of(i)), of(i));
             let (coverage, p) = (0..=4000).map(at).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
@@ -341,8 +341,8 @@ fn sobol_indices() {
 fn differences() {
     heading("differences of two runs");
     let (samples, repetitions) = (1000_u64, 4000);
-    // Unstable where a deviate that is correlated by rho with another is above a limit; the same deviates, rho = 0.9
-    // and -0.9.
+    // A sample is unstable if a deviate with correlation rho to another is above a limit. The two runs have the same
+    // deviates, with rho = 0.9 and -0.9.
     let limit = 0.5;
     let p_of = |rho: f64| normal::upper_tail(limit + 0.5 * rho);
     let truth = p_of(0.9) - p_of(-0.9);

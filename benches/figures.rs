@@ -1,5 +1,5 @@
-//! `make bench`: one line for each figure: name, value, unit. Ratios are taken pairwise in this one run; absolute
-//! values belong to the machine.
+//! `make bench`: one line for each figure: name, value, unit. Ratios are taken within this one run; absolute values
+//! depend on the machine.
 
 #![allow(clippy::disallowed_methods, reason = "no result depends on a benchmark")]
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a benchmark that cannot run should say so and stop")]
@@ -42,7 +42,7 @@ fn figure(name: &str, value: f64, unit: &str) {
 }
 
 fn main() {
-    // `cargo test --benches` runs this with --test: nothing to measure then.
+    // `cargo test --benches` passes --test; there is nothing to measure then.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
@@ -60,7 +60,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Seconds that `work` takes.
+/// The time of `work` in seconds.
 fn seconds(work: impl FnOnce()) -> f64 {
     let started = Instant::now();
     work();
@@ -73,7 +73,7 @@ fn scatter<'a>(cell: &Cell, independent: &'a Correlation) -> InputColumns<'a> {
     InputColumns::new(&[Marginal::Normal, Marginal::Normal], independent, &[cell.preload, cell.static_friction], &stds)
 }
 
-/// The loop over samples on one thread, with and without the verdict, in turn.
+/// The loop over samples on one thread, alternately with and without verdicts.
 fn sampling() {
     const SAMPLES: u64 = 10_000_000;
     let mut parameters = Parameters::sui_ding_2018();
@@ -90,7 +90,7 @@ fn sampling() {
         });
         black_box(counts);
     };
-    // The same blocks and the same deviates, and nothing else.
+    // The same blocks and deviates alone.
     let raw = || {
         let mut deviates = [[0.0_f64; 2]; 250];
         for block in 0..SAMPLES / BLOCK_SAMPLES {
@@ -127,7 +127,7 @@ fn job(directory: &Path, name: &str, cells: usize, samples: u64) -> std::path::P
     path
 }
 
-/// Runs a job to its end in a fresh directory; seconds and peak memory in MiB of the whole process.
+/// Runs a job in a new directory. Returns seconds and peak memory in MiB of the whole process.
 fn submit(directory: &Path, job: &Path, threads: usize) -> (f64, f64) {
     let out = directory.join("run");
     let _ = fs::remove_dir_all(&out);
@@ -146,7 +146,7 @@ fn submit(directory: &Path, job: &Path, threads: usize) -> (f64, f64) {
             assert!(done.success(), "stickslip failed");
             return (started.elapsed().as_secs_f64(), peak);
         }
-        // The kernel's own high-water mark, so polling misses only the last moment.
+        // The kernel records the peak itself, so polling misses only the last moment.
         let text = fs::read_to_string(&status).unwrap_or_default();
         let mark =
             text.lines().find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next()?.parse::<f64>().ok());
@@ -164,7 +164,7 @@ fn threads() {
     for _ in 0..7 {
         let single = submit(directory.path(), &job, 1).0;
         let double = submit(directory.path(), &job, 2).0;
-        // Two processes that share nothing: what the machine gives beyond one of its processors.
+        // Two processes that share nothing show the gain that the machine allows.
         let apart = ["a", "b"].map(|name| directory.path().join(name));
         let together = seconds(|| {
             thread::scope(|scope| {
@@ -212,7 +212,7 @@ fn start_up() {
     figure("start to result of jobs/table3.toml (limit 0.3)", median(times), "s");
 }
 
-/// Inputs as a unit of Figure 14b draws them, in cells all over its grid.
+/// Inputs as drawn by a run of Figure 14b, from all cells of its grid.
 fn inputs(count: u64) -> Vec<RandomInputs> {
     let stream = DeviateStream { seed: 2018, common_random_numbers: false, dimensions: 2, points: Points::Random };
     let mut inputs = Vec::new();
@@ -240,8 +240,8 @@ fn brake_at(rotating_speed: f64) -> PadOnDisc {
     PadOnDisc::new(parameters).expect("the preset is valid")
 }
 
-/// Steps and seconds of samples that are followed to their verdict, by the scalar code and by lanes, in turn: from rest,
-/// between critical speed and saddle-node, where linear stability decides the fewest.
+/// Rates of simulating samples to their verdict, alternately by the scalar code and by lanes. The motions start from
+/// rest, between critical speed and saddle-node, where linear stability decides the fewest samples.
 fn lanes() {
     for (name, disc, count) in [("rigid", DiscModel::Rigid, 60), ("flexible", DiscModel::Flexible { modes: 5 }, 1)] {
         let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
@@ -265,7 +265,7 @@ fn lanes() {
             }
         }
         figure(
-            &format!("{name} disc, samples followed to their verdict, scalar"),
+            &format!("{name} disc, samples simulated to their verdict, scalar"),
             inputs.len() as f64 / median(scalar_times.clone()),
             "samples/s",
         );
@@ -279,7 +279,8 @@ fn lanes() {
     }
 }
 
-/// Steps alone, without beginning, judging and ending samples: motions near the limit cycle's edge that never end.
+/// Rates of steps alone, without starting, deciding and ending samples: motions close to the limit cycle's edge that do
+/// not end.
 fn kernel(name: &str, criterion: &TimeDomain, sets: &[InstructionSet]) {
     let inputs: Vec<RandomInputs> =
         (0..64).map(|i| RandomInputs { preload: 0.04 + 5e-4 * f64::from(i), static_friction: 0.3 }).collect();
@@ -306,7 +307,7 @@ fn kernel(name: &str, criterion: &TimeDomain, sets: &[InstructionSet]) {
     }
 }
 
-/// How the step size tells on the verdicts, and how well the steps keep the balance of energy.
+/// The effect of the step size on verdicts and on the balance of energy.
 fn convergence() {
     for (name, disc, count) in [("rigid", DiscModel::Rigid, 60), ("flexible", DiscModel::Flexible { modes: 5 }, 4)] {
         let criterion = |divisor: f64| {
@@ -330,7 +331,8 @@ fn convergence() {
     }
 }
 
-/// The pad's kinetic energy against the work of all tangential forces, over the steps of plain slip.
+/// The relative error of the balance of the pad's kinetic energy and the work of all tangential forces, over steps of
+/// slip.
 fn energy_defect(disc: &DiscModel, divisor: f64) -> f64 {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.operating_point.rotating_speed = 10.0;
@@ -368,7 +370,7 @@ fn energy_defect(disc: &DiscModel, divisor: f64) -> f64 {
     (defect / work).abs()
 }
 
-/// `jobs/fig14b.toml` from its start to the surface on disk, with either disc.
+/// The whole run of `jobs/fig14b.toml`, with either disc.
 fn figure_14b() {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
     let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../jobs/fig14b.toml");

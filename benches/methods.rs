@@ -1,5 +1,6 @@
-//! `make bench`: what a surface costs by each method at equal error, and the surfaces of Figures 14 and 15 in time.
-//! Whole processes are timed; errors are against the integral over the verdict map, or over the closed form.
+//! `make bench`: the cost of a surface by each method at equal error, and of the surfaces of Figures 14 and 15 in the
+//! time domain. Whole processes are timed. Errors are relative to the exact integral, in closed form or over the
+//! verdict map.
 
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a benchmark that cannot run should say so and stop")]
 
@@ -12,14 +13,14 @@ use arrow::array::Float64Array;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value;
 
-/// Root mean square error over the cells that every method has to reach.
+/// Root mean square error over the cells that every method must reach.
 const TARGET: f64 = 1e-3;
 
-/// Samples in a cell are doubled up to this many.
+/// Largest number of samples in a cell.
 const MOST_SAMPLES: u64 = 1 << 22;
 
 fn main() {
-    // `cargo test --benches` runs this with --test: nothing to measure then.
+    // `cargo test --benches` passes --test; there is nothing to measure then.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
@@ -37,8 +38,8 @@ fn main() {
 struct Run {
     seconds: f64,
     samples: f64,
-    /// Simulations, or closed-form verdicts.
-    judged: f64,
+    /// Samples and points of maps that were simulated or decided in closed form.
+    decided: f64,
     probabilities: Vec<f64>,
 }
 
@@ -62,7 +63,7 @@ fn submit(directory: &Path, name: &str, text: &str) -> Run {
     let number = |key: &str| session[key].as_f64().unwrap_or(0.0);
     let samples = number("samples_computed");
     let looked_up = session["map_simulations"].is_number();
-    let judged = if looked_up {
+    let decided = if looked_up {
         number("map_simulations") + number("lookups_simulated") + number("lookups_audited")
     } else {
         samples
@@ -76,7 +77,7 @@ fn submit(directory: &Path, name: &str, text: &str) -> Run {
         let column = column.as_any().downcast_ref::<Float64Array>().expect("probabilities are numbers");
         probabilities.extend(column.values());
     }
-    Run { seconds, samples, judged, probabilities }
+    Run { seconds, samples, decided, probabilities }
 }
 
 fn surface(criterion: &str, sampling: &str) -> String {
@@ -87,12 +88,12 @@ fn surface(criterion: &str, sampling: &str) -> String {
     )
 }
 
-/// Each method with as many samples as it takes to come within the target.
+/// Runs each method with as many samples as the target needs, doubling them.
 fn equal_error(name: &str, criterion: &str, methods: &[&str]) {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
     let exact = submit(directory.path(), "exact", &surface(criterion, "method = \"exact\""));
     println!("{name}: 90 cells, root mean square error {TARGET} or less");
-    println!("  {:<16} {:>14} {:>14} {:>10} {:>12}", "method", "samples", "judged", "seconds", "error");
+    println!("  {:<16} {:>14} {:>14} {:>10} {:>12}", "method", "samples", "decided", "seconds", "error");
     for &method in methods {
         let mut samples = 1024;
         let (run, error) = loop {
@@ -115,11 +116,11 @@ fn equal_error(name: &str, criterion: &str, methods: &[&str]) {
             }
             samples *= 2;
         };
-        println!("  {method:<16} {:>14.0} {:>14.0} {:>10.3} {error:>12.1e}", run.samples, run.judged, run.seconds);
+        println!("  {method:<16} {:>14.0} {:>14.0} {:>10.3} {error:>12.1e}", run.samples, run.decided, run.seconds);
     }
 }
 
-/// Figure 14b, and all six surfaces in time, by verdict maps.
+/// All six surfaces of Figures 14 and 15 in the time domain, with verdict maps.
 fn figures() {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
     let jobs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../jobs");
@@ -133,7 +134,7 @@ fn figures() {
         total += run.seconds;
         println!(
             "{name} in time, flexible disc, evaluate = \"boundary\": {:.1} s, {:.0} samples, {:.0} simulations",
-            run.seconds, run.samples, run.judged
+            run.seconds, run.samples, run.decided
         );
     }
     println!("all six surfaces of Figures 14 and 15 in time (limit 60): {total:.1} s");

@@ -2,13 +2,13 @@
 
     python benches/peers.py path/to/stickslip
 
-All of them run jobs/fig14a.toml with more samples per cell, so that the samples and not the start-up take the time.
-The programs take turns, round by round; rates and ratios are medians over the rounds, each ratio taken within one
-round. One line a figure: name, value, unit. Absolute values belong to the machine.
+All of them run jobs/fig14a.toml with more samples per cell, so that sampling and not the start-up takes most of the
+time. The programs take turns in each round. Rates and ratios are medians over the rounds, each ratio taken within one
+round. Each figure is a line with name, value and unit. Absolute values depend on the machine.
 
-What the times contain: for stickslip the whole process, from its start to the surface on disk; for the peers the
-computation alone, without starting Python and loading the libraries. NumPy and OpenTURNS run in one process on one
-thread, so the ratio that compares like with like is the one with stickslip on one thread.
+Times of stickslip are those of the whole process, from its start to the surface on disk. Times of the peers are those
+of the computation alone, without starting Python and loading the libraries. NumPy and OpenTURNS run in one process on
+one thread, so the fair ratio is the one with stickslip on one thread.
 
 The probabilities of all of them are compared cell by cell; a disagreement ends the program with exit code 1.
 """
@@ -36,7 +36,7 @@ EIGENVALUE_SAMPLES = 200
 # Both libraries are faster in batches that stay in the cache than with a whole cell in one array.
 BATCH = 10_000
 LARGEST_Z = 6.0
-# Some 700 cells: the mean of their squares scatters by 0.05 about 1.
+# Over some 700 cells, the mean of the squares has a standard deviation of 0.05 about 1.
 LARGEST_MEAN_SQUARE = 1.4
 
 # The parameters that decide linear stability: the preset "sui-ding-2018" of the job file, typed in again from
@@ -110,11 +110,11 @@ class Job:
 
 @dataclass
 class Contender:
-    """A program that counts the unstable samples of every cell, and what the rounds gave."""
+    """A program that counts the unstable samples of every cell, with the results of its rounds."""
 
     name: str
     samples: int
-    # (samples per cell, seed) to the seconds it took and the unstable samples of each cell.
+    # From (samples per cell, seed) to the seconds and the unstable samples of each cell.
     run: Callable[[int, int], tuple[float, np.ndarray]]
     rates: list[float] = field(default_factory=list)
     counts: list[np.ndarray] = field(default_factory=list)
@@ -144,7 +144,7 @@ def stickslip(binary: Path, threads: int, job: Job) -> Callable[[int, int], tupl
 
 
 def read_surface(path: Path, samples: int, job: Job) -> np.ndarray:
-    """The unstable samples of each cell, once it is certain that these are the cells that the peers compute."""
+    """The unstable samples of each cell, after checking that the cells are those that the peers compute."""
     table = pyarrow.parquet.read_table(path)
     column = {name: table[name].to_numpy() for name in table.column_names}
     same_cells = len(column["cell"]) == len(job.preloads) and all(
@@ -165,7 +165,7 @@ def read_surface(path: Path, samples: int, job: Job) -> np.ndarray:
 
 
 def timed(count: Callable[[int, int], list[int]]) -> Callable[[int, int], tuple[float, np.ndarray]]:
-    """A peer that runs in this process, with its seconds."""
+    """Times a peer that runs in this process."""
 
     def run(samples: int, seed: int) -> tuple[float, np.ndarray]:
         started = time.perf_counter()
@@ -185,7 +185,7 @@ def numpy_closed_form(job: Job) -> Callable[[int, int], list[int]]:
         def unstable(preload: float, static_friction: float) -> int:
             preloads = preload * (1.0 + job.relative_std * generator.standard_normal(BATCH))
             static_frictions = static_friction * (1.0 + job.relative_std * generator.standard_normal(BATCH))
-            # No preload or rising friction is stable; with the maximum such a product is never positive.
+            # Without preload or with rising friction a sample is stable. The maximum keeps its product at or below 0.
             products = preloads * np.maximum(static_frictions - KINETIC_FRICTION, 0.0)
             return np.count_nonzero(products > critical_product)
 
@@ -195,15 +195,15 @@ def numpy_closed_form(job: Job) -> Callable[[int, int], list[int]]:
 
 
 def openturns_closed_form(job: Job) -> Callable[[int, int], list[int]]:
-    """OpenTURNS: a joint distribution, a symbolic function and batches of samples, the counting left to NumPy.
+    """OpenTURNS: a joint distribution, a symbolic function and batches of samples, counted by NumPy.
 
-    That is as fast as the library's own probability estimate by simulation with blocks of the same size, or faster.
-    More of its threads would not help: they share the evaluation of the function, not the sampling, which takes
+    That is at least as fast as the library's own probability estimate by simulation with blocks of the same size.
+    More of its threads would not help: they share the evaluation of the function, but not the sampling, which takes
     most of the time.
     """
     critical_product = job.critical_product()
     openturns.TBB.SetThreadsNumber(1)
-    # See above for the maximum.
+    # For the maximum, see numpy_closed_form.
     product = openturns.SymbolicFunction(
         ["preload", "static_friction"], [f"preload * max(static_friction - {KINETIC_FRICTION}, 0)"]
     )
@@ -227,7 +227,7 @@ def openturns_closed_form(job: Job) -> Callable[[int, int], list[int]]:
 
 
 def numpy_eigenvalues(job: Job) -> Callable[[int, int], list[int]]:
-    """The way of the paper: the eigenvalues of the Jacobian of every sample, by a general solver."""
+    """The method of the paper: eigenvalues of the Jacobian of every sample, by a general solver."""
 
     def count(samples: int, seed: int) -> list[int]:
         generator = np.random.Generator(np.random.PCG64(seed))
@@ -272,7 +272,7 @@ def two_proportions(ours: Contender, theirs: Contender) -> np.ndarray:
     our_counts, their_counts = sum(ours.counts), sum(theirs.counts)
     our_samples, their_samples = ours.samples * len(ours.counts), theirs.samples * len(theirs.counts)
     pooled = (our_counts + their_counts) / (our_samples + their_samples)
-    # At least ten samples of either verdict to be expected from either program.
+    # At least ten samples of either verdict must be expected from either program.
     meaningful = np.minimum(pooled, 1.0 - pooled) * min(our_samples, their_samples) >= 10.0
     difference = our_counts / our_samples - their_counts / their_samples
     variance = pooled * (1.0 - pooled) * (1.0 / our_samples + 1.0 / their_samples)

@@ -2,20 +2,21 @@
 
     python benches/peers_methods.py path/to/stickslip
 
-The surface is a coarse Figure 14a: the same axes, fewer points, no cells where nothing happens. The errors are those
-against the exact probabilities, root mean square over the cells and over SEEDS seeds. Every method doubles its samples
-per cell until its error is within the target, and is timed with those and with half of them, the programs taking turns.
-Quasi-Monte Carlo is scrambled Sobol points in stickslip and randomly shifted ones in OpenTURNS, randomised afresh in
-every cell: 16 times ("x 16"), which gives a good interval as well, or as few times as the program can, with more points
-each: twice in stickslip ("x 2"), once in OpenTURNS ("x 1").
+The surface is a coarse Figure 14a: the same axes with fewer points, without cells where nearly all samples are stable.
+The errors are deviations from the exact probabilities, root mean square over the cells and over SEEDS seeds. Every
+method doubles its samples per cell until its error is within the target. It is timed with that number and with half of
+it, the programs taking turns. Quasi-Monte Carlo uses scrambled Sobol points in stickslip and randomly shifted ones in
+OpenTURNS, with new randomisations in every cell: 16 ("x 16"), which also gives a good interval, or as few as the
+program allows, with more points each: two in stickslip ("x 2"), one in OpenTURNS ("x 1").
 
-One line a figure: name, value, unit; seconds and ratios are medians over the rounds, each ratio taken within one round.
-Doubling may overshoot the target by different amounts, so there are two ratios: of the runs as they are, and of the
-seconds at the target itself, interpolated (in logarithms) between the last two numbers of samples. As in peers.py, the
-time of stickslip is that of the whole process and the time of OpenTURNS that of the computation alone; one thread each.
+Each figure is a line with name, value and unit. Seconds and ratios are medians over the rounds, each ratio taken within
+one round. Doubling may overshoot the target by different amounts, so there are two ratios: of the runs as they are, and
+of the seconds at the target itself, interpolated (in logarithms) between the last two numbers of samples. As in
+peers.py, the time of stickslip is that of the whole process and the time of OpenTURNS that of the computation alone;
+one thread each.
 
-The exact probabilities are compared with a quadrature in this file, and the error of Monte Carlo with that of independent
-samples; a disagreement, or a target that is never reached, ends the program with exit code 1.
+The exact probabilities are compared with a quadrature in this file, and the error of Monte Carlo with that of
+independent samples; a disagreement, or a target that is never reached, ends the program with exit code 1.
 """
 
 import math
@@ -58,13 +59,13 @@ MOST_SAMPLES = 1 << 24
 BATCH = 1 << 13
 LARGEST_QUADRATURE_DIFFERENCE = 1e-12
 
-# (samples per cell, seed) to the seconds it took and the probability of each cell.
+# From (samples per cell, seed) to the seconds and the probability of each cell.
 Run = Callable[[int, int], tuple[float, np.ndarray]]
 
 
 @dataclass
 class Step:
-    """So many samples per cell, the error with them, and the seconds of every round."""
+    """A number of samples per cell, the error with them, and the seconds of every round."""
 
     samples: int
     error: float
@@ -73,7 +74,7 @@ class Step:
 
 @dataclass
 class Method:
-    """A method of one of the programs on its way to a target."""
+    """A method of one of the programs, with the numbers of samples that it tried."""
 
     name: str
     run: Run
@@ -99,7 +100,7 @@ class Method:
         return np.array(self.steps[-1].seconds)
 
     def seconds_at(self, target: float) -> np.ndarray:
-        """Those at the target itself, for every round."""
+        """The seconds at the target itself, for every round."""
         half, full = self.steps[-2:]
         share = math.log(half.error / target) / math.log(half.error / full.error)
         return np.power(half.seconds, 1.0 - share) * np.power(full.seconds, share)
@@ -129,7 +130,7 @@ def stickslip(binary: Path, job: Job, sampling: str) -> Run:
 
 
 def openturns_probabilities(job: Job, count: Callable[[openturns.JointDistribution, int], int]) -> Run:
-    """The cells one by one, each by `count`: the unstable ones of so many samples of the inputs."""
+    """Computes the cells one by one. `count` returns the unstable ones of a number of samples of the inputs."""
 
     def run(samples: int, seed: int) -> tuple[float, np.ndarray]:
         started = time.perf_counter()
@@ -146,7 +147,7 @@ def openturns_probabilities(job: Job, count: Callable[[openturns.JointDistributi
 
 
 def openturns_verdicts(job: Job) -> Callable[[openturns.Sample], int]:
-    """The unstable ones of a sample by a symbolic function, the counting left to NumPy, as in peers.py.
+    """Counts the unstable ones of a sample by a symbolic function and NumPy, as in peers.py.
 
     ProbabilitySimulationAlgorithm, with experiments as below and blocks of the same size, takes longer.
     """
@@ -177,7 +178,7 @@ def openturns_sobol(job: Job, randomisations: int) -> Run:
         experiment.setRandomize(True)
 
         def randomised() -> openturns.Sample:
-            # From the first point again, with another shift.
+            # Starts at the first point again, with another shift.
             experiment.setDistribution(inputs)
             return experiment.generate()
 
@@ -193,7 +194,7 @@ def quadrature(job: Job) -> np.ndarray:
 
     def probability(preload: float, static_friction: float) -> float:
         std_preload, std_static_friction = job.relative_std * preload, job.relative_std * static_friction
-        # From no preload, below which all is stable, to ten standard deviations above the expected one.
+        # From no preload, below which every sample is stable, to ten standard deviations above the expected one.
         end = preload + 10.0 * std_preload
         preloads = 0.5 * end * (nodes + 1.0)
         density = np.exp(-0.5 * ((preloads - preload) / std_preload) ** 2) / (std_preload * math.sqrt(2.0 * math.pi))
@@ -224,7 +225,7 @@ def exact_probabilities(binary: Path, job: Job) -> np.ndarray:
 
 
 def compare(kind: str, target: float, exact: np.ndarray, pairs: list[tuple[Method, Method]]) -> None:
-    """One kind of sampling: how long the programs take to the target, and the ratio of each pair."""
+    """Prints for one kind of sampling how long the programs take to the target, and the ratio of each pair."""
     print(f"{kind}, rms error of at most {target:g}:", flush=True)
     methods = [method for pair in pairs for method in pair]
     for method in methods:
@@ -244,13 +245,13 @@ def compare(kind: str, target: float, exact: np.ndarray, pairs: list[tuple[Metho
 
 
 def check_monte_carlo(exact: np.ndarray, methods: list[Method]) -> None:
-    """The variance of independent samples is known."""
+    """Compares the errors with the known variance of independent samples."""
     for method in methods:
         step = method.steps[-1]
         mean_square = step.error**2 / float(np.mean(exact * (1.0 - exact)) / step.samples)
         figure(f"  squared error of {method.name} over p (1 - p) / n", mean_square, "(1 expected)")
         if not 1.0 / LARGEST_MEAN_SQUARE <= mean_square <= LARGEST_MEAN_SQUARE:
-            sys.exit(f"{method.name} has not the error of independent samples")
+            sys.exit(f"the error of {method.name} is not that of independent samples")
 
 
 def main() -> None:

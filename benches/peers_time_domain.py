@@ -1,19 +1,19 @@
-"""`make bench-peers`: samples followed in time on a rigid disc, by stickslip, numba, SciPy and diffrax, side by side.
+"""`make bench-peers`: samples simulated on a rigid disc by stickslip, numba, SciPy and diffrax, side by side.
 
     python benches/peers_time_domain.py path/to/stickslip
 
 The problem is that of jobs/fig14b.toml with `disc = "rigid"`: a mass on a moving belt, x'' = G mu(v - x') - K x - C x'
-in slip, started one percent of x0 from steady sliding and followed until a swing is longer or shorter than an earlier
+in slip, started one per cent of x0 from steady sliding and simulated until a swing is longer or shorter than an earlier
 one by 1e-4, or the pad sticks. Every program decides by the same rule and locates turning points and sticking.
 
-Accuracy comes first: the ratio of two swings of each program is compared with SciPy's DOP853 at a tolerance of 1e-11,
-on samples near the boundary and all over the grid. The programs' own steps and tolerances are chosen so that none of
-them is further off than a fixed step of a tenth over the natural frequency, which stickslip and numba take; a verdict
-that differs from the reference ends the program with exit code 1, unless the swings are within 1e-4 of neutral.
+First, accuracy is checked: the ratio of two swings of each program is compared with SciPy's DOP853 at a tolerance of
+1e-11, on samples near the boundary and all over the grid. stickslip and numba take a fixed step of a tenth over the
+natural frequency; the other programs have tolerances with which they are at least as accurate. A verdict that differs
+from the reference ends the program with exit code 1, unless the swings are within 1e-4 of neutral.
 
-One line a figure: name, value, unit; rates and ratios are medians over the rounds, ratios taken within one round.
-For stickslip the whole process counts, for the others the computation alone: no start, no import, no compilation
-(diffrax takes some seconds for it).
+Each figure is a line with name, value and unit. Rates and ratios are medians over the rounds, each ratio taken within
+one round. Times of stickslip are those of the whole process; times of the others are those of the computation alone,
+without start, import and compilation (which takes diffrax some seconds).
 """
 
 import math
@@ -56,7 +56,7 @@ DIFFRAX_SAMPLES = 20
 SCIPY_TRAJECTORIES = 150
 PROBES = 120
 LARGEST_Z = 6.0
-# What a change of amplitude must exceed to count, as in stickslip.
+# Relative change of amplitude that decides, as in stickslip.
 CHANGE = 1e-4
 HORIZON = 1e4
 
@@ -68,14 +68,14 @@ INVERSE_STRIBECK = SPEED_SCALE / STRIBECK_VELOCITY
 GAIN = TRANSMISSION * FORCE_PER_PRELOAD / (MASS * ETA0)
 STEP = 0.1 / math.sqrt(STIFFNESS)
 DISPLACEMENT = 1.01
-# exp(u / v_s) is bounded for trial steps far beyond the disc's speed.
+# Bounds exp(u / v_s) in trial steps far beyond the disc's speed.
 LARGEST_EXPONENT = DISC_SPEED * INVERSE_STRIBECK + 1.0
 
 UNSTABLE, STABLE, UNDECIDED = 1, -1, 0
 
 
 def pulls(preload: float, static_friction: float) -> tuple[float, float, float]:
-    """G f_c; G (f_s - f_c) exp(-v / v_s); and where the motion starts."""
+    """G f_c, G (f_s - f_c) exp(-v / v_s), and the position where the motion starts."""
     gain = GAIN * preload
     kinetic = gain * KINETIC_FRICTION
     falling = gain * (static_friction - KINETIC_FRICTION) * math.exp(-DISC_SPEED * INVERSE_STRIBECK)
@@ -86,7 +86,7 @@ numba_pulls = numba.njit(inline="always")(pulls)
 
 
 @numba.njit
-def judge_numba(preload: float, static_friction: float, h: float) -> tuple[int, float]:
+def decide_numba(preload: float, static_friction: float, h: float) -> tuple[int, float]:
     """Verdict and ratio of swings, by Runge-Kutta's method with fixed steps."""
     if preload <= 0.0 or static_friction < KINETIC_FRICTION:
         return STABLE, math.nan
@@ -104,7 +104,7 @@ def judge_numba(preload: float, static_friction: float, h: float) -> tuple[int, 
         next_x = x + h * (u + h / 6.0 * (a1 + a2 + a3))
         next_u = u + h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
         if next_u >= DISC_SPEED:
-            # A swing that ends in stick is longer than the first one, which did not.
+            # A swing that ends in stick is longer than the first one, which did not end in stick.
             return UNSTABLE, math.nan
         if u * next_u <= 0.0 and u != 0.0:
             # The turning point of the cubic through speeds and accelerations.
@@ -136,12 +136,12 @@ def count_numba(preloads: np.ndarray, static_frictions: np.ndarray, std: float, 
         for _ in range(samples):
             preload = preloads[cell] * (1.0 + std * np.random.standard_normal())
             static_friction = static_frictions[cell] * (1.0 + std * np.random.standard_normal())
-            unstable[cell] += judge_numba(preload, static_friction, STEP)[0] == UNSTABLE
+            unstable[cell] += decide_numba(preload, static_friction, STEP)[0] == UNSTABLE
     return unstable
 
 
-def judge_scipy(preload: float, static_friction: float, **options: object) -> tuple[int, float]:
-    """The same by an adaptive method with located events."""
+def decide_scipy(preload: float, static_friction: float, **options: object) -> tuple[int, float]:
+    """Likewise, by an adaptive method with located events."""
     if preload <= 0.0 or static_friction < KINETIC_FRICTION:
         return STABLE, math.nan
     kinetic, falling, start = pulls(preload, static_friction)
@@ -175,8 +175,8 @@ def judge_scipy(preload: float, static_friction: float, **options: object) -> tu
     return UNDECIDED, math.nan
 
 
-def judge_diffrax() -> Callable[[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]:
-    """The same by diffrax's Tsit5, arc by arc between located turning points; for one sample, to be mapped."""
+def decide_diffrax() -> Callable[[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]:
+    """Likewise for one sample, to be mapped: by diffrax's Tsit5, arc by arc between located turning points."""
     controller = diffrax.PIDController(rtol=1e-7, atol=1e-10)
     root_finder = optimistix.Newton(1e-8, 1e-12)
 
@@ -216,14 +216,14 @@ def judge_diffrax() -> Callable[[jax.Array, jax.Array], tuple[jax.Array, jax.Arr
             end, stuck = motion.ys[0][-1], motion.event_mask[1]
             amplitude = 0.5 * jnp.abs(end - carry["turn"])
             ratio = amplitude / carry["reference"]
-            judged = ~stuck & (carry["reference"] > 0.0)
-            grows, shrinks = judged & (ratio > 1.0 + CHANGE), judged & (ratio * (1.0 + CHANGE) < 1.0)
+            is_decided = ~stuck & (carry["reference"] > 0.0)
+            grows, shrinks = is_decided & (ratio > 1.0 + CHANGE), is_decided & (ratio * (1.0 + CHANGE) < 1.0)
             return {
                 "turn": end,
                 "side": -carry["side"],
                 "reference": jnp.where(carry["reference"] > 0.0, carry["reference"], amplitude),
                 "verdict": jnp.where(stuck | grows, UNSTABLE, jnp.where(shrinks, STABLE, UNDECIDED)),
-                "ratio": jnp.where(judged, ratio, jnp.nan),
+                "ratio": jnp.where(is_decided, ratio, jnp.nan),
                 "arcs": carry["arcs"] + 1,
             }
 
@@ -271,7 +271,7 @@ def draw(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def check_accuracy(diffrax_batch: Callable) -> None:
-    """Every program against the tight reference; ends the program where a verdict is wrong."""
+    """Compares every program with the tight reference, and ends the program if a verdict is wrong."""
     preloads, static_frictions = draw(PROBES, 1)
     random = np.random.default_rng(2)
     near_friction = random.uniform(0.3, 0.6, PROBES)
@@ -280,11 +280,11 @@ def check_accuracy(diffrax_batch: Callable) -> None:
     static_frictions = np.concatenate([static_frictions, near_friction])
     pairs = list(zip(preloads, static_frictions, strict=True))
     tight = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-16}
-    reference = np.array([judge_scipy(*pair, **tight) for pair in pairs])
+    reference = np.array([decide_scipy(*pair, **tight) for pair in pairs])
     near = np.abs(reference[:, 1] - 1.0) < 0.1
     found = {
-        "numba (and stickslip's own step)": np.array([judge_numba(*pair, STEP) for pair in pairs]),
-        "SciPy solve_ivp": np.array([judge_scipy(*pair, **SCIPY) for pair in pairs]),
+        "numba (and stickslip's own step)": np.array([decide_numba(*pair, STEP) for pair in pairs]),
+        "SciPy solve_ivp": np.array([decide_scipy(*pair, **SCIPY) for pair in pairs]),
         "diffrax": np.array(diffrax_batch(preloads, static_frictions)).T,
     }
     for name, outcome in found.items():
@@ -302,7 +302,7 @@ SCIPY = {"method": "RK45", "rtol": 1e-7, "atol": 1e-11}
 def main() -> None:
     binary = Path(sys.argv[1]).resolve()
     jax.config.update("jax_enable_x64", True)
-    diffrax_batch = jax.jit(jax.vmap(judge_diffrax()))
+    diffrax_batch = jax.jit(jax.vmap(decide_diffrax()))
     threads = numba.config.NUMBA_NUM_THREADS
     cells = len(JOB.preloads)
     check_accuracy(diffrax_batch)
@@ -328,7 +328,7 @@ def main() -> None:
         preloads, static_frictions = draw(SCIPY_TRAJECTORIES, seed)
         started = time.perf_counter()
         for pair in zip(preloads, static_frictions, strict=True):
-            judge_scipy(*pair, **SCIPY)
+            decide_scipy(*pair, **SCIPY)
         rates.setdefault("SciPy solve_ivp, one thread", []).append(
             SCIPY_TRAJECTORIES / (time.perf_counter() - started)
         )
@@ -348,9 +348,9 @@ def main() -> None:
     a, b = (np.sum(unstable[name], axis=0) for name in ("stickslip", "numba"))
     total = ROUNDS * SAMPLES
     share = (a + b) / (2 * total)
-    judged = np.minimum(share, 1.0 - share) * total > 10
-    z = (a - b)[judged] / total / np.sqrt(2.0 * share * (1.0 - share) / total)[judged]
-    figure(f"stickslip against numba, largest |z| of {judged.sum()} cells", float(np.abs(z).max()), "")
+    compared = np.minimum(share, 1.0 - share) * total > 10
+    z = (a - b)[compared] / total / np.sqrt(2.0 * share * (1.0 - share) / total)[compared]
+    figure(f"stickslip against numba, largest |z| of {compared.sum()} cells", float(np.abs(z).max()), "")
     if np.abs(z).max() > LARGEST_Z:
         sys.exit("stickslip and numba disagree")
 

@@ -1,8 +1,8 @@
-//! `make validity`: verdicts compared with independent references over the range of brakes; the tables of
-//! `stickslip_core::criterion::validity`. With a rigid disc the references are an independent program's; with a
-//! flexible one they are longer motions of the same equations with finer steps.
+//! `make validity`: compares verdicts with references over the range of brakes, for the tables of
+//! `stickslip_core::criterion::validity`. With a rigid disc, the references come from an independent program. With a
+//! flexible one, they are longer motions of the same equations with finer steps.
 //!
-//! `VALIDITY_BRAKES=20` or `VALIDITY_BRAKES=100..120` takes only these of the random brakes with a flexible disc.
+//! `VALIDITY_BRAKES=20` or `VALIDITY_BRAKES=100..120` selects random brakes with a flexible disc.
 
 #![allow(
     clippy::expect_used,
@@ -43,14 +43,14 @@ const BRAKES: usize = 20;
 const THREADS: usize = 2;
 
 fn main() {
-    // `cargo test --benches` runs this with --test: nothing to compute then.
+    // `cargo test --benches` passes --test; there is nothing to measure then.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
     let rigid = rigid_disc();
     println!("Rigid disc: {} verdicts with a horizon of 1e5 against independent return maps\n", rigid.len());
     print_table(&rigid);
-    let range = selected();
+    let range = selected_brakes();
     let brakes = range.len();
     let flexible: Vec<Held> = in_parallel(range, flexible_disc).into_iter().flatten().collect();
     println!("\nFlexible disc: {brakes} brakes, verdicts with a horizon of {HORIZON} against longer motions\n");
@@ -61,14 +61,14 @@ fn main() {
     print_cases(&flexible, &mut std::io::stdout());
 }
 
-/// The random brakes that the environment selects.
-fn selected() -> Range<usize> {
+/// The random brakes that VALIDITY_BRAKES selects.
+fn selected_brakes() -> Range<usize> {
     let Ok(text) = std::env::var("VALIDITY_BRAKES") else { return 0..BRAKES };
     let number = |text: &str| text.parse::<usize>().expect("VALIDITY_BRAKES is COUNT or FROM..TO");
     text.split_once("..").map_or_else(|| 0..number(&text), |(from, to)| number(from)..number(to))
 }
 
-/// What `compute` makes of every index, in their order, whichever thread computes which.
+/// The results of `compute` for every index, in order.
 fn in_parallel<T: Send>(range: Range<usize>, compute: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(range.start);
     let results = Mutex::new(Vec::new());
@@ -141,7 +141,7 @@ fn flexible_disc(index: usize) -> Vec<Held> {
     all.into()
 }
 
-/// Whether a verdict is one at all.
+/// Whether a verdict is stable or unstable.
 fn is_decided(verdict: Verdict) -> bool {
     matches!(verdict, Verdict::Stable | Verdict::Unstable)
 }

@@ -29,7 +29,7 @@ const EIGENVALUE: &str = "kind = \"eigenvalue\"";
 const RIGID: &str = "kind = \"time-domain\"\ndisc = \"rigid\"";
 const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";
 
-/// A place with finished runs of jobs, each with a name, a criterion and its sampling.
+/// Finished runs of jobs, each given by name, criterion and sampling.
 fn runs(speed: f64, jobs: &[(&str, &str, &str)]) -> Place {
     let place = Place::new();
     for (name, criterion, sampling) in jobs {
@@ -112,7 +112,7 @@ fn eigenvalues_against_motion_in_time_are_paired_and_add_up() {
         assert_eq!(of("preload"), linear.column("preload")[row]);
         assert_eq!(of("cell_first"), of("cell_second"));
     }
-    // The other way round is the mirror image.
+    // Exchanging the runs changes the sign.
     place.run("compare runs/motion runs/linear --out back.parquet").done();
     let back = Table::read(&place.path("back.parquet"));
     for row in 0..9 {
@@ -142,7 +142,7 @@ fn a_run_does_not_differ_from_itself() {
 }
 
 #[test]
-fn a_start_from_rest_squeals_where_steady_sliding_holds() {
+fn a_start_from_rest_is_unstable_where_steady_sliding_is_stable() {
     let sampling = "samples = 300\nseed = 3";
     let place = runs(22.0, &[("held", RIGID, sampling), ("rest", FROM_REST, sampling)]);
     place.run("compare runs/held runs/rest --out out.parquet").done();
@@ -196,7 +196,7 @@ fn two_seeds_of_one_job_do_not_differ() {
 }
 
 #[test]
-fn runs_that_share_deviates_are_not_taken_for_independent() {
+fn runs_that_share_deviates_are_not_treated_as_independent() {
     let place = Place::new();
     let text = |name: &str, extra: &str| {
         job(name, 15.0, EIGENVALUE, "samples = 500\nseed = 4")
@@ -214,10 +214,10 @@ fn runs_that_share_deviates_are_not_taken_for_independent() {
         place.run("submit job.toml").done();
         assert!(place.path("runs").join(name).is_dir());
     }
-    // The same deviates become other inputs: sample by sample.
+    // The same deviates, transformed to other inputs, are paired sample by sample.
     place.run("compare runs/up runs/down --out out.parquet").done();
     assert_eq!(texts(&place, "out.parquet", "interval"), ["paired"; 9]);
-    // Another number of inputs: other samples of the same random numbers.
+    // With another number of inputs, the same random numbers make other samples.
     let outcome = place.run("compare runs/up runs/third --out out.parquet").done();
     assert!(outcome.stderr.contains("2 and 3 random inputs, though they share random numbers"), "{}", outcome.stderr);
     assert_eq!(texts(&place, "out.parquet", "interval"), ["dependent"; 9]);
@@ -297,7 +297,7 @@ fn cells_are_matched_by_their_values() {
     assert_eq!(texts(&place, "own.parquet", "interval"), ["unpaired"; 6]);
 }
 
-/// Replaces a piece of a verdict map by one that tells the opposite.
+/// Replaces a piece of a verdict map by one with the opposite verdicts.
 fn exchange_verdicts(piece: &Path) {
     let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(piece).unwrap()).unwrap();
     let (schema, pairs) = (builder.schema().clone(), builder.metadata().file_metadata().key_value_metadata().cloned());
@@ -324,7 +324,7 @@ fn exchange_verdicts(piece: &Path) {
 fn verdicts_that_are_not_those_counted_are_not_paired() {
     let place = runs(15.0, &[("a", EIGENVALUE, "samples = 2000"), ("b", RIGID, "samples = 2000")]);
     place.run("compare runs/a runs/b").done();
-    // A verdict map that tells the opposite, under a good checksum.
+    // A verdict map with the opposite verdicts and a valid checksum.
     let pieces: Vec<_> = fs::read_dir(place.path("runs/b/map")).unwrap().map(|entry| entry.unwrap().path()).collect();
     pieces.iter().for_each(|piece| exchange_verdicts(piece));
     let outcome = place.run("compare runs/a runs/b --out out.parquet").done();
@@ -362,7 +362,7 @@ fn what_cannot_be_compared_is_refused() {
 
 #[test]
 fn ctrl_c_ends_a_comparison() {
-    // Drawn in an instant, but slower sample by sample.
+    // Counting is fast, but comparing sample by sample is slower.
     let place = runs(15.0, &[("long", EIGENVALUE, "samples = 3_000_000")]);
     let mut command = place.command("compare runs/long runs/long --out out.parquet");
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();

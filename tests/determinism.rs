@@ -1,4 +1,4 @@
-//! The promises: one job, one result, whatever the threads, shards, interruptions, builds and processors.
+//! Determinism: the result of a job does not depend on threads, shards, interruptions, builds and processors.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 #![allow(
@@ -48,7 +48,7 @@ fn threads_do_not_change_a_byte() {
 
 #[test]
 fn repeated_runs_write_the_same_bytes() {
-    // Hash maps with random order, time stamps and the like would show here.
+    // Random order in hash maps, time stamps and the like would differ here.
     let place = Place::new();
     place.write("job.toml", &surface_job("repeated", 4, 1000, 3));
     place.run("submit job.toml --out 0").done();
@@ -61,7 +61,7 @@ fn repeated_runs_write_the_same_bytes() {
 #[test]
 fn shards_merged_in_any_order_do_not_change_a_byte() {
     let place = Place::new();
-    // Cells of several units, so that shards part cells too.
+    // Cells of several units, so that shards share cells, too.
     let job = surface_job("shards", 4, 2_500_000, 3);
     place.write("job.toml", &job);
     place.run("submit job.toml --out whole").done();
@@ -130,11 +130,11 @@ fn fifty_kills_at_random_times_do_not_change_a_byte() {
         let entries = fs::read_dir(place.path(directory)).unwrap();
         entries.filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().starts_with(".unfinished")).count()
     };
-    assert_eq!(left_behind("killed") + left_behind("killed/shards"), 0, "the last run tidies up");
+    assert_eq!(left_behind("killed") + left_behind("killed/shards"), 0, "the last run removes unfinished files");
 }
 
 #[test]
-fn signals_keep_what_is_finished_and_print_how_to_go_on() {
+fn signals_keep_finished_work_and_print_how_to_continue() {
     let place = Place::new();
     place.write("job.toml", &surface_job("signalled", 20, 2_500_000, 3));
     place.run("submit job.toml --out whole").done();
@@ -174,7 +174,7 @@ fn more_samples_extend_a_run_and_keep_the_first_ones() {
     assert!(outcome.stderr.contains("3,240,000 samples in"), "only the missing ones are drawn: {}", outcome.stderr);
     place.run("submit many.toml --out anew").done();
     assert!(place.surface("anew") == place.surface("runs/extended"));
-    // A number of samples inside a block is as good.
+    // A number of samples that ends within a block works as well.
     for samples in [10_001, 54_321, 100_000] {
         place.run(&format!("submit few.toml --out odd --samples {samples}")).done();
     }
@@ -198,12 +198,12 @@ fn digests_of_deviates() -> (String, String) {
     (deviates.finalize().to_hex().to_string(), control.finalize().to_hex().to_string())
 }
 
-/// The child of the next test; by itself it prints what it sees.
+/// Runs in a child process of the next test, and prints the digests.
 #[test]
 fn print_digests_of_deviates() {
     let (deviates, control) = digests_of_deviates();
     println!("deviates {deviates}\ncontrol {control}");
-    // The value that the sampler pins in its own build, where num-traits computes with libm.
+    // The value that is pinned in the sampler's own build, where num-traits computes with libm.
     assert_eq!(deviates, "741a4286eef692db97fdf4336b27f4fea74853a6fae742e77f10867421ebff78");
 }
 
@@ -220,7 +220,7 @@ fn the_processor_does_not_change_a_byte() {
     let analyses = [&here, &there].map(|place| place.run("analyse --json").done().stdout);
     assert_eq!(analyses[0], analyses[1]);
 
-    // Counts hardly ever show a last bit; the samples themselves do.
+    // Counts hardly ever change with a last bit of a sample, so the samples themselves are compared.
     let child = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "print_digests_of_deviates", "--nocapture"])
         .env("GLIBC_TUNABLES", tunables)

@@ -1,5 +1,5 @@
-//! Numbers that mean what they say, as a user asks for them: which interval a surface has, stopping by precision, derivatives
-//! and Sobol indices of samples without a verdict.
+//! Estimates through the command line: intervals, stopping by precision, derivatives, and Sobol indices with samples
+//! that have no verdict.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
 
@@ -9,7 +9,7 @@ use common::{BOTH, EIGENVALUE, Place, Table, job, submitted};
 use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 
 #[test]
-fn intervals_are_exact_where_misses_are_to_be_rare() {
+fn intervals_are_clopper_pearson_at_high_confidence() {
     let place = Place::new();
     for (name, sampling, kind, confidence) in [
         ("plain", "", IntervalKind::Wilson, 0.95),
@@ -53,7 +53,7 @@ fn a_relative_precision_is_reached_and_its_limit_can_be_raised() {
         (0..30).filter(is_short).map(|row| samples[row]).collect::<Vec<_>>()
     };
     assert!(wanting(&first).len() > 3 && wanting(&first).iter().all(|&samples| samples == 20_500.0));
-    // Raised by hand, by the command line, or asked for at once: the same bytes.
+    // A limit that is raised in the job, on the command line, or given at the start leads to the same bytes.
     place.run("submit short.toml --out raised").done();
     place.write("longer.toml", &text(150_000));
     for run in ["short", "direct"] {
@@ -65,7 +65,7 @@ fn a_relative_precision_is_reached_and_its_limit_can_be_raised() {
     let direct = Table::read(&place.path("direct/surface.parquet"));
     assert!(wanting(&direct).len() < wanting(&first).len());
     place.run("submit short.toml --out direct").refused(65, &["at most 150000 samples", "--samples 150000"]);
-    // Both precisions at once: the first that is reached.
+    // With both precisions, the first that is reached counts.
     let either = "until = { relative = 0.1, half_width = 0.005 }";
     let table = submitted(&place, "either", &job("either", EIGENVALUE, BOTH, either));
     for row in 0..30 {
@@ -84,7 +84,7 @@ fn a_relative_precision_is_reached_and_its_limit_can_be_raised() {
 
 #[test]
 fn rare_events_are_not_underestimated_when_stopping() {
-    // Means over 600 cells of one probability: of p_unstable, and of the shares that stopped early when few were unstable.
+    // Means over 600 cells with one probability: of p_unstable, and of the share of unstable samples, which is biased.
     let place = Place::new();
     let cells: Vec<String> = (0..600).map(|i| format!("{}", 0.05 + 1e-9 * f64::from(i))).collect();
     let text = |sampling: &str| {
@@ -106,7 +106,7 @@ fn rare_events_are_not_underestimated_when_stopping() {
 }
 
 #[test]
-fn derivatives_are_given_where_they_are_known() {
+fn derivatives_are_withheld_where_few_samples_are_unstable_or_stable() {
     let place = Place::new();
     let text = |sampling: &str| job("d", EIGENVALUE, BOTH, &format!("{sampling}\nderivatives = true"));
     let sampled = submitted(&place, "sampled", &text("samples = 3000"));
@@ -124,7 +124,7 @@ fn derivatives_are_given_where_they_are_known() {
 
 #[test]
 fn derivatives_leave_undecided_samples_out_by_the_quotient_rule() {
-    // A horizon so short that many samples are undecided; the same from an integral over the verdict map.
+    // With a short horizon, many samples are undecided. The reference is an integral over the verdict map.
     let place = Place::new();
     let criterion = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"\nhorizon = 4.0";
     let text = |sampling: &str| {
@@ -153,7 +153,7 @@ fn derivatives_leave_undecided_samples_out_by_the_quotient_rule() {
 }
 
 #[test]
-fn sobol_indices_do_not_credit_an_input_for_failing_samples() {
+fn sobol_indices_do_not_attribute_failed_samples_to_an_input() {
     // The moment of inertia does not enter the tangential motion; one value in six is below zero.
     let place = Place::new();
     let inputs = "inputs = [\"preload\", \"static_friction\", \"pad.moment_of_inertia\"]\n\
@@ -163,7 +163,7 @@ fn sobol_indices_do_not_credit_an_input_for_failing_samples() {
     for row in 0..30 {
         let total = table.column("total_pad.moment_of_inertia")[row];
         assert!(total.is_nan() || total == 0.0, "{row}: {total}");
-        // The sample, its partner, or the mixture.
+        // A sample is left out if it, its partner or the mixture failed.
         assert!(failed[row] > 300.0 && left_out[row] > failed[row] && left_out[row] < 3.0 * failed[row]);
     }
     assert!(table.column("total_preload").iter().any(|&total| total > 0.3));
@@ -175,7 +175,7 @@ fn sobol_indices_do_not_credit_an_input_for_failing_samples() {
 const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";
 
 #[test]
-fn a_run_that_gave_its_map_up_stays_honest_when_it_is_extended() {
+fn a_run_that_gave_its_map_up_is_extended_without_a_map() {
     let place = Place::new();
     let text = job("few", FROM_REST, BOTH, "samples = 400\nevaluate = \"boundary\"");
     place.write("few.toml", &text);
@@ -189,7 +189,7 @@ fn a_run_that_gave_its_map_up_stays_honest_when_it_is_extended() {
     for column in each.names() {
         assert_eq!(each.column(column), extended.column(column), "{column}");
     }
-    // Asked for at once, it has a map and an audit.
+    // With all samples from the start, it has a map and an audit.
     let outcome = place.run("submit few.toml --out direct --samples 5000").done();
     assert!(outcome.stdout.contains("audit: 0 of 9,000 differed"), "{}", outcome.stdout);
 }
@@ -217,13 +217,13 @@ fn a_half_width_is_shared_with_the_audit_of_a_map() {
         place.write("job.toml", &text(sampling));
         place.run("check job.toml").refused(65, &texts);
     }
-    // Taken for right, the map leaves all of it to the counts.
+    // Without an audit, the counts may use all of the precision.
     let table = submitted(&place, "trusted", &text("until = { relative = 0.2, at_most = 20_000 }\naudit = 0"));
     assert!(table.column("p_audit").iter().all(|share| share.is_nan()));
 }
 
 #[test]
-fn replay_tells_a_looked_up_verdict_from_a_simulated_one() {
+fn replay_distinguishes_looked_up_from_simulated_verdicts() {
     let place = Place::new();
     submitted(&place, "map", &job("map", FROM_REST, BOTH, "samples = 3000\nevaluate = \"boundary\""));
     submitted(&place, "few", &job("few", FROM_REST, BOTH, "samples = 100\nevaluate = \"boundary\""));
@@ -233,7 +233,7 @@ fn replay_tells_a_looked_up_verdict_from_a_simulated_one() {
     let looked_up = replayed("map --cell 7 --sample 2000");
     assert_eq!(looked_up["verdict_looked_up"], looked_up["verdict_in_run"]);
     assert_eq!(looked_up["verdict_simulated"], looked_up["verdict_in_run"]);
-    // Of the audit, and of a run whose map was given up.
+    // An audited sample, and one of a run whose map was given up.
     for simulated in ["map --cell 7 --sample 200", "few --cell 7 --sample 99"] {
         let simulated = replayed(simulated);
         assert!(simulated["verdict_in_run"].is_string() && simulated["verdict_looked_up"].is_null());

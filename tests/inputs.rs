@@ -1,4 +1,4 @@
-//! Random inputs as a user gives them: every distribution, measured values, what the columns say of them.
+//! Random inputs through the command line: distributions, measured values, and their columns.
 
 #![allow(clippy::disallowed_methods, reason = "expected values are computed as a textbook writes them")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
@@ -13,7 +13,7 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 
-/// A job of one cell, with what is given under `[random]` and `[sampling]`.
+/// A job of one cell, with the given keys of `[random]` and `[sampling]`.
 fn job(random: &str, sampling: &str) -> String {
     format!(
         "name = \"job\"\n\n[axes]\nrotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.385\n\n\
@@ -27,7 +27,8 @@ fn submitted(place: &Place, name: &str, text: &str) -> Table {
     Table::read(&place.path(&format!("{name}/surface.parquet")))
 }
 
-/// The critical product is proportional to the damping: unstable where that is below so much of its expected value.
+/// The critical damping over its expected value. The critical product is proportional to the damping, so a sample is
+/// unstable if its damping is below.
 fn critical_damping() -> f64 {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.set("operating_point.rotating_speed", 15.0).unwrap();
@@ -76,7 +77,7 @@ fn every_distribution_gives_the_probability_in_closed_form() {
             assert!((p - expected).abs() < tolerance, "{name}: {p} {expected}");
             assert!(low <= p && p <= high);
         }
-        // Written out in full, it is the same job.
+        // With all defaults filled in, it is the same job.
         let full = place.run(&format!("check {name}-mc.toml")).done().stdout;
         place.write("full.toml", &full);
         let again = place.run(&format!("submit full.toml --out {name}-mc")).done();
@@ -148,7 +149,7 @@ fn a_run_keeps_the_measured_values() {
         assert!((table.column("std_static_friction")[row] - std).abs() < 1e-12, "{std}");
         assert_eq!(table.column("std_preload")[row], 0.1);
     }
-    // Some of the samples; then the file is gone.
+    // Compute some of the samples, and then remove the file.
     place.run("submit whole.toml --out part --shard 1/2").done();
     let other = "stop, mu\n1, 0.36\n2, 0.41\n3, 0.34\n4, 0.44\n";
     fs::remove_file(place.path("data/mu.csv")).unwrap();
@@ -159,12 +160,12 @@ fn a_run_keeps_the_measured_values() {
     assert!(frozen.contains("values = [0.33, 0.36, 0.41, 0.44]"), "{frozen}");
     let copy = place.run("submit part/job.toml --out whole").done();
     assert!(copy.stderr.contains("finished already"), "{}", copy.stderr);
-    // In another order they are the same; others are another job.
+    // The same values in another order make the same job, other values another.
     place.write("data/mu.csv", "mu\n0.33\n0.41\n0.44\n0.36\n");
     place.run("submit whole.toml --out whole").done();
     place.write("data/mu.csv", other);
     place.run("submit whole.toml --out whole").refused(65, &["run of another job", "0.33", "0.34"]);
-    // For every input alike, and in a table of its own.
+    // One file for all inputs, and a distribution in a table of its own.
     let common =
         "inputs = [\"preload\", \"static_friction\"]\ndistribution = { csv = \"data/mu.csv\", column = \"mu\" }";
     submitted(&place, "common", &job(common, "samples = 10"));
@@ -177,7 +178,7 @@ fn a_run_keeps_the_measured_values() {
 }
 
 #[test]
-fn a_file_that_cannot_be_read_is_refused_with_the_place() {
+fn an_invalid_file_is_refused_with_file_and_line() {
     let place = Place::new();
     fs::create_dir(place.path("data")).unwrap();
     place.write("job.toml", &job(MEASURED, "samples = 10"));
@@ -242,7 +243,7 @@ fn what_a_distribution_does_not_allow_is_refused() {
 }
 
 #[test]
-fn an_input_that_does_not_scatter_is_warned_of() {
+fn an_input_that_does_not_scatter_causes_a_warning() {
     let place = Place::new();
     let random = "inputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.1";
     let text = job(random, "samples = 10").replace("preload = 0.1", "preload = [0.0, 0.1]");
@@ -257,7 +258,7 @@ fn an_input_that_does_not_scatter_is_warned_of() {
 }
 
 #[test]
-fn columns_tell_parameters_from_means() {
+fn columns_distinguish_parameters_from_means() {
     let place = Place::new();
     let random = "inputs = [\"preload\", \"pad.mass\", \"rotating_speed\"]\n\
         relative_std = [{ preload = 1.0, \"pad.mass\" = 0.1, rotating_speed = 0.05 }, 0.2]\n\
@@ -287,7 +288,7 @@ fn columns_tell_parameters_from_means() {
 }
 
 #[test]
-fn samples_outside_physics_are_counted_and_become_what_the_job_wants() {
+fn samples_outside_physics_are_counted_and_treated_as_the_job_specifies() {
     let place = Place::new();
     let text = |name: &str, criterion: &str, sampling: &str| {
         format!(
@@ -316,7 +317,7 @@ fn samples_outside_physics_are_counted_and_become_what_the_job_wants() {
     let outcome = place.run("submit stable.toml").done();
     assert!(outcome.stdout.contains("friction that rises with speed"), "{}", outcome.stdout);
 
-    // The same samples are outside whatever decides, looks up or draws them; derivatives see them fail.
+    // The same samples are outside physics with every criterion, with a map, and with derivatives.
     for (name, criterion, sampling) in [
         ("motion", "kind = \"time-domain\"\ndisc = \"rigid\"\noutside_physics = \"failed\"", "samples = 3000"),
         (

@@ -1,4 +1,4 @@
-//! Honest probabilities as a user asks for them: integrals, verdict maps, stopping by precision, Sobol points, intervals,
+//! Probabilities through the command line: integrals, verdict maps, stopping by precision, Sobol points, intervals,
 //! derivatives, Sobol indices, further random inputs.
 
 #![allow(clippy::disallowed_methods, reason = "expected values are computed as a textbook writes them")]
@@ -22,7 +22,7 @@ use stickslip_sampler::special_functions::normal;
 const RIGID: &str = "kind = \"time-domain\"\ndisc = \"rigid\"";
 const FROM_REST: &str = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"";
 
-/// What a submitted job says.
+/// Submits a job and returns its standard output.
 fn submitted_text(place: &Place, name: &str, text: &str) -> String {
     place.write(&format!("{name}.toml"), text);
     place.run(&format!("submit {name}.toml --out {name}")).done().stdout
@@ -34,7 +34,7 @@ fn boundary(speed: f64) -> StabilityBoundary {
     PadOnDisc::new(parameters).unwrap().stability_boundary()
 }
 
-/// The last session of a run's provenance.
+/// The last session in the run.json of a run.
 fn last_session(place: &Place, run: &str) -> Value {
     let text = fs::read_to_string(place.path(run).join("run.json")).unwrap();
     let record: Value = serde_json::from_str(&text).unwrap();
@@ -100,7 +100,8 @@ fn derivatives_are_those_of_the_probability() {
         let by_stds = centre.column("dp_dstd_preload")[row] + centre.column("dp_dstd_static_friction")[row];
         assert!((by_stds - slope(&wide, &narrow)).abs() < 1e-6, "{by_stds} {}", slope(&wide, &narrow));
     }
-    // From samples, within their standard errors; and from Sobol points, whose errors are smaller than stated.
+    // Derivatives from samples agree within their standard errors. Those from Sobol points have smaller errors than
+    // stated.
     for (name, sampling) in [
         ("mc", "samples = 40_000\nseed = 5"),
         ("sobol", "method = \"sobol\"\nsamples = 32_768"),
@@ -111,7 +112,8 @@ fn derivatives_are_those_of_the_probability() {
             for row in 0..30 {
                 let error = sampled.column(&format!("{column}_error"))[row];
                 let deviation = sampled.column(column)[row] - exact.column(column)[row];
-                // 360 numbers at once; and where a handful of samples are rare, their errors are not known well.
+                // 360 values are compared at once. Errors are not known well where few samples have one of the
+                // verdicts.
                 let rare = sampled.column("n_unstable")[row].min(sampled.column("n_stable")[row]) < 50.0;
                 assert!(rare || deviation.abs() < 4.2 * error, "{name} {column} {row}: {deviation} {error}");
             }
@@ -140,12 +142,12 @@ fn integrals_in_time_agree_with_simulated_samples() {
     }
 }
 
-/// A larger job, whose samples are worth a map.
+/// A larger job, for which a map costs less than simulating the samples.
 fn mapped(name: &str, criterion: &str, sampling: &str) -> String {
     job(name, criterion, BOTH, sampling).replace("points = 6", "points = 12").replace("points = 5", "points = 13")
 }
 
-/// All columns but the limits agree, which contain what the audit leaves open.
+/// Asserts that all columns agree but the limits, which are wider by what the audit does not exclude.
 fn assert_same_counts(each: &Table, looked_up: &Table) {
     for column in each.names() {
         let [a, b] = [each, looked_up].map(|table| table.column(column));
@@ -183,7 +185,7 @@ fn looked_up_verdicts_are_those_of_simulated_samples() {
 
 #[test]
 fn samples_in_undecided_regions_are_simulated() {
-    // Lines of decided samples, too thin for any grid, run through what is undecided at so short a horizon.
+    // At so short a horizon, lines of decided samples, too thin for any grid, cross the undecided region.
     let place = Place::new();
     let short = |name: &str, sampling: &str| {
         let scatter = BOTH.replace("= 0.2", "= 0.1");
@@ -221,11 +223,11 @@ fn a_map_that_costs_more_than_the_samples_is_given_up() {
         }
         assert_eq!(table.column("n_simulated"), table.column("n_samples"));
         assert!(table.column("n_audited").iter().all(|&n| n == 0.0));
-        // Two threads find out within a batch each.
+        // Two threads stop within a batch each.
         let session = last_session(&place, name);
         assert_eq!(session["map_given_up"].as_bool(), Some(true));
         assert!(session["map_simulations"].as_u64() <= Some(3000 + 2 * 64), "{session}");
-        // However the run is made, and whatever of the map is there.
+        // With other threads and in shards, the surface is the same.
         place.run(&format!("submit map.toml --out {name}-1 --threads 1")).done();
         place.run(&format!("submit map.toml --out {name}-2 --shard 1/2")).done();
         place.run(&format!("submit map.toml --out {name}-2 --shard 2/2")).done();
@@ -254,7 +256,8 @@ fn a_flexible_disc_is_mapped_too() {
     }
 }
 
-/// Puts the verdict map of one run into `to`, given out as that of another: what a hidden island would look like.
+/// Copies the verdict map of the run `from` into `to`, with the key of the run `as_of`. It is wrong for that run, as if
+/// it had missed a region of another verdict.
 fn forge_map(place: &Place, from: &str, as_of: &str, to: &str) {
     let key = |run: &str| {
         let piece = fs::read_dir(place.path(run).join("map")).unwrap().next().unwrap().unwrap().path();
@@ -284,7 +287,7 @@ fn an_audit_finds_a_map_that_is_wrong() {
     forge_map(&place, "other", "own", "forged");
     let outcome = place.run("submit own.toml --out audited --map forged");
     outcome.refused(70, &["the verdict map is wrong somewhere", "p_low and p_high", "evaluate = \"each\""]);
-    // The result is there all the same, says so, and contains the truth.
+    // The result is written nevertheless, counts the differences, and its intervals contain the true probabilities.
     let exact = "method = \"exact\"\naudit = 300";
     place.write("exact.toml", &job("exact", RIGID, BOTH, exact));
     place.run("submit exact.toml --out exact --map forged").refused(70, &["the verdict map is wrong", "monte-carlo"]);
@@ -305,7 +308,7 @@ fn an_audit_finds_a_map_that_is_wrong() {
     assert!(own.column("p_audit").iter().all(|&share| share > 0.0 && share < 0.0145));
     assert!(place.run("status audited").done().stdout.contains("audited samples differed"));
     assert!(place.run("compare audited own").done().stderr.contains("warning: audited: "));
-    // Merging or finding it finished says it again.
+    // A finished run repeats the message.
     place.run("submit own.toml --out audited --map forged").refused(70, &["wrong somewhere"]);
 }
 
@@ -324,16 +327,16 @@ fn a_map_serves_other_jobs_without_a_new_simulation() {
     place.run("submit other.toml --out alone").done();
     assert!(last_session(&place, "alone")["map_simulations"].as_u64() > Some(1000));
     assert!(place.surface("served") == place.surface("alone"), "a borrowed map gives the same bytes");
-    // The integral over the same map, and its own run keeps what it borrowed.
+    // A run keeps borrowed tiles, so an integral can use them from there.
     let exact = other.replace("samples = 3000\nseed = 99\nevaluate = \"boundary\"", "method = \"exact\"");
     place.write("exact.toml", &exact);
     place.run("submit exact.toml --out exact --map served").done();
     assert_eq!(last_session(&place, "exact")["map_simulations"].as_u64(), Some(0));
-    // Another criterion, another model: nothing to borrow.
+    // With another criterion, nothing can be borrowed.
     place.write("near.toml", &other.replace("start = \"rest\"", "start = \"near-equilibrium\""));
     place.run("submit near.toml --out near --map first").done();
     assert!(last_session(&place, "near")["map_simulations"].as_u64() > Some(1000));
-    // Of samples that the horizon leaves undecided the integral says how many there would be.
+    // An integral gives the probability of samples that the horizon leaves undecided.
     let short = exact.replace("start = \"rest\"", "start = \"rest\"\nhorizon = 3.0");
     let text = submitted_text(&place, "short", &short);
     assert!(text.contains("undecided"), "{text}");
@@ -364,7 +367,7 @@ fn maps_do_not_depend_on_threads_shards_and_kills() {
     place.run("merge shards").done();
     assert!(place.surface("1") == place.surface("shards"));
     place.assert_survives_kills("1", &[60, 150, 300, 500, 700], 2);
-    // So are integrals over the map.
+    // Nor do integrals over the map.
     place.write("exact.toml", &mapped("exact", FROM_REST, "method = \"exact\"\nderivatives = true"));
     for threads in [1, 3] {
         place.run(&format!("submit exact.toml --threads {threads} --out exact-{threads}")).done();
@@ -373,7 +376,7 @@ fn maps_do_not_depend_on_threads_shards_and_kills() {
     for run in ["exact-3", "exact-borrowed"] {
         assert!(place.surface("exact-1") == place.surface(run), "{run}");
     }
-    // A damaged piece of the map is found out, and its tiles resolved again.
+    // A damaged piece of the map is found, and its tiles are resolved again.
     let piece = fs::read_dir(place.path("2/map")).unwrap().next().unwrap().unwrap().path();
     let mut bytes = fs::read(&piece).unwrap();
     let middle = bytes.len() / 2;
@@ -388,7 +391,7 @@ fn maps_do_not_depend_on_threads_shards_and_kills() {
 const UNTIL: &str = "until = { half_width = 0.01, confidence = 0.9, at_most = 60_000 }\nseed = 8";
 
 #[test]
-fn samples_go_where_the_precision_needs_them() {
+fn cells_get_as_many_samples_as_their_precision_needs() {
     let place = Place::new();
     let table = submitted(&place, "until", &job("until", EIGENVALUE, BOTH, UNTIL));
     let exact = submitted(&place, "exact", &job("exact", EIGENVALUE, BOTH, "method = \"exact\""));
@@ -403,10 +406,10 @@ fn samples_go_where_the_precision_needs_them() {
     assert!(missed <= 3, "{missed} of 30 intervals of 90 % miss the exact value");
     counts.sort_by(|a, b| a.0.total_cmp(&b.0));
     assert!(counts[0].1 <= 1000.0 && counts[29].1 >= 8000.0, "{counts:?}");
-    // Together takes more than each.
+    // Intervals that hold together need more samples.
     let together = submitted(&place, "together", &job("t", EIGENVALUE, BOTH, &format!("{UNTIL}\nsimultaneous = true")));
     assert!(together.column("n_samples").iter().sum::<f64>() > 1.5 * table.column("n_samples").iter().sum::<f64>());
-    // Where it cannot be reached, the limit is.
+    // Where the precision cannot be reached, sampling stops at the limit.
     let short =
         submitted(&place, "short", &job("s", EIGENVALUE, BOTH, "until = { half_width = 0.0001, at_most = 2500 }"));
     assert!(short.column("n_samples").iter().all(|&n| n == 2500.0));
@@ -432,7 +435,7 @@ fn stopping_does_not_depend_on_threads_shards_and_kills() {
 }
 
 #[test]
-fn sobol_points_are_nearer_and_their_intervals_true() {
+fn sobol_points_have_smaller_errors_and_valid_intervals() {
     let place = Place::new();
     let exact = submitted(&place, "exact", &job("exact", EIGENVALUE, BOTH, "method = \"exact\""));
     let sobol = submitted(&place, "sobol", &job("sobol", EIGENVALUE, BOTH, "method = \"sobol\"\nsamples = 16_384"));
@@ -458,7 +461,7 @@ fn sobol_points_are_nearer_and_their_intervals_true() {
 }
 
 #[test]
-fn intervals_are_as_wide_as_asked() {
+fn intervals_have_the_widths_of_their_kinds() {
     let place = Place::new();
     let width = |name: &str, sampling: &str| -> Vec<f64> {
         let table = submitted(&place, name, &job(name, EIGENVALUE, BOTH, &format!("samples = 5000\n{sampling}")));
@@ -476,7 +479,7 @@ fn intervals_are_as_wide_as_asked() {
 }
 
 #[test]
-fn sobol_indices_part_the_variance_rightly() {
+fn sobol_indices_agree_with_quadrature() {
     let place = Place::new();
     let table = submitted(&place, "s", &job("s", EIGENVALUE, BOTH, "samples = 50_000\nsensitivity = true"));
     let boundary = boundary(15.0);
@@ -501,7 +504,7 @@ fn sobol_indices_part_the_variance_rightly() {
         {
             for (kind, expected) in [("first_order", first_order), ("total", total)] {
                 let [value, error] = ["", "_error"].map(|suffix| table.column(&format!("{kind}_{name}{suffix}"))[row]);
-                // Up to 120 numbers at once; the variance itself is estimated, too.
+                // Up to 120 values are compared at once, and the variance is an estimate, too.
                 let allowed = 4.0 * error + 0.02 * expected;
                 assert!((value - expected).abs() < allowed, "{kind} {name} {row}: {value} {expected} {error}");
             }
@@ -521,7 +524,7 @@ fn any_parameter_may_scatter() {
         let [p, low, high] = ["p_unstable", "p_low", "p_high"].map(|column| table.column(column)[0]);
         (p, low, high)
     };
-    // The critical product is proportional to the damping: unstable where that is below so much of its expected value.
+    // The critical damping over its expected value: the critical product is proportional to the damping.
     let ratio = 0.1 * (0.385 - 0.25) / boundary(15.0).critical_product();
     let damping = "inputs = [\"damping.tangential\"]\nrelative_std = 0.1";
     let t = (1.0_f64 + 0.01).ln().sqrt();
@@ -554,7 +557,7 @@ fn any_parameter_may_scatter() {
             fs::remove_dir_all(place.path(name)).unwrap();
         }
     }
-    // Correlation: given the deviate of the preload, that of friction is normal about rho z.
+    // Correlation: given the deviate z of the preload, that of friction is normal with mean rho z.
     let rho = -0.6;
     let correlated = format!("{BOTH}\ncorrelation = [[\"static_friction\", \"preload\", {rho}]]");
     let boundary = boundary(15.0);
@@ -574,9 +577,9 @@ fn any_parameter_may_scatter() {
 }
 
 #[test]
-fn a_varying_brake_is_decided_like_the_one_that_it_is() {
-    // A random input whose scatter is nothing makes every sample a brake of its own. Each is decided as its preload and static
-    // friction are by the brake of the preset.
+fn a_brake_of_its_own_for_each_sample_gets_the_same_verdict() {
+    // A random input without scatter makes every sample a brake of its own. Its verdict must be that of the preset's
+    // brake with the same preload and static friction.
     let place = Place::new();
     let mut parameters = Parameters::sui_ding_2018();
     parameters.operating_point.rotating_speed = 15.0;
@@ -631,7 +634,7 @@ fn samples_of_every_method_can_be_replayed() {
         let outside = place.run(&format!("replay {name} --cell 7 --sample {count}"));
         outside.refused(64, &[&format!("has samples 0 to {}", count - 1)]);
         if name == "looks" {
-            // Several parts; those of the others are counted one by one.
+            // The cell has several parts. The samples of the other jobs are replayed one by one.
             assert!(count > 2000);
             let last = place.run(&format!("replay {name} --cell 7 --sample {} --horizon 5 --json", count - 1)).done();
             assert!(last.stdout.contains("verdict_in_run"));
@@ -647,7 +650,7 @@ fn samples_of_every_method_can_be_replayed() {
     place.run("replay exact --cell 0 --sample 0").refused(64, &["no samples to replay"]);
 }
 
-/// Jobs of every method; their columns are pinned below.
+/// Jobs of every method, whose columns are pinned below.
 fn every_method() -> [(&'static str, String); 6] {
     let varied = "inputs = [\"preload\", \"static_friction\", \"stiffness.contact_normal\", \"damping.tangential\", \"pad.mass\"]\n\
         relative_std = 0.15\n\

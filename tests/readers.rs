@@ -1,7 +1,7 @@
-//! The files as their readers see them: pandas, polars, DuckDB, pyarrow.
+//! Reading the files with pandas, polars, DuckDB and pyarrow.
 //!
-//! `make test` sets up a Python environment and names it in STICKSLIP_PYTHON. Where that is missing, as on a machine
-//! without Python, there is nothing to read with; continuous integration insists on it.
+//! `make test` sets up a Python environment and names it in STICKSLIP_PYTHON. Without it, as on a machine without
+//! Python, the test does nothing; in continuous integration it then fails.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 
@@ -12,7 +12,7 @@ use std::process::Command;
 use common::{Place, repository};
 
 #[test]
-fn python_readers_see_what_the_documents_say() {
+fn python_readers_read_what_the_documents_describe() {
     let Some(python) = std::env::var_os("STICKSLIP_PYTHON") else {
         assert!(std::env::var_os("CI").is_none(), "STICKSLIP_PYTHON is not set; run `make test`");
         return;

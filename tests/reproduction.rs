@@ -1,4 +1,4 @@
-//! The paper's numbers and exact probabilities, through the command line.
+//! Reproduction of the paper: its numbers, and exact probabilities, through the command line.
 
 #![allow(clippy::disallowed_methods, reason = "formulas as a textbook writes them")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
@@ -21,7 +21,7 @@ const PAPER: [(f64, [f64; 4]); 10] = [
     (0.500, [0.970, 0.809, 0.783, 0.745]),
 ];
 
-/// Upper tail of the normal distribution by Simpson's rule: shares nothing with the engine.
+/// Upper tail of the normal distribution by Simpson's rule, independent of the engine.
 fn upper_tail(z: f64) -> f64 {
     if z < 0.0 {
         return 1.0 - upper_tail(-z);
@@ -38,7 +38,7 @@ fn job(name: &str) -> String {
 }
 
 #[test]
-fn table_3_is_the_papers_within_its_tolerances_and_exact_within_its_error() {
+fn table_3_agrees_with_the_paper_and_with_exact_probabilities() {
     let place = Place::new();
     place.run(&format!("submit {}", job("table3"))).done();
     let table = Table::read(&place.path("runs/table3/surface.parquet"));
@@ -67,7 +67,7 @@ fn table_3_is_the_papers_within_its_tolerances_and_exact_within_its_error() {
 }
 
 #[test]
-fn table_2_covers_the_papers_range_and_is_exact_within_its_error() {
+fn table_2_covers_the_papers_range_and_agrees_with_exact_probabilities() {
     let place = Place::new();
     let printed = place.run("reproduce table2").done().stdout;
     assert!(printed.contains("holds") && !printed.contains("DOES NOT"), "{printed}");
@@ -84,8 +84,8 @@ fn table_2_covers_the_papers_range_and_is_exact_within_its_error() {
     assert!((p[0] - 0.006).abs() < 0.002 && (p[9] - 0.998).abs() < 0.002, "{p:?}");
 }
 
-/// Probability of instability of a cell, by the midpoint rule over both deviates and the inequality `m1 > 0` of the
-/// paper's equation (3.8), evaluated from the parameters: shares nothing with the engine.
+/// A brake whose probability of instability follows from the inequality `m1 > 0` of the paper's equation (3.8), by the
+/// midpoint rule over the deviate of the preload. Independent of the engine.
 struct Model {
     damping: f64,
     exponent: f64,
@@ -114,7 +114,7 @@ impl Model {
             if sample <= 0.0 {
                 continue;
             }
-            // m1 is linear in friction: where it vanishes.
+            // m1 is linear in friction; this is its zero.
             let critical = 0.25 - m1(sample, 0.25) / (m1(sample, 1.25) - m1(sample, 0.25));
             probability += h * density(z) * upper_tail((critical / friction - 1.0) / friction_std);
         }
@@ -150,7 +150,7 @@ fn surfaces_on_other_grids_and_parameters_agree_with_numerical_integration() {
             let exact = model.probability(of("preload"), of("static_friction"), preload_std, friction_std);
             let error = (exact * (1.0 - exact) / 40_000.0).sqrt();
             let z = (of("p_unstable") - exact) / error;
-            // In the few cells with next to no (or next to only) unstable samples a count is not a normal deviate.
+            // In the few cells where nearly all samples have the same verdict, the count is not normally distributed.
             if 40_000.0 * exact.min(1.0 - exact) < 10.0 {
                 assert!(
                     (of("p_unstable") - exact).abs() < 25.0 / 40_000.0,
@@ -165,7 +165,7 @@ fn surfaces_on_other_grids_and_parameters_agree_with_numerical_integration() {
         }
         assert!(cells >= 60.0, "{name}: the grid must show the transition, only {cells} cells do");
         assert!(largest < 5.0, "{name}: max |z| = {largest}");
-        // Mean of chi-squares with one degree of freedom: 1 +- sqrt(2 / cells), here within four of these.
+        // The mean of chi-squares with one degree of freedom is 1 +- sqrt(2 / cells); allow four standard deviations.
         assert!(
             (squares / cells - 1.0_f64).abs() < 4.0 * (2.0_f64 / cells).sqrt(),
             "{name}: mean z^2 = {}",
@@ -175,7 +175,7 @@ fn surfaces_on_other_grids_and_parameters_agree_with_numerical_integration() {
 }
 
 #[test]
-fn every_target_reproduces_twice_alike() {
+fn every_target_reproduces_the_same_output_twice() {
     let (place, other) = (Place::new(), Place::new());
     let help = place.run("reproduce --help").done().stdout;
     // Figure 14b takes minutes; `tests/time_domain.rs` runs it with fewer samples.
@@ -185,7 +185,7 @@ fn every_target_reproduces_twice_alike() {
         let first = place.run(&format!("reproduce {name}")).done().stdout;
         assert!(!first.contains("DOES NOT HOLD"), "{first}");
         assert_eq!(first, other.run(&format!("reproduce {name} --threads 1")).done().stdout);
-        // Again, from the finished run where there is one.
+        // Again, now from the finished run if there is one.
         if name != "fig6" {
             assert_eq!(first, place.run(&format!("reproduce {name}")).done().stdout);
         }
@@ -194,10 +194,10 @@ fn every_target_reproduces_twice_alike() {
     spectra(&Table::read(&place.path("runs/fig10/pad_spectra.parquet")));
 }
 
-/// Figure 6: both motions between the critical speed and the saddle-node, one of them elsewhere.
+/// Figure 6: between critical speed and saddle-node there are two motions, elsewhere one.
 fn hysteresis(diagram: &Table) {
-    // The last speeds of stick-slip in these sweeps: the saddle-node of the rigid disc is at 30.197, and its sweep ends
-    // a step or two below; the flexible disc's, which nobody has given independently, lies some 1.5 % lower.
+    // Where stick-slip ends in these sweeps. The saddle-node of the rigid disc is at 30.197, and its sweep ends a step
+    // or two below. That of the flexible disc lies some 1.5 % lower; there is no independent value for it.
     for (flexible, critical, saddle_node) in [(0.0, 15.56, 30.197), (1.0, 15.398, 29.6)] {
         let sticks = |direction: f64, speed: f64| {
             let row = (0..diagram.column("direction").len()).find(|&row| {
@@ -219,7 +219,8 @@ fn hysteresis(diagram: &Table) {
     }
 }
 
-/// Figure 10: the spectrum of x has its highest line at the frequency of stick-slip, near that of a rigid disc (0.2806).
+/// Figure 10: the highest line in the spectrum of x is at the frequency of stick-slip, near that of a rigid disc
+/// (0.2806).
 fn spectra(spectra: &Table) {
     let (frequency, x) = (spectra.column("frequency_hz"), spectra.column("x"));
     let highest = (0..x.len()).max_by(|&a, &b| x[a].total_cmp(&x[b])).unwrap();

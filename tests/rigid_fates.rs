@@ -1,4 +1,4 @@
-//! Verdicts on rigid brakes of all kinds against independent return maps.
+//! Verdicts on rigid-disc brakes of many kinds, against independent return maps.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 
@@ -9,8 +9,8 @@ use fates::{FATES, FATES_AT_BOUNDARIES, cases};
 use stickslip_core::criterion::decision::Decision;
 use stickslip_core::verdict::Verdict;
 
-/// Decides every case of a file with steps divided by `divisor`, and compares the verdicts with the fates. Returns how
-/// many are undecided.
+/// Decides every case of a file with steps divided by `divisor`, asserts that no verdict is wrong, and returns the
+/// number of undecided ones.
 #[track_caller]
 fn assert_fates(text: &str, divisor: f64) -> usize {
     let mut undecided = 0;

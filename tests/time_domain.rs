@@ -1,4 +1,4 @@
-//! Runs that follow every sample in time, motions and replays, through the command line.
+//! Runs that simulate every sample, single motions and replays, through the command line.
 
 #![allow(clippy::disallowed_methods, reason = "formulas as a textbook writes them")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
@@ -44,7 +44,7 @@ fn result_columns_are_pinned() {
 }
 
 #[test]
-fn enough_disc_modes_are_chosen_and_too_few_are_warned_of() {
+fn enough_disc_modes_are_chosen_and_too_few_cause_a_warning() {
     let place = Place::new();
     let check = |modes: &str, model: &str| {
         let spec = job("modes", 3, 10, modes).replace("[axes]", &format!("{model}\n\n[axes]"));
@@ -86,7 +86,7 @@ fn threads_shards_and_interruptions_do_not_change_a_byte() {
         assert!(place.surface("whole") == place.surface(&format!("by-{count}")), "{count} shards");
     }
     place.assert_survives_kills("whole", &[30, 60, 90, 120, 200, 300], 3);
-    // Fewer samples first, the rest later.
+    // First fewer samples, then the rest.
     place.run("submit job.toml --out grown --samples 1700").done();
     place.run("submit job.toml --out grown").done();
     assert!(place.surface("whole") == place.surface("grown"));
@@ -110,7 +110,7 @@ fn json(text: &str) -> serde_json::Value {
 }
 
 #[test]
-fn trajectories_settle_to_the_table() {
+fn limit_cycles_have_the_tabulated_values() {
     // Physics notes, section 7: adaptive Runge-Kutta, tolerance 1e-11, outside Rust.
     let place = Place::new();
     for (speed, period, largest, smallest, stick) in
@@ -150,7 +150,7 @@ fn a_trajectory_file_holds_what_the_summary_says() {
     assert!((largest - summary["x_max"].as_f64().unwrap()).abs() < 1e-4);
     let share = sticks[late..].iter().sum::<f64>() / (sticks.len() - late) as f64;
     assert!((share - summary["stick_fraction"].as_f64().unwrap()).abs() < 0.02);
-    // Friction is what acts between the forces of the same row.
+    // In each row, the friction force is the coefficient times the contact force.
     for row in 0..time.len() {
         let ratio = table.column("friction_force_n")[row] / table.column("contact_force_n")[row];
         assert!((ratio - table.column("friction_coefficient")[row]).abs() < 1e-12);
@@ -158,7 +158,7 @@ fn a_trajectory_file_holds_what_the_summary_says() {
 }
 
 #[test]
-fn the_papers_grid_with_its_moving_load_tells_the_same_story_as_the_modes() {
+fn the_papers_grid_with_its_moving_load_agrees_with_the_modes() {
     let place = Place::new();
     let summary = |words: &str| {
         let words =
@@ -204,7 +204,7 @@ fn replays_give_the_verdicts_that_the_run_counted() {
         }
         assert_eq!(unstable, table.column("n_unstable")[cell], "{name}");
     }
-    // Twice the same, bit for bit; and of runs that looked at no motion too.
+    // Two replays agree bit for bit, also in a run by eigenvalues.
     place.write("eigen.toml", &surface_job("eigen", 3, 25, 3));
     place.run("submit eigen.toml").done();
     for run in ["runs/flexible", "runs/eigen"] {
@@ -219,7 +219,7 @@ fn replays_give_the_verdicts_that_the_run_counted() {
 }
 
 #[test]
-fn bad_criteria_are_refused_with_place_value_and_remedy() {
+fn invalid_criteria_are_refused_with_line_value_and_remedy() {
     let place = Place::new();
     let cases: &[(&str, &[&str])] = &[
         ("horizon = 0", &["job.toml:14:11", "criterion.horizon = 0 is out of range", "greater than 0"]),
@@ -272,14 +272,14 @@ fn bad_criteria_are_refused_with_place_value_and_remedy() {
         place.run(&format!("trajectory {words}")).refused(64, &texts);
     }
     place.run("trajectory --out nowhere/motion.parquet").refused(73, &["there is no directory nowhere"]);
-    // What is not an ordinary file is not replaced by one.
+    // A link is not replaced by a file.
     std::os::unix::fs::symlink("/dev/null", place.path("link.parquet")).unwrap();
     place.run("trajectory --out link.parquet").refused(73, &["link.parquet is not an ordinary file"]);
     assert!(place.path("link.parquet").symlink_metadata().unwrap().is_symlink());
 }
 
 #[test]
-fn what_feeds_unstable_samples_is_counted_and_flutter_is_not_mapped() {
+fn unstable_samples_are_counted_by_what_feeds_them_and_flutter_is_not_mapped() {
     let place = Place::new();
     let counts = |name: &str, kind: &str, section: &str| {
         let spec = job(name, 3, 40, kind).replace("[axes]", &format!("{section}\n\n[axes]"));
@@ -307,7 +307,7 @@ fn a_run_of_other_verdicts_is_refused_with_the_remedy() {
     let place = Place::new();
     place.write("job.toml", &job("old", 2, 20, "disc = \"rigid\""));
     place.run("submit job.toml").done();
-    // A piece as the version before wrote it: of another experiment, and without a word about verdicts.
+    // A piece as the previous version wrote it: of another experiment, and without a version of verdicts.
     let shards = place.path("runs/old/shards");
     let piece = std::fs::read_dir(&shards).unwrap().next().unwrap().unwrap().path();
     let bytes = rewritten_without_version(&piece);
@@ -318,7 +318,7 @@ fn a_run_of_other_verdicts_is_refused_with_the_remedy() {
     }
 }
 
-/// The bytes of a piece whose owner is another experiment, and whose version of verdicts is not named.
+/// The bytes of a piece, changed to belong to another experiment and to name no version of verdicts.
 fn rewritten_without_version(piece: &std::path::Path) -> Vec<u8> {
     let builder = ParquetRecordBatchReaderBuilder::try_new(std::fs::File::open(piece).unwrap()).unwrap();
     let owner = KeyValue::new("stickslip:experiment".to_owned(), "of an older version".to_owned());
@@ -331,9 +331,9 @@ fn rewritten_without_version(piece: &std::path::Path) -> Vec<u8> {
 }
 
 #[test]
-fn samples_that_blow_up_are_failed_counted_and_shown() {
+fn samples_whose_motion_diverges_are_failed_counted_and_shown() {
     let place = Place::new();
-    // A disc as soft as foam: far from the expected values the equilibrium ceases to exist, or the motion runs away.
+    // The disc is so soft that there is no equilibrium far from the expected values, or the motion diverges.
     let spec = job("failing", 1, 400, "disc = \"flexible\"\ndisc_modes = 5")
         .replace("{ from = 0.03, to = 0.30, points = 1 }", "0.3")
         .replace("{ from = 0.27, to = 0.50, points = 1 }", "1.0")
@@ -348,18 +348,18 @@ fn samples_that_blow_up_are_failed_counted_and_shown() {
     assert!(outcome.stdout.contains(&format!("{} failed", count("n_failed"))), "{}", outcome.stdout);
     let status = json(&place.run("status runs/failing --json").done().stdout);
     assert_eq!(status["samples_failed"].as_f64(), Some(count("n_failed")));
-    // They bound the probability from both sides.
+    // They widen the interval of the probability.
     let share = count("n_failed") / 400.0;
-    assert!(count_bounds(&table) >= share, "{} {share}", count_bounds(&table));
+    assert!(interval_width(&table) >= share, "{} {share}", interval_width(&table));
 }
 
 /// Width of the interval of the first cell.
-fn count_bounds(table: &Table) -> f64 {
+fn interval_width(table: &Table) -> f64 {
     table.column("p_high")[0] - table.column("p_low")[0]
 }
 
 #[test]
-fn figure_14b_is_figure_14a_and_both_indices_agree_on_it() {
+fn figures_14a_and_14b_nearly_agree_with_either_index() {
     let place = Place::new();
     let text = std::fs::read_to_string(repository().join("jobs/fig14b.toml")).unwrap();
     place.write("fig14b.toml", &text);
@@ -377,9 +377,9 @@ fn figure_14b_is_figure_14a_and_both_indices_agree_on_it() {
     let differing = |other: &Table| -> f64 {
         motion.column("n_unstable").iter().zip(other.column("n_unstable")).map(|(a, b)| (a - b).abs()).sum()
     };
-    // The same samples by another index: no more than one in a thousand differs.
+    // With the other index, at most one sample in a thousand has another verdict.
     assert!(differing(&amplitude) <= 1e-3 * samples, "{} of {samples}", differing(&amplitude));
-    // Eigenvalues on a rigid disc: the critical speed differs by one percent, so few samples do; and some must.
+    // On a rigid disc, the critical speed differs by one per cent, so a few samples must differ, but not many.
     let by_disc = differing(&linear);
     assert!(by_disc > 0.0 && by_disc < 0.02 * samples, "{by_disc} of {samples}");
 }

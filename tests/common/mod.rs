@@ -1,4 +1,4 @@
-//! Running stickslip as a user does, and reading what it wrote.
+//! Running stickslip as a user does, and reading its files.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
@@ -13,7 +13,7 @@ use arrow::array::{Array as _, Float64Array, Int64Array};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use tempfile::TempDir;
 
-/// Everything that `reproduce` reproduces.
+/// The targets of `reproduce`.
 pub const TARGETS: [&str; 19] = [
     "table2",
     "table3",
@@ -36,7 +36,7 @@ pub const TARGETS: [&str; 19] = [
     "scoreboard",
 ];
 
-/// The repository.
+/// The root of the repository.
 pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
 }
@@ -48,7 +48,7 @@ pub struct Place {
     environment: Vec<(String, String)>,
 }
 
-/// What a command did.
+/// Exit code and output of a command.
 #[derive(Debug)]
 pub struct Outcome {
     pub code: Option<i32>,
@@ -57,14 +57,14 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Asserts success and hands back the output.
+    /// Asserts success and returns the output.
     #[track_caller]
     pub fn done(self) -> Self {
         assert_eq!(self.code, Some(0), "{}\n{}", self.stdout, self.stderr);
         self
     }
 
-    /// Asserts the exit code and that the one message contains every given text.
+    /// Asserts the exit code, and that the message contains every given text.
     #[track_caller]
     pub fn refused(self, code: i32, texts: &[&str]) -> Self {
         assert_eq!(self.code, Some(code), "{}\n{}", self.stdout, self.stderr);
@@ -85,7 +85,7 @@ impl Place {
         }
     }
 
-    /// The same place, visited with another build of stickslip.
+    /// Uses another build of stickslip.
     pub fn with_program(mut self, program: &Path) -> Self {
         self.program = program.to_owned();
         self
@@ -125,8 +125,8 @@ impl Place {
         }
     }
 
-    /// Submits `job.toml`, kills it after so many milliseconds, resumes it, again and again, and asserts that what comes out in
-    /// the end is what the run `whole` has. At least `hits` of the kills must find it running.
+    /// Submits `job.toml`, and repeatedly kills it after a delay in milliseconds and resumes it. Asserts that its
+    /// surface is that of the run `whole` in the end, and that at least `hits` of the kills found it running.
     #[track_caller]
     pub fn assert_survives_kills(&self, whole: &str, delays: &[u64], hits: u32) {
         let mut was_alive = 0;
@@ -151,7 +151,7 @@ impl Place {
     }
 }
 
-/// The program as the other profile than this test's own makes it; built here if it is not there yet.
+/// The program built with the other profile (debug or release) than this test.
 pub fn other_build() -> PathBuf {
     let mut build = Command::new(env!("CARGO"));
     build.args(["build", "--locked", "--quiet", "-p", "stickslip"]).current_dir(repository());
@@ -175,7 +175,8 @@ pub fn surface_job(name: &str, points: usize, samples: u64, seed: u64) -> String
     )
 }
 
-/// The columns of a Parquet file as numbers; integers are exact up to 2^53, nulls are NaN, columns of anything else empty.
+/// The columns of a Parquet file as numbers. Integers are exact up to 2^53, nulls are NaN, and columns of other types
+/// are empty.
 pub struct Table {
     names: Vec<String>,
     columns: Vec<Vec<f64>>,
@@ -216,7 +217,7 @@ impl Table {
         &self.columns[index.unwrap_or_else(|| panic!("no column {name}"))]
     }
 
-    /// A hash of every value of every column, bit by bit: the same on every machine for the same release.
+    /// A hash of every value of every column, bit by bit. It is the same on every machine for the same release.
     pub fn digest(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         // The pinned digests are older than some columns.
@@ -231,7 +232,7 @@ impl Table {
     }
 }
 
-/// A job of 30 cells, with a criterion and what is given under `[random]` and `[sampling]`.
+/// A job of 30 cells, with the given criterion and the given keys of `[random]` and `[sampling]`.
 pub fn job(name: &str, criterion: &str, random: &str, sampling: &str) -> String {
     format!(
         "name = \"{name}\"\n\n[axes]\nrotating_speed = 15.0\npreload = {{ from = 0.05, to = 0.30, points = 6 }}\n\
@@ -243,7 +244,7 @@ pub fn job(name: &str, criterion: &str, random: &str, sampling: &str) -> String 
 pub const BOTH: &str = "inputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.2";
 pub const EIGENVALUE: &str = "kind = \"eigenvalue\"";
 
-/// The surface of a job that is submitted under its name.
+/// Submits a job into a directory of its name and returns its surface.
 #[track_caller]
 pub fn submitted(place: &Place, name: &str, text: &str) -> Table {
     place.write(&format!("{name}.toml"), text);

@@ -178,7 +178,8 @@ pub struct TrajectoryArguments {
     /// Number of modes of the flexible disc, lowest frequencies first [default: as many as the growth rate needs]
     #[arg(long, value_name = "N")]
     pub disc_modes: Option<usize>,
-    /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc) [default: 8x8]
+    /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc) [default:
+    /// 8x8]
     #[arg(long, value_name = "RxN", value_parser = grid)]
     pub grid: Option<DiscGrid>,
     /// How the moving load of the finite-difference disc is shared among nodes [default: linear]

@@ -1,5 +1,5 @@
-//! `stickslip`: the command line of the engine. It reads job specs, runs them on all threads, keeps run directories, and
-//! reproduces the tables and figures of Sui & Ding (2018).
+//! `stickslip`: the command line of the engine. It reads job specs, runs them on all threads, keeps run directories,
+//! and reproduces the tables and figures of Sui & Ding (2018).
 //!
 //! Modules are declared in reading order; physics is in `stickslip-core`, statistics in `stickslip-sampler`.
 

@@ -20,8 +20,8 @@ const SHADES: [(f64, char); 6] = [(0.8, '█'), (0.6, '▓'), (0.4, '▒'), (0.2
 /// Largest share of samples without a verdict with which a probability is drawn.
 const MOST_UNKNOWN: f64 = 0.1;
 
-/// The probability of instability over preload and static friction, one slice for each speed and standard deviation. If only
-/// one of the two varies, the picture shows bars.
+/// The probability of instability over preload and static friction, one slice for each speed and standard deviation. If
+/// only one of the two varies, the picture shows bars.
 pub fn picture(surface: &Surface<'_>) -> String {
     let [speeds, stds, preloads, frictions] = surface.job().grid.lengths().map(|length| length as usize);
     let slices = speeds * stds;

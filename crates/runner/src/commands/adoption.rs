@@ -26,15 +26,15 @@ impl RunState {
     }
 }
 
-/// Freezes a job in a run directory that has none, or checks that the directory belongs to the same job. Returns the job with
-/// the name and description of the run.
+/// Freezes a job in a run directory that has none, or checks that the directory belongs to the same job. Returns the
+/// job with the name and description of the run.
 ///
 /// # Errors
 /// A directory that belongs to another job, or to the same one with more samples or unfinished with fewer.
 pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(Job, RunState), Failure> {
     if directory.job_source()?.is_none() {
-        // There may be pieces without a job.toml, if somebody removed it. Those of this job count; others are refused before
-        // anything is written. Meanwhile, another shard may have frozen the job.
+        // There may be pieces without a job.toml, if somebody removed it. Those of this job count; others are refused
+        // before anything is written. Meanwhile, another shard may have frozen the job.
         let tally = directory.tally(&job);
         if directory.job_source()?.is_none() {
             let tally = tally?;

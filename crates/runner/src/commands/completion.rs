@@ -94,7 +94,8 @@ pub fn compute(
         None => format!("stickslip resume {path}"),
         Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
     };
-    let kept = |failure: Failure| failure.with_remedy(&format!("what is on disk already is kept; continue with `{how}`"));
+    let kept =
+        |failure: Failure| failure.with_remedy(&format!("what is on disk already is kept; continue with `{how}`"));
     let engine = Engine::new(threads)?;
     let mut evaluator = Evaluator::new(&job)?;
     let mut integrated = Vec::new();

@@ -75,7 +75,8 @@ pub struct VaryingBrake {
 }
 
 impl VaryingBrake {
-    /// The brake of one sample; `None` if a value is not admissible. `values` are its random inputs, in the job's order.
+    /// The brake of one sample; `None` if a value is not admissible. `values` are its random inputs, in the job's
+    /// order.
     fn brake(&self, rotating_speed: f64, inputs: RandomInputs, values: impl Iterator<Item = f64>) -> Option<PadOnDisc> {
         let mut parameters = self.parameters.clone();
         parameters.operating_point.rotating_speed = rotating_speed;
@@ -85,7 +86,8 @@ impl VaryingBrake {
                 parameters.set(scalar.key, value).ok()?;
             }
         }
-        // A brake cannot be made with friction that rises with speed. The sample is decided with its own static friction.
+        // A brake cannot be made with friction that rises with speed. The sample is decided with its own static
+        // friction.
         let friction = &mut parameters.friction;
         friction.static_coefficient = friction.static_coefficient.max(friction.kinetic_coefficient);
         PadOnDisc::new(parameters).ok()

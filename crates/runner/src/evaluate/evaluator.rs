@@ -1,8 +1,8 @@
 //! Evaluates samples: from a cell, a part and a range of samples to their inputs, their verdicts and what is recorded.
 //!
-//! All commands evaluate samples by this code, with any criterion, random inputs and maps. Samples are drawn in chunks. Each
-//! chunk is decided in closed form, by looking its samples up in the verdict map, or by simulation. Everything here is a pure
-//! function of the job, its maps and the arguments.
+//! All commands evaluate samples by this code, with any criterion, random inputs and maps. Samples are drawn in chunks.
+//! Each chunk is decided in closed form, by looking its samples up in the verdict map, or by simulation. Everything
+//! here is a pure function of the job, its maps and the arguments.
 
 use std::ops::Range;
 
@@ -41,8 +41,8 @@ pub struct Evaluator<'a> {
 pub struct EvaluatedSample {
     /// Preload and static friction as drawn.
     pub drawn: RandomInputs,
-    /// Preload and static friction that the verdict is for. They differ from the drawn ones only if the job clamps samples
-    /// outside physics.
+    /// Preload and static friction that the verdict is for. They differ from the drawn ones only if the job clamps
+    /// samples outside physics.
     pub inputs: RandomInputs,
     /// Whether the drawn values are outside physics.
     pub is_outside_physics: bool,

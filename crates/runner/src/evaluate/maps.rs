@@ -46,8 +46,8 @@ impl Maps {
 
     /// Whether maps of this cost cost more than simulating the samples.
     ///
-    /// The answer depends on the sum over all needed tiles, and so on the job alone: not on threads, shards, interruptions or
-    /// the source of the tiles. The sum only grows, so a partial sum beyond the limit is enough.
+    /// The answer depends on the sum over all needed tiles, and so on the job alone: not on threads, shards,
+    /// interruptions or the source of the tiles. The sum only grows, so a partial sum beyond the limit is enough.
     pub fn are_too_costly(&self, cost: u64) -> bool {
         self.most.is_some_and(|most| u128::from(cost) > most)
     }
@@ -156,8 +156,8 @@ struct Spread {
 }
 
 impl Spread {
-    /// The tiles in the range, each with its distance from the expected value in standard deviations (0 if the coordinate is
-    /// not normally distributed).
+    /// The tiles in the range, each with its distance from the expected value in standard deviations (0 if the
+    /// coordinate is not normally distributed).
     fn tiles(&self, bounds: impl Fn(u32) -> Box2, axis: usize) -> Vec<(u32, f64)> {
         let reached = |tile: &u32| {
             let bounds = bounds(*tile);

@@ -1,4 +1,5 @@
-//! Evaluation of samples: drawing their inputs, and finding their verdicts in closed form, by looking up or by simulation.
+//! Evaluation of samples: drawing their inputs, and finding their verdicts in closed form, by looking up or by
+//! simulation.
 
 pub mod parts;
 

@@ -1,8 +1,8 @@
 //! The parts of a cell: groups of its samples that are counted separately.
 //!
-//! Most jobs have one part in each cell. With Sobol points, each randomisation is a part, and their scatter gives the error.
-//! With `until`, the samples between two looks are a part. Whether a cell stops then depends on complete parts only, and not
-//! on how the work was shared or interrupted. Parts are numbered over all cells of a job.
+//! Most jobs have one part in each cell. With Sobol points, each randomisation is a part, and their scatter gives the
+//! error. With `until`, the samples between two looks are a part. Whether a cell stops then depends on complete parts
+//! only, and not on how the work was shared or interrupted. Parts are numbered over all cells of a job.
 
 use std::ops::Range;
 
@@ -10,8 +10,8 @@ use stickslip_sampler::estimate::looks::Looks;
 
 use crate::job::{Effort, Job};
 
-/// Number of parts of a cell by which pieces number them, with looks. It leaves room for the parts that a higher limit of
-/// samples adds.
+/// Number of parts of a cell by which pieces number them, with looks. It leaves room for the parts that a higher limit
+/// of samples adds.
 const STORED_PARTS: u64 = 1024;
 
 /// The parts of all cells of a job.
@@ -88,8 +88,8 @@ impl Parts {
         if self.looks.is_some() { STORED_PARTS } else { self.of_a_cell() as u64 }
     }
 
-    /// Whether the parts of a cell are computed in order, each only if those before it were not enough. One process should
-    /// then compute them all.
+    /// Whether the parts of a cell are computed in order, each only if those before it were not enough. One process
+    /// should then compute them all.
     pub fn are_sequential(&self) -> bool {
         self.looks.is_some()
     }
@@ -108,8 +108,8 @@ impl Parts {
         }
     }
 
-    /// The place of the part that contains a sample, and the sample's number in it. The given number runs over all parts of the
-    /// cell.
+    /// The place of the part that contains a sample, and the sample's number in it. The given number runs over all
+    /// parts of the cell.
     pub fn locate(&self, sample: u64) -> (usize, u64) {
         let mut before = 0;
         for (place, &samples) in self.samples.iter().enumerate() {

@@ -53,8 +53,8 @@ impl Samples {
         }
     }
 
-    /// Whether a sample is outside physics: without preload the pad is not pressed on the disc, and with `f_s < f_c` friction
-    /// rises with speed.
+    /// Whether a sample is outside physics: without preload the pad is not pressed on the disc, and with `f_s < f_c`
+    /// friction rises with speed.
     pub fn is_outside_physics(&self, sample: usize) -> bool {
         self.preloads()[sample] <= 0.0 || self.static_frictions()[sample] < self.column(2)[sample]
     }

@@ -1,4 +1,5 @@
-//! The sums that a job has beside its verdict counts. They are integers, so that they do not depend on the order of adding.
+//! The sums that a job has beside its verdict counts. They are integers, so that they do not depend on the order of
+//! adding.
 
 use serde::{Deserialize, Serialize};
 use stickslip_core::criterion::decision::Decision;
@@ -59,7 +60,8 @@ impl SumLayout {
         Self {
             samples: !job.is_integrated(),
             lookups: job.uses_maps() && job.sampling.evaluate == EvaluateMode::Boundary,
-            // Samples that a map finds unstable are fed by the tangential motion: jobs are refused a map where other motions grow.
+            // Samples that a map finds unstable are fed by the tangential motion: jobs are refused a map where other
+            // motions grow.
             sources: job.has_flexible_disc() && !job.is_integrated(),
             derivatives: job.sampling.derivatives,
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
@@ -175,8 +177,8 @@ impl SumLayout {
         }
     }
 
-    /// Adds verdicts for Sobol indices: on samples `first`, on as many others `second` and, for each input, on the first ones
-    /// with that input taken from the second (`mixed`).
+    /// Adds verdicts for Sobol indices: on samples `first`, on as many others `second` and, for each input, on the
+    /// first ones with that input taken from the second (`mixed`).
     pub fn add_sensitivity(self, sums: &mut [i64], first: &[Verdict], second: &[Verdict], mixed: &[Vec<Verdict>]) {
         let is_unstable = |verdict: Verdict| match verdict {
             Verdict::Unstable => Some(true),
@@ -220,8 +222,8 @@ impl SumLayout {
         ScoreTotals::from_sums(sums).derivative(number, cell, counts, probability?)
     }
 
-    /// The counts behind the Sobol indices of an input, and the number of samples that they leave out because one of the
-    /// verdicts is undecided or failed.
+    /// The counts behind the Sobol indices of an input, and the number of samples that they leave out because one of
+    /// the verdicts is undecided or failed.
     fn index_counts(self, sums: &[i128], input: usize) -> Option<(IndexCounts, u64)> {
         let part = sums.get(self.sensitivity_at() + PER_INPUT * input..)?.get(..PER_INPUT)?;
         let count = |i: usize| u64::try_from(part[i]).unwrap_or(0);

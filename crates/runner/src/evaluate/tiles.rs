@@ -39,8 +39,8 @@ pub struct MapTrial {
 }
 
 impl Evaluator<'_> {
-    /// Limits the cost of the verdict maps to that of simulating all samples but the audited ones. It is estimated from the
-    /// first samples of some cells, and so depends on the job alone.
+    /// Limits the cost of the verdict maps to that of simulating all samples but the audited ones. It is estimated from
+    /// the first samples of some cells, and so depends on the job alone.
     pub fn limit_maps(&mut self) {
         if self.job.is_integrated() || !self.job.uses_maps() {
             return;
@@ -57,7 +57,8 @@ impl Evaluator<'_> {
         self.maps.limit(others.saturating_mul(u128::from(cost)) / u128::from((trial * samples).max(1)));
     }
 
-    /// Resolves one tile. `keep_going` is called with the decisions of each batch; if it returns false, the result is `None`.
+    /// Resolves one tile. `keep_going` is called with the decisions of each batch; if it returns false, the result is
+    /// `None`.
     pub fn resolve(&self, speed: usize, index: TileIndex, keep_going: impl Fn(&[Decision]) -> bool) -> Option<Tile> {
         let map = self.maps.get(speed)?;
         let criterion = self.criteria.at_speed(speed)?;
@@ -87,8 +88,8 @@ impl Evaluator<'_> {
         (!is_stopped).then_some(tile)
     }
 
-    /// Resolves some of the missing tiles, evenly spread, for about `time`, to estimate the cost of all. A tile that takes
-    /// more than a quarter of the time is dropped.
+    /// Resolves some of the missing tiles, evenly spread, for about `time`, to estimate the cost of all. A tile that
+    /// takes more than a quarter of the time is dropped.
     pub fn try_maps(&self, time: Duration) -> MapTrial {
         let missing = self.maps.missing();
         let started = Instant::now();

@@ -106,8 +106,8 @@ impl TableColumn {
     }
 }
 
-/// Writes a table of columns of equal length as `name` into `directory`, whole or not at all, with pairs of key and value
-/// in its footer.
+/// Writes a table of columns of equal length as `name` into `directory`, whole or not at all, with pairs of key and
+/// value in its footer.
 pub fn write_table(
     directory: &Path,
     name: &str,

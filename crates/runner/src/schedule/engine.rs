@@ -73,8 +73,8 @@ impl Engine {
 
     /// Computes everything in `plan`, adds it to `tally`, and writes it to pieces in `directory`.
     ///
-    /// Pieces are written during the computation, at growing intervals. A kill loses a tenth of the time already spent, and
-    /// never more than ten seconds.
+    /// Pieces are written during the computation, at growing intervals. A kill loses a tenth of the time already spent,
+    /// and never more than ten seconds.
     pub fn run(
         &self,
         evaluator: &Evaluator<'_>,

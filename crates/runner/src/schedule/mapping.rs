@@ -46,8 +46,9 @@ impl CompletedMaps {
 }
 
 impl Engine {
-    /// Completes the verdict maps of `evaluator` by simulation, or gives them up if they cost more than the samples. New tiles
-    /// are written to the directory `keep`, if there is one. If some are `borrowed` from other runs, those are, too.
+    /// Completes the verdict maps of `evaluator` by simulation, or gives them up if they cost more than the samples.
+    /// New tiles are written to the directory `keep`, if there is one. If some are `borrowed` from other runs, those
+    /// are, too.
     pub fn complete_maps(
         &self,
         evaluator: &mut Evaluator<'_>,

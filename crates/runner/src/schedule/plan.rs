@@ -104,8 +104,8 @@ impl Gap {
 impl Plan {
     /// The missing units of the samples that are wanted now.
     ///
-    /// Consecutive units, counted over all parts, go to different shards, so that jobs with one cell and jobs with many are
-    /// shared alike. Cells whose parts are sequential go to a shard as a whole.
+    /// Consecutive units, counted over all parts, go to different shards, so that jobs with one cell and jobs with many
+    /// are shared alike. Cells whose parts are sequential go to a shard as a whole.
     pub fn new(tally: &Tally, parts: &Parts, unit_samples: u64, shard: Option<Shard>) -> Self {
         let part_units: Vec<u128> =
             (0..parts.of_a_cell()).map(|place| u128::from(parts.max_samples(place).div_ceil(unit_samples))).collect();

@@ -101,8 +101,8 @@ impl RunDirectory {
                     format!("{} is in use by another stickslip; wait until it ends, or stop it", path.display());
                 return Err(Failure::Busy(message));
             }
-            // Some network file systems have no locks. Pieces are safe without: they are whole files with names of their
-            // own, and are counted once. At worst, work is done twice.
+            // Some network file systems have no locks. Pieces are safe without: they are whole files with names of
+            // their own, and are counted once. At worst, work is done twice.
             Err(TryLockError::Error(error)) => {
                 note(format_args!(
                     "note: {} cannot be locked ({error}); make sure that no other stickslip works in it",
@@ -231,8 +231,8 @@ fn looks_empty(path: &Path) -> Result<bool, Failure> {
     let entries = fs::read_dir(path).map_err(|error| Failure::reading(path, error))?;
     for entry in entries {
         let entry = entry.map_err(|error| Failure::reading(path, error))?;
-        // A `submit` that was killed at its start leaves shards/ and unfinished files. Another shard may just have written
-        // job.toml.
+        // A `submit` that was killed at its start leaves shards/ and unfinished files. Another shard may just have
+        // written job.toml.
         let name = entry.file_name();
         if name != "shards" && name != "job.toml" && !is_temporary(&entry.path()) {
             return Ok(false);

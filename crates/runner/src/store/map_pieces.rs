@@ -1,7 +1,7 @@
 //! Pieces of verdict maps: files of finished tiles.
 //!
-//! They are Parquet files of boxes in `map/`, named by the hash of their content like those of samples. They name everything
-//! that their verdicts depend on (model, rotating speed, criterion), so that other jobs can use them.
+//! They are Parquet files of boxes in `map/`, named by the hash of their content like those of samples. They name
+//! everything that their verdicts depend on (model, rotating speed, criterion), so that other jobs can use them.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -29,8 +29,8 @@ use crate::store::piece::digest;
 
 const KEY: &str = "stickslip:verdict_map";
 
-/// Adds the tiles in a directory of pieces that `maps` need, and returns their number. Tiles that are not needed are left out,
-/// so that a map does not depend on where its tiles come from.
+/// Adds the tiles in a directory of pieces that `maps` need, and returns their number. Tiles that are not needed are
+/// left out, so that a map does not depend on where its tiles come from.
 pub fn load(maps: &mut Maps, directory: &Path) -> Result<usize, Failure> {
     let mut loaded = 0;
     if maps.is_empty() || !directory.is_dir() {

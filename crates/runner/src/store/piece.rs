@@ -1,7 +1,7 @@
 //! Pieces: files of finished units, from which a run resumes.
 //!
-//! A piece is a small Parquet file, named by the hash of its content. It is written under a temporary name and renamed when it
-//! is on disk. A piece that is incomplete, altered or from another job is never used.
+//! A piece is a small Parquet file, named by the hash of its content. It is written under a temporary name and renamed
+//! when it is on disk. A piece that is incomplete, altered or from another job is never used.
 
 use std::fs;
 use std::path::Path;

@@ -69,7 +69,8 @@ impl Session {
         }
     }
 
-    /// Records the tiles of the verdict maps, the simulations that this session made for them, and whether they were given up.
+    /// Records the tiles of the verdict maps, the simulations that this session made for them, and whether they were
+    /// given up.
     pub fn maps(&mut self, map_tiles: u64, map_simulations: u64, map_given_up: bool) {
         self.maps = Some(MapUse { map_tiles, map_simulations, map_given_up });
     }

@@ -53,8 +53,8 @@ impl Tally {
         Self { parts: vec![PartTally::default(); parts as usize] }
     }
 
-    /// Adds the units of pieces, in any order. Samples are counted once, even if a unit is there twice because a batch system
-    /// started a task twice.
+    /// Adds the units of pieces, in any order. Samples are counted once, even if a unit is there twice because a batch
+    /// system started a task twice.
     ///
     /// # Errors
     /// The part and the samples of two units that have different verdicts on the same samples: one of them is wrong.

@@ -7,8 +7,8 @@ use crate::evaluate::parts::Parts;
 use crate::store::tally::Tally;
 
 impl Parts {
-    /// The number of parts of a cell that are wanted now (all of them, or those up to the next look), and the counts at every
-    /// complete look.
+    /// The number of parts of a cell that are wanted now (all of them, or those up to the next look), and the counts at
+    /// every complete look.
     fn progress(&self, tally: &Tally, cell: u64) -> (usize, Vec<VerdictCounts>) {
         let Some(looks) = self.looks() else { return (self.of_a_cell(), Vec::new()) };
         let mut counts = VerdictCounts::default();

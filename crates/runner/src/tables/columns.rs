@@ -255,9 +255,9 @@ fn sensitivity_columns(layout: SumLayout, inputs: &[RandomInput]) -> Vec<Column>
     columns
 }
 
-/// Adds columns for the inputs: expected value and standard deviation of those other than preload and static friction, and
-/// mean and standard deviation of those that are truncated. The other columns of a truncated input then name parameters of
-/// its distribution.
+/// Adds columns for the inputs: expected value and standard deviation of those other than preload and static friction,
+/// and mean and standard deviation of those that are truncated. The other columns of a truncated input then name
+/// parameters of its distribution.
 fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
     for (i, (&input, marginal)) in job.random.inputs.iter().zip(&job.random.marginals).enumerate() {
         let name = input.name();

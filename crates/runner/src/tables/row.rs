@@ -40,8 +40,8 @@ impl SurfaceRow {
     }
 }
 
-/// The largest share of a cell with wrong looked-up verdicts that the audit does not exclude. Of the `samples` of the cell,
-/// those that were simulated are right; an integral has no samples.
+/// The largest share of a cell with wrong looked-up verdicts that the audit does not exclude. Of the `samples` of the
+/// cell, those that were simulated are right; an integral has no samples.
 pub fn unaudited(lookups: &Lookups, samples: Option<u64>, confidence: f64) -> f64 {
     let looked_up = samples.map_or(1.0, |samples| {
         samples.saturating_sub(lookups.simulated + lookups.audited) as f64 / samples.max(1) as f64

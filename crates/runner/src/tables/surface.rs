@@ -138,7 +138,8 @@ impl<'a> Surface<'a> {
         (0..self.job.cells()).map(|cell| self.row(cell))
     }
 
-    /// Writes `surface.parquet` into `directory`, whole or not at all. Returns false if the file has the same bytes already.
+    /// Writes `surface.parquet` into `directory`, whole or not at all. Returns false if the file has the same bytes
+    /// already.
     pub fn publish(&self, directory: &Path) -> Result<bool, Failure> {
         let target = directory.join("surface.parquet");
         // A hash compares the bytes without holding them in memory.
@@ -175,7 +176,8 @@ impl<'a> Surface<'a> {
         writer.into_inner()
     }
 
-    /// The footer: the job and the versions that its values depend on. Nothing in it differs between two runs of one job.
+    /// The footer: the job and the versions that its values depend on. Nothing in it differs between two runs of one
+    /// job.
     fn properties(&self) -> WriterProperties {
         let mut footer = vec![
             ("stickslip:job", self.job.normalised()),

@@ -71,8 +71,8 @@ pub struct Differences<'a> {
     pub rows: Vec<Row>,
 }
 
-/// Second minus first from counts that are independent or depend on each other in an unknown way. Verdicts that are not known
-/// widen the interval at both ends.
+/// Second minus first from counts that are independent or depend on each other in an unknown way. Verdicts that are not
+/// known widen the interval at both ends.
 fn unpaired(first: &VerdictCounts, second: &VerdictCounts, dependence: Dependence, confidence: f64) -> Difference {
     let unknown = VerdictCounts::without_verdict;
     let of = if dependence == Dependence::Independent { unpaired_difference } else { dependent_difference };

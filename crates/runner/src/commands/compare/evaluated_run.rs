@@ -31,8 +31,8 @@ pub struct EvaluatedRun<'a> {
 }
 
 impl<'a> EvaluatedRun<'a> {
-    /// Completes the verdict maps of a run if it needs them: for integrals, or if samples are evaluated (`needs_verdicts`).
-    /// Tiles of the maps in the directories `maps` are used, too.
+    /// Completes the verdict maps of a run if it needs them: for integrals, or if samples are evaluated
+    /// (`needs_verdicts`). Tiles of the maps in the directories `maps` are used, too.
     pub fn new(
         run: &'a Run,
         needs_verdicts: bool,
@@ -78,7 +78,8 @@ impl<'a> EvaluatedRun<'a> {
         self.integrated.get(cell as usize).map_or_else(|| self.run.lookups(cell), |integrated| integrated.lookups)
     }
 
-    /// The largest error of a cell's probability that the audit of its verdict map does not exclude; 0 without an audit.
+    /// The largest error of a cell's probability that the audit of its verdict map does not exclude; 0 without an
+    /// audit.
     pub fn unaudited(&self, cell: u64, confidence: f64) -> f64 {
         if !self.run.is_audited() {
             return 0.0;
@@ -93,8 +94,8 @@ impl<'a> EvaluatedRun<'a> {
     }
 }
 
-/// Completes the verdict maps of a run, with tiles of other runs where they fit. New tiles are kept in the run, if it can be
-/// written to.
+/// Completes the verdict maps of a run, with tiles of other runs where they fit. New tiles are kept in the run, if it
+/// can be written to.
 fn complete_maps(
     run: &Run,
     evaluator: &mut Evaluator<'_>,

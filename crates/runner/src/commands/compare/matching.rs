@@ -68,8 +68,8 @@ pub struct Matching {
 }
 
 impl Matching {
-    /// Matches the cells of two runs by their values. Notes on standard error which cells are left out and which cannot be
-    /// paired.
+    /// Matches the cells of two runs by their values. Notes on standard error which cells are left out and which cannot
+    /// be paired.
     ///
     /// # Errors
     /// Two runs without a common cell.

@@ -66,8 +66,8 @@ impl JointCounts {
         }
     }
 
-    /// The probability in the second run minus that in the first, with the interval of a confidence. Verdicts that are not
-    /// known widen it at both ends.
+    /// The probability in the second run minus that in the first, with the interval of a confidence. Verdicts that are
+    /// not known widen it at both ends.
     pub fn difference(&self, confidence: f64) -> Difference {
         let of = |counts: &PairedCounts| {
             // `paired_difference` is first minus second.
@@ -108,7 +108,8 @@ pub fn count_pairs(
     let mut total = 0;
     let paired = matching.cells.iter().enumerate().filter(|(_, cell)| cell.dependence == Dependence::Paired);
     for (matched, cell) in paired {
-        // Samples that only one run has are evaluated, too: the counts that the run stored are those of all its samples.
+        // Samples that only one run has are evaluated, too: the counts that the run stored are those of all its
+        // samples.
         let lengths = first.run.lengths(cell.first).into_iter().zip(second.run.lengths(cell.second));
         for (randomisation, (a, b)) in lengths.enumerate() {
             let end = a.max(b);
