@@ -1,0 +1,243 @@
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use stickslip_core::parameters::SCALARS;
+
+use super::*;
+use crate::job::JobSource;
+
+fn job(text: &str) -> Job {
+    JobSource { path: PathBuf::from("job.toml"), text: text.to_owned() }.job().unwrap()
+}
+
+const PLAIN: &str = r#"
+name = "plain"
+description = "what it is for"
+[axes]
+rotating_speed = 15.0
+preload = [0.05, 0.1]
+static_friction = [0.3, 0.4]
+[random]
+inputs = ["preload", "static_friction", "pad.mass"]
+relative_std = { preload = 0.2, static_friction = 0.1, "pad.mass" = 0.3 }
+distribution = { preload = "lognormal" }
+correlation = [["preload", "static_friction", 0.3]]
+[criterion]
+kind = "time-domain"
+disc = "flexible"
+disc_modes = 5
+start = "rest"
+displacement = 0.01
+horizon = 5000.0
+index = { amplitude = 0.002 }
+record = ["amplitude"]
+[sampling]
+method = "monte-carlo"
+samples = 1000
+seed = 1
+evaluate = "each"
+common_random_numbers = false
+confidence = 0.95
+interval = "wilson"
+"#;
+
+const MAPPED: &str = r#"
+name = "mapped"
+[axes]
+rotating_speed = 15.0
+preload = [0.05, 0.1]
+static_friction = [0.3, 0.4]
+[random]
+inputs = ["preload", "static_friction"]
+relative_std = 0.2
+[criterion]
+kind = "time-domain"
+disc = "rigid"
+[sampling]
+evaluate = "boundary"
+audit = 900
+until = { half_width = 0.01, confidence = 0.95, at_most = 100_000 }
+"#;
+
+const SOBOL: &str = r#"
+name = "sobol"
+[axes]
+preload = [0.05, 0.1]
+[random]
+inputs = ["preload", "static_friction"]
+relative_std = 0.2
+[criterion]
+kind = "coupled-eigenvalue"
+[sampling]
+method = "sobol"
+samples = 8192
+randomisations = 16
+"#;
+
+#[test]
+fn identities_do_not_change_with_the_libraries() {
+    let hashes = [PLAIN, MAPPED, SOBOL].map(|text| job(text).hash());
+    let [plain, mapped, sobol] = hashes.map(|hash| hash[..16].to_owned());
+    assert_eq!([plain, mapped, sobol], ["981722f703856f12", "fe20df6649865f51", "35dc7e58e0e43418"]);
+    let job = job(MAPPED);
+    let others = [job.experiment_hash(), job.map_key(15.0)].map(|hash| hash[..16].to_owned());
+    assert_eq!(others, ["cb611e64184df9fa", "b6ece79a4b450902"]);
+}
+
+#[test]
+fn every_key_that_changes_results_changes_the_identity() {
+    let cases: &[(&str, &[(&str, &str)])] = &[
+        (
+            PLAIN,
+            &[
+                ("rotating_speed = 15.0", "rotating_speed = 15.000000000000002"),
+                ("rotating_speed = 15.0", "rotating_speed = [15.0, 16.0]"),
+                ("preload = [0.05, 0.1]", "preload = [0.05, 0.11]"),
+                ("preload = [0.05, 0.1]", "preload = [0.1, 0.05]"),
+                ("static_friction = [0.3, 0.4]", "static_friction = [0.3]"),
+                (
+                    ", \"pad.mass\"]\nrelative_std = { preload = 0.2, static_friction = 0.1, \"pad.mass\" = 0.3 }",
+                    "]\nrelative_std = { preload = 0.2, static_friction = 0.1 }",
+                ),
+                ("\"pad.mass\" = 0.3 }", "\"pad.mass\" = 0.31 }"),
+                ("{ preload = 0.2, static_friction = 0.1,", "{ preload = 0.1, static_friction = 0.2,"),
+                ("{ preload = \"lognormal\" }", "{ static_friction = \"lognormal\" }"),
+                ("{ preload = \"lognormal\" }", "{ preload = \"uniform\" }"),
+                ("{ preload = \"lognormal\" }", "{ preload = \"weibull\" }"),
+                ("{ preload = \"lognormal\" }", "{ preload = \"gumbel\" }"),
+                ("{ preload = \"lognormal\" }", "{ preload = \"triangular\" }"),
+                ("{ preload = \"lognormal\" }", "{ preload = { triangular = 0.4 } }"),
+                ("{ preload = \"lognormal\" }", "{ preload = { truncated-normal = [-2.0, 3.0] } }"),
+                ("{ preload = \"lognormal\" }", "{ preload = { truncated-normal = [-2.0, 4.0] } }"),
+                ("{ preload = \"lognormal\" }", "{ preload = { beta = [0.2, 3.0] } }"),
+                ("{ preload = \"lognormal\" }", "\"lognormal\""),
+                ("\"static_friction\", 0.3]]", "\"static_friction\", -0.3]]"),
+                ("\"static_friction\", 0.3]]", "\"pad.mass\", 0.3]]"),
+                ("correlation = [[\"preload\", \"static_friction\", 0.3]]", ""),
+                (
+                    "kind = \"time-domain\"\ndisc = \"flexible\"\ndisc_modes = 5\nstart = \"rest\"\ndisplacement = 0.01\nhorizon = 5000.0\nindex = { amplitude = 0.002 }\nrecord = [\"amplitude\"]",
+                    "kind = \"eigenvalue\"",
+                ),
+                ("disc = \"flexible\"\ndisc_modes = 5", "disc = \"rigid\""),
+                ("disc_modes = 5", "disc_modes = 6"),
+                ("start = \"rest\"", "start = \"limit-cycle\""),
+                ("start = \"rest\"", "start = \"near-equilibrium\""),
+                ("displacement = 0.01", "displacement = 0.02"),
+                ("horizon = 5000.0", "horizon = 6000.0"),
+                ("amplitude = 0.002", "amplitude = 0.003"),
+                ("index = { amplitude = 0.002 }", ""),
+                ("record = [\"amplitude\"]", ""),
+                ("displacement = 0.01", "displacement = 0.01\noutside_physics = \"failed\""),
+                ("displacement = 0.01", "displacement = 0.01\noutside_physics = \"clamp\""),
+                ("samples = 1000", "samples = 1001"),
+                ("seed = 1", "seed = 2"),
+                ("common_random_numbers = false", "common_random_numbers = true"),
+                ("confidence = 0.95", "confidence = 0.94"),
+                ("interval = \"wilson\"", "interval = \"clopper-pearson\""),
+                ("interval = \"wilson\"", "simultaneous = true"),
+            ],
+        ),
+        (
+            MAPPED,
+            &[
+                ("evaluate = \"boundary\"\naudit = 900", "evaluate = \"each\""),
+                ("audit = 900", "audit = 1000"),
+                ("audit = 900\nuntil = { half_width = 0.01, confidence = 0.95, at_most = 100_000 }", "audit = 0.01"),
+                ("half_width = 0.01", "half_width = 0.02"),
+                ("confidence = 0.95", "confidence = 0.9"),
+                ("at_most = 100_000", "at_most = 200_000"),
+                ("evaluate = \"boundary\"\naudit = 900\nuntil = { half_width = 0.01,", "until = { relative = 0.01,"),
+                ("until = { half_width = 0.01, confidence = 0.95, at_most = 100_000 }", "derivatives = true"),
+                (
+                    "evaluate = \"boundary\"\naudit = 900\nuntil = { half_width = 0.01, confidence = 0.95, at_most = 100_000 }",
+                    "sensitivity = true",
+                ),
+                (
+                    "evaluate = \"boundary\"\naudit = 900\nuntil = { half_width = 0.01, confidence = 0.95, at_most = 100_000 }",
+                    "method = \"exact\"",
+                ),
+            ],
+        ),
+        (
+            SOBOL,
+            &[
+                ("randomisations = 16", "randomisations = 32"),
+                ("method = \"sobol\"\nsamples = 8192\nrandomisations = 16", "samples = 8192"),
+            ],
+        ),
+    ];
+    let mut seen = BTreeMap::new();
+    let mut note = |text: &str, what: String| {
+        if let Some(other) = seen.insert(job(text).hash(), what.clone()) {
+            panic!("{what} and {other} have the same identity");
+        }
+    };
+    for (base, changes) in cases {
+        note(base, format!("the job {}", base.lines().nth(1).unwrap()));
+        for (from, to) in *changes {
+            assert!(base.contains(from), "{from}");
+            note(&base.replacen(from, to, 1), format!("{from} -> {to}"));
+        }
+    }
+    let preset = stickslip_core::parameters::Parameters::sui_ding_2018();
+    for scalar in &SCALARS {
+        if scalar.section() != "operating_point" && scalar.key != "friction.static_coefficient" {
+            let value = 0.999 * scalar.value(&preset);
+            let (section, name) = (scalar.section(), scalar.name());
+            note(
+                &SOBOL.replace("[axes]", &format!("[model.{section}]\n{name} = {value}\n[axes]")),
+                scalar.key.to_owned(),
+            );
+        }
+    }
+}
+
+#[test]
+fn names_and_defaults_do_not_belong_to_the_identity() {
+    for (base, from, to) in [
+        (PLAIN, "name = \"plain\"", "name = \"other\""),
+        (PLAIN, "description = \"what it is for\"", ""),
+        (PLAIN, "interval = \"wilson\"", ""),
+        (PLAIN, "displacement = 0.01", ""),
+        (PLAIN, "method = \"monte-carlo\"", ""),
+        (PLAIN, "horizon = 5000.0", "horizon = 5000.0\noutside_physics = \"stable\""),
+        (SOBOL, "[axes]", "[model.damping]\ntangential = 369.0\n[axes]"),
+        (SOBOL, "[axes]", "[axes]\nrotating_speed = 16"),
+        (
+            SOBOL,
+            "relative_std = 0.2",
+            "relative_std = { preload = 0.2, static_friction = 0.2 }\ndistribution = \"normal\"",
+        ),
+        (SOBOL, "method = \"sobol\"", "method = \"sobol\"\nseed = 0\nconfidence = 0.95"),
+    ] {
+        assert!(base.contains(from), "{from}");
+        assert_eq!(job(base).hash(), job(&base.replacen(from, to, 1)).hash(), "{from} -> {to}");
+    }
+}
+
+#[test]
+fn samples_are_shared_whatever_their_number() {
+    for (base, from, to) in [
+        (PLAIN, "samples = 1000", "samples = 2000"),
+        (MAPPED, "at_most = 100_000", "at_most = 200_000"),
+        (SOBOL, "samples = 8192", "samples = 16384"),
+    ] {
+        assert_eq!(job(base).experiment_hash(), job(&base.replace(from, to)).experiment_hash());
+        let reseeded = base.replace("seed = 1\n", "").replace("[sampling]", "[sampling]\nseed = 77");
+        assert_ne!(job(base).experiment_hash(), job(&reseeded).experiment_hash());
+    }
+}
+
+#[test]
+fn maps_are_shared_where_model_speed_and_criterion_agree() {
+    let key = |text: &str, speed: f64| job(text).map_key(speed);
+    let own = key(MAPPED, 15.0);
+    assert_eq!(
+        own,
+        key(&MAPPED.replace("preload = [0.05, 0.1]", "preload = 0.2").replace("audit = 900", "audit = 1000"), 15.0)
+    );
+    assert_ne!(own, key(MAPPED, 16.0));
+    assert_ne!(own, key(&MAPPED.replace("disc = \"rigid\"", "disc = \"rigid\"\nhorizon = 9000"), 15.0));
+    assert_ne!(own, key(&MAPPED.replace("[axes]", "[model.pad]\nmass = 0.11\n[axes]"), 15.0));
+    assert_ne!(own, job(MAPPED).hash());
+}
