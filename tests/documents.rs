@@ -12,7 +12,6 @@
 //! | `python` | runs without error, if `STICKSLIP_PYTHON` names an interpreter |
 //! | `text output` | what the Python block before it prints |
 //! | any of them `ignore (why)` | not run |
-//! | any of them `needs=FEATURE` | not run while the feature is in [`AWAITED`] |
 //!
 //! A job that begins with the comment `# NAME.toml` is saved under that name. In shown output a line of three dots
 //! stands for any number of lines, and `…` inside a line for any text. Lines that begin with `stickslip: ` are messages
@@ -31,13 +30,10 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 
 use common::{Place, TARGETS, repository};
 
-/// What the documents describe and the program does not do yet. Remove a name, and the blocks that need it run.
-const AWAITED: [&str; 1] = ["si-units"];
-
 /// How many commands, jobs and Python blocks there are at the least, so that the test cannot pass by finding none.
-const LEAST_COMMANDS: usize = 62;
-const LEAST_JOBS: usize = 24;
-const LEAST_PYTHON: usize = 16;
+const LEAST_COMMANDS: usize = 70;
+const LEAST_JOBS: usize = 25;
+const LEAST_PYTHON: usize = 17;
 
 /// What fragments are merged into.
 const BASE_JOB: &str = r#"
@@ -67,16 +63,12 @@ struct Block {
 }
 
 impl Block {
-    fn is_skipped(&self) -> bool {
-        self.words.iter().any(|word| word == "ignore") || self.needs().is_some_and(|name| AWAITED.contains(&name))
+    fn is_ignored(&self) -> bool {
+        self.words.iter().any(|word| word == "ignore")
     }
 
     fn is_output(&self) -> bool {
         self.language == "text" && self.words.iter().any(|word| word == "output")
-    }
-
-    fn needs(&self) -> Option<&str> {
-        self.words.iter().find_map(|word| word.strip_prefix("needs="))
     }
 
     fn exit_code(&self) -> i32 {
@@ -321,7 +313,7 @@ impl Drop for Python {
 
 #[test]
 fn everything_that_the_documents_show_runs() {
-    let (mut ran, mut jobs, mut scripts, mut needed) = (0, 0, 0, BTreeSet::new());
+    let (mut ran, mut jobs, mut scripts) = (0, 0, 0);
     let mut python = Python::start();
     let pages: Vec<Vec<Block>> = pages().iter().map(|page| blocks(page)).collect();
     for blocks in &pages {
@@ -332,12 +324,10 @@ fn everything_that_the_documents_show_runs() {
             fs::copy(&path, place.path("jobs").join(path.file_name().unwrap())).unwrap();
         }
         for (number, block) in blocks.iter().enumerate() {
-            needed.extend(block.needs().map(str::to_owned));
-            let is_ignored = block.words.iter().any(|word| word == "ignore");
             let reason = block.words.iter().any(|word| word.starts_with('('));
-            assert!(!is_ignored || reason, "{}: say in brackets why the block does not run", block.place);
+            assert!(!block.is_ignored() || reason, "{}: say in brackets why the block does not run", block.place);
             match block.language.as_str() {
-                "console" | "toml" | "python" if block.is_skipped() => {}
+                "console" | "toml" | "python" if block.is_ignored() => {}
                 "console" => ran += run_console(&place, block),
                 "toml" => {
                     check_job(&place, block, number);
@@ -359,9 +349,6 @@ fn everything_that_the_documents_show_runs() {
     assert!(ran >= LEAST_COMMANDS, "only {ran} commands");
     assert!(jobs >= LEAST_JOBS, "only {jobs} jobs and fragments");
     assert!(scripts >= LEAST_PYTHON, "only {scripts} Python blocks");
-    for name in AWAITED {
-        assert!(needed.contains(name), "nothing needs {name}; remove it from AWAITED");
-    }
 }
 
 /// The anchor that a heading gets: lower case, without punctuation, with dashes for spaces.
