@@ -26,7 +26,7 @@ assert frame["preload"].min() == 0.01 and frame["preload"].max() == 0.30
 assert frame["static_friction"].min() == 0.25 and frame["static_friction"].max() == 0.50
 
 lazy = polars.read_parquet(surface)
-assert lazy.shape == (780, 14), lazy.shape
+assert lazy.shape == (780, 15), lazy.shape
 assert lazy["n_unstable"].to_list() == frame["n_unstable"].tolist()
 
 [(total, unstable)] = duckdb.sql(f"select count(*), sum(n_unstable) from '{surface}'").fetchall()

@@ -1,6 +1,7 @@
 //! Pictures of surfaces and curves for the terminal.
 
 use crate::job::RandomInput;
+use crate::output::counted;
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
@@ -36,7 +37,8 @@ pub fn picture(surface: &Surface<'_>) -> String {
         }
     }
     if slices > MOST_SLICES {
-        text += &format!("... and {} more slices in the file\n", slices - MOST_SLICES);
+        text +=
+            &format!("... and {} in the file\n", counted((slices - MOST_SLICES) as u128, "more slice", "more slices"));
     }
     text
 }

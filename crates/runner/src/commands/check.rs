@@ -19,6 +19,9 @@ const TRIAL_EVALUATIONS: u32 = 16;
 /// Number of samples in the first evaluation.
 const FIRST_TRIAL_SAMPLES: u64 = 10;
 
+/// Samples at once that fill vector registers.
+const ENOUGH_TRIAL_SAMPLES: u64 = 320;
+
 /// Time for measuring the cost of tiles of verdict maps.
 const TRIAL_OF_MAPS: Duration = Duration::from_secs(1);
 
@@ -128,7 +131,8 @@ fn samples_per_second(job: &Job) -> Result<f64, Failure> {
         // A stride that visits cells all over the grid.
         cell = (cell + 7919) % job.cells();
         // A few samples at once take longer each than those of a whole unit, as simulations share vector registers.
-        if took < TRIAL / 4 && at_once < most {
+        let is_few = at_once < ENOUGH_TRIAL_SAMPLES && started.elapsed() < TRIAL;
+        if (took < TRIAL / 4 || is_few) && at_once < most {
             at_once = most.min(2 * at_once);
         } else {
             samples += evaluated;

@@ -11,7 +11,7 @@ use crate::evaluate::integral::IntegratedCell;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
-use crate::output::{HumanCount128, note, quoted};
+use crate::output::{HumanCount128, counted, note, quoted};
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::plan::{Plan, Shard};
 use crate::schedule::progress::Progress;
@@ -110,8 +110,9 @@ pub fn compute(
     let seconds = started.elapsed().as_secs_f64();
     if computed > 0 {
         note(format_args!(
-            "{} samples in {seconds:.2} s on {threads} threads ({} samples/s)",
+            "{} samples in {seconds:.2} s on {} ({} samples/s)",
             HumanCount(computed),
+            counted(threads as u128, "thread", "threads"),
             HumanCount((computed as f64 / seconds.max(1e-9)) as u64)
         ));
     }

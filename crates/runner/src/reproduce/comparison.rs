@@ -32,7 +32,7 @@ impl ComparedRow {
         self.row.counts.decided() as f64 * self.exact.min(1.0 - self.exact)
     }
 
-    /// Whether the deviation can be judged by the normal distribution.
+    /// Whether the deviation can be compared with the normal distribution.
     pub fn is_normal(&self) -> bool {
         self.expected() >= ENOUGH
     }
