@@ -113,15 +113,6 @@ impl FlexibleBrake {
         Ok(LinearStability::Unstable { fed_by })
     }
 
-    /// The growth rate of the fastest growing mode if friction did not fall with speed: positive where modes of pad and
-    /// disc feed each other.
-    ///
-    /// # Errors
-    /// As [`FlexibleBrake::growth_rate`].
-    pub fn growth_rate_without_fall(&self, inputs: RandomInputs) -> Result<f64, FlexibleError> {
-        Ok(self.linearisation(inputs)?.growth_rate(0.0)?)
-    }
-
     fn linearisation(&self, inputs: RandomInputs) -> Result<Linearisation, FlexibleError> {
         let q = self.sliding_equilibrium(inputs)?;
         let mu = self.equations.pad.friction_coefficient(self.equations.pad.disc_speed, inputs.static_friction);

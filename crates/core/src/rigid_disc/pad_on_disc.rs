@@ -277,7 +277,7 @@ impl PadOnDisc {
         self.normal_force_per_preload() * self.parameters.operating_point.preload
     }
 
-    /// Whether a sample is stable by definition: without preload there is no contact force, and with `f_s < f_c`
+    /// Whether a sample is outside physics, and so on a rigid disc stable by definition: without preload there is no contact force, and with `f_s < f_c`
     /// friction rises with speed.
     #[must_use]
     pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {

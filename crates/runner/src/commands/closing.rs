@@ -85,6 +85,9 @@ fn outside_physics(job: &Job, surface: &Surface<'_>) -> String {
         share(outside as f64 / counted as f64),
         share(largest),
         match job.outside_physics {
+            OutsidePhysics::Stable if job.has_flexible_disc() => {
+                "they are decided as they are, see criterion.outside_physics"
+            }
             OutsidePhysics::Stable => "they count as stable, see criterion.outside_physics",
             OutsidePhysics::Failed => "they count as failed",
             OutsidePhysics::Clamp => "they are moved to Delta = 0 or f_s = f_c",

@@ -86,6 +86,10 @@ fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample) -> Fa
             OutsidePhysics::Clamp => "clamped to the border",
         };
         facts.add("outside_physics", meaning);
+        if job.outside_physics == OutsidePhysics::Clamp {
+            facts.add("preload_decided", sample.inputs.preload);
+            facts.add("static_friction_decided", sample.inputs.static_friction);
+        }
     }
     let verdict = sample.decision.verdict;
     facts.add("verdict_in_run", name(sample.looked_up.unwrap_or(verdict)));

@@ -17,6 +17,12 @@ use toml::Spanned;
 use super::criterion_spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record, StartKind};
 use super::diagnosis::{Complaint, Complaints};
 
+/// Standard deviations by which the static friction coefficient is taken to scatter.
+const REACH: f64 = 6.0;
+
+/// Steps between constant friction and the friction that rises most, at which a brake is tried.
+const RISING_FRICTIONS: i32 = 8;
+
 /// What decides whether a sample is stable.
 #[derive(Debug, Clone)]
 pub enum Criterion {
@@ -130,24 +136,33 @@ impl Criterion {
         })
     }
 
-    /// A rotating speed of the axis and a growth rate at which pad and disc are unstable without any fall of friction, if there
-    /// is one at half the least and one and a half times the largest preload.
+    /// A rotating speed of the axis and a growth rate at which pad and disc are unstable although friction does not fall with
+    /// speed, if there is one at half the least or one and a half times the largest preload: with constant friction, or with
+    /// friction that rises as far as the scatter of the static friction coefficient reaches.
     pub fn growth_without_fall(&self, parameters: &Parameters, grid: &Grid) -> Option<(f64, f64)> {
         let modes = self.modes()?;
         let ends = |values: &[f64]| {
             let positive = || values.iter().copied().filter(|value| *value > 0.0);
             [positive().fold(f64::INFINITY, f64::min), positive().fold(0.0, f64::max)]
         };
-        let static_friction = parameters.friction.kinetic_coefficient;
+        let kinetic = parameters.friction.kinetic_coefficient;
+        let widest = grid.relative_std.iter().map(|std| std.static_friction).fold(0.0, f64::max);
+        let [least, _] = ends(grid.static_friction.values());
+        let lowest = (least * (1.0 - REACH * widest)).max(0.0).min(kinetic);
+        let frictions =
+            (0..=RISING_FRICTIONS).map(|i| kinetic - (kinetic - lowest) * f64::from(i) / f64::from(RISING_FRICTIONS));
+        let frictions: Vec<f64> = frictions.collect();
         for &speed in grid.rotating_speed.values() {
             let mut parameters = parameters.clone();
             parameters.operating_point.rotating_speed = speed;
             let brake = FlexibleBrake::with_modes(PadOnDisc::new(parameters).ok()?, modes).ok()?;
             let [least, largest] = ends(grid.preload.values());
             for preload in [0.5 * least, 1.5 * largest] {
-                match brake.growth_rate_without_fall(RandomInputs { preload, static_friction }) {
-                    Ok(rate) if rate > 0.0 => return Some((speed, rate)),
-                    _ => {}
+                for &static_friction in &frictions {
+                    match brake.growth_rate(RandomInputs { preload, static_friction }) {
+                        Ok(rate) if rate > 0.0 => return Some((speed, rate)),
+                        _ => {}
+                    }
                 }
             }
         }

@@ -50,6 +50,9 @@ impl Job {
         if self.has_later_estimates() {
             hash.whole("estimates version", ESTIMATES_VERSION.into());
         }
+        if self.uses_maps() {
+            hash.whole("map version", MAP_VERSION.into());
+        }
         let NormalisedExperiment { model, axes, random, criterion, sampling } = experiment;
         hash.model(model);
         hash.axes(axes);
@@ -72,6 +75,11 @@ impl Job {
     }
 }
 
+/// The bits of a value; zero has one sign.
+fn bits(value: f64) -> [u8; 8] {
+    (value + 0.0).to_bits().to_le_bytes()
+}
+
 /// Hashes values under their names. What is absent is left out.
 struct ValueHasher(blake3::Hasher);
 
@@ -84,7 +92,7 @@ impl ValueHasher {
 
     fn real(&mut self, key: &str, value: f64) {
         self.entry(key, b'r');
-        self.0.update(&value.to_bits().to_le_bytes());
+        self.0.update(&bits(value));
     }
 
     fn whole(&mut self, key: &str, value: u64) {
@@ -111,8 +119,8 @@ impl ValueHasher {
 
     fn reals(&mut self, key: &str, values: &[f64]) {
         self.list(key, values.len());
-        for value in values {
-            self.0.update(&value.to_bits().to_le_bytes());
+        for &value in values {
+            self.0.update(&bits(value));
         }
     }
 
@@ -151,10 +159,13 @@ impl ValueHasher {
             }
         }
         self.list("random.correlation", correlation.len());
-        for (first, second, coefficient) in correlation {
+        // Neither the order of the pairs nor that of the two inputs of a pair means anything.
+        let mut pairs: Vec<_> = correlation.iter().map(|(a, b, rho)| (a.min(b), a.max(b), *rho)).collect();
+        pairs.sort_by_key(|&(first, second, _)| (first, second));
+        for (first, second, coefficient) in pairs {
             self.word("first", first);
             self.word("second", second);
-            self.real("coefficient", *coefficient);
+            self.real("coefficient", coefficient);
         }
         self.list("random.distribution", distribution.len());
         for (input, marginal) in distribution {

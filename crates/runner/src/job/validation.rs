@@ -141,7 +141,7 @@ fn fits_a_map(job: &Job, spec: &JobSpec) -> Result<(), Complaint> {
     let Some((speed, rate)) = job.criterion.growth_without_fall(&job.parameters, &job.grid) else { return Ok(()) };
     let span = spec.sampling.evaluate.as_ref().map(Spanned::span);
     let message = format!(
-        "a verdict map takes friction that rises with speed for stable, but at {speed} rad/s this brake is unstable even without falling friction (growth rate {rate:+.2e}). Use evaluate = \"each\", which counts what feeds each unstable sample"
+        "a verdict map takes friction that rises with speed for stable, but at {speed} rad/s this brake is unstable although friction does not fall (growth rate {rate:+.2e}). Use evaluate = \"each\", which counts what feeds each unstable sample"
     );
     Err(Complaint::maybe_at(span.or(spec.sampling.method.as_ref().map(Spanned::span)), message))
 }

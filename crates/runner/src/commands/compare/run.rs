@@ -49,7 +49,9 @@ impl Run {
         }
         let audited = job.sampling.is_audited.then(|| SumLayout::of(&job));
         // A map gives the same verdicts as evaluate = "each" with a small part of the simulations.
-        let can_have_map = !matches!(job.criterion, Criterion::Eigenvalue) && job.random.other().is_none();
+        let can_have_map = !matches!(job.criterion, Criterion::Eigenvalue)
+            && job.random.other().is_none()
+            && job.criterion.growth_without_fall(&job.parameters, &job.grid).is_none();
         if can_have_map && !job.uses_maps() {
             job.sampling.evaluate = EvaluateMode::Boundary;
             job.sampling.audit = Audit::Samples(0);

@@ -200,6 +200,7 @@ fn names_and_defaults_do_not_belong_to_the_identity() {
         (PLAIN, "interval = \"wilson\"", ""),
         (PLAIN, "displacement = 0.01", ""),
         (PLAIN, "method = \"monte-carlo\"", ""),
+        (PLAIN, "[[\"preload\", \"static_friction\", 0.3]]", "[[\"static_friction\", \"preload\", 0.3]]"),
         (PLAIN, "horizon = 5000.0", "horizon = 5000.0\noutside_physics = \"stable\""),
         (SOBOL, "[axes]", "[model.damping]\ntangential = 369.0\n[axes]"),
         (SOBOL, "[axes]", "[axes]\nrotating_speed = 16"),
