@@ -238,7 +238,7 @@ fn a_map_that_costs_more_than_the_samples_is_given_up() {
         let compared = place.run(&format!("compare {name} {name}-each")).done();
         assert!(compared.stderr.contains("the verdict map is given up"), "{}", compared.stderr);
         let checked = place.run("check map.toml").done().stdout;
-        assert!(checked.contains("takes 3000 simulations; the map "), "{checked}");
+        assert!(checked.contains("takes 3,000 simulations; the map "), "{checked}");
     }
 }
 

@@ -93,7 +93,7 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
     if !job.is_integrated() {
         columns.push(Column::integer(
             "n_outside_physics",
-            "samples without preload or with friction that rises with speed, decided as criterion.outside_physics says",
+            "samples without preload or with friction that rises with speed, decided as criterion.outside_physics specifies",
             |row| row.outside_physics,
         ));
     }
