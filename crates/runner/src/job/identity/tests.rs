@@ -78,10 +78,10 @@ randomisations = 16
 fn identities_do_not_change_with_the_libraries() {
     let hashes = [PLAIN, MAPPED, SOBOL].map(|text| job(text).hash());
     let [plain, mapped, sobol] = hashes.map(|hash| hash[..16].to_owned());
-    assert_eq!([plain, mapped, sobol], ["981722f703856f12", "fe20df6649865f51", "35dc7e58e0e43418"]);
+    assert_eq!([plain, mapped, sobol], ["981722f703856f12", "8a2f4bad93231343", "35dc7e58e0e43418"]);
     let job = job(MAPPED);
     let others = [job.experiment_hash(), job.map_key(15.0)].map(|hash| hash[..16].to_owned());
-    assert_eq!(others, ["cb611e64184df9fa", "b6ece79a4b450902"]);
+    assert_eq!(others, ["9a20b1273e95fbbf", "b6ece79a4b450902"]);
 }
 
 #[test]
