@@ -574,3 +574,23 @@ fn what_has_no_verdict_is_not_drawn_as_safe() {
     );
     place.run("check sobol.toml").refused(65, &["137438953472 are too many for 16 randomisations", "68719476736"]);
 }
+
+#[test]
+fn replay_says_whether_a_sample_is_counted() {
+    let place = Place::new();
+    let job = surface_job("part", 2, 1000, 3);
+    place.write("job.toml", &job);
+    place.run("submit job.toml --shard 1/4").done();
+    let verdicts: Vec<bool> = (0..4)
+        .map(|cell| {
+            let replayed = place.run(&format!("replay runs/part --cell {cell} --sample 7 --horizon 5 --json")).done();
+            let replayed: serde_json::Value = serde_json::from_str(&replayed.stdout).unwrap();
+            replayed["verdict_in_run"] != "not counted yet"
+        })
+        .collect();
+    assert_eq!(verdicts.iter().filter(|&&counted| counted).count(), 1, "{verdicts:?}");
+    // Pieces of another job are not those of this run.
+    let frozen = fs::read_to_string(place.path("runs/part/job.toml")).unwrap();
+    place.write("runs/part/job.toml", &frozen.replace("seed = 3", "seed = 4"));
+    place.run("replay runs/part --cell 0 --sample 7").refused(65, &["another job"]);
+}

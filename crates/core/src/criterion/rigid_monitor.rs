@@ -29,7 +29,7 @@ use crate::verdict::Verdict;
 /// A relative change of amplitude over a cycle beyond all errors of the steps, whose damping is 4e-7.
 const RESOLVED: f64 = 1e-5;
 
-/// A change that is worth waiting for: a hundredfold decay takes 460 cycles at the most.
+/// A change that is worth waiting for: a hundredfold decay takes 460 cycles at most.
 const CLEAR: f64 = 1e-2;
 
 /// A longer stick than this, in scaled time, is not simulated.

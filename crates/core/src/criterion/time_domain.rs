@@ -53,7 +53,7 @@ use crate::verdict::Verdict;
 /// can, and on a rigid disc the return map decides slow motions; steps are divided where the friction law is steep.
 pub const VERDICTS_VERSION: u32 = 3;
 
-/// Steps to the horizon at the most.
+/// Largest number of steps to the horizon.
 const MOST_STEPS: f64 = 1e8;
 
 /// Why there is no time-domain criterion, or no motion of a sample.

@@ -144,7 +144,7 @@ impl FiniteDifferenceBrake {
         let patch = MovingPatch::new(&plate, parameters.pad.inner_radius / h, parameters.pad.half_angle, grid.per_pad);
         let spin = parameters.operating_point.rotating_speed * brake.scales().time;
         let contact_gain = h * parameters.stiffness.contact_normal / brake.scales().flexural_rigidity;
-        // The contact stiffens the disc at the most as if one node carried the whole pad.
+        // The contact stiffens the disc at most as if one node carried the whole pad.
         let least_area = plate.area(1).min(plate.area(plate.rings));
         let stiffest = plate.largest_squared_frequency() + contact_gain / least_area;
         let longest = (STEP * 2.0 / stiffest.sqrt()).min(modal.step);
@@ -167,7 +167,7 @@ impl FiniteDifferenceBrake {
     }
 
     /// `lambda^2 = omega b^2 sqrt(rho h / D)` of the grid's first `count` motions with `nodal_diameters`, in ascending
-    /// order; at the most as many as there are radial intervals. Beyond half of the elements around the disc
+    /// order; at most as many as there are radial intervals. Beyond half of the elements around the disc
     /// `nodal_diameters` repeat themselves.
     ///
     /// # Errors

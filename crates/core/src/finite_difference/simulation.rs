@@ -11,7 +11,7 @@ use crate::motion::start::Start;
 use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
 
-/// Rounds of the search for an equilibrium at the most; a disc of the preset's stiffness needs some twenty.
+/// Largest number of rounds of the search for an equilibrium; a disc of the preset's stiffness needs some twenty.
 const ROUNDS: usize = 500;
 
 /// Change in a round, relative to the pad's displacements, at which an equilibrium is found.

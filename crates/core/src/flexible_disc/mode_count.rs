@@ -10,7 +10,7 @@
 //! at every given pair of inputs. The tolerance of the growth rate follows from what it is for: the growth rate of the
 //! tangential motion is falling friction, in proportion to the preload, less the damping rate. An error of 5e-4 of the
 //! damping rate moves the critical preload by 0.05 %, and the probability of instability of a cell with a standard
-//! deviation of 20 % by 0.001 at the most. The preset needs five modes.
+//! deviation of 20 % by 0.001 at most. The preset needs five modes.
 
 use std::fmt;
 

@@ -17,7 +17,7 @@ use crate::rigid_disc::pad_on_disc::RandomInputs;
 /// Step length times the highest frequency of pad, contact and kept disc modes.
 const STEP: f64 = 0.45;
 
-/// Degrees of freedom at the most.
+/// Largest number of degrees of freedom.
 pub(crate) const MOST_FREEDOMS: usize = PAD + MOST_AMPLITUDES;
 
 /// Pad and flexible disc, and the steps in which their motion is simulated.

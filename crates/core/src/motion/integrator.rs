@@ -19,7 +19,7 @@ use crate::motion::friction_steps::FrictionSteps;
 use crate::numerics::root_location::false_position;
 use crate::pad::contact_state::ContactState;
 
-/// Changes of contact in one step at the most, and substeps; more of them mean that the equations make no sense. Some
+/// Changes of contact in one step at most, and substeps; more of them mean that the equations make no sense. Some
 /// hundred substeps are usual where the disc is a thousand times faster than the Stribeck velocity.
 const MOST_CHANGES: usize = 64;
 const MOST_SUBSTEPS: usize = 1_000_000;

@@ -1,7 +1,7 @@
 //! Where a function changes its sign, inside a bracket.
 
 /// Halves the bracket `early..late` as long as its middle lies inside it and it is wider than `tolerance` times
-/// `early`, `most` times at the most; `is_early` is true for points before the change of sign. Returns the bracket.
+/// `early`, `most` times at most; `is_early` is true for points before the change of sign. Returns the bracket.
 pub(crate) fn bisect(
     (mut early, mut late): (f64, f64),
     most: usize,

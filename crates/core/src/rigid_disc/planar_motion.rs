@@ -15,8 +15,8 @@ use crate::numerics::root_location::bisect;
 /// Local error allowed in one step, relative to the size of the motion.
 const TOLERANCE: f64 = 1e-12;
 
-/// Steps of one slip phase at the most; some hundred are usual. Only a pad so light or so damped that its motion is
-/// stiff needs more; an explicit method is the wrong one for it.
+/// Largest number of steps of one slip phase; some hundred are usual. Only a pad so light or so damped that its motion
+/// is stiff needs more; an explicit method is the wrong one for it.
 const MOST_STEPS: usize = 20_000;
 
 /// Steps between checks whether a motion surely returns to the equilibrium, some ten times those of a swing: a creeping

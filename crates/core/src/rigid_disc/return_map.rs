@@ -13,7 +13,7 @@
 //! * A shrinking motion comes to rest exactly if `R(s) < s` for all smaller amplitudes s. If some `R(s) >= s`, a limit
 //!   cycle lies between, and the motion never gets inside it.
 //! * For exponents up to 1 and a linearly stable equilibrium there is no stable cycle without sticking, and one
-//!   unstable one at the most: a swing that shrinks decides by itself. Let `F(u) = G mu(v - u)` and `f = C - F'`, the
+//!   unstable one at most: a swing that shrinks decides by itself. Let `F(u) = G mu(v - u)` and `f = C - F'`, the
 //!   damping. On both sides of `u = 0` the quotient `f / u` falls, because `u f' - f = F' - u F'' - C` is largest at `u
 //!   = 0`, where it is `F'(0) - C < 0`; its derivative is `-u` times the third derivative of F, which is positive as
 //!   all derivatives of `exp(-r^delta)` alternate in sign. That is the condition of Zhang's theorem on Lienard's
@@ -32,7 +32,7 @@ use crate::rigid_disc::planar_motion::{PlanarMotion, Slip, SlipEnd};
 /// the most; that one is searched for.
 const SCAN_RATIO: f64 = 0.9;
 
-/// Amplitudes scanned at the most: down to 1e-7 of the first.
+/// Largest number of amplitudes scanned: down to 1e-7 of the first.
 const MOST_SCANNED: usize = 160;
 
 /// Changes over a cycle, relative to the amplitude, that are lost in the errors of the method.

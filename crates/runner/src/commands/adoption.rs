@@ -75,21 +75,41 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     Ok((job, RunState::New(tally)))
 }
 
-/// The first line in which two normalised jobs differ.
+/// The first key in which two normalised jobs differ.
 fn first_difference(existing: &str, new: &str) -> String {
-    let ignored = |line: &&str| {
-        !["name = ", "description = ", "samples = ", "at_most = "].iter().any(|key| line.starts_with(key))
+    let (a, b) = (settings(existing), settings(new));
+    let line_of = |settings: &[(String, String)], key: &str| {
+        settings.iter().find(|(other, _)| other == key).map(|(_, line)| line.clone())
     };
-    let (mut a, mut b) = (existing.lines().filter(ignored), new.lines().filter(ignored));
-    loop {
-        match (a.next(), b.next()) {
-            (Some(a), Some(b)) if a == b => {}
-            (Some(a), Some(b)) => return format!("it has `{}`, the job has `{}`", excerpt(a, b), excerpt(b, a)),
-            (None, None) => return "it is of another version".to_owned(),
-            (Some(a), None) => return format!("it has `{}`, the job does not", excerpt(a, "")),
-            (None, Some(b)) => return format!("the job has `{}`, the run does not", excerpt(b, "")),
+    for (key, ours) in &a {
+        match line_of(&b, key) {
+            Some(theirs) if theirs == *ours => {}
+            Some(theirs) => {
+                return format!("it has `{}`, the job has `{}`", excerpt(ours, &theirs), excerpt(&theirs, ours));
+            }
+            None => return format!("it has `{}`, the job does not", excerpt(ours, "")),
         }
     }
+    match b.iter().find(|(key, _)| line_of(&a, key).is_none()) {
+        Some((_, theirs)) => format!("the job has `{}`, the run does not", excerpt(theirs, "")),
+        None => "it is of another version".to_owned(),
+    }
+}
+
+/// The lines `key = value` of a normalised job by section and key, but for those that may differ.
+fn settings(job: &str) -> Vec<(String, String)> {
+    let mut section = "";
+    let mut found = Vec::new();
+    for line in job.lines() {
+        if line.starts_with('[') {
+            section = line;
+        } else if let Some((key, _)) = line.split_once(" = ")
+            && !["name", "description", "samples", "at_most"].contains(&key)
+        {
+            found.push((format!("{section} {key}"), line.to_owned()));
+        }
+    }
+    found
 }
 
 /// A line, or the excerpt of a long line that begins to differ from another one.

@@ -14,17 +14,21 @@ use crate::job::{Criterion, Job, OutsidePhysics, RandomInput};
 use crate::output::result;
 use crate::store::directory::RunDirectory;
 use crate::store::map_pieces;
+use crate::store::tally::Tally;
 
 /// `stickslip replay`.
 pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     let directory = RunDirectory::view(&arguments.run)?;
     let job = directory.job()?;
-    let evaluator = evaluator(&directory, &job, arguments)?;
+    let tally = directory.tally(&job)?;
+    let evaluator = evaluator(&directory, &job, &tally, arguments)?;
     let Some(sample) = evaluator.sample(arguments.cell, arguments.sample) else {
         return Err(Failure::Usage(format!("--sample {}: there is no such sample", arguments.sample)));
     };
     let verdict = sample.decision.verdict;
-    let facts = facts(arguments, &job, &sample);
+    let (place, number) = evaluator.parts().locate(arguments.sample);
+    let is_counted = tally.contains(evaluator.parts().of(arguments.cell).start + place as u64, number);
+    let facts = facts(arguments, &job, &sample, is_counted);
     // A run that did not look at motions gets one of the model that it looked at.
     let (disc, settings) = match &job.criterion {
         Criterion::Eigenvalue => (DiscModel::Rigid, TimeDomainSettings::default()),
@@ -59,7 +63,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
 }
 
 /// What the run drew and decided.
-fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample) -> Facts {
+fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample, is_counted: bool) -> Facts {
     let mut facts = Facts::default();
     facts.add("run", arguments.run.display().to_string());
     facts.add("cell", arguments.cell);
@@ -92,7 +96,8 @@ fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample) -> Fa
         }
     }
     let verdict = sample.decision.verdict;
-    facts.add("verdict_in_run", name(sample.looked_up.unwrap_or(verdict)));
+    let in_run = if is_counted { name(sample.looked_up.unwrap_or(verdict)) } else { "not counted yet" };
+    facts.add("verdict_in_run", in_run);
     if let Some(looked_up) = sample.looked_up {
         facts.add("verdict_looked_up", name(looked_up));
         facts.add("verdict_simulated", name(verdict));
@@ -104,6 +109,7 @@ fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample) -> Fa
 fn evaluator<'a>(
     directory: &RunDirectory,
     job: &'a Job,
+    tally: &Tally,
     arguments: &ReplayArguments,
 ) -> Result<Evaluator<'a>, Failure> {
     if arguments.cell >= job.cells() {
@@ -116,7 +122,7 @@ fn evaluator<'a>(
     let mut evaluator = Evaluator::new(job)?;
     // A cell that stopped by precision has fewer samples than the job allows.
     let samples = if job.stops_by_precision() {
-        evaluator.parts().counts(&directory.tally(job)?, arguments.cell).total()
+        evaluator.parts().counts(tally, arguments.cell).total()
     } else {
         job.sampling.samples
     };
@@ -127,7 +133,7 @@ fn evaluator<'a>(
         };
         return Err(Failure::Usage(message));
     }
-    if job.uses_maps() && was_counted_without_map(job, &directory.tally(job)?) {
+    if job.uses_maps() && was_counted_without_map(job, tally) {
         evaluator.maps_mut().give_up();
     } else {
         map_pieces::load(evaluator.maps_mut(), &directory.maps())?;

@@ -18,7 +18,7 @@ use crate::output::{note, warn};
 /// Scaled time that a trajectory covers by default: some 150 cycles of the pad.
 const HORIZON: f64 = 500.0;
 
-/// Moments at the most; a trajectory is held in memory.
+/// Largest number of moments; a trajectory is held in memory.
 const MOST_MOMENTS: f64 = 5e6;
 
 /// `stickslip trajectory`.

@@ -8,7 +8,7 @@ use stickslip_sampler::inputs::{Empirical, EmpiricalError};
 
 use super::keys::nearest;
 
-/// Values at the most. All of them stand in the frozen job and in the footer of its result.
+/// Largest number of values. All of them stand in the frozen job and in the footer of its result.
 const MOST_VALUES: usize = 100_000;
 
 /// The distribution of a list of values.
@@ -30,7 +30,7 @@ pub fn from_csv(path: &Path, column: &str) -> Result<Empirical, String> {
         let hint = nearest(column, &names).map_or(String::new(), |name| format!("; did you mean \"{name}\"?"));
         let there: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
         return Err(format!(
-            "{shown}:1: there is no column \"{column}\"{hint} (the first line should name the columns, parted by commas; it has {})",
+            "{shown}:1: there is no column \"{column}\"{hint} (the first line should name the columns, separated by commas; it has {})",
             there.join(", ")
         ));
     };

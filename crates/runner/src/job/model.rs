@@ -9,7 +9,7 @@ use super::keys::{axis_of, parameter_of_axis, unknown_parameter};
 use super::plausibility;
 use super::spec::{AxesSpec, AxisSpec, JobSpec, ModelSpec};
 
-/// Cells at the most; their results are held in memory.
+/// Largest number of cells; their results are held in memory.
 pub const MOST_CELLS: u64 = 1_000_000;
 
 /// The preset with the overrides of a job, each within its limits. `None` if any is refused.

@@ -12,7 +12,7 @@ use toml::Spanned;
 
 use super::distribution_spec::DistributionSpec;
 
-/// Relative standard deviation at the most, for the widest distributions.
+/// Relative standard deviation at most, for the widest distributions.
 pub const LARGEST_STD: f64 = 10.0;
 
 /// The random inputs.

@@ -15,14 +15,14 @@ use super::sampling_spec::{AUDIT, Audit, EvaluateMode, IntervalSpec, SamplingMet
 /// Samples in one cell by default.
 const SAMPLES: u64 = 10_000;
 
-/// Samples in one cell at the most.
+/// Largest number of samples in one cell.
 const MOST_SAMPLES: u64 = 1_000_000_000_000_000;
 
-/// Independent randomisations of Sobol points by default, and at the most.
+/// Independent randomisations of Sobol points by default, and at most.
 const RANDOMISATIONS: u64 = 16;
 const MOST_RANDOMISATIONS: u64 = 1000;
 
-/// Points of one randomisation at the most: Sobol numbers of 32 bits.
+/// Largest number of points of one randomisation: Sobol numbers of 32 bits.
 const MOST_SOBOL_POINTS: u64 = 1 << 32;
 
 /// How many samples a cell gets, and which of them are counted apart.
@@ -48,7 +48,7 @@ pub enum Effort {
 pub struct Sampling {
     /// How probabilities are found.
     pub method: SamplingMethod,
-    /// Samples in each cell (at the most, with `until`; 0 for integrals).
+    /// Samples in each cell (at most, with `until`; 0 for integrals).
     pub samples: u64,
     /// The precision that is wanted of each cell, with `until`.
     pub until: Option<Precision>,
@@ -172,7 +172,7 @@ impl Sampling {
         }
     }
 
-    /// Parts of a cell that are counted apart: how many samples each has at the most.
+    /// Parts of a cell that are counted apart: how many samples each has at most.
     pub fn parts(&self) -> Vec<u64> {
         match &self.effort {
             Effort::Samples(samples) => vec![*samples],
@@ -187,7 +187,7 @@ impl Sampling {
 }
 
 impl SamplingSpec {
-    /// Samples in each cell, at the most.
+    /// Largest number of samples in each cell.
     fn checked_samples(&self) -> Result<u64, Complaint> {
         if self.method() == SamplingMethod::Exact {
             return Ok(0);

@@ -9,10 +9,10 @@ use toml::Spanned;
 use super::diagnosis::{Complaint, Complaints};
 use super::sampling_spec::{Audit, EvaluateMode, IntervalSpec, SamplingMethod, SamplingSpec, UntilSpec};
 
-/// Samples in a cell at the most with `until`, by default.
+/// Samples in a cell at most with `until`, by default.
 const AT_MOST: u64 = 1_000_000;
 
-/// Audited samples in one cell at the most.
+/// Largest number of audited samples in one cell.
 const MOST_AUDITED: u64 = 100_000_000;
 
 /// Beyond, quantiles lose their meaning to rounding.
@@ -28,7 +28,7 @@ impl From<IntervalSpec> for IntervalKind {
 }
 
 impl UntilSpec {
-    /// Samples in a cell at the most.
+    /// Largest number of samples in a cell.
     pub fn at_most(&self) -> u64 {
         self.at_most.unwrap_or(AT_MOST)
     }

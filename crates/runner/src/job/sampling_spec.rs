@@ -67,7 +67,7 @@ pub struct UntilSpec {
     pub relative: Option<f64>,
     /// Confidence of the interval; by default 0.95.
     pub confidence: Option<f64>,
-    /// Samples in a cell at the most; by default 1000000. It can be raised later.
+    /// Largest number of samples in a cell; by default 1000000. It can be raised later.
     pub at_most: Option<u64>,
 }
 

@@ -52,12 +52,12 @@ impl Job {
         self.sampling.parts().len() as u64
     }
 
-    /// Samples over all cells, at the most.
+    /// Largest number of samples over all cells.
     pub fn total_samples(&self) -> u128 {
         u128::from(self.cells()) * u128::from(self.sampling.samples)
     }
 
-    /// Verdicts that counting its samples takes, at the most, if each is simulated: of a sample with Sobol indices also those
+    /// Verdicts that counting its samples takes, at most, if each is simulated: of a sample with Sobol indices also those
     /// of the second sample and of the mixed ones.
     pub fn verdicts_of_samples(&self) -> u128 {
         let of_a_sample = if self.sampling.sensitivity { 2 + self.random.inputs.len() } else { 1 };

@@ -16,7 +16,7 @@ use super::sampling_spec::SamplingMethod;
 use super::spec::JobSpec;
 use super::validated::Job;
 
-/// Parts of cells that are counted apart, at the most.
+/// Largest number of parts of cells that are counted apart.
 const MOST_PARTS: u64 = 2_000_000;
 
 /// The job of a spec; `None` with at least one complaint if anything of it is refused. Files that it names are sought in

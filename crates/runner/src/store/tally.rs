@@ -111,6 +111,11 @@ impl Tally {
             || self.parts[part as usize].covered.first().is_some_and(|first| first.start == 0 && first.end >= samples)
     }
 
+    /// Whether a sample of a part is counted.
+    pub fn contains(&self, part: u64, sample: u64) -> bool {
+        self.parts[part as usize].covered.iter().any(|range| range.contains(&sample))
+    }
+
     /// The samples that are missing, by part, given how many samples of each part are wanted.
     pub fn gaps(&self, wanted: &[u64]) -> Vec<(u64, Range<u64>)> {
         let mut gaps = Vec::new();

@@ -83,7 +83,7 @@ fn the_two_frames_describe_one_motion() {
         };
         let [coarse, fine] = [0, 1].map(|grid| deviation(&grids[grid], Allotment::Linear));
         assert!(fine < 1.2e-3 && fine < 0.45 * coarse, "{time}: {coarse} {fine}, {exact:?}");
-        // Half an element of the way at the most is missing or ahead.
+        // Half an element of the way at most is missing or ahead.
         let [coarse, fine] = [0, 1].map(|grid| deviation(&grids[grid], Allotment::Nodal));
         assert!(fine < 5e-3 && coarse < 1.1e-2, "{time}: {coarse} {fine}, {exact:?}");
     }

@@ -2,7 +2,7 @@
 
 use crate::flexible_disc::plate_modes::MOST_DISC_MODES;
 
-/// Amplitudes at the most: a cosine and a sine for every mode.
+/// Largest number of amplitudes: a cosine and a sine for every mode.
 pub(crate) const MOST_AMPLITUDES: usize = 2 * MOST_DISC_MODES;
 
 /// The loads of the contact, before they are multiplied by stiffness and friction.

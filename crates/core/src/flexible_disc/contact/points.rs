@@ -12,7 +12,7 @@ pub(crate) const ANGULAR_POINTS: usize = 8;
 /// of their size. Products of two shapes are better by far. The 4 x 8 points of the preset with five modes miss 5e-6.
 const PRODUCT_TOLERANCE: f64 = 1e-5;
 
-/// Points at the most; beyond them the modes are finer than anything that the plate model describes.
+/// Largest number of points; beyond them the modes are finer than anything that the plate model describes.
 const MOST_POINTS: usize = 96;
 
 /// Points along the radius and along the angle that integrate products of these modes over the patch.

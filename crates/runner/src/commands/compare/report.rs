@@ -7,6 +7,7 @@ use serde_json::{Value, json as object};
 
 use super::differences::{Differences, Interval, Row};
 use crate::files::table::{TableColumn, TableValues};
+use crate::output::counted;
 
 /// Largest number of rows and columns of a picture; larger grids are thinned out.
 const MOST_ROWS: usize = 15;
@@ -70,8 +71,8 @@ pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
     let facts = Facts::of(differences);
     let Differences { first, second, .. } = differences;
     let mut text = format!(
-        "{second} against {first}: {} cells, {} of them paired\n",
-        HumanCount(facts.cells as u64),
+        "{second} against {first}: {}, {} of them paired\n",
+        counted(facts.cells as u128, "cell", "cells"),
         HumanCount(facts.paired as u64)
     );
     let unknown = || "no sample was decided".to_owned();

@@ -4,7 +4,7 @@ use crate::flexible_disc::contact::pressed_region::line::{Roots, SampleAngle};
 use crate::flexible_disc::contact::pressed_region::shapes::PROBE_INTERVALS;
 use crate::flexible_disc::contact::pressed_region::survey::Survey;
 
-/// Places where the radius is cut, at the most; what is beyond is left out.
+/// Largest number of places where the radius is cut; what is beyond is left out.
 const MOST_CUTS: usize = 4 * PROBE_INTERVALS;
 
 /// Cuts are found to this share of the pad's width: the error of an integral grows like its power 3/2.

@@ -6,8 +6,8 @@ use crate::numerics::sine_cosine::sine_and_cosine;
 /// Harmonics in the angle, n = 0 included.
 pub(crate) const MOST_HARMONICS: usize = MOST_DISC_MODES;
 
-/// Roots of the gap on one line at the most: more than the harmonics and the linear term can make on most pads. What is
-/// beyond is left out.
+/// Largest number of roots of the gap on one line: more than the harmonics and the linear term can make on most pads.
+/// What is beyond is left out.
 const MOST_ROOTS: usize = 2 * MOST_HARMONICS + 2;
 
 /// Last step of Newton's method, in radians; its square is what is left.

@@ -68,7 +68,7 @@ impl PressedRegion {
         };
         let share = |i: usize| i as f64 / PROBE_INTERVALS as f64;
         region.probes = (0..=PROBE_INTERVALS).map(|i| region.at(inner + (1.0 - inner) * share(i))).collect();
-        // Half a radian of the shortest wave at the most.
+        // Half a radian of the shortest wave at most.
         let intervals = ((4.0 * most_waves as f64 * half_angle).ceil() as usize).max(8);
         let sample = |i: usize| {
             let theta = half_angle * (2.0 * i as f64 / intervals as f64 - 1.0);
