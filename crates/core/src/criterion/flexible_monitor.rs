@@ -127,6 +127,7 @@ impl FlexibleMonitor {
 }
 
 impl Monitor for FlexibleMonitor {
+    #[inline]
     fn verdict(&self) -> Option<Verdict> {
         self.verdict
     }
@@ -143,6 +144,7 @@ impl Monitor for FlexibleMonitor {
         self.linear_growth_fed_by.unwrap_or(DegreeOfFreedom::Tangential)
     }
 
+    #[inline]
     fn check(&mut self, x: f64, _: f64) {
         let distance = (x - self.equilibrium).abs();
         let arrived = ARRIVED * self.equilibrium.abs();
@@ -159,6 +161,7 @@ impl Monitor for FlexibleMonitor {
 }
 
 impl Observer for FlexibleMonitor {
+    #[inline]
     fn turns(&mut self, time: f64, x: f64) {
         self.last_distance = None;
         let Some(amplitude) = self.swings.turns(x) else { return };

@@ -40,6 +40,7 @@ pub(crate) trait Monitor: Observer + Copy {
 pub(crate) const STEPS_BETWEEN_CHECKS: u64 = 256;
 
 /// Whether a motion is checked after this many steps.
+#[inline]
 pub(crate) fn is_check_due(steps: u64) -> bool {
     steps.is_multiple_of(STEPS_BETWEEN_CHECKS)
 }

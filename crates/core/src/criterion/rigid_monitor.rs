@@ -121,6 +121,7 @@ impl RigidMonitor {
 }
 
 impl Monitor for RigidMonitor {
+    #[inline]
     fn verdict(&self) -> Option<Verdict> {
         self.verdict
     }
@@ -137,6 +138,7 @@ impl Monitor for RigidMonitor {
         DegreeOfFreedom::Tangential
     }
 
+    #[inline]
     fn check(&mut self, x: f64, speed: f64) {
         if self.verdict.is_none() && !self.is_known_unstable && self.motion.comes_to_rest(x, speed) {
             self.verdict = Some(Verdict::Stable);
@@ -145,6 +147,7 @@ impl Monitor for RigidMonitor {
 }
 
 impl Observer for RigidMonitor {
+    #[inline]
     fn turns(&mut self, _: f64, x: f64) {
         if let Some(before) = self.last_turn.replace(x) {
             self.amplitude = 0.5 * (x - before).abs();

@@ -42,6 +42,7 @@ impl InstructionSet {
 macro_rules! dispatch {
     ($set:expr, $body:ident, $($argument:ident: $type:ty),*) => {{
         #[allow(unsafe_code, reason = "functions compiled for an instruction set, called if the processor has it")]
+        #[inline(always)]
         fn choose(set: InstructionSet, $($argument: $type),*) {
             #[cfg(target_arch = "x86_64")]
             {

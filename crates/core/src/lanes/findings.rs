@@ -19,6 +19,7 @@ pub(super) enum Finding {
 const TURN: u64 = 1;
 pub(super) const EVENT: u64 = 2;
 
+#[inline]
 pub(super) fn found(bits: u64) -> Finding {
     if bits & EVENT != 0 {
         Finding::Event

@@ -114,22 +114,26 @@ impl Bundle for FlexibleBundle<'_> {
         }
     }
 
+    #[inline]
     fn step(&mut self, set: InstructionSet) {
         let (brake, h) = (&self.motion.brake.equations, self.motion.step);
         let (tables, lanes) = (&self.tables, &mut self.lanes);
         dispatch!(set, flexible_step, brake: &FlexibleEquations, tables: &Tables, lanes: &mut FlexibleArrays, h: f64);
     }
 
+    #[inline]
     fn finding(&self, lane: usize) -> Finding {
         found(self.lanes.findings[lane])
     }
 
+    #[inline]
     fn tangential(&self, lane: usize) -> (f64, (f64, f64), (f64, f64)) {
         let lanes = &self.lanes;
         let acceleration = (lanes.k[0][0][lane], lanes.k[3][0][lane]);
         (lanes.q[0][lane], (lanes.u[0][lane], lanes.next_u[0][lane]), acceleration)
     }
 
+    #[inline]
     fn next(&self, lane: usize) -> (f64, f64) {
         (self.lanes.next_q[0][lane], self.lanes.next_u[0][lane])
     }
@@ -147,11 +151,13 @@ impl Bundle for FlexibleBundle<'_> {
         Ok(motion.contact)
     }
 
+    #[inline]
     fn commit(&mut self) {
         std::mem::swap(&mut self.lanes.q, &mut self.lanes.next_q);
         std::mem::swap(&mut self.lanes.u, &mut self.lanes.next_u);
     }
 
+    #[inline]
     fn step_length(&self) -> f64 {
         self.motion.step
     }

@@ -90,21 +90,25 @@ impl Bundle for RigidBundle<'_> {
         self.set_next(lane, inputs, &sample, &state);
     }
 
+    #[inline]
     fn step(&mut self, set: InstructionSet) {
         let (brake, lanes) = (self.brake, &mut self.lanes);
         dispatch!(set, rigid_step, brake: &RigidBrake, lanes: &mut RigidArrays);
     }
 
+    #[inline]
     fn finding(&self, lane: usize) -> Finding {
         found(self.lanes.findings[lane])
     }
 
+    #[inline]
     fn tangential(&self, lane: usize) -> (f64, (f64, f64), (f64, f64)) {
         let lanes = &self.lanes;
         let acceleration = (lanes.first_acceleration[lane], lanes.last_acceleration[lane]);
         (lanes.x[lane], (lanes.u[lane], lanes.next_u[lane]), acceleration)
     }
 
+    #[inline]
     fn next(&self, lane: usize) -> (f64, f64) {
         (self.lanes.next_x[lane], self.lanes.next_u[lane])
     }
@@ -124,11 +128,13 @@ impl Bundle for RigidBundle<'_> {
         Ok(motion.contact)
     }
 
+    #[inline]
     fn commit(&mut self) {
         self.lanes.x = self.lanes.next_x;
         self.lanes.u = self.lanes.next_u;
     }
 
+    #[inline]
     fn step_length(&self) -> f64 {
         self.brake.step
     }

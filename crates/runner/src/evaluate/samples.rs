@@ -62,8 +62,19 @@ impl Samples {
     /// The number of samples outside physics.
     #[inline]
     pub fn count_outside_physics(&self) -> u64 {
-        let samples = self.preloads().iter().zip(self.static_frictions()).zip(self.column(2));
-        samples.map(|((&preload, &friction), &kinetic)| u64::from(preload <= 0.0) | u64::from(friction < kinetic)).sum()
+        let pairs = self.preloads().iter().zip(self.static_frictions());
+        let is_outside = |preload: f64, friction: f64, kinetic: f64| u64::from((preload <= 0.0) | (friction < kinetic));
+        match &self.columns[2] {
+            // One number for all samples: the usual case, and the faster one.
+            Column::Fixed(values) => {
+                let kinetic = values.first().copied().unwrap_or(0.0);
+                pairs.map(|(&preload, &friction)| is_outside(preload, friction, kinetic)).sum()
+            }
+            Column::Random(input) => pairs
+                .zip(&self.values[*input])
+                .map(|((&p, &friction), &kinetic)| is_outside(p, friction, kinetic))
+                .sum(),
+        }
     }
 
     /// A copy in which preload is at least 0, and static friction at least the kinetic friction.
