@@ -119,6 +119,17 @@ pub struct RandomInputs {
     pub static_friction: f64,
 }
 
+impl RandomInputs {
+    /// Whether a sample is outside physics, and so on a rigid disc stable by definition: without preload there is no
+    /// contact force, and with `f_s < f_c` friction rises with speed.
+    #[inline]
+    #[must_use]
+    pub fn are_outside_physics(self, kinetic_coefficient: f64) -> bool {
+        // `|`, not `||`: loops over many samples have no branches then.
+        (self.preload <= 0.0) | (self.static_friction < kinetic_coefficient)
+    }
+}
+
 /// Steady sliding of the pad on a rigid disc: where pad and friction are in balance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlidingEquilibrium {
@@ -277,11 +288,10 @@ impl PadOnDisc {
         self.normal_force_per_preload() * self.parameters.operating_point.preload
     }
 
-    /// Whether a sample is outside physics, and so on a rigid disc stable by definition: without preload there is no contact force, and with `f_s < f_c`
-    /// friction rises with speed.
+    /// Whether a sample of this brake is outside physics, see [`RandomInputs::are_outside_physics`].
     #[must_use]
     pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
-        inputs.preload <= 0.0 || inputs.static_friction < self.friction.kinetic_coefficient
+        inputs.are_outside_physics(self.friction.kinetic_coefficient)
     }
 
     /// k_t2 / k_t1, the share of the friction force that reaches the pad.

@@ -4,6 +4,7 @@
 //! Each chunk is decided in closed form, by looking its samples up in the verdict map, or by simulation. Everything
 //! here is a pure function of the job, its maps and the arguments.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use stickslip_core::criterion::decision::Decision;
@@ -100,13 +101,12 @@ impl<'a> Evaluator<'a> {
         let mut amplitudes = Distribution::default();
         let mut sums = self.layout.zeros();
         let mut lookups = Lookups::default();
-        let mut drawing = self.draw(&cell, place, samples.clone(), self.job.points());
-        let mut second =
-            (self.layout.sensitivity() > 0).then(|| self.draw(&cell, place, samples.clone(), Points::SecondRandom));
-        let mut next = samples.start;
+        let first = self.parts.first_sample(place);
+        let drawn = first + samples.start..first + samples.end;
+        let draw = |points: Points| Drawing::new(self.job, &cell, place, drawn.clone(), points);
+        let mut drawing = draw(self.job.points());
+        let mut second = (self.layout.sensitivity() > 0).then(|| draw(Points::SecondRandom));
         while let Some(chunk) = drawing.next_chunk(self.chunk) {
-            let numbers = next..next + chunk.len() as u64;
-            next = numbers.end;
             let outside = chunk.count_outside_physics();
             self.layout.add_outside_physics(&mut sums, outside);
             if !self.layout.need_samples()
@@ -120,7 +120,7 @@ impl<'a> Evaluator<'a> {
                 counts += counted;
                 continue;
             }
-            let decisions = self.decide(&cell, chunk, &self.audited(part, numbers), &mut lookups);
+            let decisions = self.decide(&cell, chunk, &self.audited(part, chunk.numbers()), &mut lookups);
             for decision in &decisions {
                 counts += decision.verdict.into();
                 if let (Verdict::Unstable, Some(amplitude), true) =
@@ -155,16 +155,13 @@ impl<'a> Evaluator<'a> {
         let mut verdicts = Vec::with_capacity((samples.end - samples.start) as usize);
         for part in places {
             let first = self.parts.first_sample(part);
-            let mut next = samples.start.max(first) - first;
-            let end = samples.end.min(first + self.parts.max_samples(part)).saturating_sub(first);
-            if next >= end {
+            let drawn = samples.start.max(first)..samples.end.min(first + self.parts.max_samples(part));
+            if drawn.is_empty() {
                 continue;
             }
-            let mut drawing = self.draw(&place, part, next..end, self.job.points());
+            let mut drawing = Drawing::new(self.job, &place, part, drawn, self.job.points());
             while let Some(chunk) = drawing.next_chunk(self.chunk) {
-                let numbers = next..next + chunk.len() as u64;
-                next = numbers.end;
-                let audited = self.audited(self.parts.of(cell).start + part as u64, numbers);
+                let audited = self.audited(self.parts.of(cell).start + part as u64, chunk.numbers());
                 verdicts.extend(verdicts_of(self.decide(&place, chunk, &audited, &mut Lookups::default())));
             }
         }
@@ -175,29 +172,24 @@ impl<'a> Evaluator<'a> {
     pub fn sample(&self, cell: u64, sample: u64) -> Option<EvaluatedSample> {
         let (part, number) = self.parts.locate(sample);
         let place = self.job.grid.cell(cell);
-        let mut drawing = self.draw(&place, part, number..number + 1, self.job.points());
+        let number = self.parts.first_sample(part) + number;
+        let mut drawing = Drawing::new(self.job, &place, part, number..number + 1, self.job.points());
         let samples = drawing.next_chunk(1)?;
         let speed = self.job.grid.rotating_speed_index(cell);
         // As in an audit, the sample is simulated even if a map has its verdict.
         let decision = self.decide(&place, samples, &[true], &mut Lookups::default()).pop()?;
-        let is_audited = self.audited(self.parts.of(cell).start + part as u64, number..number + 1);
-        let map = self.maps.get(speed).filter(|_| !is_audited.contains(&true));
-        let is_outside_physics = samples.is_outside_physics(0);
-        let decided = match self.job.outside_physics {
-            OutsidePhysics::Clamp => samples.clamped(),
-            OutsidePhysics::Stable | OutsidePhysics::Failed => samples.clone(),
-        };
-        let fails = is_outside_physics && self.job.outside_physics == OutsidePhysics::Failed;
+        let is_audited = self.audited(self.parts.of(cell).start + part as u64, samples.numbers());
+        let fails = self.fails(samples, 0);
+        let map = self.maps.get(speed).filter(|_| !is_audited.contains(&true) && !fails);
+        let inputs = self.within_physics(samples).pair(0);
         Some(EvaluatedSample {
             drawn: samples.pair(0),
-            inputs: decided.pair(0),
-            is_outside_physics,
+            inputs,
+            is_outside_physics: samples.is_outside_physics(0),
             values: samples.values(0).collect(),
             brake: self.criteria.brake(self.job, place.rotating_speed, samples, 0),
             decision,
-            looked_up: map
-                .filter(|_| !fails)
-                .and_then(|map| map.look_up(decided.pair(0).preload, decided.pair(0).static_friction)),
+            looked_up: map.and_then(|map| map.look_up(inputs.preload, inputs.static_friction)),
         })
     }
 
@@ -205,7 +197,7 @@ impl<'a> Evaluator<'a> {
     pub fn audit_integral(&self, cell: &Cell) -> Lookups {
         let mut lookups = Lookups::default();
         if let (Audit::Samples(wanted), true) = (self.job.sampling.audit, self.job.uses_maps()) {
-            let mut drawing = self.draw(cell, 0, 0..wanted, Points::Random);
+            let mut drawing = Drawing::new(self.job, cell, 0, 0..wanted, Points::Random);
             while let Some(chunk) = drawing.next_chunk(self.chunk) {
                 self.decide(cell, chunk, &vec![true; chunk.len()], &mut lookups);
             }
@@ -216,37 +208,32 @@ impl<'a> Evaluator<'a> {
     /// Simulates the first samples of a cell.
     pub(super) fn simulate_first(&self, cell: u64, samples: u64) -> Vec<Decision> {
         let place = self.job.grid.cell(cell);
-        let mut drawing = self.draw(&place, 0, 0..samples, self.job.points());
+        let mut drawing = Drawing::new(self.job, &place, 0, 0..samples, self.job.points());
         let Some(chunk) = drawing.next_chunk(SIMULATED_CHUNK) else { return Vec::new() };
         let all: Vec<usize> = (0..chunk.len()).collect();
         self.criteria.decide(self.job.grid.rotating_speed_index(cell), place.rotating_speed, chunk, &all)
     }
 
-    /// Draws samples of the part at `place` in a cell.
-    fn draw(&self, cell: &Cell, place: usize, samples: Range<u64>, points: Points) -> Drawing<'a> {
-        let first = self.parts.first_sample(place);
-        Drawing::new(self.job, cell, place, first + samples.start..first + samples.end, points)
-    }
-
     /// Decides samples, those outside physics as the job specifies.
     fn decide(&self, cell: &Cell, samples: &Samples, audited: &[bool], lookups: &mut Lookups) -> Vec<Decision> {
-        let outside = match self.job.outside_physics {
-            OutsidePhysics::Stable => 0,
-            OutsidePhysics::Failed | OutsidePhysics::Clamp => samples.count_outside_physics(),
-        };
-        match self.job.outside_physics {
-            OutsidePhysics::Clamp if outside > 0 => self.decide_all(cell, &samples.clamped(), audited, lookups),
-            OutsidePhysics::Failed if outside > 0 => {
-                let mut decisions = self.decide_all(cell, samples, audited, lookups);
-                for (sample, decision) in decisions.iter_mut().enumerate() {
-                    if samples.is_outside_physics(sample) {
-                        *decision = Verdict::Failed.into();
-                    }
-                }
-                decisions
+        let mut decisions = self.decide_all(cell, &self.within_physics(samples), audited, lookups);
+        for (sample, decision) in decisions.iter_mut().enumerate() {
+            if self.fails(samples, sample) {
+                *decision = Verdict::Failed.into();
             }
-            _ => self.decide_all(cell, samples, audited, lookups),
         }
+        decisions
+    }
+
+    /// The samples that are decided: those outside physics are clamped if the job says so.
+    fn within_physics<'s>(&self, samples: &'s Samples) -> Cow<'s, Samples> {
+        let clamps = self.job.outside_physics == OutsidePhysics::Clamp && samples.count_outside_physics() > 0;
+        if clamps { Cow::Owned(samples.clamped()) } else { Cow::Borrowed(samples) }
+    }
+
+    /// Whether a sample fails because it is outside physics.
+    fn fails(&self, samples: &Samples, sample: usize) -> bool {
+        self.job.outside_physics == OutsidePhysics::Failed && samples.is_outside_physics(sample)
     }
 
     /// Decides samples. Those that a map has a verdict for are looked up; the others, and those that are audited, are
@@ -281,15 +268,11 @@ impl<'a> Evaluator<'a> {
         all
     }
 
-    /// Which samples of a part are audited. Samples are numbered within the cell, with Sobol points within the
-    /// randomisation.
-    fn audited(&self, part: u64, samples: Range<u64>) -> Vec<bool> {
+    /// Which samples of a part are audited, by their numbers in the cell, with Sobol points in the randomisation.
+    fn audited(&self, part: u64, numbers: Range<u64>) -> Vec<bool> {
         if !self.layout.lookups() || self.job.sampling.audit.is_nothing() {
             return Vec::new();
         }
-        let (cell, place) = self.parts.place(part);
-        let first = self.parts.first_sample(place);
-        let samples = first + samples.start..first + samples.end;
         match self.job.sampling.audit {
             Audit::Samples(wanted) => {
                 let randomisations = match self.job.sampling.effort {
@@ -297,11 +280,11 @@ impl<'a> Evaluator<'a> {
                     _ => 1,
                 };
                 let wanted = wanted.div_ceil(randomisations);
-                samples.map(|sample| sample < wanted).collect()
+                numbers.map(|number| number < wanted).collect()
             }
             Audit::Share(share) => {
-                let key = if self.parts.are_sequential() { cell } else { part };
-                audit::choose(self.job.sampling.seed, key, samples, share)
+                let key = if self.parts.are_sequential() { self.parts.place(part).0 } else { part };
+                audit::choose(self.job.sampling.seed, key, numbers, share)
             }
         }
     }

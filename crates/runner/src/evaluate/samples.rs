@@ -12,7 +12,8 @@ use crate::job::{Job, RandomInput};
 /// Consecutive samples of one cell, in columns.
 #[derive(Debug, Clone)]
 pub struct Samples {
-    len: usize,
+    /// Their numbers in the stream of deviates.
+    numbers: Range<u64>,
     /// Independent standard normal deviates, one column for each random input.
     deviates: Vec<Vec<f64>>,
     /// The values of the random inputs, likewise.
@@ -33,7 +34,12 @@ enum Column {
 impl Samples {
     /// How many samples there are.
     pub fn len(&self) -> usize {
-        self.len
+        (self.numbers.end - self.numbers.start) as usize
+    }
+
+    /// Their numbers, as [`Parts::first_sample`](super::parts::Parts::first_sample) counts them.
+    pub fn numbers(&self) -> Range<u64> {
+        self.numbers.clone()
     }
 
     /// The preload of each sample.
@@ -49,31 +55,30 @@ impl Samples {
     fn column(&self, which: usize) -> &[f64] {
         match &self.columns[which] {
             Column::Random(input) => &self.values[*input],
-            Column::Fixed(values) => &values[..self.len],
+            Column::Fixed(values) => &values[..self.len()],
         }
     }
 
-    /// Whether a sample is outside physics: without preload the pad is not pressed on the disc, and with `f_s < f_c`
-    /// friction rises with speed.
+    /// Whether a sample is outside physics, see [`RandomInputs::are_outside_physics`].
     pub fn is_outside_physics(&self, sample: usize) -> bool {
-        self.preloads()[sample] <= 0.0 || self.static_frictions()[sample] < self.column(2)[sample]
+        self.pair(sample).are_outside_physics(self.column(2)[sample])
     }
 
     /// The number of samples outside physics.
     #[inline]
     pub fn count_outside_physics(&self) -> u64 {
         let pairs = self.preloads().iter().zip(self.static_frictions());
-        let is_outside = |preload: f64, friction: f64, kinetic: f64| u64::from((preload <= 0.0) | (friction < kinetic));
+        let pairs = pairs.map(|(&preload, &static_friction)| RandomInputs { preload, static_friction });
         match &self.columns[2] {
             // One number for all samples: the usual case, and the faster one.
             Column::Fixed(values) => {
                 let kinetic = values.first().copied().unwrap_or(0.0);
-                pairs.map(|(&preload, &friction)| is_outside(preload, friction, kinetic)).sum()
+                pairs.map(|inputs| u64::from(inputs.are_outside_physics(kinetic))).sum()
             }
-            Column::Random(input) => pairs
-                .zip(&self.values[*input])
-                .map(|((&p, &friction), &kinetic)| is_outside(p, friction, kinetic))
-                .sum(),
+            Column::Random(input) => {
+                let samples = pairs.zip(&self.values[*input]);
+                samples.map(|(inputs, &kinetic)| u64::from(inputs.are_outside_physics(kinetic))).sum()
+            }
         }
     }
 
@@ -122,7 +127,8 @@ impl Samples {
 pub struct Drawing<'a> {
     deviates: Deviates,
     inputs: InputColumns<'a>,
-    left: u64,
+    /// The number after the last sample.
+    end: u64,
     /// The samples drawn last; their memory is used again.
     samples: Samples,
 }
@@ -148,9 +154,9 @@ impl<'a> Drawing<'a> {
         Self {
             deviates: stream.start(cell.index, place as u64, range.start),
             inputs: InputColumns::new(&random.marginals, &random.correlation, &expected, stds),
-            left: range.end - range.start,
+            end: range.end,
             samples: Samples {
-                len: 0,
+                numbers: range.start..range.start,
                 deviates: vec![Vec::new(); random.inputs.len()],
                 values: vec![Vec::new(); random.inputs.len()],
                 columns: [
@@ -165,13 +171,12 @@ impl<'a> Drawing<'a> {
     /// The next `most` samples, or as many as are left; `None` after the last.
     #[inline]
     pub fn next_chunk(&mut self, most: usize) -> Option<&Samples> {
-        let len = self.left.min(most as u64) as usize;
+        let samples = &mut self.samples;
+        samples.numbers = samples.numbers.end..self.end.min(samples.numbers.end + most as u64);
+        let len = samples.len();
         if len == 0 {
             return None;
         }
-        self.left -= len as u64;
-        let samples = &mut self.samples;
-        samples.len = len;
         self.deviates.fill(len, &mut samples.deviates);
         for (values, deviates) in samples.values.iter_mut().zip(&samples.deviates) {
             values.clone_from(deviates);

@@ -49,10 +49,11 @@ impl Run {
         }
         let audited = job.sampling.is_audited.then(|| SumLayout::of(&job));
         // A map gives the same verdicts as evaluate = "each" with a small part of the simulations.
-        let can_have_map = !matches!(job.criterion, Criterion::Eigenvalue)
+        let gains_from_map = !job.uses_maps()
+            && !matches!(job.criterion, Criterion::Eigenvalue)
             && job.random.other().is_none()
             && job.criterion.growth_without_fall(&job.parameters, &job.grid).is_none();
-        if can_have_map && !job.uses_maps() {
+        if gains_from_map {
             job.sampling.evaluate = EvaluateMode::Boundary;
             job.sampling.audit = Audit::Samples(0);
             job.sampling.is_audited = false;
