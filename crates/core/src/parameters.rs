@@ -189,6 +189,11 @@ impl Scalar {
         (self.get)(parameters)
     }
 
+    /// Sets this parameter in `parameters`, whatever the value.
+    pub(crate) fn assign(&self, parameters: &mut Parameters, value: f64) {
+        *(self.get_mut)(parameters) = value;
+    }
+
     /// Whether `value` is admissible for this parameter taken alone.
     ///
     /// # Errors
@@ -371,23 +376,27 @@ impl Parameters {
         for scalar in &SCALARS {
             scalar.check(scalar.value(self))?;
         }
-        let order = |smaller: &'static str, relation: &'static str, larger: &'static str| {
-            let (value, other_value) = (self.known(smaller), self.known(larger));
+        self.check_relations()
+    }
+
+    /// Checks values that must agree against each other.
+    pub(crate) fn check_relations(&self) -> Result<(), ParameterError> {
+        let order = |(key, value): (&'static str, f64), relation, (other_key, other_value): (&'static str, f64)| {
             let holds = if relation == "less than" { value < other_value } else { value <= other_value };
             if holds {
                 return Ok(());
             }
-            Err(ParameterError::Contradiction { key: smaller, value, relation, other_key: larger, other_value })
+            Err(ParameterError::Contradiction { key, value, relation, other_key, other_value })
         };
-        order("disc.inner_radius", "less than", "disc.outer_radius")?;
-        order("disc.inner_radius", "at most", "pad.inner_radius")?;
-        order("pad.inner_radius", "less than", "disc.outer_radius")?;
-        order("friction.kinetic_coefficient", "at most", "friction.static_coefficient")
-    }
-
-    /// The value of a parameter that is known to exist.
-    fn known(&self, key: &'static str) -> f64 {
-        scalar(key).map_or(f64::NAN, |scalar| scalar.value(self))
+        let inner = ("disc.inner_radius", self.disc.inner_radius);
+        let outer = ("disc.outer_radius", self.disc.outer_radius);
+        let of_pad = ("pad.inner_radius", self.pad.inner_radius);
+        let kinetic = ("friction.kinetic_coefficient", self.friction.kinetic_coefficient);
+        let static_coefficient = ("friction.static_coefficient", self.friction.static_coefficient);
+        order(inner, "less than", outer)?;
+        order(inner, "at most", of_pad)?;
+        order(of_pad, "less than", outer)?;
+        order(kinetic, "at most", static_coefficient)
     }
 }
 

@@ -13,6 +13,8 @@
 #[doc(hidden)]
 pub mod dispatch;
 
+pub mod closed_form;
+
 mod findings;
 
 mod scheduling;

@@ -4,6 +4,8 @@ pub mod pad_on_disc;
 
 pub mod stability;
 
+pub mod varying_brake;
+
 pub(crate) mod planar_motion;
 
 pub(crate) mod return_map;

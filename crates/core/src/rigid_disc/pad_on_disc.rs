@@ -182,6 +182,11 @@ impl PadOnDisc {
     /// The first [`ParameterError`] found.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         parameters.validate()?;
+        Self::of_admissible(parameters)
+    }
+
+    /// For parameters that are admissible one by one and fit together.
+    pub(super) fn of_admissible(parameters: Parameters) -> Result<Self, ParameterError> {
         let scales = Scales::new(&parameters);
         let law = &parameters.friction;
         let friction = StribeckLaw {
@@ -205,9 +210,9 @@ impl PadOnDisc {
         Self::new(parameters).unwrap()
     }
 
-    /// Checks that everything derived is an ordinary positive number, so that no verdict rests on infinities.
-    fn check_derived_values(&self) -> Result<(), ParameterError> {
-        let derived = [
+    /// What is derived from the parameters and must be an ordinary positive number, with its name.
+    pub(crate) fn derived_values(&self) -> [(&'static str, f64); 11] {
+        [
             ("the flexural rigidity of the disc", self.scales.flexural_rigidity),
             ("the time scale", self.scales.time),
             ("the speed scale", self.scales.speed),
@@ -219,7 +224,12 @@ impl PadOnDisc {
             ("the tangential stiffness over the mass", self.tangential_oscillator().stiffness),
             ("the normal stiffness over the mass", self.normal_oscillator().stiffness),
             ("the angular stiffness over the inertia", self.angular_oscillator().stiffness),
-        ];
+        ]
+    }
+
+    /// Checks that everything derived is an ordinary positive number, so that no verdict rests on infinities.
+    fn check_derived_values(&self) -> Result<(), ParameterError> {
+        let derived = self.derived_values();
         if let Some(&(quantity, value)) = derived.iter().find(|(_, value)| !(value.is_normal() && *value > 0.0)) {
             return Err(ParameterError::NotComputable { quantity, value });
         }

@@ -3,23 +3,25 @@
 use stickslip_core::criterion::decision::Decision;
 use stickslip_core::criterion::time_domain::{TimeDomain, TimeDomainError};
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
-use stickslip_core::parameters::Parameters;
+use stickslip_core::lanes::closed_form::VaryingClosedForm;
+use stickslip_core::parameters::Scalar;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::rigid_disc::varying_brake::VaryingBrake;
 use stickslip_core::verdict::{Verdict, VerdictCounts};
 
 use crate::evaluate::samples::Samples;
-use crate::job::{Criterion, Job, RandomInput};
+use crate::job::{Criterion, Job};
 
 /// What decides the samples of a job.
-pub enum Criteria {
-    /// Only preload and static friction scatter. There is one brake for each rotating speed of the grid.
-    BySpeed(Vec<ReadyCriterion>),
-    /// Other parameters scatter, too. Every sample is a brake of its own.
-    BySample(Box<VaryingBrake>),
+pub struct Criteria {
+    /// One for each rotating speed of the grid.
+    by_speed: Vec<ReadyCriterion>,
+    /// Which random inputs are parameters other than preload and static friction.
+    others: Vec<usize>,
 }
 
-/// A criterion for one brake at one rotating speed, given everything but preload and static friction.
+/// A criterion at one rotating speed.
 pub enum ReadyCriterion {
     /// See [`Criterion::Eigenvalue`].
     Eigenvalue(StabilityBoundary),
@@ -27,10 +29,20 @@ pub enum ReadyCriterion {
     CoupledEigenvalue(Box<FlexibleBrake>),
     /// See [`Criterion::TimeDomain`].
     TimeDomain(Box<TimeDomain>),
+    /// [`Criterion::Eigenvalue`] where parameters other than preload and static friction scatter.
+    VaryingEigenvalue(Box<VaryingClosedForm>),
+    /// Any other criterion there: every sample is a brake of its own.
+    Varying(Box<VaryingCriterion>),
+}
+
+/// A criterion that is prepared for each sample.
+pub struct VaryingCriterion {
+    brake: VaryingBrake,
+    criterion: Criterion,
 }
 
 impl ReadyCriterion {
-    /// Prepares the criterion of a job for a brake.
+    /// Prepares the criterion of a job for a brake of which no parameter scatters but preload and static friction.
     pub fn new(brake: PadOnDisc, criterion: &Criterion) -> Result<Self, TimeDomainError> {
         Ok(match criterion {
             Criterion::Eigenvalue => Self::Eigenvalue(brake.stability_boundary()),
@@ -43,7 +55,15 @@ impl ReadyCriterion {
         })
     }
 
-    /// Decides samples.
+    /// Prepares the criterion of a job for brakes that differ from sample to sample.
+    fn varying(brake: VaryingBrake, criterion: &Criterion) -> Self {
+        match criterion {
+            Criterion::Eigenvalue => Self::VaryingEigenvalue(Box::new(VaryingClosedForm::new(brake))),
+            _ => Self::Varying(Box::new(VaryingCriterion { brake, criterion: criterion.clone() })),
+        }
+    }
+
+    /// Decides samples of one brake.
     pub fn decide(&self, inputs: &[RandomInputs]) -> Vec<Decision> {
         match self {
             Self::Eigenvalue(boundary) => {
@@ -53,50 +73,28 @@ impl ReadyCriterion {
                 inputs.iter().map(|&inputs| brake.decide_with(inputs, FlexibleBrake::linear_stability)).collect()
             }
             Self::TimeDomain(criterion) => criterion.decide_all(inputs),
+            // Without a value for each parameter that scatters there is no brake.
+            Self::VaryingEigenvalue(_) | Self::Varying(_) => vec![Verdict::Failed.into(); inputs.len()],
         }
     }
 
     /// Decides the one sample of a brake.
     fn decide_one(&self, inputs: RandomInputs) -> Decision {
         match self {
-            Self::Eigenvalue(boundary) => boundary.verdict(inputs.preload, inputs.static_friction).into(),
             // `linear_stability` prepares for many samples of one brake, which does not pay for a single one.
             Self::CoupledEigenvalue(brake) => brake.decide_with(inputs, FlexibleBrake::by_eigenvalues),
             Self::TimeDomain(criterion) => criterion.decide(inputs),
+            _ => self.decide(&[inputs]).pop().unwrap_or(Verdict::Failed.into()),
         }
     }
 }
 
-/// A brake with random parameters other than preload and static friction.
-pub struct VaryingBrake {
-    parameters: Parameters,
-    criterion: Criterion,
-    inputs: Vec<RandomInput>,
-}
-
-impl VaryingBrake {
-    /// The brake of one sample; `None` if a value is not admissible. `values` are its random inputs, in the job's
-    /// order.
-    fn brake(&self, rotating_speed: f64, inputs: RandomInputs, values: impl Iterator<Item = f64>) -> Option<PadOnDisc> {
-        let mut parameters = self.parameters.clone();
-        parameters.operating_point.rotating_speed = rotating_speed;
-        parameters.friction.static_coefficient = inputs.static_friction;
-        for (input, value) in self.inputs.iter().zip(values) {
-            if let RandomInput::Other(scalar) = input {
-                parameters.set(scalar.key, value).ok()?;
-            }
-        }
-        // A brake cannot be made with friction that rises with speed. The sample is decided with its own static
-        // friction.
-        let friction = &mut parameters.friction;
-        friction.static_coefficient = friction.static_coefficient.max(friction.kinetic_coefficient);
-        PadOnDisc::new(parameters).ok()
-    }
-
-    /// Decides one sample. It fails if a value is not admissible, such as a stiffness below zero.
-    fn decide(&self, rotating_speed: f64, inputs: RandomInputs, values: impl Iterator<Item = f64>) -> Decision {
+impl VaryingCriterion {
+    /// Decides one sample, `value(i)` being its value of scalar `i`. It fails if a value is not admissible, such as a
+    /// stiffness below zero.
+    fn decide(&self, inputs: RandomInputs, value: impl Fn(usize) -> f64) -> Decision {
         let failed = Decision::from(Verdict::Failed);
-        let Some(brake) = self.brake(rotating_speed, inputs, values) else { return failed };
+        let Some(brake) = self.brake.brake(inputs, value) else { return failed };
         if inputs.preload <= 0.0 {
             return Verdict::Stable.into();
         }
@@ -107,63 +105,83 @@ impl VaryingBrake {
 impl Criteria {
     /// Prepares the criterion of a job.
     pub fn new(job: &Job) -> Result<Self, TimeDomainError> {
-        if job.random.other().is_some() {
-            return Ok(Self::BySample(Box::new(VaryingBrake {
-                parameters: job.parameters.clone(),
-                criterion: job.criterion.clone(),
-                inputs: job.random.inputs.clone(),
-            })));
-        }
-        let ready = |brake: PadOnDisc| ReadyCriterion::new(brake, &job.criterion);
-        Ok(Self::BySpeed(job.brakes()?.into_iter().map(ready).collect::<Result<_, _>>()?))
+        let others = job.random.inputs.iter().enumerate();
+        let others = others.filter_map(|(i, input)| Some((i, input.scalar()?)));
+        let (others, scalars): (Vec<usize>, Vec<&'static Scalar>) = others.unzip();
+        let ready = |brake: PadOnDisc| {
+            if scalars.is_empty() {
+                ReadyCriterion::new(brake, &job.criterion)
+            } else {
+                Ok(ReadyCriterion::varying(VaryingBrake::new(brake, scalars.clone()), &job.criterion))
+            }
+        };
+        let by_speed = job.brakes()?.into_iter().map(ready).collect::<Result<_, _>>()?;
+        Ok(Self { by_speed, others })
     }
 
     /// The criterion at a rotating speed of the grid; `None` if every sample is a brake of its own.
     pub fn at_speed(&self, speed: usize) -> Option<&ReadyCriterion> {
-        match self {
-            Self::BySpeed(criteria) => criteria.get(speed),
-            Self::BySample(_) => None,
-        }
+        self.by_speed.get(speed).filter(|_| self.others.is_empty())
     }
 
     /// The stability boundary at a rotating speed of the grid, if it is known in closed form.
     pub fn boundary(&self, speed: usize) -> Option<&StabilityBoundary> {
-        match self.at_speed(speed) {
+        match self.by_speed.get(speed) {
             Some(ReadyCriterion::Eigenvalue(boundary)) => Some(boundary),
             _ => None,
         }
     }
 
-    /// The verdict counts of samples at one rotating speed, if the boundary is known in closed form.
+    /// The verdict counts of samples at one rotating speed, if they are decided in closed form.
     #[inline]
     pub fn count(&self, speed: usize, samples: &Samples) -> Option<VerdictCounts> {
-        Some(self.boundary(speed)?.count(samples.preloads(), samples.static_frictions()))
+        match self.by_speed.get(speed)? {
+            ReadyCriterion::Eigenvalue(boundary) => {
+                Some(boundary.count(samples.preloads(), samples.static_frictions()))
+            }
+            ReadyCriterion::VaryingEigenvalue(form) => {
+                let columns = self.columns(samples);
+                Some(form.count(samples.preloads(), samples.static_frictions(), &columns))
+            }
+            _ => None,
+        }
+    }
+
+    /// The values of the parameters other than preload and static friction.
+    fn columns<'s>(&self, samples: &'s Samples) -> Vec<&'s [f64]> {
+        self.others.iter().map(|&input| samples.values_of(input)).collect()
     }
 
     /// Decides some of the samples at one rotating speed.
-    pub fn decide(&self, speed: usize, rotating_speed: f64, samples: &Samples, wanted: &[usize]) -> Vec<Decision> {
-        match self {
-            Self::BySpeed(criteria) => {
-                let inputs: Vec<RandomInputs> = wanted.iter().map(|&sample| samples.pair(sample)).collect();
-                criteria[speed].decide(&inputs)
+    pub fn decide(&self, speed: usize, samples: &Samples, wanted: &[usize]) -> Vec<Decision> {
+        let columns = self.columns(samples);
+        match &self.by_speed[speed] {
+            ReadyCriterion::VaryingEigenvalue(form) => {
+                let mut verdicts = Vec::with_capacity(samples.len());
+                form.decide(samples.preloads(), samples.static_frictions(), &columns, &mut verdicts);
+                wanted.iter().map(|&sample| verdicts[sample].into()).collect()
             }
-            Self::BySample(varying) => {
-                let decide =
-                    |&sample: &usize| varying.decide(rotating_speed, samples.pair(sample), samples.values(sample));
+            ReadyCriterion::Varying(criterion) => {
+                let decide = |&sample: &usize| criterion.decide(samples.pair(sample), |i| columns[i][sample]);
                 wanted.iter().map(decide).collect()
+            }
+            one_brake => {
+                let inputs: Vec<RandomInputs> = wanted.iter().map(|&sample| samples.pair(sample)).collect();
+                one_brake.decide(&inputs)
             }
         }
     }
 
     /// The brake of a sample at one rotating speed of a job; `None` if a value is not admissible.
     pub fn brake(&self, job: &Job, rotating_speed: f64, samples: &Samples, sample: usize) -> Option<PadOnDisc> {
-        match self {
-            Self::BySpeed(_) => {
-                let mut parameters = job.parameters.clone();
-                parameters.operating_point.rotating_speed = rotating_speed;
-                PadOnDisc::new(parameters).ok()
-            }
-            Self::BySample(varying) => varying.brake(rotating_speed, samples.pair(sample), samples.values(sample)),
+        let mut parameters = job.parameters.clone();
+        parameters.operating_point.rotating_speed = rotating_speed;
+        let brake = PadOnDisc::new(parameters).ok()?;
+        if self.others.is_empty() {
+            return Some(brake);
         }
+        let columns = self.columns(samples);
+        let scalars = self.others.iter().filter_map(|&input| job.random.inputs[input].scalar()).collect();
+        VaryingBrake::new(brake, scalars).brake(samples.pair(sample), |i| columns[i][sample])
     }
 }

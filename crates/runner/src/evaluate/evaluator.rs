@@ -211,7 +211,7 @@ impl<'a> Evaluator<'a> {
         let mut drawing = Drawing::new(self.job, &place, 0, 0..samples, self.job.points());
         let Some(chunk) = drawing.next_chunk(SIMULATED_CHUNK) else { return Vec::new() };
         let all: Vec<usize> = (0..chunk.len()).collect();
-        self.criteria.decide(self.job.grid.rotating_speed_index(cell), place.rotating_speed, chunk, &all)
+        self.criteria.decide(self.job.grid.rotating_speed_index(cell), chunk, &all)
     }
 
     /// Decides samples, those outside physics as the job specifies.
@@ -243,7 +243,7 @@ impl<'a> Evaluator<'a> {
         let Some(map) = self.maps.get(speed) else {
             lookups.simulated += samples.len() as u64;
             let all: Vec<usize> = (0..samples.len()).collect();
-            return self.criteria.decide(speed, cell.rotating_speed, samples, &all);
+            return self.criteria.decide(speed, samples, &all);
         };
         let look_up = |sample: usize| {
             let RandomInputs { preload, static_friction } = samples.pair(sample);
@@ -252,7 +252,7 @@ impl<'a> Evaluator<'a> {
         let looked_up: Vec<Option<Verdict>> = (0..samples.len()).map(look_up).collect();
         let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
         let simulated: Vec<usize> = (0..samples.len()).filter(|&i| looked_up[i].is_none() || is_audited(i)).collect();
-        let decisions = self.criteria.decide(speed, cell.rotating_speed, samples, &simulated);
+        let decisions = self.criteria.decide(speed, samples, &simulated);
         let mut all: Vec<Decision> =
             looked_up.iter().map(|verdict| verdict.unwrap_or(Verdict::Failed).into()).collect();
         for (&sample, decision) in simulated.iter().zip(decisions) {

@@ -107,6 +107,11 @@ impl Samples {
         self.values.iter().map(move |column| column[sample])
     }
 
+    /// The values of one random input.
+    pub fn values_of(&self, input: usize) -> &[f64] {
+        &self.values[input]
+    }
+
     /// The deviates of preload and static friction of one sample; `None` for one that does not scatter.
     pub fn deviates(&self, sample: usize) -> [Option<f64>; 2] {
         [0, 1].map(|which| match &self.columns[which] {

@@ -27,6 +27,14 @@ impl RandomInput {
         }
     }
 
+    /// The parameter, if it is neither preload nor static friction.
+    pub fn scalar(self) -> Option<&'static Scalar> {
+        match self {
+            Self::Preload | Self::StaticFriction => None,
+            Self::Other(scalar) => Some(scalar),
+        }
+    }
+
     /// From its name in a job spec.
     pub fn from_name(name: &str) -> Result<Self, String> {
         match name {

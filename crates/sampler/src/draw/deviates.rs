@@ -188,9 +188,17 @@ fn fill_from(generator: &mut Xoshiro256PlusPlus, columns: &mut [Vec<f64>], range
             }
         }
         columns => {
-            for sample in range {
-                for column in &mut *columns {
-                    column[sample] = deviate();
+            // Drawn sample by sample into one array, and from there to the columns: faster than writing to all columns
+            // in turn.
+            const AT_ONCE: usize = 32;
+            let inputs = columns.len();
+            let mut drawn = vec![0.0; AT_ONCE * inputs];
+            for first in range.clone().step_by(AT_ONCE) {
+                let samples = AT_ONCE.min(range.end - first);
+                drawn[..samples * inputs].fill_with(&mut deviate);
+                for (i, column) in columns.iter_mut().enumerate() {
+                    let of_input = drawn[i..].iter().step_by(inputs);
+                    column[first..first + samples].iter_mut().zip(of_input).for_each(|(to, from)| *to = *from);
                 }
             }
         }
