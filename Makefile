@@ -40,7 +40,7 @@ check:
 
 # One line for each figure: name, value, unit.
 bench:
-	$(CARGO) bench --locked -p stickslip --bench figures --bench methods
+	$(CARGO) bench --locked -p stickslip --bench figures --bench methods --bench inputs
 
 # The tables of the range of validity (docs of `stickslip_core::criterion::validity`): verdicts against references, case by case.
 validity:
