@@ -15,11 +15,14 @@
 //! Five modes were not enough at 46 of the 180 points. A sign changes only close to the boundary; the module
 //! `mode_count` says what a difference of the growth rate means there.
 
-use crate::flexible_disc::compliance::{LEAST_COMPLIANCE, compliances, lowest_modes};
+use std::sync::{Arc, OnceLock};
+
+use crate::flexible_disc::compliance::{LEAST_COMPLIANCE, lowest_modes, relative_compliances};
 use crate::flexible_disc::critical_products::CriticalProducts;
 use crate::flexible_disc::equations::FlexibleEquations;
 use crate::flexible_disc::equilibrium::EquilibriumSearch;
 use crate::flexible_disc::error::FlexibleError;
+use crate::flexible_disc::geometry::DiscGeometry;
 use crate::flexible_disc::linearisation::first_order;
 use crate::flexible_disc::plate_modes::{MOST_DISC_MODES, PlateMode};
 use crate::numerics::eigenvalues::{Eigenvalue, eigenvalues};
@@ -30,10 +33,13 @@ use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 pub const DISC_MODES: usize = 5;
 
 /// Pad and flexible disc at one rotating speed; preload and static friction are given sample by sample.
+///
+/// What the geometry alone determines is shared between brakes, see [`FlexibleBrake::with_brake`].
 #[derive(Debug, Clone)]
 pub struct FlexibleBrake {
     pub(crate) equations: FlexibleEquations,
-    search: EquilibriumSearch,
+    /// Prepared when it is first needed.
+    search: OnceLock<EquilibriumSearch>,
     /// Where linear stability is lost.
     pub(crate) critical_products: CriticalProducts,
 }
@@ -57,7 +63,7 @@ impl FlexibleBrake {
             return Err(FlexibleError::ModeCount { count });
         }
         let modes = lowest_modes(&brake)?;
-        let compliances = compliances(&brake, &modes);
+        let compliances = relative_compliances(&brake, &modes);
         let total: f64 = compliances.iter().sum();
         let share = |count: usize| compliances[..count].iter().sum::<f64>() / total;
         if share(count) < LEAST_COMPLIANCE {
@@ -65,18 +71,33 @@ impl FlexibleBrake {
             let needed = needed.unwrap_or(MOST_DISC_MODES + 1);
             return Err(FlexibleError::TooFewModes { count, share: share(count), needed });
         }
-        Self::of_modes(brake, &modes[..count])
+        Ok(Self::of_modes(brake, &modes[..count]))
+    }
+
+    /// The model of another brake, with as many modes. The same as [`FlexibleBrake::with_modes`], at a thousandth of the
+    /// cost if radii, Poisson's ratio and the pad's angle are the same numbers: the modes of the disc are not solved
+    /// again then, and the averages of their shapes over the patch are shared.
+    ///
+    /// # Errors
+    /// As [`FlexibleBrake::with_modes`].
+    pub fn with_brake(&self, brake: PadOnDisc) -> Result<Self, FlexibleError> {
+        let geometry = &self.equations.geometry;
+        if geometry.is_of(brake.parameters()) {
+            return Ok(Self::of_geometry(brake, Arc::clone(geometry)));
+        }
+        Self::with_modes(brake, self.modes())
     }
 
     /// The model with these modes, however little of the compliance they carry.
-    pub(crate) fn of_modes(brake: PadOnDisc, modes: &[PlateMode]) -> Result<Self, FlexibleError> {
-        Self::of_equations(FlexibleEquations::new(brake, modes))
+    pub(crate) fn of_modes(brake: PadOnDisc, modes: &[PlateMode]) -> Self {
+        let geometry = DiscGeometry::new(brake.parameters(), modes);
+        Self::of_geometry(brake, geometry)
     }
 
-    /// The model with these equations.
-    pub(crate) fn of_equations(equations: FlexibleEquations) -> Result<Self, FlexibleError> {
-        let search = EquilibriumSearch::new(&equations)?;
-        Ok(Self { equations, search, critical_products: CriticalProducts::default() })
+    /// The model of a brake with this geometry.
+    pub(crate) fn of_geometry(brake: PadOnDisc, geometry: Arc<DiscGeometry>) -> Self {
+        let equations = FlexibleEquations::new(brake, geometry);
+        Self { equations, search: OnceLock::new(), critical_products: CriticalProducts::default() }
     }
 
     /// The pad and its operating point.
@@ -88,7 +109,7 @@ impl FlexibleBrake {
     /// Modes of the disc that are kept; a cosine and its sine count as one.
     #[must_use]
     pub fn modes(&self) -> usize {
-        self.equations.modes.len()
+        self.equations.geometry.modes.len()
     }
 
     /// Degrees of freedom: x, y, phi, the cosine amplitudes and the sine amplitudes of the disc.
@@ -102,7 +123,14 @@ impl FlexibleBrake {
     /// [`FlexibleError::NotPressed`] for a preload of zero or less, [`FlexibleError::NoEquilibrium`] if the iteration
     /// does not converge.
     pub fn sliding_equilibrium(&self, inputs: RandomInputs) -> Result<Vec<f64>, FlexibleError> {
-        self.search.find(&self.equations, inputs)
+        let search = match self.search.get() {
+            Some(search) => search,
+            None => {
+                let search = EquilibriumSearch::new(&self.equations)?;
+                self.search.get_or_init(|| search)
+            }
+        };
+        search.find(&self.equations, inputs)
     }
 
     /// The eigenvalues of the coupled model linearised about its own sliding equilibrium; per unit of scaled time.

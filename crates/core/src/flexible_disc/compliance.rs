@@ -11,10 +11,10 @@ pub(crate) const LEAST_COMPLIANCE: f64 = 0.9;
 /// Points along the radius of the pad for the mean shape of a mode.
 const COMPLIANCE_POINTS: usize = 24;
 
-/// What each mode adds to the static deflection of the disc under the pad, averaged over the patch, for a unit force
-/// that is spread evenly over it; m/N: `h^3 <psi>^2 / (D m omega^2)`,
-/// at rest, without the centrifugal softening of the rotation.
-pub(crate) fn compliances(brake: &PadOnDisc, modes: &[PlateMode]) -> Vec<f64> {
+/// What each mode adds to the static deflection of the disc under the pad, averaged over the patch, for a force that is
+/// spread evenly over it: `<psi>^2 / (m lambda^4)`, in a unit that all modes share,
+/// at rest, without the centrifugal softening of the rotation. It depends on the geometry alone.
+pub(crate) fn relative_compliances(brake: &PadOnDisc, modes: &[PlateMode]) -> Vec<f64> {
     let (disc, pad) = (&brake.parameters().disc, &brake.parameters().pad);
     let inner = pad.inner_radius / disc.outer_radius;
     let rule = gauss_legendre(COMPLIANCE_POINTS);
@@ -26,18 +26,19 @@ pub(crate) fn compliances(brake: &PadOnDisc, modes: &[PlateMode]) -> Vec<f64> {
             weight * r * mode.shape(r) / (1.0 + inner)
         };
         let mean = along_angle * rule.iter().map(along_radius).sum::<f64>();
-        let frequency = brake.disc_frequency(mode);
-        mean * mean * modal_gain(brake, mode) / (frequency * frequency)
+        mean * mean / (mode.circle() * mode.frequency_parameter * mode.frequency_parameter)
     };
     modes.iter().map(compliance).collect()
 }
 
-/// h^3 / (D m), with m the integral of `psi^2` over the disc.
-fn modal_gain(brake: &PadOnDisc, mode: &PlateMode) -> f64 {
+/// [`relative_compliances`] in m/N: times `h^3 / (D b^2)` and by the square of the frequency for one unit of lambda^2.
+#[cfg(test)]
+pub(crate) fn compliances(brake: &PadOnDisc, modes: &[PlateMode]) -> Vec<f64> {
     let disc = &brake.parameters().disc;
-    let circle = if mode.nodal_diameters == 0 { 2.0 } else { 1.0 } * std::f64::consts::PI;
     let gain = disc.thickness * disc.thickness * disc.thickness / brake.scales().flexural_rigidity;
-    gain / (disc.outer_radius * disc.outer_radius * circle)
+    let frequency = brake.frequency_per_parameter();
+    let unit = gain / (disc.outer_radius * disc.outer_radius * frequency * frequency);
+    relative_compliances(brake, modes).iter().map(|compliance| unit * compliance).collect()
 }
 
 /// The modes of lowest frequency, enough of them for every choice.

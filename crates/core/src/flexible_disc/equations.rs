@@ -11,10 +11,12 @@
 //!
 //! (the paper's equation 2.5; `m` is the integral of `psi^2` over the disc, `Om = Omega tau`, `eta1 = 2 zeta omega_1`.)
 
+use std::sync::Arc;
+
 use crate::flexible_disc::contact::loads::ContactLoads;
-use crate::flexible_disc::contact::patch::ContactPatch;
-use crate::flexible_disc::contact::points::sufficient_points;
+use crate::flexible_disc::contact::patch::LENGTH_UNIT;
 use crate::flexible_disc::contact::position::PadPosition;
+use crate::flexible_disc::geometry::DiscGeometry;
 use crate::flexible_disc::plate_modes::PlateMode;
 use crate::numerics::sine_cosine::sine_and_cosine;
 use crate::pad::contact_state::ContactState;
@@ -34,45 +36,40 @@ pub(crate) struct Amplitude {
     pub compliance: f64,
 }
 
-/// The equations at one rotating speed; preload and static friction are given sample by sample.
+/// The equations at one rotating speed; preload and static friction are given sample by sample. All but the geometry
+/// are numbers of this brake, which cost little.
 #[derive(Debug, Clone)]
 pub(crate) struct FlexibleEquations {
     pub brake: PadOnDisc,
-    pub modes: Vec<PlateMode>,
-    pub patch: ContactPatch,
+    pub geometry: Arc<DiscGeometry>,
     pub amplitudes: Vec<Amplitude>,
     pub pad: PadEquations,
     /// eta1.
     pub disc_damping: f64,
-    /// Shapes of the cosine amplitudes at the outer edge, and a quarter of the way to it.
-    pub shapes_at_edge: Vec<f64>,
-    pub shapes_inside: Vec<f64>,
+    /// [`LENGTH_UNIT`] over `h / b`: what `tan(phi)` is multiplied with for the patch.
+    pub tilt_scale: f64,
+    /// Its reciprocal: what the follower loads of the patch are multiplied with.
+    pub slope_scale: f64,
 }
 
 impl FlexibleEquations {
-    /// The equations with these modes of the disc, and as many points on the patch as they need.
-    pub fn new(brake: PadOnDisc, modes: &[PlateMode]) -> Self {
-        let points = sufficient_points(brake.parameters(), modes);
-        Self::with_points(brake, modes, points)
-    }
-
-    /// With a given number of points along the radius and along the angle of the patch.
-    pub fn with_points(brake: PadOnDisc, modes: &[PlateMode], (radial, angular): (usize, usize)) -> Self {
+    /// The equations of a brake with this geometry.
+    pub fn new(brake: PadOnDisc, geometry: Arc<DiscGeometry>) -> Self {
         let parameters = brake.parameters();
         let disc = &parameters.disc;
-        let patch = ContactPatch::new(parameters, modes, radial, angular);
+        let modes = &geometry.modes;
         let spin = parameters.operating_point.rotating_speed * brake.scales().time;
         let gain = disc.thickness * disc.thickness * disc.thickness * parameters.stiffness.contact_normal
             / brake.scales().flexural_rigidity;
+        let per_parameter = brake.frequency_per_parameter();
         let amplitude = |mode: &PlateMode, partner: usize, direction: f64| {
             let n = f64::from(mode.nodal_diameters);
-            let frequency = brake.disc_frequency(mode);
-            let circle = if mode.nodal_diameters == 0 { 2.0 } else { 1.0 } * std::f64::consts::PI;
+            let frequency = mode.frequency_parameter * per_parameter;
             Amplitude {
                 stiffness: frequency * frequency - n * n * spin * spin,
                 gyroscopic: direction * 2.0 * spin * n,
                 partner,
-                compliance: gain / (disc.outer_radius * disc.outer_radius * circle),
+                compliance: gain / (disc.outer_radius * disc.outer_radius * mode.circle()),
             }
         };
         let mut amplitudes = Vec::with_capacity(2 * modes.len());
@@ -85,20 +82,24 @@ impl FlexibleEquations {
         for (index, mode) in modes.iter().enumerate().filter(|(_, mode)| mode.nodal_diameters > 0) {
             amplitudes.push(amplitude(mode, index, -1.0));
         }
-        let first = modes.iter().map(|mode| brake.disc_frequency(mode)).fold(f64::INFINITY, f64::min);
-        let disc_damping = 2.0 * disc.transverse_damping_ratio * first;
-        let clamped = disc.inner_radius / disc.outer_radius;
-        let shapes_at = |r: f64| modes.iter().map(|mode| mode.shape(r)).collect();
+        let frequencies = modes.iter().map(|mode| mode.frequency_parameter * per_parameter);
+        let first = frequencies.fold(f64::INFINITY, f64::min);
+        let thickness = disc.thickness / disc.outer_radius;
         Self {
-            patch,
             amplitudes,
             pad: PadEquations::new(&brake),
-            disc_damping,
-            shapes_at_edge: shapes_at(1.0),
-            shapes_inside: shapes_at(clamped + 0.25 * (1.0 - clamped)),
-            modes: modes.to_vec(),
+            disc_damping: 2.0 * disc.transverse_damping_ratio * first,
+            tilt_scale: LENGTH_UNIT / thickness,
+            slope_scale: thickness / LENGTH_UNIT,
+            geometry,
             brake,
         }
+    }
+
+    /// Where the pad is for the patch, at displacements that begin with x, y and phi, with the sine and cosine of phi.
+    #[inline(always)]
+    pub fn position(&self, q: &[f64], (sine, cosine): (f64, f64)) -> PadPosition {
+        PadPosition { normal: q[1], tilt: sine / cosine * self.tilt_scale }
     }
 
     /// Degrees of freedom: x, y, phi, the cosine amplitudes and the sine amplitudes of the disc.
@@ -127,17 +128,17 @@ impl FlexibleEquations {
         accelerations: &mut [f64],
     ) -> ContactForces {
         let (sine, cosine) = sine_and_cosine(q[2]);
-        let position = PadPosition { normal: q[1], tilt: sine / cosine };
-        let amplitudes = &q[PAD..];
-        if self.patch.is_surely_whole(position, amplitudes) {
-            self.patch.loads_of_whole_patch(position, amplitudes, loads);
+        let position = self.position(q, (sine, cosine));
+        let (patch, amplitudes) = (&self.geometry.patch, &q[PAD..]);
+        if patch.is_surely_whole(position, amplitudes) {
+            patch.loads_of_whole_patch(position, amplitudes, loads);
         } else {
-            self.patch.loads_of_pressed_part(position, amplitudes, loads);
+            patch.loads_of_pressed_part(position, amplitudes, loads);
         }
         let pressure = self.pad.pressure_gain * loads.pressure;
         let (of_pad, forces) = self.pad.accelerations(inputs, contact, q, u, (sine, cosine), pressure);
         accelerations[..PAD].copy_from_slice(&of_pad);
-        let ratio = forces.acting_ratio();
+        let ratio = forces.acting_ratio() * self.slope_scale;
         for (k, amplitude) in self.amplitudes.iter().enumerate() {
             accelerations[PAD + k] = -(amplitude.stiffness * q[PAD + k]
                 + self.disc_damping * u[PAD + k]

@@ -3,7 +3,6 @@
 use nalgebra::DMatrix;
 
 use crate::flexible_disc::contact::node::ContactNode;
-use crate::flexible_disc::contact::position::PadPosition;
 use crate::flexible_disc::equations::FlexibleEquations;
 use crate::numerics::sine_cosine::sine_and_cosine;
 use crate::pad::equations::PAD;
@@ -28,14 +27,14 @@ impl FlexibleEquations {
     pub fn linearise_with(&self, q: &[f64], mu: f64, mu_by_speed: f64) -> (DMatrix<f64>, DMatrix<f64>) {
         let (pad, size) = (&self.pad, self.size());
         let (sine, cosine) = sine_and_cosine(q[2]);
-        let tilt_by_angle = 1.0 / (cosine * cosine);
-        let position = PadPosition { normal: q[1], tilt: sine / cosine };
+        let tilt_by_angle = self.tilt_scale / (cosine * cosine);
+        let position = self.position(q, (sine, cosine));
         // Loads and their derivatives by y, phi and the amplitudes, node by node.
         let modes = self.amplitudes.len();
         let mut pressure = 0.0;
         let mut by_gap = DMatrix::<f64>::zeros(1 + 2 * modes, size);
         let mut follower = vec![0.0; modes];
-        self.patch.for_each_contact(position, &q[PAD..], |node| {
+        self.geometry.patch.for_each_contact(position, &q[PAD..], |node| {
             let &ContactNode { weight, gap, slope, arc, shapes, slopes } = node;
             pressure += weight * gap;
             let mut gap_by = vec![0.0; size];
@@ -75,7 +74,8 @@ impl FlexibleEquations {
             stiffness[(2, column)] = -(pad.angular_stiffness * by(2) + pad.arm * spring_by);
             for (k, amplitude) in self.amplitudes.iter().enumerate() {
                 stiffness[(PAD + k, column)] = -amplitude.stiffness * by(PAD + k)
-                    - amplitude.compliance * (by_gap[(1 + k, column)] + mu * by_gap[(1 + modes + k, column)]);
+                    - amplitude.compliance
+                        * (by_gap[(1 + k, column)] + mu * self.slope_scale * by_gap[(1 + modes + k, column)]);
             }
         }
         let spring_by_speed = -pad.transmission * mu_by_speed * pressure;
@@ -87,7 +87,7 @@ impl FlexibleEquations {
         for (k, amplitude) in self.amplitudes.iter().enumerate() {
             damping[(PAD + k, PAD + k)] = -self.disc_damping;
             damping[(PAD + k, PAD + amplitude.partner)] -= amplitude.gyroscopic;
-            damping[(PAD + k, 0)] = -amplitude.compliance * mu_by_speed * follower[k];
+            damping[(PAD + k, 0)] = -amplitude.compliance * mu_by_speed * self.slope_scale * follower[k];
         }
         (stiffness, damping)
     }

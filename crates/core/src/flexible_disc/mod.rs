@@ -9,6 +9,8 @@ pub mod error;
 
 pub(crate) mod contact;
 
+pub(crate) mod geometry;
+
 pub(crate) mod equations;
 
 mod linearisation;

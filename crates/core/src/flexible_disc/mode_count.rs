@@ -15,7 +15,7 @@
 use std::fmt;
 
 use crate::flexible_disc::brake::FlexibleBrake;
-use crate::flexible_disc::compliance::{compliances, lowest_modes};
+use crate::flexible_disc::compliance::{lowest_modes, relative_compliances};
 use crate::flexible_disc::error::FlexibleError;
 use crate::flexible_disc::plate_modes::{MOST_DISC_MODES, PlateMode};
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
@@ -95,7 +95,7 @@ impl ModeStudy {
     /// [`FlexibleError`] if the disc has no computable modes, or no equilibrium at any of the inputs.
     pub fn new(brake: &PadOnDisc, inputs: &[RandomInputs]) -> Result<Self, FlexibleError> {
         let modes = lowest_modes(brake)?;
-        let compliances = compliances(brake, &modes);
+        let compliances = relative_compliances(brake, &modes);
         let total: f64 = compliances.iter().sum();
         let mut carried = 0.0;
         let share = |compliance: &f64| {
@@ -103,7 +103,7 @@ impl ModeStudy {
             carried / total
         };
         let shares = compliances.iter().map(share).collect();
-        let all = FlexibleBrake::of_modes(brake.clone(), &modes[..MOST_DISC_MODES])?;
+        let all = FlexibleBrake::of_modes(brake.clone(), &modes[..MOST_DISC_MODES]);
         let mut references = Vec::with_capacity(inputs.len());
         let mut refused = None;
         for &inputs in inputs {
@@ -126,7 +126,7 @@ impl ModeStudy {
         if count == 0 || count > MOST_DISC_MODES {
             return Err(FlexibleError::ModeCount { count });
         }
-        let few = FlexibleBrake::of_modes(self.brake.clone(), &self.modes[..count])?;
+        let few = FlexibleBrake::of_modes(self.brake.clone(), &self.modes[..count]);
         let damping_rate = 0.5 * self.brake.scaled_tangential_damping() / self.brake.scaled_mass();
         let compliance_share = self.shares[count - 1];
         let mut worst: Option<(f64, ModeCheck)> = None;

@@ -56,6 +56,11 @@ impl PlateMode {
         functions.factor * terms.map(|(c, p)| c * p).sum::<f64>()
     }
 
+    /// The integral of the square of the shape along the angle, `cos(n theta)` or `sin(n theta)`.
+    pub(crate) fn circle(&self) -> f64 {
+        if self.nodal_diameters == 0 { 2.0 * std::f64::consts::PI } else { std::f64::consts::PI }
+    }
+
     /// Of the radial functions, see [`RadialFunctions`].
     pub(crate) fn coefficients(&self) -> &[f64] {
         &self.coefficients
@@ -190,10 +195,14 @@ impl PadOnDisc {
     /// it is the frequency of the plate in rad/s, see [`Scales`](crate::rigid_disc::pad_on_disc::Scales).
     #[must_use]
     pub fn disc_frequency(&self, mode: &PlateMode) -> f64 {
+        mode.frequency_parameter * self.frequency_per_parameter()
+    }
+
+    /// [`PadOnDisc::disc_frequency`] for one unit of lambda^2: all that thickness, modulus and density change of it.
+    pub(crate) fn frequency_per_parameter(&self) -> f64 {
         let disc = &self.parameters().disc;
         let rigidity_over_density = self.scales().flexural_rigidity / (disc.density * disc.thickness);
-        let per_parameter = rigidity_over_density.sqrt() * self.scales().time / (disc.outer_radius * disc.outer_radius);
-        mode.frequency_parameter * per_parameter
+        rigidity_over_density.sqrt() * self.scales().time / (disc.outer_radius * disc.outer_radius)
     }
 }
 

@@ -28,12 +28,12 @@ pub(super) struct FlexibleBundle<'a> {
 impl<'a> FlexibleBundle<'a> {
     pub fn new(motion: &'a FlexibleMotion) -> Self {
         let brake = &motion.brake.equations;
-        let (size, averages) = (brake.size(), &brake.patch.averages);
+        let (size, averages) = (brake.size(), &brake.geometry.patch.averages);
         let inputs = RandomInputs { preload: 0.0, static_friction: 0.0 };
         let rows = |count: usize| vec![[0.0; LANES]; count];
         let tables = Tables {
-            even_even: square(&averages.even_even, brake.patch.even),
-            odd_odd: square(&averages.odd_odd, brake.patch.odd),
+            even_even: square(&averages.even_even, brake.geometry.patch.even),
+            odd_odd: square(&averages.odd_odd, brake.geometry.patch.odd),
             even_follower: transposed(&averages.even_follower),
             odd_follower: transposed(&averages.odd_follower),
         };

@@ -140,16 +140,16 @@ fn flexible_rates(
     plain: &mut [u64; LANES],
     accelerations: &mut [Row],
 ) {
-    let (pad, averages) = (&brake.pad, &brake.patch.averages);
+    let (pad, averages) = (&brake.pad, &brake.geometry.patch.averages);
     let (x, y, phi) = (&q[0], &q[1], &q[2]);
     let (x_speed, y_speed, phi_speed) = (&u[0], &u[1], &u[2]);
     let amplitudes = &q[PAD..];
-    let (a, b) = amplitudes.split_at(brake.patch.even);
+    let (a, b) = amplitudes.split_at(brake.geometry.patch.even);
     let [mut sine, mut cosine] = [[0.0; LANES]; 2];
     for l in 0..LANES {
         (sine[l], cosine[l]) = small_sine_and_cosine(phi[l]);
     }
-    let minus_tilt = row!(|l| -(sine[l] / cosine[l]));
+    let minus_tilt = row!(|l| -(sine[l] / cosine[l] * brake.tilt_scale));
     let minus_y = row!(|l| -y[l]);
     let mut margin = row!(|l| minus_y[l] - averages.largest_arc * minus_tilt[l].abs());
     for (amplitude, largest) in amplitudes.iter().zip(&averages.largest_shape) {
@@ -164,8 +164,8 @@ fn flexible_rates(
         mean = row!(|l| mean[l] + shape * a[l]);
     }
     let ContactRows { even_products, odd_products, on_modes, follower } = contact;
-    let (even_on_modes, odd_on_modes) = on_modes.split_at_mut(brake.patch.even);
-    let (even_follower, odd_follower) = follower.split_at_mut(brake.patch.even);
+    let (even_on_modes, odd_on_modes) = on_modes.split_at_mut(brake.geometry.patch.even);
+    let (even_follower, odd_follower) = follower.split_at_mut(brake.geometry.patch.even);
     for (load, shape) in even_on_modes.iter_mut().zip(&averages.shape) {
         *load = row!(|l| minus_y[l] * shape);
     }
@@ -216,12 +216,13 @@ fn flexible_rates(
     });
     accelerations[2] =
         row!(|l| -(pad.angular_damping * phi_speed[l] + pad.angular_stiffness * phi[l] + pad.arm * spring[l]));
+    let follower_ratio = row!(|l| ratio[l] * brake.slope_scale);
     for (k, amplitude) in brake.amplitudes.iter().enumerate() {
         let (value, speed, partner_speed) = (&q[PAD + k], &u[PAD + k], &u[PAD + amplitude.partner]);
         let (load, follower) = (&on_modes[k], &follower[k]);
         accelerations[PAD + k] = row!(|l| {
             -(amplitude.stiffness * value[l] + brake.disc_damping * speed[l] + amplitude.gyroscopic * partner_speed[l])
-                - amplitude.compliance * (load[l] + ratio[l] * follower[l])
+                - amplitude.compliance * (load[l] + follower_ratio[l] * follower[l])
         });
     }
 }

@@ -3,7 +3,6 @@
 
 use crate::flexible_disc::brake::FlexibleBrake;
 use crate::flexible_disc::contact::loads::{ContactLoads, MOST_AMPLITUDES};
-use crate::flexible_disc::contact::position::PadPosition;
 use crate::flexible_disc::equations::FlexibleEquations;
 use crate::flexible_disc::error::FlexibleError;
 use crate::motion::friction_steps::{DAMPED_STEP, FrictionSteps};
@@ -67,12 +66,13 @@ impl FlexibleMotion {
         let normal = pad.normal_stiffness + pad.pressure_gain;
         let tangential = pad.tangential_stiffness + pad.contact_tangential;
         let pad_frequencies = [normal, tangential, pad.angular_stiffness].map(f64::sqrt);
-        let modes =
-            equations.amplitudes.iter().zip(&equations.patch.averages.largest_shape).map(|(amplitude, shape)| {
+        let modes = equations.amplitudes.iter().zip(&equations.geometry.patch.averages.largest_shape).map(
+            |(amplitude, shape)| {
                 // In the space-fixed frame rotation splits the frequency by n Om.
                 let spin = 0.5 * amplitude.gyroscopic.abs();
                 (amplitude.stiffness + spin * spin + amplitude.compliance * shape * shape).sqrt() + spin
-            });
+            },
+        );
         let fastest = modes.chain(pad_frequencies).fold(0.0, f64::max);
         let dampings = [equations.disc_damping, pad.tangential_damping, pad.normal_damping, pad.angular_damping];
         let most_damped = dampings.into_iter().fold(0.0, f64::max);
@@ -115,9 +115,9 @@ impl FlexibleSample<'_> {
     /// Everything that is recorded of a state.
     pub fn moment(&self, time: f64, state: &FlexibleState, contact: ContactState) -> Moment {
         let equations = &self.brake.equations;
+        let geometry = &equations.geometry;
         let (forces, _) = self.rates(state, contact);
-        let (sine, cosine) = sine_and_cosine(state.q[2]);
-        let position = PadPosition { normal: state.q[1], tilt: sine / cosine };
+        let position = equations.position(&state.q, sine_and_cosine(state.q[2]));
         let amplitudes = &state.q[PAD..equations.size()];
         // The sine shapes vanish at theta = 0.
         let deflection =
@@ -129,8 +129,8 @@ impl FlexibleSample<'_> {
         };
         let pad = |values: &[f64; MOST_FREEDOMS]| [values[0], values[1], values[2]];
         Moment {
-            contact_share: equations.patch.contact_share(position, amplitudes),
-            deflection: (deflection(&equations.shapes_at_edge), deflection(&equations.shapes_inside)),
+            contact_share: geometry.patch.contact_share(position, amplitudes),
+            deflection: (deflection(&geometry.shapes_at_edge), deflection(&geometry.shapes_inside)),
             ..Moment::of_pad(time, pad(&state.q), pad(&state.u), equations.pad.disc_speed, contact)
         }
     }

@@ -13,7 +13,7 @@ fn on_grid(points: usize, changes: &[(&str, f64)]) -> FiniteDifferenceBrake {
 /// the patch was suddenly laid on the disc; by the modes in the space-fixed frame.
 fn suddenly_loaded_modes(brake: &FlexibleBrake, time: f64) -> (f64, f64) {
     let n = brake.equations.amplitudes.len();
-    let averages = &brake.equations.patch.averages;
+    let averages = &brake.equations.geometry.patch.averages;
     let rates = |a: &[f64], u: &[f64]| -> Vec<f64> {
         let rate = |(k, mode): (usize, &crate::flexible_disc::equations::Amplitude)| {
             let load = averages.shape.get(k).map_or(0.0, |shape| mode.compliance * shape);

@@ -117,7 +117,7 @@ fn steady_sliding_is_that_of_the_modal_disc() {
     let inputs = RandomInputs { preload: 1.0, static_friction: 3.0 };
     let modes = FlexibleBrake::with_modes(brake(2.0), 16).unwrap();
     let q = modes.sliding_equilibrium(inputs).unwrap();
-    let averages = &modes.equations.patch.averages;
+    let averages = &modes.equations.geometry.patch.averages;
     let (even, odd) = q[3..].split_at(averages.shape.len());
     let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let exact = [q[0], q[1], q[2], sum(even, &averages.shape), sum(odd, &averages.arc_shape)];

@@ -1,4 +1,5 @@
 use super::*;
+use crate::flexible_disc::compliance::compliances;
 use crate::flexible_disc::contact::loads::ContactLoads;
 use crate::flexible_disc::contact::points::sufficient_points;
 use crate::flexible_disc::contact::position::PadPosition;
@@ -80,8 +81,11 @@ fn the_linearisation_is_the_derivative_of_the_equations_of_motion() {
         let (mut q, u) = somewhere(&flexible);
         q.iter_mut().for_each(|q| *q *= preload / 0.1);
         q[2] += tilt;
-        let share =
-            flexible.equations.patch.contact_share(PadPosition { normal: q[1], tilt: libm::tan(q[2]) }, &q[PAD..]);
+        let share = flexible
+            .equations
+            .geometry
+            .patch
+            .contact_share(PadPosition { normal: q[1], tilt: libm::tan(q[2]) }, &q[PAD..]);
         assert_eq!(share < 0.999, tilt > 0.0, "{share}");
         let (stiffness, damping) = flexible.equations.linearise(inputs, &q);
         for column in 0..flexible.size() {
@@ -158,11 +162,11 @@ fn twice_the_points_change_no_growth_rate_of_a_soft_brake() {
         let (radial, angular) = sufficient_points(brake.parameters(), modes);
         let growth_rate = |times: usize| {
             let points = (times * radial, times * angular);
-            let equations = FlexibleEquations::with_points(brake.clone(), modes, points);
-            let flexible = FlexibleBrake::of_equations(equations).unwrap();
+            let geometry = DiscGeometry::with_points(brake.parameters(), modes, points);
+            let flexible = FlexibleBrake::of_geometry(brake.clone(), geometry);
             let q = flexible.sliding_equilibrium(inputs).unwrap();
             let position = PadPosition { normal: q[1], tilt: libm::tan(q[2]) };
-            let share = flexible.equations.patch.contact_share(position, &q[PAD..]);
+            let share = flexible.equations.geometry.patch.contact_share(position, &q[PAD..]);
             (flexible.growth_rate(inputs).unwrap(), share)
         };
         let ((rate, share), (fine, _)) = (growth_rate(1), growth_rate(2));
@@ -200,6 +204,109 @@ fn the_disc_in_the_equations_vibrates_at_the_textbooks_frequencies_in_hertz() {
                 let nearest = found.iter().map(|value| (value - expected).abs()).fold(f64::INFINITY, f64::min);
                 assert!(nearest < 2e-5 * expected, "n = {n}: {expected} is not in {found:?}");
             }
+        }
+    }
+}
+
+/// Any brake that the parameters allow near the preset: everything but the mode list may differ.
+fn random_brake(draw: &mut impl FnMut() -> f64, geometry: bool) -> PadOnDisc {
+    let mut around = |value: f64| value * (0.5 + draw());
+    let mut changes = vec![
+        ("disc.density", around(7800.0)),
+        ("disc.youngs_modulus", around(2.1e11)),
+        ("disc.thickness", around(0.02)),
+        ("disc.transverse_damping_ratio", around(0.02)),
+        ("pad.mass", around(0.1)),
+        ("pad.moment_of_inertia", around(2e-4)),
+        ("pad.moment_arm", around(0.008)),
+        ("stiffness.contact_normal", around(3.816e7)),
+        ("stiffness.calliper_normal", around(3.249e7)),
+        ("friction.stribeck_velocity", around(0.72)),
+        ("friction.static_coefficient", around(0.5)),
+        ("operating_point.rotating_speed", around(16.0)),
+    ];
+    if geometry {
+        let varied = [("disc.poissons_ratio", around(0.2)), ("pad.half_angle", around(0.5))];
+        changes.push(varied[usize::from(draw() > 0.5)]);
+    }
+    PadOnDisc::preset_with(&changes)
+}
+
+#[test]
+fn a_brake_of_shared_geometry_is_the_brake_made_from_scratch() {
+    let base = FlexibleBrake::with_modes(PadOnDisc::preset_with(&[]), 6).unwrap();
+    let mut draw = uniform_draws(5);
+    for i in 0..12 {
+        let brake = random_brake(&mut draw, i % 4 == 3);
+        let (shared, own) =
+            (base.with_brake(brake.clone()).unwrap(), FlexibleBrake::with_modes(brake.clone(), 6).unwrap());
+        assert_eq!(Arc::ptr_eq(&shared.equations.geometry, &base.equations.geometry), i % 4 != 3);
+        let bits = |flexible: &FlexibleBrake| {
+            let FlexibleEquations { amplitudes, pad, disc_damping, tilt_scale, slope_scale, geometry, .. } =
+                &flexible.equations;
+            // `Debug` prints as many digits as tell two numbers apart.
+            format!("{amplitudes:?} {pad:?} {disc_damping:?} {tilt_scale:?} {slope_scale:?} {geometry:?}")
+        };
+        assert_eq!(bits(&shared), bits(&own));
+        for _ in 0..4 {
+            let inputs = RandomInputs { preload: 0.02 + 0.2 * draw(), static_friction: 0.2 + 0.4 * draw() };
+            let (a, b) = (shared.sliding_equilibrium(inputs).unwrap(), own.sliding_equilibrium(inputs).unwrap());
+            assert!(a.iter().zip(&b).all(|(a, b)| a.to_bits() == b.to_bits()));
+            assert_eq!(shared.growth_rate(inputs).unwrap().to_bits(), own.growth_rate(inputs).unwrap().to_bits());
+            assert_eq!(shared.by_eigenvalues(inputs).unwrap(), own.by_eigenvalues(inputs).unwrap());
+        }
+    }
+    // With two modes this pad is refused, in the same words whatever the thickness.
+    let refused = |thickness: f64| {
+        FlexibleBrake::with_modes(PadOnDisc::preset_with(&[("disc.thickness", thickness)]), 2).unwrap_err()
+    };
+    assert_eq!(refused(0.02), refused(0.007));
+}
+
+#[test]
+fn the_contact_of_a_disc_of_any_thickness_is_the_integral_over_the_patch() {
+    // The equations of the module `equations`, by the midpoint rule and with lengths as they stand there.
+    for thickness in [0.006, 0.02, 0.05] {
+        let brake = PadOnDisc::preset_with(&[("disc.thickness", thickness), ("operating_point.rotating_speed", 15.0)]);
+        let flexible = FlexibleBrake::new(brake.clone()).unwrap();
+        let (mut draw, modes) = (uniform_draws(3), &flexible.equations.geometry.modes);
+        let mut q: Vec<f64> = (0..flexible.size()).map(|_| 4e-4 * (draw() - 0.5)).collect();
+        (q[0], q[1]) = (0.01, -0.03);
+        let parameters = brake.parameters();
+        let (inner, points) = (parameters.pad.inner_radius / parameters.disc.outer_radius, 400);
+        let slimness = thickness / parameters.disc.outer_radius;
+        let at = |i: usize| (i as f64 + 0.5) / points as f64;
+        let (mut pressure, mut loads) = (0.0, [(0.0, 0.0); 9]);
+        for i in 0..points {
+            let r = inner + (1.0 - inner) * at(i);
+            let radial: Vec<f64> = modes.iter().map(|mode| mode.shape(r)).collect();
+            for j in 0..points {
+                let theta = parameters.pad.half_angle * (2.0 * at(j) - 1.0);
+                let wave = |k: usize| {
+                    let n = if k < 5 { k } else { k - 4 };
+                    let (sine, cosine) = (libm::sin(n as f64 * theta), libm::cos(n as f64 * theta));
+                    let (value, slope) = if k < 5 { (cosine, -sine) } else { (sine, cosine) };
+                    (radial[n] * value, radial[n] * slope * n as f64 * slimness / r)
+                };
+                let waves: Vec<(f64, f64)> = (0..9).map(wave).collect();
+                let sum =
+                    |of: fn(&(f64, f64)) -> f64| waves.iter().map(of).zip(&q[PAD..]).map(|(w, a)| w * a).sum::<f64>();
+                let share = 2.0 * r / ((1.0 + inner) * (points * points) as f64)
+                    * (sum(|wave| wave.0) - q[1] - r * theta / slimness * libm::tan(q[2]));
+                pressure += share;
+                for (load, wave) in loads.iter_mut().zip(&waves) {
+                    *load = (load.0 + share * wave.0, load.1 + share * wave.0 * sum(|wave| wave.1));
+                }
+            }
+        }
+        let found = accelerations(&flexible, NOMINAL, &q, &vec![0.0; q.len()]);
+        let equations = &flexible.equations;
+        let mu = equations.pad.friction_coefficient(equations.pad.disc_speed, NOMINAL.static_friction);
+        for (k, (amplitude, load)) in equations.amplitudes.iter().zip(loads).enumerate() {
+            let expected = -amplitude.stiffness * q[PAD + k] - amplitude.compliance * (load.0 + mu * load.1);
+            let scale = amplitude.compliance * (pressure * slimness + load.0.abs());
+            assert!((found[PAD + k] - expected).abs() < 1e-4 * scale, "{thickness} {k}: {} {expected}", found[PAD + k]);
+            assert!(load.1.abs() > 1e-6 * pressure * slimness, "the follower load is there to be compared");
         }
     }
 }

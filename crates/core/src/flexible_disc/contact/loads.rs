@@ -12,7 +12,8 @@ pub(crate) struct ContactLoads {
     pub pressure: f64,
     /// `<psi_k g+>`.
     pub on_modes: [f64; MOST_AMPLITUDES],
-    /// `<psi_k g+ w_theta / r>`.
+    /// `<psi_k g+ w_theta / r>`, times [`LENGTH_UNIT`](crate::flexible_disc::contact::patch::LENGTH_UNIT) over `h / b`:
+    /// the slope is for one unit of length along the disc.
     pub follower: [f64; MOST_AMPLITUDES],
 }
 

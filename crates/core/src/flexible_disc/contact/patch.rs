@@ -11,11 +11,16 @@ use crate::flexible_disc::plate_modes::PlateMode;
 use crate::numerics::quadrature::gauss_legendre;
 use crate::parameters::Parameters;
 
+/// Unit of the lengths along the disc, `r theta` and those by which slopes are taken, over the outer radius b. It is the
+/// thickness of the preset, whose scales are 1 for it: see [`PadPosition::tilt`] and [`ContactLoads::follower`].
+pub(crate) const LENGTH_UNIT: f64 = 0.020 / 0.135;
+
 /// Further points for a partly lifted patch, on each piece and between two cuts of the radius: where pieces divide and
 /// join, the integrand is smooth but no longer a product of shapes.
 const FURTHER_POINTS: usize = 4;
 
-/// The patch with the shapes of the disc's amplitudes on it.
+/// The patch with the shapes of the disc's amplitudes on it. It depends on radii, Poisson's ratio and the pad's angle
+/// alone: not on the thickness.
 #[derive(Debug, Clone)]
 pub(crate) struct ContactPatch {
     nodes: Vec<Node>,
@@ -35,7 +40,6 @@ impl ContactPatch {
         let (even, odd) = (modes.len(), odd_modes.len());
         // With b as unit of length; the weights of the radius carry the r of r dr dtheta.
         let inner = pad.inner_radius / disc.outer_radius;
-        let thickness = disc.thickness / disc.outer_radius;
         let mut nodes = Vec::with_capacity(radial * angular);
         for (s, radial_weight) in gauss_legendre(radial) {
             let r = 0.5 * ((1.0 + inner) + (1.0 - inner) * s);
@@ -54,15 +58,14 @@ impl ContactPatch {
                 nodes.push(Node {
                     // The weights of the rules add up to 2 each; the mean radius is (1 + inner) / 2.
                     weight: radial_weight * angular_weight * r / (2.0 * (1.0 + inner)),
-                    arc: r * theta / thickness,
+                    arc: r * theta / LENGTH_UNIT,
                     shapes: even_shapes.chain(odd_values).collect(),
-                    // Slopes are by lengths over h as well.
-                    slopes: even_slopes.chain(odd_slopes).map(|slope| slope * thickness).collect(),
+                    slopes: even_slopes.chain(odd_slopes).map(|slope| slope * LENGTH_UNIT).collect(),
                 });
             }
         }
         let averages = Averages::new(&nodes, even, odd);
-        let extent = (inner, thickness, pad.half_angle);
+        let extent = (inner, LENGTH_UNIT, pad.half_angle);
         let region = PressedRegion::new(modes, extent, radial + FURTHER_POINTS, angular + 1);
         Self { nodes, even, odd, averages, region }
     }
@@ -242,7 +245,7 @@ impl<F: FnMut(&ContactNode<'_>)> Visitor for AllShapes<'_, F> {
         self.slopes.clear();
         let by_angle = |mode: usize, derivative: f64| {
             let n = region.harmonics[mode] as f64;
-            n * radius.shapes[mode] * derivative * region.thickness / radius.r
+            n * radius.shapes[mode] * derivative * region.length_unit / radius.r
         };
         for (mode, &n) in region.harmonics.iter().enumerate() {
             let (cosine, sine) = node.waves[n];

@@ -5,6 +5,7 @@
 pub(crate) struct PadPosition {
     /// y.
     pub normal: f64,
-    /// tan(phi).
+    /// tan(phi) times [`LENGTH_UNIT`](crate::flexible_disc::contact::patch::LENGTH_UNIT) over `h / b`: how the gap
+    /// falls along the disc, for one unit of length there.
     pub tilt: f64,
 }

@@ -104,7 +104,7 @@ impl Survey<'_> {
 
     fn piece(&self, line: &Line, (middle, half): (f64, f64), weight: f64, visitor: &mut impl Visitor) {
         let mut waves = [(1.0, 0.0); MOST_HARMONICS];
-        let per_radius = self.region.thickness / line.radius.r;
+        let per_radius = self.region.length_unit / line.radius.r;
         for &(x, node_weight) in &self.region.angular_rule {
             let theta = middle + half * x;
             let (sine, cosine) = sine_and_cosine(theta);
@@ -121,7 +121,7 @@ impl Survey<'_> {
                 weight: weight * half * node_weight,
                 gap: deflection - line.tilt * theta,
                 slope: slope * per_radius,
-                arc: line.radius.r * theta / self.region.thickness,
+                arc: line.radius.r * theta / self.region.length_unit,
                 waves: &waves[..line.count],
             };
             visitor.node(&node, &line.radius);

@@ -11,8 +11,8 @@ pub(super) const PROBE_INTERVALS: usize = 8;
 #[derive(Debug, Clone)]
 pub(crate) struct PressedRegion {
     pub inner: f64,
-    /// h / b.
-    pub thickness: f64,
+    /// Of the lengths along the disc, over b.
+    pub length_unit: f64,
     pub half_angle: f64,
     /// n of every mode.
     pub harmonics: Vec<usize>,
@@ -46,7 +46,7 @@ impl PressedRegion {
     /// `radial` points between two cuts of the radius, `angular` points on each piece of a line.
     pub fn new(
         modes: &[PlateMode],
-        (inner, thickness, half_angle): (f64, f64, f64),
+        (inner, length_unit, half_angle): (f64, f64, f64),
         radial: usize,
         angular: usize,
     ) -> Self {
@@ -54,7 +54,7 @@ impl PressedRegion {
         let most_waves = harmonics.iter().copied().max().unwrap_or(0);
         let mut region = Self {
             inner,
-            thickness,
+            length_unit,
             half_angle,
             odd_modes: (0..modes.len()).filter(|&mode| harmonics[mode] > 0).collect(),
             harmonic_count: most_waves + 1,

@@ -23,7 +23,7 @@ impl Survey<'_> {
         for (&mode, amplitude) in region.odd_modes.iter().zip(odd) {
             waves[region.harmonics[mode]].1 += amplitude * radius.shapes[mode];
         }
-        Line { radius, waves, count: region.harmonic_count, tilt: radius.r * self.pad.tilt / region.thickness }
+        Line { radius, waves, count: region.harmonic_count, tilt: radius.r * self.pad.tilt / region.length_unit }
     }
 
     /// The roots of the gap on a line: sought between sample angles, and about an extremum between two of them. Not
