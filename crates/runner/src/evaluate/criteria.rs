@@ -1,5 +1,7 @@
 //! The criterion of a job, prepared for its brakes.
 
+use std::sync::{Arc, OnceLock};
+
 use stickslip_core::criterion::decision::Decision;
 use stickslip_core::criterion::time_domain::{TimeDomain, TimeDomainError};
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
@@ -7,19 +9,44 @@ use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_sampler::grid::Cell;
 
 use crate::evaluate::samples::Samples;
 use crate::job::{Criterion, Job, RandomInput};
 
+/// Largest number of brakes of a grid whose criteria are kept once they are prepared; a flexible disc takes some 100 kB.
+const MOST_KEPT: usize = 1000;
+
 /// What decides the samples of a job.
 pub enum Criteria {
-    /// Only preload and static friction scatter. There is one brake for each rotating speed of the grid.
-    BySpeed(Vec<ReadyCriterion>),
+    /// Only preload and static friction scatter. There is one criterion for each brake of the grid.
+    ByBrake(BrakeCriteria),
     /// Other parameters scatter, too. Every sample is a brake of its own.
     BySample(Box<VaryingBrake>),
 }
 
-/// A criterion for one brake at one rotating speed, given everything but preload and static friction.
+/// The criteria of the brakes of a grid. Each is prepared when it is first wanted, and kept unless there are too many.
+pub struct BrakeCriteria(Vec<OnceLock<Option<Arc<ReadyCriterion>>>>);
+
+impl BrakeCriteria {
+    fn new(job: &Job) -> Self {
+        let brakes = job.grid.brakes();
+        let kept = if brakes <= MOST_KEPT { brakes } else { 0 };
+        Self((0..kept).map(|_| OnceLock::new()).collect())
+    }
+
+    /// The criterion for a brake; `None` if it cannot be prepared, as between the extremes of the axes, where alone this was
+    /// checked, no such brake may exist.
+    fn get(&self, job: &Job, brake: usize) -> Option<Arc<ReadyCriterion>> {
+        let prepare = || ReadyCriterion::new(job.brake(brake).ok()?, &job.criterion).ok().map(Arc::new);
+        match self.0.get(brake) {
+            Some(kept) => kept.get_or_init(prepare).clone(),
+            None => prepare(),
+        }
+    }
+}
+
+/// A criterion for one brake, given everything but preload and static friction.
 pub enum ReadyCriterion {
     /// See [`Criterion::Eigenvalue`].
     Eigenvalue(StabilityBoundary),
@@ -69,17 +96,20 @@ impl ReadyCriterion {
 
 /// A brake with random parameters other than preload and static friction.
 pub struct VaryingBrake {
-    parameters: Parameters,
     criterion: Criterion,
     inputs: Vec<RandomInput>,
 }
 
 impl VaryingBrake {
-    /// The brake of one sample; `None` if a value is not admissible. `values` are its random inputs, in the job's
-    /// order.
-    fn brake(&self, rotating_speed: f64, inputs: RandomInputs, values: impl Iterator<Item = f64>) -> Option<PadOnDisc> {
-        let mut parameters = self.parameters.clone();
-        parameters.operating_point.rotating_speed = rotating_speed;
+    /// The brake of one sample; `None` if a value is not admissible. `expected` are the parameters of its cell, `values` its
+    /// random inputs, in the job's order.
+    fn brake(
+        &self,
+        expected: &Parameters,
+        inputs: RandomInputs,
+        values: impl Iterator<Item = f64>,
+    ) -> Option<PadOnDisc> {
+        let mut parameters = expected.clone();
         parameters.friction.static_coefficient = inputs.static_friction;
         for (input, value) in self.inputs.iter().zip(values) {
             if let RandomInput::Other(scalar) = input {
@@ -94,9 +124,9 @@ impl VaryingBrake {
     }
 
     /// Decides one sample. It fails if a value is not admissible, such as a stiffness below zero.
-    fn decide(&self, rotating_speed: f64, inputs: RandomInputs, values: impl Iterator<Item = f64>) -> Decision {
+    fn decide(&self, expected: &Parameters, inputs: RandomInputs, values: impl Iterator<Item = f64>) -> Decision {
         let failed = Decision::from(Verdict::Failed);
-        let Some(brake) = self.brake(rotating_speed, inputs, values) else { return failed };
+        let Some(brake) = self.brake(expected, inputs, values) else { return failed };
         if inputs.preload <= 0.0 {
             return Verdict::Stable.into();
         }
@@ -106,64 +136,63 @@ impl VaryingBrake {
 
 impl Criteria {
     /// Prepares the criterion of a job.
+    ///
+    /// # Errors
+    /// If it cannot be prepared for the first brake of the grid.
     pub fn new(job: &Job) -> Result<Self, TimeDomainError> {
         if job.random.other().is_some() {
-            return Ok(Self::BySample(Box::new(VaryingBrake {
-                parameters: job.parameters.clone(),
-                criterion: job.criterion.clone(),
-                inputs: job.random.inputs.clone(),
-            })));
+            let inputs = job.random.inputs.clone();
+            return Ok(Self::BySample(Box::new(VaryingBrake { criterion: job.criterion.clone(), inputs })));
         }
-        let ready = |brake: PadOnDisc| ReadyCriterion::new(brake, &job.criterion);
-        Ok(Self::BySpeed(job.brakes()?.into_iter().map(ready).collect::<Result<_, _>>()?))
+        ReadyCriterion::new(job.brake(0)?, &job.criterion)?;
+        Ok(Self::ByBrake(BrakeCriteria::new(job)))
     }
 
-    /// The criterion at a rotating speed of the grid; `None` if every sample is a brake of its own.
-    pub fn at_speed(&self, speed: usize) -> Option<&ReadyCriterion> {
+    /// The criterion for a brake of the grid of a job; `None` if every sample is a brake of its own.
+    pub fn for_brake(&self, job: &Job, brake: usize) -> Option<Arc<ReadyCriterion>> {
         match self {
-            Self::BySpeed(criteria) => criteria.get(speed),
+            Self::ByBrake(criteria) => criteria.get(job, brake),
             Self::BySample(_) => None,
         }
     }
 
-    /// The stability boundary at a rotating speed of the grid, if it is known in closed form.
-    pub fn boundary(&self, speed: usize) -> Option<&StabilityBoundary> {
-        match self.at_speed(speed) {
-            Some(ReadyCriterion::Eigenvalue(boundary)) => Some(boundary),
+    /// The stability boundary of a brake of the grid of a job, if it is known in closed form.
+    pub fn boundary(&self, job: &Job, brake: usize) -> Option<StabilityBoundary> {
+        match *self.for_brake(job, brake)? {
+            ReadyCriterion::Eigenvalue(boundary) => Some(boundary),
             _ => None,
         }
     }
 
-    /// The verdict counts of samples at one rotating speed, if the boundary is known in closed form.
+    /// The verdict counts of samples of a brake, if the boundary is known in closed form.
     #[inline]
-    pub fn count(&self, speed: usize, samples: &Samples) -> Option<VerdictCounts> {
-        Some(self.boundary(speed)?.count(samples.preloads(), samples.static_frictions()))
+    pub fn count(&self, job: &Job, brake: usize, samples: &Samples) -> Option<VerdictCounts> {
+        Some(self.boundary(job, brake)?.count(samples.preloads(), samples.static_frictions()))
     }
 
-    /// Decides some of the samples at one rotating speed.
-    pub fn decide(&self, speed: usize, rotating_speed: f64, samples: &Samples, wanted: &[usize]) -> Vec<Decision> {
+    /// Decides some of the samples of a cell.
+    pub fn decide(&self, job: &Job, cell: &Cell, samples: &Samples, wanted: &[usize]) -> Vec<Decision> {
+        let failed = || vec![Decision::from(Verdict::Failed); wanted.len()];
         match self {
-            Self::BySpeed(criteria) => {
+            Self::ByBrake(criteria) => {
+                let Some(criterion) = criteria.get(job, job.grid.brake_index(cell.index)) else { return failed() };
                 let inputs: Vec<RandomInputs> = wanted.iter().map(|&sample| samples.pair(sample)).collect();
-                criteria[speed].decide(&inputs)
+                criterion.decide(&inputs)
             }
             Self::BySample(varying) => {
-                let decide =
-                    |&sample: &usize| varying.decide(rotating_speed, samples.pair(sample), samples.values(sample));
+                let Ok(expected) = job.brakes().in_cell(cell) else { return failed() };
+                let decide = |&sample: &usize| varying.decide(&expected, samples.pair(sample), samples.values(sample));
                 wanted.iter().map(decide).collect()
             }
         }
     }
 
-    /// The brake of a sample at one rotating speed of a job; `None` if a value is not admissible.
-    pub fn brake(&self, job: &Job, rotating_speed: f64, samples: &Samples, sample: usize) -> Option<PadOnDisc> {
+    /// The brake of a sample of a cell; `None` if a value is not admissible.
+    pub fn brake(&self, job: &Job, cell: &Cell, samples: &Samples, sample: usize) -> Option<PadOnDisc> {
+        let expected = job.brakes().in_cell(cell).ok()?;
         match self {
-            Self::BySpeed(_) => {
-                let mut parameters = job.parameters.clone();
-                parameters.operating_point.rotating_speed = rotating_speed;
-                PadOnDisc::new(parameters).ok()
-            }
-            Self::BySample(varying) => varying.brake(rotating_speed, samples.pair(sample), samples.values(sample)),
+            Self::ByBrake(_) => PadOnDisc::new(expected).ok(),
+            Self::BySample(varying) => varying.brake(&expected, samples.pair(sample), samples.values(sample)),
         }
     }
 }
