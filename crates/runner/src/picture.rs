@@ -24,8 +24,9 @@ const MOST_UNKNOWN: f64 = 0.1;
 /// The probability of instability over preload and static friction, one slice for each speed and standard deviation. If
 /// only one of the two varies, the picture shows bars.
 pub fn picture(surface: &Surface<'_>) -> String {
-    let [speeds, stds, preloads, frictions] = surface.job().grid.lengths().map(|length| length as usize);
-    let slices = speeds * stds;
+    let grid = &surface.job().grid;
+    let [preloads, frictions] = [&grid.preload, &grid.static_friction].map(|axis| axis.values().len());
+    let slices = surface.job().cells() as usize / (preloads * frictions);
     let mut text = String::new();
     for slice in 0..slices.min(MOST_SLICES) {
         let first = (slice * preloads * frictions) as u64;

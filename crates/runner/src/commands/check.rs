@@ -32,20 +32,23 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     warn(job.warnings());
     let threads = arguments.threads.count();
     let lengths = job.grid.lengths();
+    let usual = lengths.len() - 4;
+    let further: String =
+        job.grid.further().zip(&lengths).map(|(further, length)| format!("{length} {} x ", further.name)).collect();
     let work = match (job.uses_maps(), job.is_integrated()) {
         (true, _) => cost_of_maps(&job, threads)?,
         (false, true) => "# no samples: the boundary is known in closed form\n".to_owned(),
         (false, false) => cost_of_samples(&job, samples_per_second(&job)?, threads),
     };
     result(&format!(
-        "{}\n# {} is valid.\n# {}: {} x {} x {} x {}\n{work}",
+        "{}\n# {} is valid.\n# {}: {further}{} x {} x {} x {}\n{work}",
         job.normalised(),
         source.path.display(),
         counted(job.cells().into(), "cell", "cells"),
-        counted(lengths[0].into(), "rotating speed", "rotating speeds"),
-        counted(lengths[1].into(), "standard deviation", "standard deviations"),
-        counted(lengths[2].into(), "preload", "preloads"),
-        counted(lengths[3].into(), "static friction coefficient", "static friction coefficients"),
+        counted(lengths[usual].into(), "rotating speed", "rotating speeds"),
+        counted(lengths[usual + 1].into(), "standard deviation", "standard deviations"),
+        counted(lengths[usual + 2].into(), "preload", "preloads"),
+        counted(lengths[usual + 3].into(), "static friction coefficient", "static friction coefficients"),
     ))
 }
 

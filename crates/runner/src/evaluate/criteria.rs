@@ -1,5 +1,7 @@
 //! The criterion of a job, prepared for its brakes.
 
+use std::sync::{Arc, OnceLock};
+
 use stickslip_core::criterion::decision::Decision;
 use stickslip_core::criterion::time_domain::{TimeDomain, TimeDomainError};
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
@@ -9,19 +11,28 @@ use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use stickslip_core::rigid_disc::varying_brake::VaryingBrake;
 use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_sampler::grid::Cell;
 
 use crate::evaluate::samples::Samples;
 use crate::job::{Criterion, Job};
 
+/// Largest number of brakes of a grid whose criteria are kept once they are prepared; a flexible disc takes some 100 kB.
+const MOST_KEPT: usize = 1000;
+
 /// What decides the samples of a job.
 pub struct Criteria {
-    /// One for each rotating speed of the grid.
-    by_speed: Vec<ReadyCriterion>,
+    /// One for each brake of the grid. It is prepared when it is first wanted, and kept unless there are too many. `None`
+    /// if it cannot be prepared: between the extremes of the axes, where alone this was checked, no such brake may exist.
+    kept: Vec<OnceLock<Option<Arc<ReadyCriterion>>>>,
+    /// The one for the first brake; others share with it what does not differ.
+    first: Arc<ReadyCriterion>,
     /// Which random inputs are parameters other than preload and static friction.
     others: Vec<usize>,
+    /// These parameters.
+    scalars: Vec<&'static Scalar>,
 }
 
-/// A criterion at one rotating speed.
+/// A criterion for one brake of a grid.
 pub enum ReadyCriterion {
     /// See [`Criterion::Eigenvalue`].
     Eigenvalue(StabilityBoundary),
@@ -55,11 +66,30 @@ impl ReadyCriterion {
         })
     }
 
-    /// Prepares the criterion of a job for brakes that differ from sample to sample.
-    fn varying(brake: VaryingBrake, criterion: &Criterion) -> Self {
-        match criterion {
+    /// Prepares the criterion of a job for brakes that differ from `brake` in `scalars`, sample by sample.
+    fn with_scatter(
+        brake: PadOnDisc,
+        criterion: &Criterion,
+        scalars: &[&'static Scalar],
+    ) -> Result<Self, TimeDomainError> {
+        if scalars.is_empty() {
+            return Self::new(brake, criterion);
+        }
+        let brake = VaryingBrake::new(brake, scalars.to_vec());
+        Ok(match criterion {
             Criterion::Eigenvalue => Self::VaryingEigenvalue(Box::new(VaryingClosedForm::new(brake))),
             _ => Self::Varying(Box::new(VaryingCriterion { brake, criterion: criterion.clone() })),
+        })
+    }
+
+    /// The same criterion for another brake, if that takes less than to prepare it anew.
+    fn with_brake(&self, brake: &PadOnDisc) -> Option<Result<Self, TimeDomainError>> {
+        match self {
+            Self::CoupledEigenvalue(first) => {
+                let other = first.with_brake(brake.clone()).map_err(TimeDomainError::from);
+                Some(other.map(|brake| Self::CoupledEigenvalue(Box::new(brake))))
+            }
+            _ => None,
         }
     }
 
@@ -104,38 +134,48 @@ impl VaryingCriterion {
 
 impl Criteria {
     /// Prepares the criterion of a job.
+    ///
+    /// # Errors
+    /// If it cannot be prepared for the first brake of the grid.
     pub fn new(job: &Job) -> Result<Self, TimeDomainError> {
         let others = job.random.inputs.iter().enumerate();
-        let others = others.filter_map(|(i, input)| Some((i, input.scalar()?)));
-        let (others, scalars): (Vec<usize>, Vec<&'static Scalar>) = others.unzip();
-        let ready = |brake: PadOnDisc| {
-            if scalars.is_empty() {
-                ReadyCriterion::new(brake, &job.criterion)
-            } else {
-                Ok(ReadyCriterion::varying(VaryingBrake::new(brake, scalars.clone()), &job.criterion))
-            }
+        let (others, scalars): (Vec<usize>, Vec<_>) =
+            others.filter_map(|(i, input)| Some((i, input.scalar()?))).unzip();
+        let first = Arc::new(ReadyCriterion::with_scatter(job.brake(0)?, &job.criterion, &scalars)?);
+        let brakes = job.grid.brakes();
+        let kept = if brakes <= MOST_KEPT { brakes } else { 0 };
+        Ok(Self { kept: (0..kept).map(|_| OnceLock::new()).collect(), first, others, scalars })
+    }
+
+    /// The criterion for a brake of the grid of a job; `None` if there is no such brake.
+    pub fn for_brake(&self, job: &Job, brake: usize) -> Option<Arc<ReadyCriterion>> {
+        if brake == 0 {
+            return Some(Arc::clone(&self.first));
+        }
+        let prepare = || {
+            let brake = job.brake(brake).ok()?;
+            let shared = self.first.with_brake(&brake);
+            let ready = shared.unwrap_or_else(|| ReadyCriterion::with_scatter(brake, &job.criterion, &self.scalars));
+            ready.ok().map(Arc::new)
         };
-        let by_speed = job.brakes()?.into_iter().map(ready).collect::<Result<_, _>>()?;
-        Ok(Self { by_speed, others })
+        match self.kept.get(brake) {
+            Some(kept) => kept.get_or_init(prepare).clone(),
+            None => prepare(),
+        }
     }
 
-    /// The criterion at a rotating speed of the grid; `None` if every sample is a brake of its own.
-    pub fn at_speed(&self, speed: usize) -> Option<&ReadyCriterion> {
-        self.by_speed.get(speed).filter(|_| self.others.is_empty())
-    }
-
-    /// The stability boundary at a rotating speed of the grid, if it is known in closed form.
-    pub fn boundary(&self, speed: usize) -> Option<&StabilityBoundary> {
-        match self.by_speed.get(speed) {
-            Some(ReadyCriterion::Eigenvalue(boundary)) => Some(boundary),
+    /// The stability boundary of a brake of the grid of a job, if it is known in closed form.
+    pub fn boundary(&self, job: &Job, brake: usize) -> Option<StabilityBoundary> {
+        match *self.for_brake(job, brake)? {
+            ReadyCriterion::Eigenvalue(boundary) => Some(boundary),
             _ => None,
         }
     }
 
-    /// The verdict counts of samples at one rotating speed, if they are decided in closed form.
+    /// The verdict counts of samples of a brake, if they are decided in closed form.
     #[inline]
-    pub fn count(&self, speed: usize, samples: &Samples) -> Option<VerdictCounts> {
-        match self.by_speed.get(speed)? {
+    pub fn count(&self, job: &Job, brake: usize, samples: &Samples) -> Option<VerdictCounts> {
+        match &*self.for_brake(job, brake)? {
             ReadyCriterion::Eigenvalue(boundary) => {
                 Some(boundary.count(samples.preloads(), samples.static_frictions()))
             }
@@ -152,10 +192,13 @@ impl Criteria {
         self.others.iter().map(|&input| samples.values_of(input)).collect()
     }
 
-    /// Decides some of the samples at one rotating speed.
-    pub fn decide(&self, speed: usize, samples: &Samples, wanted: &[usize]) -> Vec<Decision> {
+    /// Decides some of the samples of a cell.
+    pub fn decide(&self, job: &Job, cell: &Cell, samples: &Samples, wanted: &[usize]) -> Vec<Decision> {
+        let Some(criterion) = self.for_brake(job, job.grid.brake_index(cell.index)) else {
+            return vec![Verdict::Failed.into(); wanted.len()];
+        };
         let columns = self.columns(samples);
-        match &self.by_speed[speed] {
+        match &*criterion {
             ReadyCriterion::VaryingEigenvalue(form) => {
                 let mut verdicts = Vec::with_capacity(samples.len());
                 form.decide(samples.preloads(), samples.static_frictions(), &columns, &mut verdicts);
@@ -172,16 +215,13 @@ impl Criteria {
         }
     }
 
-    /// The brake of a sample at one rotating speed of a job; `None` if a value is not admissible.
-    pub fn brake(&self, job: &Job, rotating_speed: f64, samples: &Samples, sample: usize) -> Option<PadOnDisc> {
-        let mut parameters = job.parameters.clone();
-        parameters.operating_point.rotating_speed = rotating_speed;
-        let brake = PadOnDisc::new(parameters).ok()?;
+    /// The brake of a sample of a cell; `None` if a value is not admissible.
+    pub fn brake(&self, job: &Job, cell: &Cell, samples: &Samples, sample: usize) -> Option<PadOnDisc> {
+        let brake = job.brake(job.grid.brake_index(cell.index)).ok()?;
         if self.others.is_empty() {
             return Some(brake);
         }
         let columns = self.columns(samples);
-        let scalars = self.others.iter().filter_map(|&input| job.random.inputs[input].scalar()).collect();
-        VaryingBrake::new(brake, scalars).brake(samples.pair(sample), |i| columns[i][sample])
+        VaryingBrake::new(brake, self.scalars.clone()).brake(samples.pair(sample), |i| columns[i][sample])
     }
 }

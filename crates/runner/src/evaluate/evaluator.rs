@@ -96,7 +96,7 @@ impl<'a> Evaluator<'a> {
     pub fn count(&self, part: u64, samples: Range<u64>) -> FinishedUnit {
         let (cell, place) = self.parts.place(part);
         let cell = self.job.grid.cell(cell);
-        let speed = self.job.grid.rotating_speed_index(cell.index);
+        let brake = self.job.grid.brake_index(cell.index);
         let mut counts = VerdictCounts::default();
         let mut amplitudes = Distribution::default();
         let mut sums = self.layout.zeros();
@@ -110,7 +110,7 @@ impl<'a> Evaluator<'a> {
             let outside = chunk.count_outside_physics();
             self.layout.add_outside_physics(&mut sums, outside);
             if !self.layout.need_samples()
-                && let Some(mut counted) = self.criteria.count(speed, chunk)
+                && let Some(mut counted) = self.criteria.count(self.job, brake, chunk)
             {
                 // The closed form finds samples outside physics stable.
                 if self.job.outside_physics == OutsidePhysics::Failed {
@@ -175,19 +175,18 @@ impl<'a> Evaluator<'a> {
         let number = self.parts.first_sample(part) + number;
         let mut drawing = Drawing::new(self.job, &place, part, number..number + 1, self.job.points());
         let samples = drawing.next_chunk(1)?;
-        let speed = self.job.grid.rotating_speed_index(cell);
         // As in an audit, the sample is simulated even if a map has its verdict.
         let decision = self.decide(&place, samples, &[true], &mut Lookups::default()).pop()?;
         let is_audited = self.audited(self.parts.of(cell).start + part as u64, samples.numbers());
         let fails = self.fails(samples, 0);
-        let map = self.maps.get(speed).filter(|_| !is_audited.contains(&true) && !fails);
+        let map = self.maps.get(self.job.grid.brake_index(cell)).filter(|_| !is_audited.contains(&true) && !fails);
         let inputs = self.within_physics(samples).pair(0);
         Some(EvaluatedSample {
             drawn: samples.pair(0),
             inputs,
             is_outside_physics: samples.is_outside_physics(0),
             values: samples.values(0).collect(),
-            brake: self.criteria.brake(self.job, place.rotating_speed, samples, 0),
+            brake: self.criteria.brake(self.job, &place, samples, 0),
             decision,
             looked_up: map.and_then(|map| map.look_up(inputs.preload, inputs.static_friction)),
         })
@@ -211,7 +210,7 @@ impl<'a> Evaluator<'a> {
         let mut drawing = Drawing::new(self.job, &place, 0, 0..samples, self.job.points());
         let Some(chunk) = drawing.next_chunk(SIMULATED_CHUNK) else { return Vec::new() };
         let all: Vec<usize> = (0..chunk.len()).collect();
-        self.criteria.decide(self.job.grid.rotating_speed_index(cell), chunk, &all)
+        self.criteria.decide(self.job, &place, chunk, &all)
     }
 
     /// Decides samples, those outside physics as the job specifies.
@@ -239,11 +238,10 @@ impl<'a> Evaluator<'a> {
     /// Decides samples. Those that a map has a verdict for are looked up; the others, and those that are audited, are
     /// simulated.
     fn decide_all(&self, cell: &Cell, samples: &Samples, audited: &[bool], lookups: &mut Lookups) -> Vec<Decision> {
-        let speed = self.job.grid.rotating_speed_index(cell.index);
-        let Some(map) = self.maps.get(speed) else {
+        let Some(map) = self.maps.get(self.job.grid.brake_index(cell.index)) else {
             lookups.simulated += samples.len() as u64;
             let all: Vec<usize> = (0..samples.len()).collect();
-            return self.criteria.decide(speed, samples, &all);
+            return self.criteria.decide(self.job, cell, samples, &all);
         };
         let look_up = |sample: usize| {
             let RandomInputs { preload, static_friction } = samples.pair(sample);
@@ -252,7 +250,7 @@ impl<'a> Evaluator<'a> {
         let looked_up: Vec<Option<Verdict>> = (0..samples.len()).map(look_up).collect();
         let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
         let simulated: Vec<usize> = (0..samples.len()).filter(|&i| looked_up[i].is_none() || is_audited(i)).collect();
-        let decisions = self.criteria.decide(speed, samples, &simulated);
+        let decisions = self.criteria.decide(self.job, cell, samples, &simulated);
         let mut all: Vec<Decision> =
             looked_up.iter().map(|verdict| verdict.unwrap_or(Verdict::Failed).into()).collect();
         for (&sample, decision) in simulated.iter().zip(decisions) {

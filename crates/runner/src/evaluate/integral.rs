@@ -35,16 +35,15 @@ impl IntegratedCell {
 }
 
 impl Evaluator<'_> {
-    /// The regions of the maps, one for each rotating speed; none without maps.
+    /// The regions of the maps, one for each brake; none without maps.
     pub fn regions(&self) -> Vec<MapRegions> {
-        let speeds = self.job.grid.rotating_speed.values().len();
-        (0..speeds).filter_map(|speed| self.maps.get(speed)).map(MapRegions::new).collect()
+        (0..self.job.grid.brakes()).filter_map(|brake| self.maps.get(brake)).map(MapRegions::new).collect()
     }
 
     /// The probability of a cell, in closed form or from `regions`.
     pub fn integrate(&self, cell: &Cell, regions: &[MapRegions]) -> IntegratedCell {
-        let speed = self.job.grid.rotating_speed_index(cell.index);
-        if let Some(boundary) = self.criteria.boundary(speed) {
+        let brake = self.job.grid.brake_index(cell.index);
+        if let Some(boundary) = &self.criteria.boundary(self.job, brake) {
             let exact = closed_form::probability(boundary, cell);
             let low = (exact.value - exact.error_bound).max(0.0);
             let high = (exact.value + exact.error_bound).min(1.0);
@@ -53,7 +52,7 @@ impl Evaluator<'_> {
             let estimate = Estimate { probability: Some(exact.value), low, high };
             return IntegratedCell { estimate, derivatives, ..IntegratedCell::unknown() };
         }
-        let mapped = regions[speed].probability(cell);
+        let mapped = regions[brake].probability(cell);
         let estimate = Estimate { probability: mapped.value, low: mapped.low, high: mapped.high };
         let BoundedProbability { derivatives, undecided, .. } = mapped;
         IntegratedCell { estimate, derivatives, undecided, lookups: self.audit_integral(cell) }

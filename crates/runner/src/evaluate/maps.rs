@@ -26,15 +26,14 @@ pub struct Maps {
 impl Maps {
     /// The maps of a job, without tiles yet.
     pub fn new(job: &Job) -> Self {
-        let kinetic_coefficient = job.parameters.friction.kinetic_coefficient;
-        let speeds = job.grid.rotating_speed.values();
         if !job.uses_maps() {
             return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new(), most: None };
         }
+        let brakes = || 0..job.grid.brakes();
         Self {
-            keys: speeds.iter().map(|&speed| job.map_key(speed)).collect(),
-            needed: (0..speeds.len()).map(|speed| needed_tiles(job, speed)).collect(),
-            maps: vec![VerdictMap::new(kinetic_coefficient); speeds.len()],
+            keys: brakes().map(|brake| job.map_key(brake)).collect(),
+            needed: brakes().map(|brake| needed_tiles(job, brake)).collect(),
+            maps: brakes().map(|brake| VerdictMap::new(kinetic_coefficient(job, brake))).collect(),
             most: None,
         }
     }
@@ -57,20 +56,20 @@ impl Maps {
         self.maps.clear();
     }
 
-    /// The map at a rotating speed; `None` if there are no maps.
-    pub fn get(&self, speed: usize) -> Option<&VerdictMap> {
-        self.maps.get(speed)
+    /// The map of a brake of the grid; `None` if there are no maps.
+    pub fn get(&self, brake: usize) -> Option<&VerdictMap> {
+        self.maps.get(brake)
     }
 
     /// Adds a tile.
-    pub fn insert(&mut self, speed: usize, index: TileIndex, tile: Tile) {
-        self.maps[speed].insert(index, tile);
+    pub fn insert(&mut self, brake: usize, index: TileIndex, tile: Tile) {
+        self.maps[brake].insert(index, tile);
     }
 
     /// The needed tiles that are not there yet.
     pub fn missing(&self) -> Vec<(usize, TileIndex)> {
-        let missing = |(speed, tiles): (usize, &Vec<TileIndex>)| -> Vec<(usize, TileIndex)> {
-            tiles.iter().filter(|index| self.maps[speed].tile(**index).is_none()).map(|index| (speed, *index)).collect()
+        let missing = |(brake, tiles): (usize, &Vec<TileIndex>)| -> Vec<(usize, TileIndex)> {
+            tiles.iter().filter(|index| self.maps[brake].tile(**index).is_none()).map(|index| (brake, *index)).collect()
         };
         self.needed.iter().enumerate().flat_map(missing).collect()
     }
@@ -95,19 +94,19 @@ impl Maps {
         self.maps.iter().flat_map(VerdictMap::tiles).map(|(_, tile)| tile.questions).sum()
     }
 
-    /// The index of the rotating speed whose verdicts have this key.
-    pub fn speed_of(&self, key: &str) -> Option<usize> {
+    /// The brake whose verdicts have this key.
+    pub fn brake_of(&self, key: &str) -> Option<usize> {
         self.keys.iter().position(|own| own == key)
     }
 
-    /// Everything that the verdicts at a rotating speed depend on, see [`Job::map_key`].
-    pub fn key(&self, speed: usize) -> &str {
-        &self.keys[speed]
+    /// Everything that the verdicts on a brake depend on, see [`Job::map_key`].
+    pub fn key(&self, brake: usize) -> &str {
+        &self.keys[brake]
     }
 
     /// Whether a tile is needed and not there yet.
-    pub fn needs(&self, speed: usize, index: TileIndex) -> bool {
-        self.maps[speed].tile(index).is_none() && self.needed[speed].binary_search(&index).is_ok()
+    pub fn needs(&self, brake: usize, index: TileIndex) -> bool {
+        self.maps[brake].tile(index).is_none() && self.needed[brake].binary_search(&index).is_ok()
     }
 
     /// Whether there are no maps: the job uses none, or they were given up.
@@ -115,20 +114,29 @@ impl Maps {
         self.maps.is_empty()
     }
 
-    /// All tiles that are there, each with the index of its rotating speed.
+    /// All tiles that are there, each with its brake.
     pub fn tiles(&self) -> Vec<(usize, TileIndex, Tile)> {
         let tiles = self.maps.iter().enumerate();
-        tiles.flat_map(|(speed, map)| map.tiles().map(move |(index, tile)| (speed, index, tile.clone()))).collect()
+        tiles.flat_map(|(brake, map)| map.tiles().map(move |(index, tile)| (brake, index, tile.clone()))).collect()
     }
 }
 
-/// The tiles that samples of any cell at one rotating speed may fall in, sorted.
-fn needed_tiles(job: &Job, speed: usize) -> Vec<TileIndex> {
+/// The kinetic friction coefficient of a brake.
+fn kinetic_coefficient(job: &Job, brake: usize) -> f64 {
+    let parameters = job.brakes().parameters_of(brake);
+    parameters.map_or(f64::NAN, |parameters| parameters.friction.kinetic_coefficient)
+}
+
+/// The tiles that samples of any cell with a brake may fall in, sorted. Jobs with maps have no axes of the start, so that
+/// these cells follow each other.
+fn needed_tiles(job: &Job, brake: usize) -> Vec<TileIndex> {
     let mut needed = vec![false; (TILES * TILES) as usize];
-    let cells = job.cells() / job.grid.rotating_speed.values().len() as u64;
-    for index in speed as u64 * cells..(speed as u64 + 1) * cells {
+    let kinetic_coefficient = kinetic_coefficient(job, brake);
+    let cells = job.cells() / job.grid.brakes() as u64;
+    let first = job.grid.first_cell_with(brake).index;
+    for index in first..first + cells {
         let cell = job.grid.cell(index);
-        let [preload, falling] = spread(job, &cell);
+        let [preload, falling] = spread(job, &cell, kinetic_coefficient);
         let columns = preload.tiles(|tile| TileIndex { column: tile, row: 0 }.bounds(), 0);
         let rows = falling.tiles(|tile| TileIndex { column: 0, row: tile }.bounds(), 1);
         for &(row, row_distance) in &rows {
@@ -173,7 +181,7 @@ impl Spread {
 }
 
 /// The ranges of the samples of a cell in preload and falling friction.
-fn spread(job: &Job, cell: &Cell) -> [Spread; 2] {
+fn spread(job: &Job, cell: &Cell, kinetic_coefficient: f64) -> [Spread; 2] {
     let random = &job.random;
     let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
     let of = |wanted: fn(&RandomInput) -> bool, expected: f64, shift: f64| {
@@ -188,7 +196,6 @@ fn spread(job: &Job, cell: &Cell) -> [Spread; 2] {
             normal: (is_plain && std > 0.0).then_some((expected - shift, std)),
         }
     };
-    let kinetic_coefficient = job.parameters.friction.kinetic_coefficient;
     [
         of(|input| matches!(input, RandomInput::Preload), cell.preload, 0.0),
         of(|input| matches!(input, RandomInput::StaticFriction), cell.static_friction, kinetic_coefficient),

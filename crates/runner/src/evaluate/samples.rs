@@ -2,12 +2,16 @@
 
 use std::ops::Range;
 
+use stickslip_core::parameters::scalar;
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_sampler::draw::deviates::{DeviateStream, Deviates, Points};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::InputColumns;
 
-use crate::job::{Job, RandomInput};
+use crate::job::{Job, RandomInput, value_in_cell};
+
+/// The kinetic friction coefficient, below which friction rises with speed.
+const KINETIC: &str = "friction.kinetic_coefficient";
 
 /// Consecutive samples of one cell, in columns.
 #[derive(Debug, Clone)]
@@ -149,13 +153,14 @@ impl<'a> Drawing<'a> {
             dimensions: random.inputs.len(),
             points,
         };
-        let expected: Vec<f64> = random.inputs.iter().map(|input| input.expected(cell, &job.parameters)).collect();
+        let expected: Vec<f64> = random.inputs.iter().map(|input| input.expected(cell, job)).collect();
         let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
         let column = |wanted: fn(&RandomInput) -> bool, fixed: f64| match random.inputs.iter().position(wanted) {
             Some(input) => Column::Random(input),
             None => Column::Fixed(vec![fixed]),
         };
-        let is_kinetic = |input: &RandomInput| input.name() == "friction.kinetic_coefficient";
+        let kinetic = scalar(KINETIC).map_or(f64::NAN, |scalar| value_in_cell(scalar, cell, job));
+        let is_kinetic = |input: &RandomInput| input.name() == KINETIC;
         Self {
             deviates: stream.start(cell.index, place as u64, range.start),
             inputs: InputColumns::new(&random.marginals, &random.correlation, &expected, stds),
@@ -167,7 +172,7 @@ impl<'a> Drawing<'a> {
                 columns: [
                     column(|input| matches!(input, RandomInput::Preload), cell.preload),
                     column(|input| matches!(input, RandomInput::StaticFriction), cell.static_friction),
-                    column(is_kinetic, job.parameters.friction.kinetic_coefficient),
+                    column(is_kinetic, kinetic),
                 ],
             },
         }

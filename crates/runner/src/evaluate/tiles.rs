@@ -59,9 +59,9 @@ impl Evaluator<'_> {
 
     /// Resolves one tile. `keep_going` is called with the decisions of each batch; if it returns false, the result is
     /// `None`.
-    pub fn resolve(&self, speed: usize, index: TileIndex, keep_going: impl Fn(&[Decision]) -> bool) -> Option<Tile> {
-        let map = self.maps.get(speed)?;
-        let criterion = self.criteria.at_speed(speed)?;
+    pub fn resolve(&self, brake: usize, index: TileIndex, keep_going: impl Fn(&[Decision]) -> bool) -> Option<Tile> {
+        let map = self.maps.get(brake)?;
+        let criterion = self.criteria.for_brake(self.job, brake)?;
         let mut is_stopped = !keep_going(&[]);
         let mut cost = 0;
         let mut tile = Tile::resolve(index, |points| {
@@ -97,10 +97,10 @@ impl Evaluator<'_> {
         for turn in 0..MOST_TRIAL_TILES.min(missing.len()) {
             // Multiples of the golden section are spread evenly, however many tiles there is time for.
             let place = (0.5 + turn as f64 * GOLDEN_SECTION).fract() * missing.len() as f64;
-            let (speed, index) = missing[place as usize];
+            let (brake, index) = missing[place as usize];
             let begun = Instant::now();
             let counts = Counter::new((0, 0));
-            let tile = self.resolve(speed, index, |decisions| {
+            let tile = self.resolve(brake, index, |decisions| {
                 let (simulations, cost) = counts.get();
                 counts.set((simulations + decisions.len() as u64, cost + cost_of(decisions)));
                 started.elapsed() < time && begun.elapsed() < time / 4

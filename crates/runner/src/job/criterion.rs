@@ -14,11 +14,15 @@ use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_sampler::grid::Grid;
 use toml::Spanned;
 
+use super::axes::Brakes;
 use super::criterion_spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record, StartKind};
 use super::diagnosis::{Complaint, Complaints};
 
 /// Standard deviations by which the static friction coefficient is taken to scatter.
 const REACH: f64 = 6.0;
+
+/// Largest number of rotating speeds that are all looked at; of more, the extremes are.
+const MOST_SPEEDS: usize = 1000;
 
 /// Steps between constant friction and the friction that rises most, at which a brake is tried.
 const RISING_FRICTIONS: i32 = 8;
@@ -94,7 +98,7 @@ impl Criterion {
         complaints.take(criterion.check_model(spec, parameters, grid)).map(|()| criterion)
     }
 
-    /// Builds the model at the slowest and the fastest speed, and looks for its equilibrium at the largest inputs.
+    /// Builds the model at the extremes of the axes, and looks for its equilibrium at the largest inputs.
     fn check_model(&self, spec: &CriterionSpec, parameters: &Parameters, grid: &Grid) -> Result<(), Complaint> {
         if matches!(self, Self::Eigenvalue) {
             return Ok(());
@@ -105,11 +109,7 @@ impl Criterion {
             preload: largest(grid.preload.values()),
             static_friction: largest(grid.static_friction.values()),
         };
-        let speeds = grid.rotating_speed.values();
-        let slowest = speeds.iter().copied().fold(f64::INFINITY, f64::min);
-        let check = |speed: f64| -> Result<(), TimeDomainError> {
-            let mut parameters = parameters.clone();
-            parameters.operating_point.rotating_speed = speed;
+        let check = |parameters: Parameters| -> Result<(), TimeDomainError> {
             let brake = PadOnDisc::new(parameters)?;
             if let Self::TimeDomain { disc, settings } = self {
                 TimeDomain::new(&brake, disc, *settings)?;
@@ -123,7 +123,10 @@ impl Criterion {
             }
             Ok(())
         };
-        let checked = check(slowest).and_then(|()| check(largest(speeds)));
+        let mut speeds = grid.rotating_speed.extremes().to_vec();
+        speeds.dedup();
+        let corners = Brakes { parameters, grid }.at_extremes(&speeds).map_err(TimeDomainError::from);
+        let checked = corners.and_then(|corners| corners.into_iter().try_for_each(check));
         checked.map_err(|error| {
             let span = match error {
                 TimeDomainError::Brake(FlexibleError::ModeCount { .. } | FlexibleError::TooFewModes { .. }) => {
@@ -137,7 +140,7 @@ impl Criterion {
     }
 
     /// A rotating speed of the axis and a growth rate at which pad and disc are unstable although friction does not fall with
-    /// speed, if there is one at half the least or one and a half times the largest preload: with constant friction, or with
+    /// speed, if there is one at the extremes of the further axes and at half the least or one and a half times the largest preload: with constant friction, or with
     /// friction that rises as far as the scatter of the static friction coefficient reaches.
     pub fn growth_without_fall(&self, parameters: &Parameters, grid: &Grid) -> Option<(f64, f64)> {
         let modes = self.modes()?;
@@ -145,16 +148,19 @@ impl Criterion {
             let positive = || values.iter().copied().filter(|value| *value > 0.0);
             [positive().fold(f64::INFINITY, f64::min), positive().fold(0.0, f64::max)]
         };
-        let kinetic = parameters.friction.kinetic_coefficient;
         let widest = grid.relative_std.iter().map(|std| std.static_friction).fold(0.0, f64::max);
-        let [least, _] = ends(grid.static_friction.values());
-        let lowest = (least * (1.0 - REACH * widest)).max(0.0).min(kinetic);
-        let frictions =
-            (0..=RISING_FRICTIONS).map(|i| kinetic - (kinetic - lowest) * f64::from(i) / f64::from(RISING_FRICTIONS));
-        let frictions: Vec<f64> = frictions.collect();
-        for &speed in grid.rotating_speed.values() {
-            let mut parameters = parameters.clone();
-            parameters.operating_point.rotating_speed = speed;
+        let [least_friction, _] = ends(grid.static_friction.values());
+        let speeds = match grid.rotating_speed.values() {
+            all if all.len() <= MOST_SPEEDS => all.to_vec(),
+            _ => grid.rotating_speed.extremes().to_vec(),
+        };
+        for parameters in (Brakes { parameters, grid }).at_extremes(&speeds).ok()? {
+            let speed = parameters.operating_point.rotating_speed;
+            let kinetic = parameters.friction.kinetic_coefficient;
+            let lowest = (least_friction * (1.0 - REACH * widest)).max(0.0).min(kinetic);
+            let frictions: Vec<f64> = (0..=RISING_FRICTIONS)
+                .map(|i| kinetic - (kinetic - lowest) * f64::from(i) / f64::from(RISING_FRICTIONS))
+                .collect();
             let brake = FlexibleBrake::with_modes(PadOnDisc::new(parameters).ok()?, modes).ok()?;
             let [least, largest] = ends(grid.preload.values());
             for preload in [0.5 * least, 1.5 * largest] {
@@ -198,7 +204,7 @@ impl Criterion {
     }
 }
 
-/// The disc of a job at its slowest and its fastest speed, at the corners of preloads and friction coefficients with some
+/// The disc of a job at the extremes of its axes, at the corners of preloads and friction coefficients with some
 /// room for their scatter.
 fn mode_studies(parameters: &Parameters, grid: &Grid) -> Result<Vec<ModeStudy>, FlexibleError> {
     let ends = |values: &[f64]| {
@@ -214,12 +220,8 @@ fn mode_studies(parameters: &Parameters, grid: &Grid) -> Result<Vec<ModeStudy>, 
     }
     let mut speeds = ends(grid.rotating_speed.values()).to_vec();
     speeds.dedup();
-    let study = |speed: f64| {
-        let mut parameters = parameters.clone();
-        parameters.operating_point.rotating_speed = speed;
-        ModeStudy::new(&PadOnDisc::new(parameters)?, &inputs)
-    };
-    speeds.into_iter().map(study).collect()
+    let study = |parameters: Parameters| ModeStudy::new(&PadOnDisc::new(parameters)?, &inputs);
+    Brakes { parameters, grid }.at_extremes(&speeds)?.into_iter().map(study).collect()
 }
 
 /// The smallest number of disc modes that is enough for all of a job: a function of its parameters and axes alone.

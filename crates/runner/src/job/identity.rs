@@ -35,12 +35,15 @@ impl Job {
         self.hash_experiment(&experiment)
     }
 
-    /// Identifies what decides a sample at one rotating speed: jobs that agree in it can share verdict maps.
-    pub fn map_key(&self, rotating_speed: f64) -> String {
+    /// Identifies what decides a sample of one brake of the grid: jobs that agree in it can share verdict maps.
+    pub fn map_key(&self, brake: usize) -> String {
         let mut hash = self.begin("verdict map");
         hash.whole("map version", MAP_VERSION.into());
-        hash.real("rotating_speed", rotating_speed);
-        hash.model(&model(self));
+        let cell = self.grid.first_cell_with(brake);
+        hash.real("rotating_speed", cell.rotating_speed);
+        // The parameters of a grid that was checked are admissible.
+        let parameters = self.brakes().in_cell(&cell).unwrap_or_else(|_| self.parameters.clone());
+        hash.model(&model(&parameters, &[]));
         hash.criterion(&(&self.criterion).into());
         hash.finish()
     }
@@ -139,7 +142,10 @@ impl ValueHasher {
     }
 
     fn axes(&mut self, axes: &NormalisedAxes<'_>) {
-        let NormalisedAxes { rotating_speed, preload, static_friction } = axes;
+        let NormalisedAxes { further, rotating_speed, preload, static_friction } = axes;
+        for (name, values) in further {
+            self.reals(&format!("axes.{name}"), values);
+        }
         self.reals("axes.rotating_speed", rotating_speed);
         self.reals("axes.preload", preload);
         self.reals("axes.static_friction", static_friction);

@@ -75,7 +75,11 @@ fn place_in_job(scalar: &Scalar, table: &str) -> String {
         Some(axis) => (axis, "axes".to_owned()),
         None => (scalar.name(), format!("model.{}", scalar.section())),
     };
-    if place == table { format!("`{name}`") } else { format!("`{name}` in [{place}]") }
+    match table {
+        _ if place == table => format!("`{name}`"),
+        "axes" => format!("`\"{}\"`", scalar.key),
+        _ => format!("`{name}` in [{place}]"),
+    }
 }
 
 /// The key of a job spec that may have been meant by one that `table` does not have, among those that it has and those of
@@ -112,6 +116,18 @@ pub fn unknown_parameter(key: &str, in_job: bool) -> String {
     let hint = exact.map(meant).or_else(near).unwrap_or_default();
     let place = if in_job { format!("[{table}]") } else { section.to_owned() };
     format!("unknown key `{name}` in {place}{hint} (it has {})", names.join(", "))
+}
+
+/// What the names of axes are, for messages.
+pub const AXIS_NAMES: &str = "rotating_speed, preload, static_friction, and every parameter as \"section.name\", for example \"stiffness.contact_normal\"";
+
+/// The complaint about an axis, with a dot in its name, of something that does not exist.
+pub fn unknown_axis(name: &str) -> String {
+    let near = || nearest(name, SCALARS.iter().map(|scalar| scalar.key)).and_then(parameter);
+    let last = name.rsplit_once('.').map_or(name, |(_, last)| last);
+    let meant = parameter(name).or_else(near).or_else(|| parameter(last));
+    let hint = meant.map_or(String::new(), |scalar| format!("; did you mean {}?", place_in_job(scalar, "axes")));
+    format!("there is no axis `{name}`{hint} (axes are {AXIS_NAMES})")
 }
 
 #[cfg(test)]

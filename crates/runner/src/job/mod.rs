@@ -12,6 +12,8 @@ mod random_spec;
 
 mod sampling_spec;
 
+mod axes_spec;
+
 mod spec;
 
 mod syntax;
@@ -20,6 +22,10 @@ mod reading;
 
 mod measured;
 
+pub mod plausibility;
+
+mod axes;
+
 mod random_input;
 
 mod scatter;
@@ -27,8 +33,6 @@ mod scatter;
 mod criterion;
 
 mod random;
-
-pub mod plausibility;
 
 mod model;
 
@@ -50,7 +54,7 @@ pub use criterion::Criterion;
 pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use identity::IDENTITY_VERSION;
 pub use keys::unknown_parameter;
-pub use random_input::RandomInput;
+pub use random_input::{RandomInput, value_in_cell};
 pub use sampling::Effort;
 pub use sampling_spec::{Audit, EvaluateMode, SamplingMethod};
 pub use source::{JobSource, Overrides};

@@ -4,11 +4,12 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use stickslip_core::criterion::time_domain::DiscModel;
 use stickslip_core::motion::start::Start;
-use stickslip_core::parameters::SCALARS;
+use stickslip_core::parameters::{Parameters, SCALARS};
 use stickslip_sampler::estimate::looks::Precision;
+use stickslip_sampler::grid::FurtherAxis;
 use stickslip_sampler::inputs::Marginal;
 
 use super::criterion::Criterion;
@@ -57,8 +58,9 @@ pub struct NormalisedExperiment<'a> {
 impl<'a> From<&'a Job> for NormalisedExperiment<'a> {
     fn from(job: &'a Job) -> Self {
         Self {
-            model: model(job),
+            model: model(&job.parameters, &job.grid.of_brake),
             axes: NormalisedAxes {
+                further: job.grid.further().map(|further| (&*further.name, further.axis.values())).collect(),
                 rotating_speed: job.grid.rotating_speed.values(),
                 preload: job.grid.preload.values(),
                 static_friction: job.grid.static_friction.values(),
@@ -73,13 +75,13 @@ impl<'a> From<&'a Job> for NormalisedExperiment<'a> {
     }
 }
 
-/// The model of a job, but for what its axes give.
-pub fn model(job: &Job) -> NormalisedModel {
+/// The model of a job, but for what its axes give: those that every grid has, and `further` ones.
+pub fn model(parameters: &Parameters, further: &[FurtherAxis]) -> NormalisedModel {
     let mut model = NormalisedModel::new();
     for scalar in &SCALARS {
         let is_axis = scalar.section() == "operating_point" || scalar.key == "friction.static_coefficient";
-        if !is_axis {
-            model.entry(scalar.section()).or_default().insert(scalar.name(), scalar.value(&job.parameters));
+        if !is_axis && further.iter().all(|further| further.name != scalar.key) {
+            model.entry(scalar.section()).or_default().insert(scalar.name(), scalar.value(parameters));
         }
     }
     model
@@ -88,9 +90,18 @@ pub fn model(job: &Job) -> NormalisedModel {
 /// The axes of the grid.
 #[derive(Serialize)]
 pub struct NormalisedAxes<'a> {
+    /// The further axes, slowest first.
+    #[serde(serialize_with = "serialize_further")]
+    #[serde(flatten)]
+    pub(super) further: Vec<(&'a str, &'a [f64])>,
     pub(super) rotating_speed: &'a [f64],
     pub(super) preload: &'a [f64],
     pub(super) static_friction: &'a [f64],
+}
+
+/// Further axes as keys of a table.
+fn serialize_further<S: Serializer>(further: &[(&str, &[f64])], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(further.iter().copied())
 }
 
 /// The random inputs.

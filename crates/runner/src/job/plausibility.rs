@@ -121,15 +121,24 @@ fn of_disc(parameters: &Parameters) -> Option<String> {
 pub fn of_job(parameters: &Parameters, grid: &Grid, random: &RandomInputSet) -> Vec<String> {
     let mut warnings = Vec::new();
     for scalar in &SCALARS {
+        let ends = |name: &str, axis: &Axis| -> Vec<(String, f64)> {
+            let mut ends = axis.extremes().map(|value| (format!("axes.{name}"), value)).to_vec();
+            ends.dedup();
+            ends
+        };
+        let further = grid.further().find(|further| further.name == scalar.key);
         let values = match axis_of(scalar.key) {
-            None => vec![(scalar.key.to_owned(), scalar.value(parameters))],
+            None => match further {
+                Some(further) => ends(&further.name, &further.axis),
+                None => vec![(scalar.key.to_owned(), scalar.value(parameters))],
+            },
             Some(axis) => {
                 let values = match axis {
                     "rotating_speed" => &grid.rotating_speed,
                     "preload" => &grid.preload,
                     _ => &grid.static_friction,
                 };
-                ends(values).into_iter().map(|value| (format!("axes.{axis}"), value)).collect()
+                ends(axis, values)
             }
         };
         warnings.extend(values.into_iter().filter_map(|(name, value)| warning(&name, value, scalar)));
@@ -156,13 +165,6 @@ pub fn of_displacement(name: &str, displacement: f64) -> Option<String> {
             "{name} = {displacement} starts the motion at {displacement} times the displacement of the equilibrium itself, which is not near it; 0.01 is usual"
         )
     })
-}
-
-/// The smallest and the largest value of an axis, once if they are the same.
-fn ends(axis: &Axis) -> Vec<f64> {
-    let values = axis.values().iter().copied();
-    let (least, most) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max));
-    if least < most { vec![least, most] } else { vec![least] }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use stickslip_core::parameters::{Parameters, SCALARS, Scalar, scalar};
 use stickslip_sampler::grid::{Cell, Grid};
 
 use super::keys::{axis_of, nearest, parameter};
+use super::validated::Job;
 
 /// An input that scatters.
 #[derive(Debug, Clone, Copy)]
@@ -12,7 +13,7 @@ pub enum RandomInput {
     Preload,
     /// The static friction coefficient f_s.
     StaticFriction,
-    /// Any other parameter; its expected value is the model's, or that of the axis of rotating speeds.
+    /// Any other parameter; its expected value is the model's, or that of its axis.
     Other(&'static Scalar),
 }
 
@@ -61,13 +62,13 @@ impl RandomInput {
         ))
     }
 
-    /// Its expected value in a cell.
-    pub fn expected(self, cell: &Cell, parameters: &Parameters) -> f64 {
+    /// Its expected value in a cell of a job.
+    pub fn expected(self, cell: &Cell, job: &Job) -> f64 {
         match self {
             Self::Preload => cell.preload,
             Self::StaticFriction => cell.static_friction,
             Self::Other(_) if self.is_rotating_speed() => cell.rotating_speed,
-            Self::Other(scalar) => scalar.value(parameters),
+            Self::Other(scalar) => value_in_cell(scalar, cell, job),
         }
     }
 
@@ -79,7 +80,10 @@ impl RandomInput {
             Self::Other(_) if self.is_rotating_speed() => {
                 (grid.rotating_speed.values().to_vec(), "axes.rotating_speed".to_owned())
             }
-            Self::Other(scalar) => (vec![scalar.value(parameters)], format!("model.{}", scalar.key)),
+            Self::Other(scalar) => match grid.further().find(|further| further.name == scalar.key) {
+                Some(further) => (further.axis.values().to_vec(), format!("axes.{}", scalar.key)),
+                None => (vec![scalar.value(parameters)], format!("model.{}", scalar.key)),
+            },
         }
     }
 
@@ -95,6 +99,14 @@ impl RandomInput {
             Self::StaticFriction => 1,
             Self::Other(scalar) => 2 + SCALARS.iter().position(|other| other.key == scalar.key).unwrap_or(0),
         }
+    }
+}
+
+/// The value of a parameter in a cell of a job, but for those that have an axis in every job.
+pub fn value_in_cell(scalar: &Scalar, cell: &Cell, job: &Job) -> f64 {
+    match job.grid.further().position(|further| further.name == scalar.key) {
+        Some(axis) => job.grid.further_values(cell.index)[axis],
+        None => scalar.value(&job.parameters),
     }
 }
 

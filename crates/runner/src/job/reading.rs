@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, Error};
 
 use super::diagnosis::{Complaint, Complaints};
-use super::keys::{nearest, suggestion};
+use super::keys::{AXIS_NAMES, nearest, suggestion};
 use super::spec::JobSpec;
 use super::syntax;
 
@@ -93,6 +93,9 @@ fn in_words(text: &str, path: &[String], error: &Error) -> String {
         let (wrong, names) = names_in(names);
         let place = if table.is_empty() { String::new() } else { format!(" in [{table}]") };
         let hint = suggestion(wrong, &table, &names);
+        if table == "axes" {
+            return format!("unknown key `{wrong}` in [axes]{hint} (it may have {AXIS_NAMES})");
+        }
         return format!("unknown key `{wrong}`{place}{hint} (it may have {})", names.join(", "));
     }
     if let Some(names) = message.strip_prefix("unknown variant ") {

@@ -4,13 +4,13 @@ use stickslip_core::criterion::validity;
 use stickslip_core::criterion::validity::Uncovered;
 use stickslip_core::parameters::{ParameterError, Parameters};
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use stickslip_sampler::draw::deviates::Points;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use stickslip_sampler::estimate::interval;
 use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
-use stickslip_sampler::grid::{Axis, Grid};
+use stickslip_sampler::grid::Grid;
 
+use super::axes::Brakes;
 use super::criterion::Criterion;
 use super::criterion_spec::OutsidePhysics;
 use super::plausibility;
@@ -139,15 +139,14 @@ impl Job {
             || (interval == IntervalKind::ClopperPearson && !is_given && !is_closed)
     }
 
-    /// The stability boundary of the eigenvalue criterion at each rotating speed of the grid, in the order of the axis.
-    pub fn boundaries(&self) -> Result<Vec<StabilityBoundary>, ParameterError> {
-        let boundary = |brake: PadOnDisc| brake.stability_boundary();
-        Ok(brakes(&self.parameters, &self.grid)?.into_iter().map(boundary).collect())
+    /// The parameters of the brakes of the grid.
+    pub fn brakes(&self) -> Brakes<'_> {
+        Brakes { parameters: &self.parameters, grid: &self.grid }
     }
 
-    /// The brake at each rotating speed of the grid, in the order of the axis.
-    pub fn brakes(&self) -> Result<Vec<PadOnDisc>, ParameterError> {
-        brakes(&self.parameters, &self.grid)
+    /// The brake of a cell, by its index in the grid, with the expected values of everything that scatters.
+    pub fn brake(&self, brake: usize) -> Result<PadOnDisc, ParameterError> {
+        PadOnDisc::new(self.brakes().parameters_of(brake)?)
     }
 
     /// Samples of a unit of work: some milliseconds to a second, long against the cost of handing it out, short against
@@ -185,10 +184,10 @@ impl Job {
     fn uncovered(&self) -> Vec<Uncovered> {
         let Criterion::TimeDomain { disc, .. } = &self.criterion else { return Vec::new() };
         let mut found: Vec<Uncovered> = Vec::new();
-        for speed in ends(&self.grid.rotating_speed) {
-            for static_friction in ends(&self.grid.static_friction) {
-                let mut parameters = self.parameters.clone();
-                parameters.operating_point.rotating_speed = speed;
+        let Ok(corners) = self.brakes().at_extremes(&self.grid.rotating_speed.extremes()) else { return found };
+        for corner in corners {
+            for static_friction in self.grid.static_friction.extremes() {
+                let mut parameters = corner.clone();
                 parameters.friction.static_coefficient = static_friction;
                 let Ok(brake) = PadOnDisc::new(parameters) else { continue };
                 for uncovered in validity::uncovered(&brake, disc) {
@@ -210,20 +209,4 @@ impl Job {
     pub fn records_amplitude(&self) -> bool {
         self.criterion.records_amplitude()
     }
-}
-
-/// The smallest and the largest value of an axis.
-fn ends(axis: &Axis) -> [f64; 2] {
-    let values = axis.values().iter().copied();
-    [values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max)]
-}
-
-/// The brake at each rotating speed.
-fn brakes(parameters: &Parameters, grid: &Grid) -> Result<Vec<PadOnDisc>, ParameterError> {
-    let brake = |&speed: &f64| {
-        let mut parameters = parameters.clone();
-        parameters.operating_point.rotating_speed = speed;
-        PadOnDisc::new(parameters)
-    };
-    grid.rotating_speed.values().iter().map(brake).collect()
 }

@@ -6,15 +6,19 @@ use stickslip_core::parameters::Parameters;
 use stickslip_sampler::grid::Grid;
 use toml::Spanned;
 
+use super::axes::{Brakes, CheckedAxes, MOST_CELLS, settle};
 use super::criterion::Criterion;
 use super::criterion_spec::{CriterionSpec, ModesSpec, OutsidePhysics};
 use super::diagnosis::{Complaint, Complaints};
-use super::model::{MOST_CELLS, contradiction, validate_axis, validate_model};
+use super::model::{contradiction, validate_model};
 use super::random::RandomInputSet;
 use super::sampling::Sampling;
 use super::sampling_spec::SamplingMethod;
 use super::spec::JobSpec;
 use super::validated::Job;
+
+/// Largest number of verdict maps.
+const MOST_MAPS: usize = 1000;
 
 /// Largest number of parts of cells that are counted apart.
 const MOST_PARTS: u64 = 2_000_000;
@@ -91,23 +95,30 @@ fn validate_grid(
 ) -> (Option<Parameters>, Option<Grid>) {
     let parameters = validate_model(&spec.model, &spec.axes, complaints);
     let defaults = parameters.clone().unwrap_or_else(Parameters::sui_ding_2018);
-    let [rotating_speed, preload, static_friction] = ["rotating_speed", "preload", "static_friction"]
-        .map(|name| validate_axis(name, &spec.axes, &defaults, complaints));
-    let (Some(mut parameters), Some(static_friction)) = (parameters, static_friction) else { return (None, None) };
+    let CheckedAxes { rotating_speed, preload, static_friction, of_brake } =
+        CheckedAxes::new(&spec.axes, &defaults, complaints);
+    let (Some(mut parameters), Some(static_friction), Some(of_brake)) = (parameters, static_friction, of_brake) else {
+        return (None, None);
+    };
     // An axis replaces the model's own value, which therefore need not fit the other values.
-    if spec.axes.static_friction.is_some() {
-        let lowest = static_friction.values().iter().copied().fold(f64::INFINITY, f64::min);
+    if spec.axes.of_parameter("friction.static_coefficient").is_some() {
+        let [lowest, _] = static_friction.extremes();
         parameters.friction.static_coefficient = lowest;
     }
-    if complaints.take(parameters.validate().map_err(|error| contradiction(spec, &error))).is_none() {
+    if complaints.take(settle(&mut parameters, &of_brake).map_err(|error| contradiction(spec, &error))).is_none() {
         return (None, None);
     }
     let (Some(rotating_speed), Some(preload), Some(random)) = (rotating_speed, preload, random) else {
         return (Some(parameters), None);
     };
-    let grid = Grid { rotating_speed, relative_std: random.axis(), preload, static_friction };
+    let of_start = Vec::new();
+    let grid = Grid { of_brake, of_start, rotating_speed, relative_std: random.axis(), preload, static_friction };
     match grid.checked_len() {
-        Some(cells) if cells <= MOST_CELLS => (Some(parameters), Some(grid)),
+        Some(cells) if cells <= MOST_CELLS => {
+            let made = Brakes { parameters: &parameters, grid: &grid }.are_computable();
+            let made = complaints.take(made.map_err(|error| contradiction(spec, &error)));
+            (Some(parameters), made.map(|()| grid))
+        }
         cells => {
             let cells = cells.map_or("more than 2^64".to_owned(), |cells| cells.to_string());
             let message = format!("the axes make {cells} cells; the limit is {MOST_CELLS}");
@@ -138,12 +149,25 @@ fn fits_a_map(job: &Job, spec: &JobSpec) -> Result<(), Complaint> {
     if !job.uses_maps() {
         return Ok(());
     }
+    let span = || {
+        let evaluate = spec.sampling.evaluate.as_ref().map(Spanned::span);
+        evaluate.or(spec.sampling.method.as_ref().map(Spanned::span))
+    };
+    let maps = job.grid.brakes();
+    if maps > MOST_MAPS {
+        let names: Vec<&str> =
+            job.grid.of_brake.iter().map(|further| &*further.name).chain(["rotating_speed"]).collect();
+        let message = format!(
+            "each combination of {} takes a verdict map of its own, and the axes make {maps} of them; the limit is {MOST_MAPS}. One map serves all values of preload, static_friction and relative_std. Use fewer values, or evaluate = \"each\"",
+            names.join(" and ")
+        );
+        return Err(Complaint::maybe_at(span(), message));
+    }
     let Some((speed, rate)) = job.criterion.growth_without_fall(&job.parameters, &job.grid) else { return Ok(()) };
-    let span = spec.sampling.evaluate.as_ref().map(Spanned::span);
     let message = format!(
         "a verdict map takes friction that rises with speed for stable, but at {speed} rad/s this brake is unstable although friction does not fall (growth rate {rate:+.2e}). Use evaluate = \"each\", which counts what feeds each unstable sample"
     );
-    Err(Complaint::maybe_at(span.or(spec.sampling.method.as_ref().map(Spanned::span)), message))
+    Err(Complaint::maybe_at(span(), message))
 }
 
 /// Refuses more sums than are to be held in memory.

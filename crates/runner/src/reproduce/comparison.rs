@@ -53,11 +53,12 @@ impl ComparedRow {
 
 /// Every cell of a run with its exact probability.
 pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
-    let boundaries = run.job.boundaries().map_err(|error| Failure::Job(error.to_string()))?;
+    let boundary = |brake: usize| run.job.brake(brake).map(|brake| brake.stability_boundary());
+    let boundaries: Result<Vec<_>, _> = (0..run.job.grid.brakes()).map(boundary).collect();
+    let boundaries = boundaries.map_err(|error| Failure::Job(error.to_string()))?;
     let surface = Surface::new(&run.job, &run.tally);
     let compared = surface.rows().map(|row| {
-        let exact =
-            closed_form::probability(&boundaries[run.job.grid.rotating_speed_index(row.cell.index)], &row.cell).value;
+        let exact = closed_form::probability(&boundaries[run.job.grid.brake_index(row.cell.index)], &row.cell).value;
         let estimate = row.estimate.probability.unwrap_or(f64::NAN);
         let error = (exact * (1.0 - exact) / row.counts.decided() as f64).sqrt();
         ComparedRow { row, estimate, exact, z: (error > 0.0).then(|| (estimate - exact) / error) }

@@ -48,7 +48,7 @@ pub fn load(maps: &mut Maps, directory: &Path) -> Result<usize, Failure> {
         }
         match decode(bytes) {
             Ok((key, tiles)) => {
-                let Some(speed) = maps.speed_of(&key) else { continue };
+                let Some(speed) = maps.brake_of(&key) else { continue };
                 for (index, tile) in tiles {
                     if maps.needs(speed, index) {
                         maps.insert(speed, index, tile);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Field};
 use stickslip_core::degree_of_freedom::DegreeOfFreedom;
+use stickslip_core::parameters::{Scalar, scalar};
 use stickslip_sampler::estimate::score::CellParameter;
 use stickslip_sampler::estimate::sobol_indices::SobolIndices;
 use stickslip_sampler::grid::Cell;
@@ -14,7 +15,7 @@ use stickslip_sampler::inputs::Marginal;
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::SumLayout;
 use crate::files::table::described_field;
-use crate::job::{Effort, Job, RandomInput, SamplingMethod};
+use crate::job::{Effort, Job, RandomInput, SamplingMethod, value_in_cell};
 use crate::tables::row::SurfaceRow;
 
 /// A column: its name, unit, meaning and values.
@@ -255,25 +256,30 @@ fn sensitivity_columns(layout: SumLayout, inputs: &[RandomInput]) -> Vec<Column>
     columns
 }
 
-/// Adds columns for the inputs: expected value and standard deviation of those other than preload and static friction,
-/// and mean and standard deviation of those that are truncated. The other columns of a truncated input then name
+/// Adds columns for the inputs and the further axes: expected value and standard deviation of those other than preload and
+/// static friction, and mean and standard deviation of those that are truncated. The other columns of a truncated input then name
 /// parameters of its distribution.
 fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
+    let job = Arc::new(job.clone());
+    let expected_column = |scalar: &'static Scalar| {
+        let of_job = job.clone();
+        let value = move |row: &SurfaceRow| value_in_cell(scalar, &row.cell, &of_job);
+        let long_name = format!("expected value of {}: {}", scalar.key, scalar.description);
+        Column::new(scalar.key, scalar.unit, long_name, Values::Real(Box::new(value)))
+    };
     for (i, (&input, marginal)) in job.random.inputs.iter().zip(&job.random.marginals).enumerate() {
         let name = input.name();
         let stds: Vec<f64> = job.random.relative_stds.iter().map(|stds| stds[i]).collect();
         let grid = job.grid.clone();
         let std = move |cell: &Cell| stds[grid.relative_std_index(cell.index)];
-        let mut expected_column = name;
+        let mut expected_name = name;
         let unit = match input {
             RandomInput::Preload | RandomInput::StaticFriction => "1",
             RandomInput::Other(scalar) => {
                 if input.is_rotating_speed() {
-                    expected_column = "rotating_speed_rad_s";
+                    expected_name = "rotating_speed_rad_s";
                 } else {
-                    let value = scalar.value(&job.parameters);
-                    let long_name = format!("expected value of {name}: {}", scalar.description);
-                    columns.push(Column::new(name, scalar.unit, long_name, Values::Real(Box::new(move |_| value))));
+                    columns.push(expected_column(scalar));
                 }
                 let (of_cell, long_name) =
                     (std.clone(), format!("standard deviation of {name} over its expected value"));
@@ -285,11 +291,11 @@ fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
         if !matches!(marginal, Marginal::TruncatedNormal { .. }) {
             continue;
         }
-        let (marginal, parameters) = (marginal.clone(), job.parameters.clone());
-        let moments = move |row: &SurfaceRow| marginal.moments(input.expected(&row.cell, &parameters), std(&row.cell));
+        let (marginal, of_job) = (marginal.clone(), job.clone());
+        let moments = move |row: &SurfaceRow| marginal.moments(input.expected(&row.cell, &of_job), std(&row.cell));
         let means = moments.clone();
         let (mean_name, scatter_name) = (format!("mean_{name}"), format!("scatter_{name}"));
-        for (column, instead) in [(expected_column, &mean_name), (&format!("std_{name}"), &scatter_name)] {
+        for (column, instead) in [(expected_name, &mean_name), (&format!("std_{name}"), &scatter_name)] {
             if let Some(column) = columns.iter_mut().find(|other| other.name == column) {
                 let long_name = &column.long_name;
                 column.long_name =
@@ -304,6 +310,11 @@ fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
             let (mean, std) = moments(row);
             (mean > 0.0).then_some(std / mean)
         }));
+    }
+    for scalar in job.grid.further().filter_map(|further| scalar(&further.name)) {
+        if columns.iter().all(|column| column.name != scalar.key) {
+            columns.push(expected_column(scalar));
+        }
     }
 }
 

@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 
 use indicatif::HumanCount;
+use stickslip_core::parameters::{SCALARS, Scalar};
 use stickslip_sampler::grid::Cell;
 
 use super::run::Run;
 use crate::failure::Failure;
-use crate::job::{Effort, Job};
+use crate::job::{Effort, Job, value_in_cell};
 use crate::output::note;
 
 /// How the samples of a cell in one run depend on those in another run.
@@ -78,12 +79,18 @@ impl Matching {
         let names = |job: &Job| job.random.inputs.iter().map(|input| input.name()).collect::<Vec<_>>();
         let same_inputs = names(a) == names(b);
         let stds = |job: &Job, cell: u64| job.random.relative_stds[job.grid.relative_std_index(cell)].clone();
+        // A parameter that only one of the runs has an axis of belongs to the cells of both.
+        let is_axis =
+            |scalar: &&Scalar| [a, b].iter().any(|job| job.grid.further().any(|axis| axis.name == scalar.key));
+        let further: Vec<&Scalar> = SCALARS.iter().filter(is_axis).collect();
         let values = |job: &Job, index: u64| -> Vec<u64> {
             let Cell { rotating_speed, relative_std, preload, static_friction, .. } = job.grid.cell(index);
             let mut values =
                 vec![rotating_speed, relative_std.preload, relative_std.static_friction, preload, static_friction];
             // If both runs have the same random inputs, the standard deviations of the others belong to the cell, too.
             values.extend(same_inputs.then(|| stds(job, index)).into_iter().flatten());
+            let further = further.iter().map(|scalar| value_in_cell(scalar, &job.grid.cell(index), job));
+            values.extend(further);
             values.into_iter().map(f64::to_bits).collect()
         };
         let mut in_second: HashMap<Vec<u64>, Vec<u64>> = HashMap::new();
@@ -101,7 +108,7 @@ impl Matching {
         }
         if cells.is_empty() {
             return Err(Failure::Job(format!(
-                "{} and {} have no cell in common: no combination of rotating speed, relative std, expected preload and expected static friction is in both. Compare runs whose [axes] and random.relative_std share values",
+                "{} and {} have no cell in common: no combination of values of their axes (rotating speed, relative std, expected preload, expected static friction and further ones) is in both. Compare runs whose [axes] and random.relative_std share values",
                 first.name, second.name
             )));
         }

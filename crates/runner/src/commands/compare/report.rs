@@ -171,7 +171,8 @@ pub fn json(compared: &[Differences<'_>], confidence: f64, simultaneous: bool) -
 /// The difference over preload and static friction: one slice for each speed and standard deviation, if it has at least
 /// two preloads and two static frictions.
 pub fn picture(differences: &Differences<'_>) -> String {
-    let [_, _, preloads, frictions] = differences.grid.lengths();
+    let axes = [&differences.grid.preload, &differences.grid.static_friction];
+    let [preloads, frictions] = axes.map(|axis| axis.values().len() as u64);
     let mut slices: BTreeMap<u64, BTreeMap<(u64, u64), &Row>> = BTreeMap::new();
     for row in &differences.rows {
         let index = row.cell.index;
