@@ -2,6 +2,7 @@
 
 use crate::criterion::decision::Decision;
 use crate::criterion::time_domain::{System, TimeDomain};
+use crate::friction::shape::Shape;
 use crate::lanes::dispatch::InstructionSet;
 use crate::lanes::flexible::FlexibleBundle;
 use crate::lanes::rigid::RigidBundle;
@@ -31,10 +32,13 @@ impl TimeDomain {
     pub fn decide_all_with(&self, inputs: &[RandomInputs], set: InstructionSet) -> Vec<Decision> {
         assert!(InstructionSet::available().contains(&set), "this processor has no {set:?}");
         match &self.system {
-            System::Rigid(brake) if brake.stribeck_exponent == 1.0 => {
+            System::Rigid(brake) if brake.law.shape == Shape::Tustin && brake.law.additional == 0.0 => {
                 run(self, inputs, &mut RigidBundle::new(brake), set)
             }
-            System::Flexible(motion) if motion.brake.equations.pad.stribeck_exponent == 1.0 => {
+            System::Flexible(motion)
+                if motion.brake.equations.pad.friction_shape == Shape::Tustin
+                    && motion.brake.equations.pad.additional_friction == 0.0 =>
+            {
                 run(self, inputs, &mut FlexibleBundle::new(motion), set)
             }
             _ => inputs.iter().map(|&inputs| self.decide(inputs)).collect(),

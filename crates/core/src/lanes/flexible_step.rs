@@ -1,7 +1,7 @@
 //! A step of slip in the lanes of a flexible disc.
 
 use crate::flexible_disc::equations::FlexibleEquations;
-use crate::friction::tustin_decay;
+use crate::friction::shape::tustin_decay;
 use crate::lanes::findings::{EVENT, findings};
 use crate::motion::friction_steps::FrictionSteps;
 use crate::numerics::sine_cosine::{SERIES_ANGLE, small_sine_and_cosine};

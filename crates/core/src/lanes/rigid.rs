@@ -3,7 +3,7 @@
 use crate::criterion::decision::Decision;
 use crate::criterion::rigid_monitor::RigidMonitor;
 use crate::criterion::time_domain::TimeDomain;
-use crate::friction::tustin_decay;
+use crate::friction::shape::tustin_decay;
 use crate::lanes::dispatch::{InstructionSet, dispatch};
 use crate::lanes::findings::{Finding, findings, found};
 use crate::lanes::scheduling::{Bundle, RunningSample};
@@ -25,6 +25,7 @@ pub(super) struct RigidBundle<'a> {
 struct RigidArrays {
     kinetic_pull: [f64; LANES],
     falling_pull: [f64; LANES],
+    additional_pull: [f64; LANES],
     x: [f64; LANES],
     u: [f64; LANES],
     next_x: [f64; LANES],
@@ -43,6 +44,7 @@ impl<'a> RigidBundle<'a> {
             lanes: RigidArrays {
                 kinetic_pull: zero,
                 falling_pull: zero,
+                additional_pull: zero,
                 x: zero,
                 u: zero,
                 next_x: zero,
@@ -62,6 +64,7 @@ impl<'a> RigidBundle<'a> {
         self.inputs[lane] = inputs;
         self.lanes.kinetic_pull[lane] = sample.kinetic_pull;
         self.lanes.falling_pull[lane] = sample.falling_pull;
+        self.lanes.additional_pull[lane] = sample.additional_pull;
         self.lanes.next_x[lane] = state.x;
         self.lanes.next_u[lane] = state.u;
     }
@@ -190,7 +193,7 @@ fn rigid_step(brake: &RigidBrake, lanes: &mut RigidArrays) {
     }
     for i in 0..LANES {
         let (u, acceleration) = ((lanes.u[i], lanes.next_u[i]), (k1[i], k4[i]));
-        let steps = brake.friction_steps(lanes.falling_pull[i]);
+        let steps = brake.friction_steps(lanes.falling_pull[i], lanes.additional_pull[i]);
         lanes.findings[i] = findings(&steps, brake.disc_speed, u, lanes.next_x[i], acceleration, h);
     }
     lanes.first_acceleration = k1;
