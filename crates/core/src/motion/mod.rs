@@ -1,10 +1,10 @@
 //! The motion of pad and disc in time: sliding, sticking and separated, on a rigid and on a flexible disc.
 
-pub mod start;
-
 pub(crate) mod friction_steps;
 
 pub(crate) mod integrator;
+
+pub mod start;
 
 pub(crate) mod event_log;
 
