@@ -136,6 +136,7 @@ impl PlanarMotion {
         let mut state = from;
         let mut slip = Slip { end: SlipEnd::Unresolved, duration: 0.0, x: from[0], smallest: from[0] };
         let mut h = 1e-3 / frequency;
+        let shortest = 1e-9 * h;
         for count in 1..=MOST_STEPS {
             let (next, error) = self.step(state, h);
             let error = (error[0].abs() / size).max(error[1].abs() / (size * frequency)) / TOLERANCE;
@@ -146,7 +147,12 @@ impl PlanarMotion {
                 h *= (0.9 * libm::pow(error, -0.2)).max(0.2);
                 continue;
             }
-            let captured = (sliding(state) > 0.0).then(|| self.capture(state, next, h)).flatten();
+            if sliding(state) == 0.0 && sliding(next) <= 0.0 && h > shortest {
+                // It leaves the disc for less than this step, if at all.
+                h *= 0.1;
+                continue;
+            }
+            let captured = (sliding(state) > 0.0 || h <= shortest).then(|| self.capture(state, next, h)).flatten();
             let part = captured.unwrap_or(h);
             if state[1] < 0.0 && self.step(state, part).0[1] >= 0.0 {
                 slip.smallest = slip.smallest.min(self.locate(state, part, |state| -state[1]).1[0]);

@@ -204,3 +204,18 @@ fn a_window_cuts_a_polygon() {
     let far: Vec<(f64, f64)> = diamond.iter().map(|&(x, u)| (x + 5.0, u)).collect();
     assert_eq!(area(&clipped(far, &window)), 0.0);
 }
+
+#[test]
+fn a_motion_that_overtakes_for_a_moment_only_is_decided() {
+    // It meets the disc's speed just outside the range of x in which static friction can hold it, -1.15 here, and is
+    // back within a thousandth of a time unit.
+    let brake = bstab(1.5);
+    let motion = brake.planar_motion();
+    let mirrored = PlanarMotion { disc_speed: -1.5, ..motion };
+    for beyond in [1e-3, 1e-6, 1e-9, 1e-15] {
+        let slip = mirrored.slip([1.15 + beyond, -1.5], 2.0);
+        assert_eq!(slip.end, SlipEnd::Captured, "{beyond}");
+        assert!(slip.duration < 4.0 * beyond + 1e-9, "{beyond}: {}", slip.duration);
+    }
+    assert_eq!(brake.verdict_on_start(-1.18, 1.46), Verdict::Unstable);
+}
