@@ -234,11 +234,13 @@ impl From<&Criterion> for NormalisedCriterion {
                 kind: CriterionKind::TimeDomain,
                 disc: Some(if matches!(disc, DiscModel::Rigid) { DiscKind::Rigid } else { DiscKind::Flexible }),
                 disc_modes: if let DiscModel::Flexible { modes } = disc { Some(*modes) } else { None },
-                start: Some(match settings.start {
-                    Start::NearEquilibrium => StartKind::NearEquilibrium,
-                    Start::Rest => StartKind::Rest,
-                    Start::LimitCycle => StartKind::LimitCycle,
-                }),
+                start: match settings.start {
+                    Start::NearEquilibrium => Some(StartKind::NearEquilibrium),
+                    Start::Rest => Some(StartKind::Rest),
+                    Start::LimitCycle => Some(StartKind::LimitCycle),
+                    // No job names one yet.
+                    Start::Given(_) => None,
+                },
                 displacement: Some(settings.displacement),
                 horizon: Some(settings.horizon),
                 record: settings.record_amplitude.then_some(Record::Amplitude).into_iter().collect(),
