@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use stickslip_core::parameters::scalar;
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_sampler::draw::deviates::{DeviateStream, Deviates, Points};
 use stickslip_sampler::grid::Cell;
@@ -155,15 +154,22 @@ impl<'a> Drawing<'a> {
         };
         let expected: Vec<f64> = random.inputs.iter().map(|input| input.expected(cell, job)).collect();
         let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
+        // Numbers of the start scatter absolutely.
+        let mut relative_stds = stds.clone();
+        random.start_values().for_each(|(input, _)| relative_stds[input] = 0.0);
+        let mut inputs = InputColumns::new(&random.marginals, &random.correlation, &expected, &relative_stds);
+        for (input, _) in random.start_values() {
+            inputs.scatter_absolutely(input, &random.marginals[input], expected[input], stds[input]);
+        }
         let column = |wanted: fn(&RandomInput) -> bool, fixed: f64| match random.inputs.iter().position(wanted) {
             Some(input) => Column::Random(input),
             None => Column::Fixed(vec![fixed]),
         };
-        let kinetic = scalar(KINETIC).map_or(f64::NAN, |scalar| value_in_cell(scalar, cell, job));
+        let kinetic = value_in_cell(KINETIC, cell, job).unwrap_or(f64::NAN);
         let is_kinetic = |input: &RandomInput| input.name() == KINETIC;
         Self {
             deviates: stream.start(cell.index, place as u64, range.start),
-            inputs: InputColumns::new(&random.marginals, &random.correlation, &expected, stds),
+            inputs,
             end: range.end,
             samples: Samples {
                 numbers: range.start..range.start,
