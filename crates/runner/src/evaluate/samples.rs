@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use stickslip_core::parameters::scalar;
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_sampler::draw::deviates::{DeviateStream, Deviates, Points};
 use stickslip_sampler::grid::Cell;
@@ -169,6 +168,13 @@ impl<'a> Drawing<'a> {
         };
         let expected: Vec<f64> = random.inputs.iter().map(|input| input.expected(cell, job)).collect();
         let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
+        // Numbers of the start scatter absolutely.
+        let mut relative_stds = stds.clone();
+        random.start_values().for_each(|(input, _)| relative_stds[input] = 0.0);
+        let mut inputs = InputColumns::new(&random.marginals, &random.correlation, &expected, &relative_stds);
+        for (input, _) in random.start_values() {
+            inputs.scatter_absolutely(input, &random.marginals[input], expected[input], stds[input]);
+        }
         let column = |wanted: fn(&RandomInput) -> bool, fixed: f64| match random.inputs.iter().position(wanted) {
             Some(input) => Column::Random(input),
             None => Column::Fixed(vec![fixed]),
@@ -182,13 +188,13 @@ impl<'a> Drawing<'a> {
             Some(input) if factor == 1.0 => Column::Random(input),
             Some(input) => Column::Multiple { input, factor, values: Vec::new() },
             None => {
-                let value = scalar(decisive).map_or(f64::NAN, |scalar| value_in_cell(scalar, cell, job));
+                let value = value_in_cell(decisive, cell, job).unwrap_or(f64::NAN);
                 Column::Fixed(vec![factor * value])
             }
         };
         Self {
             deviates: stream.start(cell.index, place as u64, range.start),
-            inputs: InputColumns::new(&random.marginals, &random.correlation, &expected, stds),
+            inputs,
             end: range.end,
             samples: Samples {
                 numbers: range.start..range.start,
