@@ -52,6 +52,13 @@ pub(crate) struct FlexibleEquations {
     pub slope_scale: f64,
 }
 
+/// How steeply friction falls with the sliding speed in steady sliding.
+pub(crate) fn friction_slope(brake: &PadOnDisc, pad: &PadEquations, static_friction: f64) -> f64 {
+    let fall = static_friction - pad.kinetic_friction;
+    // Without a fall there is nothing to multiply a slope with that may be infinite.
+    if fall == 0.0 { 0.0 } else { fall * brake.friction_law().weakening(pad.disc_speed) }
+}
+
 impl FlexibleEquations {
     /// The equations of a brake with this geometry.
     pub fn new(brake: PadOnDisc, geometry: Arc<DiscGeometry>) -> Self {
@@ -82,8 +89,7 @@ impl FlexibleEquations {
         for (index, mode) in modes.iter().enumerate().filter(|(_, mode)| mode.nodal_diameters > 0) {
             amplitudes.push(amplitude(mode, index, -1.0));
         }
-        let frequencies = modes.iter().map(|mode| mode.frequency_parameter * per_parameter);
-        let first = frequencies.fold(f64::INFINITY, f64::min);
+        let first = geometry.lowest_parameter * per_parameter;
         let thickness = disc.thickness / disc.outer_radius;
         Self {
             amplitudes,
