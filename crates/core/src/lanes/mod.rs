@@ -26,3 +26,5 @@ mod flexible_step;
 mod flexible;
 
 mod batch;
+
+pub mod linear_stability;
