@@ -41,8 +41,8 @@ impl Evaluator<'_> {
         (0..speeds).filter_map(|speed| self.maps.get(speed)).map(MapRegions::new).collect()
     }
 
-    /// The probability of a cell, in closed form or from `regions`.
-    pub fn integrate(&self, cell: &Cell, regions: &[MapRegions]) -> IntegratedCell {
+    /// The probability of a cell, in closed form or from `regions`; `lookups` is the audit of its map.
+    pub fn integrate(&self, cell: &Cell, regions: &[MapRegions], lookups: Lookups) -> IntegratedCell {
         let speed = self.job.grid.rotating_speed_index(cell.index);
         if let Some(boundary) = self.criteria.boundary(speed) {
             let exact = closed_form::probability(boundary, cell);
@@ -56,6 +56,6 @@ impl Evaluator<'_> {
         let mapped = regions[speed].probability(cell);
         let estimate = Estimate { probability: mapped.value, low: mapped.low, high: mapped.high };
         let BoundedProbability { derivatives, undecided, .. } = mapped;
-        IntegratedCell { estimate, derivatives, undecided, lookups: self.audit_integral(cell) }
+        IntegratedCell { estimate, derivatives, undecided, lookups }
     }
 }
