@@ -11,8 +11,9 @@ use crate::lanes::flexible_step::{
     ContactRows, FlexibleArrays, InputRows, LANES, Tables, flexible_step, square, transposed,
 };
 use crate::lanes::scheduling::{Bundle, RunningSample};
+use crate::motion::advance::advance;
 use crate::motion::flexible::{FlexibleMotion, FlexibleSample, FlexibleState, MOST_FREEDOMS};
-use crate::motion::integrator::{Breakdown, Motion, advance};
+use crate::motion::integrator::{Breakdown, Motion};
 use crate::pad::contact_state::ContactState;
 use crate::pad::equations::PAD;
 use crate::rigid_disc::pad_on_disc::RandomInputs;

@@ -168,6 +168,10 @@ impl Equations for FlexibleSample<'_> {
         Step { next, acceleration: (k1[0], k4[0]) }
     }
 
+    fn acceleration(&self, state: &FlexibleState, contact: ContactState) -> f64 {
+        self.rates(state, contact).1[0]
+    }
+
     fn tangential(&self, state: &FlexibleState) -> (f64, f64) {
         (state.q[0], state.u[0])
     }

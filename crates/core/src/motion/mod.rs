@@ -6,6 +6,10 @@ pub(crate) mod friction_steps;
 
 pub(crate) mod integrator;
 
+pub(crate) mod substep;
+
+pub(crate) mod advance;
+
 pub(crate) mod event_log;
 
 pub mod moment;

@@ -183,6 +183,13 @@ impl Equations for RigidSample<'_> {
         Step { next, acceleration: (k1, k4) }
     }
 
+    fn acceleration(&self, state: &RigidState, contact: ContactState) -> f64 {
+        match contact {
+            ContactState::Stick => 0.0,
+            _ => self.pull(contact, state.u) - self.brake.stiffness * state.x - self.brake.damping * state.u,
+        }
+    }
+
     fn tangential(&self, state: &RigidState) -> (f64, f64) {
         (state.x, state.u)
     }

@@ -1,9 +1,10 @@
 //! The settled motion at one rotating speed after another.
 
 use crate::criterion::time_domain::{System, TimeDomain, TimeDomainError};
+use crate::motion::advance::advance;
 use crate::motion::event_log::EventLog;
 use crate::motion::flexible::FlexibleState;
-use crate::motion::integrator::{Equations, Motion, advance};
+use crate::motion::integrator::{Equations, Motion};
 use crate::motion::rigid::RigidState;
 use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::RandomInputs;

@@ -3,6 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::*;
+use crate::motion::friction_steps::FrictionSteps;
+use crate::motion::integrator::Reserve;
 
 mod substeps;
 
