@@ -42,6 +42,7 @@ use crate::motion::advance::advance;
 use crate::motion::flexible::{FlexibleMotion, FlexibleSample, FlexibleState};
 use crate::motion::integrator::{Equations, Motion};
 use crate::motion::rigid::{RigidBrake, RigidSample, RigidState};
+use crate::motion::start::Start;
 use crate::pad::contact_state::ContactState;
 use crate::parameters::ParameterError;
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
@@ -116,11 +117,14 @@ impl TimeDomain {
             }
         };
         let criterion = Self { settings, system, brake: brake.clone() };
-        let longest = MOST_STEPS * criterion.step_length();
-        if settings.horizon > longest {
-            return Err(SettingsError::OutOfRange { key: "horizon", value: settings.horizon, largest: longest }.into());
-        }
+        criterion.check_horizon(criterion.step_length())?;
         Ok(criterion)
+    }
+
+    /// Whether the horizon is not too many steps of a length away.
+    pub(crate) fn check_horizon(&self, step: f64) -> Result<(), SettingsError> {
+        let (value, largest) = (self.settings.horizon, MOST_STEPS * step);
+        if value > largest { Err(SettingsError::OutOfRange { key: "horizon", value, largest }) } else { Ok(()) }
     }
 
     /// The same criterion with all steps shorter by a factor, for studies of convergence.
@@ -140,22 +144,48 @@ impl TimeDomain {
     /// rises with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction.
     #[must_use]
     pub fn decide(&self, inputs: RandomInputs) -> Decision {
+        self.decide_from(inputs, self.settings.start)
+    }
+
+    /// Decides one sample that starts elsewhere than the settings say.
+    #[must_use]
+    pub fn decide_from(&self, inputs: RandomInputs, start: Start) -> Decision {
         match &self.system {
             System::Rigid(motion) => {
                 let sample = motion.sample(inputs);
-                match self.start_rigid(&sample, inputs) {
+                match self.start_rigid(&sample, inputs, start) {
                     Ok((start, monitor)) => self.simulate(&sample, start, monitor, motion.step, 0),
                     Err(known) => known,
                 }
             }
             System::Flexible(motion) => {
                 let sample = motion.sample(inputs);
-                match self.start_flexible(&sample, FlexibleBrake::by_eigenvalues) {
+                match self.start_flexible(&sample, start, FlexibleBrake::by_eigenvalues) {
                     Ok((start, monitor)) => self.simulate(&sample, start, monitor, motion.step, 0),
                     Err(known) => known,
                 }
             }
         }
+    }
+
+    /// The same criterion for another brake. A flexible disc keeps its number of modes.
+    ///
+    /// # Errors
+    /// As [`TimeDomain::new`].
+    pub fn with_brake(&self, brake: &PadOnDisc) -> Result<Self, TimeDomainError> {
+        let system = match &self.system {
+            System::Rigid(own) => System::Rigid(RigidBrake::new(brake).refined_as(own)),
+            System::Flexible(motion) => System::Flexible(Box::new(motion.with_brake(brake.clone())?)),
+        };
+        let criterion = Self { settings: self.settings, system, brake: brake.clone() };
+        criterion.check_horizon(criterion.step_length())?;
+        Ok(criterion)
+    }
+
+    /// Where motions start.
+    #[must_use]
+    pub fn start(&self) -> Start {
+        self.settings.start
     }
 
     /// The length of a step, scaled time.
@@ -170,13 +200,14 @@ impl TimeDomain {
     /// The motion that a sample starts with, and its monitor; or the decision if it needs no simulation.
     pub(crate) fn start_rigid(
         &self,
-        sample: &RigidSample<'_>,
+        sample: &RigidSample,
         inputs: RandomInputs,
+        start: Start,
     ) -> Result<(Motion<RigidState>, RigidMonitor), Decision> {
-        if self.brake.is_outside_physics(inputs) {
+        if sample.brake.is_outside_physics(inputs) {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
-        let motion = self.rigid_start(sample);
+        let motion = self.rigid_start(sample, start);
         let starts_at_release = motion.contact == ContactState::Stick;
         let state = (motion.state.x, motion.state.u);
         let monitor =
@@ -190,6 +221,7 @@ impl TimeDomain {
     pub(crate) fn start_flexible(
         &self,
         sample: &FlexibleSample<'_>,
+        start: Start,
         stability: impl Fn(&FlexibleBrake, RandomInputs) -> Result<LinearStability, FlexibleError>,
     ) -> Result<(Motion<FlexibleState>, FlexibleMonitor), Decision> {
         let (brake, inputs) = (sample.brake, sample.inputs);
@@ -197,7 +229,7 @@ impl TimeDomain {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
         let linear_growth_fed_by = match stability(brake, inputs) {
-            Ok(LinearStability::Stable) if self.brake.is_outside_physics(inputs) => {
+            Ok(LinearStability::Stable) if brake.brake().is_outside_physics(inputs) => {
                 return Err(Decision::OUTSIDE_PHYSICS);
             }
             Ok(LinearStability::Stable) => None,
@@ -210,7 +242,7 @@ impl TimeDomain {
             until_settled: self.settings.until_settled(),
             linear_growth_fed_by,
         };
-        let (motion, equilibrium) = self.flexible_start(sample).map_err(|_| Decision::FAILED)?;
+        let (motion, equilibrium) = self.flexible_start(sample, start).map_err(|_| Decision::FAILED)?;
         let starts_turning_at = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
         let monitor = FlexibleMonitor::new(options, equilibrium, self.settings.displacement, starts_turning_at);
         self.unless_decided(motion, monitor)
@@ -224,8 +256,8 @@ impl TimeDomain {
     }
 
     /// The motion at its beginning.
-    pub(crate) fn rigid_start(&self, sample: &RigidSample<'_>) -> Motion<RigidState> {
-        let TimeDomainSettings { start, displacement, .. } = self.settings;
+    pub(crate) fn rigid_start(&self, sample: &RigidSample, start: Start) -> Motion<RigidState> {
+        let displacement = self.settings.displacement;
         let release = || sample.release();
         let start = start.tangential(displacement, sample.equilibrium(), release, sample.brake.disc_speed);
         Motion { state: RigidState { x: start.x, u: start.speed }, contact: start.contact }
@@ -235,10 +267,11 @@ impl TimeDomain {
     pub(crate) fn flexible_start(
         &self,
         sample: &FlexibleSample<'_>,
+        start: Start,
     ) -> Result<(Motion<FlexibleState>, f64), FlexibleError> {
         let mut state = sample.equilibrium()?;
         let equilibrium = state.q[0];
-        let TimeDomainSettings { start, displacement, .. } = self.settings;
+        let displacement = self.settings.displacement;
         let release = || sample.release(&state);
         let start = start.tangential(displacement, equilibrium, release, sample.brake.equations.pad.disc_speed);
         state.q[0] = start.x;

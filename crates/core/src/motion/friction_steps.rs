@@ -75,9 +75,14 @@ impl FrictionSteps {
 
     /// For a pad on a disc that yields, with the contact force on a rigid disc, which no motion exceeds by much.
     pub fn of_pad(pad: &PadEquations, inputs: RandomInputs, refinement: f64) -> Self {
-        let gain = pad.friction_per_preload * inputs.preload;
-        let falling_pull = gain * (inputs.static_friction - pad.kinetic_friction).max(0.0);
+        let falling_pull = Self::falling_pull(pad, inputs);
         Self::new(pad.disc_speed, pad.inverse_stribeck, pad.stribeck_exponent, falling_pull, refinement)
+    }
+
+    /// By how much friction changes the acceleration of a pad on a disc that yields, see [`FrictionSteps::new`].
+    pub fn falling_pull(pad: &PadEquations, inputs: RandomInputs) -> f64 {
+        let gain = pad.friction_per_preload * inputs.preload;
+        gain * (inputs.static_friction - pad.kinetic_friction).max(0.0)
     }
 
     /// Whether a step of length `h` with the speeds `u` and accelerations at its ends is too long.

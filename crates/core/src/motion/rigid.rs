@@ -46,8 +46,8 @@ pub(crate) struct RigidBrake {
 
 /// The equations of one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct RigidSample<'a> {
-    pub brake: &'a RigidBrake,
+pub(crate) struct RigidSample {
+    pub brake: RigidBrake,
     /// G.
     pub gain: f64,
     /// G f_c.
@@ -86,17 +86,27 @@ impl RigidBrake {
         }
     }
 
-    pub fn sample(&self, inputs: RandomInputs) -> RigidSample<'_> {
+    /// With the refinement of steps of another brake, but not their length.
+    pub fn refined_as(self, other: &Self) -> Self {
+        Self { refinement: other.refinement, ..self }
+    }
+
+    pub fn sample(&self, inputs: RandomInputs) -> RigidSample {
         let gain = self.gain_per_preload * inputs.preload;
         let falling_pull = gain * (inputs.static_friction - self.kinetic_friction);
         RigidSample {
-            brake: self,
+            brake: *self,
             gain,
             kinetic_pull: gain * self.kinetic_friction,
             falling_pull,
             static_pull: gain * inputs.static_friction,
             friction_steps: self.friction_steps(falling_pull),
         }
+    }
+
+    /// Whether a sample is stable by definition, see [`PadOnDisc::is_outside_physics`].
+    pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
+        inputs.are_outside_physics(self.kinetic_friction)
     }
 
     /// The limits that the friction of a sample sets to steps.
@@ -107,7 +117,7 @@ impl RigidBrake {
     }
 }
 
-impl RigidSample<'_> {
+impl RigidSample {
     /// x and x' at the four stages of a step.
     pub fn stages(&self, state: &RigidState, contact: ContactState, h: f64) -> [(f64, f64); 4] {
         let RigidState { x, u } = *state;
@@ -159,7 +169,7 @@ impl RigidSample<'_> {
     }
 }
 
-impl Equations for RigidSample<'_> {
+impl Equations for RigidSample {
     type State = RigidState;
 
     #[inline(always)]

@@ -47,7 +47,7 @@ impl TimeDomain {
         let (log, moments) = match &self.system {
             System::Rigid(motion) => {
                 let sample = motion.sample(inputs);
-                let start = self.rigid_start(&sample);
+                let start = self.rigid_start(&sample, self.settings.start);
                 let equilibrium = self.brake.sliding_equilibrium_at(inputs);
                 let length = self.brake.scales().length;
                 let equations = RigidWithAngle::new(sample, &self.brake);
@@ -58,7 +58,7 @@ impl TimeDomain {
             }
             System::Flexible(motion) => {
                 let sample = motion.sample(inputs);
-                let start = self.flexible_start(&sample)?.0;
+                let start = self.flexible_start(&sample, self.settings.start)?.0;
                 record(&sample, start, h, steps, |time, state, contact| sample.moment(time, state, contact))
             }
         };

@@ -24,7 +24,7 @@ pub(crate) mod points;
 
 pub(crate) mod loads;
 
-mod averages;
+pub(crate) mod averages;
 
 mod pressed_region;
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::criterion::settings::TimeDomainSettings;
 use crate::criterion::time_domain::DiscModel;
-use crate::lanes::flexible_step::LANES as FLEXIBLE_LANES;
+use crate::lanes::flexible::LANES as FLEXIBLE_LANES;
 use crate::lanes::rigid::LANES;
 use crate::motion::start::Start;
 use crate::rigid_disc::pad_on_disc::PadOnDisc;

@@ -1,6 +1,6 @@
 use super::*;
-use crate::motion::event_log::EventLog;
 use crate::motion::advance::advance;
+use crate::motion::event_log::EventLog;
 use crate::motion::integrator::Motion;
 
 fn inputs(brake: &PadOnDisc) -> RandomInputs {
