@@ -104,7 +104,7 @@ fn random_parameters(deviates: &mut Deviates) -> Parameters {
 /// A speed near one of the boundaries, the nearer the likelier, from a third to three times of it; near the Stribeck
 /// velocity where there is no boundary.
 fn random_speed(brake: &PadOnDisc, deviates: &mut Deviates) -> f64 {
-    let linear = brake.unstable_speeds();
+    let linear = brake.unstable_speeds().pop();
     let share = deviates.share();
     let boundary = match linear {
         Some(range) if share < 0.1 && range.from > 0.0 => Some(range.from),
@@ -118,7 +118,7 @@ fn random_speed(brake: &PadOnDisc, deviates: &mut Deviates) -> f64 {
 
 /// The rotating speed at which the disc passes the pad with the Stribeck velocity, rad/s.
 fn stribeck_speed(brake: &PadOnDisc) -> f64 {
-    brake.rotating_speed(brake.friction_law().stribeck_velocity)
+    brake.rotating_speed(brake.friction_law().speed_scale)
 }
 
 /// How `stickslip trajectory` is told of a case.

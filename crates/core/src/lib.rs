@@ -32,9 +32,9 @@
 //!
 //! | module | contents |
 //! |---|---|
+//! | [`numerics`] | methods that know nothing of brakes: eigenvalues, quadrature, root location, monotone interpolation, exponential, logarithm, sine and cosine |
+//! | [`friction`] | the friction laws: Stribeck's, the rational one, measured curves |
 //! | [`parameters`] | all parameters with keys, units, limits and the preset |
-//! | [`numerics`] | methods that know nothing of brakes: eigenvalues, quadrature, root location, exponential, sine and cosine |
-//! | [`friction`] | the Stribeck law |
 //! | [`verdict`], [`degree_of_freedom`] | what a criterion returns: a verdict, and what feeds an unstable motion |
 //! | [`rigid_disc`] | the pad on a rigid disc: steady sliding, its stability in closed form, limit cycle, return map |
 //! | `pad` | states of contact, and the pad's equations of motion on any disc |
@@ -51,11 +51,11 @@
 // Tests compare with formulas as a textbook writes them.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
-pub mod parameters;
-
 pub mod numerics;
 
 pub mod friction;
+
+pub mod parameters;
 
 pub mod verdict;
 

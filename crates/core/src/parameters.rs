@@ -7,6 +7,9 @@ use std::fmt;
 
 use thiserror::Error;
 
+use crate::friction::law::LawKind;
+use crate::friction::measured_curve::SharedCurve;
+
 /// The disc: a thin annular plate, clamped at the inner radius and free at the outer one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disc {
@@ -69,17 +72,32 @@ pub struct Damping {
     pub angular: f64,
 }
 
-/// The Stribeck friction law, see the module `friction`.
+/// The friction law, see the module [`friction`](crate::friction).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Friction {
+    /// Which law.
+    pub law: LawKind,
     /// Static friction coefficient f_s.
     pub static_coefficient: f64,
-    /// Kinetic friction coefficient f_c, the limit at high sliding speed.
+    /// Kinetic friction coefficient f_c, the limit at high sliding speed; 0 for a table.
     pub kinetic_coefficient: f64,
     /// Stribeck velocity v_s, m/s.
     pub stribeck_velocity: f64,
     /// Stribeck exponent delta; 1 is Tustin's law.
     pub stribeck_exponent: f64,
+    /// Viscous friction, s/m: what each m/s of sliding speed adds to the coefficient.
+    pub viscous: f64,
+    /// By how many of its standard deviations a measured curve is shifted.
+    pub band: f64,
+}
+
+impl Friction {
+    /// Changes the law to a measured curve, with the coefficients of the curve.
+    pub fn use_table(&mut self, curve: SharedCurve) {
+        self.law = LawKind::Table(curve);
+        self.static_coefficient = curve.at_rest();
+        self.kinetic_coefficient = 0.0;
+    }
 }
 
 /// The point at which the brake is operated.
@@ -225,7 +243,7 @@ macro_rules! scalar {
 ///
 /// The upper limits are far beyond any brake; they catch wrong units (GPa for Pa, mm for m), not bad designs.
 #[rustfmt::skip]
-pub static SCALARS: [Scalar; 27] = [
+pub static SCALARS: [Scalar; 29] = [
     scalar!(disc.density, "rho", "kg/m^3", Limits::above(0.0, 1e5), "density of the disc"),
     scalar!(disc.youngs_modulus, "E", "Pa", Limits::above(0.0, 1e13), "Young's modulus of the disc"),
     scalar!(disc.poissons_ratio, "nu", "1", Limits::from_below(0.0, 0.5), "Poisson's ratio of the disc"),
@@ -251,6 +269,8 @@ pub static SCALARS: [Scalar; 27] = [
     scalar!(friction.kinetic_coefficient, "f_c", "1", Limits::from(0.0, 5.0), "kinetic friction coefficient"),
     scalar!(friction.stribeck_velocity, "v_s", "m/s", Limits::above(0.0, 1e3), "Stribeck velocity"),
     scalar!(friction.stribeck_exponent, "delta", "1", Limits::above(0.0, 10.0), "Stribeck exponent, 1 = Tustin"),
+    scalar!(friction.viscous, "k_v", "s/m", Limits::from(0.0, 100.0), "viscous friction, coefficient for each m/s"),
+    scalar!(friction.band, "z", "1", Limits::from(-10.0, 10.0), "shift of a measured friction curve in its standard deviations"),
     scalar!(operating_point.preload, "Delta", "1", Limits::from(0.0, 1.0), "preload, calliper displacement over disc thickness"),
     scalar!(operating_point.rotating_speed, "Omega", "rad/s", Limits::from(1e-6, 1e5), "rotating speed of the disc"),
 ];
@@ -347,10 +367,13 @@ impl Parameters {
             },
             damping: Damping { tangential: 369.0, normal: 106.1, angular: 0.08882 },
             friction: Friction {
+                law: LawKind::Stribeck,
                 static_coefficient: 0.39,
                 kinetic_coefficient: 0.25,
                 stribeck_velocity: 0.72,
                 stribeck_exponent: 1.0,
+                viscous: 0.0,
+                band: 0.0,
             },
             operating_point: OperatingPoint { preload: 0.1, rotating_speed: 16.0 },
         }

@@ -96,7 +96,7 @@ impl Quantity {
         let parameters = brake.parameters();
         let friction = &parameters.friction;
         match self {
-            Self::SpeedRatio => brake.disc_speed() / brake.friction_law().stribeck_velocity,
+            Self::SpeedRatio => brake.disc_speed() / brake.friction_law().speed_scale,
             Self::Exponent => friction.stribeck_exponent,
             Self::DampingRatio => {
                 let critical = 2.0 * (brake.tangential_stiffness() * parameters.pad.mass).sqrt();

@@ -25,7 +25,6 @@ use crate::degree_of_freedom::DegreeOfFreedom;
 use crate::flexible_disc::brake::FlexibleBrake;
 use crate::flexible_disc::error::FlexibleError;
 use crate::flexible_disc::linearisation::first_order;
-use crate::friction::decay;
 use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
 use crate::numerics::root_location::false_position;
 use crate::pad::equations::PAD;
@@ -154,9 +153,7 @@ impl FlexibleBrake {
     /// [`FlexibleBrake::sliding_equilibrium`] at a friction coefficient `mu`, whatever law gives it.
     fn sliding_equilibrium_with(&self, preload: f64, mu: f64) -> Option<Vec<f64>> {
         let pad = &self.equations.pad;
-        let kinetic = pad.kinetic_friction;
-        let left = decay(pad.disc_speed * pad.inverse_stribeck, pad.stribeck_exponent);
-        let static_friction = if mu == kinetic { kinetic } else { kinetic + (mu - kinetic) / left };
+        let static_friction = pad.static_friction_for(mu);
         let q = self.sliding_equilibrium(RandomInputs { preload, static_friction }).ok()?;
         q.iter().all(|q| q.is_finite()).then_some(q)
     }

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::flexible_disc::contact::node::ContactNode;
 use crate::flexible_disc::equations::FlexibleEquations;
+use crate::friction::law::FrictionLaw;
 use crate::numerics::sine_cosine::sine_and_cosine;
 use crate::pad::equations::PAD;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
@@ -18,9 +19,7 @@ impl FlexibleEquations {
     /// The rise of the friction coefficient with the pad's speed in steady sliding, `d mu / d x'`: how steeply friction
     /// falls.
     pub fn friction_slope(&self, static_friction: f64) -> f64 {
-        let fall = static_friction - self.pad.kinetic_friction;
-        // Without a fall there is nothing to multiply a slope with that may be infinite.
-        if fall == 0.0 { 0.0 } else { fall * self.brake.friction_law().weakening(self.pad.disc_speed) }
+        FrictionLaw { static_coefficient: static_friction, ..*self.brake.friction_law() }.fall(self.pad.disc_speed)
     }
 
     /// [`FlexibleEquations::linearise`] for a friction coefficient and its slope, whatever law gives them.

@@ -45,7 +45,9 @@ impl TimeDomain {
     #[doc(hidden)]
     pub fn take_steps(&self, inputs: &[RandomInputs], steps: u32, set: Option<InstructionSet>) {
         match (&self.system, set) {
-            (System::Rigid(_), Some(set)) => take_bundle_steps(self, inputs, steps, &mut RigidBundle::new(), set),
+            (System::Rigid(brake), Some(set)) => {
+                take_bundle_steps(self, inputs, steps, &mut RigidBundle::new(brake), set);
+            }
             (System::Flexible(motion), Some(set)) => {
                 take_bundle_steps(self, inputs, steps, &mut FlexibleBundle::new(motion), set);
             }
@@ -85,7 +87,7 @@ pub fn decide_queue_with<'q>(queue: &mut (impl SampleQueue<'q> + ?Sized), set: I
     assert!(InstructionSet::available().contains(&set), "this processor has no {set:?}");
     let Some(first) = queue.next() else { return };
     match &first.criterion.system {
-        System::Rigid(_) => run(first, queue, &mut RigidBundle::new(), set),
+        System::Rigid(brake) => run(first, queue, &mut RigidBundle::new(brake), set),
         System::Flexible(motion) => {
             let mut bundle = FlexibleBundle::new(motion);
             run(first, queue, &mut bundle, set);

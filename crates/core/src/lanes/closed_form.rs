@@ -16,7 +16,7 @@
 //!
 //! [`PadOnDisc::stability_boundary`]: crate::rigid_disc::pad_on_disc::PadOnDisc::stability_boundary
 
-use crate::friction::StribeckLaw;
+use crate::friction::law::FrictionLaw;
 use crate::lanes::dispatch::{InstructionSet, dispatch};
 use crate::numerics::exponential::exp;
 use crate::parameters::{Parameters, Scalar};
@@ -343,7 +343,7 @@ fn weaken(exponent: Term, rows: &[Row], ratio: &mut Row) {
     }
     let exponents = exponent.row(rows);
     for (r, exponent) in ratio.iter_mut().zip(exponents) {
-        let law = StribeckLaw { static_coefficient: 1.0, kinetic_coefficient: 0.0, stribeck_velocity: 1.0, exponent };
+        let law = FrictionLaw::stribeck(1.0, 0.0, 1.0, exponent);
         *r = law.weakening(*r);
     }
 }

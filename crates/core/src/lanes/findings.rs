@@ -1,5 +1,6 @@
 //! What a trial step of slip met in lanes: the conditions of [`crate::motion::substep`] without a branch.
 
+use crate::friction::shape::Shape;
 use crate::lanes::pace::Trials;
 use crate::motion::friction_steps::FrictionSteps;
 use crate::motion::integrator::{FARTHEST, grazes_at_end, may_touch, turns};
@@ -9,15 +10,36 @@ use crate::motion::integrator::{FARTHEST, grazes_at_end, may_touch, turns};
 pub(super) struct Slip<const N: usize> {
     pub disc_speed: [f64; N],
     pub inverse_stribeck: [f64; N],
+    /// Of Stribeck's law.
+    pub exponent: [f64; N],
     /// See [`FrictionSteps::new`].
     pub falling_pull: [f64; N],
+    pub additional_pull: [f64; N],
     pub refinement: [f64; N],
 }
 
 impl<const N: usize> Slip<N> {
     pub fn idle() -> Self {
         let zero = [0.0; N];
-        Self { disc_speed: zero, inverse_stribeck: zero, falling_pull: zero, refinement: zero }
+        Self {
+            disc_speed: zero,
+            inverse_stribeck: zero,
+            exponent: zero,
+            falling_pull: zero,
+            additional_pull: zero,
+            refinement: zero,
+        }
+    }
+
+    /// The parts of the friction law at speeds of the pad, see [`Shape::parts`].
+    #[inline(always)]
+    pub fn friction_parts(&self, shape: Shape, u: &[f64; N]) -> ([f64; N], [f64; N]) {
+        let [mut r, mut a, mut b] = [[0.0; N]; 3];
+        for l in 0..N {
+            r[l] = (self.disc_speed[l] - u[l]) * self.inverse_stribeck[l];
+        }
+        shape.parts_of_lanes(&r, &self.exponent, &mut a, &mut b);
+        (a, b)
     }
 }
 
@@ -25,6 +47,7 @@ impl<const N: usize> Slip<N> {
 #[inline(always)]
 pub(super) fn findings<const N: usize>(
     slip: &Slip<N>,
+    shape: Shape,
     u: (&[f64; N], &[f64; N]),
     next_x: &[f64; N],
     acceleration: (&[f64; N], &[f64; N]),
@@ -38,9 +61,10 @@ pub(super) fn findings<const N: usize>(
         let touches = may_touch(sliding, (-acceleration.0, -acceleration.1), h[l]);
         let ordinary = (sliding.1 > 0.0) & (sliding.1 < f64::MAX) & (next_x[l].abs() < FARTHEST);
         let grazes = grazes_at_end(sliding, disc_speed);
-        let steps =
-            FrictionSteps::new(disc_speed, slip.inverse_stribeck[l], 1.0, slip.falling_pull[l], slip.refinement[l]);
-        trials.is_too_long[l] = u64::from(steps.is_too_long_for_tustin(u, acceleration, h[l]));
+        let law = (shape, slip.exponent[l]);
+        let pulls = (slip.falling_pull[l], slip.additional_pull[l]);
+        let steps = FrictionSteps::new(disc_speed, slip.inverse_stribeck[l], law, pulls, slip.refinement[l]);
+        trials.may_be_too_long[l] = u64::from(steps.may_be_too_long(u, acceleration, h[l]));
         trials.is_event[l] = u64::from(touches | grazes | !ordinary);
         trials.turns[l] = u64::from(turns(u.0, u.1));
     }

@@ -7,6 +7,7 @@ use crate::criterion::decision::Decision;
 use crate::criterion::flexible_monitor::FlexibleMonitor;
 use crate::criterion::time_domain::System;
 use crate::flexible_disc::brake::FlexibleBrake;
+use crate::flexible_disc::equations::FlexibleEquations;
 use crate::flexible_disc::geometry::DiscGeometry;
 use crate::lanes::BLOCK;
 use crate::lanes::bundle::{Begun, Bundle};
@@ -61,14 +62,19 @@ impl<'q> FlexibleBundle<'q> {
     pub fn new(motion: &FlexibleMotion) -> Self {
         let brake = &motion.brake.equations;
         let tables = Tables::new(&brake.geometry.patch.averages);
-        let lanes = FlexibleLanes::idle(tables, brake.amplitudes.iter().map(|amplitude| amplitude.partner));
+        let lanes = FlexibleLanes::idle(
+            tables,
+            brake.pad.friction_shape,
+            brake.amplitudes.iter().map(|amplitude| amplitude.partner),
+        );
         Self { lanes, geometry: Arc::clone(&brake.geometry), samples: (0..LANES).map(|_| None).collect() }
     }
 
-    /// Whether the lanes have the mode shapes and the patch of a brake.
-    fn has_geometry_of(&self, motion: &FlexibleMotion) -> bool {
-        let geometry = &motion.brake.equations.geometry;
-        Arc::ptr_eq(geometry, &self.geometry) || geometry.patch.averages == self.geometry.patch.averages
+    /// Whether a brake has the mode shapes, the patch and the friction law of these lanes.
+    fn fits(&self, motion: &FlexibleMotion) -> bool {
+        let FlexibleEquations { geometry, pad, .. } = &motion.brake.equations;
+        let is_same = |other: &DiscGeometry| geometry.patch.averages == other.patch.averages;
+        pad.friction_shape == self.lanes.shape && (Arc::ptr_eq(geometry, &self.geometry) || is_same(&self.geometry))
     }
 
     /// The equations of a sample, if the lanes can take them; or else its decision.
@@ -82,7 +88,7 @@ impl<'q> FlexibleBundle<'q> {
                 Held::Own(Box::new(own))
             }
         };
-        if !self.has_geometry_of(&motion) || motion.brake.equations.pad.stribeck_exponent != 1.0 {
+        if !self.fits(&motion) {
             return Err(sample.clone().decide());
         }
         let friction_steps = motion.friction_steps(sample.inputs);
@@ -105,7 +111,9 @@ impl<'q> FlexibleBundle<'q> {
         rows.pressure_gain[l] = pad.pressure_gain;
         rows.transmission[l] = pad.transmission;
         rows.kinetic_friction[l] = pad.kinetic_friction;
+        rows.additional_friction[l] = pad.additional_friction;
         rows.static_friction[l] = placed.inputs.static_friction;
+        rows.friction_at_rest[l] = pad.friction_at_rest(placed.inputs.static_friction);
         rows.preload[l] = placed.inputs.preload;
         for (rows, amplitude) in lanes.amplitudes.iter_mut().zip(&equations.amplitudes) {
             rows.stiffness[l] = amplitude.stiffness;
@@ -117,7 +125,9 @@ impl<'q> FlexibleBundle<'q> {
         rows.slope_scale[l] = equations.slope_scale;
         lanes.slip.disc_speed[l] = pad.disc_speed;
         lanes.slip.inverse_stribeck[l] = pad.inverse_stribeck;
-        lanes.slip.falling_pull[l] = FrictionSteps::falling_pull(pad, placed.inputs);
+        lanes.slip.exponent[l] = pad.stribeck_exponent;
+        let pulls = FrictionSteps::pulls_of_pad(pad, placed.inputs);
+        (lanes.slip.falling_pull[l], lanes.slip.additional_pull[l]) = pulls;
         lanes.slip.refinement[l] = placed.motion.refinement;
         self.samples[l] = Some(placed);
     }

@@ -1,6 +1,6 @@
 //! A trial step in the lanes of a flexible disc.
 
-use crate::friction::tustin_decay;
+use crate::friction::shape::Shape;
 use crate::lanes::BLOCK;
 use crate::lanes::contact_loads::{Amplitudes, LoadRows, Row, Tables, contact_loads};
 use crate::lanes::findings::{Slip, findings};
@@ -22,6 +22,10 @@ pub(super) struct PadRows {
     pub pressure_gain: Row,
     pub transmission: Row,
     pub kinetic_friction: Row,
+    /// e of the friction law.
+    pub additional_friction: Row,
+    /// mu at rest.
+    pub friction_at_rest: Row,
     pub static_friction: Row,
     pub preload: Row,
     /// See [`crate::flexible_disc::equations::FlexibleEquations`].
@@ -48,6 +52,7 @@ pub(super) struct StateRows {
 /// The lanes of a flexible disc.
 pub(super) struct FlexibleLanes {
     pub tables: Tables,
+    pub shape: Shape,
     pub pad: PadRows,
     pub amplitudes: Vec<AmplitudeRows>,
     pub disc_damping: Row,
@@ -67,7 +72,7 @@ pub(super) struct FlexibleLanes {
 
 impl FlexibleLanes {
     /// Without samples; `partners` are those of the amplitudes.
-    pub fn idle(tables: Tables, partners: impl Iterator<Item = usize>) -> Self {
+    pub fn idle(tables: Tables, shape: Shape, partners: impl Iterator<Item = usize>) -> Self {
         let zero = [0.0; BLOCK];
         let amplitude = |partner: usize| AmplitudeRows { stiffness: zero, gyroscopic: zero, compliance: zero, partner };
         let amplitudes: Vec<AmplitudeRows> = partners.map(amplitude).collect();
@@ -76,6 +81,7 @@ impl FlexibleLanes {
         let state = || StateRows { q: rows(size), u: rows(size) };
         Self {
             tables,
+            shape,
             pad: PadRows {
                 tangential_damping: zero,
                 tangential_stiffness: zero,
@@ -88,6 +94,8 @@ impl FlexibleLanes {
                 pressure_gain: zero,
                 transmission: zero,
                 kinetic_friction: zero,
+                additional_friction: zero,
+                friction_at_rest: zero,
                 static_friction: zero,
                 preload: zero,
                 tilt_scale: zero,
@@ -124,8 +132,8 @@ macro_rules! row {
 #[inline(always)]
 pub(super) fn flexible_step<const W: usize>(lanes: &mut FlexibleLanes) {
     std::mem::swap(&mut lanes.present, &mut lanes.next);
-    let FlexibleLanes { tables, pad, amplitudes, disc_damping, slip, sticks, loads, plain, pace, .. } = lanes;
-    let coefficients = Coefficients { tables, pad, amplitudes, disc_damping, slip, sticks };
+    let FlexibleLanes { tables, shape, pad, amplitudes, disc_damping, slip, sticks, loads, plain, pace, .. } = lanes;
+    let coefficients = Coefficients { tables, shape: *shape, pad, amplitudes, disc_damping, slip, sticks };
     let (StateRows { q, u }, StateRows { q: stage_q, u: stage_u }) = (&lanes.present, &mut lanes.stage);
     let (StateRows { q: next_q, u: next_u }, [k1, k2, k3, k4]) = (&mut lanes.next, &mut lanes.k);
     let n = q.len();
@@ -156,14 +164,22 @@ pub(super) fn flexible_step<const W: usize>(lanes: &mut FlexibleLanes) {
         next_q[i] = row!(|l| q[l] + h[l] * (u[l] + sixth[l] * (k1[l] + k2[l] + k3[l])));
         next_u[i] = row!(|l| u[l] + sixth[l] * (k1[l] + 2.0 * (k2[l] + k3[l]) + k4[l]));
     }
-    let mut trials = findings(slip, (&u[0], &next_u[0]), &next_q[0], (&k1[0], &k4[0]), &h);
+    let ends = ((&u[0], &next_u[0]), &next_q[0], (&k1[0], &k4[0]));
+    let mut trials = match *shape {
+        Shape::Tustin => findings(slip, Shape::Tustin, ends.0, ends.1, ends.2, &h),
+        Shape::Gaussian => findings(slip, Shape::Gaussian, ends.0, ends.1, ends.2, &h),
+        Shape::Stribeck => findings(slip, Shape::Stribeck, ends.0, ends.1, ends.2, &h),
+        Shape::Rational => findings(slip, Shape::Rational, ends.0, ends.1, ends.2, &h),
+        Shape::Table(curve) => findings(slip, Shape::Table(curve), ends.0, ends.1, ends.2, &h),
+    };
     let released = if coefficients.any_sticks() {
         let mut whole = *plain;
         let contact = Contact::of(&coefficients, next_q, &mut whole);
         let friction = contact.friction_in_stick(pad, next_q, next_u);
         let mut released = [0; BLOCK];
         for l in 0..BLOCK {
-            let holds = |ratio: f64| (pad.static_friction[l] - ratio > 0.0) & (pad.static_friction[l] + ratio > 0.0);
+            let held = pad.friction_at_rest[l];
+            let holds = |ratio: f64| (held - ratio > 0.0) & (held + ratio > 0.0);
             released[l] = u64::from(!(holds(ratio[l]) & holds(friction.1[l]))) | (1 - whole[l]);
         }
         released
@@ -172,7 +188,7 @@ pub(super) fn flexible_step<const W: usize>(lanes: &mut FlexibleLanes) {
     };
     for l in 0..BLOCK {
         let (sticks, slips) = (sticks[l], 1 - sticks[l]);
-        trials.is_too_long[l] &= slips & plain[l];
+        trials.may_be_too_long[l] &= slips & plain[l];
         trials.turns[l] &= slips;
         trials.is_event[l] = (trials.is_event[l] & slips) | (released[l] & sticks) | (1 - plain[l]);
     }
@@ -183,6 +199,7 @@ pub(super) fn flexible_step<const W: usize>(lanes: &mut FlexibleLanes) {
 /// What the rates of change depend on beside the state.
 struct Coefficients<'a> {
     tables: &'a Tables,
+    shape: Shape,
     pad: &'a PadRows,
     amplitudes: &'a [AmplitudeRows],
     disc_damping: &'a Row,
@@ -269,7 +286,7 @@ fn rates<const W: usize>(
     plain: &mut [u64; BLOCK],
     accelerations: &mut [Row],
 ) -> Row {
-    let Coefficients { tables, pad, amplitudes, disc_damping, slip, sticks } = coefficients;
+    let Coefficients { tables, shape, pad, amplitudes, disc_damping, slip, sticks } = coefficients;
     let contact = Contact::of(coefficients, q, plain);
     let (even, odd) = q[PAD..].split_at(tables.even);
     let Contact { minus_y, minus_tilt, .. } = &contact;
@@ -278,9 +295,17 @@ fn rates<const W: usize>(
     let Contact { sine, cosine, pressure, .. } = &contact;
     let (x, phi) = (&q[0], &q[2]);
     let (x_speed, y_speed, phi_speed) = (&u[0], &u[1], &u[2]);
+    // The shape is matched once, and each arm has a loop of its own.
+    let (a, b) = match *shape {
+        Shape::Tustin => slip.friction_parts(Shape::Tustin, x_speed),
+        Shape::Gaussian => slip.friction_parts(Shape::Gaussian, x_speed),
+        Shape::Stribeck => slip.friction_parts(Shape::Stribeck, x_speed),
+        Shape::Rational => slip.friction_parts(Shape::Rational, x_speed),
+        Shape::Table(curve) => slip.friction_parts(Shape::Table(curve), x_speed),
+    };
     let mut ratio = row!(|l| {
-        let r = (slip.disc_speed[l] - x_speed[l]) * slip.inverse_stribeck[l];
-        pad.kinetic_friction[l] + (pad.static_friction[l] - pad.kinetic_friction[l]) * tustin_decay(r)
+        let falling = pad.static_friction[l] - pad.kinetic_friction[l];
+        pad.kinetic_friction[l] + falling * a[l] + pad.additional_friction[l] * b[l]
     });
     let mut spring = row!(|l| pad.contact_tangential[l] * x[l] - pad.transmission[l] * ratio[l] * pressure[l]);
     let pull = contact.pull(pad, q, u);

@@ -9,7 +9,7 @@ use crate::motion::substep::SHORTEST;
 
 /// What a trial step found in a lane, as bits of numbers of the width of a lane. The motion turned in it.
 pub(super) const TURN: u64 = 1;
-/// It was too long for the friction law.
+/// It may be too long for the friction law.
 pub(super) const TOO_LONG: u64 = 2;
 /// The scalar code has to judge it.
 pub(super) const EVENT: u64 = 4;
@@ -45,7 +45,7 @@ pub(super) struct Pace<const N: usize> {
 /// What a kernel knows of trial steps, 0 or 1 for each lane.
 #[derive(Clone, Copy)]
 pub(super) struct Trials<const N: usize> {
-    pub is_too_long: [u64; N],
+    pub may_be_too_long: [u64; N],
     pub is_event: [u64; N],
     pub turns: [u64; N],
 }
@@ -53,7 +53,7 @@ pub(super) struct Trials<const N: usize> {
 impl<const N: usize> Trials<N> {
     #[inline(always)]
     pub fn plain() -> Self {
-        Self { is_too_long: [0; N], is_event: [0; N], turns: [0; N] }
+        Self { may_be_too_long: [0; N], is_event: [0; N], turns: [0; N] }
     }
 }
 
@@ -83,18 +83,18 @@ impl<const N: usize> Pace<N> {
         for l in 0..N {
             let (step, length, done) = (self.step[l], self.length[l], self.done[l]);
             let (held, free) = (self.is_held[l], 1 - self.is_held[l]);
-            let is_too_long = trials.is_too_long[l] & u64::from(length > self.shortest[l]) & free;
+            let may_be_too_long = trials.may_be_too_long[l] & u64::from(length > self.shortest[l]) & free;
             let done_then = done + length;
             let left = step - done_then;
             let is_over = (length >= step - done) | (left <= LEAST_REMAINDER * step);
             let substeps = self.substeps[l] + 1.0;
             let is_endless = u64::from(!is_over & (substeps >= MOST_SUBSTEPS as f64));
-            let is_event = (trials.is_event[l] | held | is_endless) & (1 - is_too_long);
-            let is_plain = (is_too_long | is_event) == 0;
+            let is_event = (trials.is_event[l] | held | is_endless) & (1 - may_be_too_long);
+            let is_plain = (may_be_too_long | is_event) == 0;
             let steps = if is_plain & is_over { self.steps[l] + 1.0 } else { self.steps[l] };
             let is_due = u64::from(is_plain & is_over & (steps >= self.due[l]));
             let turns = u64::from(is_plain) & trials.turns[l];
-            let findings = (turns * TURN) | (is_too_long * TOO_LONG) | (is_event * EVENT) | (is_due * DUE);
+            let findings = (turns * TURN) | (may_be_too_long * TOO_LONG) | (is_event * EVENT) | (is_due * DUE);
             self.findings[l] = findings & self.is_busy[l];
             (self.taken[l], self.began[l]) = (length, done);
             // Of the substep after this one.

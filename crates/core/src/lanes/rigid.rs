@@ -3,6 +3,7 @@
 use crate::criterion::decision::Decision;
 use crate::criterion::rigid_monitor::RigidMonitor;
 use crate::criterion::time_domain::System;
+use crate::friction::shape::Shape;
 use crate::lanes::BLOCK;
 use crate::lanes::bundle::{Begun, Bundle};
 use crate::lanes::dispatch::{InstructionSet, dispatch};
@@ -18,13 +19,19 @@ pub(super) const LANES: usize = BLOCK * BLOCKS;
 
 /// Lanes of a rigid disc.
 pub(super) struct RigidBundle {
+    shape: Shape,
     samples: Vec<Option<RigidSample>>,
     blocks: Box<[RigidBlock; BLOCKS]>,
 }
 
 impl RigidBundle {
-    pub fn new() -> Self {
-        Self { samples: vec![None; LANES], blocks: Box::new(std::array::from_fn(|_| RigidBlock::idle())) }
+    /// Lanes for brakes with the friction law of this one.
+    pub fn new(brake: &RigidBrake) -> Self {
+        Self {
+            shape: brake.law.shape,
+            samples: vec![None; LANES],
+            blocks: Box::new(std::array::from_fn(|_| RigidBlock::idle())),
+        }
     }
 
     fn set_sample(&mut self, lane: usize, sample: RigidSample) {
@@ -42,7 +49,7 @@ impl<'q> Bundle<'q> for RigidBundle {
 
     fn begin(&mut self, lane: usize, sample: QueuedSample<'q>) -> Result<Begun<RigidState, RigidMonitor>, Decision> {
         let equations = equations_of(&sample)?;
-        if equations.brake.stribeck_exponent != 1.0 {
+        if equations.brake.law.shape != self.shape {
             return Err(sample.decide());
         }
         let (motion, monitor) = sample.criterion.start_rigid(&equations, sample.inputs, sample.start)?;
@@ -58,8 +65,8 @@ impl<'q> Bundle<'q> for RigidBundle {
 
     #[inline]
     fn step(&mut self, set: InstructionSet) {
-        let blocks = &mut self.blocks;
-        dispatch!(set, rigid_step, blocks: &mut [RigidBlock; BLOCKS]);
+        let (blocks, shape) = (&mut self.blocks, self.shape);
+        dispatch!(set, rigid_step, blocks: &mut [RigidBlock; BLOCKS], shape: Shape);
     }
 
     #[inline]

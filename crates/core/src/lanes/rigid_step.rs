@@ -1,6 +1,6 @@
 //! A trial step of slip in the lanes of a rigid disc.
 
-use crate::friction::tustin_decay;
+use crate::friction::shape::Shape;
 use crate::lanes::BLOCK;
 use crate::lanes::findings::{Slip, findings};
 use crate::lanes::pace::Pace;
@@ -53,62 +53,73 @@ impl RigidBlock {
         self.kinetic_pull[l] = sample.kinetic_pull;
         self.slip.disc_speed[l] = sample.brake.disc_speed;
         self.slip.inverse_stribeck[l] = sample.brake.inverse_stribeck;
+        self.slip.exponent[l] = sample.brake.law.exponent;
         self.slip.falling_pull[l] = sample.falling_pull;
+        self.slip.additional_pull[l] = sample.additional_pull;
         self.slip.refinement[l] = sample.brake.refinement;
     }
 }
 
-/// [`crate::motion::rigid`]'s step of slip.
+/// [`crate::motion::rigid`]'s step of slip, with this shape of the friction law.
 #[inline(always)]
-pub(super) fn rigid_step(blocks: &mut [RigidBlock; BLOCKS]) {
+pub(super) fn rigid_step(blocks: &mut [RigidBlock; BLOCKS], shape: Shape) {
     for block in blocks {
-        block_step(block);
+        // The shape is matched once, and each arm has a kernel of its own.
+        match shape {
+            Shape::Tustin => block_step(block, Shape::Tustin),
+            Shape::Gaussian => block_step(block, Shape::Gaussian),
+            Shape::Stribeck => block_step(block, Shape::Stribeck),
+            Shape::Rational => block_step(block, Shape::Rational),
+            Shape::Table(curve) => block_step(block, Shape::Table(curve)),
+        }
     }
 }
 
 #[inline(always)]
-fn block_step(block: &mut RigidBlock) {
-    let RigidBlock { stiffness, damping, kinetic_pull, slip, .. } = block;
+fn block_step(block: &mut RigidBlock, shape: Shape) {
     let (x, u, h) = (block.next_x, block.next_u, block.pace.length);
-    let (disc_speed, inverse) = (slip.disc_speed, slip.inverse_stribeck);
-    let acceleration = |x: &Row, u: &Row| {
-        let mut out = [0.0; BLOCK];
-        for i in 0..BLOCK {
-            let ratio = (disc_speed[i] - u[i]) * inverse[i];
-            let pull = kinetic_pull[i] + slip.falling_pull[i] * tustin_decay(ratio);
-            out[i] = pull - stiffness[i] * x[i] - damping[i] * u[i];
-        }
-        out
-    };
     let [mut stage_x, mut stage_u] = [[0.0; BLOCK]; 2];
-    let k1 = acceleration(&x, &u);
+    let k1 = accelerations(block, shape, &x, &u);
     for i in 0..BLOCK {
         let half = 0.5 * h[i];
         stage_x[i] = x[i] + half * u[i];
         stage_u[i] = u[i] + half * k1[i];
     }
-    let k2 = acceleration(&stage_x, &stage_u);
+    let k2 = accelerations(block, shape, &stage_x, &stage_u);
     for i in 0..BLOCK {
         let half = 0.5 * h[i];
         stage_x[i] = x[i] + half * stage_u[i];
         stage_u[i] = u[i] + half * k2[i];
     }
-    let k3 = acceleration(&stage_x, &stage_u);
+    let k3 = accelerations(block, shape, &stage_x, &stage_u);
     for i in 0..BLOCK {
         stage_x[i] = x[i] + h[i] * stage_u[i];
         stage_u[i] = u[i] + h[i] * k3[i];
     }
-    let k4 = acceleration(&stage_x, &stage_u);
+    let k4 = accelerations(block, shape, &stage_x, &stage_u);
     let [mut next_x, mut next_u] = [[0.0; BLOCK]; 2];
     for i in 0..BLOCK {
         let sixth = h[i] / 6.0;
         next_x[i] = x[i] + h[i] * (u[i] + sixth * (k1[i] + k2[i] + k3[i]));
         next_u[i] = u[i] + sixth * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
     }
-    let trials = findings(slip, (&u, &next_u), &next_x, (&k1, &k4), &h);
+    let trials = findings(&block.slip, shape, (&u, &next_u), &next_x, (&k1, &k4), &h);
     block.pace.judge(&trials);
     block.visits = block.pace.visits();
     (block.x, block.u) = (x, u);
     (block.next_x, block.next_u) = (next_x, next_u);
     (block.first_acceleration, block.last_acceleration) = (k1, k4);
+}
+
+// A function and not a closure: what is not inlined is compiled for the baseline.
+#[inline(always)]
+fn accelerations(block: &RigidBlock, shape: Shape, x: &Row, u: &Row) -> Row {
+    let RigidBlock { stiffness, damping, kinetic_pull, slip, .. } = block;
+    let (a, b) = slip.friction_parts(shape, u);
+    let mut accelerations = [0.0; BLOCK];
+    for l in 0..BLOCK {
+        let pull = kinetic_pull[l] + slip.falling_pull[l] * a[l] + slip.additional_pull[l] * b[l];
+        accelerations[l] = pull - stiffness[l] * x[l] - damping[l] * u[l];
+    }
+    accelerations
 }

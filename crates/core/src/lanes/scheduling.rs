@@ -150,9 +150,10 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
     fn visit(&mut self, lane: usize) {
         let (pace, l) = self.bundle.pace(lane);
         let findings = pace.findings[l];
-        if findings & TOO_LONG != 0 {
-            self.cut(lane);
-        } else if findings & EVENT != 0 {
+        if findings & TOO_LONG != 0 && self.cut(lane) {
+            return;
+        }
+        if findings & (EVENT | TOO_LONG) != 0 {
             let is_simulated = self.running[lane].as_ref().is_some_and(|running| B::simulates(running.contact));
             let trial = if is_simulated { self.bundle.trial(lane) } else { None };
             let state = self.bundle.present(lane);
@@ -186,15 +187,20 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
         self.refill(lane);
     }
 
-    /// Shortens a trial step that is too long for the friction law.
-    fn cut(&mut self, lane: usize) {
+    /// Shortens a trial step that is too long for the friction law. Returns whether it was.
+    fn cut(&mut self, lane: usize) -> bool {
         let (_, u, acceleration) = self.bundle.tangential(lane);
-        let limits = self.bundle.equations(lane).map(|equations| *equations.friction_steps());
+        let Some(limits) = self.bundle.equations(lane).map(|equations| *equations.friction_steps()) else {
+            return false;
+        };
         let (pace, l) = self.bundle.pace(lane);
-        if let Some(limits) = limits {
-            pace.length[l] = cut(&limits, u, acceleration, pace.length[l]);
+        let length = pace.length[l];
+        if !limits.is_too_long(u, acceleration, length) {
+            return false;
         }
+        pace.length[l] = cut(&limits, u, acceleration, length);
         self.bundle.keep(lane);
+        true
     }
 
     /// Reports the turning point in a plain trial step. Returns whether it brought a verdict and ended the step.

@@ -194,10 +194,8 @@ impl Equations for FlexibleSample<'_> {
 
     fn reserve(&self, state: &FlexibleState) -> Reserve {
         let forces = self.rates(state, ContactState::Stick).0;
-        Reserve {
-            against_slip: self.inputs.static_friction - forces.friction_ratio,
-            against_overtaking: self.inputs.static_friction + forces.friction_ratio,
-        }
+        let held = self.brake.equations.pad.friction_at_rest(self.inputs.static_friction);
+        Reserve { against_slip: held - forces.friction_ratio, against_overtaking: held + forces.friction_ratio }
     }
 
     fn meeting_rate(&self) -> f64 {

@@ -12,7 +12,7 @@
 //! ([`crate::motion::friction_steps`]). [`crate::rigid_disc::planar_motion`] integrates the same equations by an
 //! adaptive method; the tests compare the two.
 
-use crate::friction::{StribeckLaw, decay};
+use crate::friction::law::FrictionLaw;
 use crate::motion::friction_steps::{DAMPED_STEP, FrictionSteps};
 use crate::motion::integrator::{Equations, Reserve, Step};
 use crate::pad::contact_state::ContactState;
@@ -31,11 +31,10 @@ pub(crate) struct RigidBrake {
     pub damping: f64,
     /// v.
     pub disc_speed: f64,
-    /// 1 / v_s.
+    /// The friction law, its static coefficient apart.
+    pub law: FrictionLaw,
+    /// 1 / v_s, or over another speed scale of the law.
     pub inverse_stribeck: f64,
-    /// delta.
-    pub stribeck_exponent: f64,
-    kinetic_friction: f64,
     /// G for one unit of preload.
     gain_per_preload: f64,
     /// Length of a step.
@@ -54,8 +53,12 @@ pub(crate) struct RigidSample {
     pub kinetic_pull: f64,
     /// G (f_s - f_c).
     pub falling_pull: f64,
+    /// G e, the additional term of the law.
+    pub additional_pull: f64,
     /// G f_s.
     pub static_pull: f64,
+    /// G mu(0), the most that friction can hold.
+    pub holding_pull: f64,
     /// The limits of the steps.
     pub friction_steps: FrictionSteps,
 }
@@ -77,9 +80,8 @@ impl RigidBrake {
             stiffness,
             damping,
             disc_speed: brake.disc_speed(),
-            inverse_stribeck: 1.0 / law.stribeck_velocity,
-            stribeck_exponent: law.exponent,
-            kinetic_friction: law.kinetic_coefficient,
+            law: *law,
+            inverse_stribeck: 1.0 / law.speed_scale,
             gain_per_preload: brake.friction_transmission() * brake.normal_force_per_preload() / mass,
             step: (STEP / stiffness.sqrt()).min(DAMPED_STEP / damping),
             refinement: 1.0,
@@ -93,27 +95,30 @@ impl RigidBrake {
 
     pub fn sample(&self, inputs: RandomInputs) -> RigidSample {
         let gain = self.gain_per_preload * inputs.preload;
-        let falling_pull = gain * (inputs.static_friction - self.kinetic_friction);
+        let law = FrictionLaw { static_coefficient: inputs.static_friction, ..self.law };
         RigidSample {
             brake: *self,
             gain,
-            kinetic_pull: gain * self.kinetic_friction,
-            falling_pull,
-            static_pull: gain * inputs.static_friction,
-            friction_steps: self.friction_steps(falling_pull),
+            kinetic_pull: gain * law.kinetic_coefficient,
+            falling_pull: gain * law.falling(),
+            additional_pull: gain * law.additional,
+            static_pull: gain * law.static_coefficient,
+            holding_pull: gain * law.at_rest(),
+            friction_steps: self.friction_steps(gain * law.falling(), gain * law.additional),
         }
     }
 
     /// Whether a sample is stable by definition, see [`PadOnDisc::is_outside_physics`].
     pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
-        inputs.are_outside_physics(self.kinetic_friction)
+        inputs.are_outside_physics(self.law.least_static_coefficient())
     }
 
     /// The limits that the friction of a sample sets to steps.
     #[inline(always)]
-    pub fn friction_steps(&self, falling_pull: f64) -> FrictionSteps {
+    pub fn friction_steps(&self, falling_pull: f64, additional_pull: f64) -> FrictionSteps {
         let (v, inverse) = (self.disc_speed, self.inverse_stribeck);
-        FrictionSteps::new(v, inverse, self.stribeck_exponent, falling_pull, self.refinement)
+        let pulls = (falling_pull, additional_pull);
+        FrictionSteps::new(v, inverse, (self.law.shape, self.law.exponent), pulls, self.refinement)
     }
 }
 
@@ -137,10 +142,9 @@ impl RigidSample {
     /// mu of slip times G, in the direction of `contact`.
     pub fn pull(&self, contact: ContactState, u: f64) -> f64 {
         let direction = if contact == ContactState::Overtaking { -1.0 } else { 1.0 };
-        let sliding = direction * (self.brake.disc_speed - u);
-        direction
-            * (self.kinetic_pull
-                + self.falling_pull * decay(sliding * self.brake.inverse_stribeck, self.brake.stribeck_exponent))
+        let r = direction * (self.brake.disc_speed - u) * self.brake.inverse_stribeck;
+        let (a, b) = self.brake.law.shape.parts(r, self.brake.law.exponent);
+        direction * (self.kinetic_pull + self.falling_pull * a + self.additional_pull * b)
     }
 
     /// Steady sliding, x0.
@@ -154,18 +158,19 @@ impl RigidSample {
             stiffness: self.brake.stiffness,
             damping: self.brake.damping,
             disc_speed: self.brake.disc_speed,
-            law: StribeckLaw {
+            law: FrictionLaw {
                 static_coefficient: self.static_pull,
                 kinetic_coefficient: self.kinetic_pull,
-                stribeck_velocity: 1.0 / self.brake.inverse_stribeck,
-                exponent: self.brake.stribeck_exponent,
+                additional: self.additional_pull,
+                speed_scale: 1.0 / self.brake.inverse_stribeck,
+                ..self.brake.law
             },
         }
     }
 
     /// Where static friction can hold the pad no longer.
     pub fn release(&self) -> f64 {
-        (self.static_pull - self.brake.damping * self.brake.disc_speed) / self.brake.stiffness
+        (self.holding_pull - self.brake.damping * self.brake.disc_speed) / self.brake.stiffness
     }
 }
 
@@ -214,7 +219,7 @@ impl Equations for RigidSample {
 
     fn reserve(&self, state: &RigidState) -> Reserve {
         let needed = self.brake.stiffness * state.x + self.brake.damping * self.brake.disc_speed;
-        Reserve { against_slip: self.static_pull - needed, against_overtaking: self.static_pull + needed }
+        Reserve { against_slip: self.holding_pull - needed, against_overtaking: self.holding_pull + needed }
     }
 
     fn meeting_rate(&self) -> f64 {

@@ -2,6 +2,10 @@
 
 pub(crate) mod exponential;
 
+pub(crate) mod logarithm;
+
+pub(crate) mod monotone_cubic;
+
 pub mod eigenvalues;
 
 pub(crate) mod quadrature;

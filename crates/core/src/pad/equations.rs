@@ -16,7 +16,7 @@
 //! when the pad overtakes the disc has no state of stick to return to. Here friction alone changes its direction, which
 //! is the same in all motion with `x' <= v`.
 
-use crate::friction::decay;
+use crate::friction::shape::Shape;
 use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 
@@ -44,10 +44,14 @@ pub(crate) struct PadEquations {
     pub friction_per_preload: f64,
     /// v.
     pub disc_speed: f64,
-    /// 1 / v_s.
+    pub friction_shape: Shape,
+    /// 1 / v_s, or over another speed scale of the law.
     pub inverse_stribeck: f64,
     pub stribeck_exponent: f64,
     pub kinetic_friction: f64,
+    /// e of the law, and e b(0).
+    pub additional_friction: f64,
+    pub additional_at_rest: f64,
 }
 
 /// Forces at the contact in one state, divided by the pad's mass over scaled time.
@@ -71,7 +75,7 @@ impl PadEquations {
     pub fn new(brake: &PadOnDisc) -> Self {
         let parameters = brake.parameters();
         let stiffness = &parameters.stiffness;
-        let mass = brake.scaled_mass();
+        let (mass, law) = (brake.scaled_mass(), brake.friction_law());
         let (normal, angular) = (brake.normal_oscillator(), brake.angular_oscillator());
         Self {
             tangential_damping: brake.scaled_tangential_damping() / mass,
@@ -86,9 +90,12 @@ impl PadEquations {
             transmission: brake.friction_transmission(),
             friction_per_preload: brake.friction_transmission() * brake.normal_force_per_preload() / mass,
             disc_speed: brake.disc_speed(),
-            inverse_stribeck: 1.0 / brake.friction_law().stribeck_velocity,
-            stribeck_exponent: brake.friction_law().exponent,
-            kinetic_friction: brake.friction_law().kinetic_coefficient,
+            friction_shape: law.shape,
+            inverse_stribeck: 1.0 / law.speed_scale,
+            stribeck_exponent: law.exponent,
+            kinetic_friction: law.kinetic_coefficient,
+            additional_friction: law.additional,
+            additional_at_rest: law.additional_at_rest(),
         }
     }
 
@@ -139,16 +146,29 @@ impl PadEquations {
         -(self.angular_damping * speed + self.angular_stiffness * angle + self.arm * spring)
     }
 
-    /// mu at a sliding speed, see [`decay`].
+    /// mu at a sliding speed, see [`Shape::parts`].
     #[inline(always)]
     pub fn friction_coefficient(&self, sliding_speed: f64, static_friction: f64) -> f64 {
-        let decay = decay(sliding_speed * self.inverse_stribeck, self.stribeck_exponent);
-        self.kinetic_friction + (static_friction - self.kinetic_friction) * decay
+        let (a, b) = self.friction_shape.parts(sliding_speed * self.inverse_stribeck, self.stribeck_exponent);
+        self.kinetic_friction + (static_friction - self.kinetic_friction) * a + self.additional_friction * b
+    }
+
+    /// f_s with which the friction coefficient of steady sliding is `mu`.
+    pub fn static_friction_for(&self, mu: f64) -> f64 {
+        let (a, b) = self.friction_shape.parts(self.disc_speed * self.inverse_stribeck, self.stribeck_exponent);
+        let falling = mu - self.kinetic_friction - self.additional_friction * b;
+        if falling == 0.0 { self.kinetic_friction } else { self.kinetic_friction + falling / a }
+    }
+
+    /// mu at rest, the most that friction can hold.
+    #[inline(always)]
+    pub fn friction_at_rest(&self, static_friction: f64) -> f64 {
+        static_friction + self.additional_at_rest
     }
 
     /// x at which static friction can just hold a pad that moves with the disc, under this pressure.
     pub fn release(&self, static_friction: f64, pressure: f64, (sine, cosine): (f64, f64)) -> f64 {
-        let friction = self.transmission * static_friction * pressure;
+        let friction = self.transmission * self.friction_at_rest(static_friction) * pressure;
         (friction * cosine - pressure * sine - self.tangential_damping * self.disc_speed)
             / (self.tangential_stiffness + self.contact_tangential * cosine)
     }

@@ -9,7 +9,6 @@
 //!
 //! Stick and slip are states with located ends, not a smoothed sign function: a switch at step ends chatters.
 
-use crate::friction::StribeckLaw;
 use crate::numerics::root_location::bisect;
 use crate::rigid_disc::pad_on_disc::PadOnDisc;
 use crate::rigid_disc::planar_motion::{PlanarMotion, SlipEnd};
@@ -63,16 +62,11 @@ impl PadOnDisc {
     fn planar_motion(&self) -> PlanarMotion {
         let mass = self.scaled_mass();
         let gain = self.friction_transmission() * self.normal_force() / mass;
-        let law = self.friction_law();
         PlanarMotion {
             stiffness: self.tangential_stiffness() / mass,
             damping: self.scaled_tangential_damping() / mass,
             disc_speed: self.disc_speed(),
-            law: StribeckLaw {
-                static_coefficient: gain * law.static_coefficient,
-                kinetic_coefficient: gain * law.kinetic_coefficient,
-                ..*law
-            },
+            law: self.friction_law().times(gain),
         }
     }
 
@@ -93,7 +87,7 @@ impl PadOnDisc {
         let motion = self.planar_motion();
         let drop = motion.law.static_coefficient - motion.law.kinetic_coefficient;
         let oscillation = self.rotating_speed(drop / motion.stiffness.sqrt());
-        let stribeck = self.rotating_speed(motion.law.stribeck_velocity);
+        let stribeck = self.rotating_speed(motion.law.speed_scale);
         if oscillation <= 0.0 {
             return None;
         }

@@ -1,6 +1,6 @@
 //! The validated model at one operating point: scales, steady sliding, and its linearisation.
 
-use crate::friction::StribeckLaw;
+use crate::friction::law::{FrictionLaw, LawKind};
 use crate::parameters::{ParameterError, Parameters};
 
 /// The units of the scaled quantities, and the conversion to SI.
@@ -172,7 +172,7 @@ pub(crate) struct Oscillator {
 pub struct PadOnDisc {
     parameters: Parameters,
     scales: Scales,
-    friction: StribeckLaw,
+    friction: FrictionLaw,
 }
 
 impl PadOnDisc {
@@ -189,11 +189,15 @@ impl PadOnDisc {
     pub(super) fn of_admissible(parameters: Parameters) -> Result<Self, ParameterError> {
         let scales = Scales::new(&parameters);
         let law = &parameters.friction;
-        let friction = StribeckLaw {
-            static_coefficient: law.static_coefficient,
-            kinetic_coefficient: law.kinetic_coefficient,
-            stribeck_velocity: law.stribeck_velocity / scales.speed,
-            exponent: law.stribeck_exponent,
+        let (f_s, f_c) = (law.static_coefficient, law.kinetic_coefficient);
+        let stribeck_velocity = law.stribeck_velocity / scales.speed;
+        let viscous = law.viscous * law.stribeck_velocity;
+        let friction = match law.law {
+            LawKind::Stribeck => {
+                FrictionLaw::stribeck(f_s, f_c, stribeck_velocity, law.stribeck_exponent).with_additional(viscous)
+            }
+            LawKind::Rational => FrictionLaw::rational(f_s, f_c, stribeck_velocity).with_additional(viscous),
+            LawKind::Table(curve) => FrictionLaw::table(curve, f_s, 1.0 / scales.speed).with_additional(law.band),
         };
         let brake = Self { parameters, scales, friction };
         brake.check_derived_values()?;
@@ -218,7 +222,7 @@ impl PadOnDisc {
             ("the speed scale", self.scales.speed),
             ("eta0", self.scales.eta0),
             ("the scaled speed of the disc", self.disc_speed()),
-            ("the scaled Stribeck velocity", self.friction.stribeck_velocity),
+            ("the speed scale of friction", self.friction.speed_scale),
             ("the contact force for one unit of preload", self.normal_force_per_preload()),
             ("k_t2 / k_t1", self.friction_transmission()),
             ("the tangential stiffness over the mass", self.tangential_oscillator().stiffness),
@@ -258,7 +262,7 @@ impl PadOnDisc {
 
     /// The friction law over scaled speeds.
     #[must_use]
-    pub fn friction_law(&self) -> &StribeckLaw {
+    pub fn friction_law(&self) -> &FrictionLaw {
         &self.friction
     }
 
@@ -301,7 +305,7 @@ impl PadOnDisc {
     /// Whether a sample of this brake is outside physics, see [`RandomInputs::are_outside_physics`].
     #[must_use]
     pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
-        inputs.are_outside_physics(self.friction.kinetic_coefficient)
+        inputs.are_outside_physics(self.friction.least_static_coefficient())
     }
 
     /// k_t2 / k_t1, the share of the friction force that reaches the pad.
@@ -351,7 +355,7 @@ impl PadOnDisc {
     pub(crate) fn sliding_equilibrium_at(&self, inputs: RandomInputs) -> SlidingEquilibrium {
         let Parameters { stiffness, pad, .. } = &self.parameters;
         let normal_force = self.normal_force_per_preload() * inputs.preload;
-        let law = StribeckLaw { static_coefficient: inputs.static_friction, ..self.friction };
+        let law = FrictionLaw { static_coefficient: inputs.static_friction, ..self.friction };
         let friction_coefficient = law.coefficient(self.disc_speed());
         let friction_force = friction_coefficient * normal_force;
         let tangential = self.friction_transmission() * friction_force / self.tangential_stiffness();
@@ -369,11 +373,12 @@ impl PadOnDisc {
         0.5 * pad.moment_arm * self.scales.length * pad.mass / pad.moment_of_inertia
     }
 
-    /// The fall of the friction force with the pad's speed, `(k_t2 / k_t1) N (f_s - f_c) w(v)`, N/m: what friction
-    /// takes away from the damping of the tangential motion.
+    /// The fall of the friction force with the sliding speed, `-(k_t2 / k_t1) N d mu / d v`, N/m: what friction takes away
+    /// from the damping of the tangential motion.
     pub(super) fn friction_weakening_force(&self) -> f64 {
-        let falling = self.friction.static_coefficient - self.friction.kinetic_coefficient;
-        self.friction_transmission() * self.normal_force() * falling * self.friction.weakening(self.disc_speed())
+        let (law, v) = (&self.friction, self.disc_speed());
+        let force = self.friction_transmission() * self.normal_force();
+        force * law.falling() * law.weakening(v) - force * law.rise(v)
     }
 
     /// The tangential motion near steady sliding; its damping is `-m1` of the Jacobian, see

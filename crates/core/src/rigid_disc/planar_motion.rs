@@ -9,7 +9,7 @@
 //! Steps are those of Dormand and Prince's method, adaptive, with a local error of 1e-12 of the motion's own size. Ends
 //! of slip and turning points are located by bisection.
 
-use crate::friction::StribeckLaw;
+use crate::friction::law::FrictionLaw;
 use crate::numerics::root_location::bisect;
 
 /// Local error allowed in one step, relative to the size of the motion.
@@ -33,7 +33,7 @@ pub(crate) struct PlanarMotion {
     /// v.
     pub disc_speed: f64,
     /// G mu: the friction law with its coefficients multiplied by G.
-    pub law: StribeckLaw,
+    pub law: FrictionLaw,
 }
 
 /// How a slip phase ended.
@@ -67,41 +67,28 @@ impl PlanarMotion {
 
     /// Where static friction can hold the pad no longer.
     pub fn release(&self) -> f64 {
-        (self.law.static_coefficient - self.damping * self.disc_speed) / self.stiffness
-    }
-
-    fn falling(&self) -> f64 {
-        self.law.static_coefficient - self.law.kinetic_coefficient
+        (self.law.at_rest() - self.damping * self.disc_speed) / self.stiffness
     }
 
     /// The damping of small motions about steady sliding; negative where friction feeds them.
     pub fn damping_at_equilibrium(&self) -> f64 {
-        let falling = self.falling();
-        // Without a fall there is nothing to multiply a slope with that may be infinite.
-        if falling == 0.0 { self.damping } else { self.damping - falling * self.law.weakening(self.disc_speed) }
+        self.damping - self.law.fall(self.disc_speed)
     }
 
     /// Whether a swing that shrinks without meeting the disc's speed must come to rest: see the module's documentation.
     pub fn has_no_inner_cycle(&self) -> bool {
-        self.law.exponent <= 1.0 && self.damping_at_equilibrium() > 0.0
+        self.law.is_completely_monotone() && self.damping_at_equilibrium() > 0.0
     }
 
     /// Whether a motion that moves at speeds up to `fastest`, if it keeps its energy, surely comes to rest.
     pub fn comes_to_rest_from(&self, fastest: f64) -> bool {
-        let (v, falling) = (self.disc_speed, self.falling());
-        let slope = if falling <= 0.0 {
+        let slope = if self.law.never_falls() {
             // Friction that rises with speed damps; at least it does not feed.
             0.0
-        } else if fastest >= v {
+        } else if fastest >= self.disc_speed {
             return false;
         } else {
-            let steepest = self.law.steepest_between(v - fastest, v + fastest);
-            if steepest <= v - fastest && fastest > 1e-6 * v {
-                // The curve is convex there, and the chord to its upper end the steepest.
-                (self.law.coefficient(v - fastest) - self.law.coefficient(v)) / fastest
-            } else {
-                falling * self.law.weakening(steepest)
-            }
+            self.law.steepest_chord(self.disc_speed, fastest)
         };
         self.damping > slope
     }

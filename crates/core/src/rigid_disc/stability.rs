@@ -4,14 +4,16 @@
 //! are those of three oscillators. Only the tangential one can lose its damping:
 //!
 //! ```text
-//! m1 = [ (k_t2 / k_t1) N (f_s - f_c) w(v) - c_x sqrt(eta0) ] / (M eta0),      N = k_en k_y Delta / (k_en + k_y)
+//! m1 = [ -(k_t2 / k_t1) N d mu / d v - c_x sqrt(eta0) ] / (M eta0),      N = k_en k_y Delta / (k_en + k_y)
 //! ```
 //!
-//! with the weakening `w(v)` of the friction law. Steady sliding is unstable exactly when `m1 > 0`, so the boundary
-//! in the plane of preload and static friction is a hyperbola, `Delta (f_s - f_c) = const`.
+//! with the slope `d mu / d v = -(f_s - f_c) w(v) + e b'(v)` of the friction law. Steady sliding is unstable exactly when
+//! `m1 > 0`, so the boundary in the plane of preload and static friction is a hyperbola, `Delta (f_s - f_0) = const`.
 
 use nalgebra::DMatrix;
 
+use crate::friction::law::FrictionLaw;
+use crate::friction::shape::Shape;
 use crate::numerics::eigenvalues::Eigenvalue;
 use crate::parameters::Parameters;
 use crate::rigid_disc::pad_on_disc::{Oscillator, PadOnDisc};
@@ -37,8 +39,8 @@ impl Oscillator {
 /// Rotating speeds between which steady sliding is unstable, rad/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpeedRange {
-    /// Lower end: 0 for Stribeck exponents up to 1; above 1 the friction curve is flat at rest, and very slow
-    /// sliding is stable again.
+    /// Lower end: 0 for the rational law and Stribeck exponents up to 1; above 1 the friction curve is flat at rest, and
+    /// very slow sliding is stable again.
     pub from: f64,
     /// Upper end, the critical speed; infinite if nothing damps the tangential motion.
     pub to: f64,
@@ -84,29 +86,47 @@ impl PadOnDisc {
         self.tangential_oscillator().eigenvalues()[0].re
     }
 
-    /// The rotating speeds at which steady sliding is unstable with this preload and friction, or `None` if it is
-    /// stable at every speed. The upper end is the critical speed.
+    /// The rotating speeds at which steady sliding is unstable with this preload and friction, in rising order; none if it
+    /// is stable at every speed. The upper end of the last range is the critical speed. A measured curve that falls in
+    /// several places may have several ranges.
     ///
-    /// For Tustin's law `v_crit = v_s ln[(k_t2 / k_t1) N (f_s - f_c) / (v_s c_x sqrt(eta0))]`. For other exponents
-    /// `u = (v / v_s)^delta` solves `u^p exp(-u) = c_x sqrt(eta0) v_s / (delta (k_t2 / k_t1) N (f_s - f_c))` with
-    /// `p = 1 - 1/delta`, which is `u = -p W(...)` with Lambert's W on both its real branches.
+    /// Unstable is a sliding speed at which friction falls more steeply than `c = c_x sqrt(eta0) + (k_t2 / k_t1) N k_v`
+    /// with the viscous term k_v of the law. For Tustin's law
+    /// `v_crit = v_s ln[(k_t2 / k_t1) N (f_s - f_c) / (v_s c)]`. For other exponents `u = (v / v_s)^delta` solves
+    /// `u^p exp(-u) = c v_s / (delta (k_t2 / k_t1) N (f_s - f_c))` with `p = 1 - 1/delta`, which is `u = -p W(...)` with
+    /// Lambert's W on both its real branches. For the rational law
+    /// `(1 + v_crit / v_s)^2 = (k_t2 / k_t1) N (f_s - f_c) / (v_s c)`. On a table the slope of each cubic is a parabola.
     #[must_use]
-    pub fn unstable_speeds(&self) -> Option<SpeedRange> {
+    pub fn unstable_speeds(&self) -> Vec<SpeedRange> {
         let law = self.friction_law();
-        let falling = law.static_coefficient - law.kinetic_coefficient;
-        let driving = self.friction_transmission() * self.normal_force() * falling;
+        if let Shape::Table(_) = law.shape {
+            return self.unstable_speeds_of_table(law);
+        }
+        let force = self.friction_transmission() * self.normal_force();
+        let driving = force * law.falling();
         if driving <= 0.0 {
-            return None;
+            return Vec::new();
         }
-        let damping = self.scaled_tangential_damping();
+        let damping = self.scaled_tangential_damping() + force * law.rise(0.0);
         if damping == 0.0 {
-            return Some(SpeedRange { from: 0.0, to: f64::INFINITY });
+            return vec![SpeedRange { from: 0.0, to: f64::INFINITY }];
         }
-        let level = libm::log(damping * law.stribeck_velocity / (law.exponent * driving));
-        let speed = |log_power: f64| self.rotating_speed(law.stribeck_velocity * libm::exp(log_power / law.exponent));
+        let range = match law.shape {
+            Shape::Rational => {
+                let to = law.speed_scale * ((driving / (damping * law.speed_scale)).sqrt() - 1.0);
+                (to > 0.0).then(|| SpeedRange { from: 0.0, to: self.rotating_speed(to) })
+            }
+            _ => self.unstable_speeds_of_stribeck(law, damping, driving),
+        };
+        range.into_iter().collect()
+    }
+
+    fn unstable_speeds_of_stribeck(&self, law: &FrictionLaw, damping: f64, driving: f64) -> Option<SpeedRange> {
+        let level = libm::log(damping * law.speed_scale / (law.exponent * driving));
+        let speed = |log_power: f64| self.rotating_speed(law.speed_scale * libm::exp(log_power / law.exponent));
         let power = 1.0 - 1.0 / law.exponent;
         if power == 0.0 {
-            let to = self.rotating_speed(law.stribeck_velocity * -level);
+            let to = self.rotating_speed(law.speed_scale * -level);
             return (to > 0.0).then_some(SpeedRange { from: 0.0, to });
         }
         if power < 0.0 {
@@ -119,17 +139,54 @@ impl PadOnDisc {
         })
     }
 
+    /// Beyond the last row a curve is constant, and sliding stable.
+    fn unstable_speeds_of_table(&self, law: &FrictionLaw) -> Vec<SpeedRange> {
+        let force = self.friction_transmission() * self.normal_force();
+        if force <= 0.0 {
+            return Vec::new();
+        }
+        // Slopes of a piece are taken over its own speeds.
+        let limit = -self.scaled_tangential_damping() / force * law.speed_scale;
+        let mut ranges: Vec<SpeedRange> = Vec::new();
+        for piece in law.pieces() {
+            let mut ends = piece.speeds_of_slope(limit);
+            ends.insert(0, piece.from);
+            ends.push(piece.to);
+            for pair in ends.windows(2) {
+                if piece.slope(0.5 * (pair[0] + pair[1])) >= limit {
+                    continue;
+                }
+                let [from, to] = [pair[0], pair[1]].map(|speed| self.rotating_speed(speed * law.speed_scale));
+                match ranges.last_mut() {
+                    Some(last) if last.to == from => last.to = to,
+                    _ => ranges.push(SpeedRange { from, to }),
+                }
+            }
+        }
+        ranges
+    }
+
     /// The boundary of linear stability at this rotating speed, for any preload and static friction.
     #[must_use]
     pub fn stability_boundary(&self) -> StabilityBoundary {
+        let (law, v) = (self.friction_law(), self.disc_speed());
         let damping = self.scaled_tangential_damping();
-        let weakening = self.friction_law().weakening(self.disc_speed());
-        let driving = self.friction_transmission() * self.normal_force_per_preload() * weakening;
-        StabilityBoundary {
+        let force = self.friction_transmission() * self.normal_force_per_preload();
+        let (weakening, rise) = (law.weakening(v), law.rise(v));
+        let driving = force * weakening.abs();
+        let kinetic = law.kinetic_coefficient;
+        let (critical_product, by_static, offset) = if driving > 0.0 && weakening > 0.0 {
+            (damping / driving, 1.0, -(kinetic + rise / weakening))
+        } else if driving > 0.0 && rise < 0.0 {
+            (damping / driving, -1.0, kinetic + rise / weakening)
+        } else if rise < 0.0 {
+            (damping / force, 0.0, -rise)
+        } else {
             // A weakening that underflows to zero drives nothing, whatever the damping.
-            critical_product: if driving > 0.0 { damping / driving } else { f64::INFINITY },
-            kinetic_coefficient: self.friction_law().kinetic_coefficient,
-        }
+            (f64::INFINITY, 1.0, -kinetic)
+        };
+        let least_static = law.least_static_coefficient();
+        StabilityBoundary { critical_product, by_static, offset, least_static }
     }
 }
 
@@ -157,42 +214,67 @@ fn log_root(power: f64, level: f64, start: f64) -> f64 {
     s
 }
 
-/// The hyperbola `Delta (f_s - f_c) = critical_product` that separates stable from unstable steady sliding at one
+/// The hyperbola `Delta (f_s - f_0) = critical_product` that separates stable from unstable steady sliding at one
 /// rotating speed.
+///
+/// `f_0` is the static friction coefficient with which friction neither falls nor rises at this speed: f_c, with a viscous
+/// term k_v `f_c + k_v / w(v)`. Where a measured curve rises, nothing is unstable; but if it falls only because it is shifted
+/// by its standard deviations, that is so for small f_s, and the boundary is `Delta (f_0 - f_s) = critical_product`.
 ///
 /// Samples outside physics are stable by definition, and never redrawn: `Delta <= 0` presses nothing together, and
 /// `f_s < f_c` means friction that rises with speed. (The bare product would call "both negative" unstable.)
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StabilityBoundary {
     critical_product: f64,
-    kinetic_coefficient: f64,
+    /// Unstable is `Delta (by_static f_s + offset) > critical_product`; `by_static` is 1 where friction falls with speed.
+    by_static: f64,
+    offset: f64,
+    /// Below it a sample is outside physics.
+    least_static: f64,
 }
 
 impl StabilityBoundary {
-    /// `Delta (f_s - f_c)` on the boundary; non-negative, infinite where nothing is ever unstable.
+    /// `Delta (f_s - f_0)` on the boundary; non-negative, infinite where nothing is ever unstable.
     #[must_use]
     pub fn critical_product(&self) -> f64 {
         self.critical_product
     }
 
-    /// f_c, the kinetic friction coefficient.
+    /// f_0, the kinetic friction coefficient if the law has no viscous term.
     #[must_use]
     pub fn kinetic_coefficient(&self) -> f64 {
-        self.kinetic_coefficient
+        if self.by_static == 0.0 { f64::INFINITY } else { -self.offset / self.by_static }
+    }
+
+    /// Whether instability lies above the boundary in static friction, as it does but for shifted measured curves.
+    #[must_use]
+    pub fn is_unstable_above(&self) -> bool {
+        self.by_static > 0.0
     }
 
     /// The static friction coefficient on the boundary at a given preload; infinite for preloads that are not
-    /// positive.
+    /// positive, and where there is none above which sliding is unstable.
     #[must_use]
     pub fn critical_static_friction(&self, preload: f64) -> f64 {
-        if preload > 0.0 { self.kinetic_coefficient + self.critical_product / preload } else { f64::INFINITY }
+        if preload > 0.0 && self.is_unstable_above() {
+            (self.critical_product / preload - self.offset).max(self.least_static)
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// The preload on the boundary at a given static friction coefficient; infinite where friction does not fall.
     #[must_use]
     pub fn critical_preload(&self, static_friction: f64) -> f64 {
-        let falling = static_friction - self.kinetic_coefficient;
-        if falling > 0.0 { self.critical_product / falling } else { f64::INFINITY }
+        let falling = self.falling(static_friction);
+        let is_physical = static_friction >= self.least_static;
+        if falling > 0.0 && is_physical { self.critical_product / falling } else { f64::INFINITY }
+    }
+
+    /// How much friction falls, in the unit of the critical product.
+    #[inline]
+    fn falling(&self, static_friction: f64) -> f64 {
+        self.by_static * static_friction + self.offset
     }
 
     /// The verdict on one sample.
@@ -204,9 +286,9 @@ impl StabilityBoundary {
 
     #[inline]
     fn is_unstable(&self, preload: f64, static_friction: f64) -> bool {
-        let falling = static_friction - self.kinetic_coefficient;
+        let driving = preload * self.falling(static_friction);
         // `&`, not `&&`: the loop over samples then has no branches and runs in vector registers.
-        (preload > 0.0) & (falling > 0.0) & (preload * falling > self.critical_product)
+        (preload > 0.0) & (static_friction >= self.least_static) & (driving > self.critical_product)
     }
 
     /// The verdicts on samples `(preloads[i], static_frictions[i])`, counted.

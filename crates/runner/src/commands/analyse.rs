@@ -34,7 +34,7 @@ struct Analysis {
     stable: bool,
     coupled: Result<Coupled, FlexibleError>,
     disc_frequencies: Vec<f64>,
-    unstable_speeds: Option<SpeedRange>,
+    unstable_speeds: Vec<SpeedRange>,
     saddle_node: Option<f64>,
     limit_cycle: Option<LimitCycle>,
     critical_static_friction: f64,
@@ -86,8 +86,8 @@ impl Analysis {
                 "frequency_hz": scales.hertz(value.im / TAU),
             })
         };
-        let critical = self.unstable_speeds.map(|speeds| speeds.to);
-        let lower_critical = self.unstable_speeds.map(|speeds| speeds.from).filter(|from| *from > 0.0);
+        let critical = self.unstable_speeds.last().map(|speeds| speeds.to);
+        let lower_critical = self.unstable_speeds.last().map(|speeds| speeds.from).filter(|from| *from > 0.0);
         let in_m_s = |speed: Option<f64>| speed.map(|speed| self.brake.speed_under_pad(speed));
         let mut analysis = json!({
             "equilibrium": {
@@ -106,10 +106,11 @@ impl Analysis {
             "coupled_stable": coupled.map(|coupled| coupled.stability == LinearStability::Stable),
             "coupled_fed_by": coupled.and_then(Coupled::fed_by).map(|freedom| freedom.to_string()),
             "disc_modes": coupled.map(|coupled| coupled.modes),
-            "unstable_speeds": match self.unstable_speeds {
-                None => json!("none"),
-                Some(speeds) if speeds.to.is_infinite() => json!("all"),
-                Some(speeds) => json!([speeds.from, speeds.to]),
+            "unstable_speeds": match *self.unstable_speeds {
+                [] => json!("none"),
+                [speeds] if speeds.to.is_infinite() => json!("all"),
+                [speeds] => json!([speeds.from, speeds.to]),
+                ref several => json!(several.iter().map(|speeds| [speeds.from, speeds.to]).collect::<Vec<_>>()),
             },
             "critical_speed_rad_s": critical,
             "lower_critical_speed_rad_s": lower_critical,
@@ -229,17 +230,24 @@ impl Analysis {
     fn limits_text(&self) -> String {
         let scales = self.brake.scales();
         let in_m_s = |rad_s: f64| speed(self.brake.speed_under_pad(rad_s));
-        let mut text = match self.unstable_speeds {
-            None => "critical speed     none: steady sliding is stable at every speed\n".to_owned(),
-            Some(speeds) if speeds.to.is_infinite() => "critical speed     none: unstable at every speed\n".to_owned(),
-            Some(SpeedRange { from, to }) if from > 0.0 => format!(
+        let mut text = match *self.unstable_speeds {
+            [] => "critical speed     none: steady sliding is stable at every speed\n".to_owned(),
+            [speeds] if speeds.to.is_infinite() => "critical speed     none: unstable at every speed\n".to_owned(),
+            [SpeedRange { from, to }] if from > 0.0 => format!(
                 "critical speed     {to:.4} rad/s, unstable down to {from:.4} rad/s ({} and {} under the pad)\n",
                 in_m_s(to),
                 in_m_s(from)
             ),
-            Some(SpeedRange { to, .. }) => {
+            [SpeedRange { to, .. }] => {
                 format!("critical speed     {to:.4} rad/s, unstable below ({} under the pad)\n", in_m_s(to))
             }
+            ref several => several
+                .iter()
+                .map(|SpeedRange { from, to }| {
+                    let (low, high) = (in_m_s(*from), in_m_s(*to));
+                    format!("unstable           from {from:.4} to {to:.4} rad/s ({low} to {high} under the pad)\n")
+                })
+                .collect(),
         };
         text += &match self.saddle_node {
             None if self.limit_cycle.is_some() => "saddle-node        none: stick-slip at every speed\n".to_owned(),

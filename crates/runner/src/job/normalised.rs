@@ -20,6 +20,9 @@ use super::sampling_spec::{AUDIT, Audit, EvaluateMode, IntervalSpec, SamplingMet
 use super::scatter::own_std;
 use super::validated::Job;
 
+/// Parameters that jobs did not have from the beginning; without effect while they are zero.
+const LATER: [&str; 2] = ["friction.viscous", "friction.band"];
+
 /// The values of the model by section and name, without those that are axes of the grid.
 pub type NormalisedModel = BTreeMap<&'static str, BTreeMap<&'static str, f64>>;
 
@@ -80,7 +83,9 @@ pub fn model(parameters: &Parameters, further: &[FurtherAxis]) -> NormalisedMode
     let mut model = NormalisedModel::new();
     for scalar in &SCALARS {
         let is_axis = scalar.section() == "operating_point" || scalar.key == "friction.static_coefficient";
-        if !is_axis && further.iter().all(|further| further.name != scalar.key) {
+        // Later parameters count only where they are used, so that earlier jobs keep their identity.
+        let is_unused = LATER.contains(&scalar.key) && scalar.value(parameters) == 0.0;
+        if !is_axis && !is_unused && further.iter().all(|further| further.name != scalar.key) {
             model.entry(scalar.section()).or_default().insert(scalar.name(), scalar.value(parameters));
         }
     }

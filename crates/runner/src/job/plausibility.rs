@@ -27,7 +27,7 @@ const PER_CENT: &[(f64, &str)] = &[(1e-2, "per cent")];
 
 /// The first rule that fits a key is its rule.
 #[rustfmt::skip]
-static RULES: [Rule; 17] = [
+static RULES: [Rule; 18] = [
     Rule { key: "disc.density", least: 500.0, most: 25e3, units: &[(1e3, "g/cm^3")] },
     Rule { key: "disc.youngs_modulus", least: 1e9, most: 1.5e12, units: &[(1e9, "GPa"), (1e6, "MPa")] },
     Rule { key: "disc.thickness", least: 5e-4, most: 0.15, units: MILLIMETRES },
@@ -43,6 +43,7 @@ static RULES: [Rule; 17] = [
     Rule { key: "stiffness", least: 1e5, most: 1e11, units: &[(1e3, "N/mm"), (1e6, "kN/mm")] },
     Rule { key: "friction.static_coefficient", least: 0.0, most: 1.5, units: PER_CENT },
     Rule { key: "friction.kinetic_coefficient", least: 0.0, most: 1.5, units: PER_CENT },
+    Rule { key: "friction.viscous", least: 0.0, most: 1.0, units: &[] },
     Rule { key: "friction.stribeck_velocity", least: 1e-4, most: 30.0, units: &[(1e-3, "mm/s")] },
     Rule { key: "operating_point.rotating_speed", least: 1e-3, most: 1e3, units: &[(TAU / 60.0, "rpm")] },
 ];

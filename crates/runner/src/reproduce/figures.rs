@@ -48,7 +48,7 @@ pub fn growth_rates(run: &FinishedRun) -> Result<String, Failure> {
         }
         lines.push(line);
         let brake = brake_at(speeds[0])?;
-        let crossing = brake.unstable_speeds().map_or("none".to_owned(), |range| {
+        let crossing = brake.unstable_speeds().last().map_or("none".to_owned(), |range| {
             format!("{:.3} rad/s ({})", range.to, units::speed(brake.speed_under_pad(range.to)))
         });
         let scales = brake.scales();

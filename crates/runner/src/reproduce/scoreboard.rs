@@ -79,7 +79,7 @@ pub fn scoreboard() -> Result<String, Failure> {
 fn scores() -> Result<Vec<Score>, Failure> {
     let missing = |what: &str| Failure::InputOutput(format!("the preset has no {what}; please report this as a bug"));
     let preset = brake_at(16.0)?;
-    let critical = preset.unstable_speeds().ok_or_else(|| missing("critical speed"))?.to;
+    let critical = preset.unstable_speeds().pop().ok_or_else(|| missing("critical speed"))?.to;
     let at_critical = brake_at(critical)?;
     let [x, _, y, _, phi, _] = at_critical.sliding_eigenvalues();
     let fast = brake_at(35.0)?.sliding_equilibrium();
@@ -135,7 +135,7 @@ fn in_si() -> Result<String, Failure> {
         length(scales.length),
         hertz.join(", ")
     );
-    if let (Some(cycle), Some(speeds)) = (brake.limit_cycle(), brake.unstable_speeds()) {
+    if let (Some(cycle), Some(speeds)) = (brake.limit_cycle(), brake.unstable_speeds().pop()) {
         text += &format!(
             "The pad's frequency at 10 rad/s is {}, its largest displacement {}.\n\
             At the critical speed the disc passes the pad at {}; the preload 0.1 is {} and {}.\n",

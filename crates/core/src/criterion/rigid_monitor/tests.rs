@@ -1,10 +1,10 @@
 //! Invented motions on rigid discs, reported swing by swing and stick by stick; the return map knows the true ones.
 
 use super::*;
-use crate::friction::StribeckLaw;
+use crate::friction::law::FrictionLaw;
 
 fn motion(disc_speed: f64, damping: f64, stribeck_velocity: f64, exponent: f64) -> PlanarMotion {
-    let law = StribeckLaw { static_coefficient: 1.2, kinetic_coefficient: 1.0, stribeck_velocity, exponent };
+    let law = FrictionLaw::stribeck(1.2, 1.0, stribeck_velocity, exponent);
     PlanarMotion { stiffness: 1.0, damping, disc_speed, law }
 }
 

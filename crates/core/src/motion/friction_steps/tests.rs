@@ -1,10 +1,11 @@
 use super::*;
+use crate::friction::measured_curve::MeasuredCurve;
 
 const EXPONENTS: [f64; 5] = [0.5, 1.0, 1.5, 2.0, 3.0];
 
 /// A disc at speed 10 and a Stribeck velocity of 1/2.
 fn limits(exponent: f64, falling_pull: f64, refinement: f64) -> FrictionSteps {
-    FrictionSteps::new(10.0, 2.0, exponent, falling_pull, refinement)
+    FrictionSteps::new(10.0, 2.0, (Shape::of_stribeck(exponent), exponent), (falling_pull, 0.0), refinement)
 }
 
 /// The speed of a pad that slides at `r` Stribeck velocities.
@@ -117,7 +118,7 @@ fn a_step_through_sticking_is_as_long_as_one_at_it() {
 fn a_step_is_cut_near_sticking_and_not_where_friction_has_died() {
     // A disc a thousand Stribeck velocities fast, and a step of a tenth over the natural frequency.
     for exponent in EXPONENTS {
-        let limits = FrictionSteps::new(1.0, 1e3, exponent, 0.1, 1.0);
+        let limits = FrictionSteps::new(1.0, 1e3, (Shape::of_stribeck(exponent), exponent), (0.1, 0.0), 1.0);
         assert!(!limits.is_too_long((0.0, 0.1), (1.0, 1.0), 0.1), "{exponent}");
         assert!(limits.is_too_long((0.99, 1.0), (1.0, 1.0), 0.1), "{exponent}");
         assert!(limits.is_too_long((1.0, 0.99), (1.0, 1.0), 0.1), "{exponent}");
@@ -142,4 +143,25 @@ fn at_release_the_falling_friction_limits_a_step_of_no_acceleration() {
     assert!((excess - 0.1 * 7.0 * 2.0 / (0.4 * 7.0)).abs() < 1e-9);
     let excess = limits(2.0, 7.0, 1.0).excess((speed(3.0), speed(2.0)), (0.0, 0.0), 0.1);
     assert!((excess - 0.1 * 7.0 * 2.0 * 4.0 * libm::exp(-4.0) / 0.4).abs() < 1e-9);
+}
+
+#[test]
+fn a_step_that_lanes_take_for_short_is_short() {
+    let curve = MeasuredCurve::new(&[0.0, 1.0, 4.0, 12.0], &[0.4, 0.3, 0.25, 0.3], None).unwrap();
+    let stribeck = [0.3, 0.7, 1.0, 1.4, 2.0, 5.0].map(|exponent| (Shape::of_stribeck(exponent), exponent));
+    let others = [(Shape::Rational, 1.0), (Shape::Table(SharedCurve::new(curve)), 1.0)];
+    for law in stribeck.into_iter().chain(others) {
+        let mut counts = [0; 3];
+        for (speeds, accelerations, falling_pull) in states().take(5000) {
+            let limits = FrictionSteps::new(10.0, 2.0, law, (falling_pull, 0.0), 1.0);
+            for h in [1e-4, 1e-3, 1e-2] {
+                let is = limits.is_too_long(speeds, accelerations, h);
+                let may_be = limits.may_be_too_long(speeds, accelerations, h);
+                assert!(may_be || !is, "{law:?} {speeds:?} {accelerations:?} {h}");
+                counts[usize::from(is) + usize::from(may_be)] += 1;
+            }
+        }
+        // Few steps are left to the scalar code in vain.
+        assert!(counts[0] > 1000 && counts[2] > 100 && counts[1] < counts[0], "{law:?} {counts:?}");
+    }
 }

@@ -182,7 +182,8 @@ fn every_key_that_changes_results_changes_the_identity() {
     let preset = stickslip_core::parameters::Parameters::sui_ding_2018();
     for scalar in &SCALARS {
         if scalar.section() != "operating_point" && scalar.key != "friction.static_coefficient" {
-            let value = 0.999 * scalar.value(&preset);
+            let preset_value = scalar.value(&preset);
+            let value = if preset_value == 0.0 { 0.1 } else { 0.999 * preset_value };
             let (section, name) = (scalar.section(), scalar.name());
             note(
                 &SOBOL.replace("[axes]", &format!("[model.{section}]\n{name} = {value}\n[axes]")),

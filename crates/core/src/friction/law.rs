@@ -1,0 +1,358 @@
+//! A friction law with its coefficients.
+
+use crate::friction::measured_curve::{Piece, SharedCurve};
+use crate::friction::shape::Shape;
+
+/// A friction law without its values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LawKind {
+    /// `f_c + (f_s - f_c) exp(-(|v| / v_s)^delta)`, with a viscous term.
+    Stribeck,
+    /// `f_c + (f_s - f_c) / (1 + |v| / v_s)`, with a viscous term.
+    Rational,
+    /// A measured curve, scaled by the static friction coefficient.
+    Table(SharedCurve),
+}
+
+impl LawKind {
+    /// Its name in a job.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Stribeck => "stribeck",
+            Self::Rational => "rational",
+            Self::Table(_) => "table",
+        }
+    }
+
+    /// The measured curve, if it is one.
+    #[must_use]
+    pub fn table(&self) -> Option<&SharedCurve> {
+        match self {
+            Self::Table(curve) => Some(curve),
+            Self::Stribeck | Self::Rational => None,
+        }
+    }
+}
+
+/// A friction law: the coefficient of friction over the sliding speed, [`crate::friction`].
+///
+/// ```text
+/// mu(v) = f_c + (f_s - f_c) a(|v| / v_s) + e b(|v| / v_s)
+/// ```
+///
+/// For Stribeck's law (the paper's equation 2.6 with the sign of its exponent corrected) `a(r) = exp(-r^delta)`. Speeds and
+/// the speed scale `v_s` share a unit; inside this crate they are scaled speeds.
+///
+/// ```
+/// use stickslip_core::friction::law::FrictionLaw;
+/// let law = FrictionLaw::stribeck(0.39, 0.25, 0.72, 1.0);
+/// assert_eq!(law.coefficient(0.0), 0.39);
+/// assert!((law.coefficient(0.72) - (0.25 + 0.14 / std::f64::consts::E)).abs() < 1e-15);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionLaw {
+    /// f_s; the coefficient at rest is [`FrictionLaw::at_rest`].
+    pub static_coefficient: f64,
+    /// f_c, the limit of the falling part at high sliding speed; 0 for a table.
+    pub kinetic_coefficient: f64,
+    /// e: the viscous friction at the Stribeck velocity, or the number of standard deviations by which a measured curve is
+    /// shifted.
+    pub additional: f64,
+    /// v_s > 0, the Stribeck velocity; for a table 1 m/s.
+    pub speed_scale: f64,
+    /// delta > 0 of Stribeck's law; 1 is Tustin's law, 2 the Gaussian one.
+    pub exponent: f64,
+    pub(crate) shape: Shape,
+}
+
+impl FrictionLaw {
+    /// Stribeck's law without a viscous term.
+    #[must_use]
+    pub fn stribeck(static_coefficient: f64, kinetic_coefficient: f64, stribeck_velocity: f64, exponent: f64) -> Self {
+        Self {
+            static_coefficient,
+            kinetic_coefficient,
+            additional: 0.0,
+            speed_scale: stribeck_velocity,
+            exponent,
+            shape: Shape::of_stribeck(exponent),
+        }
+    }
+
+    /// The rational law without a viscous term.
+    #[must_use]
+    pub fn rational(static_coefficient: f64, kinetic_coefficient: f64, stribeck_velocity: f64) -> Self {
+        let law = Self::stribeck(static_coefficient, kinetic_coefficient, stribeck_velocity, 1.0);
+        Self { shape: Shape::Rational, ..law }
+    }
+
+    /// A measured curve with its value at rest changed to `static_coefficient`, where `metre_per_second` is the speed 1 m/s
+    /// in the unit of speeds.
+    #[must_use]
+    pub fn table(curve: SharedCurve, static_coefficient: f64, metre_per_second: f64) -> Self {
+        let law = Self::stribeck(static_coefficient, 0.0, metre_per_second, 1.0);
+        Self { shape: Shape::Table(curve), ..law }
+    }
+
+    /// The same with another additional term e.
+    #[must_use]
+    pub fn with_additional(self, additional: f64) -> Self {
+        Self { additional, ..self }
+    }
+
+    /// The law of a force: all coefficients multiplied.
+    pub(crate) fn times(self, factor: f64) -> Self {
+        Self {
+            static_coefficient: factor * self.static_coefficient,
+            kinetic_coefficient: factor * self.kinetic_coefficient,
+            additional: factor * self.additional,
+            ..self
+        }
+    }
+
+    /// The friction coefficient mu at sliding speed `speed` (either sign).
+    #[must_use]
+    pub fn coefficient(&self, speed: f64) -> f64 {
+        let r = speed.abs() / self.speed_scale;
+        let (a, b) = self.parts(r);
+        self.kinetic_coefficient + self.falling() * a + self.additional * b
+    }
+
+    /// The parts a and b of the law at r, by the mathematics of `libm`.
+    fn parts(&self, r: f64) -> (f64, f64) {
+        match self.shape {
+            Shape::Tustin | Shape::Gaussian | Shape::Stribeck => (libm::exp(-self.power(r)), r),
+            Shape::Rational => (1.0 / (1.0 + r), r),
+            Shape::Table(curve) => curve.values(r),
+        }
+    }
+
+    /// `r^delta`.
+    fn power(&self, r: f64) -> f64 {
+        if self.exponent == 1.0 { r } else { libm::pow(r, self.exponent) }
+    }
+
+    /// mu at rest: f_s, for a shifted curve with its shift there.
+    #[must_use]
+    pub fn at_rest(&self) -> f64 {
+        self.static_coefficient + self.additional_at_rest()
+    }
+
+    /// e b(0).
+    pub(crate) fn additional_at_rest(&self) -> f64 {
+        match self.shape {
+            Shape::Table(curve) => self.additional * curve.values(0.0).1,
+            _ => 0.0,
+        }
+    }
+
+    /// The static friction coefficient below which a sample is outside physics: f_c, or what leaves a measured curve
+    /// without friction at rest.
+    #[must_use]
+    pub fn least_static_coefficient(&self) -> f64 {
+        self.kinetic_coefficient - self.additional_at_rest()
+    }
+
+    /// `f_s - f_c`.
+    pub(crate) fn falling(&self) -> f64 {
+        self.static_coefficient - self.kinetic_coefficient
+    }
+
+    /// The fall of friction with speed, per unit of `f_s - f_c` and without the additional term; for Stribeck's law
+    ///
+    /// ```text
+    /// w(v) = (delta / v_s) (v / v_s)^(delta - 1) exp(-(v / v_s)^delta)
+    /// d mu / d v = -(f_s - f_c) w(v) + rise(v)
+    /// ```
+    ///
+    /// It does not depend on the friction coefficients; where a measured curve rises it is negative. `speed` > 0; for
+    /// exponents below 1 it grows without bound towards zero speed.
+    pub(crate) fn weakening(&self, speed: f64) -> f64 {
+        let r = speed / self.speed_scale;
+        match self.shape {
+            Shape::Rational => 1.0 / ((1.0 + r) * (1.0 + r)) / self.speed_scale,
+            Shape::Table(curve) => -curve.slopes(r).0 / self.speed_scale,
+            Shape::Tustin | Shape::Gaussian | Shape::Stribeck => {
+                let power = self.power(r);
+                let decay = libm::exp(-power);
+                if self.exponent == 1.0 {
+                    decay / self.speed_scale
+                } else if decay == 0.0 {
+                    0.0
+                } else {
+                    self.exponent * power / speed * decay
+                }
+            }
+        }
+    }
+
+    /// The rise of the additional term with speed.
+    pub(crate) fn rise(&self, speed: f64) -> f64 {
+        match self.shape {
+            Shape::Table(curve) => self.additional * curve.slopes(speed / self.speed_scale).1 / self.speed_scale,
+            _ => self.additional / self.speed_scale,
+        }
+    }
+
+    /// How steeply friction falls at a sliding speed, `-d mu / d v`.
+    pub(crate) fn fall(&self, speed: f64) -> f64 {
+        let falling = self.falling();
+        // Without a fall there is nothing to multiply a slope with that may be infinite.
+        let fall = if falling == 0.0 { 0.0 } else { falling * self.weakening(speed) };
+        fall - self.rise(speed)
+    }
+
+    /// Whether `f_s >= f_c` and all derivatives of mu but those of the viscous term alternate in sign, the first one
+    /// negative: Stribeck's law with exponents up to 1, and the rational law.
+    pub(crate) fn is_completely_monotone(&self) -> bool {
+        match self.shape {
+            Shape::Tustin | Shape::Gaussian | Shape::Stribeck => self.exponent <= 1.0,
+            Shape::Rational => true,
+            Shape::Table(_) => false,
+        }
+    }
+
+    /// Whether friction surely falls at no speed.
+    pub(crate) fn never_falls(&self) -> bool {
+        !matches!(self.shape, Shape::Table(_)) && self.falling() <= 0.0
+    }
+
+    /// The speed in `from..=to` at which friction falls most steeply, for `f_s >= f_c`; `from` > 0.
+    ///
+    /// For the rational law and for exponents up to 1 the slope falls with speed; for exponents above 1 it has its crest
+    /// at `v_s (1 - 1 / delta)^(1 / delta)`. On a table each cubic has one of its own.
+    pub(crate) fn steepest_between(&self, from: f64, to: f64) -> f64 {
+        match self.shape {
+            Shape::Table(_) => self
+                .pieces()
+                .filter(|piece| piece.to * self.speed_scale > from && piece.from * self.speed_scale < to)
+                .map(|piece| {
+                    let ends = (from / self.speed_scale, to / self.speed_scale);
+                    let steepest = piece.steepest_fall(ends.0.max(piece.from), ends.1.min(piece.to));
+                    (steepest * self.speed_scale).clamp(from, to)
+                })
+                .fold(to, |best, speed| if self.fall(speed) > self.fall(best) { speed } else { best }),
+            Shape::Stribeck | Shape::Gaussian if self.exponent > 1.0 => {
+                let crest = libm::pow(1.0 - 1.0 / self.exponent, 1.0 / self.exponent);
+                (self.speed_scale * crest).clamp(from, to)
+            }
+            _ => from,
+        }
+    }
+
+    /// The cubics of a table, over r; those of other laws are none.
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = Piece> + Clone + use<> {
+        let (falling, additional) = (self.falling(), self.additional);
+        let curve = match self.shape {
+            Shape::Table(curve) => Some(curve),
+            _ => None,
+        };
+        curve.into_iter().flat_map(move |curve| curve.pieces(falling, additional))
+    }
+
+    /// An upper bound, exact for convex curves, of `[mu(v - u) - mu(v)] / u` over all `0 < |u| <= reach`: what friction
+    /// takes away at most, per unit of speed, from the damping of a motion with speeds up to `reach` on a disc of speed
+    /// `v` > `reach`.
+    pub(crate) fn steepest_chord(&self, v: f64, reach: f64) -> f64 {
+        if let Shape::Table(_) = self.shape {
+            return self.steepest_chord_of_table(v, reach);
+        }
+        let steepest = self.steepest_between(v - reach, v + reach);
+        if steepest <= v - reach && reach > 1e-6 * v {
+            // The curve is convex there, and the chord to its upper end the steepest.
+            (self.coefficient(v - reach) - self.coefficient(v)) / reach
+        } else {
+            self.falling() * self.weakening(steepest) - self.rise(steepest)
+        }
+    }
+
+    /// Over every cubic the chord is bounded in two ways: by the steepest slope between v and the cubic's farther end,
+    /// and by the largest or smallest value of the monotone cubic over its distance.
+    fn steepest_chord_of_table(&self, v: f64, reach: f64) -> f64 {
+        let at_v = self.coefficient(v);
+        let fall_between = |from: f64, to: f64| self.fall(self.steepest_between(from, to));
+        let scale = self.speed_scale;
+        let ends = self.pieces().map(|piece| (piece.from * scale, piece.to * scale));
+        // Beyond the last row the curve is constant.
+        let last = ends.clone().fold(0.0, |last: f64, (_, to)| last.max(to));
+        let mut most = f64::NEG_INFINITY;
+        for (from, to) in ends.chain([(last, f64::INFINITY)]) {
+            let (from, to) = (from.max(v - reach), to.min(v + reach));
+            if from > to {
+                continue;
+            }
+            let by_slope = fall_between(from.min(v), to.max(v));
+            // A shifted curve need not be monotone between its rows: by its slopes only.
+            let by_value = if self.additional != 0.0 || (from <= v && v <= to) {
+                f64::INFINITY
+            } else if to < v {
+                let drop = self.coefficient(from).max(self.coefficient(to)) - at_v;
+                drop / if drop > 0.0 { v - to } else { v - from }
+            } else {
+                let drop = at_v - self.coefficient(from).min(self.coefficient(to));
+                drop / if drop > 0.0 { from - v } else { to - v }
+            };
+            most = most.max(by_slope.min(by_value));
+        }
+        most
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law(exponent: f64) -> FrictionLaw {
+        FrictionLaw::stribeck(0.4, 0.25, 0.7, exponent)
+    }
+
+    #[test]
+    fn the_coefficient_falls_from_static_to_kinetic() {
+        for exponent in [0.5, 1.0, 2.0, 3.7] {
+            let law = law(exponent);
+            assert_eq!(law.coefficient(0.0), 0.4);
+            assert!((law.coefficient(1e9) - 0.25).abs() < 1e-15);
+            assert_eq!(law.coefficient(-0.3), law.coefficient(0.3));
+            let curve: Vec<f64> = (0..100).map(|i| law.coefficient(0.05 * f64::from(i))).collect();
+            assert!(curve.windows(2).all(|pair| pair[1] <= pair[0]), "exponent {exponent}");
+        }
+    }
+
+    #[test]
+    fn weakening_is_the_slope_of_the_coefficient() {
+        for exponent in [0.5, 1.0, 2.0, 3.7] {
+            let law = law(exponent);
+            for speed in [0.01, 0.1, 0.7, 1.3, 2.0] {
+                let step = 1e-5 * speed;
+                let slope = (law.coefficient(speed + step) - law.coefficient(speed - step)) / (2.0 * step);
+                let expected = -0.15 * law.weakening(speed);
+                assert!(
+                    (slope - expected).abs() < 1e-7 * (1.0 + expected.abs()),
+                    "{exponent} {speed}: {slope} {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_in_a_range_is_steeper_than_the_steepest() {
+        for exponent in [0.5, 1.0, 1.3, 2.0, 3.7] {
+            let law = law(exponent);
+            for (from, to) in [(0.01, 3.0), (0.6, 0.8), (1.0, 3.0), (0.01, 0.1)] {
+                let steepest = law.weakening(law.steepest_between(from, to));
+                for i in 0..=1000 {
+                    let speed = from + (to - from) * f64::from(i) / 1000.0;
+                    assert!(law.weakening(speed) <= steepest * (1.0 + 1e-12), "{exponent} {from} {to} {speed}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn weakening_vanishes_without_nan_at_extreme_speed() {
+        for exponent in [0.5, 1.0, 2.0, 10.0] {
+            assert_eq!(law(exponent).weakening(1e300), 0.0);
+        }
+    }
+}
