@@ -393,6 +393,20 @@ fn analyse_reports_the_printed_numbers() {
             .unwrap();
     assert!((fast["equilibrium"]["x"].as_f64().unwrap() - 8.15e-3).abs() < 5e-6);
     assert!(fast["limit_cycle"].is_null());
+    // Above the saddle-node every motion returns; below the critical speed none does.
+    assert!(fast["smallest_knock"].is_null() && fast["basin_area"].is_null());
+    let slow: serde_json::Value =
+        serde_json::from_str(&place.run("analyse --set operating_point.rotating_speed=10 --json").done().stdout)
+            .unwrap();
+    assert_eq!((slow["smallest_knock"]["speed"].as_f64(), slow["basin_area"].as_f64()), (Some(0.0), Some(0.0)));
+    // In between, SciPy 1.17.1 (solve_ivp with DOP853, rtol 1e-13) at 16 rad/s.
+    for (value, expected) in [
+        (&json["smallest_knock"]["speed"], 0.002648059029),
+        (&json["smallest_knock"]["displacement"], 0.001217401500),
+        (&json["basin_area"], 1.0593414950e-5),
+    ] {
+        assert!((value.as_f64().unwrap() / expected - 1.0).abs() < 1e-8, "{value} {expected}");
+    }
     let flat: serde_json::Value =
         serde_json::from_str(&place.run("analyse --set friction.kinetic_coefficient=0.39 --json").done().stdout)
             .unwrap();

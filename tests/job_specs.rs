@@ -141,7 +141,7 @@ fn every_value_that_cannot_be_read_is_told_with_what_would_be_right() {
             changed("rotating_speed = 15.0", "Omega = 15.0\nk_t1 = 1\nsamples = 5"),
             &[
                 "job.toml:4:1: unknown key `Omega` in [axes]; did you mean `rotating_speed`?",
-                "job.toml:5:1: unknown key `k_t1` in [axes]; did you mean `contact_tangential_1` in [model.stiffness]?",
+                "job.toml:5:1: unknown key `k_t1` in [axes]; did you mean `\"stiffness.contact_tangential_1\"`?",
                 "job.toml:6:1: unknown key `samples` in [axes]; `samples` belongs in [sampling]",
             ],
         ),

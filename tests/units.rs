@@ -118,6 +118,13 @@ fn analyse_converts_its_other_numbers_by_the_scales_of_the_paper() {
         ("critical_speed_m_s", "critical_speed_rad_s", OUTER_RADIUS),
         ("saddle_node_speed_m_s", "saddle_node_speed_rad_s", OUTER_RADIUS),
         ("critical_preload_mm", "critical_preload", 1e3 * THICKNESS),
+        ("smallest_knock.speed_m_s", "smallest_knock.speed", THICKNESS / tau),
+        ("smallest_knock.forward_m_s", "smallest_knock.forward", THICKNESS / tau),
+        ("smallest_knock.backward_m_s", "smallest_knock.backward", THICKNESS / tau),
+        ("smallest_knock.displacement_mm", "smallest_knock.displacement", 1e3 * THICKNESS),
+        ("smallest_knock.outward_mm", "smallest_knock.outward", 1e3 * THICKNESS),
+        ("smallest_knock.inward_mm", "smallest_knock.inward", 1e3 * THICKNESS),
+        ("basin_area_m2_s", "basin_area", THICKNESS * THICKNESS / tau),
         ("limit_cycle.period_s", "limit_cycle.period", tau),
         ("limit_cycle.x_max_mm", "limit_cycle.x_max", 1e3 * THICKNESS),
         ("limit_cycle.x_min_mm", "limit_cycle.x_min", 1e3 * THICKNESS),
@@ -135,7 +142,7 @@ fn analyse_converts_its_other_numbers_by_the_scales_of_the_paper() {
     assert_close(number(&gaussian, "lower_critical_speed_m_s"), lower, 1e-12);
     // Where there is no speed there is none in m/s.
     let flat = json(&place.run("analyse --set friction.kinetic_coefficient=0.39 --json").done().stdout);
-    for key in ["critical_speed_m_s", "saddle_node_speed_m_s", "critical_preload_mm", "limit_cycle"] {
+    for key in ["critical_speed_m_s", "saddle_node_speed_m_s", "critical_preload_mm", "limit_cycle", "smallest_knock"] {
         assert!(flat[key].is_null(), "{key} {}", flat[key]);
     }
 }

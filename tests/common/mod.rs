@@ -14,7 +14,7 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use tempfile::TempDir;
 
 /// The targets of `reproduce`.
-pub const TARGETS: [&str; 19] = [
+pub const TARGETS: [&str; 20] = [
     "table2",
     "table3",
     "fig4",
@@ -33,6 +33,7 @@ pub const TARGETS: [&str; 19] = [
     "fig14d",
     "fig15a",
     "fig15b",
+    "external",
     "scoreboard",
 ];
 

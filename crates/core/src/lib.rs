@@ -32,11 +32,11 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`numerics`] | methods that know nothing of brakes: eigenvalues, quadrature, root location, monotone interpolation, exponential, logarithm, sine and cosine |
+//! | [`numerics`] | methods that know nothing of brakes: eigenvalues, quadrature, root location, steps, monotone interpolation, exponential, logarithm, sine and cosine |
 //! | [`friction`] | the friction laws: Stribeck's, the rational one, measured curves |
 //! | [`parameters`] | all parameters with keys, units, limits and the preset |
 //! | [`verdict`], [`degree_of_freedom`] | what a criterion returns: a verdict, and what feeds an unstable motion |
-//! | [`rigid_disc`] | the pad on a rigid disc: steady sliding, its stability in closed form, limit cycle, return map |
+//! | [`rigid_disc`] | the pad on a rigid disc: steady sliding, its stability in closed form, limit cycle, return map, basin |
 //! | `pad` | states of contact, and the pad's equations of motion on any disc |
 //! | [`flexible_disc`] | modes of the disc, contact over the patch, equations, equilibrium, linear stability |
 //! | [`motion`] | starts, steps with stick and slip, the motions on a rigid and on a flexible disc |

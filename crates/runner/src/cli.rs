@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use stickslip_core::finite_difference::brake::DiscGrid;
+use stickslip_core::motion::start::{GivenStart, Start, StartUnits};
 
-use crate::job::StartKind;
+use crate::job::{StartKind, StartValue};
 use crate::schedule::plan::Shard;
 use crate::target::Target;
 
@@ -185,9 +186,10 @@ pub struct TrajectoryArguments {
     /// How the moving load of the finite-difference disc is shared among nodes [default: linear]
     #[arg(long, value_enum)]
     pub allotment: Option<AllotmentArgument>,
-    /// Where the motion starts
-    #[arg(long, value_enum, default_value_t = StartKind::NearEquilibrium)]
-    pub start: StartKind,
+    /// Where the motion starts: near-equilibrium, rest, limit-cycle, or numbers, for example
+    /// velocity=0.3,tangential=1e-4 (m/s, m, rad; also normal, angle, from_equilibrium and units=scaled)
+    #[arg(long, value_name = "START", default_value = "near-equilibrium", value_parser = start)]
+    pub start: StartArgument,
     /// Relative displacement from the equilibrium at the start [default: 0.01]
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     pub displacement: Option<f64>,
@@ -309,4 +311,48 @@ pub struct CompletionsArguments {
     /// bash, elvish, fish, powershell or zsh
     #[arg(value_name = "SHELL", value_enum)]
     pub shell: Shell,
+}
+
+/// A start as typed.
+#[derive(Debug, Clone)]
+pub struct StartArgument {
+    /// As typed.
+    pub text: String,
+    /// The start.
+    pub start: Start,
+}
+
+/// What `--start` may be.
+const STARTS: &str = "it may be near-equilibrium, rest, limit-cycle, or numbers of tangential, velocity, normal and angle, for example velocity=0.3,tangential=1e-4";
+
+/// A start by its name, or in numbers.
+fn start(text: &str) -> Result<StartArgument, String> {
+    let named = StartKind::from_str(text, false).map(Start::from);
+    let start = named.or_else(|_| given_start(text).map(Start::Given))?;
+    Ok(StartArgument { text: text.to_owned(), start })
+}
+
+fn given_start(text: &str) -> Result<GivenStart, String> {
+    let mut start = GivenStart::default();
+    for part in text.split(',').map(str::trim) {
+        match part.split_once('=').map(|(name, value)| (name.trim(), value.trim())) {
+            None if part == "from_equilibrium" => start.from_equilibrium = true,
+            Some(("from_equilibrium", "true")) => start.from_equilibrium = true,
+            Some(("from_equilibrium", "false")) => start.from_equilibrium = false,
+            Some(("units", "si")) => start.units = StartUnits::Si,
+            Some(("units", "scaled")) => start.units = StartUnits::Scaled,
+            Some(("units", other)) => return Err(format!("units={other}: units are si or scaled")),
+            Some((name, value)) => {
+                let known = StartValue::ALL.into_iter().find(|number| number.name() == name);
+                let number = known.ok_or_else(|| format!("there is no {name:?}; {STARTS}"))?;
+                let parsed = value.parse().map_err(|_| format!("{name}={value}: {value:?} is not a number"))?;
+                if number.of(&start).is_some() {
+                    return Err(format!("{name} is given twice"));
+                }
+                number.set(&mut start, parsed);
+            }
+            None => return Err(STARTS.to_owned()),
+        }
+    }
+    Ok(start)
 }

@@ -8,7 +8,7 @@
 //! | shrinking, and no larger than the stated displacement | not known to be unstable | stable |
 //! | creeping: no turn and no stick between two checks, half as far from the equilibrium as before | the same | stable |
 //! | still: [`STILL_SWINGS`] swings in a row far smaller than any cycle | the same | stable |
-//! | growing, or constant | | unstable |
+//! | growing, or constant | not still | unstable |
 //! | stick-slip persists | | unstable |
 //!
 //! If the settled amplitude is wanted, an unstable motion is simulated until stick-slip has settled or until its swings
@@ -99,6 +99,12 @@ impl FlexibleMonitor {
         }
     }
 
+    /// Notes that normal motion and rotation start away from steady sliding, by this much in the disc's thicknesses and rad
+    /// together.
+    pub fn is_excited_by(&mut self, distance: f64) {
+        self.transients.are_excited_by(distance);
+    }
+
     fn becomes_unstable(&mut self) {
         self.is_known_unstable = true;
         if !self.until_settled {
@@ -110,14 +116,15 @@ impl FlexibleMonitor {
     fn compare_swing(&mut self, time: f64, amplitude: f64) {
         let imitated = self.transients.imitated(time, amplitude);
         match self.swings.trend(time, imitated) {
-            Trend::Growing => self.becomes_unstable(),
+            // What is still may be errors of the steps, as of a start at the equilibrium itself.
+            Trend::Growing if amplitude > self.still || self.is_known_unstable => self.becomes_unstable(),
             Trend::Shrinking if !self.is_known_unstable && amplitude <= self.basin => {
                 self.verdict = Some(Verdict::Stable);
             }
             Trend::Constant if self.is_known_unstable || amplitude > self.basin => {
                 self.verdict = Some(Verdict::Unstable);
             }
-            Trend::Shrinking | Trend::Constant | Trend::Unclear => {}
+            Trend::Growing | Trend::Shrinking | Trend::Constant | Trend::Unclear => {}
         }
         self.still_swings = if amplitude <= self.still { self.still_swings + 1 } else { 0 };
         if self.still_swings >= STILL_SWINGS && !self.is_known_unstable && self.verdict.is_none() {

@@ -22,6 +22,7 @@
 use crate::criterion::monitor::Monitor;
 use crate::degree_of_freedom::DegreeOfFreedom;
 use crate::motion::integrator::Observer;
+use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::planar_motion::PlanarMotion;
 use crate::rigid_disc::return_map::Fate;
 use crate::verdict::Verdict;
@@ -79,6 +80,26 @@ impl RigidMonitor {
             monitor.turns(0.0, x);
         }
         monitor
+    }
+
+    /// Notes the state of contact that a given motion starts in, at `x`.
+    pub fn starts_in(&mut self, contact: ContactState, x: f64) {
+        match contact {
+            ContactState::Slip => {}
+            // The return map knows slip alone.
+            ContactState::Overtaking => self.started = None,
+            ContactState::Stick => {
+                self.started = None;
+                self.waits_for_release(x);
+            }
+        }
+    }
+
+    /// The motion sticks at `x` until it is released; all motions are released in the same state.
+    fn waits_for_release(&mut self, x: f64) {
+        if self.verdict.is_none() && self.motion.release() - x > LONGEST_STICK * self.motion.disc_speed {
+            self.conclude_from(self.motion.fate_of_release());
+        }
     }
 
     fn becomes_unstable(&mut self) {
@@ -187,8 +208,8 @@ impl Observer for RigidMonitor {
         if self.sticks > 1 {
             self.is_known_unstable = true;
             self.verdict = Some(Verdict::Unstable);
-        } else if (self.motion.release() - x) > LONGEST_STICK * self.motion.disc_speed {
-            self.conclude_from(self.motion.fate_of_release());
+        } else {
+            self.waits_for_release(x);
         }
     }
 

@@ -28,6 +28,9 @@
 //! saddle-node of stick-slip is accurate to 1e-5 for disc speeds up to a thousand Stribeck velocities, as the tests
 //! check.
 
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
 use thiserror::Error;
 
 use crate::criterion::decision::Decision;
@@ -42,7 +45,7 @@ use crate::motion::advance::advance;
 use crate::motion::flexible::{FlexibleMotion, FlexibleSample, FlexibleState};
 use crate::motion::integrator::{Equations, Motion};
 use crate::motion::rigid::{RigidBrake, RigidSample, RigidState};
-use crate::motion::start::Start;
+use crate::motion::start::{Start, StartError, TangentialStart, check_reach};
 use crate::pad::contact_state::ContactState;
 use crate::parameters::ParameterError;
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
@@ -65,6 +68,9 @@ pub enum TimeDomainError {
     /// A setting out of range.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// A given start that no pad can be in.
+    #[error(transparent)]
+    Start(#[from] StartError),
     /// The model of the disc, or its equilibrium.
     #[error(transparent)]
     Brake(#[from] FlexibleError),
@@ -99,7 +105,7 @@ pub struct TimeDomain {
 #[derive(Debug, Clone)]
 pub(crate) enum System {
     Rigid(RigidBrake),
-    Flexible(Box<FlexibleMotion>),
+    Flexible(Arc<FlexibleMotion>),
 }
 
 impl TimeDomain {
@@ -110,10 +116,11 @@ impl TimeDomain {
     /// [`TimeDomainError::Brake`] as [`FlexibleBrake::with_modes`].
     pub fn new(brake: &PadOnDisc, disc: &DiscModel, settings: TimeDomainSettings) -> Result<Self, TimeDomainError> {
         settings.validate()?;
+        let settings = TimeDomainSettings { start: settings.start.scaled(brake.scales()), ..settings };
         let system = match disc {
             DiscModel::Rigid => System::Rigid(RigidBrake::new(brake)),
             DiscModel::Flexible { modes } => {
-                System::Flexible(Box::new(FlexibleMotion::new(FlexibleBrake::with_modes(brake.clone(), *modes)?)))
+                System::Flexible(Arc::new(FlexibleMotion::new(FlexibleBrake::with_modes(brake.clone(), *modes)?)))
             }
         };
         let criterion = Self { settings, system, brake: brake.clone() };
@@ -133,11 +140,59 @@ impl TimeDomain {
     pub fn with_steps_divided_by(mut self, divisor: f64) -> Self {
         let (step, refinement) = match &mut self.system {
             System::Rigid(brake) => (&mut brake.step, &mut brake.refinement),
-            System::Flexible(brake) => (&mut brake.step, &mut brake.refinement),
+            System::Flexible(brake) => {
+                let brake = Arc::make_mut(brake);
+                (&mut brake.step, &mut brake.refinement)
+            }
         };
         *step /= divisor;
         *refinement /= divisor;
         self
+    }
+
+    /// The same criterion for motions that start elsewhere.
+    #[must_use]
+    pub fn with_start(&self, start: Start) -> Self {
+        let start = start.scaled(self.brake.scales());
+        Self { settings: TimeDomainSettings { start, ..self.settings }, ..self.clone() }
+    }
+
+    /// Checks that a sample can start where the settings say.
+    ///
+    /// # Errors
+    /// [`TimeDomainError::Start`] if no pad can be there, [`TimeDomainError::Brake`] if there is no steady sliding to start
+    /// from.
+    pub fn check_start(&self, inputs: RandomInputs) -> Result<(), TimeDomainError> {
+        match &self.system {
+            System::Rigid(motion) => self.check_rigid_start(&motion.sample(inputs), self.settings.start)?,
+            System::Flexible(motion) => {
+                let sample = motion.sample(inputs);
+                self.check_flexible_start(&sample, &self.flexible_start(&sample, self.settings.start)?.0)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_rigid_start(&self, sample: &RigidSample, start: Start) -> Result<(), StartError> {
+        let state = self.rigid_start(sample, start).state;
+        check_reach((state.x, state.u), sample.brake.stiffness)
+    }
+
+    fn check_flexible_start(
+        &self,
+        sample: &FlexibleSample<'_>,
+        motion: &Motion<FlexibleState>,
+    ) -> Result<(), StartError> {
+        let pad = &sample.brake.equations.pad;
+        let state = &motion.state;
+        check_reach((state.q[0], state.u[0]), pad.tangential_stiffness + pad.contact_tangential)?;
+        let (normal, angle) = (state.q[1], state.q[2]);
+        let is_upright = angle.abs() < FRAC_PI_2;
+        if is_upright && normal.is_finite() && sample.rates(state, ContactState::Slip).0.pressure > 0.0 {
+            return Ok(());
+        }
+        let steady = sample.equilibrium().map_or(f64::NAN, |steady| steady.q[1]);
+        Err(StartError::LiftedOff { normal, angle, steady })
     }
 
     /// Decides one sample. A sample without preload presses nothing together and is stable; so is one whose friction
@@ -150,6 +205,7 @@ impl TimeDomain {
     /// Decides one sample that starts elsewhere than the settings say.
     #[must_use]
     pub fn decide_from(&self, inputs: RandomInputs, start: Start) -> Decision {
+        let start = start.scaled(self.brake.scales());
         match &self.system {
             System::Rigid(motion) => {
                 let sample = motion.sample(inputs);
@@ -168,14 +224,15 @@ impl TimeDomain {
         }
     }
 
-    /// The same criterion for another brake. A flexible disc keeps its number of modes.
+    /// The same criterion for another brake. A flexible disc keeps its number of modes. A start in SI units was scaled for
+    /// the present brake and stays as it is; see [`TimeDomain::with_start`].
     ///
     /// # Errors
     /// As [`TimeDomain::new`].
     pub fn with_brake(&self, brake: &PadOnDisc) -> Result<Self, TimeDomainError> {
         let system = match &self.system {
             System::Rigid(own) => System::Rigid(RigidBrake::new(brake).refined_as(own)),
-            System::Flexible(motion) => System::Flexible(Box::new(motion.with_brake(brake.clone())?)),
+            System::Flexible(motion) => System::Flexible(Arc::new(motion.with_brake(brake.clone())?)),
         };
         let criterion = Self { settings: self.settings, system, brake: brake.clone() };
         criterion.check_horizon(criterion.step_length())?;
@@ -210,8 +267,12 @@ impl TimeDomain {
         let motion = self.rigid_start(sample, start);
         let starts_at_release = motion.contact == ContactState::Stick;
         let state = (motion.state.x, motion.state.u);
-        let monitor =
+        let mut monitor =
             RigidMonitor::new(sample.planar_motion(), self.settings.until_settled(), state, starts_at_release);
+        if let Start::Given(_) = start {
+            self.check_rigid_start(sample, start).map_err(|_| Decision::FAILED)?;
+            monitor.starts_in(motion.contact, motion.state.x);
+        }
         self.unless_decided(motion, monitor)
     }
 
@@ -236,6 +297,11 @@ impl TimeDomain {
             Ok(LinearStability::Unstable { fed_by }) => Some(fed_by),
             Err(_) => return Err(Decision::FAILED),
         };
+        let is_given = matches!(start, Start::Given(_));
+        if let (Some(fed_by), false, false) = (linear_growth_fed_by, self.settings.until_settled(), is_given) {
+            // No motion needs to be started. That of a given start is checked first.
+            return Err(Decision { fed_by: Some(fed_by), ..Decision::from(Verdict::Unstable) });
+        }
         let options = MonitorOptions {
             slowest_transient: brake.equations.slowest_transient(),
             smallest_cycle: brake.equations.pad.smallest_cycle(),
@@ -244,7 +310,13 @@ impl TimeDomain {
         };
         let (motion, equilibrium) = self.flexible_start(sample, start).map_err(|_| Decision::FAILED)?;
         let starts_turning_at = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
-        let monitor = FlexibleMonitor::new(options, equilibrium, self.settings.displacement, starts_turning_at);
+        let mut monitor = FlexibleMonitor::new(options, equilibrium, self.settings.displacement, starts_turning_at);
+        if let Start::Given(_) = start {
+            self.check_flexible_start(sample, &motion).map_err(|_| Decision::FAILED)?;
+            let steady = sample.equilibrium().map_err(|_| Decision::FAILED)?.q;
+            let q = &motion.state.q;
+            monitor.is_excited_by((q[1] - steady[1]).abs() + (q[2] - steady[2]).abs());
+        }
         self.unless_decided(motion, monitor)
     }
 
@@ -259,8 +331,9 @@ impl TimeDomain {
     pub(crate) fn rigid_start(&self, sample: &RigidSample, start: Start) -> Motion<RigidState> {
         let displacement = self.settings.displacement;
         let release = || sample.release();
-        let start = start.tangential(displacement, sample.equilibrium(), release, sample.brake.disc_speed);
-        Motion { state: RigidState { x: start.x, u: start.speed }, contact: start.contact }
+        let TangentialStart { x, speed } =
+            start.tangential(displacement, sample.equilibrium(), release, sample.brake.disc_speed);
+        start.motion(sample, RigidState { x, u: speed })
     }
 
     /// The motion at its beginning, and the equilibrium's x.
@@ -273,10 +346,12 @@ impl TimeDomain {
         let equilibrium = state.q[0];
         let displacement = self.settings.displacement;
         let release = || sample.release(&state);
-        let start = start.tangential(displacement, equilibrium, release, sample.brake.equations.pad.disc_speed);
-        state.q[0] = start.x;
-        state.u[0] = start.speed;
-        Ok((Motion { state, contact: start.contact }, equilibrium))
+        let TangentialStart { x, speed } =
+            start.tangential(displacement, equilibrium, release, sample.brake.equations.pad.disc_speed);
+        state.q[0] = x;
+        state.u[0] = speed;
+        (state.q[1], state.q[2]) = start.normal_and_angle((state.q[1], state.q[2]));
+        Ok((start.motion(sample, state), equilibrium))
     }
 
     /// Simulates a motion from step `begun` on, to its verdict or to the horizon.

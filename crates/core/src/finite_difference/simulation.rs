@@ -8,7 +8,7 @@ use crate::flexible_disc::error::FlexibleError;
 use crate::motion::advance::advance;
 use crate::motion::integrator::{Motion, Observer};
 use crate::motion::moment::{Moment, RecordedContact};
-use crate::motion::start::Start;
+use crate::motion::start::{Start, TangentialStart};
 use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
 
@@ -155,9 +155,12 @@ impl FiniteDifferenceBrake {
         let before = self.surface(&plate);
         let equilibrium = state.q[0];
         let release = || self.pad_on(inputs, &before, &before).release(&state);
-        let start = start.tangential(displacement, equilibrium, release, self.pad().disc_speed);
-        state.q[0] = start.x;
-        state.u[0] = start.speed;
+        let start = start.scaled(self.modal.brake.equations.brake.scales());
+        let TangentialStart { x, speed } = start.tangential(displacement, equilibrium, release, self.pad().disc_speed);
+        state.q[0] = x;
+        state.u[0] = speed;
+        (state.q[1], state.q[2]) = start.normal_and_angle((state.q[1], state.q[2]));
+        let pad = start.motion(&self.pad_on(inputs, &before, &before), state);
         let mut positions = Vec::new();
         self.patch.locate(&self.plate, Passage::default(), &mut positions);
         let simulation = Simulation {
@@ -165,7 +168,7 @@ impl FiniteDifferenceBrake {
             inputs,
             allotment,
             steps: 0,
-            pad: Motion { state, contact: start.contact },
+            pad,
             plate,
             positions,
             loads: Vec::new(),

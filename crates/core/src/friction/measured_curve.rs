@@ -190,6 +190,7 @@ impl MeasuredCurve {
     }
 
     /// The slopes of `T / T(0)` and of S, s/m.
+    #[inline(always)]
     pub(crate) fn slopes(&self, speed: f64) -> (f64, f64) {
         let (i, t) = self.index.place(speed);
         (self.shape.slope(i, t), self.deviation.slope(i, t))

@@ -5,20 +5,24 @@
 //! scale,
 //!
 //! ```text
-//! h (k_t2 / k_t1) k_en k_y / (k_en + k_y) Delta (f_s - f_c) W(V) > c_x,      W(V) = exp(-V / v_s) / v_s
+//! h (k_t2 / k_t1) k_en k_y / (k_en + k_y) Delta [(f_s - f_c) W(V) - B(V)] > c_x
 //! ```
 //!
-//! (exponent 1; else `W` is the law's own weakening). Here both sides are multiplied by all denominators, so that each
-//! side is a product of parameters: those that all samples share are multiplied once, the others row by row. There is one
-//! division, `V / v_s`. A single sample is decided by the same operations as many, so it has the same verdict.
+//! where friction falls by `(f_s - f_c) W(V) - B(V)` for each m/s; `W` belongs to the falling part of the law and `B` to
+//! the additional term ([`crate::friction`]). Here both sides are multiplied by all denominators, so that each side is a
+//! product of parameters: those that all samples share are multiplied once, the others row by row. For the exponent 1
+//! there is one division, `V / v_s`. A single sample is decided by the same operations as many, so it has the same
+//! verdict.
 //!
 //! [`PadOnDisc::stability_boundary`] rounds differently, by some units in the last place of its critical product.
 //!
 //! [`PadOnDisc::stability_boundary`]: crate::rigid_disc::pad_on_disc::PadOnDisc::stability_boundary
 
-use crate::friction::law::FrictionLaw;
+use crate::friction::law::LawKind;
+use crate::friction::shape::Shape;
 use crate::lanes::dispatch::{InstructionSet, dispatch};
 use crate::numerics::exponential::exp;
+use crate::numerics::logarithm::power;
 use crate::parameters::{Parameters, Scalar};
 use crate::rigid_disc::pad_on_disc::RandomInputs;
 use crate::rigid_disc::varying_brake::{HIGHEST_FRICTION, VaryingBrake};
@@ -75,8 +79,13 @@ struct Form {
     outer_radius: Term,
     rotating_speed: Term,
     kinetic: Term,
-    stribeck_velocity: Term,
+    /// v_s, for a table 1 m/s.
+    speed_scale: Term,
+    shape: Shape,
     exponent: Term,
+    /// The factors of the additional term, and its value at rest over their product.
+    additional: [Term; 2],
+    additional_at_rest: f64,
     /// Inner radius of the disc, inner radius of the pad, outer radius of the disc, if any of them differs.
     radii: Option<[Term; 3]>,
 }
@@ -105,10 +114,13 @@ impl VaryingClosedForm {
             let value = scalar.value(brake.shared().parameters());
             let limits = scalar.limits;
             let most = if limits.includes_maximum { limits.maximum } else { limits.maximum.next_down() };
-            if is_moderate {
-                Check { least: (value / USUAL).max(limits.minimum), most: (value * USUAL).min(most) }
-            } else {
+            // The two friction terms may be zero, and their limits are no extreme numbers.
+            if !is_moderate {
                 Check { least: f64::INFINITY, most: f64::NEG_INFINITY }
+            } else if ["friction.viscous", "friction.band"].contains(&scalar.key) {
+                Check { least: limits.minimum, most }
+            } else {
+                Check { least: (value / USUAL).max(limits.minimum), most: (value * USUAL).min(most) }
             }
         };
         let checks = brake.scalars().iter().map(check).collect();
@@ -231,6 +243,18 @@ impl Form {
         let contact_normal = term("stiffness.contact_normal", stiffness.contact_normal);
         let calliper_normal = term("stiffness.calliper_normal", stiffness.calliper_normal);
         let stribeck_velocity = term("friction.stribeck_velocity", friction.stribeck_velocity);
+        let viscous = term("friction.viscous", friction.viscous);
+        let exponent = term("friction.stribeck_exponent", friction.stribeck_exponent);
+        let (shape, speed_scale, additional) = match (friction.law, exponent) {
+            (LawKind::Stribeck, Term::Shared(exponent)) => {
+                (Shape::of_stribeck(exponent), stribeck_velocity, [viscous, stribeck_velocity])
+            }
+            (LawKind::Stribeck, Term::Column(_)) => (Shape::Stribeck, stribeck_velocity, [viscous, stribeck_velocity]),
+            (LawKind::Rational, _) => (Shape::Rational, stribeck_velocity, [viscous, stribeck_velocity]),
+            (LawKind::Table(curve), _) => {
+                (Shape::Table(curve), Term::Shared(1.0), [term("friction.band", friction.band), Term::Shared(1.0)])
+            }
+        };
         let outer_radius = term("disc.outer_radius", disc.outer_radius);
         let driving = [
             term("disc.thickness", disc.thickness),
@@ -241,7 +265,7 @@ impl Form {
         let damping = [
             term("damping.tangential", damping.tangential),
             term("stiffness.contact_tangential_1", stiffness.contact_tangential_1),
-            stribeck_velocity,
+            speed_scale,
         ];
         let radii =
             [term("disc.inner_radius", disc.inner_radius), term("pad.inner_radius", pad.inner_radius), outer_radius];
@@ -256,8 +280,11 @@ impl Form {
             outer_radius,
             rotating_speed: term("operating_point.rotating_speed", operating_point.rotating_speed),
             kinetic: term("friction.kinetic_coefficient", friction.kinetic_coefficient),
-            stribeck_velocity,
-            exponent: term("friction.stribeck_exponent", friction.stribeck_exponent),
+            speed_scale,
+            shape,
+            exponent,
+            additional,
+            additional_at_rest: if let Shape::Table(curve) = shape { curve.values(0.0).1 } else { 0.0 },
             radii: differs.then_some(radii),
         }
     }
@@ -301,19 +328,33 @@ fn decide_block(form: &Form, checks: &[Check], block: &mut Block) {
         }
     }
 
-    let (outer, speed, stribeck) =
-        (form.outer_radius.row(rows), form.rotating_speed.row(rows), form.stribeck_velocity.row(rows));
-    let mut weakening = [0.0; LANES];
+    let (outer, speed, scale) =
+        (form.outer_radius.row(rows), form.rotating_speed.row(rows), form.speed_scale.row(rows));
+    let mut ratio = [0.0; LANES];
     for l in 0..LANES {
-        weakening[l] = outer[l] * speed[l] / stribeck[l];
+        ratio[l] = outer[l] * speed[l] / scale[l];
     }
-    weaken(form.exponent, rows, &mut weakening);
-
+    let (mut weakening, mut rise) = ([0.0; LANES], [0.0; LANES]);
+    slopes(form.shape, &form.exponent.row(rows), &ratio, &mut weakening, &mut rise);
     let kinetic = form.kinetic.row(rows);
+    for l in 0..LANES {
+        weakening[l] *= static_friction[l] - kinetic[l];
+    }
+    // Below this static friction a sample is outside physics.
+    let mut least = kinetic;
+    let [first, second] = form.additional;
+    if !matches!(first, Term::Shared(0.0)) {
+        let (first, second) = (first.row(rows), second.row(rows));
+        for l in 0..LANES {
+            let factor = first[l] * second[l];
+            weakening[l] -= factor * rise[l];
+            least[l] -= factor * form.additional_at_rest;
+        }
+    }
     let (contact, calliper) = (form.contact_normal.row(rows), form.calliper_normal.row(rows));
     let (mut driving, mut damping) = ([0.0; LANES], [0.0; LANES]);
     for l in 0..LANES {
-        driving[l] = form.driving * preload[l] * (static_friction[l] - kinetic[l]) * weakening[l];
+        driving[l] = form.driving * preload[l] * weakening[l];
         damping[l] = form.damping * (contact[l] + calliper[l]);
     }
     for &column in &form.driving_columns {
@@ -327,24 +368,44 @@ fn decide_block(form: &Form, checks: &[Check], block: &mut Block) {
         }
     }
     for l in 0..LANES {
-        let unstable = (preload[l] > 0.0) & (static_friction[l] > kinetic[l]) & (driving[l] > damping[l]);
+        let unstable = (preload[l] > 0.0) & (static_friction[l] >= least[l]) & (driving[l] > damping[l]);
         found[l] = if usual[l] == 0 { UNUSUAL } else { u64::from(unstable) };
     }
 }
 
-/// Replaces `r = V / v_s` by the weakening there, `W(V) v_s = delta r^(delta - 1) exp(-r^delta)`.
+/// The slopes of the two parts of a law at `r`, the speed over its scale: the fall of the first and the rise of the
+/// second.
 #[inline(always)]
-fn weaken(exponent: Term, rows: &[Row], ratio: &mut Row) {
-    if let Term::Shared(1.0) = exponent {
-        for r in ratio {
-            *r = exp(-*r);
+fn slopes(shape: Shape, exponent: &Row, ratio: &Row, fall: &mut Row, rise: &mut Row) {
+    *rise = [1.0; LANES];
+    match shape {
+        Shape::Tustin => {
+            for l in 0..LANES {
+                fall[l] = exp(-ratio[l]);
+            }
         }
-        return;
-    }
-    let exponents = exponent.row(rows);
-    for (r, exponent) in ratio.iter_mut().zip(exponents) {
-        let law = FrictionLaw::stribeck(1.0, 0.0, 1.0, exponent);
-        *r = law.weakening(*r);
+        Shape::Gaussian => {
+            for l in 0..LANES {
+                fall[l] = 2.0 * ratio[l] * exp(-(ratio[l] * ratio[l]));
+            }
+        }
+        Shape::Stribeck => {
+            for l in 0..LANES {
+                let power = power(ratio[l], exponent[l]);
+                fall[l] = exponent[l] * power / ratio[l] * exp(-power);
+            }
+        }
+        Shape::Rational => {
+            for l in 0..LANES {
+                fall[l] = 1.0 / ((1.0 + ratio[l]) * (1.0 + ratio[l]));
+            }
+        }
+        Shape::Table(curve) => {
+            for l in 0..LANES {
+                let (by_shape, by_deviation) = curve.slopes(ratio[l]);
+                (fall[l], rise[l]) = (-by_shape, by_deviation);
+            }
+        }
     }
 }
 

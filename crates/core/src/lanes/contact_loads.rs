@@ -4,6 +4,8 @@
 //! share. Most of the work of a flexible step is here. Some rows of sums stay in registers together while the products
 //! pass by, so that a product is computed once for all of them and used at once.
 
+#![allow(clippy::needless_range_loop, reason = "constant indices keep sums in registers")]
+
 use crate::flexible_disc::contact::averages::Averages;
 use crate::lanes::BLOCK;
 

@@ -173,7 +173,8 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
             // What it prepares for many samples of one brake does not pay for a single one.
             Some(_) => FlexibleBrake::by_eigenvalues,
         };
-        let (motion, monitor) = sample.criterion.start_flexible(&placed.equations(), sample.start, stability)?;
+        let (motion, monitor) =
+            sample.criterion.start_flexible(&placed.equations(), sample.scaled_start(), stability)?;
         let step = placed.motion.step;
         self.set_sample(lane, placed);
         Ok(Begun { motion, monitor, step })
@@ -181,7 +182,7 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
 
     fn place(&mut self, lane: usize, sample: QueuedSample<'q>) -> Option<(Motion<FlexibleState>, f64)> {
         let placed = self.equations_of(&sample).ok()?;
-        let (motion, _) = sample.criterion.flexible_start(&placed.equations(), sample.start).ok()?;
+        let (motion, _) = sample.criterion.flexible_start(&placed.equations(), sample.scaled_start()).ok()?;
         let step = placed.motion.step;
         self.set_sample(lane, placed);
         Some((motion, step))

@@ -17,7 +17,7 @@ pub struct QueuedSample<'q> {
     pub brake: Option<PadOnDisc>,
     /// Its preload and static friction.
     pub inputs: RandomInputs,
-    /// Where its motion starts.
+    /// Where its motion starts. SI units are those of its own brake.
     pub start: Start,
 }
 
@@ -26,6 +26,11 @@ impl<'q> QueuedSample<'q> {
     #[must_use]
     pub fn new(ticket: u64, criterion: &'q TimeDomain, inputs: RandomInputs) -> Self {
         Self { ticket, criterion, brake: None, inputs, start: criterion.start() }
+    }
+
+    /// Where its motion starts, in scaled units.
+    pub(super) fn scaled_start(&self) -> Start {
+        self.start.scaled(self.brake.as_ref().unwrap_or(&self.criterion.brake).scales())
     }
 
     /// Its decision by the scalar code.

@@ -52,7 +52,7 @@ impl<'q> Bundle<'q> for RigidBundle {
         if equations.brake.law.shape != self.shape {
             return Err(sample.decide());
         }
-        let (motion, monitor) = sample.criterion.start_rigid(&equations, sample.inputs, sample.start)?;
+        let (motion, monitor) = sample.criterion.start_rigid(&equations, sample.inputs, sample.scaled_start())?;
         self.set_sample(lane, equations);
         Ok(Begun { motion, monitor, step: equations.brake.step })
     }
@@ -60,7 +60,7 @@ impl<'q> Bundle<'q> for RigidBundle {
     fn place(&mut self, lane: usize, sample: QueuedSample<'q>) -> Option<(Motion<RigidState>, f64)> {
         let equations = equations_of(&sample).ok()?;
         self.set_sample(lane, equations);
-        Some((sample.criterion.rigid_start(&equations, sample.start), equations.brake.step))
+        Some((sample.criterion.rigid_start(&equations, sample.scaled_start()), equations.brake.step))
     }
 
     #[inline]

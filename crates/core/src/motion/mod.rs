@@ -1,7 +1,5 @@
 //! The motion of pad and disc in time: sliding, sticking and separated, on a rigid and on a flexible disc.
 
-pub mod start;
-
 pub(crate) mod friction_steps;
 
 pub(crate) mod integrator;
@@ -9,6 +7,8 @@ pub(crate) mod integrator;
 pub(crate) mod substep;
 
 pub(crate) mod advance;
+
+pub mod start;
 
 pub(crate) mod event_log;
 

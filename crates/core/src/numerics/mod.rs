@@ -13,3 +13,5 @@ pub(crate) mod quadrature;
 pub(crate) mod sine_cosine;
 
 pub(crate) mod root_location;
+
+pub(crate) mod dormand_prince;

@@ -59,7 +59,7 @@ impl PadOnDisc {
     }
 
     /// The tangential motion at the operating point.
-    fn planar_motion(&self) -> PlanarMotion {
+    pub(crate) fn planar_motion(&self) -> PlanarMotion {
         let mass = self.scaled_mass();
         let gain = self.friction_transmission() * self.normal_force() / mass;
         PlanarMotion {

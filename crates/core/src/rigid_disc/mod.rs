@@ -1,4 +1,5 @@
-//! The pad on a rigid disc: steady sliding, its stability in closed form, and the limit cycle of stick-slip.
+//! The pad on a rigid disc: steady sliding, its stability in closed form, the limit cycle of stick-slip,
+//! and which motions return to steady sliding.
 
 pub mod pad_on_disc;
 
@@ -11,3 +12,7 @@ pub(crate) mod planar_motion;
 pub(crate) mod return_map;
 
 pub mod limit_cycle;
+
+pub mod unstable_cycle;
+
+pub mod basin;

@@ -90,6 +90,12 @@ impl Scales {
         speed * self.speed
     }
 
+    /// A scaled area in the plane of x and x', a length times a speed, in m^2/s.
+    #[must_use]
+    pub fn square_metres_per_second(&self, area: f64) -> f64 {
+        area * self.length * self.speed
+    }
+
     /// A rate for each unit of scaled time, such as the real part of an eigenvalue or an angular speed, in 1/s.
     #[must_use]
     pub fn per_second(&self, rate: f64) -> f64 {

@@ -10,6 +10,7 @@
 //! of slip and turning points are located by bisection.
 
 use crate::friction::law::FrictionLaw;
+use crate::numerics::dormand_prince;
 use crate::numerics::root_location::bisect;
 
 /// Local error allowed in one step, relative to the size of the motion.
@@ -103,51 +104,9 @@ impl PlanarMotion {
         [speed, self.law.coefficient(self.disc_speed - speed) - self.stiffness * x - self.damping * speed]
     }
 
-    /// One step of Dormand and Prince's fifth-order method; the second value is the estimate of its error.
+    /// One step of the method; the second value is the estimate of its error.
     fn step(&self, state: [f64; 2], h: f64) -> ([f64; 2], [f64; 2]) {
-        let combine = |terms: &[(f64, [f64; 2])]| {
-            let mut sum = [0.0; 2];
-            for (factor, rate) in terms {
-                sum[0] += factor * rate[0];
-                sum[1] += factor * rate[1];
-            }
-            sum
-        };
-        let at = |terms: &[(f64, [f64; 2])]| {
-            let sum = combine(terms);
-            self.rate([state[0] + h * sum[0], state[1] + h * sum[1]])
-        };
-        let k1 = self.rate(state);
-        let k2 = at(&[(1.0 / 5.0, k1)]);
-        let k3 = at(&[(3.0 / 40.0, k1), (9.0 / 40.0, k2)]);
-        let k4 = at(&[(44.0 / 45.0, k1), (-56.0 / 15.0, k2), (32.0 / 9.0, k3)]);
-        let k5 =
-            at(&[(19_372.0 / 6561.0, k1), (-25_360.0 / 2187.0, k2), (64_448.0 / 6561.0, k3), (-212.0 / 729.0, k4)]);
-        let k6 = at(&[
-            (9017.0 / 3168.0, k1),
-            (-355.0 / 33.0, k2),
-            (46_732.0 / 5247.0, k3),
-            (49.0 / 176.0, k4),
-            (-5103.0 / 18_656.0, k5),
-        ]);
-        let increment = combine(&[
-            (35.0 / 384.0, k1),
-            (500.0 / 1113.0, k3),
-            (125.0 / 192.0, k4),
-            (-2187.0 / 6784.0, k5),
-            (11.0 / 84.0, k6),
-        ]);
-        let next = [state[0] + h * increment[0], state[1] + h * increment[1]];
-        let k7 = self.rate(next);
-        let error = combine(&[
-            (71.0 / 57_600.0, k1),
-            (-71.0 / 16_695.0, k3),
-            (71.0 / 1920.0, k4),
-            (-17_253.0 / 339_200.0, k5),
-            (22.0 / 525.0, k6),
-            (-1.0 / 40.0, k7),
-        ]);
-        (next, [h * error[0], h * error[1]])
+        dormand_prince::step(|state| self.rate(state), state, h)
     }
 
     /// The part of a step at whose end `event` vanishes; it is positive at its beginning, not at its end.
@@ -164,6 +123,7 @@ impl PlanarMotion {
         let mut state = from;
         let mut slip = Slip { end: SlipEnd::Unresolved, duration: 0.0, x: from[0], smallest: from[0] };
         let mut h = 1e-3 / frequency;
+        let shortest = 1e-9 * h;
         for count in 1..=MOST_STEPS {
             let (next, error) = self.step(state, h);
             let error = (error[0].abs() / size).max(error[1].abs() / (size * frequency)) / TOLERANCE;
@@ -174,7 +134,12 @@ impl PlanarMotion {
                 h *= (0.9 * libm::pow(error, -0.2)).max(0.2);
                 continue;
             }
-            let captured = (sliding(state) > 0.0).then(|| self.capture(state, next, h)).flatten();
+            if sliding(state) == 0.0 && sliding(next) <= 0.0 && h > shortest {
+                // It leaves the disc for less than this step, if at all.
+                h *= 0.1;
+                continue;
+            }
+            let captured = (sliding(state) > 0.0 || h <= shortest).then(|| self.capture(state, next, h)).flatten();
             let part = captured.unwrap_or(h);
             if state[1] < 0.0 && self.step(state, part).0[1] >= 0.0 {
                 slip.smallest = slip.smallest.min(self.locate(state, part, |state| -state[1]).1[0]);

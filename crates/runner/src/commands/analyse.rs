@@ -9,6 +9,7 @@ use stickslip_core::flexible_disc::error::FlexibleError;
 use stickslip_core::flexible_disc::linear_stability::LinearStability;
 use stickslip_core::numerics::eigenvalues::{Eigenvalue, eigenvalues};
 use stickslip_core::parameters::{ParameterError, Parameters, SCALARS};
+use stickslip_core::rigid_disc::basin::{Basin, Knock};
 use stickslip_core::rigid_disc::limit_cycle::LimitCycle;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs, SlidingEquilibrium};
 use stickslip_core::rigid_disc::stability::SpeedRange;
@@ -37,6 +38,7 @@ struct Analysis {
     unstable_speeds: Vec<SpeedRange>,
     saddle_node: Option<f64>,
     limit_cycle: Option<LimitCycle>,
+    basin: Basin,
     critical_static_friction: f64,
     critical_preload: f64,
     brake: PadOnDisc,
@@ -64,6 +66,7 @@ impl Analysis {
             unstable_speeds: brake.unstable_speeds(),
             saddle_node: brake.saddle_node_speed(),
             limit_cycle: brake.limit_cycle(),
+            basin: brake.basin(),
             critical_static_friction: boundary.critical_static_friction(preload),
             critical_preload: boundary.critical_preload(static_friction),
             brake,
@@ -125,6 +128,21 @@ impl Analysis {
                 "x_max_mm": scales.millimetres(cycle.tangential_max),
                 "x_min_mm": scales.millimetres(cycle.tangential_min),
             })),
+            "smallest_knock": self.basin.smallest_knock().map(|knock| json!({
+                "speed": knock.speed(),
+                "displacement": knock.displacement(),
+                "forward": knock.forward,
+                "backward": knock.backward,
+                "outward": knock.outward,
+                "inward": knock.inward,
+                "speed_m_s": scales.metres_per_second(knock.speed()),
+                "displacement_mm": scales.millimetres(knock.displacement()),
+                "forward_m_s": scales.metres_per_second(knock.forward),
+                "backward_m_s": scales.metres_per_second(knock.backward),
+                "outward_mm": scales.millimetres(knock.outward),
+                "inward_mm": scales.millimetres(knock.inward),
+            })),
+            "basin_area": self.basin.area(),
             "critical_static_friction": self.critical_static_friction,
             "critical_preload": self.critical_preload,
             "time_scale_s": scales.time,
@@ -140,6 +158,7 @@ impl Analysis {
             "critical_speed_m_s": in_m_s(critical),
             "lower_critical_speed_m_s": in_m_s(lower_critical),
             "saddle_node_speed_m_s": in_m_s(self.saddle_node),
+            "basin_area_m2_s": self.basin.area().map(|area| scales.square_metres_per_second(area)),
             "critical_preload_mm": scales.millimetres(self.critical_preload),
             "critical_normal_force_n": self.brake.contact_force(self.critical_preload),
             "length_scale_m": scales.length,
@@ -273,6 +292,7 @@ impl Analysis {
                     + &row("  stick", &format!("{:.1} % of the period", 100.0 * cycle.stick_fraction), "")
             }
         };
+        text += &self.knock_text();
         text += &format!("critical friction  {} at this preload and speed\n", finite(self.critical_static_friction));
         let force = if self.critical_preload.is_finite() {
             let displacement = scales.metres(self.critical_preload);
@@ -281,6 +301,40 @@ impl Analysis {
             String::new()
         };
         text + &format!("critical preload   {} at this friction and speed{force}\n", finite(self.critical_preload))
+    }
+
+    /// How hard a knock has to be to end steady sliding.
+    fn knock_text(&self) -> String {
+        let scales = self.brake.scales();
+        let (knock, area) = match (self.basin.smallest_knock(), self.basin.area()) {
+            _ if self.basin == Basin::Nothing => {
+                return "smallest knock     0: steady sliding is unstable\n".to_owned();
+            }
+            (Some(knock), Some(area)) => (knock, area),
+            _ if self.basin == Basin::Everything => {
+                return "smallest knock     none: the pad returns to steady sliding from any motion\n".to_owned();
+            }
+            _ => return "smallest knock     not found: the motion is too stiff for the method\n".to_owned(),
+        };
+        let Knock { forward, backward, outward, inward } = knock;
+        let in_m_s = |value: f64| significant(scales.metres_per_second(value));
+        let in_mm = |value: f64| significant(scales.millimetres(value));
+        row("smallest knock", "", "to stick-slip; in and against the disc's direction")
+            + &row(
+                "  change of speed",
+                &format!("{forward:.6e}, {backward:.6e}"),
+                &format!("{}, {} m/s", in_m_s(forward), in_m_s(backward)),
+            )
+            + &row(
+                "  displacement",
+                &format!("{outward:.6e}, {inward:.6e}"),
+                &format!("{}, {} mm", in_mm(outward), in_mm(inward)),
+            )
+            + &row(
+                "  area of basin",
+                &format!("{area:.6e}"),
+                &format!("{} m^2/s", significant(scales.square_metres_per_second(area))),
+            )
     }
 }
 

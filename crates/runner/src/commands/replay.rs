@@ -2,6 +2,7 @@
 
 use stickslip_core::criterion::settings::TimeDomainSettings;
 use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
+use stickslip_core::motion::start::Start;
 use stickslip_core::verdict::Verdict;
 
 use super::completion::was_counted_without_map;
@@ -10,7 +11,7 @@ use super::trajectory::simulate;
 use crate::cli::ReplayArguments;
 use crate::evaluate::evaluator::{EvaluatedSample, Evaluator};
 use crate::failure::Failure;
-use crate::job::{Criterion, Job, OutsidePhysics, RandomInput};
+use crate::job::{Criterion, Job, OutsidePhysics, RandomInput, StartValue};
 use crate::output::result;
 use crate::store::directory::RunDirectory;
 use crate::store::map_pieces;
@@ -35,7 +36,10 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
         Criterion::CoupledEigenvalue { modes } => {
             (DiscModel::Flexible { modes: *modes }, TimeDomainSettings::default())
         }
-        Criterion::TimeDomain { disc, settings } => (disc.clone(), *settings),
+        Criterion::TimeDomain { disc, settings } => {
+            let start = sample.start.unwrap_or(settings.start);
+            (disc.clone(), TimeDomainSettings { start, ..*settings })
+        }
     };
     let outside = match &sample.brake {
         None => Some("failed: one of its values is not admissible; there is no motion to simulate"),
@@ -81,6 +85,14 @@ fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample, is_co
         {
             let unit = if scalar.unit == "1" { "" } else { scalar.unit };
             facts.add_with_unit(scalar.key, scalar.key, value, unit);
+        }
+    }
+    if let Some(Start::Given(start)) = &sample.start {
+        for number in StartValue::ALL {
+            if let Some(value) = number.of(start) {
+                let unit = number.unit(start.units);
+                facts.add_with_unit(number.key(), number.key(), value, if unit == "1" { "" } else { unit });
+            }
         }
     }
     if sample.is_outside_physics {

@@ -5,6 +5,7 @@ use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainEr
 use stickslip_core::finite_difference::brake::{Allotment, DiscGrid, FiniteDifferenceBrake, FiniteDifferenceError};
 use stickslip_core::flexible_disc::brake::DISC_MODES;
 use stickslip_core::flexible_disc::mode_count::{ModeStudy, representative_inputs};
+use stickslip_core::motion::start::Start;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::trajectory::recording::Trajectory;
 
@@ -30,10 +31,16 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         static_friction: parameters.friction.static_coefficient,
     };
     let settings = TimeDomainSettings {
-        start: arguments.start.into(),
+        start: arguments.start.start,
         displacement: arguments.displacement.unwrap_or(TimeDomainSettings::default().displacement),
         ..TimeDomainSettings::default()
     };
+    if let (Start::Given(start), DiscArgument::Rigid) = (settings.start, arguments.disc)
+        && (start.normal.is_some() || start.angle.is_some())
+    {
+        let message = "--start: normal and angle have no effect with --disc rigid; leave them out";
+        return Err(Failure::Usage(message.to_owned()));
+    }
     settings.validate().map_err(|error| Failure::Usage(format!("--{error}")))?;
     warn(plausibility::of_displacement("--displacement", settings.displacement));
     for (option, given, disc) in [
@@ -77,7 +84,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     };
     let mut facts = Facts::default();
     facts.add("disc", arguments.disc.name());
-    facts.add("start", arguments.start.name());
+    facts.add("start", arguments.start.text.clone());
     facts.add_operating_point(parameters.operating_point.rotating_speed, inputs, Some(&pad));
     report(facts, pad.scales(), &simulated, arguments.out.as_deref(), arguments.json)
 }
@@ -92,6 +99,7 @@ pub fn simulate(
 ) -> Result<Trajectory, Failure> {
     let refused = |error: TimeDomainError| Failure::Usage(error.to_string());
     let criterion = TimeDomain::new(pad, disc, settings).map_err(refused)?;
+    criterion.check_start(inputs).map_err(refused)?;
     let horizon = checked_horizon(horizon, criterion.step_length())?;
     criterion.trajectory(inputs, horizon).map_err(refused)
 }

@@ -6,6 +6,7 @@ use stickslip_core::criterion::decision::Decision;
 use stickslip_core::criterion::time_domain::{TimeDomain, TimeDomainError};
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::lanes::closed_form::VaryingClosedForm;
+use stickslip_core::motion::start::{GivenStart, Start};
 use stickslip_core::parameters::Scalar;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
@@ -14,7 +15,7 @@ use stickslip_core::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::grid::Cell;
 
 use crate::evaluate::samples::Samples;
-use crate::job::{Criterion, Job};
+use crate::job::{Criterion, Job, StartValue};
 
 /// Largest number of brakes of a grid whose criteria are kept once they are prepared; a flexible disc takes some 100 kB.
 const MOST_KEPT: usize = 1000;
@@ -120,15 +121,44 @@ impl ReadyCriterion {
 }
 
 impl VaryingCriterion {
-    /// Decides one sample, `value(i)` being its value of scalar `i`. It fails if a value is not admissible, such as a
-    /// stiffness below zero.
-    fn decide(&self, inputs: RandomInputs, value: impl Fn(usize) -> f64) -> Decision {
+    /// Decides one sample, `value(i)` being its value of scalar `i`, and `start` where its motion starts if that is not for
+    /// all the same. It fails if a value is not admissible, such as a stiffness below zero.
+    fn decide(&self, inputs: RandomInputs, value: impl Fn(usize) -> f64, start: Option<Start>) -> Decision {
         let failed = Decision::from(Verdict::Failed);
         let Some(brake) = self.brake.brake(inputs, value) else { return failed };
         if inputs.preload <= 0.0 {
             return Verdict::Stable.into();
         }
-        ReadyCriterion::new(brake, &self.criterion).map_or(failed, |criterion| criterion.decide_one(inputs))
+        match (ReadyCriterion::new(brake, &self.criterion), start) {
+            (Ok(ReadyCriterion::TimeDomain(criterion)), Some(start)) => criterion.with_start(start).decide(inputs),
+            (Ok(criterion), _) => criterion.decide_one(inputs),
+            (Err(_), _) => failed,
+        }
+    }
+}
+
+/// Where the motions of a cell start, in a job in which they do not all start alike.
+struct Starts {
+    /// In numbers, but for those that scatter.
+    given: GivenStart,
+    /// The numbers that scatter, each with its position among the random inputs.
+    random: Vec<(usize, StartValue)>,
+}
+
+impl Starts {
+    fn of(job: &Job, cell: &Cell) -> Option<Self> {
+        let random: Vec<_> = job.random.start_values().collect();
+        let varies = !(random.is_empty() && job.grid.of_start.is_empty());
+        let given = job.criterion.given_start().filter(|_| varies)?;
+        Some(Self { given: job.brakes().start_in_cell(given, cell), random })
+    }
+
+    fn of_sample(&self, samples: &Samples, sample: usize) -> Start {
+        let mut start = self.given;
+        for &(input, number) in &self.random {
+            number.set(&mut start, samples.values_of(input)[sample]);
+        }
+        Start::Given(start)
     }
 }
 
@@ -198,6 +228,8 @@ impl Criteria {
             return vec![Verdict::Failed.into(); wanted.len()];
         };
         let columns = self.columns(samples);
+        let starts = Starts::of(job, cell);
+        let start = |sample: usize| starts.as_ref().map(|starts| starts.of_sample(samples, sample));
         match &*criterion {
             ReadyCriterion::VaryingEigenvalue(form) => {
                 let mut verdicts = Vec::with_capacity(samples.len());
@@ -205,14 +237,31 @@ impl Criteria {
                 wanted.iter().map(|&sample| verdicts[sample].into()).collect()
             }
             ReadyCriterion::Varying(criterion) => {
-                let decide = |&sample: &usize| criterion.decide(samples.pair(sample), |i| columns[i][sample]);
+                let decide =
+                    |&sample: &usize| criterion.decide(samples.pair(sample), |i| columns[i][sample], start(sample));
                 wanted.iter().map(decide).collect()
             }
             one_brake => {
                 let inputs: Vec<RandomInputs> = wanted.iter().map(|&sample| samples.pair(sample)).collect();
-                one_brake.decide(&inputs)
+                match (one_brake, &starts) {
+                    (ReadyCriterion::TimeDomain(criterion), Some(Starts { given, random })) if random.is_empty() => {
+                        criterion.with_start(Start::Given(*given)).decide_all(&inputs)
+                    }
+                    (ReadyCriterion::TimeDomain(criterion), Some(starts)) => {
+                        let decide = |(&sample, &inputs): (&usize, &RandomInputs)| {
+                            criterion.with_start(starts.of_sample(samples, sample)).decide(inputs)
+                        };
+                        wanted.iter().zip(&inputs).map(decide).collect()
+                    }
+                    _ => one_brake.decide(&inputs),
+                }
             }
         }
+    }
+
+    /// Where the motion of a sample of a cell starts, if that is not for all the same.
+    pub fn start(&self, job: &Job, cell: &Cell, samples: &Samples, sample: usize) -> Option<Start> {
+        Starts::of(job, cell).map(|starts| starts.of_sample(samples, sample))
     }
 
     /// The brake of a sample of a cell; `None` if a value is not admissible.

@@ -8,6 +8,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use stickslip_core::criterion::decision::Decision;
+use stickslip_core::motion::start::Start;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::draw::deviates::{CHUNK_SAMPLES, Points};
@@ -51,6 +52,8 @@ pub struct EvaluatedSample {
     pub values: Vec<f64>,
     /// The brake; `None` if a value is not admissible.
     pub brake: Option<PadOnDisc>,
+    /// Where its motion starts, if that is not the same for all samples of the job.
+    pub start: Option<Start>,
     /// The decision of the criterion.
     pub decision: Decision,
     /// The verdict from the map, which the run counts instead, if the sample is looked up.
@@ -187,6 +190,7 @@ impl<'a> Evaluator<'a> {
             is_outside_physics: samples.is_outside_physics(0),
             values: samples.values(0).collect(),
             brake: self.criteria.brake(self.job, &place, samples, 0),
+            start: self.criteria.start(self.job, &place, samples, 0),
             decision,
             looked_up: map.and_then(|map| map.look_up(inputs.preload, inputs.static_friction)),
         })

@@ -2,16 +2,12 @@
 
 use std::ops::Range;
 
-use stickslip_core::parameters::scalar;
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_sampler::draw::deviates::{DeviateStream, Deviates, Points};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::InputColumns;
 
 use crate::job::{Job, RandomInput, value_in_cell};
-
-/// The kinetic friction coefficient, below which friction rises with speed.
-const KINETIC: &str = "friction.kinetic_coefficient";
 
 /// Consecutive samples of one cell, in columns.
 #[derive(Debug, Clone)]
@@ -22,7 +18,7 @@ pub struct Samples {
     deviates: Vec<Vec<f64>>,
     /// The values of the random inputs, likewise.
     values: Vec<Vec<f64>>,
-    /// Preload, static friction and kinetic friction.
+    /// Preload, static friction, and the static friction below which a sample is outside physics.
     columns: [Column; 3],
 }
 
@@ -33,6 +29,8 @@ enum Column {
     Random(usize),
     /// Here, as the parameter does not scatter: one value for each sample, perhaps more.
     Fixed(Vec<f64>),
+    /// Here, a multiple of a random input.
+    Multiple { input: usize, factor: f64, values: Vec<f64> },
 }
 
 impl Samples {
@@ -59,7 +57,7 @@ impl Samples {
     fn column(&self, which: usize) -> &[f64] {
         match &self.columns[which] {
             Column::Random(input) => &self.values[*input],
-            Column::Fixed(values) => &values[..self.len()],
+            Column::Fixed(values) | Column::Multiple { values, .. } => &values[..self.len()],
         }
     }
 
@@ -73,29 +71,23 @@ impl Samples {
     pub fn count_outside_physics(&self) -> u64 {
         let pairs = self.preloads().iter().zip(self.static_frictions());
         let pairs = pairs.map(|(&preload, &static_friction)| RandomInputs { preload, static_friction });
-        match &self.columns[2] {
-            // One number for all samples: the usual case, and the faster one.
-            Column::Fixed(values) => {
-                let kinetic = values.first().copied().unwrap_or(0.0);
-                pairs.map(|inputs| u64::from(inputs.are_outside_physics(kinetic))).sum()
-            }
-            Column::Random(input) => {
-                let samples = pairs.zip(&self.values[*input]);
-                samples.map(|(inputs, &kinetic)| u64::from(inputs.are_outside_physics(kinetic))).sum()
-            }
+        // One number for all samples: the usual case, and the faster one.
+        if let Column::Fixed(values) = &self.columns[2] {
+            let least = values.first().copied().unwrap_or(0.0);
+            return pairs.map(|inputs| u64::from(inputs.are_outside_physics(least))).sum();
         }
+        pairs.zip(self.column(2)).map(|(inputs, &least)| u64::from(inputs.are_outside_physics(least))).sum()
     }
 
-    /// A copy in which preload is at least 0, and static friction at least the kinetic friction.
+    /// A copy in which preload is at least 0, and static friction not outside physics.
     pub fn clamped(&self) -> Self {
         let mut clamped = self.clone();
         let preloads = self.preloads().iter().map(|preload| preload.max(0.0)).collect();
-        let frictions =
-            self.static_frictions().iter().zip(self.column(2)).map(|(f, kinetic)| f.max(*kinetic)).collect();
+        let frictions = self.static_frictions().iter().zip(self.column(2)).map(|(f, least)| f.max(*least)).collect();
         for (which, values) in [(0, preloads), (1, frictions)] {
             match &mut clamped.columns[which] {
                 Column::Random(input) => clamped.values[*input] = values,
-                fixed @ Column::Fixed(_) => *fixed = Column::Fixed(values),
+                fixed => *fixed = Column::Fixed(values),
             }
         }
         clamped
@@ -120,7 +112,7 @@ impl Samples {
     pub fn deviates(&self, sample: usize) -> [Option<f64>; 2] {
         [0, 1].map(|which| match &self.columns[which] {
             Column::Random(input) => Some(self.deviates[*input][sample]),
-            Column::Fixed(_) => None,
+            Column::Fixed(_) | Column::Multiple { .. } => None,
         })
     }
 
@@ -128,7 +120,28 @@ impl Samples {
     pub fn with_input_of(&self, input: usize, others: &Self) -> Self {
         let mut mixed = self.clone();
         mixed.values[input].clone_from(&others.values[input]);
+        mixed.complete_columns();
         mixed
+    }
+
+    /// Gives the columns that are no random inputs a value for each sample.
+    #[inline]
+    fn complete_columns(&mut self) {
+        let len = self.len();
+        for column in &mut self.columns {
+            match column {
+                Column::Random(_) => {}
+                Column::Fixed(values) => {
+                    if let (Some(&value), true) = (values.first(), values.len() < len) {
+                        values.resize(len, value);
+                    }
+                }
+                Column::Multiple { input, factor, values } => {
+                    values.clear();
+                    values.extend(self.values[*input].iter().map(|value| *factor * value));
+                }
+            }
+        }
     }
 }
 
@@ -155,15 +168,33 @@ impl<'a> Drawing<'a> {
         };
         let expected: Vec<f64> = random.inputs.iter().map(|input| input.expected(cell, job)).collect();
         let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
+        // Numbers of the start scatter absolutely.
+        let mut relative_stds = stds.clone();
+        random.start_values().for_each(|(input, _)| relative_stds[input] = 0.0);
+        let mut inputs = InputColumns::new(&random.marginals, &random.correlation, &expected, &relative_stds);
+        for (input, _) in random.start_values() {
+            inputs.scatter_absolutely(input, &random.marginals[input], expected[input], stds[input]);
+        }
         let column = |wanted: fn(&RandomInput) -> bool, fixed: f64| match random.inputs.iter().position(wanted) {
             Some(input) => Column::Random(input),
             None => Column::Fixed(vec![fixed]),
         };
-        let kinetic = scalar(KINETIC).map_or(f64::NAN, |scalar| value_in_cell(scalar, cell, job));
-        let is_kinetic = |input: &RandomInput| input.name() == KINETIC;
+        // See `FrictionLaw::least_static_coefficient`.
+        let (decisive, factor) = match job.parameters.friction.law.table() {
+            Some(curve) => ("friction.band", -curve.deviation(0.0)),
+            None => ("friction.kinetic_coefficient", 1.0),
+        };
+        let least = match random.inputs.iter().position(|input| input.name() == decisive) {
+            Some(input) if factor == 1.0 => Column::Random(input),
+            Some(input) => Column::Multiple { input, factor, values: Vec::new() },
+            None => {
+                let value = value_in_cell(decisive, cell, job).unwrap_or(f64::NAN);
+                Column::Fixed(vec![factor * value])
+            }
+        };
         Self {
             deviates: stream.start(cell.index, place as u64, range.start),
-            inputs: InputColumns::new(&random.marginals, &random.correlation, &expected, stds),
+            inputs,
             end: range.end,
             samples: Samples {
                 numbers: range.start..range.start,
@@ -172,7 +203,7 @@ impl<'a> Drawing<'a> {
                 columns: [
                     column(|input| matches!(input, RandomInput::Preload), cell.preload),
                     column(|input| matches!(input, RandomInput::StaticFriction), cell.static_friction),
-                    column(is_kinetic, kinetic),
+                    least,
                 ],
             },
         }
@@ -192,14 +223,7 @@ impl<'a> Drawing<'a> {
             values.clone_from(deviates);
         }
         self.inputs.apply(&mut samples.values);
-        for column in &mut samples.columns {
-            if let Column::Fixed(values) = column
-                && let Some(&value) = values.first()
-                && values.len() < len
-            {
-                values.resize(len, value);
-            }
-        }
+        samples.complete_columns();
         Some(samples)
     }
 }

@@ -1,5 +1,6 @@
 //! The axes of a job, checked, and the brakes that they make.
 
+use stickslip_core::motion::start::GivenStart;
 use stickslip_core::parameters::{ParameterError, Parameters, SCALARS, Scalar, scalar};
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::grid::{Axis, Cell, FurtherAxis, Grid};
@@ -8,6 +9,7 @@ use super::axes_spec::{AxesSpec, AxisEntry, AxisSpec, RangeSpec, ScaleSpec};
 use super::diagnosis::{Complaint, Complaints};
 use super::keys::{axis_of, parameter_of_axis, unknown_axis};
 use super::plausibility;
+use super::start_value::StartValue;
 
 /// Largest number of cells; their results are held in memory.
 pub const MOST_CELLS: u64 = 1_000_000;
@@ -25,6 +27,8 @@ pub struct CheckedAxes {
     pub static_friction: Option<Axis>,
     /// Further axes of the brake, in the order of [`SCALARS`].
     pub of_brake: Option<Vec<FurtherAxis>>,
+    /// Axes of the start, in the order of [`StartValue::ALL`].
+    pub of_start: Option<Vec<FurtherAxis>>,
 }
 
 impl CheckedAxes {
@@ -42,8 +46,16 @@ impl CheckedAxes {
             let axis = complaints.take(checked(axes.of_parameter(scalar.key)?, scalar, defaults));
             Some(axis.map(|axis| FurtherAxis { name: scalar.key.to_owned(), axis }))
         });
-        let of_brake: Option<Vec<FurtherAxis>> = further.collect::<Vec<_>>().into_iter().collect();
-        Self { rotating_speed, preload, static_friction, of_brake: of_brake.filter(|_| are_known) }
+        let of_brake = further.collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>().filter(|_| are_known);
+        let of_start = StartValue::ALL.into_iter().filter_map(|value| {
+            let entry = axes.0.iter().find(|entry| entry.name.get_ref() == value.key())?;
+            let complain =
+                |message: String| Complaint::at(entry.axis.span(), format!("axes.{}: {message}", value.key()));
+            let axis = complaints.take(values(entry.axis.get_ref()).map_err(complain));
+            Some(axis.map(|axis| FurtherAxis { name: value.key().to_owned(), axis }))
+        });
+        let of_start = of_start.collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>();
+        Self { rotating_speed, preload, static_friction, of_brake, of_start }
     }
 }
 
@@ -55,13 +67,17 @@ fn parameter_of(entry: &AxisEntry) -> Option<&'static Scalar> {
 
 /// A complaint about an axis of something that does not exist.
 fn unknown(entry: &AxisEntry) -> Option<Complaint> {
-    parameter_of(entry).is_none().then(|| Complaint::at(entry.name.span(), unknown_axis(entry.name.get_ref())))
+    let is_known = parameter_of(entry).is_some() || StartValue::from_key(entry.name.get_ref()).is_some();
+    (!is_known).then(|| Complaint::at(entry.name.span(), unknown_axis(entry.name.get_ref())))
 }
 
 /// A complaint about an axis that one of those `before` is, too.
 fn given_twice(entry: &AxisEntry, before: &[AxisEntry]) -> Option<Complaint> {
-    let key = |entry: &AxisEntry| parameter_of(entry).map(|scalar| scalar.key);
-    let other = before.iter().find(|other| key(other) == key(entry))?;
+    let key = |entry: &AxisEntry| {
+        let of_start = || StartValue::from_key(entry.name.get_ref()).map(StartValue::key);
+        parameter_of(entry).map(|scalar| scalar.key).or_else(of_start)
+    };
+    let other = before.iter().find(|other| key(other).is_some() && key(other) == key(entry))?;
     let message = format!(
         "axes.{} is the same axis as axes.{}; remove one of the two",
         entry.name.get_ref(),
@@ -139,6 +155,33 @@ impl Brakes<'_> {
         }
         parameters.operating_point.rotating_speed = rotating_speed;
         Ok(parameters)
+    }
+
+    /// A given start with the values of its axes in a cell.
+    pub fn start_in_cell(&self, mut start: GivenStart, cell: &Cell) -> GivenStart {
+        let values = self.grid.further_values(cell.index);
+        for (further, value) in self.grid.of_start.iter().zip(&values[self.grid.of_brake.len()..]) {
+            if let Some(number) = StartValue::from_key(&further.name) {
+                number.set(&mut start, *value);
+            }
+        }
+        start
+    }
+
+    /// A given start with all combinations of the extremes of its axes.
+    pub fn extreme_starts(&self, start: GivenStart) -> Vec<GivenStart> {
+        let mut starts = vec![start];
+        for further in &self.grid.of_start {
+            let Some(number) = StartValue::from_key(&further.name) else { continue };
+            let with = |start: &GivenStart, value: f64| {
+                let mut start = *start;
+                number.set(&mut start, value);
+                start
+            };
+            let ends = further.axis.extremes();
+            starts = starts.iter().flat_map(|start| ends.map(|value| with(start, value))).collect();
+        }
+        starts
     }
 
     /// Checks that the brakes at the extremes of the axes can be computed with.

@@ -9,17 +9,22 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::json;
+use stickslip_core::motion::start::GivenStart;
 use stickslip_core::parameters::SCALARS;
 use toml::Spanned;
 
 use super::keys::axis_of;
 use super::spec::SECTIONS;
+use super::start_value::StartValue;
 
 /// Keys of `[axes]` without a dot: the short names of three axes, and tables of further ones.
-const BARE_KEYS: [&str; 9] = {
+const BARE_KEYS: [&str; 10] = {
     let [disc, pad, stiffness, damping, friction, operating_point] = SECTIONS;
-    ["rotating_speed", "preload", "static_friction", disc, pad, stiffness, damping, friction, operating_point]
+    ["rotating_speed", "preload", "static_friction", disc, pad, stiffness, damping, friction, operating_point, START]
 };
+
+/// The table of axes of the start.
+const START: &str = "start";
 
 /// The axes of the grid, by name.
 #[derive(Debug, Default)]
@@ -28,13 +33,18 @@ pub struct AxesSpec(pub Vec<AxisEntry>);
 /// An axis under its name.
 #[derive(Debug)]
 pub struct AxisEntry {
-    /// Its name: `rotating_speed`, `preload`, `static_friction`, or the key of a parameter, as typed.
+    /// Its name: `rotating_speed`, `preload`, `static_friction`, or the key of a parameter or of a number of the start.
     pub name: Spanned<String>,
     /// Its values.
     pub axis: Spanned<AxisSpec>,
 }
 
 impl AxesSpec {
+    /// The first axis of a number of the start.
+    pub fn of_start(&self) -> Option<&AxisEntry> {
+        self.0.iter().find(|entry| StartValue::from_key(entry.name.get_ref()).is_some())
+    }
+
     /// The axis of a parameter, if the job has it, under any of its names.
     pub fn of_parameter(&self, key: &str) -> Option<&AxisEntry> {
         self.0.iter().find(|entry| entry.name.get_ref() == key || axis_of(key) == Some(entry.name.get_ref()))
@@ -71,7 +81,7 @@ impl<'de> Deserialize<'de> for AxesSpec {
                 let mut entries = Vec::new();
                 while let Some(key) = map.next_key::<Spanned<AxisKey>>()? {
                     let (span, AxisKey(key)) = (key.span(), key.into_inner());
-                    if SECTIONS.contains(&key.as_str()) {
+                    if key == START || SECTIONS.contains(&key.as_str()) {
                         let section: BTreeMap<Spanned<String>, Spanned<AxisSpec>> = map.next_value()?;
                         entries.extend(section.into_iter().map(|(name, axis)| AxisEntry {
                             name: Spanned::new(name.span(), format!("{key}.{}", name.get_ref())),
@@ -122,6 +132,10 @@ impl JsonSchema for AxesSpec {
         };
         for scalar in &SCALARS {
             add(scalar.key, format!("Expected {}, unit {}", scalar.description, scalar.unit));
+        }
+        for value in StartValue::ALL {
+            let description = value.description(&GivenStart::default());
+            add(value.key(), format!("Expected {description}, unit as criterion.start.units"));
         }
         json_schema!({
             "description": "The axes of the grid.",

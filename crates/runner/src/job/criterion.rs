@@ -8,15 +8,16 @@ use stickslip_core::flexible_disc::brake::DISC_MODES;
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::flexible_disc::error::FlexibleError;
 use stickslip_core::flexible_disc::mode_count::{ModeCheck, ModeStudy};
-use stickslip_core::motion::start::Start;
+use stickslip_core::motion::start::{GivenStart, Start};
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_sampler::grid::Grid;
 use toml::Spanned;
 
 use super::axes::Brakes;
-use super::criterion_spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record, StartKind};
+use super::criterion_spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record};
 use super::diagnosis::{Complaint, Complaints};
+use super::start::StartSpecs;
 
 /// Standard deviations by which the static friction coefficient is taken to scatter.
 const REACH: f64 = 6.0;
@@ -46,33 +47,25 @@ pub enum Criterion {
     },
 }
 
-impl From<StartKind> for Start {
-    fn from(start: StartKind) -> Self {
-        match start {
-            StartKind::NearEquilibrium => Self::NearEquilibrium,
-            StartKind::Rest => Self::Rest,
-            StartKind::LimitCycle => Self::LimitCycle,
-        }
-    }
-}
-
 impl Criterion {
     /// Checks every key, and that the model has modes and an equilibrium where the job needs them. `None` if anything is
     /// refused, or without a model.
     pub fn validate(
-        spec: &Spanned<CriterionSpec>,
+        span: Range<usize>,
+        specs: StartSpecs<'_>,
         model: Option<(&Parameters, &Grid)>,
         complaints: &mut Complaints,
     ) -> Option<Self> {
         let before = complaints.len();
-        let (span, spec) = (spec.span(), spec.get_ref());
+        let spec = specs.criterion;
         let Some(kind) = spec.kind.as_ref().map(|kind| *kind.get_ref()) else {
             let message = "missing key `kind` in [criterion]: write kind = \"eigenvalue\", \"coupled-eigenvalue\" or \"time-domain\"";
             complaints.push(Complaint::missing("kind", Some(span), message));
             return None;
         };
         spec.refuse_foreign_keys(kind, complaints);
-        let settings = spec.settings(complaints);
+        let start = specs.checked(kind, complaints);
+        let settings = TimeDomainSettings { start, ..spec.settings(complaints) };
         if complaints.len() > before || complaints.has_unread(&["criterion"]) {
             return None;
         }
@@ -95,11 +88,11 @@ impl Criterion {
                 Self::TimeDomain { disc, settings }
             }
         };
-        complaints.take(criterion.check_model(spec, parameters, grid)).map(|()| criterion)
+        complaints.take(criterion.check_model(specs, parameters, grid)).map(|()| criterion)
     }
 
     /// Builds the model at the extremes of the axes, and looks for its equilibrium at the largest inputs.
-    fn check_model(&self, spec: &CriterionSpec, parameters: &Parameters, grid: &Grid) -> Result<(), Complaint> {
+    fn check_model(&self, specs: StartSpecs<'_>, parameters: &Parameters, grid: &Grid) -> Result<(), Complaint> {
         if matches!(self, Self::Eigenvalue) {
             return Ok(());
         }
@@ -109,10 +102,19 @@ impl Criterion {
             preload: largest(grid.preload.values()),
             static_friction: largest(grid.static_friction.values()),
         };
+        let preloads = grid.preload.values().iter().copied().filter(|preload| *preload > 0.0);
+        let smallest = RandomInputs { preload: preloads.fold(f64::INFINITY, f64::min), ..inputs };
+        let extreme_inputs: &[RandomInputs] = if inputs.preload > 0.0 { &[smallest, inputs] } else { &[] };
         let check = |parameters: Parameters| -> Result<(), TimeDomainError> {
             let brake = PadOnDisc::new(parameters)?;
             if let Self::TimeDomain { disc, settings } = self {
-                TimeDomain::new(&brake, disc, *settings)?;
+                let criterion = TimeDomain::new(&brake, disc, *settings)?;
+                if let Start::Given(start) = settings.start {
+                    for start in (Brakes { parameters: brake.parameters(), grid }).extreme_starts(start) {
+                        let criterion = criterion.with_start(Start::Given(start));
+                        extreme_inputs.iter().try_for_each(|&inputs| criterion.check_start(inputs))?;
+                    }
+                }
             }
             // Without any preload every sample is stable by definition.
             match modes {
@@ -128,6 +130,15 @@ impl Criterion {
         let corners = Brakes { parameters, grid }.at_extremes(&speeds).map_err(TimeDomainError::from);
         let checked = corners.and_then(|corners| corners.into_iter().try_for_each(check));
         checked.map_err(|error| {
+            let spec = specs.criterion;
+            if let TimeDomainError::Start(error) = error {
+                let of_axis = || specs.axes.of_start().map(|entry| entry.axis.span());
+                let span = of_axis().or_else(|| spec.start.as_ref().map(Spanned::span));
+                let message = format!(
+                    "criterion.start: {error}. Numbers of a start are in m, m/s and rad, unless units = \"scaled\", and displacements count from the pad without forces, unless from_equilibrium = true"
+                );
+                return Complaint::maybe_at(span, message);
+            }
             let span = match error {
                 TimeDomainError::Brake(FlexibleError::ModeCount { .. } | FlexibleError::TooFewModes { .. }) => {
                     spec.disc_modes.as_ref().map(Spanned::span)
@@ -198,6 +209,14 @@ impl Criterion {
         checks.find(|check| !check.is_enough)
     }
 
+    /// The start in numbers, but for those that are axes, if it is given so.
+    pub fn given_start(&self) -> Option<GivenStart> {
+        match self {
+            Self::TimeDomain { settings: TimeDomainSettings { start: Start::Given(start), .. }, .. } => Some(*start),
+            _ => None,
+        }
+    }
+
     /// Whether the settled amplitude is recorded.
     pub fn records_amplitude(&self) -> bool {
         matches!(self, Self::TimeDomain { settings, .. } if settings.record_amplitude)
@@ -265,7 +284,6 @@ impl CriterionSpec {
     fn settings(&self, complaints: &mut Complaints) -> TimeDomainSettings {
         let default = TimeDomainSettings::default();
         let mut settings = TimeDomainSettings {
-            start: self.start.as_ref().map_or(default.start, |start| (*start.get_ref()).into()),
             record_amplitude: self.record.as_ref().is_some_and(|record| record.get_ref().contains(&Record::Amplitude)),
             ..default
         };

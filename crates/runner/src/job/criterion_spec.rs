@@ -5,9 +5,11 @@ use std::fmt;
 
 use clap::ValueEnum;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Unexpected, Visitor};
+use serde::de::value::{MapAccessDeserializer, StrDeserializer};
+use serde::de::{MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use stickslip_core::flexible_disc::plate_modes::MOST_DISC_MODES;
+use stickslip_core::motion::start::{GivenStart, StartUnits};
 use toml::Spanned;
 
 /// The criterion of stability. All keys but `kind` belong to the simulation in time, `disc_modes` also to the coupled
@@ -26,8 +28,8 @@ pub struct CriterionSpec {
     #[schemars(with = "Option<ModesSpec>")]
     pub disc_modes: Option<Spanned<ModesSpec>>,
     /// Where a motion starts; by default "near-equilibrium".
-    #[schemars(with = "Option<StartKind>")]
-    pub start: Option<Spanned<StartKind>>,
+    #[schemars(with = "Option<StartSpec>")]
+    pub start: Option<Spanned<StartSpec>>,
     /// Displacement of a start near the equilibrium, over the equilibrium's own; by default 0.01.
     #[schemars(with = "Option<f64>")]
     pub displacement: Option<Spanned<f64>>,
@@ -139,6 +141,103 @@ pub enum StartKind {
     Rest,
     /// At the release from stick: does stick-slip sustain itself?
     LimitCycle,
+}
+
+/// Where a motion starts: by name, or in numbers.
+#[derive(Debug, Clone)]
+pub enum StartSpec {
+    /// One of the named starts.
+    Named(StartKind),
+    /// A state.
+    Given(GivenStartSpec),
+}
+
+/// A state that a motion starts in. What is left out is as in steady sliding.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GivenStartSpec {
+    /// Tangential displacement of the pad, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tangential: Option<f64>,
+    /// Tangential speed of the pad, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<f64>,
+    /// Normal displacement of the pad, m; on a flexible disc.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal: Option<f64>,
+    /// Rotation of the pad, rad; on a flexible disc.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<f64>,
+    /// Whether displacements and rotation count from steady sliding; by default they count from the pad without forces.
+    #[serde(default)]
+    pub from_equilibrium: bool,
+    /// Units of displacements and speed; by default "si".
+    #[serde(default)]
+    pub units: UnitsSpec,
+}
+
+/// Units of a start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum UnitsSpec {
+    /// m and m/s.
+    #[default]
+    Si,
+    /// Thicknesses of the disc, and these over the time scale.
+    Scaled,
+}
+
+impl<'de> Deserialize<'de> for StartSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct StartVisitor;
+
+        impl<'de> Visitor<'de> for StartVisitor {
+            type Value = StartSpec;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(
+                    "\"near-equilibrium\", \"rest\", \"limit-cycle\" or { tangential = ..., velocity = ..., normal = ..., angle = ... }",
+                )
+            }
+
+            fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<StartSpec, E> {
+                StartKind::deserialize(StrDeserializer::new(name)).map(StartSpec::Named)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<StartSpec, A::Error> {
+                GivenStartSpec::deserialize(MapAccessDeserializer::new(map)).map(StartSpec::Given)
+            }
+        }
+
+        deserializer.deserialize_any(StartVisitor)
+    }
+}
+
+impl JsonSchema for StartSpec {
+    fn schema_name() -> Cow<'static, str> {
+        "Start".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let (named, given) = (generator.subschema_for::<StartKind>(), generator.subschema_for::<GivenStartSpec>());
+        json_schema!({ "description": "A name, or a state that the motion starts in.", "anyOf": [named, given] })
+    }
+}
+
+impl From<&GivenStartSpec> for GivenStart {
+    fn from(spec: &GivenStartSpec) -> Self {
+        let GivenStartSpec { tangential, velocity, normal, angle, from_equilibrium, units } = *spec;
+        let units = if units == UnitsSpec::Scaled { StartUnits::Scaled } else { StartUnits::Si };
+        Self { tangential, velocity, normal, angle, from_equilibrium, units }
+    }
+}
+
+impl From<&GivenStart> for GivenStartSpec {
+    fn from(start: &GivenStart) -> Self {
+        let GivenStart { tangential, velocity, normal, angle, from_equilibrium, units } = *start;
+        let units = if units == StartUnits::Scaled { UnitsSpec::Scaled } else { UnitsSpec::Si };
+        Self { tangential, velocity, normal, angle, from_equilibrium, units }
+    }
 }
 
 impl StartKind {

@@ -10,12 +10,13 @@ use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
 use stickslip_sampler::verdict_map::resolve::MAP_VERSION;
 
 use super::criterion::Criterion;
-use super::criterion_spec::{CriterionKind, DiscKind, OutsidePhysics, Record, StartKind};
+use super::criterion_spec::{CriterionKind, DiscKind, OutsidePhysics, Record, StartKind, UnitsSpec};
 use super::normalised::{
     NormalisedAxes, NormalisedCriterion, NormalisedExperiment, NormalisedIndex, NormalisedMarginal, NormalisedModel,
-    NormalisedRandom, NormalisedSampling, NormalisedUntil, model,
+    NormalisedRandom, NormalisedSampling, NormalisedStart, NormalisedUntil, model,
 };
 use super::sampling_spec::{Audit, EvaluateMode, IntervalSpec, SamplingMethod};
+use super::start_value::StartValue;
 use super::validated::Job;
 
 /// Version of the way in which jobs are identified. Version 1 hashed the TOML text of the normalised job.
@@ -152,7 +153,7 @@ impl ValueHasher {
     }
 
     fn random(&mut self, random: &NormalisedRandom) {
-        let NormalisedRandom { inputs, relative_std, correlation, distribution } = random;
+        let NormalisedRandom { inputs, relative_std, std, correlation, distribution } = random;
         self.list("random.inputs", inputs.len());
         for input in inputs {
             self.word("input", input);
@@ -163,6 +164,9 @@ impl ValueHasher {
             for (input, &std) in stds {
                 self.real(input, std);
             }
+        }
+        for (input, &std) in std {
+            self.real(&format!("random.std.{input}"), std);
         }
         self.list("random.correlation", correlation.len());
         // Neither the order of the pairs nor that of the two inputs of a pair means anything.
@@ -223,14 +227,25 @@ impl ValueHasher {
             self.whole("criterion.disc_modes", *modes as u64);
         }
         if let Some(start) = start {
-            self.word(
-                "criterion.start",
-                match start {
-                    StartKind::NearEquilibrium => "near-equilibrium",
-                    StartKind::Rest => "rest",
-                    StartKind::LimitCycle => "limit-cycle",
+            let name = match start {
+                NormalisedStart::Named(StartKind::NearEquilibrium) => "near-equilibrium",
+                NormalisedStart::Named(StartKind::Rest) => "rest",
+                NormalisedStart::Named(StartKind::LimitCycle) => "limit-cycle",
+                NormalisedStart::Given(given) => match given.units {
+                    UnitsSpec::Si => "given in SI units",
+                    UnitsSpec::Scaled => "given in scaled units",
                 },
-            );
+            };
+            self.word("criterion.start", name);
+            if let NormalisedStart::Given(given) = start {
+                self.flag("criterion.start.from_equilibrium", given.from_equilibrium);
+                let start = given.into();
+                for number in StartValue::ALL {
+                    if let Some(value) = number.of(&start) {
+                        self.real(&format!("criterion.{}", number.key()), value);
+                    }
+                }
+            }
         }
         if let Some(displacement) = displacement {
             self.real("criterion.displacement", *displacement);

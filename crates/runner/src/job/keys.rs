@@ -2,10 +2,12 @@
 
 use stickslip_core::parameters::{SCALARS, Scalar};
 
+use super::start_value::StartValue;
+
 /// The keys of a job spec outside `[model]`, by table.
 pub const TABLES: [(&str, &[&str]); 4] = [
     ("axes", &["rotating_speed", "preload", "static_friction"]),
-    ("random", &["inputs", "relative_std", "distribution", "correlation"]),
+    ("random", &["inputs", "relative_std", "std", "distribution", "correlation"]),
     (
         "criterion",
         &["kind", "disc", "disc_modes", "start", "displacement", "horizon", "index", "outside_physics", "record"],
@@ -119,10 +121,16 @@ pub fn unknown_parameter(key: &str, in_job: bool) -> String {
 }
 
 /// What the names of axes are, for messages.
-pub const AXIS_NAMES: &str = "rotating_speed, preload, static_friction, and every parameter as \"section.name\", for example \"stiffness.contact_normal\"";
+pub const AXIS_NAMES: &str = "rotating_speed, preload, static_friction, every parameter as \"section.name\", for example \"stiffness.contact_normal\", and those of the start, \"start.tangential\", \"start.velocity\", \"start.normal\", \"start.angle\"";
 
 /// The complaint about an axis, with a dot in its name, of something that does not exist.
 pub fn unknown_axis(name: &str) -> String {
+    let bare = name.strip_prefix("criterion.").unwrap_or(name);
+    if let (Some((_, of_start)), true) = (bare.split_once('.'), bare.starts_with("start.")) {
+        let near = nearest(of_start, StartValue::ALL.map(StartValue::name));
+        let hint = near.map_or(String::new(), |near| format!("; did you mean `\"start.{near}\"`?"));
+        return format!("there is no axis `{name}`{hint} (axes are {AXIS_NAMES})");
+    }
     let near = || nearest(name, SCALARS.iter().map(|scalar| scalar.key)).and_then(parameter);
     let last = name.rsplit_once('.').map_or(name, |(_, last)| last);
     let meant = parameter(name).or_else(near).or_else(|| parameter(last));

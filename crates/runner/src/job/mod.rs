@@ -4,6 +4,8 @@ mod keys;
 
 mod diagnosis;
 
+mod start_value;
+
 mod criterion_spec;
 
 mod distribution_spec;
@@ -29,6 +31,8 @@ mod axes;
 mod random_input;
 
 mod scatter;
+
+mod start;
 
 mod criterion;
 
@@ -59,4 +63,5 @@ pub use sampling::Effort;
 pub use sampling_spec::{Audit, EvaluateMode, SamplingMethod};
 pub use source::{JobSource, Overrides};
 pub use spec::JobSpec;
+pub use start_value::StartValue;
 pub use validated::Job;

@@ -13,8 +13,9 @@ use stickslip_sampler::grid::FurtherAxis;
 use stickslip_sampler::inputs::Marginal;
 
 use super::criterion::Criterion;
-use super::criterion_spec::{CriterionKind, DiscKind, OutsidePhysics, Record, StartKind};
+use super::criterion_spec::{CriterionKind, DiscKind, GivenStartSpec, OutsidePhysics, Record, StartKind};
 use super::random::RandomInputSet;
+use super::random_input::RandomInput;
 use super::sampling::{Effort, Sampling};
 use super::sampling_spec::{AUDIT, Audit, EvaluateMode, IntervalSpec, SamplingMethod};
 use super::scatter::own_std;
@@ -85,7 +86,8 @@ pub fn model(parameters: &Parameters, further: &[FurtherAxis]) -> NormalisedMode
         let is_axis = scalar.section() == "operating_point" || scalar.key == "friction.static_coefficient";
         // Later parameters count only where they are used, so that earlier jobs keep their identity.
         let is_unused = LATER.contains(&scalar.key) && scalar.value(parameters) == 0.0;
-        if !is_axis && !is_unused && further.iter().all(|further| further.name != scalar.key) {
+        let is_further = further.iter().any(|further| further.name == scalar.key);
+        if !is_axis && !is_further && !is_unused {
             model.entry(scalar.section()).or_default().insert(scalar.name(), scalar.value(parameters));
         }
     }
@@ -115,6 +117,8 @@ pub struct NormalisedRandom {
     pub(super) inputs: Vec<&'static str>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) relative_std: Vec<BTreeMap<&'static str, f64>>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) std: BTreeMap<&'static str, f64>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) correlation: Vec<(&'static str, &'static str, f64)>,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
@@ -125,14 +129,19 @@ impl From<&RandomInputSet> for NormalisedRandom {
     fn from(random: &RandomInputSet) -> Self {
         let name = |i: usize| random.inputs[i].name();
         let marginals = || random.inputs.iter().zip(&random.marginals);
+        let is_of_start = |input: &RandomInput| matches!(input, RandomInput::Start(_));
+        let of_start = marginals().zip(random.relative_stds.first().into_iter().flatten());
+        let of_start = of_start.filter(|((input, _), _)| is_of_start(input));
         // Measured values have their own standard deviation, which is not given.
         let given = |stds: &Vec<f64>| -> BTreeMap<&'static str, f64> {
-            let free = marginals().zip(stds).filter(|((_, marginal), _)| own_std(marginal).is_none());
+            let is_free = |input: &RandomInput, marginal| own_std(marginal).is_none() && !is_of_start(input);
+            let free = marginals().zip(stds).filter(|((input, marginal), _)| is_free(input, marginal));
             free.map(|((input, _), &std)| (input.name(), std)).collect()
         };
         Self {
             inputs: random.inputs.iter().map(|input| input.name()).collect(),
             relative_std: random.relative_stds.iter().map(given).filter(|stds| !stds.is_empty()).collect(),
+            std: of_start.map(|((input, _), &std)| (input.name(), std)).collect(),
             distribution: marginals()
                 .filter(|(_, marginal)| **marginal != Marginal::Normal)
                 .map(|(input, marginal)| (input.name(), marginal.into()))
@@ -191,7 +200,7 @@ pub struct NormalisedCriterion {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) disc_modes: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) start: Option<StartKind>,
+    pub(super) start: Option<NormalisedStart>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) displacement: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -203,6 +212,16 @@ pub struct NormalisedCriterion {
     pub(super) record: Vec<Record>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) index: Option<NormalisedIndex>,
+}
+
+/// Where a motion starts. Numbers that are axes are absent.
+#[derive(Serialize)]
+#[serde(untagged)]
+pub enum NormalisedStart {
+    /// By name.
+    Named(StartKind),
+    /// In numbers.
+    Given(GivenStartSpec),
 }
 
 /// The paper's index of instability.
@@ -234,9 +253,10 @@ impl From<&Criterion> for NormalisedCriterion {
                 disc: Some(if matches!(disc, DiscModel::Rigid) { DiscKind::Rigid } else { DiscKind::Flexible }),
                 disc_modes: if let DiscModel::Flexible { modes } = disc { Some(*modes) } else { None },
                 start: Some(match settings.start {
-                    Start::NearEquilibrium => StartKind::NearEquilibrium,
-                    Start::Rest => StartKind::Rest,
-                    Start::LimitCycle => StartKind::LimitCycle,
+                    Start::NearEquilibrium => NormalisedStart::Named(StartKind::NearEquilibrium),
+                    Start::Rest => NormalisedStart::Named(StartKind::Rest),
+                    Start::LimitCycle => NormalisedStart::Named(StartKind::LimitCycle),
+                    Start::Given(ref given) => NormalisedStart::Given(given.into()),
                 }),
                 displacement: Some(settings.displacement),
                 horizon: Some(settings.horizon),

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use stickslip_core::motion::start::GivenStart;
 use stickslip_core::parameters::Parameters;
 use stickslip_sampler::grid::{Grid, RelativeStd};
 use stickslip_sampler::inputs::{Correlation, CorrelationError, Marginal, MarginalError};
@@ -13,6 +14,7 @@ use super::measured;
 use super::random_input::{RandomInput, position};
 use super::random_spec::RandomSpec;
 use super::scatter::validate_stds;
+use super::start_value::StartValue;
 
 /// The random inputs of a job, checked, in the order in which their deviates are drawn.
 #[derive(Debug, Clone)]
@@ -25,7 +27,8 @@ pub struct RandomInputSet {
     pub pairs: Vec<(usize, usize, f64)>,
     /// Their correlation.
     pub correlation: Correlation,
-    /// For each entry of `relative_std`, the relative standard deviation of each input.
+    /// For each entry of `relative_std`, the relative standard deviation of each input; of inputs of the start the standard
+    /// deviation itself.
     pub relative_stds: Vec<Vec<f64>>,
 }
 
@@ -76,9 +79,43 @@ impl RandomInputSet {
         self.inputs.iter().any(|input| matches!(input, RandomInput::Preload))
     }
 
-    /// The first input that is neither preload nor static friction: then every sample is a brake of its own.
+    /// The first input that is neither preload nor static friction: then samples are not told apart by these two.
     pub fn other(&self) -> Option<RandomInput> {
-        self.inputs.iter().copied().find(|input| matches!(input, RandomInput::Other(_)))
+        self.inputs.iter().copied().find(|input| matches!(input, RandomInput::Other(_) | RandomInput::Start(_)))
+    }
+
+    /// The numbers of the start that scatter, each with its position among the inputs.
+    pub fn start_values(&self) -> impl Iterator<Item = (usize, StartValue)> {
+        let number = |(i, input): (usize, &RandomInput)| match input {
+            RandomInput::Start(value) => Some((i, *value)),
+            _ => None,
+        };
+        self.inputs.iter().enumerate().filter_map(number)
+    }
+
+    /// Checks the distributions of numbers of the start.
+    pub fn check_start(&self, random: &RandomSpec, grid: &Grid, start: &GivenStart, complaints: &mut Complaints) {
+        for (i, number) in self.start_values() {
+            let axis = grid.of_start.iter().find(|further| further.name == number.key());
+            let expected =
+                axis.map_or_else(|| number.of(start).into_iter().collect(), |axis| axis.axis.values().to_vec());
+            let marginal = &self.marginals[i];
+            let span = random.distribution.as_ref().map(Spanned::span);
+            if let Marginal::Empirical(_) = marginal {
+                let message = format!(
+                    "random.distribution of {}: measured values are scaled to the expected value, which a number of the start need not have; use another distribution",
+                    number.key()
+                );
+                complaints.push(Complaint::maybe_at(span, message));
+                continue;
+            }
+            let std = self.relative_stds.first().map_or(0.0, |stds| stds[i]);
+            let checked = expected.iter().try_for_each(|&value| marginal.check_absolute(value, std));
+            let key = number.key();
+            complaints.take(
+                checked.map_err(|error| Complaint::maybe_at(span, format!("random.distribution of {key}: {error}"))),
+            );
+        }
     }
 
     /// Whether all inputs are normal and independent.

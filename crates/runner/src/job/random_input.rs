@@ -4,6 +4,7 @@ use stickslip_core::parameters::{Parameters, SCALARS, Scalar, scalar};
 use stickslip_sampler::grid::{Cell, Grid};
 
 use super::keys::{axis_of, nearest, parameter};
+use super::start_value::StartValue;
 use super::validated::Job;
 
 /// An input that scatters.
@@ -15,6 +16,8 @@ pub enum RandomInput {
     StaticFriction,
     /// Any other parameter; its expected value is the model's, or that of its axis.
     Other(&'static Scalar),
+    /// A number of the start of a motion. It scatters by a standard deviation that is not relative to its expected value.
+    Start(StartValue),
 }
 
 impl RandomInput {
@@ -25,13 +28,14 @@ impl RandomInput {
             Self::StaticFriction => "static_friction",
             Self::Other(_) if self.is_rotating_speed() => "rotating_speed",
             Self::Other(scalar) => scalar.key,
+            Self::Start(value) => value.key(),
         }
     }
 
     /// The parameter, if it is neither preload nor static friction.
     pub fn scalar(self) -> Option<&'static Scalar> {
         match self {
-            Self::Preload | Self::StaticFriction => None,
+            Self::Preload | Self::StaticFriction | Self::Start(_) => None,
             Self::Other(scalar) => Some(scalar),
         }
     }
@@ -52,13 +56,17 @@ impl RandomInput {
         if let Some(scalar) = scalar(name) {
             return Ok(Self::Other(scalar));
         }
+        if let Some(value) = StartValue::from_key(name) {
+            return Ok(Self::Start(value));
+        }
         let names = ["preload", "static_friction", "rotating_speed"];
-        let near = || nearest(name, names.into_iter().chain(SCALARS.iter().map(|scalar| scalar.key)));
+        let names = || names.into_iter().chain(SCALARS.iter().map(|scalar| scalar.key));
+        let near = || nearest(name, names().chain(StartValue::ALL.map(StartValue::key)));
         let meant = parameter(name).map(|scalar| axis_of(scalar.key).unwrap_or(scalar.key));
         let hint = meant.or_else(near);
         let hint = hint.map_or(String::new(), |hint| format!("; did you mean `{hint}`?"));
         Err(format!(
-            "random.inputs: there is no input \"{name}\"{hint} (preload, static_friction, rotating_speed, or a parameter of the model as `section.name`)"
+            "random.inputs: there is no input \"{name}\"{hint} (preload, static_friction, rotating_speed, a parameter of the model as `section.name`, or a number of the start, for example `start.velocity`)"
         ))
     }
 
@@ -68,11 +76,12 @@ impl RandomInput {
             Self::Preload => cell.preload,
             Self::StaticFriction => cell.static_friction,
             Self::Other(_) if self.is_rotating_speed() => cell.rotating_speed,
-            Self::Other(scalar) => value_in_cell(scalar, cell, job),
+            Self::Other(scalar) => value_in_cell(scalar.key, cell, job).unwrap_or(f64::NAN),
+            Self::Start(value) => value_in_cell(value.key(), cell, job).unwrap_or(f64::NAN),
         }
     }
 
-    /// Its expected values over all cells, and the key that has them.
+    /// Its expected values over all cells, and the key that has them. Those of the start are not looked at.
     pub fn all_expected(self, parameters: &Parameters, grid: &Grid) -> (Vec<f64>, String) {
         match self {
             Self::Preload => (grid.preload.values().to_vec(), "axes.preload".to_owned()),
@@ -84,6 +93,7 @@ impl RandomInput {
                 Some(further) => (further.axis.values().to_vec(), format!("axes.{}", scalar.key)),
                 None => (vec![scalar.value(parameters)], format!("model.{}", scalar.key)),
             },
+            Self::Start(value) => (Vec::new(), value.key().to_owned()),
         }
     }
 
@@ -98,15 +108,20 @@ impl RandomInput {
             Self::Preload => 0,
             Self::StaticFriction => 1,
             Self::Other(scalar) => 2 + SCALARS.iter().position(|other| other.key == scalar.key).unwrap_or(0),
+            Self::Start(value) => 2 + SCALARS.len() + value as usize,
         }
     }
 }
 
-/// The value of a parameter in a cell of a job, but for those that have an axis in every job.
-pub fn value_in_cell(scalar: &Scalar, cell: &Cell, job: &Job) -> f64 {
-    match job.grid.further().position(|further| further.name == scalar.key) {
-        Some(axis) => job.grid.further_values(cell.index)[axis],
-        None => scalar.value(&job.parameters),
+/// The value in a cell of a job of a parameter, but for those that have an axis in every job, or of a number of the start;
+/// `None` if the start leaves it out.
+pub fn value_in_cell(key: &str, cell: &Cell, job: &Job) -> Option<f64> {
+    if let Some(axis) = job.grid.further().position(|further| further.name == key) {
+        return Some(job.grid.further_values(cell.index)[axis]);
+    }
+    match StartValue::from_key(key) {
+        Some(value) => value.of(&job.criterion.given_start()?),
+        None => scalar(key).map(|scalar| scalar.value(&job.parameters)),
     }
 }
 

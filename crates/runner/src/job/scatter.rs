@@ -15,15 +15,70 @@ pub fn own_std(marginal: &Marginal) -> Option<f64> {
     }
 }
 
-/// The relative standard deviation of each input, for each entry of `random.relative_std`.
+/// A standard deviation that `relative_std` does not give.
+#[derive(Debug, Clone, Copy)]
+enum Given {
+    /// That of measured values, relative.
+    Measured(f64),
+    /// That of a number of the start, in its unit.
+    Absolute(f64),
+}
+
+impl Given {
+    fn value(self) -> f64 {
+        let (Self::Measured(std) | Self::Absolute(std)) = self;
+        std
+    }
+}
+
+/// The standard deviation of each input of the start, from `random.std`.
+fn validate_absolute_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<Option<f64>>, Complaint> {
+    let spec = random.std.as_ref().map(Spanned::get_ref);
+    for (name, value) in spec.into_iter().flatten() {
+        let complain = |message: String| Complaint::at(name.span(), message);
+        let input = inputs[position(inputs, name.get_ref(), "std").map_err(complain)?];
+        if !matches!(input, RandomInput::Start(_)) {
+            return Err(complain(format!(
+                "random.std is for numbers of the start; {} scatters in proportion to its expected value: write relative_std = {{ {} = ... }}",
+                input.name(),
+                quoted_key(input)
+            )));
+        }
+        let std = *value.get_ref();
+        if !(std >= 0.0 && std.is_finite()) {
+            let message = format!("random.std of {} = {std} is out of range: it must be at least 0", input.name());
+            return Err(Complaint::at(value.span(), message));
+        }
+    }
+    let std = |input: &RandomInput| {
+        let given = || spec?.iter().find(|(name, _)| name.get_ref() == input.name()).map(|(_, std)| *std.get_ref());
+        match input {
+            RandomInput::Start(_) => given().map(Some).ok_or_else(|| {
+                let message = format!(
+                    "random.std has no value for {name}, which random.inputs lists: how much does it scatter? For example std = {{ \"{name}\" = 0.05 }}, in its unit",
+                    name = input.name()
+                );
+                Complaint::maybe_at(random.inputs.as_ref().map(Spanned::span), message)
+            }),
+            _ => Ok(None),
+        }
+    };
+    inputs.iter().map(std).collect()
+}
+
+/// The relative standard deviation of each input, for each entry of `random.relative_std`; of inputs of the start the
+/// standard deviation itself.
 pub fn validate_stds(
     random: &RandomSpec,
     inputs: &[RandomInput],
     marginals: &[Marginal],
 ) -> Result<Vec<Vec<f64>>, Complaint> {
-    let own: Vec<Option<f64>> = marginals.iter().map(own_std).collect();
+    let measured = marginals.iter().map(|marginal| own_std(marginal).map(Given::Measured));
+    let absolute = validate_absolute_stds(random, inputs)?;
+    let own: Vec<Option<Given>> =
+        measured.zip(absolute).map(|(measured, absolute)| absolute.map(Given::Absolute).or(measured)).collect();
     let Some(spec) = &random.relative_std else {
-        if let Some(stds) = own.iter().copied().collect() {
+        if let Some(stds) = own.iter().map(|own| own.map(Given::value)).collect() {
             return Ok(vec![stds]);
         }
         let message = "random.relative_std is missing: how much do the inputs scatter? For example relative_std = 0.2";
@@ -38,7 +93,8 @@ pub fn validate_stds(
     let mut all: Vec<Vec<f64>> = Vec::new();
     for entry in &spec.get_ref().0 {
         let stds = stds_of(entry, inputs, &own).map_err(complain)?;
-        if let Some(std) = stds.iter().find(|std| !(0.0..=LARGEST_STD).contains(*std)) {
+        let relative = stds.iter().zip(&own).filter(|(_, own)| !matches!(own, Some(Given::Absolute(_))));
+        if let Some((std, _)) = relative.into_iter().find(|(std, _)| !(0.0..=LARGEST_STD).contains(*std)) {
             return Err(complain(format!(
                 "random.relative_std = {std} is out of range: it must be at least 0 and at most {LARGEST_STD} (standard deviation over expected value, not per cent)"
             )));
@@ -55,9 +111,13 @@ pub fn validate_stds(
 }
 
 /// One entry of `relative_std`, for each input; those with measured values have their own.
-fn stds_of(entry: &StdSpec, inputs: &[RandomInput], own: &[Option<f64>]) -> Result<Vec<f64>, String> {
+fn stds_of(entry: &StdSpec, inputs: &[RandomInput], own: &[Option<Given>]) -> Result<Vec<f64>, String> {
+    let measured = |(input, own): (&RandomInput, &Option<Given>)| match own {
+        Some(Given::Measured(std)) => Some((*input, *std)),
+        _ => None,
+    };
     match entry {
-        StdSpec::Common(value) => match inputs.iter().zip(own).find_map(|(input, own)| Some((input, (*own)?))) {
+        StdSpec::Common(value) => match inputs.iter().zip(own).find_map(measured) {
             Some((measured, std)) => {
                 let free = inputs.iter().zip(own).filter(|(_, own)| own.is_none());
                 let table: Vec<String> = free.map(|(input, _)| format!("{} = {value}", quoted_key(*input))).collect();
@@ -70,18 +130,27 @@ fn stds_of(entry: &StdSpec, inputs: &[RandomInput], own: &[Option<f64>]) -> Resu
                     measured.name()
                 ))
             }
-            None => Ok(vec![*value; inputs.len()]),
+            None if own.iter().all(Option::is_some) => Err(format!(
+                "random.relative_std = {value} is for no input: those of the start scatter by random.std; remove random.relative_std"
+            )),
+            None => Ok(own.iter().map(|own| own.map_or(*value, Given::value)).collect()),
         },
         StdSpec::Each(table) => {
             for (name, value) in table {
-                if let Some(std) = own[position(inputs, name, "relative_std")?] {
+                let input = position(inputs, name, "relative_std")?;
+                if let Some(Given::Absolute(_)) = own[input] {
+                    return Err(format!(
+                        "random.relative_std gives {value} for {name}, which scatters by random.std, as its expected value may be 0; remove {name} from it"
+                    ));
+                }
+                if let Some(Given::Measured(std)) = own[input] {
                     return Err(format!(
                         "random.relative_std gives {value} for {name}, but {name} has measured values and scatters as they do (by {std:.4}); remove {name} from it"
                     ));
                 }
             }
-            let value = |(input, own): (&RandomInput, &Option<f64>)| {
-                own.or_else(|| table.get(input.name()).copied()).ok_or_else(|| {
+            let value = |(input, own): (&RandomInput, &Option<Given>)| {
+                own.map(Given::value).or_else(|| table.get(input.name()).copied()).ok_or_else(|| {
                     format!("random.relative_std has no value for {}, which random.inputs lists", input.name())
                 })
             };

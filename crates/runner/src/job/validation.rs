@@ -15,6 +15,7 @@ use super::random::RandomInputSet;
 use super::sampling::Sampling;
 use super::sampling_spec::SamplingMethod;
 use super::spec::JobSpec;
+use super::start::StartSpecs;
 use super::validated::Job;
 
 /// Largest number of verdict maps.
@@ -35,12 +36,21 @@ pub fn validate(spec: &JobSpec, folder: &Path, complaints: &mut Complaints) -> O
         random.check_expected(&spec.random, parameters, grid, complaints);
     }
     let criterion = match &spec.criterion {
-        Some(criterion) => Criterion::validate(criterion, model, complaints),
+        Some(criterion) => {
+            let inputs = random.as_ref().map_or(&[][..], |random| &random.inputs);
+            let specs = StartSpecs { criterion: criterion.get_ref(), axes: &spec.axes, random: &spec.random, inputs };
+            Criterion::validate(criterion.span(), specs, model, complaints)
+        }
         None => {
             complaints.push(Complaint::missing("criterion", None, NO_CRITERION));
             None
         }
     };
+    if let (Some(random), Some(grid), Some(start)) =
+        (&random, &grid, criterion.as_ref().and_then(Criterion::given_start))
+    {
+        random.check_start(&spec.random, grid, &start, complaints);
+    }
     let kind = spec.criterion.as_ref().and_then(|criterion| criterion.get_ref().kind.as_ref());
     let kind = kind.map(|kind| *kind.get_ref());
     let cells = grid.as_ref().and_then(Grid::checked_len);
@@ -95,7 +105,7 @@ fn validate_grid(
 ) -> (Option<Parameters>, Option<Grid>) {
     let parameters = validate_model(&spec.model, &spec.axes, complaints);
     let defaults = parameters.clone().unwrap_or_else(Parameters::sui_ding_2018);
-    let CheckedAxes { rotating_speed, preload, static_friction, of_brake } =
+    let CheckedAxes { rotating_speed, preload, static_friction, of_brake, of_start } =
         CheckedAxes::new(&spec.axes, &defaults, complaints);
     let (Some(mut parameters), Some(static_friction), Some(of_brake)) = (parameters, static_friction, of_brake) else {
         return (None, None);
@@ -108,10 +118,11 @@ fn validate_grid(
     if complaints.take(settle(&mut parameters, &of_brake).map_err(|error| contradiction(spec, &error))).is_none() {
         return (None, None);
     }
-    let (Some(rotating_speed), Some(preload), Some(random)) = (rotating_speed, preload, random) else {
+    let (Some(rotating_speed), Some(preload), Some(of_start), Some(random)) =
+        (rotating_speed, preload, of_start, random)
+    else {
         return (Some(parameters), None);
     };
-    let of_start = Vec::new();
     let grid = Grid { of_brake, of_start, rotating_speed, relative_std: random.axis(), preload, static_friction };
     match grid.checked_len() {
         Some(cells) if cells <= MOST_CELLS => {
@@ -153,6 +164,13 @@ fn fits_a_map(job: &Job, spec: &JobSpec) -> Result<(), Complaint> {
         let evaluate = spec.sampling.evaluate.as_ref().map(Spanned::span);
         evaluate.or(spec.sampling.method.as_ref().map(Spanned::span))
     };
+    if let Some(further) = job.grid.of_start.first() {
+        let message = format!(
+            "a verdict map holds the verdicts of motions from one start; axes.{} makes another start of each value. Use evaluate = \"each\"",
+            further.name
+        );
+        return Err(Complaint::maybe_at(span(), message));
+    }
     let maps = job.grid.brakes();
     if maps > MOST_MAPS {
         let names: Vec<&str> =

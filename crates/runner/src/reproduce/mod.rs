@@ -1,4 +1,4 @@
-//! The paper's tables and figures again, from the job specs in `jobs/`.
+//! The paper's tables and figures again, from the job specs in `jobs/`, and oscillators that others published.
 
 mod preset;
 
@@ -13,6 +13,10 @@ mod bifurcation;
 mod spectrum;
 
 mod motions;
+
+mod score;
+
+mod external;
 
 mod scoreboard;
 
@@ -53,6 +57,7 @@ fn one(target: Target, arguments: &ReproduceArguments, interrupt: &Interrupt) ->
         (Target::Fig12 | Target::Fig13, Some(run)) => figures::scattered_input(&run)?,
         (_, Some(run)) => figures::surface(&run)?,
         (Target::Fig6, None) => bifurcation::diagram(&directory(target, arguments)?)?,
+        (Target::External, None) => external::oscillators(&directory(target, arguments)?, arguments, interrupt)?,
         (Target::Scoreboard, None) => scoreboard::scoreboard()?,
         (_, None) => motions::figure(target, &directory(target, arguments)?)?,
     };

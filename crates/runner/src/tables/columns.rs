@@ -6,7 +6,7 @@ use std::sync::Arc;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Field};
 use stickslip_core::degree_of_freedom::DegreeOfFreedom;
-use stickslip_core::parameters::{Scalar, scalar};
+use stickslip_core::parameters::scalar;
 use stickslip_sampler::estimate::score::CellParameter;
 use stickslip_sampler::estimate::sobol_indices::SobolIndices;
 use stickslip_sampler::grid::Cell;
@@ -15,7 +15,7 @@ use stickslip_sampler::inputs::Marginal;
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::SumLayout;
 use crate::files::table::described_field;
-use crate::job::{Effort, Job, RandomInput, SamplingMethod, value_in_cell};
+use crate::job::{Effort, Job, RandomInput, SamplingMethod, StartValue, value_in_cell};
 use crate::tables::row::SurfaceRow;
 
 /// A column: its name, unit, meaning and values.
@@ -261,11 +261,11 @@ fn sensitivity_columns(layout: SumLayout, inputs: &[RandomInput]) -> Vec<Column>
 /// parameters of its distribution.
 fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
     let job = Arc::new(job.clone());
-    let expected_column = |scalar: &'static Scalar| {
+    let start = job.criterion.given_start().unwrap_or_default();
+    let expected_column = |key: &'static str, unit: &'static str, description: &str| {
         let of_job = job.clone();
-        let value = move |row: &SurfaceRow| value_in_cell(scalar, &row.cell, &of_job);
-        let long_name = format!("expected value of {}: {}", scalar.key, scalar.description);
-        Column::new(scalar.key, scalar.unit, long_name, Values::Real(Box::new(value)))
+        let value = move |row: &SurfaceRow| value_in_cell(key, &row.cell, &of_job).unwrap_or(f64::NAN);
+        Column::new(key, unit, format!("expected value of {key}: {description}"), Values::Real(Box::new(value)))
     };
     for (i, (&input, marginal)) in job.random.inputs.iter().zip(&job.random.marginals).enumerate() {
         let name = input.name();
@@ -279,7 +279,7 @@ fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
                 if input.is_rotating_speed() {
                     expected_name = "rotating_speed_rad_s";
                 } else {
-                    columns.push(expected_column(scalar));
+                    columns.push(expected_column(scalar.key, scalar.unit, scalar.description));
                 }
                 let (of_cell, long_name) =
                     (std.clone(), format!("standard deviation of {name} over its expected value"));
@@ -287,12 +287,24 @@ fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
                 columns.push(Column::new(format!("std_{name}"), "1", long_name, read));
                 scalar.unit
             }
+            RandomInput::Start(number) => {
+                let unit = number.unit(start.units);
+                columns.push(expected_column(number.key(), unit, &number.description(&start)));
+                let (of_cell, long_name) = (std.clone(), format!("standard deviation of {name}"));
+                let read = Values::Real(Box::new(move |row| of_cell(&row.cell)));
+                columns.push(Column::new(format!("std_{name}"), unit, long_name, read));
+                unit
+            }
         };
         if !matches!(marginal, Marginal::TruncatedNormal { .. }) {
             continue;
         }
         let (marginal, of_job) = (marginal.clone(), job.clone());
-        let moments = move |row: &SurfaceRow| marginal.moments(input.expected(&row.cell, &of_job), std(&row.cell));
+        let is_absolute = matches!(input, RandomInput::Start(_));
+        let moments = move |row: &SurfaceRow| {
+            let (expected, std) = (input.expected(&row.cell, &of_job), std(&row.cell));
+            if is_absolute { marginal.absolute_moments(expected, std) } else { marginal.moments(expected, std) }
+        };
         let means = moments.clone();
         let (mean_name, scatter_name) = (format!("mean_{name}"), format!("scatter_{name}"));
         for (column, instead) in [(expected_name, &mean_name), (&format!("std_{name}"), &scatter_name)] {
@@ -305,15 +317,26 @@ fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
         }
         let long_name = format!("mean of {name}, which is truncated");
         columns.push(Column::new(mean_name, unit, long_name, Values::Real(Box::new(move |row| means(row).0))));
+        if is_absolute {
+            let long_name = format!("standard deviation of {name}, which is truncated");
+            columns.push(Column::new(scatter_name, unit, long_name, Values::Real(Box::new(move |row| moments(row).1))));
+            continue;
+        }
         let long_name = format!("standard deviation of {name}, which is truncated, over its mean");
         columns.push(Column::optional(scatter_name, long_name, move |row| {
             let (mean, std) = moments(row);
             (mean > 0.0).then_some(std / mean)
         }));
     }
-    for scalar in job.grid.further().filter_map(|further| scalar(&further.name)) {
-        if columns.iter().all(|column| column.name != scalar.key) {
-            columns.push(expected_column(scalar));
+    for further in job.grid.further() {
+        if columns.iter().any(|column| column.name == further.name) {
+            continue;
+        }
+        if let Some(scalar) = scalar(&further.name) {
+            columns.push(expected_column(scalar.key, scalar.unit, scalar.description));
+        }
+        if let Some(number) = StartValue::from_key(&further.name) {
+            columns.push(expected_column(number.key(), number.unit(start.units), &number.description(&start)));
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The random inputs of many samples at once, in columns.
 
+use super::absolute::Shifted;
 use super::correlation::Correlation;
 use super::marginal::Marginal;
 use super::transform::Transform;
@@ -11,8 +12,15 @@ use super::transform::Transform;
 #[derive(Debug, Clone)]
 pub struct InputColumns<'a> {
     correlation: &'a Correlation,
-    /// Expected value and distribution of each input.
-    inputs: Vec<(f64, Transform)>,
+    inputs: Vec<InputColumn>,
+}
+
+/// The transform of one input: the value is `expected` times a relative one, and `shift`.
+#[derive(Debug, Clone)]
+struct InputColumn {
+    expected: f64,
+    transform: Transform,
+    shift: f64,
 }
 
 impl<'a> InputColumns<'a> {
@@ -25,8 +33,21 @@ impl<'a> InputColumns<'a> {
     pub fn new(marginals: &[Marginal], correlation: &'a Correlation, expected: &[f64], relative_stds: &[f64]) -> Self {
         assert!(marginals.len() == expected.len() && expected.len() == relative_stds.len(), "one of each per input");
         let inputs = marginals.iter().zip(expected).zip(relative_stds);
-        let inputs = inputs.map(|((marginal, &expected), &std)| (expected, Transform::new(marginal, std))).collect();
-        Self { correlation, inputs }
+        let input = |((marginal, &expected), &std): ((&Marginal, &f64), &f64)| InputColumn {
+            expected,
+            transform: Transform::new(marginal, std),
+            shift: 0.0,
+        };
+        Self { correlation, inputs: inputs.map(input).collect() }
+    }
+
+    /// Gives an input a standard deviation that is not relative to its expected value, which may be zero.
+    ///
+    /// # Panics
+    /// If there is no such input.
+    pub fn scatter_absolutely(&mut self, input: usize, marginal: &Marginal, expected: f64, std: f64) {
+        let Shifted { expected, relative_std, shift } = marginal.shifted(expected, std);
+        self.inputs[input] = InputColumn { expected, transform: Transform::new(marginal, relative_std), shift };
     }
 
     /// Replaces deviates by inputs.
@@ -39,8 +60,11 @@ impl<'a> InputColumns<'a> {
         if !self.correlation.is_independent() {
             self.correlate(columns);
         }
-        for (column, (expected, transform)) in columns.iter_mut().zip(&self.inputs) {
+        for (column, InputColumn { expected, transform, shift }) in columns.iter_mut().zip(&self.inputs) {
             transform.apply(*expected, column);
+            if *shift != 0.0 {
+                column.iter_mut().for_each(|value| *value += shift);
+            }
         }
     }
 
@@ -62,6 +86,7 @@ impl<'a> InputColumns<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::special_functions::normal;
 
     #[test]
     fn columns_have_the_inputs_of_single_samples() {
@@ -78,6 +103,33 @@ mod tests {
                 marginal.apply(expected[i], stds[i], &mut value);
                 assert_eq!(columns[i][sample], value[0], "input {i} of sample {sample}");
             }
+        }
+    }
+
+    #[test]
+    fn an_absolute_standard_deviation_holds_for_any_expected_value() {
+        let correlation = Correlation::independent(1);
+        for (marginal, expected) in [
+            (Marginal::Normal, 0.0),
+            (Marginal::Normal, -3.0),
+            (Marginal::Uniform, 0.0),
+            (Marginal::Gumbel, 0.0),
+            (Marginal::Triangular { mode: 0.2 }, -1.0),
+            (Marginal::TruncatedNormal { low: -9.0, high: 9.0 }, 0.0),
+            (Marginal::Lognormal, 2.0),
+            (Marginal::Weibull, 2.0),
+        ] {
+            let mut columns = InputColumns::new(std::slice::from_ref(&marginal), &correlation, &[1.0], &[0.0]);
+            columns.scatter_absolutely(0, &marginal, expected, 0.25);
+            // Midpoints of equal probabilities.
+            let n = 100_000;
+            let deviates = (0..n).map(|i| normal::quantile((f64::from(i) + 0.5) / f64::from(n))).collect();
+            let mut values = [deviates];
+            columns.apply(&mut values);
+            let mean = values[0].iter().sum::<f64>() / f64::from(n);
+            let variance = values[0].iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / f64::from(n);
+            assert!((mean - expected).abs() < 1e-4, "{marginal:?}: {mean}");
+            assert!((variance.sqrt() - 0.25).abs() < 1e-3, "{marginal:?}: {}", variance.sqrt());
         }
     }
 

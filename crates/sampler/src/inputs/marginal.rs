@@ -92,6 +92,12 @@ pub enum MarginalError {
         /// The relative standard deviation.
         value: f64,
     },
+    /// A standard deviation that is negative or no number.
+    #[error("the standard deviation is {value}; it must be at least 0 and finite")]
+    Std {
+        /// The standard deviation.
+        value: f64,
+    },
     /// A normal distribution with too many negative values.
     #[error(
         "a normal input with a relative standard deviation of {value} would be negative too often; the largest \

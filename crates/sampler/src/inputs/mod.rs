@@ -14,6 +14,8 @@ mod truncation;
 
 mod marginal;
 
+mod absolute;
+
 mod weibull;
 
 mod transform;

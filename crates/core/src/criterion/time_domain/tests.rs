@@ -1,3 +1,5 @@
+mod given_starts;
+
 use super::*;
 use crate::degree_of_freedom::DegreeOfFreedom;
 use crate::motion::integrator::Observer;

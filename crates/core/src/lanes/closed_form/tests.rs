@@ -1,4 +1,5 @@
 use super::*;
+use crate::friction::measured_curve::{MeasuredCurve, SharedCurve};
 use crate::parameters::{SCALARS, scalar};
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, uniform_draws};
 
@@ -12,7 +13,10 @@ struct Case {
 
 /// Brakes that differ in these parameters by up to `spread` of their shared value.
 fn case(keys: &[&str], spread: f64, samples: usize, seed: u64, changes: &[(&str, f64)]) -> Case {
-    let shared = PadOnDisc::preset_with(changes);
+    case_of(PadOnDisc::preset_with(changes), keys, spread, samples, seed)
+}
+
+fn case_of(shared: PadOnDisc, keys: &[&str], spread: f64, samples: usize, seed: u64) -> Case {
     let scalars: Vec<&Scalar> = keys.iter().map(|key| scalar(key).unwrap()).collect();
     let mut draw = uniform_draws(seed);
     let mut around = |value: f64| value * (1.0 + spread * (2.0 * draw() - 1.0));
@@ -38,9 +42,11 @@ impl Case {
             return Some(Verdict::Failed);
         };
         let boundary = brake.stability_boundary();
-        let product = preload * (static_friction - brake.friction_law().kinetic_coefficient);
-        let distance = (product / boundary.critical_product() - 1.0).abs();
-        (distance > 1e-13).then(|| boundary.verdict(preload, static_friction))
+        let verdict = boundary.verdict(preload, static_friction);
+        let is_clear = [1.0 - 1e-12, 1.0 + 1e-12]
+            .iter()
+            .all(|factor| boundary.verdict(factor * preload, static_friction) == verdict);
+        is_clear.then_some(verdict)
     }
 }
 
@@ -121,4 +127,52 @@ fn what_is_not_admissible_fails_and_what_is_outside_physics_is_stable() {
         assert_eq!(at(values, 0.2, 0.45), Verdict::Failed, "{values:?}");
     }
     assert_eq!(at(usual, 0.2, 5.5), Verdict::Failed);
+}
+
+/// Brakes with every law, falling and rising again.
+fn laws() -> Vec<PadOnDisc> {
+    let curve = |deviations: Option<&[f64]>| {
+        let curve = MeasuredCurve::new(&[0.0, 0.5, 1.5, 2.5, 4.0], &[0.39, 0.3, 0.27, 0.26, 0.29], deviations);
+        LawKind::Table(SharedCurve::new(curve.unwrap()))
+    };
+    let laws = [
+        (LawKind::Stribeck, 1.0, 0.02),
+        (LawKind::Stribeck, 2.0, 0.0),
+        (LawKind::Stribeck, 1.4, 0.01),
+        (LawKind::Rational, 1.0, 0.0),
+        (LawKind::Rational, 1.0, 0.01),
+        (curve(None), 1.0, 0.0),
+        (curve(Some(&[0.02, 0.01, 0.01, 0.02, 0.03])), 1.0, 0.0),
+    ];
+    let brake = |(law, exponent, viscous): (LawKind, f64, f64)| {
+        let mut parameters = Parameters::sui_ding_2018();
+        parameters.friction.law = law;
+        parameters.friction.stribeck_exponent = exponent;
+        parameters.friction.viscous = viscous;
+        if law.table().is_some() {
+            parameters.friction.kinetic_coefficient = 0.0;
+        }
+        PadOnDisc::new(parameters).unwrap()
+    };
+    laws.into_iter().map(brake).collect()
+}
+
+#[test]
+fn every_law_has_the_verdicts_of_its_own_boundary() {
+    for (number, shared) in laws().into_iter().enumerate() {
+        let is_table = shared.parameters().friction.law.table().is_some();
+        let mut keys = vec!["damping.tangential", "operating_point.rotating_speed", "stiffness.contact_normal"];
+        keys.extend(if is_table { ["friction.band"] } else { ["friction.stribeck_velocity"] });
+        let mut case = case_of(shared, &keys, 0.6, 3000, number as u64 + 40);
+        if is_table {
+            let mut draw = uniform_draws(9);
+            case.columns[3] = (0..3000).map(|_| 4.0 * draw() - 2.0).collect();
+        }
+        let mut seen = VerdictCounts::default();
+        for (sample, verdict) in case.verdicts(&case.form).into_iter().enumerate() {
+            assert!(case.expected(sample).is_none_or(|expected| expected == verdict), "law {number}, sample {sample}");
+            seen += verdict.into();
+        }
+        assert!(seen.stable.min(seen.unstable) > 300, "law {number}: {seen:?}");
+    }
 }

@@ -1,9 +1,8 @@
 //! The cells that two runs share, and how their samples depend on each other.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use indicatif::HumanCount;
-use stickslip_core::parameters::{SCALARS, Scalar};
 use stickslip_sampler::grid::Cell;
 
 use super::run::Run;
@@ -79,17 +78,17 @@ impl Matching {
         let names = |job: &Job| job.random.inputs.iter().map(|input| input.name()).collect::<Vec<_>>();
         let same_inputs = names(a) == names(b);
         let stds = |job: &Job, cell: u64| job.random.relative_stds[job.grid.relative_std_index(cell)].clone();
-        // A parameter that only one of the runs has an axis of belongs to the cells of both.
-        let is_axis =
-            |scalar: &&Scalar| [a, b].iter().any(|job| job.grid.further().any(|axis| axis.name == scalar.key));
-        let further: Vec<&Scalar> = SCALARS.iter().filter(is_axis).collect();
+        // What only one of the runs has an axis of belongs to the cells of both.
+        let further: BTreeSet<&str> =
+            [a, b].iter().flat_map(|job| job.grid.further()).map(|further| &*further.name).collect();
         let values = |job: &Job, index: u64| -> Vec<u64> {
             let Cell { rotating_speed, relative_std, preload, static_friction, .. } = job.grid.cell(index);
             let mut values =
                 vec![rotating_speed, relative_std.preload, relative_std.static_friction, preload, static_friction];
             // If both runs have the same random inputs, the standard deviations of the others belong to the cell, too.
             values.extend(same_inputs.then(|| stds(job, index)).into_iter().flatten());
-            let further = further.iter().map(|scalar| value_in_cell(scalar, &job.grid.cell(index), job));
+            let cell = job.grid.cell(index);
+            let further = further.iter().map(|name| value_in_cell(name, &cell, job).unwrap_or(f64::NAN));
             values.extend(further);
             values.into_iter().map(f64::to_bits).collect()
         };

@@ -1,0 +1,285 @@
+//! Two friction oscillators that others published, as brakes with a rigid disc: numbers that nobody here wrote.
+//!
+//! - M. Stender, N. Hoffmann, "bSTAB: an open-source software for computing the basin stability of multi-stable dynamical
+//!   systems", Nonlinear Dynamics (2021), doi 10.1007/s11071-021-06786-5.
+//! - V. Veraszto, G. Stepan, International Journal of Non-Linear Mechanics (2017), doi
+//!   10.1016/j.ijnonlinmec.2017.01.006.
+//!
+//! The model of both is `x'' = G mu(v - x') - K x - C x'` with Tustin's friction. The job specs hold their parameters.
+
+use std::path::{Path, PathBuf};
+
+use stickslip_core::parameters::Parameters;
+use stickslip_core::rigid_disc::basin::Window;
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::verdict::{Verdict, VerdictCounts};
+
+use super::score::{self, Score};
+use crate::cli::ReproduceArguments;
+use crate::commands::{FinishedRun, complete_run};
+use crate::failure::Failure;
+use crate::files::table::{DescribedColumn, write_columns};
+use crate::interrupt::Interrupt;
+use crate::job::JobSource;
+use crate::picture::curves;
+
+/// Limits of an oscillator, rad/s here and m/s there.
+struct Limits {
+    critical: f64,
+    end_of_stick_slip: f64,
+}
+
+/// An oscillator: its job, and its limits by SciPy.
+struct Oscillator {
+    name: &'static str,
+    job: &'static str,
+    limits: Limits,
+}
+
+const BSTAB: Oscillator = Oscillator {
+    name: "bstab",
+    job: include_str!("../../../../jobs/bstab.toml"),
+    limits: Limits { critical: 1.151293, end_of_stick_slip: 1.836601 },
+};
+
+/// SciPy 1.17.1: the critical speed is where b + 0.2 = 40 exp(-10 v); the end of stick-slip by solve_ivp (DOP853, rtol
+/// 1e-12, atol 1e-14) and brentq on the largest speed of the return of the slip phase released from stick.
+const VERASZTO: Oscillator = Oscillator {
+    name: "veraszto",
+    job: include_str!("../../../../jobs/veraszto.toml"),
+    limits: Limits { critical: 0.190616, end_of_stick_slip: 0.271789 },
+};
+
+/// The window of the authors' starts.
+const WINDOW: Window = Window { tangential: (-2.0, 2.0), speed: (0.0, 2.0) };
+
+/// The authors' starts for each speed, random and uniform.
+const THEIR_STARTS: f64 = 5000.0;
+
+/// Our starts, the middles of a regular grid: columns and rows.
+const COLUMNS: u32 = 100;
+const ROWS: u32 = 50;
+
+/// How far a share may be from the authors', in standard errors of theirs.
+const LARGEST_Z: f64 = 3.0;
+
+/// How far the area may be from the reference.
+const AREA_TOLERANCE: f64 = 1e-4;
+
+/// The speed at which the authors' horizon is too short.
+const SLOW: f64 = 1.175;
+
+/// Share of the window that ends in steady sliding, for a belt speed v_d.
+struct Share {
+    speed: f64,
+    /// As the authors' toolbox prints it.
+    printed: f64,
+    /// The area inside the unstable cycle, over that of the window, by SciPy (solve_ivp with DOP853, rtol 1e-13).
+    area: f64,
+}
+
+const SHARES: [Share; 6] = [
+    Share { speed: 1.175, printed: 0.0126, area: 0.018774 },
+    Share { speed: 1.25, printed: 0.0838, area: 0.080197 },
+    Share { speed: 1.4, printed: 0.2110, area: 0.212265 },
+    Share { speed: 1.5, printed: 0.3120, area: 0.307126 },
+    Share { speed: 1.625, printed: 0.4336, area: 0.428098 },
+    Share { speed: 1.775, printed: 0.5552, area: 0.558367 },
+];
+
+impl Oscillator {
+    fn source(&self) -> JobSource {
+        JobSource { path: PathBuf::from(format!("jobs/{}.toml", self.name)), text: self.job.to_owned() }
+    }
+
+    /// Its brake at a rotating speed.
+    fn at(&self, rotating_speed: f64) -> Result<PadOnDisc, Failure> {
+        let job = self.source().job()?;
+        let mut parameters: Parameters = job.parameters.clone();
+        parameters.operating_point.rotating_speed = rotating_speed;
+        parameters.operating_point.preload = job.grid.preload.values()[0];
+        parameters.friction.static_coefficient = job.grid.static_friction.values()[0];
+        PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))
+    }
+
+    fn scores(&self, symbol: &str) -> Result<Vec<Score>, Failure> {
+        let missing =
+            |what: &str| Failure::InputOutput(format!("{} has no {what}; please report this as a bug", self.name));
+        let brake = self.at(self.limits.critical)?;
+        let critical = brake.unstable_speeds().pop().ok_or_else(|| missing("critical speed"))?.to;
+        let end = brake.saddle_node_speed().ok_or_else(|| missing("end of stick-slip"))?;
+        let row = |what: &str, printed, ours| Score {
+            quantity: format!("{}, {what}, {symbol}", self.name),
+            printed,
+            decimals: 6,
+            ours,
+            role: "nothing fitted",
+        };
+        Ok(vec![
+            row("critical speed", self.limits.critical, critical),
+            row("end of stick-slip", self.limits.end_of_stick_slip, end),
+        ])
+    }
+
+    /// Its job, and whether a motion released from stick sticks again up to the end of stick-slip and no further.
+    fn stick_slip(&self, run: &FinishedRun) -> String {
+        let surface = run.surface();
+        let is_right = surface.rows().all(|row| {
+            let sticks = row.cell.rotating_speed < self.limits.end_of_stick_slip;
+            row.estimate.probability == Some(f64::from(u8::from(sticks)))
+        });
+        format!(
+            "  released from stick in the time domain (jobs/{}.toml): stick-slip up to its end, none above: {}\n",
+            self.name,
+            holds(is_right)
+        )
+    }
+}
+
+/// The limits of both oscillators and the areas of the first one, beside ours.
+pub fn score_table() -> Result<String, Failure> {
+    let mut scores = BSTAB.scores("v_d")?;
+    for Share { speed, area, .. } in SHARES {
+        scores.push(Score {
+            quantity: format!("bstab, share of starts that return, v_d {speed}"),
+            printed: area,
+            decimals: 6,
+            ours: share(&BSTAB.at(speed)?)?,
+            role: "nothing fitted",
+        });
+    }
+    scores.extend(VERASZTO.scores("m/s")?);
+    Ok(score::table("by independent integration", "reference", "ours", "role", &scores))
+}
+
+/// `reproduce external`.
+pub fn oscillators(directory: &Path, arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<String, Failure> {
+    let run = |oscillator: &Oscillator| {
+        let out = directory.join(oscillator.name);
+        complete_run(&oscillator.source(), &out, arguments.threads.count(), interrupt)
+    };
+    let mut text = "Two published friction oscillators. Nothing was fitted to their numbers.\n\n".to_owned();
+    text += &score_table()?;
+    text += "\nbstab: Stender and Hoffmann, Nonlinear Dynamics (2021), doi 10.1007/s11071-021-06786-5\n\n";
+    text += &shares()?;
+    text += &basins(directory)?;
+    text += &BSTAB.stick_slip(&run(&BSTAB)?);
+    text +=
+        "\nveraszto: Veraszto and Stepan, Int. J. Non-Linear Mech. (2017), doi 10.1016/j.ijnonlinmec.2017.01.006\n\n";
+    text += &VERASZTO.stick_slip(&run(&VERASZTO)?);
+    Ok(text)
+}
+
+/// The share of the window that ends in steady sliding, exact and by starts.
+fn shares() -> Result<String, Failure> {
+    let mut text = format!(
+        "Share of initial states on [-2, 2] x [0, 2] that end in steady sliding: the authors' toolbox, {THEIR_STARTS} random\n\
+         states each; the area inside the unstable cycle by SciPy; the same here; and {} states of a regular grid here\n\n",
+        COLUMNS * ROWS
+    );
+    text += "    v_d    authors   area, SciPy       area     states   undecided   authors - area\n";
+    let (mut largest_difference, mut largest_z, mut slow_z) = (0.0_f64, 0.0_f64, 0.0);
+    let mut undecided = 0;
+    for Share { speed, printed, area } in SHARES {
+        let brake = BSTAB.at(speed)?;
+        let exact = share(&brake)?;
+        let counts = decided(&brake);
+        let z = (printed - exact) / (exact * (1.0 - exact) / THEIR_STARTS).sqrt();
+        largest_difference = largest_difference.max((exact - area).abs());
+        undecided += counts.undecided;
+        if speed == SLOW {
+            slow_z = z;
+        } else {
+            largest_z = largest_z.max(z.abs());
+        }
+        text += &format!(
+            "  {speed:.3}     {printed:.4}      {area:.6}   {exact:.6}     {:.4}   {:>9}   {z:+5.1} standard errors\n",
+            counts.stable as f64 / counts.total() as f64,
+            counts.undecided,
+        );
+    }
+    let beyond = [(1.1, 0.0), (1.85, 1.0)];
+    let ends = beyond.map(|(speed, expected)| BSTAB.at(speed).and_then(|brake| Ok(share(&brake)? == expected)));
+    let [at_low, at_high] = ends;
+    text += &format!(
+        "\n  areas within {AREA_TOLERANCE} of SciPy's: {}; 0 at 1.1 and 1 at 1.85: {}\n",
+        holds(largest_difference <= AREA_TOLERANCE),
+        holds(at_low? && at_high?)
+    );
+    text += &format!(
+        "  authors' shares within {LARGEST_Z} of their standard errors of the area, {SLOW} apart: {}, at most {largest_z:.1}\n",
+        holds(largest_z <= LARGEST_Z)
+    );
+    let slow = BSTAB.at(SLOW)?.growth_rate();
+    text += &format!(
+        "  At {SLOW} they are {:.1} standard errors low. Small motions decay there with the time constant {:.0}, the authors\n  \
+         simulate to t = 500, and motions near the unstable cycle take longer still. Verdicts here come from the return\n  \
+         map where motions are slow: {undecided} of {} states are undecided.\n\n",
+        -slow_z,
+        -1.0 / slow,
+        SHARES.len() * (COLUMNS * ROWS) as usize,
+    );
+    Ok(text)
+}
+
+/// The exact share of the window.
+fn share(brake: &PadOnDisc) -> Result<f64, Failure> {
+    brake.share_in_basin(&WINDOW).ok_or_else(|| {
+        Failure::InputOutput("bstab has no basin of steady sliding; please report this as a bug".to_owned())
+    })
+}
+
+/// The verdicts on a regular grid of starts.
+fn decided(brake: &PadOnDisc) -> VerdictCounts {
+    let middle = |(low, high): (f64, f64), index: u32, count: u32| {
+        low + (high - low) * (f64::from(index) + 0.5) / f64::from(count)
+    };
+    let mut counts = VerdictCounts::default();
+    for column in 0..COLUMNS {
+        for row in 0..ROWS {
+            let (x, speed) = (middle(WINDOW.tangential, column, COLUMNS), middle(WINDOW.speed, row, ROWS));
+            match brake.verdict_on_start(x, speed) {
+                Verdict::Stable => counts.stable += 1,
+                Verdict::Unstable => counts.unstable += 1,
+                Verdict::Undecided => counts.undecided += 1,
+                Verdict::Failed => counts.failed += 1,
+            }
+        }
+    }
+    counts
+}
+
+/// The unstable cycles that bound the basins, drawn and written.
+fn basins(directory: &Path) -> Result<String, Failure> {
+    let mut lines = Vec::new();
+    let mut columns = [const { Vec::new() }; 3];
+    for Share { speed, .. } in SHARES {
+        let outline = BSTAB.at(speed)?.basin_outline().unwrap_or_default();
+        for &(x, u) in &outline {
+            for (column, value) in columns.iter_mut().zip([speed, x, u]) {
+                column.push(value);
+            }
+        }
+        lines.push(outline);
+    }
+    let [speeds, x, u] = columns;
+    let column = |name, unit, long_name, values: Vec<f64>| DescribedColumn { name, unit, long_name, values };
+    let name = "basins.parquet";
+    write_columns(
+        directory,
+        name,
+        &[
+            column("rotating_speed_rad_s", "rad/s", "rotating speed, the belt speed v_d of the authors", speeds),
+            column("x", "1", "tangential displacement on the boundary of the basin", x),
+            column("x_speed", "1", "tangential speed on the boundary of the basin", u),
+        ],
+    )?;
+    let mut text = "The basins: x' over x, for the six speeds\n".to_owned();
+    text += &curves(&lines);
+    text += &format!("data: {}\n\n", directory.join(name).display());
+    Ok(text)
+}
+
+fn holds(condition: bool) -> &'static str {
+    if condition { "holds" } else { "DOES NOT HOLD" }
+}
