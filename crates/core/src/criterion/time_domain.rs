@@ -41,8 +41,9 @@ use crate::criterion::settings::{SettingsError, TimeDomainSettings};
 use crate::flexible_disc::brake::FlexibleBrake;
 use crate::flexible_disc::error::FlexibleError;
 use crate::flexible_disc::linear_stability::LinearStability;
+use crate::motion::advance::advance;
 use crate::motion::flexible::{FlexibleMotion, FlexibleSample, FlexibleState};
-use crate::motion::integrator::{Equations, Motion, advance};
+use crate::motion::integrator::{Equations, Motion};
 use crate::motion::rigid::{RigidBrake, RigidSample, RigidState};
 use crate::motion::start::{Start, StartError, TangentialStart, check_reach};
 use crate::pad::contact_state::ContactState;
@@ -123,11 +124,14 @@ impl TimeDomain {
             }
         };
         let criterion = Self { settings, system, brake: brake.clone() };
-        let longest = MOST_STEPS * criterion.step_length();
-        if settings.horizon > longest {
-            return Err(SettingsError::OutOfRange { key: "horizon", value: settings.horizon, largest: longest }.into());
-        }
+        criterion.check_horizon(criterion.step_length())?;
         Ok(criterion)
+    }
+
+    /// Whether the horizon is not too many steps of a length away.
+    pub(crate) fn check_horizon(&self, step: f64) -> Result<(), SettingsError> {
+        let (value, largest) = (self.settings.horizon, MOST_STEPS * step);
+        if value > largest { Err(SettingsError::OutOfRange { key: "horizon", value, largest }) } else { Ok(()) }
     }
 
     /// The same criterion with all steps shorter by a factor, for studies of convergence.
@@ -160,17 +164,17 @@ impl TimeDomain {
     /// from.
     pub fn check_start(&self, inputs: RandomInputs) -> Result<(), TimeDomainError> {
         match &self.system {
-            System::Rigid(motion) => self.check_rigid_start(&motion.sample(inputs))?,
+            System::Rigid(motion) => self.check_rigid_start(&motion.sample(inputs), self.settings.start)?,
             System::Flexible(motion) => {
                 let sample = motion.sample(inputs);
-                self.check_flexible_start(&sample, &self.flexible_start(&sample)?.0)?;
+                self.check_flexible_start(&sample, &self.flexible_start(&sample, self.settings.start)?.0)?;
             }
         }
         Ok(())
     }
 
-    fn check_rigid_start(&self, sample: &RigidSample<'_>) -> Result<(), StartError> {
-        let state = self.rigid_start(sample).state;
+    fn check_rigid_start(&self, sample: &RigidSample, start: Start) -> Result<(), StartError> {
+        let state = self.rigid_start(sample, start).state;
         check_reach((state.x, state.u), sample.brake.stiffness)
     }
 
@@ -195,22 +199,50 @@ impl TimeDomain {
     /// rises with speed (`f_s < f_c`), unless pad and disc feed each other without any fall of friction.
     #[must_use]
     pub fn decide(&self, inputs: RandomInputs) -> Decision {
+        self.decide_from(inputs, self.settings.start)
+    }
+
+    /// Decides one sample that starts elsewhere than the settings say.
+    #[must_use]
+    pub fn decide_from(&self, inputs: RandomInputs, start: Start) -> Decision {
+        let start = start.scaled(self.brake.scales());
         match &self.system {
             System::Rigid(motion) => {
                 let sample = motion.sample(inputs);
-                match self.start_rigid(&sample, inputs) {
+                match self.start_rigid(&sample, inputs, start) {
                     Ok((start, monitor)) => self.simulate(&sample, start, monitor, motion.step, 0),
                     Err(known) => known,
                 }
             }
             System::Flexible(motion) => {
                 let sample = motion.sample(inputs);
-                match self.start_flexible(&sample, FlexibleBrake::by_eigenvalues) {
+                match self.start_flexible(&sample, start, FlexibleBrake::by_eigenvalues) {
                     Ok((start, monitor)) => self.simulate(&sample, start, monitor, motion.step, 0),
                     Err(known) => known,
                 }
             }
         }
+    }
+
+    /// The same criterion for another brake. A flexible disc keeps its number of modes. A start in SI units was scaled for
+    /// the present brake and stays as it is; see [`TimeDomain::with_start`].
+    ///
+    /// # Errors
+    /// As [`TimeDomain::new`].
+    pub fn with_brake(&self, brake: &PadOnDisc) -> Result<Self, TimeDomainError> {
+        let system = match &self.system {
+            System::Rigid(own) => System::Rigid(RigidBrake::new(brake).refined_as(own)),
+            System::Flexible(motion) => System::Flexible(Arc::new(motion.with_brake(brake.clone())?)),
+        };
+        let criterion = Self { settings: self.settings, system, brake: brake.clone() };
+        criterion.check_horizon(criterion.step_length())?;
+        Ok(criterion)
+    }
+
+    /// Where motions start.
+    #[must_use]
+    pub fn start(&self) -> Start {
+        self.settings.start
     }
 
     /// The length of a step, scaled time.
@@ -225,19 +257,20 @@ impl TimeDomain {
     /// The motion that a sample starts with, and its monitor; or the decision if it needs no simulation.
     pub(crate) fn start_rigid(
         &self,
-        sample: &RigidSample<'_>,
+        sample: &RigidSample,
         inputs: RandomInputs,
+        start: Start,
     ) -> Result<(Motion<RigidState>, RigidMonitor), Decision> {
-        if self.brake.is_outside_physics(inputs) {
+        if sample.brake.is_outside_physics(inputs) {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
-        let motion = self.rigid_start(sample);
+        let motion = self.rigid_start(sample, start);
         let starts_at_release = motion.contact == ContactState::Stick;
         let state = (motion.state.x, motion.state.u);
         let mut monitor =
             RigidMonitor::new(sample.planar_motion(), self.settings.until_settled(), state, starts_at_release);
-        if let Start::Given(_) = self.settings.start {
-            self.check_rigid_start(sample).map_err(|_| Decision::FAILED)?;
+        if let Start::Given(_) = start {
+            self.check_rigid_start(sample, start).map_err(|_| Decision::FAILED)?;
             monitor.starts_in(motion.contact, motion.state.x);
         }
         self.unless_decided(motion, monitor)
@@ -249,6 +282,7 @@ impl TimeDomain {
     pub(crate) fn start_flexible(
         &self,
         sample: &FlexibleSample<'_>,
+        start: Start,
         stability: impl Fn(&FlexibleBrake, RandomInputs) -> Result<LinearStability, FlexibleError>,
     ) -> Result<(Motion<FlexibleState>, FlexibleMonitor), Decision> {
         let (brake, inputs) = (sample.brake, sample.inputs);
@@ -256,23 +290,28 @@ impl TimeDomain {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
         let linear_growth_fed_by = match stability(brake, inputs) {
-            Ok(LinearStability::Stable) if self.brake.is_outside_physics(inputs) => {
+            Ok(LinearStability::Stable) if brake.brake().is_outside_physics(inputs) => {
                 return Err(Decision::OUTSIDE_PHYSICS);
             }
             Ok(LinearStability::Stable) => None,
             Ok(LinearStability::Unstable { fed_by }) => Some(fed_by),
             Err(_) => return Err(Decision::FAILED),
         };
+        let is_given = matches!(start, Start::Given(_));
+        if let (Some(fed_by), false, false) = (linear_growth_fed_by, self.settings.until_settled(), is_given) {
+            // No motion needs to be started. That of a given start is checked first.
+            return Err(Decision { fed_by: Some(fed_by), ..Decision::from(Verdict::Unstable) });
+        }
         let options = MonitorOptions {
             slowest_transient: brake.equations.slowest_transient(),
             smallest_cycle: brake.equations.pad.smallest_cycle(),
             until_settled: self.settings.until_settled(),
             linear_growth_fed_by,
         };
-        let (motion, equilibrium) = self.flexible_start(sample).map_err(|_| Decision::FAILED)?;
+        let (motion, equilibrium) = self.flexible_start(sample, start).map_err(|_| Decision::FAILED)?;
         let starts_turning_at = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
         let mut monitor = FlexibleMonitor::new(options, equilibrium, self.settings.displacement, starts_turning_at);
-        if let Start::Given(_) = self.settings.start {
+        if let Start::Given(_) = start {
             self.check_flexible_start(sample, &motion).map_err(|_| Decision::FAILED)?;
             let steady = sample.equilibrium().map_err(|_| Decision::FAILED)?.q;
             let q = &motion.state.q;
@@ -289,8 +328,8 @@ impl TimeDomain {
     }
 
     /// The motion at its beginning.
-    pub(crate) fn rigid_start(&self, sample: &RigidSample<'_>) -> Motion<RigidState> {
-        let TimeDomainSettings { start, displacement, .. } = self.settings;
+    pub(crate) fn rigid_start(&self, sample: &RigidSample, start: Start) -> Motion<RigidState> {
+        let displacement = self.settings.displacement;
         let release = || sample.release();
         let TangentialStart { x, speed } =
             start.tangential(displacement, sample.equilibrium(), release, sample.brake.disc_speed);
@@ -301,10 +340,11 @@ impl TimeDomain {
     pub(crate) fn flexible_start(
         &self,
         sample: &FlexibleSample<'_>,
+        start: Start,
     ) -> Result<(Motion<FlexibleState>, f64), FlexibleError> {
         let mut state = sample.equilibrium()?;
         let equilibrium = state.q[0];
-        let TimeDomainSettings { start, displacement, .. } = self.settings;
+        let displacement = self.settings.displacement;
         let release = || sample.release(&state);
         let TangentialStart { x, speed } =
             start.tangential(displacement, equilibrium, release, sample.brake.equations.pad.disc_speed);

@@ -100,12 +100,6 @@ fn rational(r: f64) -> f64 {
     1.0 / (1.0 + r)
 }
 
-/// [`Shape::Tustin`] alone.
-#[inline(always)]
-pub(crate) fn tustin_decay(r: f64) -> f64 {
-    exp(-tustin_power(r))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,11 +2,12 @@
 
 use crate::criterion::decision::Decision;
 use crate::criterion::time_domain::{System, TimeDomain};
-use crate::friction::shape::Shape;
+use crate::lanes::bundle::Bundle;
 use crate::lanes::dispatch::InstructionSet;
 use crate::lanes::flexible::FlexibleBundle;
+use crate::lanes::queue::{QueuedSample, SampleQueue};
 use crate::lanes::rigid::RigidBundle;
-use crate::lanes::scheduling::{Bundle, run};
+use crate::lanes::scheduling::run;
 use crate::motion::integrator::{Equations, Motion};
 use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
@@ -30,19 +31,9 @@ impl TimeDomain {
     #[must_use]
     #[doc(hidden)]
     pub fn decide_all_with(&self, inputs: &[RandomInputs], set: InstructionSet) -> Vec<Decision> {
-        assert!(InstructionSet::available().contains(&set), "this processor has no {set:?}");
-        match &self.system {
-            System::Rigid(brake) if brake.law.shape == Shape::Tustin && brake.law.additional == 0.0 => {
-                run(self, inputs, &mut RigidBundle::new(brake), set)
-            }
-            System::Flexible(motion)
-                if motion.brake.equations.pad.friction_shape == Shape::Tustin
-                    && motion.brake.equations.pad.additional_friction == 0.0 =>
-            {
-                run(self, inputs, &mut FlexibleBundle::new(motion), set)
-            }
-            _ => inputs.iter().map(|&inputs| self.decide(inputs)).collect(),
-        }
+        let mut list = List { criterion: self, inputs, next: 0, decisions: vec![Decision::FAILED; inputs.len()] };
+        decide_queue_with(&mut list, set);
+        list.decisions
     }
 
     /// Takes `steps` steps of every sample of a list, for benchmarks of the steps alone: no motion is monitored, and
@@ -63,17 +54,66 @@ impl TimeDomain {
             (System::Rigid(brake), None) => {
                 for &inputs in inputs {
                     let sample = brake.sample(inputs);
-                    take_scalar_steps(&sample, self.rigid_start(&sample), steps, brake.step);
+                    take_scalar_steps(&sample, self.rigid_start(&sample, self.start()), steps, brake.step);
                 }
             }
             (System::Flexible(motion), None) => {
                 for &inputs in inputs {
                     let sample = motion.sample(inputs);
-                    if let Ok((start, _)) = self.flexible_start(&sample) {
+                    if let Ok((start, _)) = self.flexible_start(&sample, self.start()) {
                         take_scalar_steps(&sample, start, steps, motion.step);
                     }
                 }
             }
+        }
+    }
+}
+
+/// Decides the samples of a queue, with the bits of [`TimeDomain::decide_from`], many at once: until there are no more,
+/// or until the queue stops.
+///
+/// Samples share lanes if they have the disc model of the first one, and on a flexible disc its mode shapes and patch;
+/// coefficients, steps and starts may differ. Other samples are simulated one by one.
+pub fn decide_queue<'q>(queue: &mut (impl SampleQueue<'q> + ?Sized)) {
+    decide_queue_with(queue, InstructionSet::widest());
+}
+
+/// [`decide_queue`] by the lanes of `set`.
+///
+/// # Panics
+/// If this processor does not have `set`.
+#[doc(hidden)]
+pub fn decide_queue_with<'q>(queue: &mut (impl SampleQueue<'q> + ?Sized), set: InstructionSet) {
+    assert!(InstructionSet::available().contains(&set), "this processor has no {set:?}");
+    let Some(first) = queue.next() else { return };
+    match &first.criterion.system {
+        System::Rigid(brake) => run(first, queue, &mut RigidBundle::new(brake), set),
+        System::Flexible(motion) => {
+            let mut bundle = FlexibleBundle::new(motion);
+            run(first, queue, &mut bundle, set);
+        }
+    }
+}
+
+/// The samples of one brake, in a list.
+struct List<'q> {
+    criterion: &'q TimeDomain,
+    inputs: &'q [RandomInputs],
+    next: usize,
+    decisions: Vec<Decision>,
+}
+
+impl<'q> SampleQueue<'q> for List<'q> {
+    fn next(&mut self) -> Option<QueuedSample<'q>> {
+        let &inputs = self.inputs.get(self.next)?;
+        let ticket = self.next as u64;
+        self.next += 1;
+        Some(QueuedSample::new(ticket, self.criterion, inputs))
+    }
+
+    fn decided(&mut self, ticket: u64, decision: Decision) {
+        if let Some(place) = self.decisions.get_mut(ticket as usize) {
+            *place = decision;
         }
     }
 }
@@ -86,8 +126,8 @@ fn take_scalar_steps<E: Equations>(equations: &E, motion: Motion<E::State>, step
     std::hint::black_box(equations.tangential(&state));
 }
 
-fn take_bundle_steps<B: Bundle>(
-    criterion: &TimeDomain,
+fn take_bundle_steps<'q, B: Bundle<'q>>(
+    criterion: &'q TimeDomain,
     inputs: &[RandomInputs],
     steps: u32,
     bundle: &mut B,
@@ -96,12 +136,18 @@ fn take_bundle_steps<B: Bundle>(
     assert!(InstructionSet::available().contains(&set), "this processor has no {set:?}");
     for inputs in inputs.chunks_exact(B::LANES) {
         for (lane, &inputs) in inputs.iter().enumerate() {
-            bundle.place(criterion, lane, inputs);
+            if let Some((motion, step)) = bundle.place(lane, QueuedSample::new(0, criterion, inputs)) {
+                bundle.set_next(lane, &motion);
+                let (pace, l) = bundle.pace(lane);
+                pace.step[l] = step;
+                pace.length[l] = step;
+                pace.shortest[l] = f64::INFINITY;
+                pace.longest[l] = step;
+                pace.due[l] = f64::INFINITY;
+            }
         }
-        bundle.commit();
         for _ in 0..steps {
             bundle.step(set);
-            bundle.commit();
         }
         std::hint::black_box(bundle.tangential(0));
     }

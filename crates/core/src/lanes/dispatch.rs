@@ -38,9 +38,12 @@ impl InstructionSet {
     }
 }
 
-/// Compiles a function once for each instruction set and calls the one for `$set`.
+/// Compiles a function once for each instruction set and calls the one for `$set`: the same function, or one for each.
 macro_rules! dispatch {
-    ($set:expr, $body:ident, $($argument:ident: $type:ty),*) => {{
+    ($set:expr, $body:path, $($argument:ident: $type:ty),*) => {
+        dispatch!($set, $body, $body, $body, $($argument: $type),*)
+    };
+    ($set:expr, $baseline:path, $avx2:path, $avx512:path, $($argument:ident: $type:ty),*) => {{
         #[allow(unsafe_code, reason = "functions compiled for an instruction set, called if the processor has it")]
         #[inline(always)]
         fn choose(set: InstructionSet, $($argument: $type),*) {
@@ -48,11 +51,11 @@ macro_rules! dispatch {
             {
                 #[target_feature(enable = "avx2")]
                 fn avx2($($argument: $type),*) {
-                    $body($($argument),*);
+                    $avx2($($argument),*);
                 }
                 #[target_feature(enable = "avx512f,avx512dq")]
                 fn avx512($($argument: $type),*) {
-                    $body($($argument),*);
+                    $avx512($($argument),*);
                 }
                 match set {
                     // SAFETY: `InstructionSet::available` lists a set only if the processor has it, and
@@ -65,7 +68,7 @@ macro_rules! dispatch {
             }
             #[cfg(not(target_arch = "x86_64"))]
             let _ = set;
-            $body($($argument),*);
+            $baseline($($argument),*);
         }
         choose($set, $($argument),*);
     }};

@@ -1,49 +1,72 @@
-//! What a step of slip met in a lane.
+//! What a trial step of slip met in lanes: the conditions of [`crate::motion::substep`] without a branch.
 
+use crate::friction::shape::Shape;
+use crate::lanes::pace::Trials;
 use crate::motion::friction_steps::FrictionSteps;
 use crate::motion::integrator::{FARTHEST, grazes_at_end, may_touch, turns};
 
-/// What a step found in a lane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Finding {
-    /// Plain slip.
-    Nothing,
-    /// Plain slip with a turning point.
-    Turn,
-    /// Something for the scalar code.
-    Event,
+/// What findings in slip depend on, for some lanes.
+#[derive(Debug, Clone)]
+pub(super) struct Slip<const N: usize> {
+    pub disc_speed: [f64; N],
+    pub inverse_stribeck: [f64; N],
+    /// Of Stribeck's law.
+    pub exponent: [f64; N],
+    /// See [`FrictionSteps::new`].
+    pub falling_pull: [f64; N],
+    pub additional_pull: [f64; N],
+    pub refinement: [f64; N],
 }
 
-/// Bits of a finding as the lanes write them: numbers of the width of a lane, so that writing them is one vector
-/// operation too.
-const TURN: u64 = 1;
-pub(super) const EVENT: u64 = 2;
+impl<const N: usize> Slip<N> {
+    pub fn idle() -> Self {
+        let zero = [0.0; N];
+        Self {
+            disc_speed: zero,
+            inverse_stribeck: zero,
+            exponent: zero,
+            falling_pull: zero,
+            additional_pull: zero,
+            refinement: zero,
+        }
+    }
 
-#[inline]
-pub(super) fn found(bits: u64) -> Finding {
-    if bits & EVENT != 0 {
-        Finding::Event
-    } else if bits & TURN != 0 {
-        Finding::Turn
-    } else {
-        Finding::Nothing
+    /// The parts of the friction law at speeds of the pad, see [`Shape::parts`].
+    #[inline(always)]
+    pub fn friction_parts(&self, shape: Shape, u: &[f64; N]) -> ([f64; N], [f64; N]) {
+        let [mut r, mut a, mut b] = [[0.0; N]; 3];
+        for l in 0..N {
+            r[l] = (self.disc_speed[l] - u[l]) * self.inverse_stribeck[l];
+        }
+        shape.parts_of_lanes(&r, &self.exponent, &mut a, &mut b);
+        (a, b)
     }
 }
 
-/// What a step of slip from `u` to `next_u` has met; the conditions of [`crate::motion::integrator`], as bits.
+/// What trial steps of slip have met: `u`, `next_x` and `acceleration` at their ends, of length `h`.
 #[inline(always)]
-pub(super) fn findings(
-    steps: &FrictionSteps,
-    disc_speed: f64,
-    u: (f64, f64),
-    next_x: f64,
-    acceleration: (f64, f64),
-    h: f64,
-) -> u64 {
-    let sliding = (disc_speed - u.0, disc_speed - u.1);
-    let touches = may_touch(sliding, (-acceleration.0, -acceleration.1), h);
-    let ordinary = (sliding.1 > 0.0) & (sliding.1 < f64::MAX) & (next_x.abs() < FARTHEST);
-    let too_long = steps.is_too_long_for_tustin(u, acceleration, h);
-    let grazes = grazes_at_end(sliding, disc_speed);
-    u64::from(touches | grazes | too_long | !ordinary) * EVENT + u64::from(turns(u.0, u.1)) * TURN
+pub(super) fn findings<const N: usize>(
+    slip: &Slip<N>,
+    shape: Shape,
+    u: (&[f64; N], &[f64; N]),
+    next_x: &[f64; N],
+    acceleration: (&[f64; N], &[f64; N]),
+    h: &[f64; N],
+) -> Trials<N> {
+    let mut trials = Trials::plain();
+    for l in 0..N {
+        let disc_speed = slip.disc_speed[l];
+        let (u, acceleration) = ((u.0[l], u.1[l]), (acceleration.0[l], acceleration.1[l]));
+        let sliding = (disc_speed - u.0, disc_speed - u.1);
+        let touches = may_touch(sliding, (-acceleration.0, -acceleration.1), h[l]);
+        let ordinary = (sliding.1 > 0.0) & (sliding.1 < f64::MAX) & (next_x[l].abs() < FARTHEST);
+        let grazes = grazes_at_end(sliding, disc_speed);
+        let law = (shape, slip.exponent[l]);
+        let pulls = (slip.falling_pull[l], slip.additional_pull[l]);
+        let steps = FrictionSteps::new(disc_speed, slip.inverse_stribeck[l], law, pulls, slip.refinement[l]);
+        trials.may_be_too_long[l] = u64::from(steps.may_be_too_long(u, acceleration, h[l]));
+        trials.is_event[l] = u64::from(touches | grazes | !ordinary);
+        trials.turns[l] = u64::from(turns(u.0, u.1));
+    }
+    trials
 }

@@ -2,200 +2,143 @@
 
 use crate::criterion::decision::Decision;
 use crate::criterion::rigid_monitor::RigidMonitor;
-use crate::criterion::time_domain::TimeDomain;
-use crate::friction::shape::tustin_decay;
+use crate::criterion::time_domain::System;
+use crate::friction::shape::Shape;
+use crate::lanes::BLOCK;
+use crate::lanes::bundle::{Begun, Bundle};
 use crate::lanes::dispatch::{InstructionSet, dispatch};
-use crate::lanes::findings::{Finding, findings, found};
-use crate::lanes::scheduling::{Bundle, RunningSample};
-use crate::motion::integrator::{Breakdown, Motion, advance};
+use crate::lanes::pace::Pace;
+use crate::lanes::queue::QueuedSample;
+use crate::lanes::rigid_step::{BLOCKS, RigidBlock, rigid_step};
+use crate::motion::integrator::{Motion, Step};
 use crate::motion::rigid::{RigidBrake, RigidSample, RigidState};
 use crate::pad::contact_state::ContactState;
-use crate::rigid_disc::pad_on_disc::RandomInputs;
 
-/// Lanes: enough independent chains to hide the latency of the friction law.
-pub(super) const LANES: usize = 64;
+/// Lanes: enough independent chains to hide the latency of the friction law, and one bit for each in a register.
+pub(super) const LANES: usize = BLOCK * BLOCKS;
 
 /// Lanes of a rigid disc.
-pub(super) struct RigidBundle<'a> {
-    brake: &'a RigidBrake,
-    inputs: [RandomInputs; LANES],
-    lanes: RigidArrays,
+pub(super) struct RigidBundle {
+    shape: Shape,
+    samples: Vec<Option<RigidSample>>,
+    blocks: Box<[RigidBlock; BLOCKS]>,
 }
 
-struct RigidArrays {
-    kinetic_pull: [f64; LANES],
-    falling_pull: [f64; LANES],
-    additional_pull: [f64; LANES],
-    x: [f64; LANES],
-    u: [f64; LANES],
-    next_x: [f64; LANES],
-    next_u: [f64; LANES],
-    first_acceleration: [f64; LANES],
-    last_acceleration: [f64; LANES],
-    findings: [u64; LANES],
-}
-
-impl<'a> RigidBundle<'a> {
-    pub fn new(brake: &'a RigidBrake) -> Self {
-        let zero = [0.0; LANES];
+impl RigidBundle {
+    /// Lanes for brakes with the friction law of this one.
+    pub fn new(brake: &RigidBrake) -> Self {
         Self {
-            brake,
-            inputs: [RandomInputs { preload: 0.0, static_friction: 0.0 }; LANES],
-            lanes: RigidArrays {
-                kinetic_pull: zero,
-                falling_pull: zero,
-                additional_pull: zero,
-                x: zero,
-                u: zero,
-                next_x: zero,
-                next_u: zero,
-                first_acceleration: zero,
-                last_acceleration: zero,
-                findings: [0; LANES],
-            },
+            shape: brake.law.shape,
+            samples: vec![None; LANES],
+            blocks: Box::new(std::array::from_fn(|_| RigidBlock::idle())),
         }
     }
 
-    fn present(&self, lane: usize) -> RigidState {
-        RigidState { x: self.lanes.x[lane], u: self.lanes.u[lane] }
-    }
-
-    fn set_next(&mut self, lane: usize, inputs: RandomInputs, sample: &RigidSample<'_>, state: &RigidState) {
-        self.inputs[lane] = inputs;
-        self.lanes.kinetic_pull[lane] = sample.kinetic_pull;
-        self.lanes.falling_pull[lane] = sample.falling_pull;
-        self.lanes.additional_pull[lane] = sample.additional_pull;
-        self.lanes.next_x[lane] = state.x;
-        self.lanes.next_u[lane] = state.u;
+    fn set_sample(&mut self, lane: usize, sample: RigidSample) {
+        self.blocks[lane / BLOCK].set_sample(lane % BLOCK, &sample);
+        self.samples[lane] = Some(sample);
     }
 }
 
-impl Bundle for RigidBundle<'_> {
+impl<'q> Bundle<'q> for RigidBundle {
     const LANES: usize = LANES;
 
+    type State = RigidState;
+    type Equations<'a> = RigidSample;
     type Monitor = RigidMonitor;
 
-    fn begin(
-        &mut self,
-        criterion: &TimeDomain,
-        lane: usize,
-        inputs: RandomInputs,
-    ) -> Result<(ContactState, RigidMonitor), Decision> {
-        let sample = self.brake.sample(inputs);
-        let (motion, monitor) = criterion.start_rigid(&sample, inputs)?;
-        self.set_next(lane, inputs, &sample, &motion.state);
-        Ok((motion.contact, monitor))
+    fn begin(&mut self, lane: usize, sample: QueuedSample<'q>) -> Result<Begun<RigidState, RigidMonitor>, Decision> {
+        let equations = equations_of(&sample)?;
+        if equations.brake.law.shape != self.shape {
+            return Err(sample.decide());
+        }
+        let (motion, monitor) = sample.criterion.start_rigid(&equations, sample.inputs, sample.scaled_start())?;
+        self.set_sample(lane, equations);
+        Ok(Begun { motion, monitor, step: equations.brake.step })
     }
 
-    fn place(&mut self, criterion: &TimeDomain, lane: usize, inputs: RandomInputs) {
-        let sample = self.brake.sample(inputs);
-        let state = criterion.rigid_start(&sample).state;
-        self.set_next(lane, inputs, &sample, &state);
+    fn place(&mut self, lane: usize, sample: QueuedSample<'q>) -> Option<(Motion<RigidState>, f64)> {
+        let equations = equations_of(&sample).ok()?;
+        self.set_sample(lane, equations);
+        Some((sample.criterion.rigid_start(&equations, sample.scaled_start()), equations.brake.step))
     }
 
     #[inline]
     fn step(&mut self, set: InstructionSet) {
-        let (brake, lanes) = (self.brake, &mut self.lanes);
-        dispatch!(set, rigid_step, brake: &RigidBrake, lanes: &mut RigidArrays);
+        let (blocks, shape) = (&mut self.blocks, self.shape);
+        dispatch!(set, rigid_step, blocks: &mut [RigidBlock; BLOCKS], shape: Shape);
     }
 
     #[inline]
-    fn finding(&self, lane: usize) -> Finding {
-        found(self.lanes.findings[lane])
+    fn visits(&self) -> u64 {
+        self.blocks.iter().enumerate().fold(0, |lanes, (index, block)| lanes | (block.visits << (index * BLOCK)))
+    }
+
+    #[inline]
+    fn pace(&mut self, lane: usize) -> (&mut Pace<BLOCK>, usize) {
+        (&mut self.blocks[lane / BLOCK].pace, lane % BLOCK)
+    }
+
+    #[inline]
+    fn equations(&self, lane: usize) -> Option<RigidSample> {
+        self.samples[lane]
     }
 
     #[inline]
     fn tangential(&self, lane: usize) -> (f64, (f64, f64), (f64, f64)) {
-        let lanes = &self.lanes;
-        let acceleration = (lanes.first_acceleration[lane], lanes.last_acceleration[lane]);
-        (lanes.x[lane], (lanes.u[lane], lanes.next_u[lane]), acceleration)
+        let (block, l) = (&self.blocks[lane / BLOCK], lane % BLOCK);
+        (block.x[l], (block.u[l], block.next_u[l]), (block.first_acceleration[l], block.last_acceleration[l]))
     }
 
     #[inline]
-    fn next(&self, lane: usize) -> (f64, f64) {
-        (self.lanes.next_x[lane], self.lanes.next_u[lane])
-    }
-
-    fn scalar_step(
-        &mut self,
-        lane: usize,
-        contact: ContactState,
-        time: f64,
-        monitor: &mut Self::Monitor,
-    ) -> Result<ContactState, Breakdown> {
-        let sample = self.brake.sample(self.inputs[lane]);
-        let mut motion = Motion { state: self.present(lane), contact };
-        advance(&sample, &mut motion, time, self.brake.step, monitor)?;
-        self.lanes.next_x[lane] = motion.state.x;
-        self.lanes.next_u[lane] = motion.state.u;
-        Ok(motion.contact)
+    fn next_tangential(&self, lane: usize) -> (f64, f64) {
+        let (block, l) = (&self.blocks[lane / BLOCK], lane % BLOCK);
+        (block.next_x[l], block.next_u[l])
     }
 
     #[inline]
-    fn commit(&mut self) {
-        self.lanes.x = self.lanes.next_x;
-        self.lanes.u = self.lanes.next_u;
+    fn present(&self, lane: usize) -> RigidState {
+        let (block, l) = (&self.blocks[lane / BLOCK], lane % BLOCK);
+        RigidState { x: block.x[l], u: block.u[l] }
     }
 
     #[inline]
-    fn step_length(&self) -> f64 {
-        self.brake.step
+    fn trial(&self, lane: usize) -> Option<Step<RigidState>> {
+        Some(Step { next: self.next(lane), acceleration: self.tangential(lane).2 })
     }
 
-    fn finish(
-        &self,
-        criterion: &TimeDomain,
-        lane: usize,
-        running: &RunningSample<Self::Monitor>,
-        steps: u64,
-    ) -> Decision {
-        let sample = self.brake.sample(self.inputs[lane]);
-        let motion = Motion { state: self.present(lane), contact: running.contact };
-        criterion.simulate(&sample, motion, running.monitor, self.brake.step, steps)
+    #[inline]
+    fn next(&self, lane: usize) -> RigidState {
+        let (block, l) = (&self.blocks[lane / BLOCK], lane % BLOCK);
+        RigidState { x: block.next_x[l], u: block.next_u[l] }
+    }
+
+    fn simulates(contact: ContactState) -> bool {
+        contact == ContactState::Slip
+    }
+
+    #[inline]
+    fn set_next(&mut self, lane: usize, motion: &Motion<RigidState>) {
+        let (block, l) = (&mut self.blocks[lane / BLOCK], lane % BLOCK);
+        (block.next_x[l], block.next_u[l]) = (motion.state.x, motion.state.u);
+    }
+
+    #[inline]
+    fn keep(&mut self, lane: usize) {
+        let (block, l) = (&mut self.blocks[lane / BLOCK], lane % BLOCK);
+        (block.next_x[l], block.next_u[l]) = (block.x[l], block.u[l]);
     }
 }
 
-/// [`crate::motion::rigid`]'s step of slip.
-#[inline(always)]
-fn rigid_step(brake: &RigidBrake, lanes: &mut RigidArrays) {
-    type Lanes = [f64; LANES];
-    let h = brake.step;
-    let (half, sixth) = (0.5 * h, h / 6.0);
-    let acceleration = |x: &Lanes, u: &Lanes, kinetic: &Lanes, falling: &Lanes, out: &mut Lanes| {
-        for i in 0..LANES {
-            let ratio = (brake.disc_speed - u[i]) * brake.inverse_stribeck;
-            let pull = kinetic[i] + falling[i] * tustin_decay(ratio);
-            out[i] = pull - brake.stiffness * x[i] - brake.damping * u[i];
+/// The equations of a sample, or the decision if there are none.
+fn equations_of(sample: &QueuedSample<'_>) -> Result<RigidSample, Decision> {
+    match (&sample.brake, &sample.criterion.system) {
+        (None, System::Rigid(brake)) => Ok(brake.sample(sample.inputs)),
+        (Some(own), System::Rigid(brake)) => {
+            let own = RigidBrake::new(own).refined_as(brake);
+            let is_resolved = sample.criterion.check_horizon(own.step).is_ok();
+            if is_resolved { Ok(own.sample(sample.inputs)) } else { Err(Decision::FAILED) }
         }
-    };
-    let RigidArrays { kinetic_pull, falling_pull, x, u, .. } = lanes;
-    let [mut k1, mut k2, mut k3, mut k4] = [[0.0; LANES]; 4];
-    let [mut stage_x, mut stage_u] = [[0.0; LANES]; 2];
-    acceleration(x, u, kinetic_pull, falling_pull, &mut k1);
-    for i in 0..LANES {
-        stage_x[i] = x[i] + half * u[i];
-        stage_u[i] = u[i] + half * k1[i];
+        (_, System::Flexible(_)) => Err(sample.clone().decide()),
     }
-    acceleration(&stage_x, &stage_u, kinetic_pull, falling_pull, &mut k2);
-    for i in 0..LANES {
-        stage_x[i] = x[i] + half * stage_u[i];
-        stage_u[i] = u[i] + half * k2[i];
-    }
-    acceleration(&stage_x, &stage_u, kinetic_pull, falling_pull, &mut k3);
-    for i in 0..LANES {
-        stage_x[i] = x[i] + h * stage_u[i];
-        stage_u[i] = u[i] + h * k3[i];
-    }
-    acceleration(&stage_x, &stage_u, kinetic_pull, falling_pull, &mut k4);
-    for i in 0..LANES {
-        lanes.next_x[i] = lanes.x[i] + h * (lanes.u[i] + sixth * (k1[i] + k2[i] + k3[i]));
-        lanes.next_u[i] = lanes.u[i] + sixth * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
-    }
-    for i in 0..LANES {
-        let (u, acceleration) = ((lanes.u[i], lanes.next_u[i]), (k1[i], k4[i]));
-        let steps = brake.friction_steps(lanes.falling_pull[i], lanes.additional_pull[i]);
-        lanes.findings[i] = findings(&steps, brake.disc_speed, u, lanes.next_x[i], acceleration, h);
-    }
-    lanes.first_acceleration = k1;
-    lanes.last_acceleration = k4;
 }

@@ -1,178 +1,316 @@
-//! How the samples of a list share the lanes of a bundle.
+//! How samples flow through the lanes of a bundle.
 
 use crate::criterion::decision::Decision;
-use crate::criterion::monitor::{Monitor, is_check_due};
+use crate::criterion::monitor::{Monitor, STEPS_BETWEEN_CHECKS, is_check_due};
 use crate::criterion::time_domain::TimeDomain;
+use crate::lanes::bundle::{Begun, Bundle};
 use crate::lanes::dispatch::InstructionSet;
-use crate::lanes::findings::Finding;
-use crate::motion::integrator::{Breakdown, Observer as _, turning_point};
+use crate::lanes::pace::{DUE, EVENT, TOO_LONG, TURN};
+use crate::lanes::queue::{QueuedSample, SampleQueue};
+use crate::motion::advance::StepInProgress;
+use crate::motion::integrator::{Breakdown, Equations as _, Motion, Observer as _, Step, turning_point};
+use crate::motion::substep::{Attempt, cut};
 use crate::pad::contact_state::ContactState;
-use crate::rigid_disc::pad_on_disc::RandomInputs;
 use crate::verdict::Verdict;
 
 /// When no samples are left and no more than one lane in this number is busy, the scalar code is faster.
-const SCALAR_FINISH_DIVISOR: usize = 8;
+const SCALAR_FINISH_DIVISOR: usize = 16;
 
-/// Lanes with one set of equations.
-pub(super) trait Bundle {
-    /// Lanes.
-    const LANES: usize;
+/// Trial steps of one lane between two questions whether to stop: less than a millisecond.
+const STEPS_BETWEEN_QUESTIONS: usize = 4096;
 
-    type Monitor: Monitor;
-
-    /// Puts a sample into the next state of a lane, or decides it without simulation.
-    fn begin(
-        &mut self,
-        criterion: &TimeDomain,
-        lane: usize,
-        inputs: RandomInputs,
-    ) -> Result<(ContactState, Self::Monitor), Decision>;
-
-    /// Puts the start of a sample into the next state of a lane, decided or not.
-    fn place(&mut self, criterion: &TimeDomain, lane: usize, inputs: RandomInputs);
-
-    /// One step of slip in every lane, from the present states to the next ones.
-    fn step(&mut self, set: InstructionSet);
-
-    fn finding(&self, lane: usize) -> Finding;
-
-    /// x, and x' and x'' at both ends of the step.
-    fn tangential(&self, lane: usize) -> (f64, (f64, f64), (f64, f64));
-
-    /// x and x' at the end of the step.
-    fn next(&self, lane: usize) -> (f64, f64);
-
-    /// The scalar step from the present state of a lane to its next one.
-    fn scalar_step(
-        &mut self,
-        lane: usize,
-        contact: ContactState,
-        time: f64,
-        monitor: &mut Self::Monitor,
-    ) -> Result<ContactState, Breakdown>;
-
-    /// The next states become the present ones.
-    fn commit(&mut self);
-
-    /// Length of a step.
-    fn step_length(&self) -> f64;
-
-    /// Simulates the sample of a lane to its end by the scalar code, from `steps` steps after its start.
-    fn finish(
-        &self,
-        criterion: &TimeDomain,
-        lane: usize,
-        sample: &RunningSample<Self::Monitor>,
-        steps: u64,
-    ) -> Decision;
+/// A sample in a lane.
+struct Running<'q, S, M> {
+    ticket: u64,
+    criterion: &'q TimeDomain,
+    monitor: M,
+    contact: ContactState,
+    /// Steps to the horizon.
+    limit: u64,
+    /// The step in progress while the scalar code judges it.
+    progress: StepInProgress<S>,
+    /// Changes of contact in a step, and the number of steps before it.
+    changes: (u32, f64),
 }
 
-/// The sample that a lane simulates.
-#[derive(Clone, Copy)]
-pub(super) struct RunningSample<M> {
-    /// Its place in the list.
-    pub index: usize,
-    pub monitor: M,
-    pub contact: ContactState,
-    /// The step of the bundle at which it started.
-    pub started: u64,
+/// What flows through the lanes of a bundle.
+struct Flow<'q, 'b, B: Bundle<'q>, Q> {
+    bundle: &'b mut B,
+    queue: &'b mut Q,
+    running: Vec<Option<Running<'q, B::State, B::Monitor>>>,
+    busy: usize,
+    is_exhausted: bool,
 }
 
-/// Runs a list of samples through a bundle.
-pub(super) fn run<B: Bundle>(
-    criterion: &TimeDomain,
-    inputs: &[RandomInputs],
+/// Runs the samples of a queue, from a `first` one on, through a bundle until they are decided or the queue stops.
+pub(super) fn run<'q, B: Bundle<'q>, Q: SampleQueue<'q> + ?Sized>(
+    first: QueuedSample<'q>,
+    queue: &mut Q,
     bundle: &mut B,
     set: InstructionSet,
-) -> Vec<Decision> {
-    let h = bundle.step_length();
-    let limit = criterion.steps_to_horizon(h);
-    let mut decisions = vec![Decision::OUTSIDE_PHYSICS; inputs.len()];
-    let mut waiting = 0..inputs.len();
-    let mut running: Vec<Option<RunningSample<B::Monitor>>> = vec![None; B::LANES];
-    let mut busy = 0;
-    let mut now = 0_u64;
-    // The first step at which a lane may have reached its horizon.
-    let mut deadline = limit;
-    let mut refill = |bundle: &mut B, lane: usize, decisions: &mut [Decision], now: u64| {
-        for index in waiting.by_ref() {
-            match bundle.begin(criterion, lane, inputs[index]) {
-                Err(known) => decisions[index] = known,
-                Ok((contact, monitor)) => return Some(RunningSample { index, monitor, contact, started: now }),
-            }
-        }
-        None
-    };
-    for (lane, sample) in running.iter_mut().enumerate() {
-        *sample = refill(bundle, lane, &mut decisions, now);
-        busy += usize::from(sample.is_some());
+) {
+    let running = (0..B::LANES).map(|_| None).collect();
+    let mut queue = Preceded { first: Some(first), queue };
+    let mut flow = Flow { bundle, queue: &mut queue, running, busy: 0, is_exhausted: false };
+    for lane in 0..B::LANES {
+        flow.refill(lane);
     }
-    bundle.commit();
-    let mut exhausted = busy < B::LANES;
-    while busy > 0 {
-        if exhausted && busy * SCALAR_FINISH_DIVISOR <= B::LANES {
-            for (lane, sample) in running.iter().enumerate() {
-                if let Some(sample) = sample {
-                    decisions[sample.index] = bundle.finish(criterion, lane, sample, now - sample.started);
+    let mut steps = 0;
+    while flow.busy > 0 {
+        if flow.is_exhausted && flow.busy * SCALAR_FINISH_DIVISOR <= B::LANES {
+            return flow.finish();
+        }
+        if steps % (STEPS_BETWEEN_QUESTIONS / B::LANES) == 0 && flow.queue.is_stopped() {
+            return;
+        }
+        steps += 1;
+        flow.bundle.step(set);
+        let mut visits = flow.bundle.visits();
+        while visits != 0 {
+            flow.visit(visits.trailing_zeros() as usize);
+            visits &= visits - 1;
+        }
+    }
+}
+
+/// A queue whose first sample has been taken.
+struct Preceded<'q, 'b, Q: ?Sized> {
+    first: Option<QueuedSample<'q>>,
+    queue: &'b mut Q,
+}
+
+impl<'q, Q: SampleQueue<'q> + ?Sized> SampleQueue<'q> for Preceded<'q, '_, Q> {
+    fn next(&mut self) -> Option<QueuedSample<'q>> {
+        self.first.take().or_else(|| self.queue.next())
+    }
+    fn decided(&mut self, ticket: u64, decision: Decision) {
+        self.queue.decided(ticket, decision);
+    }
+    fn is_stopped(&self) -> bool {
+        self.queue.is_stopped()
+    }
+}
+
+impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
+    /// Puts the next sample that needs simulation into a lane.
+    fn refill(&mut self, lane: usize) {
+        while let Some(sample) = self.queue.next() {
+            let (ticket, criterion) = (sample.ticket, sample.criterion);
+            match self.bundle.begin(lane, sample) {
+                Err(decision) => self.queue.decided(ticket, decision),
+                Ok(Begun { motion, monitor, step }) => {
+                    self.busy += usize::from(self.running[lane].is_none());
+                    let progress = StepInProgress::new(motion.contact, step);
+                    let running = Running {
+                        ticket,
+                        criterion,
+                        monitor,
+                        contact: motion.contact,
+                        limit: criterion.steps_to_horizon(step),
+                        progress,
+                        changes: (0, 0.0),
+                    };
+                    let (pace, l) = self.bundle.pace(lane);
+                    pace.is_busy[l] = u64::MAX;
+                    pace.step[l] = step;
+                    self.bundle.set_next(lane, &motion);
+                    self.running[lane] = Some(running);
+                    self.set_progress(lane, &progress, 0.0);
+                    return;
                 }
             }
-            break;
         }
-        bundle.step(set);
-        let at_deadline = now + 1 >= deadline;
-        if at_deadline {
-            deadline = u64::MAX;
+        self.is_exhausted = true;
+        self.busy -= usize::from(self.running[lane].take().is_some());
+        let (pace, l) = self.bundle.pace(lane);
+        pace.is_busy[l] = 0;
+    }
+
+    /// Sets how far the sample of a lane is, after `steps` steps.
+    fn set_progress(&mut self, lane: usize, progress: &StepInProgress<B::State>, steps: f64) {
+        let Some(running) = &mut self.running[lane] else { return };
+        running.progress = *progress;
+        running.changes = (progress.changes, steps);
+        let due = running.due_after(steps);
+        let shortest = progress.attempt.shortest_plain();
+        // What lanes do not simulate, the scalar code judges too.
+        let is_held = shortest.is_none() || !B::simulates(running.contact);
+        let (pace, l) = self.bundle.pace(lane);
+        pace.is_held[l] = u64::from(is_held);
+        pace.length[l] = progress.attempt.length;
+        pace.shortest[l] = shortest.unwrap_or(0.0);
+        pace.done[l] = progress.done;
+        pace.longest[l] = progress.longest;
+        pace.substeps[l] = progress.substeps as f64;
+        pace.steps[l] = steps;
+        pace.due[l] = due;
+    }
+
+    /// Looks at what the trial step of a lane found.
+    fn visit(&mut self, lane: usize) {
+        let (pace, l) = self.bundle.pace(lane);
+        let findings = pace.findings[l];
+        if findings & TOO_LONG != 0 && self.cut(lane) {
+            return;
         }
-        for (lane, place) in running.iter_mut().enumerate() {
-            let Some(sample) = place else { continue };
-            let steps = now - sample.started;
-            let time = steps as f64 * h;
-            let finding = if sample.contact == ContactState::Slip { bundle.finding(lane) } else { Finding::Event };
-            let decision = match finding {
-                Finding::Nothing => None,
-                Finding::Turn => {
-                    let (x, u, acceleration) = bundle.tangential(lane);
-                    let (part, at) = turning_point(x, u, acceleration, h);
-                    sample.monitor.turns(time + part, at);
-                    None
-                }
-                Finding::Event => match bundle.scalar_step(lane, sample.contact, time, &mut sample.monitor) {
-                    Ok(contact) => {
-                        sample.contact = contact;
-                        None
-                    }
-                    Err(Breakdown) => Some(criterion.conclude_without_verdict(Verdict::Failed, &sample.monitor, time)),
-                },
+        if findings & (EVENT | TOO_LONG) != 0 {
+            let is_simulated = self.running[lane].as_ref().is_some_and(|running| B::simulates(running.contact));
+            let trial = if is_simulated { self.bundle.trial(lane) } else { None };
+            let state = self.bundle.present(lane);
+            if let Some(decision) = self.judge(lane, state, trial, false) {
+                self.decided(lane, decision);
+            }
+        } else {
+            let ends_with_verdict = findings & TURN != 0 && self.turn(lane);
+            if findings & DUE != 0 || ends_with_verdict {
+                self.end_step(lane);
+            }
+        }
+    }
+
+    /// Looks at the sample of a lane at the end of a step.
+    fn end_step(&mut self, lane: usize) {
+        let at = self.bundle.next_tangential(lane);
+        let (pace, l) = self.bundle.pace(lane);
+        let (steps, h) = (pace.steps[l], pace.step[l]);
+        let Some(running) = &mut self.running[lane] else { return };
+        match running.end_step(at, steps, h) {
+            Some(decision) => self.decided(lane, decision),
+            None => pace.due[l] = running.due_after(steps),
+        }
+    }
+
+    fn decided(&mut self, lane: usize, decision: Decision) {
+        if let Some(running) = &self.running[lane] {
+            self.queue.decided(running.ticket, decision);
+        }
+        self.refill(lane);
+    }
+
+    /// Shortens a trial step that is too long for the friction law. Returns whether it was.
+    fn cut(&mut self, lane: usize) -> bool {
+        let (_, u, acceleration) = self.bundle.tangential(lane);
+        let Some(limits) = self.bundle.equations(lane).map(|equations| *equations.friction_steps()) else {
+            return false;
+        };
+        let (pace, l) = self.bundle.pace(lane);
+        let length = pace.length[l];
+        if !limits.is_too_long(u, acceleration, length) {
+            return false;
+        }
+        pace.length[l] = cut(&limits, u, acceleration, length);
+        self.bundle.keep(lane);
+        true
+    }
+
+    /// Reports the turning point in a plain trial step. Returns whether it brought a verdict and ended the step.
+    fn turn(&mut self, lane: usize) -> bool {
+        let (x, u, acceleration) = self.bundle.tangential(lane);
+        let (pace, l) = self.bundle.pace(lane);
+        let is_over = pace.done[l] == 0.0;
+        let step_began = if is_over { pace.steps[l] - 1.0 } else { pace.steps[l] } * pace.step[l];
+        let begin = step_began + pace.began[l];
+        let (part, at) = turning_point(x, u, acceleration, pace.taken[l]);
+        let Some(running) = &mut self.running[lane] else { return false };
+        running.monitor.turns(begin + part, at);
+        let is_decided = running.monitor.verdict().is_some();
+        if is_decided {
+            // It holds from the end of the step on.
+            pace.due[l] = 0.0;
+        }
+        is_decided && is_over
+    }
+
+    /// Judges the trial step of a lane by the scalar code, and goes on by scalar steps as long as lanes cannot, or
+    /// `to_the_end`.
+    fn judge(
+        &mut self,
+        lane: usize,
+        state: B::State,
+        mut trial: Option<Step<B::State>>,
+        to_the_end: bool,
+    ) -> Option<Decision> {
+        let (pace, l) = self.bundle.pace(lane);
+        let (mut steps, h, is_held) = (pace.steps[l], pace.step[l], pace.is_held[l] != 0);
+        let (length, shortest) = (pace.length[l], pace.shortest[l]);
+        let (done, longest, substeps) = (pace.done[l], pace.longest[l], pace.substeps[l] as u64);
+        let running = self.running[lane].as_mut()?;
+        let equations = self.bundle.equations(lane)?;
+        let mut progress = if is_held {
+            running.progress
+        } else {
+            let attempt = match running.contact {
+                ContactState::Stick => Attempt::new(ContactState::Stick, length, false),
+                _ => Attempt::sliding(length, shortest),
             };
-            let checks = is_check_due(steps + 1);
-            if checks && decision.is_none() {
-                let (x, u) = bundle.next(lane);
-                sample.monitor.check(x, u);
-            }
-            let decision = decision.or_else(|| {
-                let verdict = if finding == Finding::Nothing && !checks { None } else { sample.monitor.verdict() };
-                let end = (steps + 1) as f64 * h;
-                match verdict {
-                    Some(verdict) => Some(criterion.conclude(verdict, &sample.monitor, end)),
-                    None => (at_deadline && steps + 1 >= limit)
-                        .then(|| criterion.conclude_without_verdict(Verdict::Undecided, &sample.monitor, end)),
+            let changes = if running.changes.1 == steps { running.changes.0 } else { 0 };
+            StepInProgress { attempt, h, done, longest, substeps, changes }
+        };
+        let mut motion = Motion { state, contact: running.contact };
+        loop {
+            let time = steps * h;
+            let step = match trial.take() {
+                Some(step) => step,
+                None => equations.step(&motion.state, motion.contact, progress.attempt.length),
+            };
+            match progress.judge(&equations, &mut motion, &step, time, &mut running.monitor) {
+                Err(Breakdown) => {
+                    return Some(running.criterion.conclude_without_verdict(Verdict::Failed, &running.monitor, time));
                 }
-            });
-            if let Some(decision) = decision {
-                decisions[sample.index] = decision;
-                // Written to the next state, which becomes the present one below.
-                *place = refill(bundle, lane, &mut decisions, now + 1);
-                if place.is_none() {
-                    busy -= 1;
-                    exhausted = true;
+                Ok(true) => {
+                    steps += 1.0;
+                    let decision = running.end_step(equations.tangential(&motion.state), steps, h);
+                    if decision.is_some() {
+                        return decision;
+                    }
+                    progress = StepInProgress::new(motion.contact, h);
                 }
+                Ok(false) => {}
             }
-            if at_deadline && let Some(sample) = place {
-                deadline = deadline.min(sample.started + limit);
+            if B::simulates(motion.contact) && !to_the_end {
+                break;
             }
         }
-        bundle.commit();
-        now += 1;
+        running.contact = motion.contact;
+        drop(equations);
+        self.bundle.set_next(lane, &motion);
+        self.set_progress(lane, &progress, steps);
+        None
     }
-    decisions
+
+    /// Simulates the samples of all lanes to their end by the scalar code.
+    fn finish(&mut self) {
+        for lane in 0..B::LANES {
+            let state = self.bundle.next(lane);
+            if let Some(decision) = self.judge(lane, state, None, true)
+                && let Some(running) = &self.running[lane]
+            {
+                self.queue.decided(running.ticket, decision);
+            }
+        }
+    }
+}
+
+impl<S, M: Monitor> Running<'_, S, M> {
+    /// Ends the last of some steps of length `h`, at x and x'. Returns the decision if it is due.
+    fn end_step(&mut self, (x, u): (f64, f64), steps: f64, h: f64) -> Option<Decision> {
+        let (count, end) = (steps as u64, steps * h);
+        if is_check_due(count) {
+            self.monitor.check(x, u);
+        }
+        match self.monitor.verdict() {
+            Some(verdict) => Some(self.criterion.conclude(verdict, &self.monitor, end)),
+            None => (count >= self.limit)
+                .then(|| self.criterion.conclude_without_verdict(Verdict::Undecided, &self.monitor, end)),
+        }
+    }
+
+    /// The number of steps after which to look at the sample next, if nothing happens.
+    fn due_after(&self, steps: f64) -> f64 {
+        if self.monitor.verdict().is_some() {
+            return 0.0;
+        }
+        let next_check = (steps as u64 / STEPS_BETWEEN_CHECKS + 1) * STEPS_BETWEEN_CHECKS;
+        next_check.min(self.limit) as f64
+    }
 }

@@ -11,7 +11,7 @@ use crate::motion::moment::{Moment, RecordedContact};
 use crate::numerics::sine_cosine::sine_and_cosine;
 use crate::pad::contact_state::ContactState;
 use crate::pad::equations::{ContactForces, PAD};
-use crate::rigid_disc::pad_on_disc::RandomInputs;
+use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 
 /// Step length times the highest frequency of pad, contact and kept disc modes.
 const STEP: f64 = 0.45;
@@ -48,6 +48,12 @@ impl FlexibleMotion {
     pub fn new(brake: FlexibleBrake) -> Self {
         let step = Self::resolving_step(&brake.equations);
         Self { brake, step, refinement: 1.0 }
+    }
+
+    /// The same for another brake.
+    pub fn with_brake(&self, brake: PadOnDisc) -> Result<Self, FlexibleError> {
+        let brake = self.brake.with_brake(brake)?;
+        Ok(Self { refinement: self.refinement, ..Self::new(brake) })
     }
 
     /// The equations of one sample.
@@ -166,6 +172,10 @@ impl Equations for FlexibleSample<'_> {
             next.u[i] = state.u[i] + sixth * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
         }
         Step { next, acceleration: (k1[0], k4[0]) }
+    }
+
+    fn acceleration(&self, state: &FlexibleState, contact: ContactState) -> f64 {
+        self.rates(state, contact).1[0]
     }
 
     fn tangential(&self, state: &FlexibleState) -> (f64, f64) {

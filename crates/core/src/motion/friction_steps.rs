@@ -97,11 +97,14 @@ impl FrictionSteps {
 
     /// For a pad on a disc that yields, with the contact force on a rigid disc, which no motion exceeds by much.
     pub fn of_pad(pad: &PadEquations, inputs: RandomInputs, refinement: f64) -> Self {
-        let gain = pad.friction_per_preload * inputs.preload;
-        let falling_pull = gain * (inputs.static_friction - pad.kinetic_friction).max(0.0);
         let law = (pad.friction_shape, pad.stribeck_exponent);
-        let pulls = (falling_pull, gain * pad.additional_friction);
-        Self::new(pad.disc_speed, pad.inverse_stribeck, law, pulls, refinement)
+        Self::new(pad.disc_speed, pad.inverse_stribeck, law, Self::pulls_of_pad(pad, inputs), refinement)
+    }
+
+    /// By how much friction changes the acceleration of a pad on a disc that yields, see [`FrictionSteps::new`].
+    pub fn pulls_of_pad(pad: &PadEquations, inputs: RandomInputs) -> (f64, f64) {
+        let gain = pad.friction_per_preload * inputs.preload;
+        (gain * (inputs.static_friction - pad.kinetic_friction).max(0.0), gain * pad.additional_friction)
     }
 
     /// Whether a step of length `h` with the speeds `u` and accelerations at its ends is too long.
@@ -132,7 +135,6 @@ impl FrictionSteps {
     /// False only if [`FrictionSteps::is_too_long`] is false, and without a branch that depends on the motion: for
     /// lanes, which leave the steps of which it is true to the scalar code. For laws other than Stribeck's with an
     /// exponent other than 1 it is exact.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for lanes of other laws than Tustin's"))]
     #[inline(always)]
     pub fn may_be_too_long(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> bool {
         match self.shape {

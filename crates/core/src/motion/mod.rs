@@ -4,6 +4,10 @@ pub(crate) mod friction_steps;
 
 pub(crate) mod integrator;
 
+pub(crate) mod substep;
+
+pub(crate) mod advance;
+
 pub mod start;
 
 pub(crate) mod event_log;

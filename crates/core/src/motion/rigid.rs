@@ -45,8 +45,8 @@ pub(crate) struct RigidBrake {
 
 /// The equations of one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct RigidSample<'a> {
-    pub brake: &'a RigidBrake,
+pub(crate) struct RigidSample {
+    pub brake: RigidBrake,
     /// G.
     pub gain: f64,
     /// G f_c.
@@ -88,11 +88,16 @@ impl RigidBrake {
         }
     }
 
-    pub fn sample(&self, inputs: RandomInputs) -> RigidSample<'_> {
+    /// With the refinement of steps of another brake, but not their length.
+    pub fn refined_as(self, other: &Self) -> Self {
+        Self { refinement: other.refinement, ..self }
+    }
+
+    pub fn sample(&self, inputs: RandomInputs) -> RigidSample {
         let gain = self.gain_per_preload * inputs.preload;
         let law = FrictionLaw { static_coefficient: inputs.static_friction, ..self.law };
         RigidSample {
-            brake: self,
+            brake: *self,
             gain,
             kinetic_pull: gain * law.kinetic_coefficient,
             falling_pull: gain * law.falling(),
@@ -101,6 +106,11 @@ impl RigidBrake {
             holding_pull: gain * law.at_rest(),
             friction_steps: self.friction_steps(gain * law.falling(), gain * law.additional),
         }
+    }
+
+    /// Whether a sample is stable by definition, see [`PadOnDisc::is_outside_physics`].
+    pub fn is_outside_physics(&self, inputs: RandomInputs) -> bool {
+        inputs.are_outside_physics(self.law.least_static_coefficient())
     }
 
     /// The limits that the friction of a sample sets to steps.
@@ -112,7 +122,7 @@ impl RigidBrake {
     }
 }
 
-impl RigidSample<'_> {
+impl RigidSample {
     /// x and x' at the four stages of a step.
     pub fn stages(&self, state: &RigidState, contact: ContactState, h: f64) -> [(f64, f64); 4] {
         let RigidState { x, u } = *state;
@@ -164,7 +174,7 @@ impl RigidSample<'_> {
     }
 }
 
-impl Equations for RigidSample<'_> {
+impl Equations for RigidSample {
     type State = RigidState;
 
     #[inline(always)]
@@ -186,6 +196,13 @@ impl Equations for RigidSample<'_> {
         let sixth = h / 6.0;
         let next = RigidState { x: x + h * (u + sixth * (k1 + k2 + k3)), u: u + sixth * (k1 + 2.0 * (k2 + k3) + k4) };
         Step { next, acceleration: (k1, k4) }
+    }
+
+    fn acceleration(&self, state: &RigidState, contact: ContactState) -> f64 {
+        match contact {
+            ContactState::Stick => 0.0,
+            _ => self.pull(contact, state.u) - self.brake.stiffness * state.x - self.brake.damping * state.u,
+        }
     }
 
     fn tangential(&self, state: &RigidState) -> (f64, f64) {

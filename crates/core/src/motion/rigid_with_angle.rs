@@ -9,8 +9,8 @@ use crate::pad::equations::PadEquations;
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, SlidingEquilibrium};
 
 /// A rigid disc with the pad's rotation, which the tangential motion drives and does not feel.
-pub(crate) struct RigidWithAngle<'a> {
-    sample: RigidSample<'a>,
+pub(crate) struct RigidWithAngle {
+    sample: RigidSample,
     pad: PadEquations,
 }
 
@@ -28,14 +28,14 @@ impl RigidAngleState {
     }
 }
 
-impl<'a> RigidWithAngle<'a> {
-    pub fn new(sample: RigidSample<'a>, brake: &PadOnDisc) -> Self {
+impl RigidWithAngle {
+    pub fn new(sample: RigidSample, brake: &PadOnDisc) -> Self {
         Self { sample, pad: PadEquations::new(brake) }
     }
 
     /// Friction over the mass, as it reaches the pad.
     fn friction(&self, x: f64, u: f64, contact: ContactState) -> f64 {
-        let brake = self.sample.brake;
+        let brake = &self.sample.brake;
         match contact {
             ContactState::Stick => brake.stiffness * x + brake.damping * u,
             _ => self.sample.pull(contact, u),
@@ -67,7 +67,7 @@ impl<'a> RigidWithAngle<'a> {
     }
 }
 
-impl Equations for RigidWithAngle<'_> {
+impl Equations for RigidWithAngle {
     type State = RigidAngleState;
 
     fn step(&self, state: &RigidAngleState, contact: ContactState, h: f64) -> Step<RigidAngleState> {

@@ -26,50 +26,88 @@ pub(crate) fn bisect(
 pub(crate) type End = (f64, f64);
 
 /// Where a value that is positive at `early` and not positive at `late` vanishes, on the side where it is not positive,
-/// to `tolerance`; and the state there. The Illinois variant of the false position, with bisection as its safeguard.
+/// to `tolerance`; and the state there. See [`FalsePosition`].
 ///
 /// `state_at` computes the state at a point, and `value` the value of a state; `state` is the one at `late`.
 pub(crate) fn false_position<S: Copy>(
-    (mut early, mut at_early): End,
-    (mut late, mut at_late): End,
+    early: End,
+    late: End,
     mut state: S,
     tolerance: f64,
     state_at: impl Fn(f64) -> S,
     value: impl Fn(&S) -> f64,
 ) -> (f64, S) {
-    let mut moved = None;
-    for iteration in 0..100 {
-        if late - early <= tolerance || at_late == 0.0 {
-            break;
+    let mut search = FalsePosition::new(early, late, tolerance);
+    while let Some(point) = search.next_point() {
+        let candidate = state_at(point);
+        if search.add(point, value(&candidate)) {
+            state = candidate;
+        }
+    }
+    (search.late(), state)
+}
+
+/// A search for a change of sign whose caller finds the values, one after the other: the Illinois variant of the false
+/// position, with bisection as its safeguard.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FalsePosition {
+    early: End,
+    late: End,
+    tolerance: f64,
+    iteration: u32,
+    moved: Option<Moved>,
+}
+
+impl FalsePosition {
+    /// In a bracket at whose `early` end the value is positive, and at whose `late` end it is not.
+    pub fn new(early: End, late: End, tolerance: f64) -> Self {
+        Self { early, late, tolerance, iteration: 0, moved: None }
+    }
+
+    /// Where the value is needed next; `None` if the change of sign is located.
+    pub fn next_point(&mut self) -> Option<f64> {
+        let ((early, at_early), (late, at_late)) = (self.early, self.late);
+        if self.iteration == MOST_POINTS || late - early <= self.tolerance || at_late == 0.0 {
+            return None;
         }
         let secant = early + (late - early) * (at_early / (at_early - at_late));
         let middle = 0.5 * (early + late);
-        let point = if iteration % 8 < 7 && secant > early && secant < late { secant } else { middle };
-        if point <= early || point >= late {
-            break;
-        }
-        let candidate = state_at(point);
-        let at_point = value(&candidate);
-        // An end that stays twice in a row counts half, or it would stay for ever.
-        if at_point > 0.0 {
-            (early, at_early) = (point, at_point);
-            if moved == Some(Moved::Early) {
-                at_late *= 0.5;
-            }
-            moved = Some(Moved::Early);
-        } else {
-            (late, at_late, state) = (point, at_point, candidate);
-            if moved == Some(Moved::Late) {
-                at_early *= 0.5;
-            }
-            moved = Some(Moved::Late);
-        }
+        let point = if self.iteration % 8 < 7 && secant > early && secant < late { secant } else { middle };
+        self.iteration += 1;
+        (point > early && point < late).then_some(point)
     }
-    (late, state)
+
+    /// Adds a value. Returns whether the point is the late end of the bracket now.
+    pub fn add(&mut self, point: f64, value: f64) -> bool {
+        // An end that stays twice in a row counts half, or it would stay for ever.
+        let moved = if value > 0.0 {
+            self.early = (point, value);
+            if self.moved == Some(Moved::Early) {
+                self.late.1 *= 0.5;
+            }
+            Moved::Early
+        } else {
+            self.late = (point, value);
+            if self.moved == Some(Moved::Late) {
+                self.early.1 *= 0.5;
+            }
+            Moved::Late
+        };
+        self.moved = Some(moved);
+        moved == Moved::Late
+    }
+
+    /// The late end of the bracket.
+    pub fn late(&self) -> f64 {
+        self.late.0
+    }
 }
 
+/// Largest number of points of a search.
+const MOST_POINTS: u32 = 100;
+
 /// The end of the bracket that moved last.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Moved {
     Early,
     Late,

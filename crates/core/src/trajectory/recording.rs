@@ -5,8 +5,9 @@ use crate::criterion::settings::TimeDomainSettings;
 use crate::criterion::time_domain::{System, TimeDomain, TimeDomainError};
 use crate::degree_of_freedom::DegreeOfFreedom;
 use crate::flexible_disc::error::FlexibleError;
+use crate::motion::advance::advance;
 use crate::motion::event_log::EventLog;
-use crate::motion::integrator::{Equations, Motion, advance};
+use crate::motion::integrator::{Equations, Motion};
 use crate::motion::moment::Moment;
 use crate::motion::rigid_with_angle::{RigidAngleState, RigidWithAngle};
 use crate::pad::contact_state::ContactState;
@@ -46,7 +47,7 @@ impl TimeDomain {
         let (log, moments) = match &self.system {
             System::Rigid(motion) => {
                 let sample = motion.sample(inputs);
-                let start = self.rigid_start(&sample);
+                let start = self.rigid_start(&sample, self.settings.start);
                 let equilibrium = self.brake.sliding_equilibrium_at(inputs);
                 let length = self.brake.scales().length;
                 let equations = RigidWithAngle::new(sample, &self.brake);
@@ -57,7 +58,7 @@ impl TimeDomain {
             }
             System::Flexible(motion) => {
                 let sample = motion.sample(inputs);
-                let start = self.flexible_start(&sample)?.0;
+                let start = self.flexible_start(&sample, self.settings.start)?.0;
                 record(&sample, start, h, steps, |time, state, contact| sample.moment(time, state, contact))
             }
         };

@@ -1,9 +1,10 @@
 //! The settled motion at one rotating speed after another.
 
 use crate::criterion::time_domain::{System, TimeDomain, TimeDomainError};
+use crate::motion::advance::advance;
 use crate::motion::event_log::EventLog;
 use crate::motion::flexible::FlexibleState;
-use crate::motion::integrator::{Equations, Motion, advance};
+use crate::motion::integrator::{Equations, Motion};
 use crate::motion::rigid::RigidState;
 use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
@@ -39,7 +40,7 @@ pub fn sweep(criteria: &[TimeDomain], inputs: RandomInputs, dwell: f64) -> Resul
         let settled = match &criterion.system {
             System::Rigid(motion) => {
                 let sample = motion.sample(inputs);
-                let start = rigid.unwrap_or_else(|| criterion.rigid_start(&sample));
+                let start = rigid.unwrap_or_else(|| criterion.rigid_start(&sample, criterion.settings.start));
                 let (end, settled) = dwell_on(&sample, start, h, steps);
                 rigid = end;
                 settled
@@ -48,7 +49,7 @@ pub fn sweep(criteria: &[TimeDomain], inputs: RandomInputs, dwell: f64) -> Resul
                 let sample = motion.sample(inputs);
                 let start = match flexible {
                     Some(motion) => motion,
-                    None => criterion.flexible_start(&sample)?.0,
+                    None => criterion.flexible_start(&sample, criterion.settings.start)?.0,
                 };
                 let (end, settled) = dwell_on(&sample, start, h, steps);
                 flexible = end;

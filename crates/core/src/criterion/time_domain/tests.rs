@@ -53,11 +53,11 @@ fn late_motion(criterion: &TimeDomain, inputs: RandomInputs, time: f64) -> LateM
     match &criterion.system {
         System::Rigid(brake) => {
             let sample = brake.sample(inputs);
-            run(&sample, criterion.rigid_start(&sample), brake.step, time)
+            run(&sample, criterion.rigid_start(&sample, criterion.settings.start), brake.step, time)
         }
         System::Flexible(brake) => {
             let sample = brake.sample(inputs);
-            run(&sample, criterion.flexible_start(&sample).unwrap().0, brake.step, time)
+            run(&sample, criterion.flexible_start(&sample, criterion.settings.start).unwrap().0, brake.step, time)
         }
     }
 }
@@ -66,7 +66,7 @@ fn late_motion(criterion: &TimeDomain, inputs: RandomInputs, time: f64) -> LateM
 fn unaided_verdict(criterion: &TimeDomain, inputs: RandomInputs) -> Verdict {
     let System::Flexible(brake) = &criterion.system else { panic!("a flexible disc") };
     let sample = brake.sample(inputs);
-    let (motion, equilibrium) = criterion.flexible_start(&sample).unwrap();
+    let (motion, equilibrium) = criterion.flexible_start(&sample, criterion.settings.start).unwrap();
     let options = MonitorOptions {
         slowest_transient: brake.brake.equations.slowest_transient(),
         smallest_cycle: brake.brake.equations.pad.smallest_cycle(),

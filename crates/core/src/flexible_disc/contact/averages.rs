@@ -3,7 +3,7 @@
 use crate::flexible_disc::contact::node::Node;
 
 /// Averages over the patch of products of mode shapes; even amplitudes are `i`, odd ones `j`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Averages {
     /// `<psi_i>`.
     pub shape: Vec<f64>,

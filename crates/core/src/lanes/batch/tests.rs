@@ -1,10 +1,13 @@
 use super::*;
 use crate::criterion::settings::TimeDomainSettings;
 use crate::criterion::time_domain::DiscModel;
-use crate::lanes::flexible_step::LANES as FLEXIBLE_LANES;
+use crate::friction::law::LawKind;
+use crate::friction::measured_curve::{MeasuredCurve, SharedCurve};
+use crate::lanes::flexible::LANES as FLEXIBLE_LANES;
 use crate::lanes::rigid::LANES;
 use crate::motion::start::Start;
-use crate::rigid_disc::pad_on_disc::PadOnDisc;
+use crate::parameters::scalar;
+use crate::rigid_disc::pad_on_disc::{PadOnDisc, uniform_draws};
 use crate::verdict::Verdict;
 
 /// Inputs all over the plane, in no order: deep in either region, near the boundary, outside physics.
@@ -131,4 +134,167 @@ fn lanes_agree_where_the_pad_lifts_off() {
         seen[Verdict::Unstable as usize] > 3,
         "their settled amplitude keeps its bits only if every step did: {seen:?}"
     );
+}
+
+/// A queue of samples that may each have a brake of their own, and their decisions. It stops after some of them.
+struct Listed<'q> {
+    samples: std::vec::IntoIter<QueuedSample<'q>>,
+    decisions: Vec<Option<Decision>>,
+    stops_after: usize,
+}
+
+impl<'q> Listed<'q> {
+    fn new(samples: Vec<QueuedSample<'q>>) -> Self {
+        Self { decisions: vec![None; samples.len()], samples: samples.into_iter(), stops_after: usize::MAX }
+    }
+}
+
+impl<'q> SampleQueue<'q> for Listed<'q> {
+    fn next(&mut self) -> Option<QueuedSample<'q>> {
+        self.samples.next()
+    }
+
+    fn decided(&mut self, ticket: u64, decision: Decision) {
+        assert_eq!(self.decisions[ticket as usize].replace(decision), None, "each sample is decided once");
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.decisions.iter().flatten().count() >= self.stops_after
+    }
+}
+
+fn bits(decision: &Decision) -> (Verdict, u64, Option<u64>) {
+    (decision.verdict, decision.time.to_bits(), decision.amplitude.map(f64::to_bits))
+}
+
+#[track_caller]
+fn assert_queue_agrees(samples: &[QueuedSample<'_>]) -> [usize; 4] {
+    let expected: Vec<Decision> = samples.iter().map(|sample| sample.clone().decide()).collect();
+    for set in InstructionSet::available() {
+        let mut queue = Listed::new(samples.to_vec());
+        decide_queue_with(&mut queue, set);
+        for (sample, (expected, found)) in samples.iter().zip(expected.iter().zip(&queue.decisions)) {
+            let found = found.as_ref().expect("every sample is decided");
+            assert_eq!(bits(found), bits(expected), "{set:?} {sample:?} {found:?} {expected:?}");
+        }
+    }
+    let mut seen = [0; 4];
+    expected.iter().for_each(|decision| seen[decision.verdict as usize] += 1);
+    seen
+}
+
+/// Parameters that leave the geometry of disc and pad alone.
+const SCATTERING: [&str; 14] = [
+    "disc.thickness",
+    "disc.youngs_modulus",
+    "disc.density",
+    "disc.transverse_damping_ratio",
+    "pad.mass",
+    "stiffness.contact_normal",
+    "stiffness.calliper_normal",
+    "stiffness.contact_tangential_2",
+    "stiffness.calliper_tangential",
+    "stiffness.calliper_angular",
+    "damping.tangential",
+    "friction.kinetic_coefficient",
+    "friction.stribeck_velocity",
+    "operating_point.rotating_speed",
+];
+
+/// Brakes with all of these and their inputs scattering, around the brake of a criterion.
+fn brakes<'q>(criterion: &'q TimeDomain, keys: &[&str], count: u64) -> Vec<QueuedSample<'q>> {
+    let starts = [Start::NearEquilibrium, Start::Rest, Start::LimitCycle];
+    let mut draw = uniform_draws(count);
+    let mut sample = |ticket: u64| {
+        let mut around = |value: f64| value * (0.75 + 0.5 * draw());
+        let mut parameters = criterion.brake.parameters().clone();
+        for key in keys {
+            let value = scalar(key).unwrap().value(&parameters);
+            parameters.set(key, around(value)).unwrap();
+        }
+        let inputs = RandomInputs { preload: around(0.12), static_friction: around(0.36) };
+        parameters.friction.static_coefficient = inputs.static_friction.max(parameters.friction.kinetic_coefficient);
+        let brake = (ticket % 5 != 0).then(|| PadOnDisc::new(parameters).unwrap());
+        QueuedSample { ticket, criterion, brake, inputs, start: starts[(ticket % 3) as usize] }
+    };
+    (0..count).map(&mut sample).collect()
+}
+
+#[test]
+fn every_lane_has_the_bits_of_its_own_brake() {
+    for (disc, count) in [(DiscModel::Rigid, 600), (DiscModel::Flexible { modes: 5 }, 90)] {
+        let settings = TimeDomainSettings { horizon: 300.0, record_amplitude: true, ..Default::default() };
+        let criterion = criterion(&disc, settings, &[("operating_point.rotating_speed", 18.0)]);
+        let seen = assert_queue_agrees(&brakes(&criterion, &SCATTERING, count));
+        assert!(seen[0] > 15 && seen[1] > 15, "{seen:?}");
+    }
+}
+
+#[test]
+fn every_friction_law_has_the_bits_of_the_scalar_code() {
+    let table = || {
+        let rows = [0.0, 0.3, 0.8, 1.5, 3.0, 6.0];
+        let curve = MeasuredCurve::new(&rows, &[0.45, 0.40, 0.33, 0.28, 0.29, 0.31], Some(&[0.02; 6])).unwrap();
+        LawKind::Table(SharedCurve::new(curve))
+    };
+    let laws: [(LawKind, &[(&str, f64)]); 6] = [
+        (LawKind::Stribeck, &[("friction.stribeck_exponent", 1.0), ("friction.viscous", 0.002)]),
+        (LawKind::Stribeck, &[("friction.stribeck_exponent", 2.0)]),
+        (LawKind::Stribeck, &[("friction.stribeck_exponent", 0.7)]),
+        (LawKind::Stribeck, &[("friction.stribeck_exponent", 1.6), ("friction.viscous", 0.002)]),
+        (LawKind::Rational, &[]),
+        (table(), &[]),
+    ];
+    for (law, changes) in laws {
+        for (disc, count) in [(DiscModel::Rigid, 130), (DiscModel::Flexible { modes: 5 }, 24)] {
+            let mut parameters = PadOnDisc::preset_with(changes).parameters().clone();
+            parameters.friction.law = law;
+            parameters.operating_point.rotating_speed = 14.0;
+            let brake = PadOnDisc::new(parameters).unwrap();
+            let settings = TimeDomainSettings { horizon: 200.0, ..Default::default() };
+            let criterion = TimeDomain::new(&brake, &disc, settings).unwrap();
+            let keys = ["stiffness.calliper_tangential", "damping.tangential", "operating_point.rotating_speed"];
+            let samples = brakes(&criterion, &keys, count);
+            assert_queue_agrees(&samples);
+            if let LawKind::Stribeck = law
+                && criterion.brake.friction_law().exponent == 1.6
+            {
+                let keys = ["friction.stribeck_exponent", "friction.viscous", "friction.stribeck_velocity"];
+                assert_queue_agrees(&brakes(&criterion, &keys, count));
+            }
+        }
+    }
+}
+
+#[test]
+fn discs_of_another_geometry_are_simulated_one_by_one_in_the_same_queue() {
+    let settings = TimeDomainSettings { horizon: 100.0, ..Default::default() };
+    let criterion = criterion(&DiscModel::Flexible { modes: 5 }, settings, &[("operating_point.rotating_speed", 18.0)]);
+    let keys = ["pad.half_angle", "disc.inner_radius", "damping.tangential"];
+    assert_queue_agrees(&brakes(&criterion, &keys, 12));
+}
+
+#[test]
+fn criteria_of_several_speeds_share_lanes() {
+    for (disc, count) in [(DiscModel::Rigid, 300), (DiscModel::Flexible { modes: 5 }, 45)] {
+        let at =
+            |speed: f64| criterion(&disc, TimeDomainSettings::default(), &[("operating_point.rotating_speed", speed)]);
+        let criteria = [at(12.0), at(18.0), at(25.0)];
+        let samples = (0_u64..).zip(inputs(count));
+        let samples: Vec<QueuedSample<'_>> =
+            samples.map(|(ticket, inputs)| QueuedSample::new(ticket, &criteria[ticket as usize % 3], inputs)).collect();
+        assert_queue_agrees(&samples);
+    }
+}
+
+#[test]
+fn a_queue_that_stops_drops_what_is_not_decided() {
+    let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
+    let criterion = criterion(&DiscModel::Rigid, settings, &[("operating_point.rotating_speed", 20.0)]);
+    let samples = (0_u64..).zip(inputs(4000));
+    let samples = samples.map(|(ticket, inputs)| QueuedSample::new(ticket, &criterion, inputs)).collect();
+    let mut queue = Listed { stops_after: 300, ..Listed::new(samples) };
+    decide_queue(&mut queue);
+    let decided = queue.decisions.iter().flatten().count();
+    assert!((300..2000).contains(&decided), "{decided}");
 }

@@ -1,6 +1,7 @@
 use super::*;
+use crate::motion::advance::advance;
 use crate::motion::event_log::EventLog;
-use crate::motion::integrator::{Motion, advance};
+use crate::motion::integrator::Motion;
 
 fn inputs(brake: &PadOnDisc) -> RandomInputs {
     let parameters = brake.parameters();

@@ -131,11 +131,11 @@ fn the_state_of_contact_follows_from_speed_and_friction() {
             let criterion = TimeDomain::new(&brake, &disc, with(scaled(x, u))).unwrap();
             let (contact, speed) = match &criterion.system {
                 System::Rigid(motion) => {
-                    let start = criterion.rigid_start(&motion.sample(NOMINAL));
+                    let start = criterion.rigid_start(&motion.sample(NOMINAL), criterion.settings.start);
                     (start.contact, start.state.u)
                 }
                 System::Flexible(motion) => {
-                    let start = criterion.flexible_start(&motion.sample(NOMINAL)).unwrap().0;
+                    let start = criterion.flexible_start(&motion.sample(NOMINAL), criterion.settings.start).unwrap().0;
                     (start.contact, start.state.u[0])
                 }
             };
@@ -156,7 +156,7 @@ fn a_start_in_si_units_is_the_same_as_in_scaled_ones() {
     let [si, scaled] = [si, scaled(x, u)].map(|start| {
         let criterion = TimeDomain::new(&brake, &DiscModel::Rigid, with(start)).unwrap();
         let System::Rigid(motion) = &criterion.system else { unreachable!() };
-        criterion.rigid_start(&motion.sample(NOMINAL)).state
+        criterion.rigid_start(&motion.sample(NOMINAL), criterion.settings.start).state
     });
     assert!((si.x / scaled.x - 1.0).abs() < 1e-15 && (si.u / scaled.u - 1.0).abs() < 1e-15);
 }
@@ -181,14 +181,14 @@ fn what_a_start_leaves_out_is_steady_sliding() {
             match &criterion.system {
                 System::Rigid(motion) => {
                     let sample = motion.sample(NOMINAL);
-                    let start = criterion.rigid_start(&sample).state;
+                    let start = criterion.rigid_start(&sample, criterion.settings.start).state;
                     assert_eq!(start, RigidState { x: sample.equilibrium() + displaced, u: 0.0 });
                 }
                 System::Flexible(motion) => {
                     let sample = motion.sample(NOMINAL);
                     let mut expected = sample.equilibrium().unwrap();
                     expected.q[0] += displaced;
-                    assert_eq!(criterion.flexible_start(&sample).unwrap().0.state, expected);
+                    assert_eq!(criterion.flexible_start(&sample, criterion.settings.start).unwrap().0.state, expected);
                 }
             }
             assert_eq!(criterion.decide(NOMINAL).verdict, Verdict::Stable, "{disc:?} {start:?}");

@@ -4,6 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::*;
 use crate::friction::shape::Shape;
+use crate::motion::friction_steps::FrictionSteps;
+use crate::motion::integrator::Reserve;
 
 mod substeps;
 
