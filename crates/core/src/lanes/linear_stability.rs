@@ -1,5 +1,6 @@
 //! Linear stability of many brakes at once.
 
+use crate::criterion::decision::Decision;
 use crate::flexible_disc::brake::FlexibleBrake;
 use crate::flexible_disc::error::FlexibleError;
 use crate::flexible_disc::geometry::DiscGeometry;
@@ -27,6 +28,15 @@ impl FlexibleBrake {
     #[must_use]
     pub fn linear_stability_of(&self, samples: &[OwnBrake]) -> Vec<Result<LinearStability, FlexibleError>> {
         self.linear_stability_with(samples, InstructionSet::widest())
+    }
+
+    /// Decides samples by the coupled eigenvalues, as [`FlexibleBrake::decide_with`] does.
+    #[must_use]
+    pub fn decide_own(&self, samples: &[OwnBrake]) -> Vec<Decision> {
+        let decide = |(sample, stability): (&OwnBrake, Result<LinearStability, FlexibleError>)| {
+            self.decide_with(sample.inputs, |_, _| stability.clone())
+        };
+        samples.iter().zip(self.linear_stability_of(samples)).map(decide).collect()
     }
 
     /// [`FlexibleBrake::linear_stability_of`] by the lanes of `set`.

@@ -1,11 +1,15 @@
 //! The criterion of a job, prepared for its brakes.
 
+use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use stickslip_core::criterion::decision::Decision;
 use stickslip_core::criterion::time_domain::{TimeDomain, TimeDomainError};
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
+use stickslip_core::lanes::batch::decide_queue;
 use stickslip_core::lanes::closed_form::VaryingClosedForm;
+use stickslip_core::lanes::linear_stability::OwnBrake;
+use stickslip_core::lanes::queue::{QueuedSample, SampleQueue};
 use stickslip_core::motion::start::{GivenStart, Start};
 use stickslip_core::parameters::Scalar;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
@@ -33,108 +37,93 @@ pub struct Criteria {
     scalars: Vec<&'static Scalar>,
 }
 
-/// A criterion for one brake of a grid.
+/// A criterion for one brake of a grid. Where parameters other than preload and static friction scatter, every sample has
+/// a brake of its own, which `varying` makes.
 pub enum ReadyCriterion {
     /// See [`Criterion::Eigenvalue`].
     Eigenvalue(StabilityBoundary),
-    /// See [`Criterion::CoupledEigenvalue`].
-    CoupledEigenvalue(Box<FlexibleBrake>),
-    /// See [`Criterion::TimeDomain`].
-    TimeDomain(Box<TimeDomain>),
-    /// [`Criterion::Eigenvalue`] where parameters other than preload and static friction scatter.
+    /// [`Criterion::Eigenvalue`] where other parameters scatter.
     VaryingEigenvalue(Box<VaryingClosedForm>),
-    /// Any other criterion there: every sample is a brake of its own.
-    Varying(Box<VaryingCriterion>),
-}
-
-/// A criterion that is prepared for each sample.
-pub struct VaryingCriterion {
-    brake: VaryingBrake,
-    criterion: Criterion,
+    /// See [`Criterion::CoupledEigenvalue`].
+    CoupledEigenvalue { brake: Box<FlexibleBrake>, varying: Option<Box<VaryingBrake>> },
+    /// See [`Criterion::TimeDomain`].
+    TimeDomain { criterion: Box<TimeDomain>, varying: Option<Box<VaryingBrake>> },
 }
 
 impl ReadyCriterion {
-    /// Prepares the criterion of a job for a brake of which no parameter scatters but preload and static friction.
-    pub fn new(brake: PadOnDisc, criterion: &Criterion) -> Result<Self, TimeDomainError> {
-        Ok(match criterion {
-            Criterion::Eigenvalue => Self::Eigenvalue(brake.stability_boundary()),
-            Criterion::CoupledEigenvalue { modes } => {
-                Self::CoupledEigenvalue(Box::new(FlexibleBrake::with_modes(brake, *modes)?))
+    /// Prepares the criterion of a job for brakes that differ from `brake` in `scalars`, sample by sample.
+    fn new(brake: PadOnDisc, criterion: &Criterion, scalars: &[&'static Scalar]) -> Result<Self, TimeDomainError> {
+        let varying = (!scalars.is_empty()).then(|| VaryingBrake::new(brake.clone(), scalars.to_vec()));
+        Ok(match (criterion, varying) {
+            (Criterion::Eigenvalue, None) => Self::Eigenvalue(brake.stability_boundary()),
+            (Criterion::Eigenvalue, Some(varying)) => {
+                Self::VaryingEigenvalue(Box::new(VaryingClosedForm::new(varying)))
             }
-            Criterion::TimeDomain { disc, settings } => {
-                Self::TimeDomain(Box::new(TimeDomain::new(&brake, disc, *settings)?))
-            }
+            (Criterion::CoupledEigenvalue { modes }, varying) => Self::CoupledEigenvalue {
+                brake: Box::new(FlexibleBrake::with_modes(brake, *modes)?),
+                varying: varying.map(Box::new),
+            },
+            (Criterion::TimeDomain { disc, settings }, varying) => Self::TimeDomain {
+                criterion: Box::new(TimeDomain::new(&brake, disc, *settings)?),
+                varying: varying.map(Box::new),
+            },
         })
     }
 
-    /// Prepares the criterion of a job for brakes that differ from `brake` in `scalars`, sample by sample.
-    fn with_scatter(
-        brake: PadOnDisc,
+    /// The same criterion for another brake; what the geometry of the disc alone determines is not computed again.
+    fn with_brake(
+        &self,
+        other: PadOnDisc,
         criterion: &Criterion,
         scalars: &[&'static Scalar],
     ) -> Result<Self, TimeDomainError> {
-        if scalars.is_empty() {
-            return Self::new(brake, criterion);
-        }
-        let brake = VaryingBrake::new(brake, scalars.to_vec());
-        Ok(match criterion {
-            Criterion::Eigenvalue => Self::VaryingEigenvalue(Box::new(VaryingClosedForm::new(brake))),
-            _ => Self::Varying(Box::new(VaryingCriterion { brake, criterion: criterion.clone() })),
-        })
-    }
-
-    /// The same criterion for another brake, if that takes less than to prepare it anew.
-    fn with_brake(&self, brake: &PadOnDisc) -> Option<Result<Self, TimeDomainError>> {
+        let varying = (!scalars.is_empty()).then(|| Box::new(VaryingBrake::new(other.clone(), scalars.to_vec())));
         match self {
-            Self::CoupledEigenvalue(first) => {
-                let other = first.with_brake(brake.clone()).map_err(TimeDomainError::from);
-                Some(other.map(|brake| Self::CoupledEigenvalue(Box::new(brake))))
+            Self::CoupledEigenvalue { brake, .. } => {
+                Ok(Self::CoupledEigenvalue { brake: Box::new(brake.with_brake(other)?), varying })
             }
-            _ => None,
+            Self::TimeDomain { criterion: first, .. } => {
+                let ready = first.with_brake(&other)?;
+                // A start in SI units is scaled by the brake.
+                let given = criterion.given_start().map(|given| ready.with_start(Start::Given(given)));
+                Ok(Self::TimeDomain { criterion: Box::new(given.unwrap_or(ready)), varying })
+            }
+            Self::Eigenvalue(_) | Self::VaryingEigenvalue(_) => Self::new(other, criterion, scalars),
         }
     }
 
-    /// Decides samples of one brake.
+    /// Decides samples of one brake. Where every sample has a brake of its own, they fail.
     pub fn decide(&self, inputs: &[RandomInputs]) -> Vec<Decision> {
         match self {
             Self::Eigenvalue(boundary) => {
                 inputs.iter().map(|inputs| boundary.verdict(inputs.preload, inputs.static_friction).into()).collect()
             }
-            Self::CoupledEigenvalue(brake) => {
+            Self::CoupledEigenvalue { brake, varying: None } => {
                 inputs.iter().map(|&inputs| brake.decide_with(inputs, FlexibleBrake::linear_stability)).collect()
             }
-            Self::TimeDomain(criterion) => criterion.decide_all(inputs),
-            // Without a value for each parameter that scatters there is no brake.
-            Self::VaryingEigenvalue(_) | Self::Varying(_) => vec![Verdict::Failed.into(); inputs.len()],
-        }
-    }
-
-    /// Decides the one sample of a brake.
-    fn decide_one(&self, inputs: RandomInputs) -> Decision {
-        match self {
-            // `linear_stability` prepares for many samples of one brake, which does not pay for a single one.
-            Self::CoupledEigenvalue(brake) => brake.decide_with(inputs, FlexibleBrake::by_eigenvalues),
-            Self::TimeDomain(criterion) => criterion.decide(inputs),
-            _ => self.decide(&[inputs]).pop().unwrap_or(Verdict::Failed.into()),
+            Self::TimeDomain { criterion, varying: None } => criterion.decide_all(inputs),
+            Self::VaryingEigenvalue(_) | Self::CoupledEigenvalue { .. } | Self::TimeDomain { .. } => {
+                vec![Verdict::Failed.into(); inputs.len()]
+            }
         }
     }
 }
 
-impl VaryingCriterion {
-    /// Decides one sample, `value(i)` being its value of scalar `i`, and `start` where its motion starts if that is not for
-    /// all the same. It fails if a value is not admissible, such as a stiffness below zero.
-    fn decide(&self, inputs: RandomInputs, value: impl Fn(usize) -> f64, start: Option<Start>) -> Decision {
-        let failed = Decision::from(Verdict::Failed);
-        let Some(brake) = self.brake.brake(inputs, value) else { return failed };
-        if inputs.preload <= 0.0 {
-            return Verdict::Stable.into();
-        }
-        match (ReadyCriterion::new(brake, &self.criterion), start) {
-            (Ok(ReadyCriterion::TimeDomain(criterion)), Some(start)) => criterion.with_start(start).decide(inputs),
-            (Ok(criterion), _) => criterion.decide_one(inputs),
-            (Err(_), _) => failed,
-        }
-    }
+/// What simulates the samples of a cell in time.
+pub(super) struct Motions<'q> {
+    criterion: &'q TimeDomain,
+    brakes: Brakes<'q>,
+    starts: Option<Starts>,
+}
+
+/// The brakes of the samples of a cell.
+enum Brakes<'q> {
+    /// That of the criterion.
+    Shared,
+    /// Another one, of all samples.
+    Own(Box<PadOnDisc>),
+    /// Every sample has its own.
+    Varying(Cow<'q, VaryingBrake>),
 }
 
 /// Where the motions of a cell start, in a job in which they do not all start alike.
@@ -146,9 +135,11 @@ struct Starts {
 }
 
 impl Starts {
+    /// `None` if all motions of a job start alike.
     fn of(job: &Job, cell: &Cell) -> Option<Self> {
         let random: Vec<_> = job.random.start_values().collect();
-        let varies = !(random.is_empty() && job.grid.of_start.is_empty());
+        // A start in SI units is scaled by the brake.
+        let varies = !(random.is_empty() && job.grid.of_start.is_empty()) || job.random.other().is_some();
         let given = job.criterion.given_start().filter(|_| varies)?;
         Some(Self { given: job.brakes().start_in_cell(given, cell), random })
     }
@@ -171,7 +162,7 @@ impl Criteria {
         let others = job.random.inputs.iter().enumerate();
         let (others, scalars): (Vec<usize>, Vec<_>) =
             others.filter_map(|(i, input)| Some((i, input.scalar()?))).unzip();
-        let first = Arc::new(ReadyCriterion::with_scatter(job.brake(0)?, &job.criterion, &scalars)?);
+        let first = Arc::new(ReadyCriterion::new(job.brake(0)?, &job.criterion, &scalars)?);
         let brakes = job.grid.brakes();
         let kept = if brakes <= MOST_KEPT { brakes } else { 0 };
         Ok(Self { kept: (0..kept).map(|_| OnceLock::new()).collect(), first, others, scalars })
@@ -183,9 +174,7 @@ impl Criteria {
             return Some(Arc::clone(&self.first));
         }
         let prepare = || {
-            let brake = job.brake(brake).ok()?;
-            let shared = self.first.with_brake(&brake);
-            let ready = shared.unwrap_or_else(|| ReadyCriterion::with_scatter(brake, &job.criterion, &self.scalars));
+            let ready = self.first.with_brake(job.brake(brake).ok()?, &job.criterion, &self.scalars);
             ready.ok().map(Arc::new)
         };
         match self.kept.get(brake) {
@@ -224,39 +213,90 @@ impl Criteria {
 
     /// Decides some of the samples of a cell.
     pub fn decide(&self, job: &Job, cell: &Cell, samples: &Samples, wanted: &[usize]) -> Vec<Decision> {
-        let Some(criterion) = self.for_brake(job, job.grid.brake_index(cell.index)) else {
-            return vec![Verdict::Failed.into(); wanted.len()];
-        };
-        let columns = self.columns(samples);
-        let starts = Starts::of(job, cell);
-        let start = |sample: usize| starts.as_ref().map(|starts| starts.of_sample(samples, sample));
-        match &*criterion {
+        let failed = || vec![Verdict::Failed.into(); wanted.len()];
+        if let ReadyCriterion::TimeDomain { .. } = *self.first {
+            let Some(motions) = self.motions(job, cell) else { return failed() };
+            let wanted = wanted.iter().enumerate();
+            return decide_all(wanted.map(|(ticket, &sample)| self.queued(&motions, samples, sample, ticket as u64)));
+        }
+        let Some(ready) = self.for_brake(job, job.grid.brake_index(cell.index)) else { return failed() };
+        match &*ready {
             ReadyCriterion::VaryingEigenvalue(form) => {
                 let mut verdicts = Vec::with_capacity(samples.len());
-                form.decide(samples.preloads(), samples.static_frictions(), &columns, &mut verdicts);
+                form.decide(samples.preloads(), samples.static_frictions(), &self.columns(samples), &mut verdicts);
                 wanted.iter().map(|&sample| verdicts[sample].into()).collect()
             }
-            ReadyCriterion::Varying(criterion) => {
-                let decide =
-                    |&sample: &usize| criterion.decide(samples.pair(sample), |i| columns[i][sample], start(sample));
-                wanted.iter().map(decide).collect()
+            ReadyCriterion::CoupledEigenvalue { brake, varying: Some(varying) } => {
+                let own_brake = |&sample: &usize| {
+                    let inputs = samples.pair(sample);
+                    Some(OwnBrake { brake: self.brake_of(varying, samples, sample)?, inputs })
+                };
+                let own: Vec<Option<OwnBrake>> = wanted.iter().map(own_brake).collect();
+                let mut decided = brake.decide_own(&own.iter().flatten().cloned().collect::<Vec<_>>()).into_iter();
+                let decision = |own: &Option<OwnBrake>| own.as_ref().and_then(|_| decided.next());
+                own.iter().map(decision).map(|decision| decision.unwrap_or(Verdict::Failed.into())).collect()
             }
             one_brake => {
                 let inputs: Vec<RandomInputs> = wanted.iter().map(|&sample| samples.pair(sample)).collect();
-                match (one_brake, &starts) {
-                    (ReadyCriterion::TimeDomain(criterion), Some(Starts { given, random })) if random.is_empty() => {
-                        criterion.with_start(Start::Given(*given)).decide_all(&inputs)
-                    }
-                    (ReadyCriterion::TimeDomain(criterion), Some(starts)) => {
-                        let decide = |(&sample, &inputs): (&usize, &RandomInputs)| {
-                            criterion.with_start(starts.of_sample(samples, sample)).decide(inputs)
-                        };
-                        wanted.iter().zip(&inputs).map(decide).collect()
-                    }
-                    _ => one_brake.decide(&inputs),
-                }
+                one_brake.decide(&inputs)
             }
         }
+    }
+
+    /// What simulates the samples of a cell in time; `None` if there is no such brake, or if the criterion is another.
+    pub(super) fn motions(&self, job: &Job, cell: &Cell) -> Option<Motions<'_>> {
+        let ReadyCriterion::TimeDomain { criterion: of_first, .. } = &*self.first else { return None };
+        let starts = Starts::of(job, cell);
+        let brake = job.grid.brake_index(cell.index);
+        let kept = if brake == 0 {
+            Some(&*self.first)
+        } else if brake < self.kept.len() {
+            self.for_brake(job, brake)?;
+            self.kept[brake].get()?.as_deref()
+        } else {
+            None
+        };
+        if let Some(ReadyCriterion::TimeDomain { criterion, varying }) = kept {
+            let brakes = varying.as_ref().map_or(Brakes::Shared, |varying| Brakes::Varying(Cow::Borrowed(varying)));
+            return Some(Motions { criterion, brakes, starts });
+        }
+        // Too many brakes to keep their criteria: each sample takes its brake along.
+        let brake = job.brake(brake).ok()?;
+        let starts = starts.or_else(|| Some(Starts { given: job.criterion.given_start()?, random: Vec::new() }));
+        let brakes = if self.scalars.is_empty() {
+            Brakes::Own(Box::new(brake))
+        } else {
+            Brakes::Varying(Cow::Owned(VaryingBrake::new(brake, self.scalars.clone())))
+        };
+        Some(Motions { criterion: of_first, brakes, starts })
+    }
+
+    /// A sample for simulation in time, or its decision if it needs none. It fails if a value is not admissible, such as a
+    /// stiffness below zero.
+    pub(super) fn queued<'q>(
+        &self,
+        motions: &Motions<'q>,
+        samples: &Samples,
+        sample: usize,
+        ticket: u64,
+    ) -> Result<QueuedSample<'q>, Decision> {
+        let mut queued = QueuedSample::new(ticket, motions.criterion, samples.pair(sample));
+        match &motions.brakes {
+            Brakes::Shared => {}
+            Brakes::Own(brake) => queued.brake = Some((**brake).clone()),
+            Brakes::Varying(varying) => {
+                queued.brake = Some(self.brake_of(varying, samples, sample).ok_or(Decision::from(Verdict::Failed))?);
+            }
+        }
+        if let Some(starts) = &motions.starts {
+            queued.start = starts.of_sample(samples, sample);
+        }
+        Ok(queued)
+    }
+
+    /// The brake of a sample; `None` if a value is not admissible.
+    fn brake_of(&self, varying: &VaryingBrake, samples: &Samples, sample: usize) -> Option<PadOnDisc> {
+        varying.brake(samples.pair(sample), |i| samples.values_of(self.others[i])[sample])
     }
 
     /// Where the motion of a sample of a cell starts, if that is not for all the same.
@@ -270,7 +310,41 @@ impl Criteria {
         if self.others.is_empty() {
             return Some(brake);
         }
-        let columns = self.columns(samples);
-        VaryingBrake::new(brake, self.scalars.clone()).brake(samples.pair(sample), |i| columns[i][sample])
+        self.brake_of(&VaryingBrake::new(brake, self.scalars.clone()), samples, sample)
+    }
+}
+
+/// Decides samples, some of which are decided already, in their order.
+fn decide_all<'q>(samples: impl Iterator<Item = Result<QueuedSample<'q>, Decision>>) -> Vec<Decision> {
+    let mut list = List { samples, decisions: Vec::new() };
+    decide_queue(&mut list);
+    list.decisions
+}
+
+/// Samples whose tickets are their places in a list.
+struct List<I> {
+    samples: I,
+    decisions: Vec<Decision>,
+}
+
+impl<'q, I: Iterator<Item = Result<QueuedSample<'q>, Decision>>> SampleQueue<'q> for List<I> {
+    fn next(&mut self) -> Option<QueuedSample<'q>> {
+        loop {
+            let sample = self.samples.next()?;
+            let (known, queued) = match sample {
+                Ok(queued) => (Verdict::Failed.into(), Some(queued)),
+                Err(decision) => (decision, None),
+            };
+            self.decisions.push(known);
+            if queued.is_some() {
+                return queued;
+            }
+        }
+    }
+
+    fn decided(&mut self, ticket: u64, decision: Decision) {
+        if let Some(place) = self.decisions.get_mut(ticket as usize) {
+            *place = decision;
+        }
     }
 }

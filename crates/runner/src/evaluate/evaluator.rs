@@ -100,50 +100,82 @@ impl<'a> Evaluator<'a> {
         let (cell, place) = self.parts.place(part);
         let cell = self.job.grid.cell(cell);
         let brake = self.job.grid.brake_index(cell.index);
-        let mut counts = VerdictCounts::default();
-        let mut amplitudes = Distribution::default();
-        let mut sums = self.layout.zeros();
+        let mut unit = self.empty_unit(part, samples.clone());
         let mut lookups = Lookups::default();
-        let first = self.parts.first_sample(place);
-        let drawn = first + samples.start..first + samples.end;
-        let draw = |points: Points| Drawing::new(self.job, &cell, place, drawn.clone(), points);
-        let mut drawing = draw(self.job.points());
-        let mut second = (self.layout.sensitivity() > 0).then(|| draw(Points::SecondRandom));
+        let mut drawing = self.draw(&cell, place, &samples, self.job.points());
+        let mut second = self.has_second_samples().then(|| self.draw(&cell, place, &samples, Points::SecondRandom));
         while let Some(chunk) = drawing.next_chunk(self.chunk) {
-            let outside = chunk.count_outside_physics();
-            self.layout.add_outside_physics(&mut sums, outside);
             if !self.layout.need_samples()
                 && let Some(mut counted) = self.criteria.count(self.job, brake, chunk)
             {
+                let outside = chunk.count_outside_physics();
+                self.layout.add_outside_physics(&mut unit.sums, outside);
                 // The closed form finds samples outside physics stable.
                 if self.job.outside_physics == OutsidePhysics::Failed {
                     counted.stable -= outside;
                     counted.failed += outside;
                 }
-                counts += counted;
+                unit.counts += counted;
                 continue;
             }
-            let decisions = self.decide(&cell, chunk, &self.audited(part, chunk.numbers()), &mut lookups);
-            for decision in &decisions {
-                counts += decision.verdict.into();
-                if let (Verdict::Unstable, Some(amplitude), true) =
-                    (decision.verdict, decision.amplitude, self.job.records_amplitude())
-                {
-                    amplitudes.add(amplitude);
-                }
-            }
-            self.layout.add_sources(&mut sums, &decisions);
-            let verdicts = verdicts_of(decisions);
-            self.layout.add_scores(&mut sums, &cell, chunk, &verdicts);
+            let mut sets = vec![self.decide(&cell, chunk, &self.audited(part, chunk.numbers()), &mut lookups)];
             if let Some(second) = second.as_mut().and_then(|second| second.next_chunk(self.chunk)) {
-                let decide = |samples: &Samples| verdicts_of(self.decide(&cell, samples, &[], &mut Lookups::default()));
-                let mixed: Vec<Vec<Verdict>> =
-                    (0..self.layout.sensitivity()).map(|input| decide(&chunk.with_input_of(input, second))).collect();
-                self.layout.add_sensitivity(&mut sums, &verdicts, &decide(second), &mixed);
+                let decide = |samples: &Samples| self.decide(&cell, samples, &[], &mut Lookups::default());
+                sets.push(decide(second));
+                sets.extend(self.mixed(chunk, second).iter().map(decide));
+            }
+            self.record(&mut unit, &cell, chunk, &sets);
+        }
+        self.record_lookups(&mut unit, lookups);
+        unit
+    }
+
+    /// A unit of which nothing is counted yet.
+    pub(super) fn empty_unit(&self, part: u64, samples: Range<u64>) -> FinishedUnit {
+        let (counts, amplitudes) = (VerdictCounts::default(), Distribution::default());
+        FinishedUnit { part, samples, counts, amplitudes, sums: self.layout.zeros() }
+    }
+
+    /// Draws samples of the part at `place` in a cell, numbered within the part.
+    pub(super) fn draw(&self, cell: &Cell, place: usize, samples: &Range<u64>, points: Points) -> Drawing<'a> {
+        let first = self.parts.first_sample(place);
+        Drawing::new(self.job, cell, place, first + samples.start..first + samples.end, points)
+    }
+
+    /// Whether the job needs a second set of samples, for Sobol indices.
+    pub(super) fn has_second_samples(&self) -> bool {
+        self.layout.sensitivity() > 0
+    }
+
+    /// The samples with one input at a time taken from a second set.
+    pub(super) fn mixed(&self, first: &Samples, second: &Samples) -> Vec<Samples> {
+        (0..self.layout.sensitivity()).map(|input| first.with_input_of(input, second)).collect()
+    }
+
+    /// Counts in `unit` what is decided of samples. `sets` are the decisions on these, and for Sobol indices those on
+    /// the second and on the mixed samples.
+    pub(super) fn record(&self, unit: &mut FinishedUnit, cell: &Cell, samples: &Samples, sets: &[Vec<Decision>]) {
+        let Some(decisions) = sets.first() else { return };
+        self.layout.add_outside_physics(&mut unit.sums, samples.count_outside_physics());
+        for decision in decisions {
+            unit.counts += decision.verdict.into();
+            if let (Verdict::Unstable, Some(amplitude), true) =
+                (decision.verdict, decision.amplitude, self.job.records_amplitude())
+            {
+                unit.amplitudes.add(amplitude);
             }
         }
-        self.layout.add_lookups(&mut sums, lookups);
-        FinishedUnit { part, samples, counts, amplitudes, sums }
+        self.layout.add_sources(&mut unit.sums, decisions);
+        let verdicts: Vec<Vec<Verdict>> = sets.iter().map(|decisions| verdicts_of(decisions)).collect();
+        self.layout.add_scores(&mut unit.sums, cell, samples, &verdicts[0]);
+        if let [first, second, mixed @ ..] = &verdicts[..] {
+            self.layout.add_sensitivity(&mut unit.sums, first, second, mixed);
+        }
+    }
+
+    /// Counts in `unit` how its samples were decided.
+    pub(super) fn record_lookups(&self, unit: &mut FinishedUnit, lookups: Lookups) {
+        self.layout.add_lookups(&mut unit.sums, lookups);
     }
 
     /// The verdicts that a run counts for consecutive samples of a cell. With Sobol points, these are samples of one
@@ -165,7 +197,7 @@ impl<'a> Evaluator<'a> {
             let mut drawing = Drawing::new(self.job, &place, part, drawn, self.job.points());
             while let Some(chunk) = drawing.next_chunk(self.chunk) {
                 let audited = self.audited(self.parts.of(cell).start + part as u64, chunk.numbers());
-                verdicts.extend(verdicts_of(self.decide(&place, chunk, &audited, &mut Lookups::default())));
+                verdicts.extend(verdicts_of(&self.decide(&place, chunk, &audited, &mut Lookups::default())));
             }
         }
         verdicts
@@ -231,12 +263,17 @@ impl<'a> Evaluator<'a> {
 
     /// The samples that are decided: those outside physics are clamped if the job says so.
     fn within_physics<'s>(&self, samples: &'s Samples) -> Cow<'s, Samples> {
+        self.clamped(samples).map_or(Cow::Borrowed(samples), Cow::Owned)
+    }
+
+    /// The samples with those outside physics clamped; `None` if nothing is to be clamped.
+    pub(super) fn clamped(&self, samples: &Samples) -> Option<Samples> {
         let clamps = self.job.outside_physics == OutsidePhysics::Clamp && samples.count_outside_physics() > 0;
-        if clamps { Cow::Owned(samples.clamped()) } else { Cow::Borrowed(samples) }
+        clamps.then(|| samples.clamped())
     }
 
     /// Whether a sample fails because it is outside physics.
-    fn fails(&self, samples: &Samples, sample: usize) -> bool {
+    pub(super) fn fails(&self, samples: &Samples, sample: usize) -> bool {
         self.job.outside_physics == OutsidePhysics::Failed && samples.is_outside_physics(sample)
     }
 
@@ -272,7 +309,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Which samples of a part are audited, by their numbers in the cell, with Sobol points in the randomisation.
-    fn audited(&self, part: u64, numbers: Range<u64>) -> Vec<bool> {
+    pub(super) fn audited(&self, part: u64, numbers: Range<u64>) -> Vec<bool> {
         if !self.layout.lookups() || self.job.sampling.audit.is_nothing() {
             return Vec::new();
         }
@@ -293,6 +330,6 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-fn verdicts_of(decisions: Vec<Decision>) -> Vec<Verdict> {
-    decisions.into_iter().map(|decision| decision.verdict).collect()
+fn verdicts_of(decisions: &[Decision]) -> Vec<Verdict> {
+    decisions.iter().map(|decision| decision.verdict).collect()
 }

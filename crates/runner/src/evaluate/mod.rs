@@ -13,10 +13,14 @@ pub mod sums;
 
 pub mod unit;
 
+pub mod control;
+
 pub mod evaluator;
 
 pub mod tiles;
 
 pub mod integral;
+
+mod stream;
 
 pub mod work;

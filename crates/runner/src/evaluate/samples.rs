@@ -116,6 +116,20 @@ impl Samples {
         })
     }
 
+    /// A copy of some of the samples, by their places here.
+    pub fn part(&self, places: Range<usize>) -> Self {
+        let of = |columns: &[Vec<f64>]| columns.iter().map(|column| column[places.clone()].to_vec()).collect();
+        let start = self.numbers.start + places.start as u64;
+        let mut part = Self {
+            numbers: start..start + places.len() as u64,
+            deviates: of(&self.deviates),
+            values: of(&self.values),
+            columns: self.columns.clone(),
+        };
+        part.complete_columns();
+        part
+    }
+
     /// A copy with the values of one input taken from other samples.
     pub fn with_input_of(&self, input: usize, others: &Self) -> Self {
         let mut mixed = self.clone();

@@ -4,8 +4,11 @@
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
+use crate::evaluate::control::Control;
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::stream;
 use crate::evaluate::unit::FinishedUnit;
+use crate::job::Criterion;
 
 /// Time that the samples of one evaluation should take: short enough to stop soon after a signal, long enough for the
 /// vector lanes to be busy most of it.
@@ -17,17 +20,6 @@ const FIRST: u64 = 4;
 /// How much larger an evaluation may be than the one before, at most.
 const GROWTH: f64 = 4.0;
 
-/// What a thread should do next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Control {
-    /// Go on.
-    Continue,
-    /// Hand over the samples that are finished, then go on.
-    Flush,
-    /// Hand over the samples that are finished, and return.
-    Stop,
-}
-
 impl Evaluator<'_> {
     /// Evaluates the units of work, each some samples of a part, that `next` returns until it returns `None`. Hands
     /// finished samples to `emit`: each unit as a whole, or, if it is interrupted, in several parts without gaps, in
@@ -38,7 +30,11 @@ impl Evaluator<'_> {
         emit: &mut dyn FnMut(FinishedUnit),
         control: &dyn Fn() -> Control,
     ) {
-        work(&|part, samples| self.count(part, samples), next, emit, control);
+        if matches!(self.job.criterion, Criterion::TimeDomain { .. }) {
+            stream::work(self, next, emit, control);
+        } else {
+            work(&|part, samples| self.count(part, samples), next, emit, control);
+        }
     }
 
     /// Audits the maps behind integrals, like [`Evaluator::work`]: a part is a cell.

@@ -13,12 +13,12 @@ use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, Paral
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
+use crate::evaluate::control::Control;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::Lookups;
 use crate::evaluate::unit::FinishedUnit;
-use crate::evaluate::work::Control;
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
 use crate::schedule::plan::Plan;
