@@ -6,7 +6,7 @@
 //! | any | the energy is so small that friction cannot feed the motion any more | stable |
 //! | swinging | turns at the largest x: the first since the start, a release or an overtaking | its amplitude is the one to compare with |
 //! | | at an amplitude larger than the last by more than errors of the steps | unstable |
-//! | | smaller by more than these, and no cycle can lie inside (exponents up to 1) | stable |
+//! | | smaller by more than these, and no cycle can lie inside (Stribeck's law with exponents up to 1, the rational law) | stable |
 //! | | more than 1 % smaller, where one can | swinging; this amplitude is the next one to compare with |
 //! | | in between, too slow to wait for | the return map decides |
 //! | | sticks for the first time | held: until its release, which is the same for all motions that stick |

@@ -71,6 +71,7 @@
 use std::fmt;
 
 use crate::criterion::time_domain::DiscModel;
+use crate::friction::law::LawKind;
 use crate::rigid_disc::pad_on_disc::PadOnDisc;
 
 /// A number without dimension on which verdicts in time depend.
@@ -179,7 +180,13 @@ pub fn uncovered(brake: &PadOnDisc, disc: &DiscModel) -> Vec<Uncovered> {
     // A value that was given as the limit may be a little more after a formula.
     let contains =
         |covered: &Covered, value: f64| value >= covered.from * (1.0 - 1e-9) && value <= covered.to * (1.0 + 1e-9);
-    let values = ranges.into_iter().map(|covered| Uncovered { covered, value: covered.quantity.of(brake) });
+    // The tested brakes have Stribeck's law. Other laws have other tests, and not all of these quantities.
+    let has = |covered: &Covered| match (covered.quantity, brake.parameters().friction.law) {
+        (Quantity::DampingRatio, _) | (_, LawKind::Stribeck) => true,
+        (Quantity::Exponent, _) | (_, LawKind::Table(_)) => false,
+        (Quantity::SpeedRatio | Quantity::FrictionRatio, LawKind::Rational) => true,
+    };
+    let values = ranges.into_iter().filter(has).map(|covered| Uncovered { covered, value: covered.quantity.of(brake) });
     values.filter(|found| !contains(&found.covered, found.value)).collect()
 }
 

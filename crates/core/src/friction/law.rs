@@ -203,6 +203,17 @@ impl FrictionLaw {
         fall - self.rise(speed)
     }
 
+    /// How far friction falls, and the scale of speed on which it does: `f_s - f_c` and v_s; of a measured curve the
+    /// distance between its largest and smallest value, and the speed of its first row beyond rest.
+    pub(crate) fn drop_and_width(&self) -> (f64, f64) {
+        let Some(first) = self.pieces().next() else { return (self.falling(), self.speed_scale) };
+        let ends = self.pieces().flat_map(|piece| [piece.from, piece.to]);
+        let values = ends.map(|speed| self.coefficient(speed * self.speed_scale));
+        let (least, most) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mu| (mu.min(low), mu.max(high)));
+        (most - least, first.to * self.speed_scale)
+    }
+
     /// Whether `f_s >= f_c` and all derivatives of mu but those of the viscous term alternate in sign, the first one
     /// negative: Stribeck's law with exponents up to 1, and the rational law.
     pub(crate) fn is_completely_monotone(&self) -> bool {

@@ -72,7 +72,9 @@ impl PadOnDisc {
 
     /// The rotating speed (rad/s) above which no stick-slip limit cycle exists on a rigid disc: there the slip phase
     /// released from stick just fails to reach the disc's speed again, and the limit cycle vanishes in a saddle-node
-    /// bifurcation. `None` if there is no limit cycle at any speed, or up to any speed.
+    /// bifurcation. `None` if there is no limit cycle at any speed, or up to any speed. With a measured curve that falls
+    /// in several places there may be limit cycles in several ranges of speed; this is the end of the highest one, as far
+    /// as it is no narrower than a sixth of its speed.
     ///
     /// Bisection to 1e-10 of the speed between neighbours of a logarithmic scan, from the highest admissible speed
     /// to far below both speeds that matter: the Stribeck velocity, and that of an oscillation as wide as the drop in
@@ -85,9 +87,9 @@ impl PadOnDisc {
             PadOnDisc::new(parameters).is_ok_and(|brake| brake.limit_cycle().is_some())
         };
         let motion = self.planar_motion();
-        let drop = motion.law.static_coefficient - motion.law.kinetic_coefficient;
+        let (drop, width) = motion.law.drop_and_width();
         let oscillation = self.rotating_speed(drop / motion.stiffness.sqrt());
-        let stribeck = self.rotating_speed(motion.law.speed_scale);
+        let stribeck = self.rotating_speed(width);
         if oscillation <= 0.0 {
             return None;
         }

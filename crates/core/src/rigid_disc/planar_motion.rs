@@ -94,6 +94,14 @@ impl PlanarMotion {
         self.damping > slope
     }
 
+    /// Whether the friction law bends nowhere within the speeds of a swing of the amplitude `a`: a measured curve bends at
+    /// its rows. Only then does a change near that of the linearised motion say something of smaller amplitudes.
+    pub fn is_smooth_within(&self, a: f64) -> bool {
+        let (v, reach) = (self.disc_speed, 2.0 * a * self.stiffness.sqrt());
+        let mut knots = self.law.pieces().flat_map(|piece| [piece.from, piece.to]);
+        !knots.any(|knot| (knot * self.law.speed_scale - v).abs() < reach)
+    }
+
     /// Whether the motion in a state of slip surely comes to rest.
     pub fn comes_to_rest(&self, x: f64, speed: f64) -> bool {
         let distance = x - self.equilibrium();

@@ -12,13 +12,15 @@
 //! * A swing longer than the one before is followed by longer ones only; a shorter one by shorter ones.
 //! * A shrinking motion comes to rest exactly if `R(s) < s` for all smaller amplitudes s. If some `R(s) >= s`, a limit
 //!   cycle lies between, and the motion never gets inside it.
-//! * For exponents up to 1 and a linearly stable equilibrium there is no stable cycle without sticking, and one
-//!   unstable one at most: a swing that shrinks decides by itself. Let `F(u) = G mu(v - u)` and `f = C - F'`, the
-//!   damping. On both sides of `u = 0` the quotient `f / u` falls, because `u f' - f = F' - u F'' - C` is largest at `u
-//!   = 0`, where it is `F'(0) - C < 0`; its derivative is `-u` times the third derivative of F, which is positive as
-//!   all derivatives of `exp(-r^delta)` alternate in sign. That is the condition of Zhang's theorem on Lienard's
-//!   equation (Zhang Zhifen et al., *Qualitative Theory of Differential Equations*, chapter 4) with time running
-//!   backwards.
+//! * For Stribeck's law with exponents up to 1, the rational law and a linearly stable equilibrium there is no stable
+//!   cycle without sticking, and one unstable one at most: a swing that shrinks decides by itself. Let
+//!   `F(u) = G mu(v - u)` and `f = C - F'`, the damping. On both sides of `u = 0` the quotient `f / u` falls, because
+//!   `u f' - f = F' - u F'' - C` is largest at `u = 0`, where it is `F'(0) - C < 0`; its derivative is `-u` times the
+//!   third derivative of F, which is positive as all derivatives of `exp(-r^delta)` and of `1 / (1 + r)` alternate in
+//!   sign. That is the condition of Zhang's theorem on Lienard's equation (Zhang Zhifen et al., *Qualitative Theory of
+//!   Differential Equations*, chapter 4) with time running backwards. A viscous term `k |v - u|` adds the constant
+//!   `-G k` to F' and nothing to the third derivative: it is damping, and the condition survives. A measured curve need
+//!   not satisfy it.
 //! * The energy `u^2/2 + K (x - x0)^2/2` of a motion with speeds up to U falls as long as
 //!   `C > [G mu(v - u) - G mu(v)] / u` for all `|u| <= U`: such a motion comes to rest, however slowly.
 //!
@@ -150,7 +152,8 @@ impl PlanarMotion {
             {
                 return Fate::Trapped { inner: growing, outer: first };
             }
-            near_linear = if (change - linear).abs() <= LINEAR * linear.abs() { near_linear + 1 } else { 0 };
+            let is_linear = (change - linear).abs() <= LINEAR * linear.abs() && self.is_smooth_within(inner);
+            near_linear = if is_linear { near_linear + 1 } else { 0 };
             if near_linear == 2 {
                 return if linear < 0.0 { Fate::Equilibrium } else { Fate::Unresolved };
             }

@@ -1,12 +1,14 @@
 //! `analyse`: one parameter point.
 
 use std::f64::consts::TAU;
+use std::path::Path;
 
 use serde_json::{Map, Value, json};
 use stickslip_core::degree_of_freedom::DegreeOfFreedom;
 use stickslip_core::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::flexible_disc::error::FlexibleError;
 use stickslip_core::flexible_disc::linear_stability::LinearStability;
+use stickslip_core::friction::law::LawKind;
 use stickslip_core::numerics::eigenvalues::{Eigenvalue, eigenvalues};
 use stickslip_core::parameters::{ParameterError, Parameters, SCALARS};
 use stickslip_core::rigid_disc::basin::{Basin, Knock};
@@ -16,6 +18,7 @@ use stickslip_core::rigid_disc::stability::SpeedRange;
 
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
+use crate::job::friction::{LawSpec, check_band, read_curve};
 use crate::job::{plausibility, unknown_parameter};
 use crate::output::{result, warn};
 use crate::units::{duration, force, frequency, growth_rate, length, range, row, scales_line, significant, speed};
@@ -400,15 +403,48 @@ pub(super) fn brake(changes: &[String]) -> Result<PadOnDisc, Failure> {
             return Err(refused(format!("{key} is set a second time, after {key}={before}; leave one of the two out")));
         }
         changed.push((key, value));
+        if key == "friction.law" || key == "friction.table" {
+            continue;
+        }
         let number: f64 = value.parse().map_err(|_| refused(not_a_number(value)))?;
         parameters.set(key, number).map_err(|error| match error {
             ParameterError::Unknown { .. } => refused(unknown_parameter(key, false)),
             other => refused(format!("{other}{}", plausibility::hint(key, number, &parameters))),
         })?;
     }
+    use_law(&changed, &mut parameters)?;
     let brake = PadOnDisc::new(parameters).map_err(|error| Failure::Usage(format!("--set: {error}")))?;
     warn(plausibility::of_parameters(brake.parameters()));
     Ok(brake)
+}
+
+/// Applies `friction.law` and `friction.table` of the changes, and refuses values of other laws. A table changes the
+/// static friction coefficient to its own unless that is set too.
+fn use_law(changed: &[(&str, &str)], parameters: &mut Parameters) -> Result<(), Failure> {
+    let value = |wanted: &str| changed.iter().find(|(key, _)| *key == wanted).map(|(_, value)| *value);
+    let refused = |message: String| Failure::Usage(format!("--set: {message}"));
+    let (law, file) = (value("friction.law"), value("friction.table"));
+    let given = law.map(LawSpec::from_name).transpose().map_err(refused)?;
+    let law = given.unwrap_or(if file.is_some() { LawSpec::Table } else { LawSpec::Stribeck });
+    let keys = changed.iter().filter_map(|(key, _)| Some((*key, key.strip_prefix("friction.")?)));
+    if let Some(message) = keys.into_iter().find_map(|(key, name)| law.refusal(name, key)) {
+        return Err(refused(message));
+    }
+    let friction = &mut parameters.friction;
+    match (law, file) {
+        (LawSpec::Stribeck, _) => {}
+        (LawSpec::Rational, _) => friction.law = LawKind::Rational,
+        (LawSpec::Table, None) => {
+            return Err(refused("friction.law=table needs the measured curve: --set friction.table=FILE".to_owned()));
+        }
+        (LawSpec::Table, Some(file)) => {
+            let set = value("friction.static_coefficient").map(|_| friction.static_coefficient);
+            let curve = read_curve(Path::new(file)).map_err(|error| refused(format!("friction.table: {error}")))?;
+            friction.use_table(curve);
+            friction.static_coefficient = set.unwrap_or(friction.static_coefficient);
+        }
+    }
+    check_band(friction, false).map_err(refused)
 }
 
 /// What is wrong with the value of a parameter that cannot be read.

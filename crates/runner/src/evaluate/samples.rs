@@ -182,11 +182,10 @@ impl<'a> Drawing<'a> {
         };
         let expected: Vec<f64> = random.inputs.iter().map(|input| input.expected(cell, job)).collect();
         let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
-        // Numbers of the start scatter absolutely.
         let mut relative_stds = stds.clone();
-        random.start_values().for_each(|(input, _)| relative_stds[input] = 0.0);
+        random.absolute().for_each(|input| relative_stds[input] = 0.0);
         let mut inputs = InputColumns::new(&random.marginals, &random.correlation, &expected, &relative_stds);
-        for (input, _) in random.start_values() {
+        for input in random.absolute() {
             inputs.scatter_absolutely(input, &random.marginals[input], expected[input], stds[input]);
         }
         let column = |wanted: fn(&RandomInput) -> bool, fixed: f64| match random.inputs.iter().position(wanted) {

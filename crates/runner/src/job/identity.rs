@@ -11,9 +11,10 @@ use stickslip_sampler::verdict_map::resolve::MAP_VERSION;
 
 use super::criterion::Criterion;
 use super::criterion_spec::{CriterionKind, DiscKind, OutsidePhysics, Record, StartKind, UnitsSpec};
+use super::friction::CurveColumns;
 use super::normalised::{
     NormalisedAxes, NormalisedCriterion, NormalisedExperiment, NormalisedIndex, NormalisedMarginal, NormalisedModel,
-    NormalisedRandom, NormalisedSampling, NormalisedStart, NormalisedUntil, model,
+    NormalisedRandom, NormalisedSampling, NormalisedStart, NormalisedUntil, NormalisedValue, model,
 };
 use super::sampling_spec::{Audit, EvaluateMode, IntervalSpec, SamplingMethod};
 use super::start_value::StartValue;
@@ -136,8 +137,16 @@ impl ValueHasher {
         self.list("model", model.len());
         for (section, values) in model {
             self.list(section, values.len());
-            for (name, &value) in values {
-                self.real(name, value);
+            for (name, value) in values {
+                match value {
+                    NormalisedValue::Number(value) => self.real(name, *value),
+                    NormalisedValue::Word(word) => self.word(name, word),
+                    NormalisedValue::Curve(CurveColumns { speed, coefficient, std }) => {
+                        self.reals("speed", speed);
+                        self.reals("coefficient", coefficient);
+                        self.reals("std", std.as_deref().unwrap_or_default());
+                    }
+                }
             }
         }
     }

@@ -54,7 +54,8 @@ pub fn from_csv(path: &Path, column: &str) -> Result<Empirical, String> {
     from_values(&values).map_err(|message| format!("{shown}, column \"{column}\": {message}"))
 }
 
-fn unreadable(path: &Path, error: &csv::Error) -> String {
+/// Why a CSV file cannot be read, with its place.
+pub fn unreadable(path: &Path, error: &csv::Error) -> String {
     let shown = path.display();
     let line = error.position().map_or(String::new(), |position| format!(":{}", position.line()));
     match error.kind() {

@@ -6,6 +6,12 @@ mod diagnosis;
 
 mod start_value;
 
+mod measured;
+
+mod overrides;
+
+pub mod friction;
+
 mod criterion_spec;
 
 mod distribution_spec;
@@ -21,8 +27,6 @@ mod spec;
 mod syntax;
 
 mod reading;
-
-mod measured;
 
 pub mod plausibility;
 

@@ -1,16 +1,26 @@
 //! The model of a job, checked.
 
+use std::path::Path;
+
 use stickslip_core::parameters::{ParameterError, Parameters};
 use toml::Spanned;
 
 use super::axes_spec::AxesSpec;
 use super::diagnosis::{Complaint, Complaints};
+use super::friction::{check_band, use_law};
 use super::keys::unknown_parameter;
 use super::plausibility;
 use super::spec::{JobSpec, ModelSpec};
 
 /// The preset with the overrides of a job, each within its limits. `None` if any is refused.
-pub fn validate_model(model: &ModelSpec, axes: &AxesSpec, complaints: &mut Complaints) -> Option<Parameters> {
+///
+/// Files that it names are sought in `folder`.
+pub fn validate_model(
+    model: &ModelSpec,
+    axes: &AxesSpec,
+    folder: &Path,
+    complaints: &mut Complaints,
+) -> Option<Parameters> {
     let before = complaints.len();
     if let Some(preset) = &model.preset
         && preset.get_ref() != "sui-ding-2018"
@@ -19,6 +29,7 @@ pub fn validate_model(model: &ModelSpec, axes: &AxesSpec, complaints: &mut Compl
         complaints.push(Complaint::at(preset.span(), message));
     }
     let mut parameters = Parameters::sui_ding_2018();
+    use_law(&model.friction, folder, &mut parameters.friction, complaints);
     for (section, overrides) in model.sections() {
         for (name, value) in overrides {
             let key = format!("{section}.{}", name.get_ref());
@@ -33,6 +44,12 @@ pub fn validate_model(model: &ModelSpec, axes: &AxesSpec, complaints: &mut Compl
                 }
             }
         }
+    }
+    if complaints.len() == before {
+        let band = model.friction.values.iter().find(|(name, _)| name.get_ref() == "band");
+        let checked = check_band(&parameters.friction, false);
+        let span = band.map(|(_, value)| value.span());
+        complaints.take(checked.map_err(|message| Complaint::maybe_at(span, format!("model.{message}"))));
     }
     (complaints.len() == before && !complaints.has_unread(&["model"])).then_some(parameters)
 }

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 use stickslip_core::criterion::time_domain::DiscModel;
+use stickslip_core::friction::law::LawKind;
 use stickslip_core::motion::start::Start;
 use stickslip_core::parameters::{Parameters, SCALARS};
 use stickslip_sampler::estimate::looks::Precision;
@@ -14,6 +15,7 @@ use stickslip_sampler::inputs::Marginal;
 
 use super::criterion::Criterion;
 use super::criterion_spec::{CriterionKind, DiscKind, GivenStartSpec, OutsidePhysics, Record, StartKind};
+use super::friction::{CurveColumns, LawSpec};
 use super::random::RandomInputSet;
 use super::random_input::RandomInput;
 use super::sampling::{Effort, Sampling};
@@ -25,7 +27,16 @@ use super::validated::Job;
 const LATER: [&str; 2] = ["friction.viscous", "friction.band"];
 
 /// The values of the model by section and name, without those that are axes of the grid.
-pub type NormalisedModel = BTreeMap<&'static str, BTreeMap<&'static str, f64>>;
+pub type NormalisedModel = BTreeMap<&'static str, BTreeMap<&'static str, NormalisedValue>>;
+
+/// A value of the model.
+#[derive(Serialize)]
+#[serde(untagged)]
+pub enum NormalisedValue {
+    Number(f64),
+    Word(&'static str),
+    Curve(CurveColumns),
+}
 
 impl Job {
     /// The job with everything written out, as TOML that can itself be submitted.
@@ -81,15 +92,25 @@ impl<'a> From<&'a Job> for NormalisedExperiment<'a> {
 
 /// The model of a job, but for what its axes give: those that every grid has, and `further` ones.
 pub fn model(parameters: &Parameters, further: &[FurtherAxis]) -> NormalisedModel {
+    let law = &parameters.friction.law;
     let mut model = NormalisedModel::new();
     for scalar in &SCALARS {
         let is_axis = scalar.section() == "operating_point" || scalar.key == "friction.static_coefficient";
         // Later parameters count only where they are used, so that earlier jobs keep their identity.
         let is_unused = LATER.contains(&scalar.key) && scalar.value(parameters) == 0.0;
         let is_further = further.iter().any(|further| further.name == scalar.key);
-        if !is_axis && !is_further && !is_unused {
-            model.entry(scalar.section()).or_default().insert(scalar.name(), scalar.value(parameters));
+        let is_strange = scalar.section() == "friction" && LawSpec::from(law).refusal(scalar.name(), "").is_some();
+        if !is_axis && !is_further && !is_unused && !is_strange {
+            let value = NormalisedValue::Number(scalar.value(parameters));
+            model.entry(scalar.section()).or_default().insert(scalar.name(), value);
         }
+    }
+    let friction = model.entry("friction").or_default();
+    if !matches!(law, LawKind::Stribeck) {
+        friction.insert("law", NormalisedValue::Word(law.name()));
+    }
+    if let Some(curve) = law.table() {
+        friction.insert("table", NormalisedValue::Curve(CurveColumns::from(&**curve)));
     }
     model
 }
@@ -129,19 +150,19 @@ impl From<&RandomInputSet> for NormalisedRandom {
     fn from(random: &RandomInputSet) -> Self {
         let name = |i: usize| random.inputs[i].name();
         let marginals = || random.inputs.iter().zip(&random.marginals);
-        let is_of_start = |input: &RandomInput| matches!(input, RandomInput::Start(_));
-        let of_start = marginals().zip(random.relative_stds.first().into_iter().flatten());
-        let of_start = of_start.filter(|((input, _), _)| is_of_start(input));
+        let is_absolute = |input: &RandomInput| input.scatters_absolutely();
+        let absolute = marginals().zip(random.relative_stds.first().into_iter().flatten());
+        let absolute = absolute.filter(|((input, _), _)| is_absolute(input));
         // Measured values have their own standard deviation, which is not given.
         let given = |stds: &Vec<f64>| -> BTreeMap<&'static str, f64> {
-            let is_free = |input: &RandomInput, marginal| own_std(marginal).is_none() && !is_of_start(input);
+            let is_free = |input: &RandomInput, marginal| own_std(marginal).is_none() && !is_absolute(input);
             let free = marginals().zip(stds).filter(|((input, marginal), _)| is_free(input, marginal));
             free.map(|((input, _), &std)| (input.name(), std)).collect()
         };
         Self {
             inputs: random.inputs.iter().map(|input| input.name()).collect(),
             relative_std: random.relative_stds.iter().map(given).filter(|stds| !stds.is_empty()).collect(),
-            std: of_start.map(|((input, _), &std)| (input.name(), std)).collect(),
+            std: absolute.map(|((input, _), &std)| (input.name(), std)).collect(),
             distribution: marginals()
                 .filter(|(_, marginal)| **marginal != Marginal::Normal)
                 .map(|(input, marginal)| (input.name(), marginal.into()))

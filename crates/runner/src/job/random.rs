@@ -93,6 +93,11 @@ impl RandomInputSet {
         self.inputs.iter().enumerate().filter_map(number)
     }
 
+    /// The positions of inputs whose standard deviation is not relative to their expected value.
+    pub fn absolute(&self) -> impl Iterator<Item = usize> {
+        (0..self.inputs.len()).filter(|&i| self.inputs[i].scatters_absolutely())
+    }
+
     /// Checks the distributions of numbers of the start.
     pub fn check_start(&self, random: &RandomSpec, grid: &Grid, start: &GivenStart, complaints: &mut Complaints) {
         for (i, number) in self.start_values() {
@@ -134,6 +139,7 @@ impl RandomInputSet {
         for (i, (input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {
             let (expected, _) = input.all_expected(parameters, grid);
             let check = |stds: &Vec<f64>, value: f64| match marginal {
+                _ if input.scatters_absolutely() => marginal.check_absolute(value, stds[i]),
                 // It may stand for any expected value: where that is zero, it does not scatter.
                 Marginal::Normal => marginal.check_scatter(stds[i]),
                 _ => marginal.check(value, stds[i]),
@@ -159,7 +165,8 @@ impl RandomInputSet {
         for (i, (input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {
             let (expected, key) = input.all_expected(parameters, grid);
             let largest = self.relative_stds.iter().map(|stds| stds[i]).fold(0.0, f64::max);
-            if *marginal == Marginal::Normal && largest > 0.0 && expected.contains(&0.0) {
+            let is_relative = *marginal == Marginal::Normal && !input.scatters_absolutely();
+            if is_relative && largest > 0.0 && expected.contains(&0.0) {
                 let cells = if expected.len() > 1 { "the cells where it is 0" } else { "any cell" };
                 found.push(format!(
                     "{name} does not scatter in {cells}: its standard deviation is relative_std = {largest} times its expected value, {key} = 0. Give it a small expected value, or leave it out of random.inputs",

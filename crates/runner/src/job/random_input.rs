@@ -97,6 +97,16 @@ impl RandomInput {
         }
     }
 
+    /// Whether its standard deviation is not relative to its expected value: of numbers of the start, and of the shift of a
+    /// measured friction curve, which counts standard deviations itself.
+    pub fn scatters_absolutely(self) -> bool {
+        match self {
+            Self::Start(_) => true,
+            Self::Other(scalar) => scalar.key == "friction.band",
+            Self::Preload | Self::StaticFriction => false,
+        }
+    }
+
     /// Whether it is the rotating speed, which has an axis.
     pub fn is_rotating_speed(self) -> bool {
         matches!(self, Self::Other(scalar) if scalar.key == "operating_point.rotating_speed")

@@ -37,9 +37,9 @@ fn validate_absolute_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result
     for (name, value) in spec.into_iter().flatten() {
         let complain = |message: String| Complaint::at(name.span(), message);
         let input = inputs[position(inputs, name.get_ref(), "std").map_err(complain)?];
-        if !matches!(input, RandomInput::Start(_)) {
+        if !input.scatters_absolutely() {
             return Err(complain(format!(
-                "random.std is for numbers of the start; {} scatters in proportion to its expected value: write relative_std = {{ {} = ... }}",
+                "random.std is for numbers of the start and friction.band; {} scatters in proportion to its expected value: write relative_std = {{ {} = ... }}",
                 input.name(),
                 quoted_key(input)
             )));
@@ -53,7 +53,7 @@ fn validate_absolute_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result
     let std = |input: &RandomInput| {
         let given = || spec?.iter().find(|(name, _)| name.get_ref() == input.name()).map(|(_, std)| *std.get_ref());
         match input {
-            RandomInput::Start(_) => given().map(Some).ok_or_else(|| {
+            input if input.scatters_absolutely() => given().map(Some).ok_or_else(|| {
                 let message = format!(
                     "random.std has no value for {name}, which random.inputs lists: how much does it scatter? For example std = {{ \"{name}\" = 0.05 }}, in its unit",
                     name = input.name()

@@ -5,9 +5,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use stickslip_sampler::inputs::Marginal;
-use toml_edit::{DocumentMut, Item, TableLike, Value};
+use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
 
 use super::diagnosis::Complaints;
+use super::friction::CurveColumns;
 use super::reading::read;
 use super::validated::Job;
 use super::validation::validate;
@@ -102,6 +103,22 @@ impl JobSource {
     pub fn frozen(&self, job: &Job) -> String {
         let Ok(mut document) = self.text.parse::<DocumentMut>() else { return self.text.clone() };
         let mut origins = String::new();
+        let friction = document.get_mut("model").and_then(|model| model.get_mut("friction"));
+        if let (Some(friction), Some(curve)) = (friction, job.parameters.friction.law.table())
+            && let Some(table) = friction.get_mut("table")
+            && let Some(file) = table.as_str()
+        {
+            origins += &format!("# model.friction.table: measured curve from {file:?}\n");
+            let columns = CurveColumns::from(&**curve);
+            let named =
+                [("speed", Some(columns.speed)), ("coefficient", Some(columns.coefficient)), ("std", columns.std)];
+            let mut inline = InlineTable::new();
+            for (name, values) in named {
+                let Some(values) = values else { continue };
+                inline.insert(name, Value::Array(values.into_iter().collect()));
+            }
+            *table = Item::Value(Value::InlineTable(inline));
+        }
         let distribution = document.get_mut("random").and_then(|random| random.get_mut("distribution"));
         if let Some(distribution) = distribution.and_then(Item::as_table_like_mut) {
             if let (true, Some(marginal)) = (distribution.contains_key("csv"), job.random.marginals.first()) {

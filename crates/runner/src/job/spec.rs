@@ -1,13 +1,13 @@
 //! The job spec as TOML: one struct for each table, the source of parsing, of the JSON schema and of its texts.
 
-use std::collections::BTreeMap;
-
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::axes_spec::AxesSpec;
 use super::criterion_spec::CriterionSpec;
+use super::friction::FrictionSpec;
+use super::overrides::{Overrides, section_properties};
 use super::random_spec::RandomSpec;
 use super::sampling_spec::SamplingSpec;
 
@@ -61,18 +61,14 @@ pub struct ModelSpec {
     #[serde(default)]
     #[schemars(schema_with = "section_schema::<3>")]
     pub damping: Overrides,
-    /// Overrides of the friction law.
+    /// The friction law and its values.
     #[serde(default)]
-    #[schemars(schema_with = "section_schema::<4>")]
-    pub friction: Overrides,
+    pub friction: FrictionSpec,
     /// Overrides of the operating point, used for axes that are left out.
     #[serde(default)]
     #[schemars(schema_with = "section_schema::<5>")]
     pub operating_point: Overrides,
 }
-
-/// Values of one section of the parameters, by name.
-pub type Overrides = BTreeMap<Spanned<String>, Spanned<f64>>;
 
 /// The sections of the model, in the order of [`ModelSpec`].
 pub const SECTIONS: [&str; 6] = ["disc", "pad", "stiffness", "damping", "friction", "operating_point"];
@@ -86,25 +82,15 @@ impl ModelSpec {
             (pad, &self.pad),
             (stiffness, &self.stiffness),
             (damping, &self.damping),
-            (friction, &self.friction),
+            (friction, &self.friction.values),
             (operating_point, &self.operating_point),
         ]
     }
 }
 
-/// The JSON schema of one section, from the parameter list of the core.
+/// The JSON schema of one section.
 fn section_schema<const SECTION: usize>(_: &mut SchemaGenerator) -> Schema {
-    let mut properties = serde_json::Map::new();
-    for scalar in stickslip_core::parameters::SCALARS.iter().filter(|scalar| scalar.section() == SECTIONS[SECTION]) {
-        let limits = scalar.limits;
-        let lower = if limits.includes_minimum { "minimum" } else { "exclusiveMinimum" };
-        let upper = if limits.includes_maximum { "maximum" } else { "exclusiveMaximum" };
-        let description = format!("{} ({}), unit {}", scalar.description, scalar.symbol, scalar.unit);
-        properties.insert(
-            scalar.name().to_owned(),
-            serde_json::json!({ "type": "number", lower: limits.minimum, upper: limits.maximum, "description": description }),
-        );
-    }
+    let properties = section_properties(SECTIONS[SECTION]);
     json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
 }
 

@@ -10,6 +10,7 @@ use super::axes::{Brakes, CheckedAxes, MOST_CELLS, settle};
 use super::criterion::Criterion;
 use super::criterion_spec::{CriterionSpec, ModesSpec, OutsidePhysics};
 use super::diagnosis::{Complaint, Complaints};
+use super::friction::check_varied;
 use super::model::{contradiction, validate_model};
 use super::random::RandomInputSet;
 use super::sampling::Sampling;
@@ -30,7 +31,10 @@ pub fn validate(spec: &JobSpec, folder: &Path, complaints: &mut Complaints) -> O
     let before = complaints.len();
     let name = validate_name(spec.name.as_ref(), complaints);
     let random = RandomInputSet::validate(&spec.random, folder, complaints);
-    let (parameters, grid) = validate_grid(spec, random.as_ref(), complaints);
+    let (parameters, grid) = validate_grid(spec, random.as_ref(), folder, complaints);
+    if let Some(parameters) = &parameters {
+        check_law_of_varied(spec, random.as_ref(), parameters, complaints);
+    }
     let model = parameters.as_ref().zip(grid.as_ref());
     if let (Some(random), Some((parameters, grid))) = (&random, model) {
         random.check_expected(&spec.random, parameters, grid, complaints);
@@ -101,9 +105,10 @@ fn validate_name(name: Option<&Spanned<String>>, complaints: &mut Complaints) ->
 fn validate_grid(
     spec: &JobSpec,
     random: Option<&RandomInputSet>,
+    folder: &Path,
     complaints: &mut Complaints,
 ) -> (Option<Parameters>, Option<Grid>) {
-    let parameters = validate_model(&spec.model, &spec.axes, complaints);
+    let parameters = validate_model(&spec.model, &spec.axes, folder, complaints);
     let defaults = parameters.clone().unwrap_or_else(Parameters::sui_ding_2018);
     let CheckedAxes { rotating_speed, preload, static_friction, of_brake, of_start } =
         CheckedAxes::new(&spec.axes, &defaults, complaints);
@@ -136,6 +141,26 @@ fn validate_grid(
             complaints.push(Complaint::maybe_at(None, message));
             (Some(parameters), None)
         }
+    }
+}
+
+/// Refuses random inputs and axes of parameters that belong to another friction law.
+fn check_law_of_varied(
+    spec: &JobSpec,
+    random: Option<&RandomInputSet>,
+    parameters: &Parameters,
+    complaints: &mut Complaints,
+) {
+    let friction = &parameters.friction;
+    let span = spec.random.inputs.as_ref().map(Spanned::span);
+    for name in random.into_iter().flat_map(|random| &random.inputs).map(|input| input.name()) {
+        let checked = check_varied(&format!("random.inputs: {name}"), name, friction);
+        complaints.take(checked.map_err(|message| Complaint::maybe_at(span.clone(), message)));
+    }
+    for entry in &spec.axes.0 {
+        let name = entry.name.get_ref();
+        let checked = check_varied(&format!("axes: {name}"), name, friction);
+        complaints.take(checked.map_err(|message| Complaint::at(entry.name.span(), message)));
     }
 }
 

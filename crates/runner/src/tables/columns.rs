@@ -300,7 +300,7 @@ fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
             continue;
         }
         let (marginal, of_job) = (marginal.clone(), job.clone());
-        let is_absolute = matches!(input, RandomInput::Start(_));
+        let is_absolute = input.scatters_absolutely();
         let moments = move |row: &SurfaceRow| {
             let (expected, std) = (input.expected(&row.cell, &of_job), std(&row.cell));
             if is_absolute { marginal.absolute_moments(expected, std) } else { marginal.moments(expected, std) }

@@ -5,6 +5,8 @@ use crate::degree_of_freedom::DegreeOfFreedom;
 use crate::motion::integrator::Observer;
 use crate::motion::start::Start;
 
+mod laws;
+
 const NOMINAL: RandomInputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
 
 fn criterion(speed: f64, disc: &DiscModel, settings: TimeDomainSettings) -> TimeDomain {

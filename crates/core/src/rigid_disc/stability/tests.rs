@@ -1,4 +1,6 @@
 use super::*;
+use crate::friction::law::LawKind;
+use crate::friction::measured_curve::{MeasuredCurve, SharedCurve};
 use crate::numerics::eigenvalues::eigenvalues;
 use crate::parameters::SCALARS;
 use nalgebra::Normed;
@@ -191,6 +193,94 @@ proptest! {
                 }
             }
             _ => prop_assert!(false, "several ranges"),
+        }
+    }
+}
+
+/// A brake with another friction law than the preset's.
+fn with_law(change: impl Fn(&mut crate::parameters::Friction), rotating_speed: f64) -> PadOnDisc {
+    let mut parameters = Parameters::sui_ding_2018();
+    change(&mut parameters.friction);
+    parameters.operating_point.rotating_speed = rotating_speed;
+    PadOnDisc::new(parameters).unwrap()
+}
+
+/// A curve that falls, rises and falls again.
+fn wavy() -> SharedCurve {
+    let speeds = [0.0, 0.3, 0.8, 1.3, 2.0, 2.6, 4.0];
+    let coefficients = [0.45, 0.38, 0.28, 0.3, 0.36, 0.3, 0.28];
+    let deviations = [0.02, 0.02, 0.01, 0.01, 0.02, 0.03, 0.01];
+    SharedCurve::new(MeasuredCurve::new(&speeds, &coefficients, Some(&deviations)).unwrap())
+}
+
+#[test]
+fn every_law_is_unstable_exactly_between_its_critical_speeds() {
+    type Change = fn(&mut crate::parameters::Friction);
+    let laws: [(Change, usize); 7] = [
+        (|friction| friction.viscous = 0.002, 1),
+        (|friction| (friction.stribeck_exponent, friction.viscous) = (2.5, 0.004), 1),
+        (|friction| (friction.stribeck_exponent, friction.viscous) = (0.5, 0.004), 1),
+        (|friction| friction.law = LawKind::Rational, 1),
+        (|friction| (friction.law, friction.viscous) = (LawKind::Rational, 0.003), 1),
+        (|friction| friction.use_table(wavy()), 2),
+        (
+            |friction| {
+                friction.use_table(wavy());
+                (friction.static_coefficient, friction.band) = (0.5, -0.7);
+            },
+            2,
+        ),
+    ];
+    for (number, (change, ranges)) in laws.into_iter().enumerate() {
+        let unstable = with_law(change, 10.0).unstable_speeds();
+        assert_eq!(unstable.len(), ranges, "law {number}: {unstable:?}");
+        let mut seen = [0; 2];
+        for i in 1..3000 {
+            let speed = 0.02 * f64::from(i);
+            let brake = with_law(change, speed);
+            let expected = unstable.iter().any(|range| range.from < speed && speed < range.to);
+            let near = unstable.iter().any(|range| (range.from - speed).abs().min((range.to - speed).abs()) < 1e-9);
+            assert!(near || (brake.growth_rate() > 0.0) == expected, "law {number} at {speed}");
+            let friction = &brake.parameters().friction;
+            let verdict = brake.stability_boundary().verdict(0.1, friction.static_coefficient);
+            assert!(near || (verdict == Verdict::Unstable) == expected, "law {number} at {speed}");
+            seen[usize::from(expected)] += 1;
+        }
+        assert!(seen.into_iter().all(|count| count > 50), "law {number}: {seen:?}");
+        for end in unstable.iter().flat_map(|range| [range.from, range.to]).filter(|end| *end > 1e-3) {
+            let sides = [1.0 - 1e-9, 1.0 + 1e-9].map(|factor| with_law(change, end * factor).growth_rate() > 0.0);
+            assert_ne!(sides[0], sides[1], "law {number} at {end}");
+        }
+    }
+}
+
+#[test]
+fn the_boundary_is_that_of_the_growth_rate_for_any_preload_and_friction() {
+    for band in [-1.5, 0.0, 1.5] {
+        for speed in [1.0, 4.0, 7.0, 12.0, 17.0, 25.0, 40.0] {
+            let at = |preload: f64, static_friction: f64| {
+                let mut parameters = Parameters::sui_ding_2018();
+                parameters.damping.tangential = 60.0;
+                parameters.friction.use_table(wavy());
+                parameters.friction.band = band;
+                parameters.friction.static_coefficient = static_friction;
+                parameters.operating_point.preload = preload;
+                parameters.operating_point.rotating_speed = speed;
+                PadOnDisc::new(parameters).unwrap()
+            };
+            let boundary = at(0.1, 0.4).stability_boundary();
+            for i in 1..40 {
+                for preload in [0.02, 0.1, 0.3] {
+                    let static_friction = 0.03 + 0.02 * f64::from(i);
+                    let grows = at(preload, static_friction).growth_rate() > 0.0;
+                    let verdict = boundary.verdict(preload, static_friction);
+                    assert_eq!(verdict == Verdict::Unstable, grows, "{band} {speed} {preload} {static_friction}");
+                    if boundary.is_unstable_above() {
+                        assert_eq!(static_friction > boundary.critical_static_friction(preload), grows);
+                        assert_eq!(preload > boundary.critical_preload(static_friction), grows);
+                    }
+                }
+            }
         }
     }
 }
