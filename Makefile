@@ -56,6 +56,7 @@ bench-peers: target/peers/ready
 	target/peers/bin/python benches/peers.py $(STICKSLIP)
 	target/peers/bin/python benches/peers_methods.py $(STICKSLIP)
 	target/peers/bin/python benches/peers_time_domain.py $(STICKSLIP)
+	target/peers/bin/python benches/peers_starts.py $(STICKSLIP)
 
 target/peers/ready: benches/peers-requirements.txt
 	$(PYTHON) -m venv target/peers

@@ -21,6 +21,7 @@ those of the whole process, times of the others those of the computation alone, 
 """
 
 import math
+import re
 import subprocess
 import sys
 import tempfile
@@ -75,8 +76,8 @@ def ends_sliding(x: float, u: float, stops_early: bool) -> bool:
         next_x = x + h * (u + h / 6.0 * (a1 + a2 + a3))
         next_u = u + h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
         if side * (SPEED - next_u) <= 0.0:
-            # At the disc's speed: linear in the step is enough for where.
-            x += (next_x - x) * (SPEED - u) / (next_u - u) if next_u != u else 0.0
+            # At the disc's speed: linear in the step is enough for where. A pad that has not left it moves with it.
+            x = next_x if u == SPEED else x + (next_x - x) * (SPEED - u) / (next_u - u)
             u = SPEED
             needed = x + DAMPING * SPEED
             if abs(needed) <= KINETIC + FALLING:
@@ -93,9 +94,8 @@ def ends_sliding(x: float, u: float, stops_early: bool) -> bool:
                 side = 1.0 if needed > 0.0 else -1.0
             continue
         if stops_early and u > 0.0 and next_u <= 0.0:
-            top = x + h * u * u / (u - next_u) * 0.5 - EQUILIBRIUM
-            top += 0.0
             # The turning point of the parabola through both speeds.
+            top = x + h * u * u / (u - next_u) * 0.5 - EQUILIBRIUM
             if last_top > 0.0 and abs(top / last_top - 1.0) > 1e-4:
                 return top < last_top
             last_top = top
@@ -166,8 +166,8 @@ def stickslip(binary: Path, threads: int, seed: int) -> tuple[float, float]:
     """Seconds of the whole process, and the share that ends in steady sliding."""
     with tempfile.TemporaryDirectory() as directory:
         job, out = Path(directory) / "job.toml", Path(directory) / "run"
-        lines = JOB_FILE.read_text(encoding="utf-8").splitlines()
-        job.write_text("\n".join(f"rotating_speed = {SPEED}" if l.startswith("rotating_speed") else l for l in lines))
+        text = JOB_FILE.read_text(encoding="utf-8")
+        job.write_text(re.sub(r"(?m)^rotating_speed.*$", f"rotating_speed = {SPEED}", text), encoding="utf-8")
         command = [binary, "submit", job, "--out", out, "--threads", str(threads)]
         command += ["--samples", str(STARTS), "--seed", str(seed)]
         started = time.perf_counter()

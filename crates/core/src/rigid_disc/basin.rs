@@ -197,10 +197,12 @@ impl PlanarMotion {
             may_stick = true;
             if speed > v || (speed == v && x < first) {
                 let slip = Self { disc_speed: -v, ..*self }.slip([-x, -speed], size);
-                if slip.end != SlipEnd::Captured {
-                    return Fate::Unresolved;
+                match slip.end {
+                    SlipEnd::Captured => state = [-slip.x, v],
+                    // Only where friction never falls, and then everywhere.
+                    SlipEnd::Equilibrium => return Fate::Equilibrium,
+                    SlipEnd::Turned | SlipEnd::Unresolved => return Fate::Unresolved,
                 }
-                state = [-slip.x, v];
                 continue;
             }
             let out = self.slip(state, size);

@@ -9,13 +9,9 @@
 
 use std::path::{Path, PathBuf};
 
-use stickslip_core::criterion::settings::{HORIZON, TimeDomainSettings};
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
-use stickslip_core::motion::start::{GivenStart, Start, StartUnits};
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::basin::Window;
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 
 use super::score::{self, Score};
 use crate::cli::ReproduceArguments;
@@ -58,13 +54,6 @@ const WINDOW: Window = Window { tangential: (-2.0, 2.0), speed: (0.0, 2.0) };
 
 /// The authors' starts for each speed, random and uniform.
 const THEIR_STARTS: f64 = 5000.0;
-
-/// The time to which they simulate.
-const THEIR_HORIZON: f64 = 500.0;
-
-/// Our starts, the middles of a regular grid: columns and rows.
-const COLUMNS: u32 = 100;
-const ROWS: u32 = 50;
 
 /// How far a share may be from the authors', in standard errors of theirs.
 const LARGEST_Z: f64 = 3.0;
@@ -167,66 +156,64 @@ pub fn oscillators(directory: &Path, arguments: &ReproduceArguments, interrupt: 
     let mut text = "Two published friction oscillators. Nothing was fitted to their numbers.\n\n".to_owned();
     text += &score_table()?;
     text += "\nbstab: Stender and Hoffmann, Nonlinear Dynamics (2021), doi 10.1007/s11071-021-06786-5\n\n";
-    text += &shares()?;
+    text += &shares(&run(&BSTAB)?)?;
     text += &basins(directory)?;
-    text += &BSTAB.stick_slip(&run(&BSTAB)?);
-    text +=
-        "\nveraszto: Veraszto and Stepan, Int. J. Non-Linear Mech. (2017), doi 10.1016/j.ijnonlinmec.2017.01.006\n\n";
+    text += "veraszto: Veraszto and Stepan, Int. J. Non-Linear Mech. (2017), doi 10.1016/j.ijnonlinmec.2017.01.006\n\n";
     text += &VERASZTO.stick_slip(&run(&VERASZTO)?);
     Ok(text)
 }
 
-/// The share of the window that ends in steady sliding, exact and by starts.
-fn shares() -> Result<String, Failure> {
+/// The share of the window that ends in steady sliding, exact and by random starts.
+fn shares(run: &FinishedRun) -> Result<String, Failure> {
     let mut text = format!(
         "Share of initial states on [-2, 2] x [0, 2] that end in steady sliding: the authors' toolbox, {THEIR_STARTS} random\n\
-         states each; the area inside the unstable cycle by SciPy; the same here; and {} states of a regular grid here\n\n",
-        COLUMNS * ROWS
+         states each; the area inside the unstable cycle by SciPy; the same here; and jobs/bstab.toml, random states each\n\n"
     );
-    text += "    v_d    authors   area, SciPy       area     states   undecided   authors - area\n";
-    let (mut largest_difference, mut largest_z, mut slow_z) = (0.0_f64, 0.0_f64, 0.0);
-    let mut undecided = 0;
-    for Share { speed, printed, area } in SHARES {
-        let brake = BSTAB.at(speed)?;
-        let exact = share(&brake)?;
-        let counts = decided(&brake, HORIZON)?;
-        let z = (printed - exact) / (printed * (1.0 - printed) / THEIR_STARTS).sqrt();
+    text +=
+        "    v_d    authors   area, SciPy       area   starts    share   undecided   authors - area   share - area\n";
+    let (mut largest_difference, mut largest_z, mut our_largest_z, mut slow_z) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0);
+    let mut ends_hold = true;
+    let mut undecided_when_slow = 0;
+    for row in run.surface().rows() {
+        let (speed, counts) = (row.cell.rotating_speed, row.counts);
+        let exact = share(&BSTAB.at(speed)?)?;
+        let ours = counts.stable as f64 / counts.total() as f64;
+        let Some(Share { printed, area, .. }) = SHARES.iter().find(|share| share.speed == speed) else {
+            ends_hold &= exact == ours && (exact == 0.0 || exact == 1.0);
+            continue;
+        };
+        let standard_errors = |of: f64, starts: f64| (of - exact) / (of * (1.0 - of) / starts).sqrt();
+        let (z, our_z) = (standard_errors(*printed, THEIR_STARTS), standard_errors(ours, counts.total() as f64));
         largest_difference = largest_difference.max((exact - area).abs());
-        undecided += counts.undecided;
+        our_largest_z = our_largest_z.max(our_z.abs());
         if speed == SLOW {
-            slow_z = z;
+            (slow_z, undecided_when_slow) = (z, counts.undecided);
         } else {
             largest_z = largest_z.max(z.abs());
         }
         text += &format!(
-            "  {speed:.3}     {printed:.4}      {area:.6}   {exact:.6}     {:.4}   {:>9}   {z:+5.1} standard errors\n",
-            counts.stable as f64 / counts.total() as f64,
+            "  {speed:.3}     {printed:.4}      {area:.6}   {exact:.6}   {:>6}   {ours:.4}   {:>9}        {z:+5.1} s.e.     {our_z:+5.1} s.e.\n",
+            counts.total(),
             counts.undecided,
         );
     }
-    let beyond = [(1.1, 0.0), (1.85, 1.0)];
-    let ends = beyond.map(|(speed, expected)| BSTAB.at(speed).and_then(|brake| Ok(share(&brake)? == expected)));
-    let [at_low, at_high] = ends;
     text += &format!(
-        "\n  areas within {AREA_TOLERANCE} of SciPy's: {}; 0 at 1.1 and 1 at 1.85: {}\n",
+        "\n  s.e.: standard errors of the share\n\
+         \x20 areas within {AREA_TOLERANCE} of SciPy's: {}; none at 1.1 and all at 1.85: {}\n\
+         \x20 authors' shares within {LARGEST_Z} standard errors of the area, {SLOW} apart: {}, at most {largest_z:.1}\n\
+         \x20 shares of jobs/bstab.toml within {LARGEST_Z}: {}, at most {our_largest_z:.1}\n",
         holds(largest_difference <= AREA_TOLERANCE),
-        holds(at_low? && at_high?)
+        holds(ends_hold),
+        holds(largest_z <= LARGEST_Z),
+        holds(our_largest_z <= LARGEST_Z),
     );
     text += &format!(
-        "  authors' shares within {LARGEST_Z} of their standard errors of the area, {SLOW} apart: {}, at most {largest_z:.1}\n",
-        holds(largest_z <= LARGEST_Z)
-    );
-    let slow = BSTAB.at(SLOW)?;
-    let within_their_horizon = decided(&slow, THEIR_HORIZON)?.undecided;
-    text += &format!(
-        "  At {SLOW} they are {:.1} standard errors low. Small motions decay there with the time constant {:.0}, the authors\n  \
-         simulate to t = {THEIR_HORIZON}, and motions near the unstable cycle take longer still. Verdicts here come from swings that\n  \
-         shrink or grow, and from the return map where they do so slowly: {undecided} of {} states are undecided, and with the\n  \
-         authors' horizon at {SLOW} {within_their_horizon} of {}.\n\n",
+        "  At {SLOW} the authors' share is {:.1} standard errors low. Small motions decay there with the time constant {:.0},\n  \
+         those near the unstable cycle more slowly still, and their simulation ends at t = 500. With this horizon\n  \
+         {undecided_when_slow} of our states are undecided there: swings that shrink or grow decide, and the return map where\n  \
+         swings hardly differ.\n\n",
         -slow_z,
-        -1.0 / slow.growth_rate(),
-        SHARES.len() * (COLUMNS * ROWS) as usize,
-        COLUMNS * ROWS,
+        -1.0 / BSTAB.at(SLOW)?.growth_rate(),
     );
     Ok(text)
 }
@@ -236,40 +223,6 @@ fn share(brake: &PadOnDisc) -> Result<f64, Failure> {
     brake.share_in_basin(&WINDOW).ok_or_else(|| {
         Failure::InputOutput("bstab has no basin of steady sliding; please report this as a bug".to_owned())
     })
-}
-
-/// The verdicts of the time-domain criterion on a regular grid of starts.
-fn decided(brake: &PadOnDisc, horizon: f64) -> Result<VerdictCounts, Failure> {
-    let middle = |(low, high): (f64, f64), index: u32, count: u32| {
-        low + (high - low) * (f64::from(index) + 0.5) / f64::from(count)
-    };
-    let parameters = brake.parameters();
-    let inputs = RandomInputs {
-        preload: parameters.operating_point.preload,
-        static_friction: parameters.friction.static_coefficient,
-    };
-    let mut counts = VerdictCounts::default();
-    for column in 0..COLUMNS {
-        for row in 0..ROWS {
-            let (x, speed) = (middle(WINDOW.tangential, column, COLUMNS), middle(WINDOW.speed, row, ROWS));
-            let start = GivenStart {
-                tangential: Some(x),
-                velocity: Some(speed),
-                units: StartUnits::Scaled,
-                ..GivenStart::default()
-            };
-            let settings = TimeDomainSettings { start: Start::Given(start), horizon, ..TimeDomainSettings::default() };
-            let criterion =
-                TimeDomain::new(brake, &DiscModel::Rigid, settings).map_err(|error| Failure::Job(error.to_string()))?;
-            match criterion.decide(inputs).verdict {
-                Verdict::Stable => counts.stable += 1,
-                Verdict::Unstable => counts.unstable += 1,
-                Verdict::Undecided => counts.undecided += 1,
-                Verdict::Failed => counts.failed += 1,
-            }
-        }
-    }
-    Ok(counts)
 }
 
 /// The unstable cycles that bound the basins, drawn and written.

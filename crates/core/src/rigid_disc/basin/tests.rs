@@ -1,4 +1,5 @@
 use super::*;
+use crate::friction::law::LawKind;
 use crate::parameters::Parameters;
 use crate::rigid_disc::pad_on_disc::uniform_draws;
 
@@ -93,7 +94,10 @@ fn without_a_basin_there_is_no_knock_and_where_nothing_holds_the_knock_is_zero()
 fn a_knock_a_little_smaller_returns_and_one_a_little_larger_does_not() {
     let mut draw = uniform_draws(12);
     let mut found = 0;
-    while found < 40 {
+    while found < 60 {
+        // Every third brake has the rational law, every second one some viscous friction.
+        let law = if found % 3 == 0 { LawKind::Rational } else { LawKind::Stribeck };
+        let viscous = if found % 2 == 0 { 0.01 * draw() } else { 0.0 };
         let exponent = [0.5, 0.7, 1.0, 1.3, 2.0, 3.0][(6.0 * draw()) as usize];
         let decades = |from: f64, to: f64, share: f64| libm::pow(10.0, from + share * (to - from));
         let kinetic = 0.05 + 0.5 * draw();
@@ -105,8 +109,12 @@ fn a_knock_a_little_smaller_returns_and_one_a_little_larger_does_not() {
             ("friction.stribeck_velocity", decades(-2.0, 0.5, draw())),
             ("operating_point.preload", decades(-2.0, 0.0, draw())),
         ];
-        let at =
-            |speed: f64| PadOnDisc::preset_with(&[&values[..], &[("operating_point.rotating_speed", speed)]].concat());
+        let at = |speed: f64| {
+            let changes = [("operating_point.rotating_speed", speed), ("friction.viscous", viscous)];
+            let mut parameters = PadOnDisc::preset_with(&[&values[..], &changes].concat()).parameters().clone();
+            parameters.friction.law = law.clone();
+            PadOnDisc::new(parameters).unwrap()
+        };
         let (Some(range), Some(end)) = (at(1.0).unstable_speeds().pop(), at(1.0).saddle_node_speed()) else { continue };
         if end <= range.to {
             continue;
@@ -115,7 +123,7 @@ fn a_knock_a_little_smaller_returns_and_one_a_little_larger_does_not() {
         let brake = at(range.to + draw() * (end - range.to));
         let Some(knock) = brake.basin().smallest_knock() else { panic!("{:?}: {values:?}", brake.basin()) };
         let x0 = brake.sliding_equilibrium().tangential;
-        for (share, verdict) in [(1.0 - 1e-5, Verdict::Stable), (1.0 + 1e-5, Verdict::Unstable)] {
+        for (share, verdict) in [(1.0 - 1e-6, Verdict::Stable), (1.0 + 1e-6, Verdict::Unstable)] {
             for (x, speed) in [
                 (x0, knock.forward * share),
                 (x0, -knock.backward * share),
