@@ -59,8 +59,7 @@ impl FlexibleBrake {
             for (lane, sample) in samples.iter().enumerate().filter(|(_, sample)| is_mine(sample)) {
                 batch.set(lane, geometry, &sample.brake, sample.inputs);
             }
-            let batch = &mut batch;
-            dispatch!(set, decide, geometry: &DiscGeometry, batch: &mut Batch<LANES>);
+            decide_batch(set, geometry, &mut batch);
             decided.extend(samples.iter().zip(batch.findings).map(|(OwnBrake { brake, inputs }, finding)| {
                 match finding.stability().filter(|_| geometry.is_of(brake.parameters())) {
                     Some(stability) => Ok(stability),
@@ -70,6 +69,11 @@ impl FlexibleBrake {
         }
         decided
     }
+}
+
+/// Decides the samples of a batch by the lanes of `set`.
+fn decide_batch(set: InstructionSet, geometry: &DiscGeometry, batch: &mut Batch<LANES>) {
+    dispatch!(set, decide, geometry: &DiscGeometry, batch: &mut Batch<LANES>);
 }
 
 #[cfg(test)]
@@ -167,6 +171,11 @@ mod measurement {
     use super::*;
     use crate::rigid_disc::pad_on_disc::uniform_draws;
 
+    fn cpu() -> f64 {
+        let stat = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
+        stat.split(' ').next().unwrap().parse::<f64>().unwrap() * 1e-9
+    }
+
     #[test]
     #[ignore = "measurement"]
     fn cost() {
@@ -197,20 +206,35 @@ mod measurement {
             let mut setting = 0.0;
             let mut deciding = 0.0;
             for samples in samples.chunks(LANES) {
-                let start = std::time::Instant::now();
                 for (lane, sample) in samples.iter().enumerate() {
                     batch.set(lane, geometry, &sample.brake, sample.inputs);
                 }
-                setting += start.elapsed().as_secs_f64();
-                let start = std::time::Instant::now();
-                let batch = &mut batch;
-                dispatch!(set, decide, geometry: &DiscGeometry, batch: &mut Batch<LANES>);
-                deciding += start.elapsed().as_secs_f64();
+                decide_batch(set, geometry, &mut batch);
                 open += batch.findings.iter().filter(|f| f.stability().is_none()).count();
             }
-            let start = std::time::Instant::now();
+            let start = cpu();
+            for _ in 0..5 {
+                for samples in samples.chunks(LANES) {
+                    for (lane, sample) in samples.iter().enumerate() {
+                        batch.set(lane, geometry, &sample.brake, sample.inputs);
+                    }
+                }
+            }
+            setting += (cpu() - start) / 5.0;
+            let start = cpu();
+            for _ in 0..2500 {
+                decide_batch(set, geometry, &mut batch);
+            }
+            deciding += (cpu() - start) / 5.0;
+            let inputs = samples[0].inputs;
+            let start = cpu();
+            for _ in 0..200 {
+                std::hint::black_box(base.by_eigenvalues(inputs).unwrap());
+            }
+            println!("eigenvalues {:.1} us", (cpu() - start) * 5e3);
+            let start = cpu();
             std::hint::black_box(base.linear_stability_with(&samples, set));
-            let all = start.elapsed().as_secs_f64();
+            let all = cpu() - start;
             let per = 1e6 / samples.len() as f64;
             println!(
                 "{set:?}: set {:.3} us, decide {:.3} us, all {:.3} us, open {open}",

@@ -111,33 +111,25 @@ impl<const L: usize> Couplings<L> {
         }
         // The pressure couples y, phi and x to the even amplitudes, so their rows are parallel.
         let of_y = &matrix[first..first + even];
-        let along = |row: usize| {
-            let entries = matrix[row * size + first..].iter().zip(of_y);
-            entries.fold(Row::ZERO, |sum, (entry, of_y)| sum + *entry * *of_y)
-        };
-        let y_row = along(0).sqrt();
-        let in_row = |row: usize| [SLACK * matrix[row * size], along(row) * y_row.reciprocal()];
-        let size_of = |squares: Row<L>| SLACK * squares.sqrt();
-        let column_size = |column: usize, rows: std::ops::Range<usize>| {
-            let entries = rows.map(|row| matrix[row * size + column]);
-            size_of(entries.fold(Row::ZERO, |sum, entry| sum + entry * entry))
-        };
-        let in_damping = damping_by_x[first..phi].iter().fold(Row::ZERO, |sum, entry| sum + *entry * *entry);
+        let y_row = along(of_y, &matrix[first..]).sqrt();
+        let per_y_row = y_row.reciprocal();
+        let in_row = |row: usize| [SLACK * matrix[row * size], along(of_y, &matrix[row * size + first..]) * per_y_row];
+        let in_column = |column: usize, from: usize, to: usize| size_of_column(matrix, size, column, from..to);
         Self {
             least: (2.0 - SLACK) * least,
             most: SLACK * (most + trace),
             damping: (2.0 - SLACK) * of.normal_damping.min(of.disc_damping),
             gyroscopic: SLACK * turning,
-            remainder: size_of(remainder),
+            remainder: SLACK * remainder.sqrt(),
             y_stiffness: matrix[0],
             y_damping: of.normal_damping,
             y_row,
-            y_column: column_size(0, first..phi),
+            y_column: in_column(0, first, phi),
             x_row: in_row(x),
             phi_row: in_row(phi),
-            phi_column: [matrix[phi].abs(), column_size(phi, first..first + even), column_size(phi, first + even..phi)],
-            x_column: [matrix[x].abs(), column_size(x, first..phi)],
-            x_column_damping: [damping_by_x[0].abs(), size_of(in_damping)],
+            phi_column: [matrix[phi].abs(), in_column(phi, first, first + even), in_column(phi, first + even, phi)],
+            x_column: [matrix[x].abs(), in_column(x, first, phi)],
+            x_column_damping: [damping_by_x[0].abs(), size_of_column(damping_by_x, 1, 0, first..phi)],
             x_by_phi: matrix[x * size + phi].abs(),
             phi_by_x: matrix[phi * size + x].abs(),
             phi_by_x_damping: damping_by_x[phi].abs(),
@@ -156,11 +148,9 @@ impl<const L: usize> Couplings<L> {
         let below = self.least - high_square - shift;
         let above = low_square - self.most - shift;
         let core = damped.max(below).max(above).max(Row::ZERO).reciprocal();
-        let distance = |stiffness: Row<L>, damping: Row<L>| {
-            (stiffness - high_square).max(low_square - stiffness).max(low * damping)
-        };
-        let y = distance(self.y_stiffness, self.y_damping).reciprocal();
-        let phi = distance(self.phi_stiffness, self.phi_damping);
+        let least = |stiffness: Row<L>, damping: Row<L>| distance(stiffness, damping, (low, low_square), high_square);
+        let y = least(self.y_stiffness, self.y_damping).reciprocal();
+        let phi = least(self.phi_stiffness, self.phi_damping);
         self.response([low_square, high_square], high, shift, (core, y, phi))
     }
 
@@ -184,30 +174,107 @@ impl<const L: usize> Couplings<L> {
         shift: Row<L>,
         (core, y, phi): (Row<L>, Row<L>, Row<L>),
     ) -> Response<L> {
-        // A row times the inverse of the core, at the even amplitudes: y is eliminated first.
-        let at_amplitudes = |[by_y, along]: [Row<L>; 2]| {
-            let real = squares.map(|square| (along * (self.y_stiffness - square) - by_y * self.y_row).abs());
-            y * (real[0].max(real[1]) + along.abs() * high * self.y_damping)
-        };
-        let (x_row, phi_row) = (core * at_amplitudes(self.x_row), core * at_amplitudes(self.phi_row));
         // The odd amplitudes are coupled to the even ones by no more than `shift`.
         let through = core * shift;
-        let phi_column = self.phi_column[1] + self.phi_column[0] * self.y_column * y + through * self.phi_column[2];
-        let x_column = [0, 1].map(|part| self.x_column[part] + high * self.x_column_damping[part]);
-        // Near the resonance of y it is better not to eliminate it.
-        let size = |of: &[Row<L>]| of.iter().fold(Row::ZERO, |sum, part| sum + *part * *part).sqrt();
-        let phi_whole = core * (size(&self.phi_column[..2]) + through * self.phi_column[2]);
-        let x_whole = core * size(&x_column);
-        let by_phi = |row: [Row<L>; 2], at: Row<L>| {
-            (row[0].abs() * self.phi_column[0] * y + at * phi_column).min(size(&row) * phi_whole)
+        let x_column =
+            [self.x_column[0] + high * self.x_column_damping[0], self.x_column[1] + high * self.x_column_damping[1]];
+        let [at_y, even, odd] = self.phi_column;
+        let phi_column = Column {
+            at_y,
+            eliminated: even + at_y * self.y_column * y + through * odd,
+            whole: core * (norm(&[at_y, even]) + through * odd),
         };
-        let by_x = |row: [Row<L>; 2], at: Row<L>| {
-            let amplitudes = x_column[1] * (Row::of(1.0) + through) + x_column[0] * self.y_column * y;
-            (row[0].abs() * x_column[0] * y + at * amplitudes).min(size(&row) * x_whole)
+        let amplitudes = x_column[1] * (Row::of(1.0) + through);
+        let x_column = Column {
+            at_y: x_column[0],
+            eliminated: amplitudes + x_column[0] * self.y_column * y,
+            whole: core * norm(&x_column),
         };
-        let phi = (phi - by_phi(self.phi_row, phi_row)).max(Row::ZERO).reciprocal();
-        let phi_by_x = self.phi_by_x + high * self.phi_by_x_damping + by_x(self.phi_row, phi_row);
-        let x = by_x(self.x_row, x_row) + (self.x_by_phi + by_phi(self.x_row, x_row)) * phi_by_x * phi;
+        let x_row = self.row(self.x_row, squares, high, (core, y));
+        let phi_row = self.row(self.phi_row, squares, high, (core, y));
+        let phi = (phi - phi_row.through(&phi_column, y)).max(Row::ZERO).reciprocal();
+        let phi_by_x = self.phi_by_x + high * self.phi_by_x_damping + phi_row.through(&x_column, y);
+        let x = x_row.through(&x_column, y) + (self.x_by_phi + x_row.through(&phi_column, y)) * phi_by_x * phi;
         Response { core, phi, x }
     }
+
+    /// A row that couples the core, at y and along that of y.
+    #[inline(always)]
+    fn row(&self, row: [Row<L>; 2], squares: [Row<L>; 2], high: Row<L>, (core, y): (Row<L>, Row<L>)) -> CoreRow<L> {
+        let [at_y, along] = row;
+        let first = (along * (self.y_stiffness - squares[0]) - at_y * self.y_row).abs();
+        let second = (along * (self.y_stiffness - squares[1]) - at_y * self.y_row).abs();
+        let at_amplitudes = first.max(second) + along.abs() * high * self.y_damping;
+        CoreRow { at_y: at_y.abs(), eliminated: core * y * at_amplitudes, whole: norm(&row) }
+    }
+}
+
+/// A row that couples the core: at y; its size at the amplitudes, times the inverse of the core, once y is eliminated; and
+/// its whole size.
+struct CoreRow<const L: usize> {
+    at_y: Row<L>,
+    eliminated: Row<L>,
+    whole: Row<L>,
+}
+
+/// A column that couples the core: at y; its size at the amplitudes once y is eliminated; and a bound of the inverse of
+/// the core times all of it.
+struct Column<const L: usize> {
+    at_y: Row<L>,
+    eliminated: Row<L>,
+    whole: Row<L>,
+}
+
+impl<const L: usize> CoreRow<L> {
+    /// Bound of the row times the inverse of the core times the column. Near the resonance of y it is better not to
+    /// eliminate y.
+    #[inline(always)]
+    fn through(&self, column: &Column<L>, y: Row<L>) -> Row<L> {
+        (self.at_y * column.at_y * y + self.eliminated * column.eliminated).min(self.whole * column.whole)
+    }
+}
+
+/// The least size of `stiffness - omega^2 + i omega damping` between two frequencies.
+#[inline(always)]
+fn distance<const L: usize>(
+    stiffness: Row<L>,
+    damping: Row<L>,
+    (low, low_square): (Row<L>, Row<L>),
+    high_square: Row<L>,
+) -> Row<L> {
+    (stiffness - high_square).max(low_square - stiffness).max(low * damping)
+}
+
+#[inline(always)]
+fn along<const L: usize>(of_y: &[Row<L>], entries: &[Row<L>]) -> Row<L> {
+    let mut sum = Row::ZERO;
+    for (of_y, entry) in of_y.iter().zip(entries) {
+        sum += *of_y * *entry;
+    }
+    sum
+}
+
+#[inline(always)]
+fn size_of_column<const L: usize>(
+    matrix: &[Row<L>],
+    size: usize,
+    column: usize,
+    rows: std::ops::Range<usize>,
+) -> Row<L> {
+    let mut sum = Row::ZERO;
+    for row in rows {
+        let entry = matrix[row * size + column];
+        sum += entry * entry;
+    }
+    SLACK * sum.sqrt()
+}
+
+/// The root of the sum of squares.
+#[inline(always)]
+pub(super) fn norm<const L: usize>(of: &[Row<L>]) -> Row<L> {
+    let mut sum = Row::ZERO;
+    for part in of {
+        sum += *part * *part;
+    }
+    sum.sqrt()
 }

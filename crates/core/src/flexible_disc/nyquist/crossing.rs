@@ -2,7 +2,7 @@
 
 use crate::flexible_disc::geometry::DiscGeometry;
 use crate::flexible_disc::nyquist::batch::{Coefficients, Work};
-use crate::flexible_disc::nyquist::bounds::Couplings;
+use crate::flexible_disc::nyquist::bounds::{Couplings, norm};
 use crate::flexible_disc::nyquist::elimination::{Complex, eliminate_complex, left_and_right, product, solve_complex};
 use crate::flexible_disc::nyquist::matrices::Places;
 use crate::flexible_disc::nyquist::row::Row;
@@ -40,17 +40,13 @@ pub(super) fn crossing<const L: usize>(
     let range = half_width * omega;
     let near = couplings.between(omega - range, omega + range);
     let tiny = Row::of(f64::MIN_POSITIVE);
-    let (phi_row, phi_column) = (size_of(&couplings.phi_row), size_of(&couplings.phi_column));
+    let (phi_row, phi_column) = (norm(&couplings.phi_row), norm(&couplings.phi_column));
     let weight = (phi_column + tiny) * (phi_row + tiny).reciprocal();
-    let scaled = |vector: &[Complex<L>], weight: Row<L>| {
-        let squares = |sum: Row<L>, (re, im): &Complex<L>| sum + *re * *re + *im * *im;
-        (vector[..phi].iter().fold(Row::ZERO, squares) + weight * vector[phi..x].iter().fold(Row::ZERO, squares)).sqrt()
-    };
     let loop_gain = phi_row * phi_column;
     let inverse = near.core + near.phi * (one + near.core * (2.0 * loop_gain.sqrt() + near.core * loop_gain));
     let most_damping = of.normal_damping.max(of.disc_damping).max(of.angular_damping);
     let by_frequency = 2.0 * omega + range + most_damping + couplings.gyroscopic;
-    let left_size = scaled(left, weight.reciprocal());
+    let left_size = size_of(left, phi, weight.reciprocal());
     let per_right = left_size * inverse * by_frequency;
 
     // With c_B, the column of x in B: w c_B, and what c_B adds to the last term of h.
@@ -59,14 +55,14 @@ pub(super) fn crossing<const L: usize>(
         on_column = (on_column.0 + *re * *by_x, on_column.1 + *im * *by_x);
     }
     let [at_y, at_amplitudes] = couplings.x_column_damping;
-    let column_damping = size_of(&[at_y, at_amplitudes, weight.sqrt() * couplings.phi_by_x_damping]);
+    let column_damping = norm(&[at_y, at_amplitudes, weight.sqrt() * couplings.phi_by_x_damping]);
     let (both, slope) = at_omega(geometry, of, gyroscopic, omega, (left, right));
     let weakening = damping_by_x[x];
     let response = Response {
         value,
         damping: of.tangential_damping + weakening,
         slope: magnitude((slope.0 - on_column.1, slope.1 + on_column.0)),
-        curvature: magnitude(both) + per_right * (by_frequency * scaled(right, weight) + column_damping),
+        curvature: magnitude(both) + per_right * (by_frequency * size_of(right, phi, weight) + column_damping),
     };
     let least = MARGIN * (omega * (of.tangential_damping + weakening.abs()));
     let falling = response.side(omega, range, least);
@@ -82,7 +78,7 @@ pub(super) fn crossing<const L: usize>(
         value: (value.0 - omega * on_column.1, value.1 + omega * (on_column.0 - weakening)),
         damping: of.tangential_damping,
         slope: magnitude(slope),
-        curvature: magnitude(both) + per_right * by_frequency * scaled(right, weight),
+        curvature: magnitude(both) + per_right * by_frequency * size_of(right, phi, weight),
     };
     Crossing { falling, steady: response.side(omega, range, least) }
 }
@@ -155,9 +151,15 @@ fn magnitude<const L: usize>((re, im): Complex<L>) -> Row<L> {
     (re * re + im * im).sqrt()
 }
 
+/// The size of a vector, with phi scaled by the root of `weight`.
 #[inline(always)]
-fn size_of<const L: usize>(of: &[Row<L>]) -> Row<L> {
-    of.iter().fold(Row::ZERO, |sum, value| sum + *value * *value).sqrt()
+fn size_of<const L: usize>(vector: &[Complex<L>], phi: usize, weight: Row<L>) -> Row<L> {
+    let mut sum = Row::ZERO;
+    for (re, im) in &vector[..phi] {
+        sum += *re * *re + *im * *im;
+    }
+    let (re, im) = vector[phi];
+    (sum + weight * (re * re + im * im)).sqrt()
 }
 
 /// What is known of f near omega_x.

@@ -7,11 +7,31 @@ use crate::flexible_disc::nyquist::crossing::{Crossing, crossing};
 use crate::flexible_disc::nyquist::matrices::{Places, find_equilibrium, set_amplitudes, set_matrix};
 use crate::flexible_disc::nyquist::row::Row;
 
-/// Frequencies over omega_x between which h is bounded below and above omega_x, from far to near.
-const FAR_BELOW: [f64; 15] = [0.0, 0.05, 0.1, 0.2, 0.28, 0.34, 0.38, 0.42, 0.46, 0.5, 0.54, 0.58, 0.62, 0.65, 0.68];
-const FAR_ABOVE: [f64; 6] = [8.0, 4.0, 2.5, 1.8, 1.5, 1.32];
+/// Intervals of frequency over omega_x on which h is bounded. All but the first two groups lie next to those before.
+const FAR: [(f64, f64); 19] = [
+    (0.0, 0.05),
+    (0.05, 0.1),
+    (0.1, 0.2),
+    (0.2, 0.28),
+    (0.28, 0.34),
+    (0.34, 0.38),
+    (0.38, 0.42),
+    (0.42, 0.46),
+    (0.46, 0.5),
+    (0.5, 0.54),
+    (0.54, 0.58),
+    (0.58, 0.62),
+    (0.62, 0.65),
+    (0.65, 0.68),
+    (4.0, 8.0),
+    (2.5, 4.0),
+    (1.8, 2.5),
+    (1.5, 1.8),
+    (1.32, 1.5),
+];
 
-/// Half widths of the interval about omega_x, over omega_x; each is half of the one before.
+/// Half widths of the interval about omega_x, over omega_x; each is half of the one before, and the first begins where
+/// [`FAR`] ends.
 const HALF_WIDTHS: [f64; 6] = [0.16, 0.08, 0.04, 0.02, 0.01, 0.005];
 
 /// Decides the samples of a batch.
@@ -43,29 +63,37 @@ pub(crate) fn decide<const L: usize>(geometry: &DiscGeometry, batch: &mut Batch<
 #[inline(always)]
 fn half_width<const L: usize>(couplings: &Couplings<L>, omega: Row<L>) -> Row<L> {
     let stiffness = couplings.x_stiffness;
+    let end = FAR[FAR.len() - 5].1;
     let mut holds = [1_u64; L];
-    let narrow = |holds: &mut [u64; L], bound: Row<L>, at: f64| {
-        let distance = (at * at - 1.0).abs() * (2.0 - SLACK);
-        for l in 0..L {
-            holds[l] &= u64::from(bound.0[l] < distance * stiffness.0[l]);
-        }
-    };
-    narrow(&mut holds, couplings.beyond(FAR_ABOVE[0] * omega).x, FAR_ABOVE[0]);
-    for edges in FAR_ABOVE.windows(2) {
-        narrow(&mut holds, couplings.between(edges[1] * omega, edges[0] * omega).x, edges[1]);
-    }
-    for edges in FAR_BELOW.windows(2) {
-        narrow(&mut holds, couplings.between(edges[0] * omega, edges[1] * omega).x, edges[1]);
-    }
+    narrow(&mut holds, stiffness, couplings.beyond(end * omega).x, end);
     let mut half = Row::ZERO;
-    for width in HALF_WIDTHS {
-        let below = couplings.between((1.0 - 2.0 * width) * omega, (1.0 - width) * omega);
-        narrow(&mut holds, below.x, 1.0 - width);
-        let above = couplings.between((1.0 + width) * omega, (1.0 + 2.0 * width) * omega);
-        narrow(&mut holds, above.x, 1.0 + width);
-        for l in 0..L {
-            half.0[l] = if holds[l] == 1 { width } else { half.0[l] };
+    let mut intervals = 0;
+    // One loop over all intervals: its body is long.
+    while intervals < FAR.len() + 2 * HALF_WIDTHS.len() {
+        let place = intervals.wrapping_sub(FAR.len());
+        let (low, high) = if intervals < FAR.len() {
+            FAR[intervals]
+        } else {
+            let width = HALF_WIDTHS[place / 2];
+            if place % 2 == 0 { (1.0 - 2.0 * width, 1.0 - width) } else { (1.0 + width, 1.0 + 2.0 * width) }
+        };
+        let bound = couplings.between(low * omega, high * omega).x;
+        narrow(&mut holds, stiffness, bound, if high < 1.0 { high } else { low });
+        if intervals >= FAR.len() && place % 2 == 1 {
+            for l in 0..L {
+                half.0[l] = if holds[l] == 1 { HALF_WIDTHS[place / 2] } else { half.0[l] };
+            }
         }
+        intervals += 1;
     }
     half
+}
+
+/// Clears `holds` in lanes where h may be larger than `|A_xx - omega^2|` at `at` times omega_x.
+#[inline(always)]
+fn narrow<const L: usize>(holds: &mut [u64; L], stiffness: Row<L>, bound: Row<L>, at: f64) {
+    let distance = (at * at - 1.0).abs() * (2.0 - SLACK);
+    for l in 0..L {
+        holds[l] &= u64::from(bound.0[l] < distance * stiffness.0[l]);
+    }
 }

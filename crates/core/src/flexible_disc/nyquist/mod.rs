@@ -65,8 +65,5 @@ mod crossing;
 
 mod decision;
 
-pub(crate) use batch::{Batch, Finding};
+pub(crate) use batch::Batch;
 pub(crate) use decision::decide;
-
-#[cfg(test)]
-mod tests;
