@@ -99,25 +99,29 @@ impl FlexibleBrake {
     /// # Errors
     /// As [`FlexibleBrake::growth_rate`].
     pub fn by_eigenvalues(&self, inputs: RandomInputs) -> Result<LinearStability, FlexibleError> {
-        let values = self.coupled_eigenvalues(inputs)?;
+        let q = self.sliding_equilibrium(inputs)?;
+        let (stiffness, damping) = self.equations.linearise(inputs, &q);
+        let matrix = first_order(&stiffness, &damping);
+        let values = eigenvalues(&matrix)?;
         let Some(fastest) = values.first().filter(|value| value.re > 0.0) else {
             return Ok(LinearStability::Stable);
         };
-        let linearisation = self.linearisation(inputs)?;
-        let fed_by = if linearisation.growth_rate(0.0)? <= 0.0 {
+        let pad = &self.equations.pad;
+        let mu = pad.friction_coefficient(pad.disc_speed, inputs.static_friction);
+        let (stiffness, damping) = self.equations.linearise_with(&q, mu, 0.0);
+        let without_fall = eigenvalues(&first_order(&stiffness, &damping))?;
+        let fed_by = if without_fall.first().is_none_or(|value| value.re <= 0.0) {
             DegreeOfFreedom::Tangential
         } else {
-            self.largest_share(&linearisation.matrix(self.equations.friction_slope(inputs.static_friction)), *fastest)
+            self.largest_share(&matrix, *fastest)
         };
         Ok(LinearStability::Unstable { fed_by })
     }
 
-    fn linearisation(&self, inputs: RandomInputs) -> Result<Linearisation, FlexibleError> {
-        let q = self.sliding_equilibrium(inputs)?;
-        let mu = self.equations.pad.friction_coefficient(self.equations.pad.disc_speed, inputs.static_friction);
-        let (stiffness, damping) = self.equations.linearise_with(&q, mu, 0.0);
-        let damping_by_slope = self.equations.linearise_with(&q, mu, 1.0).1 - &damping;
-        Ok(Linearisation { stiffness, damping, damping_by_slope })
+    fn linearisation(&self, q: &[f64], mu: f64) -> Linearisation {
+        let (stiffness, damping) = self.equations.linearise_with(q, mu, 0.0);
+        let damping_by_slope = self.equations.linearise_with(q, mu, 1.0).1 - &damping;
+        Linearisation { stiffness, damping, damping_by_slope }
     }
 
     fn by_lattice(&self, inputs: RandomInputs) -> Option<LinearStability> {
@@ -163,9 +167,7 @@ impl FlexibleBrake {
         let preload = libm::exp(PRELOAD_SPACING * column as f64);
         let mu = self.equations.pad.kinetic_friction + FRICTION_SPACING * row as f64;
         let q = self.sliding_equilibrium_with(preload, mu)?;
-        let (stiffness, damping) = self.equations.linearise_with(&q, mu, 0.0);
-        let damping_by_slope = self.equations.linearise_with(&q, mu, 1.0).1 - &damping;
-        let linearisation = Linearisation { stiffness, damping, damping_by_slope };
+        let linearisation = self.linearisation(&q, mu);
         let growth_rate = |slope: f64| linearisation.growth_rate(slope).ok();
         let at_rest = growth_rate(0.0)?;
         let by_slope = linearisation.damping_by_slope[(0, 0)];

@@ -82,11 +82,13 @@ mod tests {
     use crate::degree_of_freedom::DegreeOfFreedom;
     use crate::rigid_disc::pad_on_disc::uniform_draws;
 
-    /// Brakes near the preset or far from it, some of which flutter or turn faster than their waves.
+    /// Brakes near the preset or far from it. Every third has hardly any damping in its disc, and turns up to a thousand
+    /// times as fast: some of these flutter, and others outrun their waves.
     fn samples(count: usize, spread: f64, draw: &mut impl FnMut() -> f64) -> Vec<OwnBrake> {
-        let sample = |_| {
+        let sample = |index: usize| {
             let mut around = |value: f64, spread: f64| value * libm::exp(spread * (2.0 * draw() - 1.0));
             let kinetic = around(0.25, spread);
+            let (damping, speed) = if index % 3 == 2 { (around(2e-5, 3.0), around(500.0, 3.5)) } else { (0.02, 15.0) };
             let changes = [
                 ("friction.kinetic_coefficient", kinetic),
                 ("friction.static_coefficient", 1.5 * kinetic),
@@ -98,9 +100,9 @@ mod tests {
                 ("stiffness.calliper_tangential", around(3.249e7, spread)),
                 ("disc.youngs_modulus", around(2.1e11, spread)),
                 ("disc.thickness", around(0.02, 0.6 * spread)),
-                ("disc.transverse_damping_ratio", around(0.02, 3.0 * spread)),
+                ("disc.transverse_damping_ratio", around(damping, spread)),
                 ("pad.moment_arm", around(0.008, spread)),
-                ("operating_point.rotating_speed", around(15.0, 1.5 * spread)),
+                ("operating_point.rotating_speed", around(speed, spread)),
             ];
             let inputs = RandomInputs { preload: around(0.1, spread), static_friction: around(0.39, spread) };
             OwnBrake { brake: PadOnDisc::preset_with(&changes), inputs }
@@ -132,8 +134,7 @@ mod tests {
         let mut draw = uniform_draws(17);
         for (modes, count, spread) in [(5, 1203, 0.35), (5, 600, 1.2), (8, 200, 0.5)] {
             let [stable, tangential, other, _] = compare(modes, &samples(count, spread, &mut draw));
-            assert!(stable > 30 && tangential > 30, "{spread}: {stable} {tangential} {other}");
-            assert!(spread < 1.0 || other > 5, "{spread}: {stable} {tangential} {other}");
+            assert!(stable > 30 && tangential > 20 && other > 5, "{modes} {spread}: {stable} {tangential} {other}");
         }
     }
 
@@ -142,7 +143,8 @@ mod tests {
     fn a_hundred_thousand_brakes_are_decided_as_by_their_eigenvalues() {
         let mut draw = uniform_draws(23);
         for (modes, count, spread) in [(5, 60_000, 0.35), (5, 60_000, 1.2), (8, 6000, 1.2), (14, 1000, 1.0)] {
-            println!("{modes} modes, spread {spread}: {:?}", compare(modes, &samples(count, spread, &mut draw)));
+            let counts = compare(modes, &samples(count, spread, &mut draw));
+            assert!(counts[..3].iter().all(|kind| *kind > 100), "{modes} modes, spread {spread}: {counts:?}");
         }
     }
 
@@ -157,91 +159,13 @@ mod tests {
         let expected = base.linear_stability_of(&samples);
         assert!(matches!(expected[4], Err(FlexibleError::NotPressed { .. })));
         assert!(expected[5].is_err() && expected[9].is_ok());
+        // As text, in which what is no number equals itself.
         for set in InstructionSet::available() {
-            assert_eq!(base.linear_stability_with(&samples, set), expected, "{set:?}");
+            assert_eq!(format!("{:?}", base.linear_stability_with(&samples, set)), format!("{expected:?}"), "{set:?}");
         }
         for (sample, expected) in samples.iter().zip(expected) {
-            assert_eq!(base.linear_stability_of(std::slice::from_ref(sample)), [expected]);
-        }
-    }
-}
-
-#[cfg(test)]
-mod measurement {
-    use super::*;
-    use crate::rigid_disc::pad_on_disc::uniform_draws;
-
-    fn cpu() -> f64 {
-        let stat = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
-        stat.split(' ').next().unwrap().parse::<f64>().unwrap() * 1e-9
-    }
-
-    #[test]
-    #[ignore = "measurement"]
-    fn cost() {
-        let base = FlexibleBrake::with_modes(PadOnDisc::preset_with(&[]), 5).unwrap();
-        let geometry = &*base.equations.geometry;
-        let mut draw = uniform_draws(9);
-        let mut normal = || (0..12).map(|_| draw()).sum::<f64>() - 6.0;
-        let samples: Vec<OwnBrake> = (0..4000)
-            .map(|_| {
-                let mut around = |v: f64| v * (1.0 + 0.2 * normal()).max(0.05);
-                let kinetic = around(0.25);
-                let changes = [
-                    ("friction.kinetic_coefficient", kinetic),
-                    ("friction.static_coefficient", kinetic + 0.1),
-                    ("friction.stribeck_velocity", around(0.72)),
-                    ("damping.tangential", around(369.0)),
-                    ("stiffness.contact_normal", around(3.816e7)),
-                    ("disc.youngs_modulus", around(2.1e11)),
-                    ("operating_point.rotating_speed", around(15.0)),
-                ];
-                let inputs = RandomInputs { preload: around(0.1), static_friction: around(0.39) };
-                OwnBrake { brake: PadOnDisc::preset_with(&changes), inputs }
-            })
-            .collect();
-        for set in InstructionSet::available() {
-            let mut batch = Batch::<LANES>::new(geometry);
-            let mut open = 0;
-            let mut setting = 0.0;
-            let mut deciding = 0.0;
-            for samples in samples.chunks(LANES) {
-                for (lane, sample) in samples.iter().enumerate() {
-                    batch.set(lane, geometry, &sample.brake, sample.inputs);
-                }
-                decide_batch(set, geometry, &mut batch);
-                open += batch.findings.iter().filter(|f| f.stability().is_none()).count();
-            }
-            let start = cpu();
-            for _ in 0..5 {
-                for samples in samples.chunks(LANES) {
-                    for (lane, sample) in samples.iter().enumerate() {
-                        batch.set(lane, geometry, &sample.brake, sample.inputs);
-                    }
-                }
-            }
-            setting += (cpu() - start) / 5.0;
-            let start = cpu();
-            for _ in 0..2500 {
-                decide_batch(set, geometry, &mut batch);
-            }
-            deciding += (cpu() - start) / 5.0;
-            let inputs = samples[0].inputs;
-            let start = cpu();
-            for _ in 0..200 {
-                std::hint::black_box(base.by_eigenvalues(inputs).unwrap());
-            }
-            println!("eigenvalues {:.1} us", (cpu() - start) * 5e3);
-            let start = cpu();
-            std::hint::black_box(base.linear_stability_with(&samples, set));
-            let all = cpu() - start;
-            let per = 1e6 / samples.len() as f64;
-            println!(
-                "{set:?}: set {:.3} us, decide {:.3} us, all {:.3} us, open {open}",
-                setting * per,
-                deciding * per,
-                all * per
-            );
+            let alone = base.linear_stability_of(std::slice::from_ref(sample));
+            assert_eq!(format!("{alone:?}"), format!("[{expected:?}]"));
         }
     }
 }

@@ -62,7 +62,8 @@ fn flutter_is_fed_by_the_disc_and_stick_slip_by_the_tangential_motion() {
 fn an_eigenvector_is_one() {
     let flexible = flexible(&[]);
     let inputs = RandomInputs { preload: 0.1, static_friction: 0.39 };
-    let matrix = flexible.linearisation(inputs).unwrap().matrix(0.3);
+    let q = flexible.sliding_equilibrium(inputs).unwrap();
+    let matrix = flexible.linearisation(&q, 0.3).matrix(0.3);
     for value in eigenvalues(&matrix).unwrap().into_iter().take(3) {
         let vector = eigenvector(&matrix, value);
         let image = matrix.map(|entry| Complex::new(entry, 0.0)) * &vector;

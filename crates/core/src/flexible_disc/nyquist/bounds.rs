@@ -20,9 +20,9 @@ pub(super) struct Couplings<const L: usize> {
     /// A_yy and B_yy.
     pub y_stiffness: Row<L>,
     pub y_damping: Row<L>,
-    /// Sizes of the row and of the column that couple y and the amplitudes.
+    /// Size of the row that couples y to the amplitudes, and sizes of the column at the even and at the odd ones.
     pub y_row: Row<L>,
-    pub y_column: Row<L>,
+    pub y_column: [Row<L>; 2],
     /// The rows of x and of phi: at y, and along that of y.
     pub x_row: [Row<L>; 2],
     pub phi_row: [Row<L>; 2],
@@ -124,7 +124,7 @@ impl<const L: usize> Couplings<L> {
             y_stiffness: matrix[0],
             y_damping: of.normal_damping,
             y_row,
-            y_column: in_column(0, first, phi),
+            y_column: [in_column(0, first, first + even), in_column(0, first + even, phi)],
             x_row: in_row(x),
             phi_row: in_row(phi),
             phi_column: [matrix[phi].abs(), in_column(phi, first, first + even), in_column(phi, first + even, phi)],
@@ -160,7 +160,8 @@ impl<const L: usize> Couplings<L> {
         let square = low * low;
         let shift = low * self.gyroscopic + self.remainder;
         let core = (low * self.damping - self.remainder).max(square - self.most - shift).max(Row::ZERO).reciprocal();
-        let y = (square - self.y_stiffness).max(Row::ZERO).reciprocal();
+        // What the elimination of y gives may vanish at a single frequency; without it all parts are monotonic.
+        let y = Row::of(f64::INFINITY);
         self.response([square, square], low, shift, (core, y, square - self.phi_stiffness))
     }
 
@@ -178,16 +179,17 @@ impl<const L: usize> Couplings<L> {
         let through = core * shift;
         let x_column =
             [self.x_column[0] + high * self.x_column_damping[0], self.x_column[1] + high * self.x_column_damping[1]];
+        let y_column = self.y_column[0] + through * self.y_column[1];
         let [at_y, even, odd] = self.phi_column;
         let phi_column = Column {
             at_y,
-            eliminated: even + at_y * self.y_column * y + through * odd,
+            eliminated: even + at_y * y_column * y + through * odd,
             whole: core * (norm(&[at_y, even]) + through * odd),
         };
         let amplitudes = x_column[1] * (Row::of(1.0) + through);
         let x_column = Column {
             at_y: x_column[0],
-            eliminated: amplitudes + x_column[0] * self.y_column * y,
+            eliminated: amplitudes + x_column[0] * y_column * y,
             whole: core * norm(&x_column),
         };
         let x_row = self.row(self.x_row, squares, high, (core, y));

@@ -7,7 +7,10 @@ use crate::flexible_disc::nyquist::crossing::{Crossing, crossing};
 use crate::flexible_disc::nyquist::matrices::{Places, find_equilibrium, set_amplitudes, set_matrix};
 use crate::flexible_disc::nyquist::row::Row;
 
-/// Intervals of frequency over omega_x on which h is bounded. All but the first two groups lie next to those before.
+/// Beyond this frequency over omega_x a single bound covers all.
+const END: f64 = 8.0;
+
+/// Intervals of frequency over omega_x on which h is bounded: those up to 0.68, and those from 1.32 to [`END`].
 const FAR: [(f64, f64); 19] = [
     (0.0, 0.05),
     (0.05, 0.1),
@@ -23,15 +26,15 @@ const FAR: [(f64, f64); 19] = [
     (0.58, 0.62),
     (0.62, 0.65),
     (0.65, 0.68),
-    (4.0, 8.0),
+    (4.0, END),
     (2.5, 4.0),
     (1.8, 2.5),
     (1.5, 1.8),
     (1.32, 1.5),
 ];
 
-/// Half widths of the interval about omega_x, over omega_x; each is half of the one before, and the first begins where
-/// [`FAR`] ends.
+/// Half widths of the interval about omega_x, over omega_x. Each is half of the one before, and twice the first reaches
+/// to [`FAR`].
 const HALF_WIDTHS: [f64; 6] = [0.16, 0.08, 0.04, 0.02, 0.01, 0.005];
 
 /// Decides the samples of a batch.
@@ -63,9 +66,8 @@ pub(crate) fn decide<const L: usize>(geometry: &DiscGeometry, batch: &mut Batch<
 #[inline(always)]
 fn half_width<const L: usize>(couplings: &Couplings<L>, omega: Row<L>) -> Row<L> {
     let stiffness = couplings.x_stiffness;
-    let end = FAR[FAR.len() - 5].1;
     let mut holds = [1_u64; L];
-    narrow(&mut holds, stiffness, couplings.beyond(end * omega).x, end);
+    narrow(&mut holds, stiffness, couplings.beyond(END * omega).x, END);
     let mut half = Row::ZERO;
     let mut intervals = 0;
     // One loop over all intervals: its body is long.
@@ -80,8 +82,8 @@ fn half_width<const L: usize>(couplings: &Couplings<L>, omega: Row<L>) -> Row<L>
         let bound = couplings.between(low * omega, high * omega).x;
         narrow(&mut holds, stiffness, bound, if high < 1.0 { high } else { low });
         if intervals >= FAR.len() && place % 2 == 1 {
-            for l in 0..L {
-                half.0[l] = if holds[l] == 1 { HALF_WIDTHS[place / 2] } else { half.0[l] };
+            for (half, holds) in half.0.iter_mut().zip(&holds) {
+                *half = if *holds == 1 { HALF_WIDTHS[place / 2] } else { *half };
             }
         }
         intervals += 1;
@@ -93,7 +95,7 @@ fn half_width<const L: usize>(couplings: &Couplings<L>, omega: Row<L>) -> Row<L>
 #[inline(always)]
 fn narrow<const L: usize>(holds: &mut [u64; L], stiffness: Row<L>, bound: Row<L>, at: f64) {
     let distance = (at * at - 1.0).abs() * (2.0 - SLACK);
-    for l in 0..L {
-        holds[l] &= u64::from(bound.0[l] < distance * stiffness.0[l]);
+    for (holds, (bound, stiffness)) in holds.iter_mut().zip(bound.0.iter().zip(&stiffness.0)) {
+        *holds &= u64::from(*bound < distance * stiffness);
     }
 }

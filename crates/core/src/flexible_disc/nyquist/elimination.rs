@@ -111,16 +111,16 @@ pub(super) fn solve_complex<const L: usize>(
     let at = |i: usize, j: usize| (real[i * size + j], imaginary[i * size + j]);
     for i in 0..last {
         let mut sum = (vector[i], Row::ZERO);
-        for j in 0..i {
-            let (a, b) = product(at(i, j), solution[j]);
+        for (j, value) in solution[..i].iter().enumerate() {
+            let (a, b) = product(at(i, j), *value);
             sum = (sum.0 - a, sum.1 - b);
         }
         solution[i] = sum;
     }
     for i in (0..last).rev() {
         let mut sum = solution[i];
-        for j in i + 1..last {
-            let (a, b) = product(at(i, j), solution[j]);
+        for (j, value) in solution[..last].iter().enumerate().skip(i + 1) {
+            let (a, b) = product(at(i, j), *value);
             sum = (sum.0 - a, sum.1 - b);
         }
         solution[i] = product(sum, at(i, i));

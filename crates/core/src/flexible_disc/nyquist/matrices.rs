@@ -113,12 +113,12 @@ pub(super) fn find_equilibrium<const L: usize>(
             // What is no number stays none in the sum.
             sum += step.abs();
         }
-        for l in 0..L {
+        for (l, state) in found.iter_mut().enumerate() {
             let small = (largest.0[l] <= LAST_STEP * scale.0[l]) & sum.0[l].is_finite();
             // A search that hardly converges may end elsewhere than that for the eigenvalues.
             let shrinks = largest.0[l] <= 0.1 * before.0[l];
-            if found[l] == 1 {
-                found[l] = if small { 2 } else { u64::from(shrinks) };
+            if *state == 1 {
+                *state = if small { 2 } else { u64::from(shrinks) };
             }
         }
         before = largest;
@@ -296,7 +296,7 @@ pub(super) fn set_matrix<const L: usize>(
             row[phi] = by_tilt * tilt_by_angle;
         }
         let gain = compliance[i] * ratio;
-        for entry in row[..=phi].iter_mut() {
+        for entry in &mut row[..=phi] {
             *entry = gain * *entry;
         }
         row[0] -= averages.shape[i] * compliance[i];
@@ -338,7 +338,7 @@ pub(super) fn set_matrix<const L: usize>(
             row[phi] = by_tilt * tilt_by_angle;
         }
         let gain = compliance[k] * ratio;
-        for entry in row[..=phi].iter_mut() {
+        for entry in &mut row[..=phi] {
             *entry = gain * *entry;
         }
         row[phi] -= averages.arc_shape[j] * (compliance[k] * tilt_by_angle);

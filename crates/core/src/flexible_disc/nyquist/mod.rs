@@ -24,7 +24,9 @@
 //! 1 / |L^-1| >= max( omega c - nu,   least - omega^2 - omega gamma - nu,   omega^2 - most - omega gamma - nu )
 //! ```
 //!
-//! with `c = min(c_y / M, eta1)`, and `least` and `most` bounds of the eigenvalues of A0. Where this is positive at all
+//! with `c = min(c_y / M, eta1)`, and `least` and `most` bounds of the eigenvalues of A0. Even and odd amplitudes are coupled
+//! by no more than `omega gamma + nu`, and the pressure couples y, phi and x to the even ones by parallel rows: the bounds use
+//! both, and eliminate y first where that is better. Where this is positive at all
 //! frequencies, no zero of the determinant crosses the imaginary axis while N grows from nothing to what it is. Without N
 //! the core is damped and stable, so it is stable with N.
 //!
