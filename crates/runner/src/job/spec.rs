@@ -8,6 +8,7 @@ use toml::Spanned;
 
 use super::axes_spec::AxesSpec;
 use super::criterion_spec::CriterionSpec;
+use super::keys::SECTIONS;
 use super::random_spec::RandomSpec;
 use super::sampling_spec::SamplingSpec;
 
@@ -73,9 +74,6 @@ pub struct ModelSpec {
 
 /// Values of one section of the parameters, by name.
 pub type Overrides = BTreeMap<Spanned<String>, Spanned<f64>>;
-
-/// The sections of the model, in the order of [`ModelSpec`].
-pub const SECTIONS: [&str; 6] = ["disc", "pad", "stiffness", "damping", "friction", "operating_point"];
 
 impl ModelSpec {
     /// Every section with its overrides.
