@@ -249,7 +249,7 @@ fn slice_picture(
     text += &foot(&horizontal.name, ends, drawn.len() * width);
     text += "          = below -0.1, - to -0.01, ' ' to 0.01, + to 0.1, # 0.1 and more";
     if slice.len() < rows.len() * columns.len() {
-        text += ", . not in both runs";
+        text += "\n          . not in both runs";
     }
     text + "\n\n"
 }
