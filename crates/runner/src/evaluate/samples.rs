@@ -7,7 +7,7 @@ use stickslip_sampler::draw::deviates::{DeviateStream, Deviates, Points};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::InputColumns;
 
-use crate::job::{Job, RandomInput, value_in_cell};
+use crate::job::{Job, RandomInput};
 
 /// Consecutive samples of one cell, in columns.
 #[derive(Debug, Clone)]
@@ -180,7 +180,7 @@ impl<'a> Drawing<'a> {
             dimensions: random.inputs.len(),
             points,
         };
-        let expected: Vec<f64> = random.inputs.iter().map(|input| input.expected(cell, job)).collect();
+        let expected: Vec<f64> = random.inputs.iter().map(|input| job.expected(*input, cell)).collect();
         let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
         let mut relative_stds = stds.clone();
         random.absolute().for_each(|input| relative_stds[input] = 0.0);
@@ -201,7 +201,7 @@ impl<'a> Drawing<'a> {
             Some(input) if factor == 1.0 => Column::Random(input),
             Some(input) => Column::Multiple { input, factor, values: Vec::new() },
             None => {
-                let value = value_in_cell(decisive, cell, job).unwrap_or(f64::NAN);
+                let value = job.value_in(decisive, cell).unwrap_or(f64::NAN);
                 Column::Fixed(vec![factor * value])
             }
         };

@@ -13,8 +13,7 @@ use stickslip_core::motion::start::GivenStart;
 use stickslip_core::parameters::SCALARS;
 use toml::Spanned;
 
-use super::keys::axis_of;
-use super::spec::SECTIONS;
+use super::keys::{SECTIONS, axis_of};
 use super::start_value::StartValue;
 
 /// Keys of `[axes]` without a dot: the short names of three axes, and tables of further ones.

@@ -4,6 +4,9 @@ use stickslip_core::parameters::{SCALARS, Scalar};
 
 use super::start_value::StartValue;
 
+/// The sections of the model, in the order of the model's table.
+pub const SECTIONS: [&str; 6] = ["disc", "pad", "stiffness", "damping", "friction", "operating_point"];
+
 /// The keys of a job spec outside `[model]`, by table.
 pub const TABLES: [(&str, &[&str]); 4] = [
     ("axes", &["rotating_speed", "preload", "static_friction"]),

@@ -1,10 +1,10 @@
 //! Job specs: what a user writes, checked and made into what the engine runs.
 
+mod start_value;
+
 mod keys;
 
 mod diagnosis;
-
-mod start_value;
 
 mod measured;
 
@@ -28,19 +28,19 @@ mod syntax;
 
 mod reading;
 
-pub mod plausibility;
-
-mod axes;
-
 mod random_input;
 
 mod scatter;
 
+mod random;
+
+pub mod plausibility;
+
+mod axes;
+
 mod start;
 
 mod criterion;
-
-mod random;
 
 mod model;
 
@@ -62,7 +62,7 @@ pub use criterion::Criterion;
 pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use identity::IDENTITY_VERSION;
 pub use keys::unknown_parameter;
-pub use random_input::{RandomInput, value_in_cell};
+pub use random_input::RandomInput;
 pub use sampling::Effort;
 pub use sampling_spec::{Audit, EvaluateMode, SamplingMethod};
 pub use source::{JobSource, Overrides};

@@ -1,11 +1,10 @@
 //! A random input: one parameter that scatters.
 
 use stickslip_core::parameters::{Parameters, SCALARS, Scalar, scalar};
-use stickslip_sampler::grid::{Cell, Grid};
+use stickslip_sampler::grid::Grid;
 
 use super::keys::{axis_of, nearest, parameter};
 use super::start_value::StartValue;
-use super::validated::Job;
 
 /// An input that scatters.
 #[derive(Debug, Clone, Copy)]
@@ -70,17 +69,6 @@ impl RandomInput {
         ))
     }
 
-    /// Its expected value in a cell of a job.
-    pub fn expected(self, cell: &Cell, job: &Job) -> f64 {
-        match self {
-            Self::Preload => cell.preload,
-            Self::StaticFriction => cell.static_friction,
-            Self::Other(_) if self.is_rotating_speed() => cell.rotating_speed,
-            Self::Other(scalar) => value_in_cell(scalar.key, cell, job).unwrap_or(f64::NAN),
-            Self::Start(value) => value_in_cell(value.key(), cell, job).unwrap_or(f64::NAN),
-        }
-    }
-
     /// Its expected values over all cells, and the key that has them. Those of the start are not looked at.
     pub fn all_expected(self, parameters: &Parameters, grid: &Grid) -> (Vec<f64>, String) {
         match self {
@@ -120,18 +108,6 @@ impl RandomInput {
             Self::Other(scalar) => 2 + SCALARS.iter().position(|other| other.key == scalar.key).unwrap_or(0),
             Self::Start(value) => 2 + SCALARS.len() + value as usize,
         }
-    }
-}
-
-/// The value in a cell of a job of a parameter, but for those that have an axis in every job, or of a number of the start;
-/// `None` if the start leaves it out.
-pub fn value_in_cell(key: &str, cell: &Cell, job: &Job) -> Option<f64> {
-    if let Some(axis) = job.grid.further().position(|further| further.name == key) {
-        return Some(job.grid.further_values(cell.index)[axis]);
-    }
-    match StartValue::from_key(key) {
-        Some(value) => value.of(&job.criterion.given_start()?),
-        None => scalar(key).map(|scalar| scalar.value(&job.parameters)),
     }
 }
 

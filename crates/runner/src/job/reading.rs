@@ -30,7 +30,9 @@ pub fn read(text: &str, complaints: &mut Complaints) -> Option<JobSpec> {
         };
         let mut choices = choices_at(&document, &path);
         // A table in place of one of a few names: the fault is not within it.
+        let is_within = !choices.is_empty() || error.message().starts_with("unknown field ") || is_number(&error);
         if let [outer @ .., _] = &path[..]
+            && !is_within
             && let of_outer @ [_, ..] = &choices_at(&document, outer)[..]
         {
             (choices, path) = (of_outer.to_vec(), outer.to_vec());
@@ -46,6 +48,11 @@ pub fn read(text: &str, complaints: &mut Complaints) -> Option<JobSpec> {
         change(document.get_mut(), &path, None);
         complaints.note_unread(path);
     }
+}
+
+/// Whether what is wrong is the type of a value that must be a number or one of two.
+fn is_number(error: &Error) -> bool {
+    ["expected f64", "expected a boolean"].iter().any(|end| error.message().ends_with(end))
 }
 
 /// The keys that lead to the innermost entry about which something is said at `span`.
@@ -221,7 +228,8 @@ fn about_value(
         DeValue::String(_) => None,
         _ if !choices.is_empty() => {
             let choices: Vec<&str> = choices.iter().map(String::as_str).collect();
-            let choices = listed(&choices).replace('`', "\"");
+            let state = if key == "criterion.start" { ", or a state, for example { velocity = 0.3 }" } else { "" };
+            let choices = listed(&choices).replace('`', "\"") + state;
             Some(Complaint::at(span, format!("{key} = {typed} is not a value that it may have; write {choices}")))
         }
         _ => None,

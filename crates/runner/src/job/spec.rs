@@ -7,6 +7,7 @@ use toml::Spanned;
 use super::axes_spec::AxesSpec;
 use super::criterion_spec::CriterionSpec;
 use super::friction::FrictionSpec;
+use super::keys::SECTIONS;
 use super::overrides::{Overrides, section_properties};
 use super::random_spec::RandomSpec;
 use super::sampling_spec::SamplingSpec;
@@ -69,9 +70,6 @@ pub struct ModelSpec {
     #[schemars(schema_with = "section_schema::<5>")]
     pub operating_point: Overrides,
 }
-
-/// The sections of the model, in the order of [`ModelSpec`].
-pub const SECTIONS: [&str; 6] = ["disc", "pad", "stiffness", "damping", "friction", "operating_point"];
 
 impl ModelSpec {
     /// Every section with its overrides.

@@ -2,21 +2,23 @@
 
 use stickslip_core::criterion::validity;
 use stickslip_core::criterion::validity::Uncovered;
-use stickslip_core::parameters::{ParameterError, Parameters};
+use stickslip_core::parameters::{ParameterError, Parameters, scalar};
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::draw::deviates::Points;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use stickslip_sampler::estimate::interval;
 use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
-use stickslip_sampler::grid::Grid;
+use stickslip_sampler::grid::{Cell, Grid};
 
 use super::axes::Brakes;
 use super::criterion::Criterion;
 use super::criterion_spec::OutsidePhysics;
 use super::plausibility;
 use super::random::RandomInputSet;
+use super::random_input::RandomInput;
 use super::sampling::{Effort, Sampling};
 use super::sampling_spec::{Audit, EvaluateMode, SamplingMethod};
+use super::start_value::StartValue;
 
 /// A job that can be run: everything resolved, nothing left to check.
 #[derive(Debug, Clone)]
@@ -142,6 +144,29 @@ impl Job {
     /// The parameters of the brakes of the grid.
     pub fn brakes(&self) -> Brakes<'_> {
         Brakes { parameters: &self.parameters, grid: &self.grid }
+    }
+
+    /// The value in a cell of a parameter, but for those that have an axis in every job, or of a number of the start; `None`
+    /// if the start leaves it out.
+    pub fn value_in(&self, key: &str, cell: &Cell) -> Option<f64> {
+        if let Some(axis) = self.grid.further().position(|further| further.name == key) {
+            return Some(self.grid.further_values(cell.index)[axis]);
+        }
+        match StartValue::from_key(key) {
+            Some(number) => number.of(&self.criterion.given_start()?),
+            None => scalar(key).map(|scalar| scalar.value(&self.parameters)),
+        }
+    }
+
+    /// The expected value of a random input in a cell.
+    pub fn expected(&self, input: RandomInput, cell: &Cell) -> f64 {
+        match input {
+            RandomInput::Preload => cell.preload,
+            RandomInput::StaticFriction => cell.static_friction,
+            RandomInput::Other(_) if input.is_rotating_speed() => cell.rotating_speed,
+            // A random number of the start has an expected value: this is checked.
+            other => self.value_in(other.name(), cell).unwrap_or(f64::NAN),
+        }
     }
 
     /// The brake of a cell, by its index in the grid, with the expected values of everything that scatters.

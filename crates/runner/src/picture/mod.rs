@@ -76,7 +76,7 @@ fn heat_map(surface: &Surface<'_>, slice: &Slice<'_>, vertical: &ViewAxis, horiz
         text += "|\n";
     }
     text += &foot(&horizontal.name, horizontal.ends(), columns.len() * width);
-    text += "          ' ' below 1 %, · 1 to 20, ░ 20 to 40, ▒ 40 to 60, ▓ 60 to 80, █ 80 % and more\n";
+    text += "          ' ' below 1 %, · to 20, ░ to 40, ▒ to 60, ▓ to 80, █ 80 % and more\n";
     if has_unknown {
         text += "          ? more than 10 % of the samples undecided or failed\n";
     }

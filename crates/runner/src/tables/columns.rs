@@ -15,7 +15,7 @@ use stickslip_sampler::inputs::Marginal;
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::SumLayout;
 use crate::files::table::described_field;
-use crate::job::{Effort, Job, RandomInput, SamplingMethod, StartValue, value_in_cell};
+use crate::job::{Effort, Job, RandomInput, SamplingMethod, StartValue};
 use crate::tables::row::SurfaceRow;
 
 /// A column: its name, unit, meaning and values.
@@ -264,7 +264,7 @@ fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
     let start = job.criterion.given_start().unwrap_or_default();
     let expected_column = |key: &'static str, unit: &'static str, description: &str| {
         let of_job = job.clone();
-        let value = move |row: &SurfaceRow| value_in_cell(key, &row.cell, &of_job).unwrap_or(f64::NAN);
+        let value = move |row: &SurfaceRow| of_job.value_in(key, &row.cell).unwrap_or(f64::NAN);
         Column::new(key, unit, format!("expected value of {key}: {description}"), Values::Real(Box::new(value)))
     };
     for (i, (&input, marginal)) in job.random.inputs.iter().zip(&job.random.marginals).enumerate() {
@@ -302,7 +302,7 @@ fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
         let (marginal, of_job) = (marginal.clone(), job.clone());
         let is_absolute = input.scatters_absolutely();
         let moments = move |row: &SurfaceRow| {
-            let (expected, std) = (input.expected(&row.cell, &of_job), std(&row.cell));
+            let (expected, std) = (of_job.expected(input, &row.cell), std(&row.cell));
             if is_absolute { marginal.absolute_moments(expected, std) } else { marginal.moments(expected, std) }
         };
         let means = moments.clone();

@@ -7,7 +7,7 @@ use stickslip_sampler::grid::Cell;
 
 use super::run::Run;
 use crate::failure::Failure;
-use crate::job::{Effort, Job, value_in_cell};
+use crate::job::{Effort, Job};
 use crate::output::note;
 
 /// How the samples of a cell in one run depend on those in another run.
@@ -88,7 +88,7 @@ impl Matching {
             // If both runs have the same random inputs, the standard deviations of the others belong to the cell, too.
             values.extend(same_inputs.then(|| stds(job, index)).into_iter().flatten());
             let cell = job.grid.cell(index);
-            let further = further.iter().map(|name| value_in_cell(name, &cell, job).unwrap_or(f64::NAN));
+            let further = further.iter().map(|name| job.value_in(name, &cell).unwrap_or(f64::NAN));
             values.extend(further);
             values.into_iter().map(f64::to_bits).collect()
         };

@@ -8,7 +8,7 @@ use stickslip_core::parameters::SCALARS;
 
 use super::differences::{Differences, Interval, Row};
 use crate::files::table::{TableColumn, TableValues};
-use crate::job::{StartValue, value_in_cell};
+use crate::job::StartValue;
 use crate::output::counted;
 use crate::picture::foot;
 use crate::picture::view::{GridView, ViewAxis, label};
@@ -249,7 +249,7 @@ fn slice_picture(
     text += &foot(&horizontal.name, ends, drawn.len() * width);
     text += "          = below -0.1, - to -0.01, ' ' to 0.01, + to 0.1, # 0.1 and more";
     if slice.len() < rows.len() * columns.len() {
-        text += ", . not in both runs";
+        text += "\n          . not in both runs";
     }
     text + "\n\n"
 }
@@ -307,7 +307,7 @@ pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
     let is_axis = |key: &str| jobs().any(|job| job.grid.further().any(|further| further.name == key));
     let mut add = |key: &'static str, unit: &'static str| {
         if is_axis(key) {
-            let value = |(differences, row): (&Differences<'_>, &Row)| value_in_cell(key, &row.cell, differences.job);
+            let value = |(differences, row): (&Differences<'_>, &Row)| differences.job.value_in(key, &row.cell);
             let values = TableValues::Real(all().map(value).collect());
             columns.push(TableColumn { name: key, unit, long_name: "expected value in the first run", values });
         }
