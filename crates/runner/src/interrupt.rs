@@ -43,8 +43,8 @@ struct Shared {
     working: AtomicUsize,
     /// Held while a file of results is written.
     saving: Mutex<()>,
-    /// How to continue what is interrupted.
-    advice: Mutex<Option<String>>,
+    /// What is kept of what is interrupted, and how to continue it.
+    remark: Mutex<String>,
 }
 
 /// A stretch of work in progress, see [`Interrupt::working`].
@@ -81,9 +81,9 @@ impl Interrupt {
         }
     }
 
-    /// Says how to continue what is interrupted from now on.
-    pub fn advise(&self, how: &str) {
-        *lock(&self.shared.advice) = Some(how.to_owned());
+    /// Tells what is kept from now on of what is interrupted, and how to continue it.
+    pub fn remark(&self, remark: &str) {
+        *lock(&self.shared.remark) = format!("; {remark}");
     }
 
     /// Begins a stretch of work. A signal during it leaves time to hand over its results.
@@ -105,15 +105,13 @@ impl Shared {
         let received = Instant::now();
         self.signal.store(number as usize, Ordering::SeqCst);
         let signal = signal_of(number as usize);
-        let advice = lock(&self.advice).clone();
-        let kept = advice.as_ref().map_or_else(String::new, |advice| format!("; what is finished is kept; {advice}"));
+        let remark = lock(&self.remark).clone();
         if self.working.load(Ordering::SeqCst) == 0 {
-            note_over_bar(format_args!("{signal}{kept}"));
+            note_over_bar(format_args!("{signal}{remark}"));
             process::exit(i32::from(signal.exit_code()));
         }
-        let then = advice.map_or_else(String::new, |advice| format!("; then {advice}"));
         note_over_bar(format_args!(
-            "{signal}: saving what is finished, within 2 seconds (a second signal ends at once){then}"
+            "{signal}: saving what is finished, within 2 seconds (a second signal ends at once){remark}"
         ));
         loop {
             thread::sleep(PAUSE);
@@ -124,7 +122,7 @@ impl Shared {
             if received.elapsed() >= GRACE
                 && let Ok(_saving) = self.saving.try_lock()
             {
-                note_over_bar(format_args!("{signal}; what takes longer is given up{kept}"));
+                note_over_bar(format_args!("{signal}; what takes longer is given up{remark}"));
                 process::exit(i32::from(signal.exit_code()));
             }
         }

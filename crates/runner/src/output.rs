@@ -68,6 +68,15 @@ pub fn counted(count: u128, one: &str, many: &str) -> String {
     format!("{} {}", HumanCount128(count), if count == 1 { one } else { many })
 }
 
+/// A number of things in a second, with decimals if it is small.
+pub fn rate(in_a_second: f64) -> String {
+    match in_a_second {
+        rate if rate < 1.0 => format!("{rate:.2}"),
+        rate if rate < 10.0 => format!("{rate:.1}"),
+        rate => HumanCount(rate as u64).to_string(),
+    }
+}
+
 /// A count, with separators between thousands if it fits 64 bits.
 pub struct HumanCount128(pub u128);
 

@@ -7,7 +7,7 @@ use crate::cli::CheckArguments;
 use crate::evaluate::evaluator::Evaluator;
 use crate::failure::Failure;
 use crate::job::{Effort, Job, JobSource};
-use crate::output::{HumanCount128, counted, result, warn};
+use crate::output::{HumanCount128, counted, rate, result, warn};
 use crate::schedule::engine::Engine;
 use crate::schedule::time_left::Prediction;
 use crate::schedule::trial::SampleTrial;
@@ -44,8 +44,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
 /// The cost of samples that are decided one by one.
 fn cost_of_samples(job: &Job, trial: &SampleTrial, threads: usize) -> String {
     let on = counted(threads as u128, "thread", "threads");
-    let rate = 1.0 / trial.cost.max(1e-12);
-    let rate = if rate < 10.0 { format!("{rate:.1}") } else { HumanCount(rate as u64).to_string() };
+    let rate = rate(1.0 / trial.cost.max(1e-12));
     let measured = format!("on {on} ({rate} samples/s on one, measured now)");
     let unit = job.unit_samples().min(job.sampling.samples);
     let total = counted(job.total_samples(), "sample", "samples");

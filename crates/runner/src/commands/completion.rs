@@ -11,7 +11,7 @@ use crate::evaluate::integral::IntegratedCell;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
-use crate::output::{HumanCount128, counted, note, quoted};
+use crate::output::{HumanCount128, counted, note, quoted, rate};
 use crate::schedule::engine::{Engine, Outcome, Samples};
 use crate::schedule::plan::{Plan, Shard};
 use crate::schedule::progress::{Progress, Total};
@@ -94,7 +94,7 @@ pub fn compute(
         None => format!("stickslip resume {path}"),
         Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
     };
-    interrupt.advise(&format!("continue with `{how}`"));
+    interrupt.remark(&format!("what is finished is kept; continue with `{how}`"));
     let kept =
         |failure: Failure| failure.with_remedy(&format!("what is on disk already is kept; continue with `{how}`"));
     let engine = Engine::new(threads)?;
@@ -115,10 +115,10 @@ pub fn compute(
     let seconds = started.elapsed().as_secs_f64();
     if computed > 0 {
         note(format_args!(
-            "{} samples in {seconds:.2} s on {} ({} samples/s)",
-            HumanCount(computed),
+            "{} in {seconds:.2} s on {} ({} samples/s)",
+            counted(computed.into(), "sample", "samples"),
             counted(threads as u128, "thread", "threads"),
-            HumanCount((computed as f64 / seconds.max(1e-9)) as u64)
+            rate(computed as f64 / seconds.max(1e-9))
         ));
     }
     if let Outcome::Stopped(signal) = outcome {

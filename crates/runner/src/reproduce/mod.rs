@@ -51,7 +51,7 @@ pub fn reproduce(arguments: &ReproduceArguments, interrupt: &Interrupt) -> Resul
 
 fn one(target: Target, arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let run = run(target, arguments, interrupt)?;
-    interrupt.advise("the same command goes on from there");
+    interrupt.remark("finished runs are kept; the same command goes on from there");
     let text = match (target, run) {
         (Target::Table2, Some(run)) => tables::table2(&run)?,
         (Target::Table3, Some(run)) => tables::table3(&run)?,

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::output::note;
+use crate::output::{note, rate};
 use crate::schedule::time_left::{Prediction, RateMeter};
 
 /// Time between plain lines. A line is also printed when another twentieth is done, after the shortest time, and once
@@ -115,8 +115,7 @@ impl Progress {
 
     /// What is done, how fast, and how long the rest takes.
     fn text(&self) -> String {
-        let rate = self.done as f64 / self.started.elapsed().as_secs_f64().max(1e-9);
-        let rate = if rate < 10.0 { format!("{rate:.1}") } else { HumanCount(rate as u64).to_string() };
+        let rate = rate(self.done as f64 / self.started.elapsed().as_secs_f64().max(1e-9));
         let left = match self.time_left() {
             Prediction::Unknown => "estimating the time left".to_owned(),
             known if self.step.is_empty() => format!("{known} left"),

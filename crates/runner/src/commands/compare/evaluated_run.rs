@@ -134,8 +134,10 @@ fn complete_maps(
     Ok(())
 }
 
+/// What is kept of a comparison that a signal ended.
+pub const STOPPED: &str = "nothing was compared; finished tiles of verdict maps are kept. Run the same command again";
+
 /// A comparison that a signal ended.
 pub fn stopped(signal: Signal) -> Failure {
-    let message = "nothing was compared; finished tiles of verdict maps are kept. Run the same command again";
-    Failure::Stopped { signal, message: message.to_owned() }
+    Failure::Stopped { signal, message: STOPPED.to_owned() }
 }

@@ -22,7 +22,7 @@ use indicatif::HumanCount;
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
 
 use self::differences::{Differences, differences};
-use self::evaluated_run::EvaluatedRun;
+use self::evaluated_run::{EvaluatedRun, STOPPED};
 use self::matching::{Dependence, Matching};
 use self::report::{json, picture, summary, table};
 use self::run::Run;
@@ -36,6 +36,7 @@ use crate::schedule::engine::Engine;
 
 /// `stickslip compare`.
 pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    interrupt.remark(STOPPED);
     if arguments.runs.len() < 2 {
         let only = arguments.runs.first().map_or_else(String::new, |run| format!(", not only {}", run.display()));
         let message =

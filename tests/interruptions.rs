@@ -1,0 +1,243 @@
+//! Signals to slow jobs: answered in words at once, obeyed within two seconds, and nothing that was finished is lost.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
+
+mod common;
+
+use std::fs;
+use std::io::{BufRead as _, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{self, Receiver};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use common::Place;
+
+/// Time in which a signal is answered in words. The program takes some hundredths of a second; the rest is for a busy
+/// machine.
+const WORDS: Duration = Duration::from_secs(2);
+
+/// Time in which it is obeyed. The program takes two seconds at most.
+const END: Duration = Duration::from_secs(6);
+
+/// A command under way, and the lines that it writes to standard error.
+struct Running {
+    child: Child,
+    lines: Receiver<String>,
+    said: Vec<String>,
+}
+
+impl Running {
+    fn start(place: &Place, words: &str) -> Self {
+        let mut command = place.command(words);
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        let (sender, lines) = mpsc::channel();
+        let stderr = BufReader::new(child.stderr.take().unwrap());
+        thread::spawn(move || stderr.lines().map_while(Result::ok).try_for_each(|line| sender.send(line)));
+        Self { child, lines, said: Vec::new() }
+    }
+
+    fn is_running(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+
+    fn send(&self, signal: &str) {
+        let sent = Command::new("kill").args([&format!("-{signal}"), &self.child.id().to_string()]).status();
+        assert!(sent.unwrap().success());
+    }
+
+    /// Sends a signal; asserts that it is answered and obeyed in time, and returns everything that was said.
+    #[track_caller]
+    fn stop(mut self, signal: &str) -> String {
+        let (word, code) = if signal == "INT" { ("interrupted", 130) } else { ("terminated", 143) };
+        self.said.extend(self.lines.try_iter());
+        let sent = Instant::now();
+        self.send(signal);
+        let answer = self.lines.recv_timeout(END).unwrap();
+        assert!(sent.elapsed() < WORDS, "the answer came after {:?}", sent.elapsed());
+        assert!(answer.contains(word), "{answer}");
+        self.said.push(answer);
+        self.ended(sent, code)
+    }
+
+    #[track_caller]
+    fn ended(mut self, sent: Instant, code: i32) -> String {
+        let status = self.child.wait().unwrap();
+        let took = sent.elapsed();
+        self.said.extend(self.lines.iter());
+        let said = self.said.join("\n");
+        assert!(took < END, "it ended after {took:?}\n{said}");
+        assert_eq!(status.code(), Some(code), "{said}");
+        said
+    }
+}
+
+/// A job of one cell whose samples are slow: eight random inputs on a flexible disc.
+fn slow_job(sampling: &str) -> String {
+    format!(
+        "name = \"slow\"\n[axes]\nrotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.3\n[random]\ninputs = [\"preload\", \
+         \"static_friction\", \"friction.kinetic_coefficient\", \"friction.stribeck_velocity\", \"stiffness.contact_normal\", \
+         \"damping.tangential\", \"pad.mass\", \"disc.thickness\"]\nrelative_std = 0.1\n[criterion]\nkind = \
+         \"time-domain\"\nstart = \"rest\"\nrecord = [\"amplitude\"]\n[sampling]\n{sampling}\n"
+    )
+}
+
+fn samples_done(place: &Place, run: &str) -> u64 {
+    let status: serde_json::Value =
+        serde_json::from_str(&place.run(&format!("status {run} --json")).done().stdout).unwrap();
+    status["samples_done"].as_u64().unwrap()
+}
+
+/// Runs a job that a batch system ends again and again before its first unit of work is complete, and starts again.
+/// Its number of samples is chosen so large that this happens at least three times.
+#[track_caller]
+fn advances(sampling: impl Fn(u64) -> String) {
+    let place = Place::new();
+    for samples in [40, 200, 1000, 5000, 25_000] {
+        place.write("job.toml", &slow_job(&sampling(samples)));
+        let run = format!("run-{samples}");
+        let mut done = Vec::new();
+        loop {
+            let words = match place.path(&run).join("job.toml").exists() {
+                true => format!("resume {run} --threads 1"),
+                false => format!("submit job.toml --out {run} --threads 1"),
+            };
+            let mut running = Running::start(&place, &words);
+            let started = Instant::now();
+            while running.is_running() && started.elapsed() < Duration::from_millis(800 + 200 * done.len() as u64) {
+                thread::sleep(Duration::from_millis(10));
+            }
+            if !running.is_running() {
+                running.ended(Instant::now(), 0);
+                break;
+            }
+            let said = running.stop("TERM");
+            assert!(said.contains(&format!("continue with `stickslip resume {run}`")), "{said}");
+            done.push(samples_done(&place, &run));
+            assert!(done.len() < 100, "it does not advance: {done:?}");
+        }
+        if done.len() >= 3 {
+            assert!(done.iter().any(|done| !done.is_multiple_of(1000)), "no unit was interrupted: {done:?}");
+            place.run(&format!("submit job.toml --out whole-{samples}")).done();
+            assert!(place.surface(&run) == place.surface(&format!("whole-{samples}")));
+            return;
+        }
+    }
+    panic!("every job was too short for this test");
+}
+
+#[test]
+fn a_block_that_takes_longer_than_the_time_limit_is_finished_in_parts() {
+    advances(|samples| format!("samples = {samples}"));
+}
+
+#[test]
+fn samples_with_sensitivity_are_kept_inside_a_block() {
+    advances(|samples| format!("samples = {}\nsensitivity = true", samples / 10));
+}
+
+#[test]
+fn sobol_points_are_kept_inside_a_randomisation() {
+    advances(|samples| format!("method = \"sobol\"\nsamples = {}", samples.next_power_of_two() * 16));
+}
+
+#[test]
+fn samples_between_two_looks_are_kept() {
+    advances(|samples| format!("until = {{ half_width = 0.2, confidence = 0.9, at_most = {samples} }}"));
+}
+
+/// A job with a verdict map that is integrated over it and audited.
+const MAPPED: &str = "name = \"mapped\"\n[axes]\nrotating_speed = 15.0\npreload = { from = 0.03, to = 0.3, points = 3 }\n\
+    static_friction = { from = 0.27, to = 0.5, points = 3 }\n[random]\ninputs = [\"preload\", \"static_friction\"]\n\
+    relative_std = 0.2\n[criterion]\nkind = \"time-domain\"\n[sampling]\nmethod = \"exact\"\n";
+
+#[test]
+fn tiles_and_audits_that_are_finished_are_kept() {
+    let place = Place::new();
+    place.write("job.toml", MAPPED);
+    let files = |folder: &str| fs::read_dir(place.path("run").join(folder)).map_or(0, Iterator::count);
+    for folder in ["map", "audit"] {
+        let words = if folder == "map" { "submit job.toml --out run" } else { "resume run" };
+        let mut running = Running::start(&place, words);
+        while files(folder) == 0 {
+            assert!(running.is_running(), "the job is too short for this test: it ended before {folder}/ was seen");
+            thread::sleep(Duration::from_millis(5));
+        }
+        let said = running.stop("INT");
+        assert!(said.contains("kept; continue with `stickslip resume run`"), "{said}");
+        assert!(files(folder) > 0 && !place.path("run/surface.parquet").exists());
+    }
+    let resumed = place.run("resume run").done().stderr;
+    assert!(resumed.contains(", 0 of them new"), "all tiles were there: {resumed}");
+    place.run("submit job.toml --out whole").done();
+    assert!(place.surface("run") == place.surface("whole"));
+}
+
+#[test]
+fn a_job_that_is_still_being_prepared_ends_at_once() {
+    let place = Place::new();
+    let speeds = "rotating_speed = { from = 10.0, to = 20.0, points = 30_000 }";
+    place.write("job.toml", &slow_job("samples = 1").replace("rotating_speed = 15.0", speeds).replace(
+        "inputs = [\"preload\", \"static_friction\", \"friction.kinetic_coefficient\", \"friction.stribeck_velocity\", \
+         \"stiffness.contact_normal\", \"damping.tangential\", \"pad.mass\", \"disc.thickness\"]",
+        "inputs = [\"preload\"]",
+    ));
+    let mut running = Running::start(&place, "submit job.toml --out run");
+    while !place.path("run/job.toml").exists() {
+        assert!(running.is_running());
+        thread::sleep(Duration::from_millis(5));
+    }
+    thread::sleep(Duration::from_millis(300));
+    let said = running.stop("INT");
+    assert!(said.contains("continue with `stickslip resume run`"), "{said}");
+    assert_eq!(fs::read_dir(place.path("run/shards")).unwrap().count(), 0);
+}
+
+/// A job of one sample that takes many seconds.
+fn one_long_sample() -> String {
+    "name = \"long\"\n[model.disc]\nyoungs_modulus = 1e13\nthickness = 0.05\n[axes]\nrotating_speed = 15.0\npreload = 0.1\n\
+     static_friction = 0.39\n[random]\ninputs = []\n[criterion]\nkind = \"time-domain\"\nstart = \"rest\"\ndisc_modes = \
+     24\nrecord = [\"amplitude\"]\n[sampling]\nsamples = 1\n"
+        .to_owned()
+}
+
+#[test]
+fn a_sample_that_takes_too_long_is_given_up() {
+    let place = Place::new();
+    place.write("job.toml", &one_long_sample());
+    let mut running = Running::start(&place, "submit job.toml --out run");
+    thread::sleep(Duration::from_millis(1500));
+    assert!(running.is_running(), "the job is too short for this test");
+    let said = running.stop("TERM");
+    assert!(said.contains("given up") && said.contains("continue with `stickslip resume run`"), "{said}");
+}
+
+#[test]
+fn a_second_signal_ends_the_process_at_once() {
+    let place = Place::new();
+    place.write("job.toml", &one_long_sample());
+    let mut running = Running::start(&place, "submit job.toml --out run");
+    thread::sleep(Duration::from_millis(1500));
+    assert!(running.is_running(), "the job is too short for this test");
+    let started = Instant::now();
+    running.send("INT");
+    // A second signal within a moment is the same one, sent to the process and to its group.
+    running.send("INT");
+    thread::sleep(Duration::from_millis(500));
+    assert!(running.is_running() || started.elapsed() > Duration::from_millis(1500), "an echo ended it");
+    let again = Instant::now();
+    running.send("INT");
+    let said = running.ended(again, 130);
+    assert!(!said.contains("given up") || again.elapsed() > Duration::from_secs(1), "{said}");
+}
+
+#[test]
+fn nothing_is_predicted_before_something_is_known() {
+    let place = Place::new();
+    place.write("job.toml", &one_long_sample().replace("samples = 1", "samples = 100"));
+    let mut running = Running::start(&place, "submit job.toml --out run");
+    thread::sleep(Duration::from_secs(3));
+    assert!(running.is_running(), "the job is too short for this test");
+    let said = running.stop("INT");
+    assert!(!said.contains("year") && !said.contains(" left"), "{said}");
+}
