@@ -18,6 +18,7 @@ use crate::flexible_disc::contact::patch::LENGTH_UNIT;
 use crate::flexible_disc::contact::position::PadPosition;
 use crate::flexible_disc::geometry::DiscGeometry;
 use crate::flexible_disc::plate_modes::PlateMode;
+use crate::friction::law::FrictionLaw;
 use crate::numerics::sine_cosine::sine_and_cosine;
 use crate::pad::contact_state::ContactState;
 use crate::pad::equations::{ContactForces, PAD, PadEquations};
@@ -52,6 +53,11 @@ pub(crate) struct FlexibleEquations {
     pub slope_scale: f64,
 }
 
+/// How steeply friction falls with the sliding speed in steady sliding.
+pub(crate) fn friction_slope(brake: &PadOnDisc, pad: &PadEquations, static_friction: f64) -> f64 {
+    FrictionLaw { static_coefficient: static_friction, ..*brake.friction_law() }.fall(pad.disc_speed)
+}
+
 impl FlexibleEquations {
     /// The equations of a brake with this geometry.
     pub fn new(brake: PadOnDisc, geometry: Arc<DiscGeometry>) -> Self {
@@ -82,8 +88,7 @@ impl FlexibleEquations {
         for (index, mode) in modes.iter().enumerate().filter(|(_, mode)| mode.nodal_diameters > 0) {
             amplitudes.push(amplitude(mode, index, -1.0));
         }
-        let frequencies = modes.iter().map(|mode| mode.frequency_parameter * per_parameter);
-        let first = frequencies.fold(f64::INFINITY, f64::min);
+        let first = geometry.lowest_parameter * per_parameter;
         let thickness = disc.thickness / disc.outer_radius;
         Self {
             amplitudes,

@@ -17,6 +17,10 @@ pub(crate) struct DiscGeometry {
     /// Modes of the disc that are kept; a cosine and its sine count as one.
     pub modes: Vec<PlateMode>,
     pub patch: ContactPatch,
+    /// The cosine and the sine amplitude of each mode that has both.
+    pub pairs: Vec<(usize, usize)>,
+    /// lambda^2 of the lowest mode.
+    pub lowest_parameter: f64,
     /// Shapes of the cosine amplitudes at the outer edge, and a quarter of the way to it.
     pub shapes_at_edge: Vec<f64>,
     pub shapes_inside: Vec<f64>,
@@ -32,7 +36,11 @@ impl DiscGeometry {
     pub fn with_points(parameters: &Parameters, modes: &[PlateMode], (radial, angular): (usize, usize)) -> Arc<Self> {
         let clamped = parameters.disc.inner_radius / parameters.disc.outer_radius;
         let shapes_at = |r: f64| modes.iter().map(|mode| mode.shape(r)).collect();
+        let with_sine = (0..modes.len()).filter(|&index| modes[index].nodal_diameters > 0);
+        let parameters_of_modes = modes.iter().map(|mode| mode.frequency_parameter);
         Arc::new(Self {
+            pairs: with_sine.zip(modes.len()..).collect(),
+            lowest_parameter: parameters_of_modes.fold(f64::INFINITY, f64::min),
             key: key(parameters),
             patch: ContactPatch::new(parameters, modes, radial, angular),
             shapes_at_edge: shapes_at(1.0),

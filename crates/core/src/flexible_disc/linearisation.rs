@@ -3,8 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::flexible_disc::contact::node::ContactNode;
-use crate::flexible_disc::equations::FlexibleEquations;
-use crate::friction::law::FrictionLaw;
+use crate::flexible_disc::equations::{FlexibleEquations, friction_slope};
 use crate::numerics::sine_cosine::sine_and_cosine;
 use crate::pad::equations::PAD;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
@@ -19,7 +18,7 @@ impl FlexibleEquations {
     /// The rise of the friction coefficient with the pad's speed in steady sliding, `d mu / d x'`: how steeply friction
     /// falls.
     pub fn friction_slope(&self, static_friction: f64) -> f64 {
-        FrictionLaw { static_coefficient: static_friction, ..*self.brake.friction_law() }.fall(self.pad.disc_speed)
+        friction_slope(&self.brake, &self.pad, static_friction)
     }
 
     /// [`FlexibleEquations::linearise`] for a friction coefficient and its slope, whatever law gives them.

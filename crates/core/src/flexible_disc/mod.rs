@@ -23,4 +23,6 @@ pub mod brake;
 
 pub mod linear_stability;
 
+pub(crate) mod nyquist;
+
 pub mod mode_count;

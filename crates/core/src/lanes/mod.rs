@@ -24,6 +24,8 @@ pub mod dispatch;
 
 pub mod closed_form;
 
+pub mod linear_stability;
+
 pub mod queue;
 
 mod pace;

@@ -319,7 +319,7 @@ impl Analysis {
         let Knock { forward, backward, outward, inward } = knock;
         let in_m_s = |value: f64| significant(scales.metres_per_second(value));
         let in_mm = |value: f64| significant(scales.millimetres(value));
-        row("smallest knock", "", "to stick-slip; in and against the disc's direction")
+        "smallest knock     in the direction of the disc's motion, and against it\n".to_owned()
             + &row(
                 "  change of speed",
                 &format!("{forward:.6e}, {backward:.6e}"),

@@ -9,9 +9,12 @@
 
 use std::path::{Path, PathBuf};
 
+use stickslip_core::criterion::settings::{HORIZON, TimeDomainSettings};
+use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
+use stickslip_core::motion::start::{GivenStart, Start, StartUnits};
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::basin::Window;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::verdict::{Verdict, VerdictCounts};
 
 use super::score::{self, Score};
@@ -55,6 +58,9 @@ const WINDOW: Window = Window { tangential: (-2.0, 2.0), speed: (0.0, 2.0) };
 
 /// The authors' starts for each speed, random and uniform.
 const THEIR_STARTS: f64 = 5000.0;
+
+/// The time to which they simulate.
+const THEIR_HORIZON: f64 = 500.0;
 
 /// Our starts, the middles of a regular grid: columns and rows.
 const COLUMNS: u32 = 100;
@@ -183,8 +189,8 @@ fn shares() -> Result<String, Failure> {
     for Share { speed, printed, area } in SHARES {
         let brake = BSTAB.at(speed)?;
         let exact = share(&brake)?;
-        let counts = decided(&brake);
-        let z = (printed - exact) / (exact * (1.0 - exact) / THEIR_STARTS).sqrt();
+        let counts = decided(&brake, HORIZON)?;
+        let z = (printed - exact) / (printed * (1.0 - printed) / THEIR_STARTS).sqrt();
         largest_difference = largest_difference.max((exact - area).abs());
         undecided += counts.undecided;
         if speed == SLOW {
@@ -210,14 +216,17 @@ fn shares() -> Result<String, Failure> {
         "  authors' shares within {LARGEST_Z} of their standard errors of the area, {SLOW} apart: {}, at most {largest_z:.1}\n",
         holds(largest_z <= LARGEST_Z)
     );
-    let slow = BSTAB.at(SLOW)?.growth_rate();
+    let slow = BSTAB.at(SLOW)?;
+    let within_their_horizon = decided(&slow, THEIR_HORIZON)?.undecided;
     text += &format!(
         "  At {SLOW} they are {:.1} standard errors low. Small motions decay there with the time constant {:.0}, the authors\n  \
-         simulate to t = 500, and motions near the unstable cycle take longer still. Verdicts here come from the return\n  \
-         map where motions are slow: {undecided} of {} states are undecided.\n\n",
+         simulate to t = {THEIR_HORIZON}, and motions near the unstable cycle take longer still. Verdicts here come from swings that\n  \
+         shrink or grow, and from the return map where they do so slowly: {undecided} of {} states are undecided, and with the\n  \
+         authors' horizon at {SLOW} {within_their_horizon} of {}.\n\n",
         -slow_z,
-        -1.0 / slow,
+        -1.0 / slow.growth_rate(),
         SHARES.len() * (COLUMNS * ROWS) as usize,
+        COLUMNS * ROWS,
     );
     Ok(text)
 }
@@ -229,16 +238,30 @@ fn share(brake: &PadOnDisc) -> Result<f64, Failure> {
     })
 }
 
-/// The verdicts on a regular grid of starts.
-fn decided(brake: &PadOnDisc) -> VerdictCounts {
+/// The verdicts of the time-domain criterion on a regular grid of starts.
+fn decided(brake: &PadOnDisc, horizon: f64) -> Result<VerdictCounts, Failure> {
     let middle = |(low, high): (f64, f64), index: u32, count: u32| {
         low + (high - low) * (f64::from(index) + 0.5) / f64::from(count)
+    };
+    let parameters = brake.parameters();
+    let inputs = RandomInputs {
+        preload: parameters.operating_point.preload,
+        static_friction: parameters.friction.static_coefficient,
     };
     let mut counts = VerdictCounts::default();
     for column in 0..COLUMNS {
         for row in 0..ROWS {
             let (x, speed) = (middle(WINDOW.tangential, column, COLUMNS), middle(WINDOW.speed, row, ROWS));
-            match brake.verdict_on_start(x, speed) {
+            let start = GivenStart {
+                tangential: Some(x),
+                velocity: Some(speed),
+                units: StartUnits::Scaled,
+                ..GivenStart::default()
+            };
+            let settings = TimeDomainSettings { start: Start::Given(start), horizon, ..TimeDomainSettings::default() };
+            let criterion =
+                TimeDomain::new(brake, &DiscModel::Rigid, settings).map_err(|error| Failure::Job(error.to_string()))?;
+            match criterion.decide(inputs).verdict {
                 Verdict::Stable => counts.stable += 1,
                 Verdict::Unstable => counts.unstable += 1,
                 Verdict::Undecided => counts.undecided += 1,
@@ -246,7 +269,7 @@ fn decided(brake: &PadOnDisc) -> VerdictCounts {
             }
         }
     }
-    counts
+    Ok(counts)
 }
 
 /// The unstable cycles that bound the basins, drawn and written.

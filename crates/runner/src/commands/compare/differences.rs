@@ -3,13 +3,14 @@
 use indicatif::HumanCount;
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::difference::{Difference, PairedCounts, dependent_difference, unpaired_difference};
-use stickslip_sampler::grid::{Cell, Grid};
+use stickslip_sampler::grid::Cell;
 
 use super::evaluated_run::EvaluatedRun;
 use super::matching::{Dependence, MatchedCell, Matching};
 use super::pairs::{JointCounts, count_pairs};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::job::Job;
 use crate::output::note;
 use crate::schedule::engine::Engine;
 
@@ -65,8 +66,8 @@ pub struct Differences<'a> {
     pub first: &'a str,
     /// The directory of the run that is compared with it, as typed.
     pub second: &'a str,
-    /// The grid of the reference.
-    pub grid: &'a Grid,
+    /// The job of the reference.
+    pub job: &'a Job,
     /// A row for each cell that both have, in the order of the first; at least one.
     pub rows: Vec<Row>,
 }
@@ -110,7 +111,7 @@ pub fn differences<'a>(
             second.run.name
         ));
     }
-    Ok(Differences { first: &first.run.name, second: &second.run.name, grid: &first.run.job.grid, rows })
+    Ok(Differences { first: &first.run.name, second: &second.run.name, job: &first.run.job, rows })
 }
 
 /// The difference in one cell: from its joint counts, if it has any, else from the counts or integrals of both runs.

@@ -4,16 +4,20 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use indicatif::HumanCount;
 use serde_json::{Value, json as object};
+use stickslip_core::parameters::SCALARS;
 
 use super::differences::{Differences, Interval, Row};
 use crate::files::table::{TableColumn, TableValues};
+use crate::job::{StartValue, value_in_cell};
 use crate::output::counted;
+use crate::picture::foot;
+use crate::picture::view::{GridView, ViewAxis, label};
 
 /// Largest number of rows and columns of a picture; larger grids are thinned out.
 const MOST_ROWS: usize = 15;
 const MOST_COLUMNS: usize = 60;
 
-/// Largest number of slices (combinations of speed and standard deviation) that are shown.
+/// Largest number of slices (combinations of the axes that are not shown) that are shown.
 const MOST_SLICES: usize = 4;
 
 /// Signs, each with the smallest difference that it is drawn for.
@@ -82,7 +86,7 @@ pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
     let largest = facts.largest.map_or_else(unknown, |row| {
         let difference = row.difference;
         format!(
-            "{:+.5} ({:+.5} to {:+.5}, {}) in cell {}: {} rad/s, preload {}, static friction {}",
+            "{:+.5} ({:+.5} to {:+.5}, {}) in cell {}: {} rad/s, preload {}, static friction {}{}",
             difference.value.unwrap_or(0.0),
             difference.low,
             difference.high,
@@ -90,7 +94,8 @@ pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
             row.cell.index,
             row.cell.rotating_speed,
             row.cell.preload,
-            row.cell.static_friction
+            row.cell.static_friction,
+            further(differences, row).map(|(name, value)| format!(", {name} {value}")).collect::<String>()
         )
     });
     text += &format!("largest           {largest}\n");
@@ -118,6 +123,20 @@ pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
     text
 }
 
+/// The values of a row on the further axes of the reference, by their names.
+fn further<'a>(differences: &'a Differences<'_>, row: &Row) -> impl Iterator<Item = (&'a str, f64)> {
+    let grid = &differences.job.grid;
+    grid.further().map(|further| &*further.name).zip(grid.further_values(row.cell.index))
+}
+
+/// An object of JSON, with the values on further axes.
+fn with_further(differences: &Differences<'_>, row: &Row, mut object: Value) -> Value {
+    for (name, value) in further(differences, row) {
+        object[name] = value.into();
+    }
+    object
+}
+
 /// A share in per cent. A share of zero differs from one that rounds to zero.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
@@ -143,7 +162,7 @@ pub fn json(compared: &[Differences<'_>], confidence: f64, simultaneous: bool) -
             "simultaneous": simultaneous,
             "mean_difference": facts.mean,
             "mean_absolute_difference": facts.mean_absolute,
-            "largest": facts.largest.map(|row| object!({
+            "largest": facts.largest.map(|row| with_further(differences, row, object!({
                 "cell_first": row.cell.index,
                 "cell_second": row.second_cell,
                 "rotating_speed_rad_s": row.cell.rotating_speed,
@@ -155,7 +174,7 @@ pub fn json(compared: &[Differences<'_>], confidence: f64, simultaneous: bool) -
                 "difference_low": row.difference.low,
                 "difference_high": row.difference.high,
                 "interval": row.interval.name(),
-            })),
+            }))),
             "cells_significantly_higher": facts.higher,
             "cells_significantly_lower": facts.lower,
             "samples_paired": facts.pairs,
@@ -168,21 +187,21 @@ pub fn json(compared: &[Differences<'_>], confidence: f64, simultaneous: bool) -
     Value::Array(compared.iter().map(of).collect())
 }
 
-/// The difference over preload and static friction: one slice for each speed and standard deviation, if it has at least
-/// two preloads and two static frictions.
+/// The difference over the two longest axes of the reference: one slice for each combination of the others, if it has at least
+/// two values of each.
 pub fn picture(differences: &Differences<'_>) -> String {
-    let axes = [&differences.grid.preload, &differences.grid.static_friction];
-    let [preloads, frictions] = axes.map(|axis| axis.values().len() as u64);
-    let mut slices: BTreeMap<u64, BTreeMap<(u64, u64), &Row>> = BTreeMap::new();
+    let view = GridView::new(differences.job);
+    let (Some(vertical), Some(horizontal)) = (view.vertical(), view.horizontal()) else { return String::new() };
+    let mut slices: BTreeMap<u64, BTreeMap<(usize, usize), &Row>> = BTreeMap::new();
     for row in &differences.rows {
         let index = row.cell.index;
-        let place = (index / frictions % preloads, index % frictions);
-        slices.entry(index / (preloads * frictions)).or_default().insert(place, row);
+        let place = (vertical.position(index), horizontal.position(index));
+        slices.entry(view.slice_of(index).first).or_default().insert(place, row);
     }
     let (mut text, mut drawn, mut more) = (String::new(), 0, 0);
-    for slice in slices.values() {
-        let rows: Vec<u64> = slice.keys().map(|place| place.0).collect::<BTreeSet<_>>().into_iter().collect();
-        let columns: Vec<u64> = slice.keys().map(|place| place.1).collect::<BTreeSet<_>>().into_iter().collect();
+    for (&first, slice) in &slices {
+        let rows: Vec<usize> = slice.keys().map(|place| place.0).collect::<BTreeSet<_>>().into_iter().collect();
+        let columns: Vec<usize> = slice.keys().map(|place| place.1).collect::<BTreeSet<_>>().into_iter().collect();
         if rows.len() < 2 || columns.len() < 2 {
             continue;
         }
@@ -191,7 +210,8 @@ pub fn picture(differences: &Differences<'_>) -> String {
             continue;
         }
         drawn += 1;
-        text += &slice_picture(slice, &rows, &columns);
+        text += &format!("Difference, second minus first,{}\n\n", view.slice_of(first).title(differences.job));
+        text += &slice_picture(slice, &rows, &columns, (vertical, horizontal));
     }
     if more > 0 {
         text += &format!("... and {more} more slices; --out FILE.parquet writes them all\n");
@@ -200,7 +220,7 @@ pub fn picture(differences: &Differences<'_>) -> String {
 }
 
 /// At most `most` evenly spaced entries, both ends included.
-fn thinned(entries: &[u64], most: usize) -> Vec<u64> {
+fn thinned(entries: &[usize], most: usize) -> Vec<usize> {
     let length = entries.len();
     if length <= most {
         return entries.to_vec();
@@ -208,37 +228,25 @@ fn thinned(entries: &[u64], most: usize) -> Vec<u64> {
     (0..most).map(|i| entries[(i * (length - 1) + (most - 1) / 2) / (most - 1)]).collect()
 }
 
-fn slice_picture(slice: &BTreeMap<(u64, u64), &Row>, rows: &[u64], columns: &[u64]) -> String {
-    let Some((_, row)) = slice.first_key_value() else { return String::new() };
-    let std = row.cell.relative_std;
-    let scatter: Vec<String> = [("preload", std.preload), ("friction", std.static_friction)]
-        .into_iter()
-        .filter(|(_, std)| *std > 0.0)
-        .map(|(name, std)| format!("{name} {std}"))
-        .collect();
-    let scatter = if scatter.is_empty() { "none".to_owned() } else { scatter.join(", ") };
-    let mut text =
-        format!("Difference, second minus first, at {} rad/s; relative std: {scatter}\n\n", row.cell.rotating_speed);
-    text += " preload\n";
+fn slice_picture(
+    slice: &BTreeMap<(usize, usize), &Row>,
+    rows: &[usize],
+    columns: &[usize],
+    (vertical, horizontal): (&ViewAxis, &ViewAxis),
+) -> String {
+    let mut text = format!(" {}\n", vertical.name);
     let drawn = thinned(columns, MOST_COLUMNS);
     let width = if drawn.len() <= MOST_COLUMNS / 2 { 2 } else { 1 };
-    for preload in thinned(rows, MOST_ROWS).into_iter().rev() {
-        let label = slice.range((preload, 0)..).next().map_or(0.0, |(_, row)| row.cell.preload);
-        text += &format!("{label:>8.4} |");
-        for &friction in &drawn {
-            let sign = slice.get(&(preload, friction)).map_or('.', |row| row.difference.value.map_or('?', sign));
+    for up in thinned(rows, MOST_ROWS).into_iter().rev() {
+        text += &format!("{} |", label(vertical.values[up]));
+        for &right in &drawn {
+            let sign = slice.get(&(up, right)).map_or('.', |row| row.difference.value.map_or('?', sign));
             text.extend(std::iter::repeat_n(sign, width));
         }
         text += "|\n";
     }
-    let friction = |column: Option<&u64>| {
-        let row = slice.iter().find(|(place, _)| Some(&place.1) == column);
-        row.map_or_else(String::new, |(_, row)| row.cell.static_friction.to_string())
-    };
-    let (from, to) = (friction(columns.first()), friction(columns.last()));
-    let inside = drawn.len() * width;
-    let gap = inside.saturating_sub(from.len() + to.len()).max(1);
-    text += &format!("{:9}+{}+\n{:10}{from}{:gap$}{to}  static friction\n", "", "-".repeat(inside), "", "");
+    let ends = [columns.first(), columns.last()].map(|column| column.map_or(0.0, |&column| horizontal.values[column]));
+    text += &foot(&horizontal.name, ends, drawn.len() * width);
     text += "          = below -0.1, - to -0.01, ' ' to 0.01, + to 0.1, # 0.1 and more";
     if slice.len() < rows.len() * columns.len() {
         text += ", . not in both runs";
@@ -272,7 +280,7 @@ pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
         values: TableValues::Real(all().map(|(_, row)| value(row)).collect()),
     };
     #[rustfmt::skip]
-    let columns = vec![
+    let mut columns = vec![
         text("first_run", "directory of the reference", |differences, _| differences.first.to_owned()),
         text("second_run", "directory of the run that is compared with it", |differences, _| differences.second.to_owned()),
         integer("cell_first", "0-based index of the cell in the first run", |row| row.cell.index),
@@ -295,5 +303,17 @@ pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
         real("difference_high", "upper end of the interval of the difference", |row| Some(row.difference.high)),
         text("interval", "paired (sample by sample), unpaired (independent samples), dependent (shared random numbers) or bounds (of integrated probabilities)", |_, row| row.interval.name().to_owned()),
     ];
+    let jobs = || compared.iter().map(|differences| differences.job);
+    let is_axis = |key: &str| jobs().any(|job| job.grid.further().any(|further| further.name == key));
+    let mut add = |key: &'static str, unit: &'static str| {
+        if is_axis(key) {
+            let value = |(differences, row): (&Differences<'_>, &Row)| value_in_cell(key, &row.cell, differences.job);
+            let values = TableValues::Real(all().map(value).collect());
+            columns.push(TableColumn { name: key, unit, long_name: "expected value in the first run", values });
+        }
+    };
+    SCALARS.iter().for_each(|scalar| add(scalar.key, scalar.unit));
+    let units = jobs().find_map(|job| job.criterion.given_start()).unwrap_or_default().units;
+    StartValue::ALL.into_iter().for_each(|number| add(number.key(), number.unit(units)));
     columns
 }

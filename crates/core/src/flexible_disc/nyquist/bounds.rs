@@ -1,0 +1,213 @@
+//! Bounds of the response over intervals of frequency; the module documentation proves them.
+
+use crate::flexible_disc::contact::averages::Averages;
+use crate::flexible_disc::nyquist::batch::{Coefficients, Work};
+use crate::flexible_disc::nyquist::matrices::Places;
+use crate::flexible_disc::nyquist::row::Row;
+
+/// Relative excess of the bounds over what is computed of them, for rounding.
+pub(super) const SLACK: f64 = 1.0 + 1e-9;
+
+/// What the bounds are made of. Vectors are those of the core, scaled to the mass of the pad.
+pub(super) struct Couplings<const L: usize> {
+    /// Bounds of the eigenvalues of A0.
+    pub least: Row<L>,
+    pub most: Row<L>,
+    /// c, gamma and nu.
+    pub damping: Row<L>,
+    pub gyroscopic: Row<L>,
+    pub remainder: Row<L>,
+    /// A_yy and B_yy.
+    pub y_stiffness: Row<L>,
+    pub y_damping: Row<L>,
+    /// Sizes of the row and of the column that couple y and the amplitudes.
+    pub y_row: Row<L>,
+    pub y_column: Row<L>,
+    /// The rows of x and of phi: at y, and along that of y.
+    pub x_row: [Row<L>; 2],
+    pub phi_row: [Row<L>; 2],
+    /// The column of phi: at y, and its sizes at the even and at the odd amplitudes.
+    pub phi_column: [Row<L>; 3],
+    /// The column of x, in A and in B: at y, and its size at the amplitudes.
+    pub x_column: [Row<L>; 2],
+    pub x_column_damping: [Row<L>; 2],
+    /// Row x and column phi of A; row phi and column x of A and of B.
+    pub x_by_phi: Row<L>,
+    pub phi_by_x: Row<L>,
+    pub phi_by_x_damping: Row<L>,
+    pub phi_stiffness: Row<L>,
+    pub phi_damping: Row<L>,
+    /// A_xx.
+    pub x_stiffness: Row<L>,
+}
+
+/// Bounds over an interval of frequency, infinite or no number where none is known.
+pub(super) struct Response<const L: usize> {
+    /// Of the inverse of the core.
+    pub core: Row<L>,
+    /// Of `1 / S`.
+    pub phi: Row<L>,
+    /// Of h.
+    pub x: Row<L>,
+}
+
+impl<const L: usize> Couplings<L> {
+    /// Scales the core to the mass of the pad, and finds what the bounds are made of.
+    #[inline(always)]
+    pub fn of_scaled(places: Places, averages: &Averages, of: &Coefficients<L>, work: &mut Work<L>) -> Self {
+        let Places { size, phi, x, even, .. } = places;
+        let first = Places::FIRST_AMPLITUDE;
+        let Work { matrix, damping_by_x, stiffness, gyroscopic, compliance, left, .. } = work;
+        // The root of the weight of each amplitude, and its reciprocal.
+        let roots = &mut left[..places.amplitudes()];
+        for (root, compliance) in roots.iter_mut().zip(&*compliance) {
+            let squared = of.pressure_gain * compliance.reciprocal();
+            root.0 = squared.sqrt();
+            root.1 = root.0.reciprocal();
+        }
+        for (i, row) in matrix.chunks_exact_mut(size).enumerate() {
+            for (entry, root) in row[first..phi].iter_mut().zip(&*roots) {
+                *entry = *entry * root.1;
+            }
+            if (first..phi).contains(&i) {
+                for entry in row {
+                    *entry = *entry * roots[i - first].0;
+                }
+                damping_by_x[i] = damping_by_x[i] * roots[i - first].0;
+            }
+        }
+        let (mut least, mut most) = (of.normal_stiffness, of.normal_stiffness);
+        let (mut trace, mut turning) = (of.pressure_gain, Row::ZERO);
+        // N: what is left of the core without A0.
+        let without_preload = matrix[0] - of.normal_stiffness - of.pressure_gain;
+        let mut remainder = without_preload * without_preload;
+        for k in 0..places.amplitudes() {
+            let (is_even, index) = if k < even { (true, k) } else { (false, k - even) };
+            let (products, start, shape) = if is_even {
+                (&averages.even_even[index * even..][..even], first, averages.shape[index])
+            } else {
+                (&averages.odd_odd[index * places.odd..][..places.odd], first + even, 0.0)
+            };
+            least = least.min(stiffness[k]);
+            most = most.max(stiffness[k]);
+            turning = turning.max(gyroscopic[k].abs());
+            trace += products[index] * compliance[k];
+            let gain = compliance[k] * roots[k].0;
+            let row = &matrix[(first + k) * size..][..size];
+            let by_normal = row[0] + shape * gain;
+            let normal_by = matrix[first + k] + shape * gain;
+            remainder += by_normal * by_normal + normal_by * normal_by;
+            for (column, entry) in row[first..phi].iter().enumerate() {
+                let column = first + column;
+                let mut rest = *entry;
+                if column >= start && column < start + products.len() {
+                    rest -= products[column - start] * (gain * roots[column - first].1);
+                }
+                if column == first + k {
+                    rest -= stiffness[k];
+                }
+                remainder += rest * rest;
+            }
+        }
+        // The pressure couples y, phi and x to the even amplitudes, so their rows are parallel.
+        let of_y = &matrix[first..first + even];
+        let along = |row: usize| {
+            let entries = matrix[row * size + first..].iter().zip(of_y);
+            entries.fold(Row::ZERO, |sum, (entry, of_y)| sum + *entry * *of_y)
+        };
+        let y_row = along(0).sqrt();
+        let in_row = |row: usize| [SLACK * matrix[row * size], along(row) * y_row.reciprocal()];
+        let size_of = |squares: Row<L>| SLACK * squares.sqrt();
+        let column_size = |column: usize, rows: std::ops::Range<usize>| {
+            let entries = rows.map(|row| matrix[row * size + column]);
+            size_of(entries.fold(Row::ZERO, |sum, entry| sum + entry * entry))
+        };
+        let in_damping = damping_by_x[first..phi].iter().fold(Row::ZERO, |sum, entry| sum + *entry * *entry);
+        Self {
+            least: (2.0 - SLACK) * least,
+            most: SLACK * (most + trace),
+            damping: (2.0 - SLACK) * of.normal_damping.min(of.disc_damping),
+            gyroscopic: SLACK * turning,
+            remainder: size_of(remainder),
+            y_stiffness: matrix[0],
+            y_damping: of.normal_damping,
+            y_row,
+            y_column: column_size(0, first..phi),
+            x_row: in_row(x),
+            phi_row: in_row(phi),
+            phi_column: [matrix[phi].abs(), column_size(phi, first..first + even), column_size(phi, first + even..phi)],
+            x_column: [matrix[x].abs(), column_size(x, first..phi)],
+            x_column_damping: [damping_by_x[0].abs(), size_of(in_damping)],
+            x_by_phi: matrix[x * size + phi].abs(),
+            phi_by_x: matrix[phi * size + x].abs(),
+            phi_by_x_damping: damping_by_x[phi].abs(),
+            phi_stiffness: matrix[phi * size + phi],
+            phi_damping: of.angular_damping,
+            x_stiffness: matrix[x * size + x],
+        }
+    }
+
+    /// Between two frequencies.
+    #[inline(always)]
+    pub fn between(&self, low: Row<L>, high: Row<L>) -> Response<L> {
+        let (low_square, high_square) = (low * low, high * high);
+        let shift = high * self.gyroscopic + self.remainder;
+        let damped = low * self.damping - self.remainder;
+        let below = self.least - high_square - shift;
+        let above = low_square - self.most - shift;
+        let core = damped.max(below).max(above).max(Row::ZERO).reciprocal();
+        let distance = |stiffness: Row<L>, damping: Row<L>| {
+            (stiffness - high_square).max(low_square - stiffness).max(low * damping)
+        };
+        let y = distance(self.y_stiffness, self.y_damping).reciprocal();
+        let phi = distance(self.phi_stiffness, self.phi_damping);
+        self.response([low_square, high_square], high, shift, (core, y, phi))
+    }
+
+    /// From a frequency on. The bound of h holds at that frequency, and grows no faster than its square.
+    #[inline(always)]
+    pub fn beyond(&self, low: Row<L>) -> Response<L> {
+        let square = low * low;
+        let shift = low * self.gyroscopic + self.remainder;
+        let core = (low * self.damping - self.remainder).max(square - self.most - shift).max(Row::ZERO).reciprocal();
+        let y = (square - self.y_stiffness).max(Row::ZERO).reciprocal();
+        self.response([square, square], low, shift, (core, y, square - self.phi_stiffness))
+    }
+
+    /// `core` bounds the inverse of the core, `y` that of its entry at y, and `phi` is the least size of S without what
+    /// the core adds.
+    #[inline(always)]
+    fn response(
+        &self,
+        squares: [Row<L>; 2],
+        high: Row<L>,
+        shift: Row<L>,
+        (core, y, phi): (Row<L>, Row<L>, Row<L>),
+    ) -> Response<L> {
+        // A row times the inverse of the core, at the even amplitudes: y is eliminated first.
+        let at_amplitudes = |[by_y, along]: [Row<L>; 2]| {
+            let real = squares.map(|square| (along * (self.y_stiffness - square) - by_y * self.y_row).abs());
+            y * (real[0].max(real[1]) + along.abs() * high * self.y_damping)
+        };
+        let (x_row, phi_row) = (core * at_amplitudes(self.x_row), core * at_amplitudes(self.phi_row));
+        // The odd amplitudes are coupled to the even ones by no more than `shift`.
+        let through = core * shift;
+        let phi_column = self.phi_column[1] + self.phi_column[0] * self.y_column * y + through * self.phi_column[2];
+        let x_column = [0, 1].map(|part| self.x_column[part] + high * self.x_column_damping[part]);
+        // Near the resonance of y it is better not to eliminate it.
+        let size = |of: &[Row<L>]| of.iter().fold(Row::ZERO, |sum, part| sum + *part * *part).sqrt();
+        let phi_whole = core * (size(&self.phi_column[..2]) + through * self.phi_column[2]);
+        let x_whole = core * size(&x_column);
+        let by_phi = |row: [Row<L>; 2], at: Row<L>| {
+            (row[0].abs() * self.phi_column[0] * y + at * phi_column).min(size(&row) * phi_whole)
+        };
+        let by_x = |row: [Row<L>; 2], at: Row<L>| {
+            let amplitudes = x_column[1] * (Row::of(1.0) + through) + x_column[0] * self.y_column * y;
+            (row[0].abs() * x_column[0] * y + at * amplitudes).min(size(&row) * x_whole)
+        };
+        let phi = (phi - by_phi(self.phi_row, phi_row)).max(Row::ZERO).reciprocal();
+        let phi_by_x = self.phi_by_x + high * self.phi_by_x_damping + by_x(self.phi_row, phi_row);
+        let x = by_x(self.x_row, x_row) + (self.x_by_phi + by_phi(self.x_row, x_row)) * phi_by_x * phi;
+        Response { core, phi, x }
+    }
+}
