@@ -15,6 +15,16 @@ pub enum Signal {
     Terminate,
 }
 
+impl Signal {
+    /// The exit code of a process that the signal ended.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Self::Interrupt => 130,
+            Self::Terminate => 143,
+        }
+    }
+}
+
 impl fmt::Display for Signal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -65,8 +75,7 @@ impl Failure {
             Self::CannotCreate(_) => 73,
             Self::InputOutput(_) => 74,
             Self::Busy(_) => 75,
-            Self::Stopped { signal: Signal::Interrupt, .. } => 130,
-            Self::Stopped { signal: Signal::Terminate, .. } => 143,
+            Self::Stopped { signal, .. } => signal.exit_code(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Writing to standard output and standard error, without a panic if they are closed.
 
 use std::fmt;
-use std::io::{self, Write as _};
+use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use indicatif::HumanCount;
@@ -20,6 +20,13 @@ pub fn result(text: &str) -> Result<(), Failure> {
 /// Writes a message to standard error. Errors are ignored, as there is no other place to report them.
 pub fn note(text: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "stickslip: {text}");
+}
+
+/// Writes a message to standard error where a progress bar may be.
+pub fn note_over_bar(text: fmt::Arguments<'_>) {
+    let mut out = io::stderr().lock();
+    let over = if out.is_terminal() { "\r\x1b[2K" } else { "" };
+    let _ = writeln!(out, "{over}stickslip: {text}");
 }
 
 /// Writes warnings to standard error.

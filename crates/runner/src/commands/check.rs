@@ -1,29 +1,16 @@
 //! `check`: validates a job and estimates its cost.
 
-use std::time::{Duration, Instant};
-
-use indicatif::{HumanCount, HumanDuration};
+use indicatif::HumanCount;
+use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
 use crate::cli::CheckArguments;
 use crate::evaluate::evaluator::Evaluator;
 use crate::failure::Failure;
-use crate::job::{Job, JobSource};
-use crate::output::{counted, result, warn};
-
-/// Longest time for measuring the cost of a sample.
-const TRIAL: Duration = Duration::from_millis(600);
-
-/// Number of evaluations from which the cost is known well enough.
-const TRIAL_EVALUATIONS: u32 = 16;
-
-/// Number of samples in the first evaluation.
-const FIRST_TRIAL_SAMPLES: u64 = 10;
-
-/// Samples at once that fill vector registers.
-const ENOUGH_TRIAL_SAMPLES: u64 = 320;
-
-/// Time for measuring the cost of tiles of verdict maps.
-const TRIAL_OF_MAPS: Duration = Duration::from_secs(1);
+use crate::job::{Effort, Job, JobSource};
+use crate::output::{HumanCount128, counted, result, warn};
+use crate::schedule::engine::Engine;
+use crate::schedule::time_left::Prediction;
+use crate::schedule::trial::SampleTrial;
 
 /// `stickslip check`.
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
@@ -35,10 +22,12 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let usual = lengths.len() - 4;
     let further: String =
         job.grid.further().zip(&lengths).map(|(further, length)| format!("{length} {} x ", further.name)).collect();
+    let engine = Engine::new(threads)?;
+    let mut evaluator = Evaluator::new(&job)?;
     let work = match (job.uses_maps(), job.is_integrated()) {
-        (true, _) => cost_of_maps(&job, threads)?,
+        (true, _) => cost_of_maps(&mut evaluator, &engine)?,
         (false, true) => "# no samples: the boundary is known in closed form\n".to_owned(),
-        (false, false) => cost_of_samples(&job, samples_per_second(&job)?, threads),
+        (false, false) => cost_of_samples(&job, &engine.try_samples(&evaluator)?, threads),
     };
     result(&format!(
         "{}\n# {} is valid.\n# {}: {further}{} x {} x {} x {}\n{work}",
@@ -53,42 +42,65 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
 }
 
 /// The cost of samples that are decided one by one.
-fn cost_of_samples(job: &Job, rate: f64, threads: usize) -> String {
-    let cost = duration(job.total_samples() as f64 / rate / threads as f64);
-    let at_most = if job.stops_by_precision() { "at most " } else { "" };
-    format!(
-        "# {at_most}{}, {at_most}about {cost} on {} ({} samples/s on one, measured now)\n",
-        counted(job.total_samples(), "sample", "samples"),
-        counted(threads as u128, "thread", "threads"),
-        HumanCount(rate as u64),
-    )
+fn cost_of_samples(job: &Job, trial: &SampleTrial, threads: usize) -> String {
+    let on = counted(threads as u128, "thread", "threads");
+    let rate = 1.0 / trial.cost.max(1e-12);
+    let rate = if rate < 10.0 { format!("{rate:.1}") } else { HumanCount(rate as u64).to_string() };
+    let measured = format!("on {on} ({rate} samples/s on one, measured now)");
+    let unit = job.unit_samples().min(job.sampling.samples);
+    let total = counted(job.total_samples(), "sample", "samples");
+    let time = |samples: f64, error: f64| SampleTrial { error, ..*trial }.time(samples, unit, threads);
+    let Effort::Until(looks) = &job.sampling.effort else {
+        return format!("# {total}, {} {measured}\n", time(job.total_samples() as f64, trial.error));
+    };
+    match trial.samples_at_stop {
+        Some(of_a_cell) => {
+            let expected = of_a_cell * job.cells() as f64;
+            let samples = HumanCount(expected as u64);
+            format!("# at most {total}, about {samples} expected, {} {measured}\n", time(expected, trial.error_at_stop))
+        }
+        // One sample costs too much to try enough of a cell.
+        None => {
+            let first = looks.ends().first().map_or(0, |&end| u128::from(end) * u128::from(job.cells()));
+            let [low, high] = [first, job.total_samples()].map(|samples| time(samples as f64, 0.0));
+            format!("# from {} to {total}, from {low} to {high} {measured}\n", HumanCount128(first))
+        }
+    }
 }
 
 /// The cost of verdict maps, estimated from some of their tiles, and whether a run will use them.
-fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
-    let mut evaluator = Evaluator::new(job)?;
+fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine) -> Result<String, Failure> {
+    let job = evaluator.job();
+    let threads = engine.threads();
     evaluator.limit_maps();
     let tiles = evaluator.maps().needed() as u64;
-    let trial = evaluator.try_maps(TRIAL_OF_MAPS);
+    let trial = engine.try_maps(evaluator)?;
     let share = tiles as f64 / trial.tiles.max(1) as f64;
     let [simulations, cost] = [trial.simulations, trial.cost].map(|count| (count as f64 * share) as u64);
+    let seconds = trial.seconds * share / threads as f64;
+    let map_time = Prediction::from_rate(seconds, trial.error);
     // A dropped tile counts with the cost until then.
-    let (about, unfinished) = match trial.unfinished {
-        0 => ("about", String::new()),
-        unfinished => ("at least", format!(", {} of which took too long to finish", HumanCount(unfinished))),
+    let (map_time, about, unfinished) = match trial.unfinished {
+        0 => (map_time, "about", String::new()),
+        unfinished => {
+            (map_time.at_least(), "at least", format!(", {} of which took too long to finish", HumanCount(unfinished)))
+        }
     };
     let map = format!(
-        "{about} {} for the verdict map of {} (measured on {} of them{unfinished}), {about} {} on {}",
+        "{about} {} for the verdict map of {} (measured on {} of them{unfinished}), {map_time} on {}",
         counted(simulations.into(), "simulation", "simulations"),
         counted(tiles.into(), "tile", "tiles"),
         HumanCount(trial.tiles),
-        duration(trial.seconds * share / threads as f64),
         counted(threads as u128, "thread", "threads"),
     );
-    let audit = counted(job.audited_samples(), "simulation", "simulations");
+    let samples = engine.try_samples(&Evaluator::new(job)?)?;
+    let audit = job.audited_samples();
+    let audit_time = samples.time(audit as f64, BLOCK_SAMPLES, threads);
+    let audit = format!("{} for its audit, {audit_time}", counted(audit, "simulation", "simulations"));
     if job.is_integrated() {
-        return Ok(format!("# no samples; {map}\n# {audit} for its audit\n"));
+        return Ok(format!("# no samples; {map}\n# {audit}\n"));
     }
+    let each = cost_of_samples(job, &samples, threads);
     let is_given_up = evaluator.maps().are_too_costly(cost);
     let what_it_does = match (is_given_up, trial.unfinished) {
         (true, _) => "the map takes more: it will be given up and each sample simulated",
@@ -98,50 +110,15 @@ fn cost_of_maps(job: &Job, threads: usize) -> Result<String, Failure> {
         }
     };
     // Simulations of a map lie near boundaries and may be slower than those of samples.
-    let rate = samples_per_second(job)?;
-    let is_faster = !is_given_up && job.verdicts_of_samples() as f64 / rate < trial.seconds * share;
-    let hint = if is_faster { "; but evaluate = \"each\" takes less time for this job" } else { "" };
+    let seconds_of_each = job.verdicts_of_samples() as f64 * samples.cost / threads as f64;
+    let hint = if !is_given_up && seconds_of_each < seconds {
+        "; but evaluate = \"each\" takes less time for this job"
+    } else {
+        ""
+    };
     Ok(format!(
-        "# {map}\n# {audit} for its audit\n{}# simulating each sample takes {}; {what_it_does}{hint}\n",
-        cost_of_samples(job, rate, threads),
+        "# {map}\n# {audit}\n# if each is simulated: {}# simulating each sample takes {}; {what_it_does}{hint}\n",
+        each.trim_start_matches("# "),
         counted(job.verdicts_of_samples(), "simulation", "simulations"),
     ))
-}
-
-/// A time in words.
-fn duration(seconds: f64) -> String {
-    if seconds < 1.0 {
-        format!("{seconds:.2} seconds")
-    } else {
-        HumanDuration(Duration::from_secs_f64(seconds.min(1e15))).to_string()
-    }
-}
-
-/// Samples per second on one thread, measured on samples of the job.
-fn samples_per_second(job: &Job) -> Result<f64, Failure> {
-    let evaluator = Evaluator::new(job)?;
-    let parts = evaluator.parts();
-    let most = parts.max_samples(0).min(job.unit_samples());
-    // Some criteria compute tables when they are first used, which a whole run does once.
-    evaluator.count(parts.of(0).start, 0..FIRST_TRIAL_SAMPLES.min(most));
-    let started = Instant::now();
-    let (mut samples, mut seconds, mut evaluations) = (0, 0.0, 0);
-    let (mut cell, mut at_once) = (0, FIRST_TRIAL_SAMPLES.min(most));
-    while evaluations == 0 || (evaluations < TRIAL_EVALUATIONS && started.elapsed() < TRIAL) {
-        let begun = Instant::now();
-        let evaluated = evaluator.count(parts.of(cell).start, 0..at_once).len();
-        let took = begun.elapsed();
-        // A stride that visits cells all over the grid.
-        cell = (cell + 7919) % job.cells();
-        // A few samples at once take longer each than those of a whole unit, as simulations share vector registers.
-        let is_few = at_once < ENOUGH_TRIAL_SAMPLES && started.elapsed() < TRIAL;
-        if (took < TRIAL / 4 || is_few) && at_once < most {
-            at_once = most.min(2 * at_once);
-        } else {
-            samples += evaluated;
-            seconds += took.as_secs_f64();
-            evaluations += 1;
-        }
-    }
-    Ok(samples as f64 / seconds)
 }

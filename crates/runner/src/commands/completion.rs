@@ -12,9 +12,9 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
 use crate::output::{HumanCount128, counted, note, quoted};
-use crate::schedule::engine::{Engine, Outcome};
+use crate::schedule::engine::{Engine, Outcome, Samples};
 use crate::schedule::plan::{Plan, Shard};
-use crate::schedule::progress::Progress;
+use crate::schedule::progress::{Progress, Total};
 use crate::store::directory::{Access, RunDirectory};
 use crate::store::map_pieces;
 use crate::store::provenance::Session;
@@ -94,6 +94,7 @@ pub fn compute(
         None => format!("stickslip resume {path}"),
         Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
     };
+    interrupt.advise(&format!("continue with `{how}`"));
     let kept =
         |failure: Failure| failure.with_remedy(&format!("what is on disk already is kept; continue with `{how}`"));
     let engine = Engine::new(threads)?;
@@ -102,7 +103,11 @@ pub fn compute(
     let mut outcome =
         prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt).map_err(kept)?;
     if outcome == Outcome::Finished && job.is_integrated() {
-        (outcome, integrated) = engine.integrate(&evaluator, interrupt)?;
+        let mut audits = directory.audits_done(&job)?;
+        outcome = engine.audit(&evaluator, &mut audits, Some(&directory.audits()), interrupt).map_err(kept)?;
+        if outcome == Outcome::Finished {
+            (outcome, integrated) = engine.integrate(&evaluator, &audits, interrupt)?;
+        }
     } else if outcome == Outcome::Finished {
         outcome = count(&engine, &evaluator, &directory, &mut tally, shard, interrupt).map_err(kept)?;
     }
@@ -121,7 +126,7 @@ pub fn compute(
             session.record(directory.path(), &signal.to_string(), computed)?;
         }
         let message = if job.is_integrated() {
-            format!("finished tiles of the verdict map are kept; continue with `{how}`")
+            format!("finished tiles of the verdict map and finished audits are kept; continue with `{how}`")
         } else {
             format!(
                 "{} of {}{} samples{} are kept; continue with `{how}`",
@@ -223,16 +228,26 @@ fn count(
     interrupt: &Interrupt,
 ) -> Result<Outcome, Failure> {
     let (job, parts) = (evaluator.job(), evaluator.parts());
-    loop {
+    let pieces = directory.shards();
+    let mut progress = Progress::new(0, "samples");
+    let mut outcome = Ok(Outcome::Finished);
+    while matches!(outcome, Ok(Outcome::Finished)) {
         let plan = Plan::new(tally, parts, job.unit_samples(), shard);
         if plan.units() == 0 {
-            return Ok(Outcome::Finished);
+            break;
         }
-        let mut progress = Progress::new(plan.samples(), "samples");
-        let outcome = engine.run(evaluator, &plan, tally, directory, &mut progress, interrupt);
-        progress.finish();
-        if outcome? != Outcome::Finished {
-            return Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped));
+        match parts.expected_to_be_missing(tally) {
+            // A shard has its share of the cells.
+            Some(expected) => {
+                let of_shard = expected / u128::from(shard.map_or(1, Shard::count));
+                progress.expect_left(of_shard.max(plan.samples()), Total::Expected);
+            }
+            None if parts.are_sequential() => progress.expect_left(plan.samples(), Total::AtLeast),
+            None => progress.expect_left(plan.samples(), Total::Known),
         }
+        let samples = Samples { plan: &plan, parts, pieces: Some(&pieces), are_audits: false };
+        outcome = engine.run(evaluator, samples, tally, &mut progress, interrupt);
     }
+    progress.finish();
+    outcome
 }

@@ -196,16 +196,17 @@ impl<'a> Evaluator<'a> {
         })
     }
 
-    /// The audit of an integral: looks the first samples of a cell up in its verdict map and simulates them as well.
-    pub fn audit_integral(&self, cell: &Cell) -> Lookups {
+    /// The audit of an integral: looks samples of a cell up in its verdict map and simulates them as well.
+    pub fn audit_integral(&self, cell: u64, samples: Range<u64>) -> FinishedUnit {
+        let place = self.job.grid.cell(cell);
+        let mut counts = VerdictCounts::default();
         let mut lookups = Lookups::default();
-        if let (Audit::Samples(wanted), true) = (self.job.sampling.audit, self.job.uses_maps()) {
-            let mut drawing = Drawing::new(self.job, cell, 0, 0..wanted, Points::Random);
-            while let Some(chunk) = drawing.next_chunk(self.chunk) {
-                self.decide(cell, chunk, &vec![true; chunk.len()], &mut lookups);
-            }
+        let mut drawing = Drawing::new(self.job, &place, 0, samples.clone(), Points::Random);
+        while let Some(chunk) = drawing.next_chunk(self.chunk) {
+            let decisions = self.decide(&place, chunk, &vec![true; chunk.len()], &mut lookups);
+            decisions.iter().for_each(|decision| counts += decision.verdict.into());
         }
-        lookups
+        FinishedUnit { part: cell, samples, counts, amplitudes: Distribution::default(), sums: lookups.sums().to_vec() }
     }
 
     /// Simulates the first samples of a cell.

@@ -40,8 +40,8 @@ impl Evaluator<'_> {
         (0..self.job.grid.brakes()).filter_map(|brake| self.maps.get(brake)).map(MapRegions::new).collect()
     }
 
-    /// The probability of a cell, in closed form or from `regions`.
-    pub fn integrate(&self, cell: &Cell, regions: &[MapRegions]) -> IntegratedCell {
+    /// The probability of a cell, in closed form or from `regions`; `lookups` is the audit of its map.
+    pub fn integrate(&self, cell: &Cell, regions: &[MapRegions], lookups: Lookups) -> IntegratedCell {
         let brake = self.job.grid.brake_index(cell.index);
         if let Some(boundary) = &self.criteria.boundary(self.job, brake) {
             let exact = closed_form::probability(boundary, cell);
@@ -55,6 +55,6 @@ impl Evaluator<'_> {
         let mapped = regions[brake].probability(cell);
         let estimate = Estimate { probability: mapped.value, low: mapped.low, high: mapped.high };
         let BoundedProbability { derivatives, undecided, .. } = mapped;
-        IntegratedCell { estimate, derivatives, undecided, lookups: self.audit_integral(cell) }
+        IntegratedCell { estimate, derivatives, undecided, lookups }
     }
 }

@@ -18,3 +18,5 @@ pub mod evaluator;
 pub mod tiles;
 
 pub mod integral;
+
+pub mod work;

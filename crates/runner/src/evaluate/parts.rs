@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use stickslip_sampler::estimate::looks::Looks;
 
-use crate::job::{Effort, Job};
+use crate::job::{Audit, Effort, Job};
 
 /// Number of parts of a cell by which pieces number them, with looks. It leaves room for the parts that a higher limit
 /// of samples adds.
@@ -31,6 +31,15 @@ impl Parts {
             _ => None,
         };
         Self { cells: job.cells(), samples: job.sampling.parts(), looks }
+    }
+
+    /// The audits of a job that integrates: one part in each cell, of the samples that check the cell's integral.
+    pub fn of_audits(job: &Job) -> Self {
+        let samples = match job.sampling.audit {
+            Audit::Samples(samples) if job.is_integrated() && job.uses_maps() => samples,
+            _ => 0,
+        };
+        Self { cells: job.cells(), samples: vec![samples], looks: None }
     }
 
     /// The parts of a job that has one in each cell.

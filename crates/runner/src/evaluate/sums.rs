@@ -45,9 +45,21 @@ impl Lookups {
         self.audited += other.audited;
         self.differed += other.differed;
     }
+
+    /// The counts as sums of a unit.
+    pub fn sums(self) -> [i64; LOOKUPS] {
+        [self.simulated, self.audited, self.differed].map(u64::cast_signed)
+    }
+
+    /// The counts from the sums of units; none from none.
+    pub fn from_sums(sums: &[i128]) -> Self {
+        let count = |i: usize| sums.get(i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
+        Self { simulated: count(0), audited: count(1), differed: count(2) }
+    }
 }
 
-const LOOKUPS: usize = 3;
+/// The number of counts in [`Lookups`].
+pub const LOOKUPS: usize = 3;
 /// Degrees of freedom that may feed an unstable sample, beside the tangential motion.
 const SOURCES: [DegreeOfFreedom; 3] = [DegreeOfFreedom::Normal, DegreeOfFreedom::Angular, DegreeOfFreedom::Disc];
 const DERIVATIVES: usize = ScoreSums::COUNT;
@@ -199,10 +211,8 @@ impl SumLayout {
 
     /// The counts of simulated and audited samples.
     pub fn read_lookups(self, sums: &[i128]) -> Lookups {
-        let at = self.lookups_at();
-        let count = |i: usize| sums.get(at + i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
         if self.lookups {
-            Lookups { simulated: count(0), audited: count(1), differed: count(2) }
+            Lookups::from_sums(sums.get(self.lookups_at()..).unwrap_or_default())
         } else {
             Lookups::default()
         }

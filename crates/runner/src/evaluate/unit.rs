@@ -26,6 +26,20 @@ impl FinishedUnit {
         self.samples.end - self.samples.start
     }
 
+    /// Adds the samples of `next`, which follow those of this unit in the same part, to this unit.
+    pub fn append(&mut self, next: &Self) {
+        debug_assert!(self.is_followed_by(next), "samples that do not follow");
+        self.samples.end = next.samples.end;
+        self.counts += next.counts;
+        self.amplitudes.add_all(&next.amplitudes);
+        self.sums.iter_mut().zip(&next.sums).for_each(|(sum, more)| *sum += more);
+    }
+
+    /// Whether the samples of `next` follow those of this unit in the same part.
+    pub fn is_followed_by(&self, next: &Self) -> bool {
+        self.part == next.part && self.samples.end == next.samples.start
+    }
+
     /// Whether the counts can belong to the samples.
     pub fn is_consistent(&self) -> bool {
         let amplitudes = self.amplitudes.count();

@@ -50,7 +50,9 @@ pub fn reproduce(arguments: &ReproduceArguments, interrupt: &Interrupt) -> Resul
 }
 
 fn one(target: Target, arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    let text = match (target, run(target, arguments, interrupt)?) {
+    let run = run(target, arguments, interrupt)?;
+    interrupt.advise("the same command goes on from there");
+    let text = match (target, run) {
         (Target::Table2, Some(run)) => tables::table2(&run)?,
         (Target::Table3, Some(run)) => tables::table3(&run)?,
         (Target::Fig4, Some(run)) => figures::growth_rates(&run)?,

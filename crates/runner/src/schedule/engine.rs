@@ -1,25 +1,37 @@
 //! The computation: units of work on all threads, and finished pieces on disk.
 
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::cell::Cell;
+use std::fs;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
+use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, ParallelIterator as _};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
+use crate::evaluate::parts::Parts;
+use crate::evaluate::sums::Lookups;
 use crate::evaluate::unit::FinishedUnit;
+use crate::evaluate::work::Control;
 use crate::failure::{Failure, Signal};
 use crate::interrupt::Interrupt;
 use crate::schedule::plan::Plan;
 use crate::schedule::progress::Progress;
-use crate::store::directory::RunDirectory;
-use crate::store::piece;
+use crate::schedule::saving::Saving;
+use crate::schedule::spread::Spread;
 use crate::store::tally::Tally;
 
-/// Largest number of finished units that wait to be written.
-const MOST_PENDING: usize = 100_000;
+/// Time between two looks for a signal while nothing is finished.
+const IDLE: Duration = Duration::from_millis(50);
+
+/// Time after which a thread hands over what it has finished of a unit.
+const FLUSH: Duration = Duration::from_millis(250);
 
 /// How a computation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,14 +47,57 @@ pub struct Engine {
     pool: ThreadPool,
 }
 
+/// Samples to compute, and where they are kept.
+#[derive(Clone, Copy)]
+pub struct Samples<'a> {
+    /// The units that are missing.
+    pub plan: &'a Plan,
+    /// The parts that these are of.
+    pub parts: &'a Parts,
+    /// The directory of their pieces; `None` if they are not kept.
+    pub pieces: Option<&'a Path>,
+    /// Whether they are the audit of integrals.
+    pub are_audits: bool,
+}
+
 /// What the thread that collects finished work receives.
 pub(super) enum Event<T> {
-    /// A unit is finished.
-    Unit(T),
-    /// No unit finished for a while.
+    /// Something is finished.
+    Finished(T),
+    /// Nothing was finished for a while.
     Idle,
     /// All work has ended.
     Done,
+}
+
+/// What a thread at work shares with the others and with the one that collects.
+pub(super) struct Link<'a, T> {
+    sender: SyncSender<T>,
+    interrupt: &'a Interrupt,
+    /// Positions in the order of the units that are handed out.
+    turn: AtomicU64,
+    order: Spread,
+    /// Whether nobody collects any more, because writing failed.
+    is_closed: AtomicBool,
+}
+
+impl<T> Link<'_, T> {
+    /// Hands over finished work.
+    pub(super) fn send(&self, finished: T) {
+        if self.sender.send(finished).is_err() {
+            self.is_closed.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Whether to stop: after a signal, or when nobody collects.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.is_closed.load(Ordering::Relaxed) || self.interrupt.signal().is_some()
+    }
+
+    /// The number of the next unit, each once over all threads; `None` after the last and after a stop.
+    pub(super) fn next(&self) -> Option<u64> {
+        if self.is_stopped() { None } else { self.order.at(self.turn.fetch_add(1, Ordering::Relaxed)) }
+    }
 }
 
 impl Engine {
@@ -55,15 +110,24 @@ impl Engine {
         Ok(Self { pool })
     }
 
-    /// Integrates the probability of every cell.
+    /// The number of threads.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// Integrates the probability of every cell, with the audits in `audits`.
     pub fn integrate(
         &self,
         evaluator: &Evaluator<'_>,
+        audits: &Tally,
         interrupt: &Interrupt,
     ) -> Result<(Outcome, Vec<IntegratedCell>), Failure> {
         let job = evaluator.job();
         let regions = evaluator.regions();
-        let integrate = |index: u64| (index, evaluator.integrate(&job.grid.cell(index), &regions));
+        let integrate = |index: u64| {
+            let lookups = Lookups::from_sums(audits.sums(index));
+            (index, evaluator.integrate(&job.grid.cell(index), &regions, lookups))
+        };
         let mut cells = vec![IntegratedCell::unknown(); job.cells() as usize];
         let outcome = self.for_each_in_parallel(job.cells(), interrupt, integrate, |(index, integrated)| {
             cells[index as usize] = integrated;
@@ -71,46 +135,76 @@ impl Engine {
         Ok((outcome, cells))
     }
 
-    /// Computes everything in `plan`, adds it to `tally`, and writes it to pieces in `directory`.
+    /// Audits the maps behind integrals, as far as `audits` lacks it. Finished audits are written to the directory
+    /// `keep`, if there is one.
+    pub fn audit(
+        &self,
+        evaluator: &Evaluator<'_>,
+        audits: &mut Tally,
+        keep: Option<&Path>,
+        interrupt: &Interrupt,
+    ) -> Result<Outcome, Failure> {
+        let parts = Parts::of_audits(evaluator.job());
+        let plan = Plan::new(audits, &parts, BLOCK_SAMPLES, None);
+        if plan.units() == 0 {
+            return Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped));
+        }
+        if let Some(keep) = keep {
+            fs::create_dir_all(keep).map_err(|error| Failure::creating(keep, error))?;
+        }
+        let mut progress = Progress::new(plan.samples(), "audited samples");
+        let samples = Samples { plan: &plan, parts: &parts, pieces: keep, are_audits: true };
+        let outcome = self.run(evaluator, samples, audits, &mut progress, interrupt);
+        progress.finish();
+        outcome
+    }
+
+    /// Computes the samples of a plan, adds them to `tally`, and writes them to pieces.
     ///
     /// Pieces are written during the computation, at growing intervals. A kill loses a tenth of the time already spent,
     /// and never more than ten seconds.
     pub fn run(
         &self,
         evaluator: &Evaluator<'_>,
-        plan: &Plan,
+        samples: Samples<'_>,
         tally: &mut Tally,
-        directory: &RunDirectory,
         progress: &mut Progress,
         interrupt: &Interrupt,
     ) -> Result<Outcome, Failure> {
-        let (shards, experiment) = (directory.shards(), evaluator.job().experiment_hash());
-        let started = Instant::now();
-        let mut written = Instant::now();
-        let mut pending = Vec::new();
-        let count = |index: u64| {
-            let (part, samples) = plan.unit(index);
-            evaluator.count(part, samples)
+        let Samples { plan, parts, pieces, are_audits } = samples;
+        let experiment = evaluator.job().experiment_hash();
+        let mut saving = pieces.map(|pieces| Saving::new(pieces, experiment, parts, plan.unit_samples()));
+        let work = |link: &Link<'_, FinishedUnit>| {
+            let flushed = Cell::new(Instant::now());
+            let next = || -> Option<(u64, Range<u64>)> { Some(plan.unit(link.next()?)) };
+            let control = || {
+                if link.is_stopped() {
+                    Control::Stop
+                } else if flushed.get().elapsed() >= FLUSH {
+                    flushed.set(Instant::now());
+                    Control::Flush
+                } else {
+                    Control::Continue
+                }
+            };
+            let mut emit = |unit| link.send(unit);
+            if are_audits {
+                evaluator.work_on_audits(&next, &mut emit, &control);
+            } else {
+                evaluator.work(&next, &mut emit, &control);
+            }
         };
-        self.in_parallel(plan.units(), interrupt, count, |event| {
-            let done = matches!(event, Event::Done);
-            if let Event::Unit(unit) = event {
+        self.on_every_thread(plan.units(), interrupt, work, |event| {
+            let is_done = matches!(event, Event::Done);
+            if let Event::Finished(unit) = event {
                 progress.advance(unit.len());
                 tally.add(&unit);
-                pending.push(unit);
+                saving.iter_mut().for_each(|saving| saving.add(unit.clone()));
             }
             progress.tick();
-            let interval = (started.elapsed() / 10).clamp(Duration::from_millis(100), Duration::from_secs(10));
-            let due = done || written.elapsed() >= interval || pending.len() >= MOST_PENDING;
-            if due && !pending.is_empty() {
-                // Units are not joined, so that two processes that do the same work write the same units.
-                pending.sort_by_key(|unit| (unit.part, unit.samples.start));
-                pending.iter_mut().for_each(|unit: &mut FinishedUnit| unit.part = evaluator.parts().stored(unit.part));
-                piece::write(&shards, &experiment, &pending)?;
-                pending.clear();
-                written = Instant::now();
-            }
-            Ok(())
+            saving
+                .iter_mut()
+                .try_for_each(|saving| if is_done { saving.save_all(interrupt) } else { saving.save_if_due(interrupt) })
         })
     }
 
@@ -123,7 +217,7 @@ impl Engine {
         mut take: impl FnMut(T),
     ) -> Result<Outcome, Failure> {
         self.in_parallel(units, interrupt, work, |event| {
-            if let Event::Unit(result) = event {
+            if let Event::Finished(result) = event {
                 take(result);
             }
             Ok(())
@@ -136,22 +230,40 @@ impl Engine {
         units: u64,
         interrupt: &Interrupt,
         work: impl Fn(u64) -> T + Sync + Send,
+        take: impl FnMut(Event<T>) -> Result<(), Failure>,
+    ) -> Result<Outcome, Failure> {
+        let each = |link: &Link<'_, T>| {
+            while let Some(unit) = link.next() {
+                link.send(work(unit));
+            }
+        };
+        self.on_every_thread(units, interrupt, each, take)
+    }
+
+    /// Runs `work` once on every thread, and passes what it hands over to `take` on this thread. `units` is the number
+    /// of units that the link hands out.
+    pub(super) fn on_every_thread<T: Send>(
+        &self,
+        units: u64,
+        interrupt: &Interrupt,
+        work: impl Fn(&Link<'_, T>) + Sync + Send,
         mut take: impl FnMut(Event<T>) -> Result<(), Failure>,
     ) -> Result<Outcome, Failure> {
         let (sender, receiver) = mpsc::sync_channel::<T>(4096);
+        let order = Spread::over(units);
+        let link = Link { sender, interrupt, turn: AtomicU64::new(0), order, is_closed: AtomicBool::new(false) };
+        let _working = interrupt.working();
         thread::scope(|scope| {
-            let worker = scope.spawn(move || {
+            let workers = scope.spawn(move || {
+                // Each thread takes units until there are none. In which order they are done, and by which thread, makes
+                // no difference to the results.
                 self.pool.install(|| {
-                    // After a signal, or when the receiver is gone because writing failed, no further unit is started.
-                    (0..units).into_par_iter().try_for_each(|index| {
-                        let is_running = interrupt.signal().is_none();
-                        is_running.then(|| sender.send(work(index)).ok()).flatten()
-                    })
-                })
+                    (0..self.threads()).into_par_iter().with_max_len(1).for_each(|_| work(&link));
+                });
             });
             let collected = collect(&receiver, &mut take);
             drop(receiver);
-            let panicked = worker.join().is_err();
+            let panicked = workers.join().is_err();
             collected?;
             if panicked {
                 return Err(Failure::InputOutput("a worker thread failed; please report this as a bug".to_owned()));
@@ -164,8 +276,8 @@ impl Engine {
 /// Passes finished work to `take` until all threads are done.
 fn collect<T>(receiver: &Receiver<T>, take: &mut impl FnMut(Event<T>) -> Result<(), Failure>) -> Result<(), Failure> {
     loop {
-        match receiver.recv_timeout(Duration::from_millis(50)) {
-            Ok(result) => take(Event::Unit(result))?,
+        match receiver.recv_timeout(IDLE) {
+            Ok(result) => take(Event::Finished(result))?,
             Err(RecvTimeoutError::Timeout) => take(Event::Idle)?,
             Err(RecvTimeoutError::Disconnected) => return take(Event::Done),
         }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use indicatif::HumanCount;
 use stickslip_sampler::verdict_map::tile::{Tile, TileIndex};
@@ -14,6 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::job::Job;
 use crate::schedule::engine::{Engine, Event, Outcome};
 use crate::schedule::progress::Progress;
+use crate::schedule::saving::{LONGEST_INTERVAL, SHORTEST_INTERVAL};
 use crate::store::map_pieces;
 
 /// How the completion of verdict maps ended.
@@ -63,10 +64,10 @@ impl Engine {
         let missing = evaluator.maps().missing();
         let known = evaluator.maps().simulations();
         let (simulations, cost) = (AtomicU64::new(known), AtomicU64::new(evaluator.maps().cost()));
-        let mut progress = Progress::new(missing.len() as u128, "tiles");
+        let mut progress = Progress::new(missing.len() as u128, "tiles").of_step("the verdict map");
         let mut finished: Vec<(usize, TileIndex, Tile)> = Vec::new();
         let mut written = 0;
-        let mut since = Instant::now();
+        let (started, mut since) = (Instant::now(), Instant::now());
         let resolve = |unit: u64| {
             let (speed, index) = missing[unit as usize];
             let tile = evaluator.resolve(speed, index, |decisions| {
@@ -77,17 +78,25 @@ impl Engine {
             (speed, index, tile)
         };
         let outcome = self.in_parallel(missing.len() as u64, interrupt, resolve, |event| {
-            if let Event::Unit((speed, index, Some(tile))) = event {
+            let is_done = matches!(event, Event::Done);
+            if let Event::Finished((speed, index, Some(tile))) = event {
                 progress.advance(1);
                 finished.push((speed, index, tile));
-            } else if matches!(event, Event::Done) || since.elapsed() >= Duration::from_secs(5) {
-                if let (Some(keep), true) = (keep, finished.len() > written) {
-                    map_pieces::write(evaluator.maps(), keep, &finished[written..])?;
-                    written = finished.len();
-                }
-                since = Instant::now();
             }
             progress.tick();
+            let interval = match interrupt.signal() {
+                Some(_) => SHORTEST_INTERVAL,
+                None => (started.elapsed() / 10).clamp(SHORTEST_INTERVAL, LONGEST_INTERVAL),
+            };
+            if let Some(keep) = keep
+                && finished.len() > written
+                && (is_done || since.elapsed() >= interval)
+            {
+                let _saving = interrupt.saving();
+                map_pieces::write(evaluator.maps(), keep, &finished[written..])?;
+                written = finished.len();
+                since = Instant::now();
+            }
             Ok(())
         })?;
         progress.finish();

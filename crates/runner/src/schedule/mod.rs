@@ -1,9 +1,17 @@
 //! Scheduling: which work is missing, its division into units, and the one parallel loop that does it.
 
+pub mod time_left;
+
 pub mod progress;
 
 pub mod plan;
 
+mod spread;
+
+mod saving;
+
 pub mod engine;
 
 pub mod mapping;
+
+pub mod trial;

@@ -134,6 +134,11 @@ impl Plan {
         Self { gaps, unit_samples, units_before }
     }
 
+    /// Largest number of samples in a unit.
+    pub fn unit_samples(&self) -> u64 {
+        self.unit_samples
+    }
+
     /// The number of units.
     pub fn units(&self) -> u64 {
         self.units_before[self.gaps.len()]

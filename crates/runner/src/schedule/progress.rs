@@ -1,27 +1,45 @@
 //! Progress of a computation: a bar on a terminal, plain lines elsewhere.
 
-use std::fmt::Write;
 use std::io::{self, IsTerminal as _};
 use std::time::{Duration, Instant};
 
-use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::output::note;
+use crate::schedule::time_left::{Prediction, RateMeter};
 
-/// Time between plain lines. A line is also printed when another twentieth is done, after the shortest time.
+/// Time between plain lines. A line is also printed when another twentieth is done, after the shortest time, and once
+/// when the time left is first known.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(30);
 const PLAIN_SHORTEST: Duration = Duration::from_secs(2);
+
+/// What is known of the total.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Total {
+    /// It is certain.
+    Known,
+    /// It is expected.
+    Expected,
+    /// It may be larger.
+    AtLeast,
+}
 
 /// Shows the progress of a computation on standard error.
 #[derive(Debug)]
 pub struct Progress {
     bar: Option<ProgressBar>,
     total: u64,
+    kind: Total,
     unit: &'static str,
+    /// The step of a longer computation to which the time left belongs; empty if that is all of it.
+    step: &'static str,
     done: u64,
     started: Instant,
+    meter: RateMeter,
     last_line: Instant,
     last_done: u64,
+    /// Whether a line has told the time left.
+    has_told: bool,
 }
 
 impl Progress {
@@ -30,52 +48,91 @@ impl Progress {
         let total = u64::try_from(total).unwrap_or(u64::MAX);
         let bar = io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-            let template = format!(
-                "{{bar:30}} {{percent:>3}} %  {{human_pos}} of {{human_len}} {unit}  {{rate}} {unit}/s  {{eta}} left"
-            );
-            let rate = |state: &ProgressState, out: &mut dyn Write| {
-                // An error would only leave the rate out of the bar.
-                let _ = write!(out, "{}", HumanCount(state.per_sec() as u64));
-            };
-            let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
-            bar.set_style(style.with_key("rate", rate));
-            bar
+            let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}");
+            bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         let now = Instant::now();
-        Self { bar, total, unit, done: 0, started: now, last_line: now, last_done: 0 }
+        Self {
+            bar,
+            total,
+            kind: Total::Known,
+            unit,
+            step: "",
+            done: 0,
+            started: now,
+            meter: RateMeter::new(),
+            last_line: now,
+            last_done: 0,
+            has_told: false,
+        }
+    }
+
+    /// Says that the time left is that of a first step only, which `step` names.
+    pub fn of_step(self, step: &'static str) -> Self {
+        Self { step, ..self }
+    }
+
+    /// Replaces the total, so that this much is left.
+    pub fn expect_left(&mut self, left: u128, kind: Total) {
+        self.total = self.done.saturating_add(u64::try_from(left).unwrap_or(u64::MAX));
+        self.kind = kind;
     }
 
     /// Adds finished samples (or other units).
     pub fn advance(&mut self, samples: u64) {
         self.done += samples;
-        if let Some(bar) = &self.bar {
-            bar.set_position(self.done);
-        }
+        // More than was predicted.
+        self.total = self.total.max(self.done);
     }
 
-    /// Prints a plain line if one is due.
+    /// Updates the bar, or prints a plain line if one is due.
     pub fn tick(&mut self) {
-        if self.bar.is_some() {
+        self.meter.record(self.started.elapsed().as_secs_f64(), self.done as f64);
+        if let Some(bar) = &self.bar {
+            bar.set_length(self.total);
+            bar.set_position(self.done);
+            bar.set_message(self.text());
             return;
         }
         let since = self.last_line.elapsed();
         let another_twentieth = (self.done - self.last_done).saturating_mul(20) >= self.total;
-        if since >= PLAIN_INTERVAL || (another_twentieth && since >= PLAIN_SHORTEST) {
+        let is_first = !self.has_told && self.time_left() != Prediction::Unknown;
+        if since >= PLAIN_INTERVAL || ((another_twentieth || is_first) && since >= PLAIN_SHORTEST) {
             self.last_line = Instant::now();
             self.last_done = self.done;
-            let seconds = self.started.elapsed().as_secs_f64();
-            let rate = self.done as f64 / seconds;
-            let left = Duration::from_secs_f64(((self.total - self.done) as f64 / rate.max(1e-9)).min(1e9));
-            note(format_args!(
-                "{} of {} {unit} ({:.0} %), {} {unit}/s, {} left",
-                HumanCount(self.done),
-                HumanCount(self.total),
-                100.0 * self.done as f64 / self.total as f64,
-                HumanCount(rate as u64),
-                HumanDuration(left),
-                unit = self.unit
-            ));
+            self.has_told |= is_first;
+            let share = 100.0 * self.done as f64 / self.total.max(1) as f64;
+            note(format_args!("{share:.0} %: {}", self.text()));
         }
+    }
+
+    /// How long the rest takes.
+    fn time_left(&self) -> Prediction {
+        let left = self.total - self.done;
+        let time = self.meter.time_left(self.started.elapsed().as_secs_f64(), self.done as f64, left as f64);
+        if self.kind == Total::AtLeast { time.at_least() } else { time }
+    }
+
+    /// What is done, how fast, and how long the rest takes.
+    fn text(&self) -> String {
+        let rate = self.done as f64 / self.started.elapsed().as_secs_f64().max(1e-9);
+        let rate = if rate < 10.0 { format!("{rate:.1}") } else { HumanCount(rate as u64).to_string() };
+        let left = match self.time_left() {
+            Prediction::Unknown => "estimating the time left".to_owned(),
+            known if self.step.is_empty() => format!("{known} left"),
+            known => format!("{known} left for {}", self.step),
+        };
+        format!(
+            "{} of {}{} {unit}, {rate} {unit}/s, {left}",
+            HumanCount(self.done),
+            match self.kind {
+                Total::Known => "",
+                Total::Expected => "about ",
+                Total::AtLeast => "at least ",
+            },
+            HumanCount(self.total),
+            unit = self.unit
+        )
     }
 
     /// Removes the bar.

@@ -9,7 +9,7 @@ use parquet::file::reader::FileReader as _;
 use parquet::file::serialized_reader::SerializedFileReader;
 
 use crate::evaluate::parts::Parts;
-use crate::evaluate::sums::SumLayout;
+use crate::evaluate::sums::{LOOKUPS, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::files::publish::{is_temporary, publish, publish_first, remove_temporary};
@@ -133,6 +133,11 @@ impl RunDirectory {
         self.path.join("map")
     }
 
+    /// The directory of the audits of integrals.
+    pub fn audits(&self) -> PathBuf {
+        self.path.join("audit")
+    }
+
     /// The path of the result.
     pub fn surface(&self) -> PathBuf {
         self.path.join("surface.parquet")
@@ -180,19 +185,38 @@ impl RunDirectory {
     pub fn tidy(&self) -> Result<(), Failure> {
         remove_temporary(&self.path)?;
         remove_temporary(&self.shards())?;
-        if self.maps().is_dir() { remove_temporary(&self.maps()) } else { Ok(()) }
+        for directory in [self.maps(), self.audits()] {
+            if directory.is_dir() {
+                remove_temporary(&directory)?;
+            }
+        }
+        Ok(())
     }
 
     /// Everything counted so far. Damaged pieces are named on standard error and left out.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
-        let parts = Parts::new(job);
+        self.tally_of(&self.shards(), job, &Parts::new(job), SumLayout::of(job).count())
+    }
+
+    /// The audits of integrals that are finished, by cell. Their sums are those of [`Lookups`].
+    ///
+    /// [`Lookups`]: crate::evaluate::sums::Lookups
+    pub fn audits_done(&self, job: &Job) -> Result<Tally, Failure> {
+        let parts = Parts::of_audits(job);
+        match self.audits() {
+            pieces if pieces.is_dir() => self.tally_of(&pieces, job, &parts, LOOKUPS),
+            _ => Ok(Tally::new(parts.count())),
+        }
+    }
+
+    fn tally_of(&self, pieces: &Path, job: &Job, parts: &Parts, sums: usize) -> Result<Tally, Failure> {
         let is_part = |stored: u64| parts.locate_stored(stored).0 < job.cells();
-        let pieces = piece::read_all(&self.shards(), &job.experiment_hash(), is_part, SumLayout::of(job).count())?;
-        for complaint in &pieces.complaints {
+        let read = piece::read_all(pieces, &job.experiment_hash(), is_part, sums)?;
+        for complaint in &read.complaints {
             note(format_args!("warning: {complaint}"));
         }
-        let mut units = Vec::with_capacity(pieces.units.len());
-        for unit in pieces.units {
+        let mut units = Vec::with_capacity(read.units.len());
+        for unit in read.units {
             let (cell, part) = parts.locate_stored(unit.part);
             let wanted = part.filter(|&part| unit.samples.end <= parts.max_samples(parts.place(part).1));
             let Some(part) = wanted else {
@@ -210,10 +234,11 @@ impl RunDirectory {
             let (cell, place) = parts.place(part);
             let of = if parts.of_a_cell() > 1 { format!("part {place} of cell {cell}") } else { format!("cell {cell}") };
             Failure::InputOutput(format!(
-                "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move shards/ elsewhere and compute again",
+                "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move {}/ elsewhere and compute again",
                 self.path.display(),
                 samples.start,
-                samples.end - 1
+                samples.end - 1,
+                pieces.file_name().unwrap_or_default().display()
             ))
         })?;
         Ok(tally)

@@ -255,7 +255,7 @@ mod tests {
             [x, y] if x + y > 0.5 => Verdict::Undecided,
             _ => Verdict::Stable,
         };
-        Tile::resolve(index, |points| points.iter().map(verdict_at).collect())
+        Tile::resolve(index, |points| points.iter().map(|point| Some(verdict_at(point))).collect()).unwrap()
     }
 
     #[test]

@@ -6,6 +6,9 @@ use stickslip_sampler::estimate::interval::Estimate;
 use crate::evaluate::parts::Parts;
 use crate::store::tally::Tally;
 
+/// Most cells from which the number of samples of all cells is expected.
+const MOST_EXPECTED_CELLS: u64 = 1000;
+
 impl Parts {
     /// The number of parts of a cell that are wanted now (all of them, or those up to the next look), and the counts at
     /// every complete look.
@@ -35,6 +38,25 @@ impl Parts {
             (0..self.of_a_cell()).map(move |place| if place < wanted { self.max_samples(place) } else { 0 })
         };
         (0..self.cells()).flat_map(of_cell).collect()
+    }
+
+    /// The number of samples that are expected to be still missing with looks, from the counts so far. `None` without
+    /// looks, and before every cell has had its first.
+    pub fn expected_to_be_missing(&self, tally: &Tally) -> Option<u128> {
+        let looks = self.looks()?;
+        // Some cells stand for all.
+        let stride = self.cells().div_ceil(MOST_EXPECTED_CELLS);
+        let mut missing = 0;
+        for cell in (0..self.cells()).step_by(stride as usize) {
+            let (_, complete) = self.progress(tally, cell);
+            let counts = complete.last()?;
+            let counted = self.counts(tally, cell).total();
+            if !self.is_complete(tally, cell) {
+                let end = looks.expected_end(complete.len(), counts);
+                missing += u128::from(end.saturating_sub(counted) * stride);
+            }
+        }
+        Some(missing)
     }
 
     /// Whether a cell has all its samples.

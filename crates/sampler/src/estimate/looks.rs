@@ -147,6 +147,35 @@ impl Looks {
         look + 1 >= self.ends.len() || self.is_met(look, counts.unstable, counts)
     }
 
+    /// The number of samples at which a cell is expected to stop, at look `from` or later: if further samples have the
+    /// shares of verdicts that `counts` has. At least one sample has to be counted.
+    #[must_use]
+    pub fn expected_end(&self, from: usize, counts: &VerdictCounts) -> u64 {
+        let is_enough = |look: usize| {
+            let scaled = |count: u64| {
+                (u128::from(count) * u128::from(self.ends[look]) / u128::from(counts.total().max(1))) as u64
+            };
+            let counts = VerdictCounts {
+                stable: scaled(counts.stable),
+                unstable: scaled(counts.unstable),
+                undecided: scaled(counts.undecided),
+                failed: scaled(counts.failed),
+            };
+            self.is_enough(look, &counts)
+        };
+        // The more samples, the narrower the interval.
+        let (mut low, mut high) = (from.min(self.ends.len() - 1), self.ends.len() - 1);
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            if is_enough(middle) {
+                high = middle;
+            } else {
+                low = middle + 1;
+            }
+        }
+        self.ends[low]
+    }
+
     /// Whether the interval is narrow enough with `unstable` of the decided samples.
     fn is_met(&self, look: usize, unstable: u64, counts: &VerdictCounts) -> bool {
         let estimate = self.intervals[look].estimate(&with_unstable(unstable, counts));

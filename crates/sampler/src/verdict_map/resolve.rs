@@ -57,15 +57,16 @@ const GRID: usize = INTERVALS as usize + 3;
 
 impl Tile {
     /// Resolves a tile. `verdicts_at` returns the verdicts at points (preload, falling friction), many at once. The
-    /// cost of the tile is left at 0 for the caller to set.
-    pub fn resolve(index: TileIndex, verdicts_at: impl FnMut(&[Point]) -> Vec<Verdict>) -> Self {
+    /// cost of the tile is left at 0 for the caller to set. If `verdicts_at` returns `None`, the search ends there, with
+    /// `None`.
+    pub fn resolve(index: TileIndex, verdicts_at: impl FnMut(&[Point]) -> Option<Vec<Verdict>>) -> Option<Self> {
         let tile = index.bounds();
         let mut questions = Questions { verdicts_at, asked: 0 };
         let mut known = BTreeMap::new();
         let mut nodes = vec![Node::Unresolved];
         let mut open = vec![OpenBox { place: 0, bounds: tile, corner: [0, 0], depth: 0, has_undecided: false }];
         while !open.is_empty() {
-            questions.complete_grids(&tile, &open, &mut known);
+            questions.complete_grids(&tile, &open, &mut known)?;
             let mut searches = Vec::new();
             let mut to_divide = Vec::new();
             for open_box in open {
@@ -84,7 +85,7 @@ impl Tile {
                     to_divide.push(open_box);
                 }
             }
-            for (open_box, curve) in locate(searches, &mut questions) {
+            for (open_box, curve) in locate(searches, &mut questions)? {
                 match curve {
                     Some(curve) if open_box.is_small_enough() => nodes[open_box.place] = Node::Crossed(curve),
                     _ => to_divide.push(open_box),
@@ -99,9 +100,12 @@ impl Tile {
                 nodes.extend([Node::Unresolved; 4]);
             }
         }
-        Self { nodes, questions: questions.asked, cost: 0 }
+        Some(Self { nodes, questions: questions.asked, cost: 0 })
     }
 }
+
+/// The verdicts at a list of points; `None` beyond the limit of questions.
+type Answer = Option<Vec<Verdict>>;
 
 /// The questions of a tile: who answers them, and how many were asked.
 struct Questions<J> {
@@ -109,19 +113,21 @@ struct Questions<J> {
     asked: u64,
 }
 
-impl<J: FnMut(&[Point]) -> Vec<Verdict>> Questions<J> {
+impl<J: FnMut(&[Point]) -> Option<Vec<Verdict>>> Questions<J> {
     /// Whether `count` more may be asked.
     fn may_ask(&self, count: usize) -> bool {
         self.asked + count as u64 <= MOST_QUESTIONS
     }
 
-    fn ask(&mut self, points: &[Point]) -> Vec<Verdict> {
+    /// The verdicts at points; `None` if the search is to end.
+    fn ask(&mut self, points: &[Point]) -> Option<Vec<Verdict>> {
         self.asked += points.len() as u64;
-        if points.is_empty() { Vec::new() } else { (self.verdicts_at)(points) }
+        if points.is_empty() { Some(Vec::new()) } else { (self.verdicts_at)(points) }
     }
 
-    /// Asks for several lists of points at once, in their order. `None` for those beyond the limit of questions.
-    fn ask_lists(&mut self, lists: impl Iterator<Item = Vec<Point>>) -> Vec<Option<Vec<Verdict>>> {
+    /// Asks for several lists of points at once, in their order. Lists beyond the limit of questions have no answer.
+    /// `None` if the search is to end.
+    fn ask_lists(&mut self, lists: impl Iterator<Item = Vec<Point>>) -> Option<Vec<Answer>> {
         let mut points = Vec::new();
         let lengths: Vec<Option<usize>> = lists
             .map(|list| {
@@ -132,12 +138,14 @@ impl<J: FnMut(&[Point]) -> Vec<Verdict>> Questions<J> {
                 })
             })
             .collect();
-        let mut verdicts = self.ask(&points).into_iter();
-        lengths.into_iter().map(|length| length.map(|length| verdicts.by_ref().take(length).collect())).collect()
+        let mut verdicts = self.ask(&points)?.into_iter();
+        let answer = |length: Option<usize>| length.map(|length| verdicts.by_ref().take(length).collect());
+        Some(lengths.into_iter().map(answer).collect())
     }
 
-    /// Asks for the unknown points of the grids of boxes, one box after the other, up to the limit of questions.
-    fn complete_grids(&mut self, tile: &Box2, boxes: &[OpenBox], known: &mut BTreeMap<Lattice, Verdict>) {
+    /// Asks for the unknown points of the grids of boxes, one box after the other, up to the limit of questions. `None`
+    /// if the search is to end.
+    fn complete_grids(&mut self, tile: &Box2, boxes: &[OpenBox], known: &mut BTreeMap<Lattice, Verdict>) -> Option<()> {
         let mut wanted = BTreeSet::new();
         for open_box in boxes {
             let new: Vec<Lattice> =
@@ -148,8 +156,9 @@ impl<J: FnMut(&[Point]) -> Vec<Verdict>> Questions<J> {
             wanted.extend(new);
         }
         let points: Vec<Point> = wanted.iter().map(|point| lattice_point(tile, *point)).collect();
-        let verdicts = self.ask(&points);
+        let verdicts = self.ask(&points)?;
         known.extend(wanted.into_iter().zip(verdicts));
+        Some(())
     }
 }
 
@@ -259,19 +268,20 @@ impl Crossing {
 type BoxSearch = (OpenBox, Search);
 
 /// Runs searches side by side, so that many verdicts are asked for at once. `None` for a box without a boundary that a
-/// curve describes, and for one whose search would exceed the limit of questions.
-fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
+/// curve describes, and for one whose search would exceed the limit of questions. `None` as a whole if the search is to
+/// end.
+fn locate<J: FnMut(&[Point]) -> Option<Vec<Verdict>>>(
     searches: Vec<BoxSearch>,
     questions: &mut Questions<J>,
-) -> Vec<(OpenBox, Option<BoundaryCurve>)> {
+) -> Option<Vec<(OpenBox, Option<BoundaryCurve>)>> {
     let mut found = Vec::with_capacity(searches.len());
-    let (mut active, mut to_widen) = accept_ends(searches, questions);
+    let (mut active, mut to_widen) = accept_ends(searches, questions)?;
     to_widen.iter_mut().for_each(|(_, search)| search.widen());
-    let (widened, failed) = accept_ends(to_widen, questions);
+    let (widened, failed) = accept_ends(to_widen, questions)?;
     active.extend(widened);
     found.extend(failed.into_iter().map(|(open_box, _)| (open_box, None)));
     loop {
-        let answers = questions.ask_lists(active.iter().map(|(_, search)| search.questions()));
+        let answers = questions.ask_lists(active.iter().map(|(_, search)| search.questions()))?;
         if answers.iter().flatten().all(Vec::is_empty) && answers.iter().all(Option::is_some) {
             break;
         }
@@ -291,7 +301,7 @@ fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
     }
     for guard in GUARDS {
         let curves: Vec<_> = active.iter().map(|(_, search)| search.curve(guard.factor)).collect();
-        let answers = questions.ask_lists(curves.iter().map(|(_, checks)| checks.clone()));
+        let answers = questions.ask_lists(curves.iter().map(|(_, checks)| checks.clone()))?;
         let mut failed = Vec::new();
         for (((mut open_box, search), (curve, _)), verdicts) in active.into_iter().zip(curves).zip(answers) {
             open_box.has_undecided |= !verdicts.iter().flatten().all(|verdict| verdict.is_decided());
@@ -307,18 +317,18 @@ fn locate<J: FnMut(&[Point]) -> Vec<Verdict>>(
         active = next;
     }
     found.extend(active.into_iter().map(|(open_box, _)| (open_box, None)));
-    found
+    Some(found)
 }
 
-/// Separates the searches between whose ends a boundary lies from the others.
-fn accept_ends<J: FnMut(&[Point]) -> Vec<Verdict>>(
+/// Separates the searches between whose ends a boundary lies from the others. `None` if the search is to end.
+fn accept_ends<J: FnMut(&[Point]) -> Option<Vec<Verdict>>>(
     searches: Vec<BoxSearch>,
     questions: &mut Questions<J>,
-) -> (Vec<BoxSearch>, Vec<BoxSearch>) {
-    let answers = questions.ask_lists(searches.iter().map(|(_, search)| search.ends()));
-    let is_accepted = |search: &Search, verdicts: Option<Vec<Verdict>>| verdicts.is_some_and(|v| search.accepts(&v));
+) -> Option<(Vec<BoxSearch>, Vec<BoxSearch>)> {
+    let answers = questions.ask_lists(searches.iter().map(|(_, search)| search.ends()))?;
+    let is_accepted = |search: &Search, verdicts: Answer| verdicts.is_some_and(|v| search.accepts(&v));
     let answered = searches.into_iter().zip(answers).map(|(found, answer)| (is_accepted(&found.1, answer), found));
     let (accepted, others): (Vec<_>, Vec<_>) = answered.partition(|(is_accepted, _)| *is_accepted);
     let searches = |answered: Vec<(bool, BoxSearch)>| answered.into_iter().map(|(_, search)| search).collect();
-    (searches(accepted), searches(others))
+    Some((searches(accepted), searches(others)))
 }

@@ -27,7 +27,8 @@ fn map_of(verdict_at: impl Fn(Point) -> Verdict) -> (VerdictMap, u64) {
     for row in 0..8 {
         for column in 0..8 {
             let index = TileIndex { column, row };
-            let tile = Tile::resolve(index, |points| points.iter().map(|&point| verdict_at(point)).collect());
+            let tile =
+                Tile::resolve(index, |points| points.iter().map(|&point| Some(verdict_at(point))).collect()).unwrap();
             questions += tile.questions;
             assert_eq!(Tile::from_nodes(tile.nodes().to_vec(), tile.questions, tile.cost), Some(tile.clone()));
             map.insert(index, tile);
@@ -139,7 +140,8 @@ fn noise_is_left_unresolved_and_inputs_outside_physics_are_known() {
         let bits = (point[0].to_bits() ^ point[1].to_bits().rotate_left(17)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         if bits >> 63 == 0 && (point[0] - 0.22).abs() < 1e-4 { Verdict::Unstable } else { Verdict::Stable }
     };
-    map.insert(index, Tile::resolve(index, |points| points.iter().map(verdict_at).collect()));
+    let answer = |points: &[Point]| points.iter().map(|point| Some(verdict_at(point))).collect();
+    map.insert(index, Tile::resolve(index, answer).unwrap());
     assert!(map.tile(index).unwrap().questions < 2 * MOST_QUESTIONS);
     for (preload, static_friction) in [(0.0, 0.5), (-1.0, 0.5), (0.2, 0.2), (-1.0, 0.1)] {
         assert_eq!(map.look_up(preload, static_friction), Some(Verdict::Stable));
@@ -193,9 +195,29 @@ fn a_tile_never_takes_more_than_its_limit_of_questions() {
             let tile = Tile::resolve(TileIndex { column, row }, |points| {
                 asked += points.len() as u64;
                 assert!(asked <= MOST_QUESTIONS, "{number} {column} {row}: {asked}");
-                points.iter().map(|&point| verdict_at(point)).collect()
+                points.iter().map(|&point| Some(verdict_at(point))).collect()
             });
-            assert_eq!(tile.questions, asked);
+            assert_eq!(tile.unwrap().questions, asked);
         }
+    }
+}
+
+#[test]
+fn a_search_ends_where_an_answer_is_refused() {
+    let index = TileIndex { column: 0, row: 1 };
+    let verdict_at = |point: &Point| if point[0] * point[1] > 0.012 { Verdict::Unstable } else { Verdict::Stable };
+    let mut rounds = 0;
+    let whole = Tile::resolve(index, |points| {
+        rounds += 1;
+        points.iter().map(|point| Some(verdict_at(point))).collect()
+    });
+    assert!(whole.is_some() && rounds > 5, "{rounds} rounds");
+    for last in 0..rounds {
+        let mut asked = 0;
+        let tile = Tile::resolve(index, |points| {
+            asked += 1;
+            (asked <= last).then(|| points.iter().map(verdict_at).collect())
+        });
+        assert_eq!((tile, asked), (None, last + 1));
     }
 }

@@ -46,9 +46,14 @@ impl<'a> EvaluatedRun<'a> {
             complete_maps(run, &mut evaluator, maps, engine, interrupt)?;
         }
         if run.job.is_integrated() {
-            let (outcome, cells) = engine.integrate(&evaluator, interrupt)?;
-            if let Outcome::Stopped(signal) = outcome {
-                return Err(stopped(signal));
+            // The run keeps its audits; those of an older version are done again.
+            let mut audits = run.directory.audits_done(&run.job)?;
+            let audited = engine.audit(&evaluator, &mut audits, None, interrupt)?;
+            let (outcome, cells) = engine.integrate(&evaluator, &audits, interrupt)?;
+            for outcome in [audited, outcome] {
+                if let Outcome::Stopped(signal) = outcome {
+                    return Err(stopped(signal));
+                }
             }
             integrated = cells;
         }

@@ -218,3 +218,14 @@ fn a_plain_interval_with_the_same_rule_covers_less_than_it_says() {
     let share = f64::from(covered) / f64::from(repetitions);
     assert!(share < 0.94, "{share}");
 }
+
+#[test]
+fn the_expected_end_is_where_a_cell_with_these_shares_stops() {
+    let looks = Looks::new(half_width(0.002), 1_000_000, 0.95);
+    for share in [0.001, 0.01, 0.3, 0.5] {
+        let at = |samples: u64| counts((share * samples as f64) as u64, samples);
+        let stop = (0..looks.ends().len()).find(|&look| looks.is_enough(look, &at(looks.ends()[look]))).unwrap();
+        assert_eq!(looks.expected_end(0, &at(10_000)), looks.ends()[stop], "{share}");
+        assert_eq!(looks.expected_end(stop + 3, &at(10_000)), looks.ends()[stop + 3], "{share}, later");
+    }
+}

@@ -23,8 +23,8 @@ fn map_of(verdict_at: impl Fn(f64, f64) -> Verdict, has: impl Fn(TileIndex) -> b
     let mut map = VerdictMap::new(KINETIC);
     for index in (0..12).flat_map(|row| (0..12).map(move |column| TileIndex { column, row })) {
         if has(index) {
-            let verdicts = |points: &[[f64; 2]]| points.iter().map(|[x, y]| verdict_at(*x, *y)).collect();
-            map.insert(index, Tile::resolve(index, verdicts));
+            let verdicts = |points: &[[f64; 2]]| points.iter().map(|[x, y]| Some(verdict_at(*x, *y))).collect();
+            map.insert(index, Tile::resolve(index, verdicts).unwrap());
         }
     }
     map
