@@ -241,16 +241,17 @@ fn brake_at(rotating_speed: f64) -> PadOnDisc {
 }
 
 /// Rates of simulating samples to their verdict, alternately by the scalar code and by lanes. The motions start from
-/// rest, between critical speed and saddle-node, where linear stability decides the fewest samples.
+/// rest, between critical speed and saddle-node, where linear stability decides the fewest samples. Steps are trial
+/// steps: where friction is steep, several of them make up a step of the usual length.
 fn lanes() {
     for (name, disc, count) in [("rigid", DiscModel::Rigid, 60), ("flexible", DiscModel::Flexible { modes: 5 }, 1)] {
         let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
         let criterion = TimeDomain::new(&brake_at(22.0), &disc, settings).expect("the preset is valid");
         let mut inputs = inputs(count);
         let decided = criterion.decide_all(&inputs);
-        let steps: f64 = decided.iter().map(|decision| (decision.time / criterion.step_length()).round()).sum();
         let mut is_simulated = decided.iter().map(|decision| decision.time > 0.0);
         inputs.retain(|_| is_simulated.next() == Some(true));
+        let steps = criterion.count_steps(&inputs) as f64;
         let sets = InstructionSet::available();
         let mut scalar_times = Vec::new();
         let mut set_times = vec![Vec::new(); sets.len()];
@@ -270,18 +271,24 @@ fn lanes() {
             "samples/s",
         );
         figure(&format!("{name} disc, scalar steps (RK4)"), 1e-6 * steps / median(scalar_times.clone()), "M steps/s");
-        for (set, times) in sets.iter().zip(&set_times) {
+        let alone = kernel(name, &criterion, &sets);
+        for ((set, times), alone) in sets.iter().zip(&set_times).zip(alone) {
             let ratios = scalar_times.iter().zip(times).map(|(scalar, lanes)| scalar / lanes).collect();
-            figure(&format!("{name} disc, {set:?} lanes"), 1e-6 * steps / median(times.clone()), "M steps/s");
+            let rate = steps / median(times.clone());
+            figure(&format!("{name} disc, {set:?} lanes"), 1e-6 * rate, "M steps/s");
             figure(&format!("{name} disc, {set:?} lanes over scalar, to the verdict"), median(ratios), "times");
+            figure(
+                &format!("{name} disc, {set:?} lanes to the verdict over steps alone"),
+                rate / alone,
+                "of their rate",
+            );
         }
-        kernel(name, &criterion, &sets);
     }
 }
 
 /// Rates of steps alone, without starting, deciding and ending samples: motions close to the limit cycle's edge that do
-/// not end.
-fn kernel(name: &str, criterion: &TimeDomain, sets: &[InstructionSet]) {
+/// not end. Returns those of the lanes.
+fn kernel(name: &str, criterion: &TimeDomain, sets: &[InstructionSet]) -> Vec<f64> {
     let inputs: Vec<RandomInputs> =
         (0..64).map(|i| RandomInputs { preload: 0.04 + 5e-4 * f64::from(i), static_friction: 0.3 }).collect();
     let steps = if name == "rigid" { 200_000 } else { 10_000 };
@@ -299,12 +306,16 @@ fn kernel(name: &str, criterion: &TimeDomain, sets: &[InstructionSet]) {
         1e-6 * median(scalar.iter().map(scalar_rate).collect()),
         "M steps/s",
     );
+    let mut alone = Vec::new();
     for (set, times) in sets.iter().zip(&lanes) {
         let rates: Vec<f64> = times.iter().map(|time| 64.0 * f64::from(steps / 10) / time).collect();
         let ratios = scalar.iter().zip(&rates).map(|(scalar, rate)| rate / scalar_rate(scalar)).collect();
-        figure(&format!("{name} disc, steps alone, {set:?} lanes"), 1e-6 * median(rates), "M steps/s");
+        let rate = median(rates);
+        figure(&format!("{name} disc, steps alone, {set:?} lanes"), 1e-6 * rate, "M steps/s");
         figure(&format!("{name} disc, steps alone, {set:?} lanes over scalar"), median(ratios), "times");
+        alone.push(rate);
     }
+    alone
 }
 
 /// The effect of the step size on verdicts and on the balance of energy.

@@ -121,6 +121,27 @@ impl FlexibleEquations {
         (0.5 * self.disc_damping).min(normal).min(rate(pad.angular_damping, pad.angular_stiffness))
     }
 
+    /// The accelerations of x, y and phi alone, and the forces at the contact: the same bits as
+    /// [`FlexibleEquations::accelerations`], at little cost where the whole patch is in contact.
+    pub fn pad_accelerations(
+        &self,
+        inputs: RandomInputs,
+        contact: ContactState,
+        q: &[f64],
+        u: &[f64],
+    ) -> ([f64; PAD], ContactForces) {
+        let angle = sine_and_cosine(q[2]);
+        let (position, patch, amplitudes) = (self.position(q, angle), &self.geometry.patch, &q[PAD..]);
+        let pressure = if patch.is_surely_whole(position, amplitudes) {
+            patch.pressure_of_whole_patch(position, amplitudes)
+        } else {
+            let mut loads = ContactLoads::zero();
+            patch.loads_of_pressed_part(position, amplitudes, &mut loads);
+            loads.pressure
+        };
+        self.pad.accelerations(inputs, contact, q, u, angle, self.pad.pressure_gain * pressure)
+    }
+
     /// The accelerations of all degrees of freedom, and the forces at the contact, at displacements `q` and speeds `u`.
     #[inline]
     pub fn accelerations(

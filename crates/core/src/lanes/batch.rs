@@ -1,14 +1,18 @@
 //! The time-domain criterion for many samples at once.
 
+use std::cell::Cell;
+
 use crate::criterion::decision::Decision;
 use crate::criterion::time_domain::{System, TimeDomain};
+use crate::flexible_disc::brake::FlexibleBrake;
 use crate::lanes::bundle::Bundle;
 use crate::lanes::dispatch::InstructionSet;
 use crate::lanes::flexible::FlexibleBundle;
 use crate::lanes::queue::{QueuedSample, SampleQueue};
 use crate::lanes::rigid::RigidBundle;
 use crate::lanes::scheduling::run;
-use crate::motion::integrator::{Equations, Motion};
+use crate::motion::friction_steps::FrictionSteps;
+use crate::motion::integrator::{Equations, Motion, Reserve, Step};
 use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
 
@@ -34,6 +38,31 @@ impl TimeDomain {
         let mut list = List { criterion: self, inputs, next: 0, decisions: vec![Decision::FAILED; inputs.len()] };
         decide_queue_with(&mut list, set);
         list.decisions
+    }
+
+    /// The trial steps ([`crate::motion::substep`]) that all samples of a list take to their verdicts, for benchmarks.
+    #[must_use]
+    #[doc(hidden)]
+    pub fn count_steps(&self, inputs: &[RandomInputs]) -> u64 {
+        let taken = Cell::new(0);
+        for &inputs in inputs {
+            match &self.system {
+                System::Rigid(brake) => {
+                    let sample = brake.sample(inputs);
+                    if let Ok((motion, monitor)) = self.start_rigid(&sample, inputs, self.start()) {
+                        self.simulate(&Counted { equations: &sample, taken: &taken }, motion, monitor, brake.step, 0);
+                    }
+                }
+                System::Flexible(motion) => {
+                    let sample = motion.sample(inputs);
+                    let start = self.start_flexible(&sample, self.start(), FlexibleBrake::linear_stability);
+                    if let Ok((start, monitor)) = start {
+                        self.simulate(&Counted { equations: &sample, taken: &taken }, start, monitor, motion.step, 0);
+                    }
+                }
+            }
+        }
+        taken.get()
     }
 
     /// Takes `steps` steps of every sample of a list, for benchmarks of the steps alone: no motion is monitored, and
@@ -115,6 +144,42 @@ impl<'q> SampleQueue<'q> for List<'q> {
         if let Some(place) = self.decisions.get_mut(ticket as usize) {
             *place = decision;
         }
+    }
+}
+
+/// Equations whose steps are counted.
+struct Counted<'a, E> {
+    equations: &'a E,
+    taken: &'a Cell<u64>,
+}
+
+impl<E: Equations> Equations for Counted<'_, E> {
+    type State = E::State;
+
+    fn step(&self, state: &E::State, contact: ContactState, h: f64) -> Step<E::State> {
+        self.taken.set(self.taken.get() + 1);
+        self.equations.step(state, contact, h)
+    }
+    fn acceleration(&self, state: &E::State, contact: ContactState) -> f64 {
+        self.equations.acceleration(state, contact)
+    }
+    fn tangential(&self, state: &E::State) -> (f64, f64) {
+        self.equations.tangential(state)
+    }
+    fn disc_speed(&self) -> f64 {
+        self.equations.disc_speed()
+    }
+    fn moving_with_disc(&self, state: &E::State) -> E::State {
+        self.equations.moving_with_disc(state)
+    }
+    fn reserve(&self, state: &E::State) -> Reserve {
+        self.equations.reserve(state)
+    }
+    fn meeting_rate(&self) -> f64 {
+        self.equations.meeting_rate()
+    }
+    fn friction_steps(&self) -> &FrictionSteps {
+        self.equations.friction_steps()
     }
 }
 

@@ -29,8 +29,20 @@ pub(super) trait Bundle<'q> {
         Self: 'a;
     type Monitor: Monitor;
 
+    /// Samples that are taken from the queue together, and what is found of them then.
+    const AT_ONCE: usize;
+    type Known;
+
+    /// What is found of some samples together.
+    fn examine(&self, samples: &[QueuedSample<'q>]) -> Vec<Self::Known>;
+
     /// Gives a lane the equations of a sample; or decides the sample if it needs no simulation, or none in this bundle.
-    fn begin(&mut self, lane: usize, sample: QueuedSample<'q>) -> Result<Begun<Self::State, Self::Monitor>, Decision>;
+    fn begin(
+        &mut self,
+        lane: usize,
+        sample: QueuedSample<'q>,
+        known: Self::Known,
+    ) -> Result<Begun<Self::State, Self::Monitor>, Decision>;
 
     /// Gives a lane the equations of a sample, decided or not. Returns the motion at its beginning and the length of its
     /// steps, if it has equations.

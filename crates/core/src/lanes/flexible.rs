@@ -8,12 +8,15 @@ use crate::criterion::flexible_monitor::FlexibleMonitor;
 use crate::criterion::time_domain::System;
 use crate::flexible_disc::brake::FlexibleBrake;
 use crate::flexible_disc::equations::FlexibleEquations;
+use crate::flexible_disc::error::FlexibleError;
 use crate::flexible_disc::geometry::DiscGeometry;
+use crate::flexible_disc::linear_stability::LinearStability;
 use crate::lanes::BLOCK;
 use crate::lanes::bundle::{Begun, Bundle};
 use crate::lanes::contact_loads::Tables;
 use crate::lanes::dispatch::{InstructionSet, dispatch};
 use crate::lanes::flexible_step::{FlexibleLanes, flexible_step};
+use crate::lanes::linear_stability::OwnBrake;
 use crate::lanes::pace::Pace;
 use crate::lanes::queue::QueuedSample;
 use crate::motion::flexible::{FlexibleMotion, FlexibleSample, FlexibleState, MOST_FREEDOMS};
@@ -158,23 +161,42 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
         Self: 'a;
     type Monitor = FlexibleMonitor;
 
+    const AT_ONCE: usize = 16;
+    type Known = Option<Result<LinearStability, FlexibleError>>;
+
+    /// The linear stability of samples with brakes of their own.
+    fn examine(&self, samples: &[QueuedSample<'q>]) -> Vec<Self::Known> {
+        let own = |sample: &QueuedSample<'q>| {
+            let brake = sample.brake.clone().filter(|_| sample.inputs.preload > 0.0)?;
+            Some(OwnBrake { brake, inputs: sample.inputs })
+        };
+        let own: Vec<Option<OwnBrake>> = samples.iter().map(own).collect();
+        let brakes: Vec<OwnBrake> = own.iter().flatten().cloned().collect();
+        let shared = samples.iter().find_map(|sample| match &sample.criterion.system {
+            System::Flexible(motion) => Some(&motion.brake),
+            System::Rigid(_) => None,
+        });
+        let mut found = shared.map_or_else(Vec::new, |shared| shared.linear_stability_of(&brakes)).into_iter();
+        own.iter().map(|own| own.as_ref().and_then(|_| found.next())).collect()
+    }
+
     fn begin(
         &mut self,
         lane: usize,
         sample: QueuedSample<'q>,
+        known: Self::Known,
     ) -> Result<Begun<FlexibleState, FlexibleMonitor>, Decision> {
         // Before anything is prepared for it.
         if sample.inputs.preload <= 0.0 {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
         let placed = self.equations_of(&sample)?;
-        let stability = match sample.brake {
-            None => FlexibleBrake::linear_stability,
-            // What it prepares for many samples of one brake does not pay for a single one.
-            Some(_) => FlexibleBrake::by_eigenvalues,
+        let stability = |brake: &FlexibleBrake, inputs: RandomInputs| match &known {
+            Some(known) => known.clone(),
+            None => brake.linear_stability(inputs),
         };
-        let (motion, monitor) =
-            sample.criterion.start_flexible(&placed.equations(), sample.scaled_start(), stability)?;
+        let start = sample.scaled_start();
+        let (motion, monitor) = sample.criterion.start_flexible(&placed.equations(), start, stability)?;
         let step = placed.motion.step;
         self.set_sample(lane, placed);
         Ok(Begun { motion, monitor, step })

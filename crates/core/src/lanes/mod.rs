@@ -24,6 +24,8 @@ pub mod dispatch;
 
 pub mod closed_form;
 
+pub mod linear_stability;
+
 pub mod queue;
 
 mod pace;
@@ -45,8 +47,6 @@ mod flexible_step;
 mod flexible;
 
 pub mod batch;
-
-pub mod linear_stability;
 
 /// Neighbouring lanes, whose values of one kind make a row: all lanes of a flexible disc, a quarter of those of a rigid
 /// one. So many keep a step in registers, or all degrees of freedom in the first-level cache.

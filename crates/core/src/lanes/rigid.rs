@@ -47,7 +47,19 @@ impl<'q> Bundle<'q> for RigidBundle {
     type Equations<'a> = RigidSample;
     type Monitor = RigidMonitor;
 
-    fn begin(&mut self, lane: usize, sample: QueuedSample<'q>) -> Result<Begun<RigidState, RigidMonitor>, Decision> {
+    const AT_ONCE: usize = 16;
+    type Known = ();
+
+    fn examine(&self, samples: &[QueuedSample<'q>]) -> Vec<()> {
+        vec![(); samples.len()]
+    }
+
+    fn begin(
+        &mut self,
+        lane: usize,
+        sample: QueuedSample<'q>,
+        (): (),
+    ) -> Result<Begun<RigidState, RigidMonitor>, Decision> {
         let equations = equations_of(&sample)?;
         if equations.brake.law.shape != self.shape {
             return Err(sample.decide());

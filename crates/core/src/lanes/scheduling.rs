@@ -37,6 +37,8 @@ struct Running<'q, S, M> {
 struct Flow<'q, 'b, B: Bundle<'q>, Q> {
     bundle: &'b mut B,
     queue: &'b mut Q,
+    /// Samples that were taken from the queue, the next one last.
+    waiting: Vec<(QueuedSample<'q>, B::Known)>,
     running: Vec<Option<Running<'q, B::State, B::Monitor>>>,
     busy: usize,
     is_exhausted: bool,
@@ -51,7 +53,7 @@ pub(super) fn run<'q, B: Bundle<'q>, Q: SampleQueue<'q> + ?Sized>(
 ) {
     let running = (0..B::LANES).map(|_| None).collect();
     let mut queue = Preceded { first: Some(first), queue };
-    let mut flow = Flow { bundle, queue: &mut queue, running, busy: 0, is_exhausted: false };
+    let mut flow = Flow { bundle, queue: &mut queue, waiting: Vec::new(), running, busy: 0, is_exhausted: false };
     for lane in 0..B::LANES {
         flow.refill(lane);
     }
@@ -92,11 +94,21 @@ impl<'q, Q: SampleQueue<'q> + ?Sized> SampleQueue<'q> for Preceded<'q, '_, Q> {
 }
 
 impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
+    /// The next sample, with what is known of it.
+    fn take(&mut self) -> Option<(QueuedSample<'q>, B::Known)> {
+        if self.waiting.is_empty() {
+            let samples: Vec<_> = std::iter::from_fn(|| self.queue.next()).take(B::AT_ONCE).collect();
+            let known = self.bundle.examine(&samples);
+            self.waiting.extend(samples.into_iter().zip(known).rev());
+        }
+        self.waiting.pop()
+    }
+
     /// Puts the next sample that needs simulation into a lane.
     fn refill(&mut self, lane: usize) {
-        while let Some(sample) = self.queue.next() {
+        while let Some((sample, known)) = self.take() {
             let (ticket, criterion) = (sample.ticket, sample.criterion);
-            match self.bundle.begin(lane, sample) {
+            match self.bundle.begin(lane, sample, known) {
                 Err(decision) => self.queue.decided(ticket, decision),
                 Ok(Begun { motion, monitor, step }) => {
                     self.busy += usize::from(self.running[lane].is_none());

@@ -97,9 +97,15 @@ impl FlexibleSample<'_> {
 
     /// The tangential displacement at which static friction can just hold the pad, everything else as in `state`.
     pub fn release(&self, state: &FlexibleState) -> f64 {
-        let (forces, _) = self.rates(state, ContactState::Slip);
+        let (_, forces) = self.pad_rates(state, ContactState::Slip);
         let angle = sine_and_cosine(state.q[2]);
         self.brake.equations.pad.release(self.inputs.static_friction, forces.pressure, angle)
+    }
+
+    /// Accelerations of the pad alone, and the forces, in a state.
+    fn pad_rates(&self, state: &FlexibleState, contact: ContactState) -> ([f64; PAD], ContactForces) {
+        let n = self.brake.equations.size();
+        self.brake.equations.pad_accelerations(self.inputs, contact, &state.q[..n], &state.u[..n])
     }
 
     /// Forces and accelerations in a state.
@@ -175,7 +181,7 @@ impl Equations for FlexibleSample<'_> {
     }
 
     fn acceleration(&self, state: &FlexibleState, contact: ContactState) -> f64 {
-        self.rates(state, contact).1[0]
+        self.pad_rates(state, contact).0[0]
     }
 
     fn tangential(&self, state: &FlexibleState) -> (f64, f64) {
@@ -193,7 +199,7 @@ impl Equations for FlexibleSample<'_> {
     }
 
     fn reserve(&self, state: &FlexibleState) -> Reserve {
-        let forces = self.rates(state, ContactState::Stick).0;
+        let (_, forces) = self.pad_rates(state, ContactState::Stick);
         let held = self.brake.equations.pad.friction_at_rest(self.inputs.static_friction);
         Reserve { against_slip: held - forces.friction_ratio, against_overtaking: held + forces.friction_ratio }
     }

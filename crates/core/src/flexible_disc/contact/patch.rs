@@ -104,14 +104,18 @@ impl ContactPatch {
         }
     }
 
+    /// The pressure alone, `<g+>`, while the whole patch is in contact: the odd shapes have no mean.
+    #[inline]
+    pub fn pressure_of_whole_patch(&self, pad: PadPosition, amplitudes: &[f64]) -> f64 {
+        let shapes = self.averages.shape.iter().zip(amplitudes);
+        shapes.fold(-pad.normal, |pressure, (shape, amplitude)| pressure + shape * amplitude)
+    }
+
     /// The loads while the whole patch is in contact.
     pub fn loads_of_whole_patch(&self, pad: PadPosition, amplitudes: &[f64], loads: &mut ContactLoads) {
         let averages = &self.averages;
         let (a, b) = amplitudes.split_at(self.even);
-        loads.pressure = -pad.normal;
-        for (shape, a) in averages.shape.iter().zip(a) {
-            loads.pressure += shape * a;
-        }
+        loads.pressure = self.pressure_of_whole_patch(pad, amplitudes);
         for i in 0..self.even {
             let mut sum = -pad.normal * averages.shape[i];
             for (product, a) in averages.even_even[i * self.even..].iter().zip(a) {

@@ -214,7 +214,7 @@ fn brakes<'q>(criterion: &'q TimeDomain, keys: &[&str], count: u64) -> Vec<Queue
         }
         let inputs = RandomInputs { preload: around(0.12), static_friction: around(0.36) };
         parameters.friction.static_coefficient = inputs.static_friction.max(parameters.friction.kinetic_coefficient);
-        let brake = (ticket % 5 != 0).then(|| PadOnDisc::new(parameters).unwrap());
+        let brake = (!ticket.is_multiple_of(5)).then(|| PadOnDisc::new(parameters).unwrap());
         QueuedSample { ticket, criterion, brake, inputs, start: starts[(ticket % 3) as usize] }
     };
     (0..count).map(&mut sample).collect()
