@@ -1,7 +1,7 @@
 //! Many samples at once, in the lanes of vector registers.
 //!
 //! The scalar code (module `motion`) defines the results; lanes only compute them faster. Every lane has a sample with
-//! coefficients, a step length and a time of its own. All lanes take their trial steps ([`crate::motion::substep`])
+//! coefficients, a step length and a time of its own. All lanes take their trial steps (module `motion::substep`)
 //! together, by the same operations in the same order as the scalar code, so every lane has the bits that it has, on
 //! every instruction set: nothing here is contracted, reassociated or approximated.
 //!

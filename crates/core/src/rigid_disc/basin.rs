@@ -1,6 +1,6 @@
 //! Which motions return to steady sliding: the basin of attraction, and how hard a knock has to be to leave it.
 //!
-//! A motion is a point of the plane of x and x'. Slip (x' < v) is as in [`crate::rigid_disc::planar_motion`]. A pad that
+//! A motion is a point of the plane of x and x'. Slip (x' < v) is as in the module `planar_motion`. A pad that
 //! overtakes the disc (x' > v) obeys the same law with friction in the other direction; seen in a mirror, it slips on a
 //! disc of speed -v. A pad with the disc's speed sticks where static friction can hold it, `|K x + C v| <= G f_s`, until
 //! its release, which is the same for all of them.

@@ -123,7 +123,7 @@ enum Brakes<'q> {
     /// Another one, of all samples.
     Own(Box<PadOnDisc>),
     /// Every sample has its own.
-    Varying(Cow<'q, VaryingBrake>),
+    Varying(Cow<'q, Box<VaryingBrake>>),
 }
 
 /// Where the motions of a cell start, in a job in which they do not all start alike.
@@ -266,7 +266,7 @@ impl Criteria {
         let brakes = if self.scalars.is_empty() {
             Brakes::Own(Box::new(brake))
         } else {
-            Brakes::Varying(Cow::Owned(VaryingBrake::new(brake, self.scalars.clone())))
+            Brakes::Varying(Cow::Owned(Box::new(VaryingBrake::new(brake, self.scalars.clone()))))
         };
         Some(Motions { criterion: of_first, brakes, starts })
     }

@@ -142,7 +142,7 @@ fn steps_resolve_the_rational_law_viscous_friction_and_measured_curves() {
         let speeds: Vec<f64> = (0..rows)
             .map(|i| 4.0 * (f64::from(i) / f64::from(rows - 1)) * f64::from(i + 3) / f64::from(rows + 2))
             .collect();
-        let alternating = |i: usize| if i % 2 == 0 { scatter } else { -scatter };
+        let alternating = |i: usize| if i.is_multiple_of(2) { scatter } else { -scatter };
         let coefficients: Vec<f64> = speeds
             .iter()
             .enumerate()

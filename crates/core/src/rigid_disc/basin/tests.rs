@@ -112,7 +112,7 @@ fn a_knock_a_little_smaller_returns_and_one_a_little_larger_does_not() {
         let at = |speed: f64| {
             let changes = [("operating_point.rotating_speed", speed), ("friction.viscous", viscous)];
             let mut parameters = PadOnDisc::preset_with(&[&values[..], &changes].concat()).parameters().clone();
-            parameters.friction.law = law.clone();
+            parameters.friction.law = law;
             PadOnDisc::new(parameters).unwrap()
         };
         let (Some(range), Some(end)) = (at(1.0).unstable_speeds().pop(), at(1.0).saddle_node_speed()) else { continue };
