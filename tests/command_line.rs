@@ -326,7 +326,9 @@ fn check_shows_a_job_that_can_itself_be_submitted() {
         }
         let job = path.display();
         let checked = place.run(&format!("check {job}")).done();
-        assert!(!checked.stderr.contains("warning"), "{}", checked.stderr);
+        // The published oscillators are no brakes, which the plausibility of their parameters shows.
+        let is_brake = !["bstab.toml", "veraszto.toml"].iter().any(|oscillator| path.ends_with(oscillator));
+        assert_eq!(checked.stderr.contains("warning"), !is_brake, "{}", checked.stderr);
         let normalised = checked.stdout;
         assert!(normalised.contains("samples/s on one, measured now"), "{normalised}");
         place.write("normalised.toml", &normalised);

@@ -297,3 +297,6 @@ impl<'q> SampleQueue<'q> for Stream<'q, '_> {
         self.state.get() == Control::Stop
     }
 }
+
+#[cfg(test)]
+mod tests;
