@@ -122,6 +122,15 @@ fn every_key_that_changes_results_changes_the_identity() {
                 ("disc_modes = 5", "disc_modes = 6"),
                 ("start = \"rest\"", "start = \"limit-cycle\""),
                 ("start = \"rest\"", "start = \"near-equilibrium\""),
+                ("start = \"rest\"", "start = { velocity = 0.1 }"),
+                ("start = \"rest\"", "start = { velocity = 0.2 }"),
+                ("start = \"rest\"", "start = { tangential = 0.0 }"),
+                ("start = \"rest\"", "start = { velocity = 0.1, from_equilibrium = true }"),
+                ("start = \"rest\"", "start = { velocity = 0.1, units = \"scaled\" }"),
+                ("preload = [0.05, 0.1]", "preload = [0.05, 0.1]\n\"pad.moment_arm\" = [0.007, 0.008]"),
+                ("preload = [0.05, 0.1]", "preload = [0.05, 0.1]\n\"pad.moment_arm\" = [0.008, 0.007]"),
+                ("preload = [0.05, 0.1]", "preload = [0.05, 0.1]\n\"pad.moment_arm\" = 0.008"),
+                ("preload = [0.05, 0.1]", "preload = [0.05, 0.1]\n\"damping.normal\" = [106.1, 107.0]"),
                 ("displacement = 0.01", "displacement = 0.02"),
                 ("horizon = 5000.0", "horizon = 6000.0"),
                 ("amplitude = 0.002", "amplitude = 0.003"),
@@ -215,6 +224,32 @@ fn the_friction_law_and_its_curve_belong_to_the_identity() {
     assert_eq!(hashes[0], with("law = \"stribeck\""));
     assert_eq!(hashes[0], job(SOBOL).hash());
     assert_eq!(hashes[3], table(curve, "\nband = 0"));
+}
+
+#[test]
+fn starts_that_vary_belong_to_the_identity() {
+    let rigid = |axes: &str, random: &str, start: &str| {
+        let text = format!(
+            "name = \"start\"\n[axes]\n{axes}\n[random]\n{random}\n[criterion]\nkind = \"time-domain\"\ndisc = \"rigid\"\n{start}\n"
+        );
+        job(&text).hash()
+    };
+    let scatter = |std: f64| format!("inputs = [\"start.velocity\"]\nstd = {{ \"start.velocity\" = {std} }}");
+    let hashes = [
+        rigid("", "", "start = {}"),
+        rigid("start.velocity = 0.1", "", ""),
+        rigid("start.velocity = [0.1, 0.2]", "", ""),
+        rigid("start.tangential = [0.1, 0.2]", "", "start = { units = \"scaled\" }"),
+        rigid("", &scatter(0.1), ""),
+        rigid("", &scatter(0.2), ""),
+        rigid("", &scatter(0.1), "start = { velocity = 0.1 }"),
+    ];
+    for (i, hash) in hashes.iter().enumerate() {
+        assert!(!hashes[..i].contains(hash), "{i}");
+    }
+    // A start that is axis or random needs no key of its own.
+    assert_eq!(rigid("start.velocity = 0.1", "", ""), rigid("start.velocity = 0.1", "", "start = {}"));
+    assert_eq!(rigid("", &scatter(0.1), ""), rigid("", &scatter(0.1), "start = { velocity = 0.0 }"));
 }
 
 #[test]
