@@ -110,7 +110,13 @@ fn random_inputs_and_axes_of_other_laws_are_refused() {
     let place = Place::new();
     place.write("curve.csv", "speed,coefficient\n0,0.4\n1,0.3\n");
     let random = |friction: &str, input: &str| {
-        job(friction).replace("inputs = [\"static_friction\"]", &format!("inputs = [\"{input}\"]"))
+        let scatter = match input {
+            "friction.band" => "std = { \"friction.band\" = 1 }",
+            _ => "relative_std = 0.2",
+        };
+        job(friction)
+            .replace("inputs = [\"static_friction\"]", &format!("inputs = [\"{input}\"]"))
+            .replace("relative_std = 0.2", scatter)
     };
     let table = "law = \"table\"\ntable = \"curve.csv\"";
     let axis = |friction: &str, axis: &str| {
