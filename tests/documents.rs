@@ -439,7 +439,7 @@ fn the_reference_names_every_key_option_and_target() {
         let sections = nested.clone().filter_map(|(_, value)| value["properties"].as_object()).flatten();
         for (key, _) in nested.chain(sections) {
             count += 1;
-            let is_there = ["`", " ", ".", "["].iter().any(|before| keys.contains(&format!("{before}{key}")));
+            let is_there = ["`", " ", ".", "[", "\""].iter().any(|before| keys.contains(&format!("{before}{key}")));
             assert!(is_there, "docs/reference/job-spec.md does not name {key}");
         }
     }

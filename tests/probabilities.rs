@@ -259,22 +259,24 @@ fn a_flexible_disc_is_mapped_too() {
 /// Copies the verdict map of the run `from` into `to`, with the key of the run `as_of`. It is wrong for that run, as if
 /// it had missed a region of another verdict.
 fn forge_map(place: &Place, from: &str, as_of: &str, to: &str) {
-    let key = |run: &str| {
-        let piece = fs::read_dir(place.path(run).join("map")).unwrap().next().unwrap().unwrap().path();
-        let bytes = fs::read(&piece).unwrap();
-        (Table::read(&piece).footer[0].1.clone(), bytes)
+    let pieces = |run: &str| -> Vec<_> {
+        fs::read_dir(place.path(run).join("map")).unwrap().map(|entry| entry.unwrap().path()).collect()
     };
-    let ((own, _), (others, mut bytes)) = (key(as_of), key(from));
+    let key = |run: &str| Table::read(&pieces(run)[0]).footer[0].1.clone();
+    let (own, others) = (key(as_of), key(from));
     assert_ne!(own, others);
-    // Parquet footers hold the key as text.
-    let at: Vec<usize> =
-        (0..bytes.len() - others.len()).filter(|&i| bytes[i..].starts_with(others.as_bytes())).collect();
-    for i in at {
-        bytes[i..i + own.len()].copy_from_slice(own.as_bytes());
-    }
     let forged = place.path(to).join("map");
     fs::create_dir_all(&forged).unwrap();
-    fs::write(forged.join(format!("{}.parquet", &blake3::hash(&bytes).to_hex()[..32])), bytes).unwrap();
+    for piece in pieces(from) {
+        let mut bytes = fs::read(piece).unwrap();
+        // Parquet footers hold the key as text.
+        let at: Vec<usize> =
+            (0..bytes.len() - others.len()).filter(|&i| bytes[i..].starts_with(others.as_bytes())).collect();
+        for i in at {
+            bytes[i..i + own.len()].copy_from_slice(own.as_bytes());
+        }
+        fs::write(forged.join(format!("{}.parquet", &blake3::hash(&bytes).to_hex()[..32])), bytes).unwrap();
+    }
 }
 
 #[test]

@@ -17,6 +17,9 @@ const MOST_SLICES: usize = 4;
 /// Largest number of values that are shown as bars, with their numbers; more make a curve.
 const MOST_BARS: usize = 12;
 
+/// Largest number of columns of a table of numbers; more make shades.
+const MOST_TABLE_COLUMNS: usize = 6;
+
 /// Height of a curve, and the probabilities at which it may end.
 const CURVE_ROWS: usize = 17;
 const TOPS: [f64; 13] = [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3, 1e-4, 1e-5, 1e-6];
@@ -40,6 +43,9 @@ pub fn picture(surface: &Surface<'_>) -> String {
         let slice = view.slice(number);
         text += &format!("Probability of instability{}\n\n", slice.title(surface.job()));
         text += &match (view.vertical(), view.horizontal()) {
+            (Some(vertical), Some(horizontal)) if fits_a_table(vertical, horizontal) => {
+                table(surface, &slice, vertical, horizontal)
+            }
             (Some(vertical), Some(horizontal)) => heat_map(surface, &slice, vertical, horizontal),
             (None, Some(axis)) if axis.values.len() > MOST_BARS => curve(surface, &slice, axis),
             (None, Some(axis)) => bars(surface, &slice, Some(axis)),
@@ -81,6 +87,26 @@ fn heat_map(surface: &Surface<'_>, slice: &Slice<'_>, vertical: &ViewAxis, horiz
         text += "          ? more than 10 % of the samples undecided or failed\n";
     }
     text + "\n"
+}
+
+fn fits_a_table(vertical: &ViewAxis, horizontal: &ViewAxis) -> bool {
+    vertical.values.len() <= MOST_BARS && horizontal.values.len() <= MOST_TABLE_COLUMNS
+}
+
+/// The probabilities in numbers.
+fn table(surface: &Surface<'_>, slice: &Slice<'_>, vertical: &ViewAxis, horizontal: &ViewAxis) -> String {
+    let mut text = format!(" {}\n", vertical.name);
+    for (up, &value) in vertical.values.iter().enumerate().rev() {
+        text += &format!("{} |", label(value));
+        for right in 0..horizontal.values.len() {
+            let probability = surface.row(slice.cell(up, right)).estimate.probability;
+            text += &format!(" {:>8}", probability.map_or("?".to_owned(), label));
+        }
+        text.push('\n');
+    }
+    let width = 9 * horizontal.values.len();
+    let values: String = horizontal.values.iter().map(|&value| format!(" {:>8}", label(value))).collect();
+    text + &format!("{:9}+{}\n{:10}{values}  {}\n\n", "", "-".repeat(width), "", horizontal.name)
 }
 
 /// The axis below a picture: its line, its ends and its name, which has a line of its own where it is long.
