@@ -33,6 +33,9 @@ const SHADES: [(f64, char); 6] = [(0.8, '█'), (0.6, '▓'), (0.4, '▒'), (0.2
 /// Largest share of samples without a verdict with which a probability is drawn.
 const MOST_UNKNOWN: f64 = 0.1;
 
+/// The mark of such a probability.
+const UNKNOWN: &str = "          ? more than 10 % of the samples undecided or failed\n";
+
 /// The probability of instability over the two longest axes, one slice for each combination of the others. If only one axis
 /// varies, the picture shows a curve, or bars if it is short.
 pub fn picture(surface: &Surface<'_>) -> String {
@@ -84,7 +87,7 @@ fn heat_map(surface: &Surface<'_>, slice: &Slice<'_>, vertical: &ViewAxis, horiz
     text += &foot(&horizontal.name, horizontal.ends(), columns.len() * width);
     text += "          ' ' below 1 %, · to 20, ░ to 40, ▒ to 60, ▓ to 80, █ 80 % and more\n";
     if has_unknown {
-        text += "          ? more than 10 % of the samples undecided or failed\n";
+        text += UNKNOWN;
     }
     text + "\n"
 }
@@ -96,17 +99,24 @@ fn fits_a_table(vertical: &ViewAxis, horizontal: &ViewAxis) -> bool {
 /// The probabilities in numbers.
 fn table(surface: &Surface<'_>, slice: &Slice<'_>, vertical: &ViewAxis, horizontal: &ViewAxis) -> String {
     let mut text = format!(" {}\n", vertical.name);
+    let mut has_unknown = false;
     for (up, &value) in vertical.values.iter().enumerate().rev() {
-        text += &format!("{} |", label(value));
+        let mut line = format!("{} |", label(value));
         for right in 0..horizontal.values.len() {
-            let probability = surface.row(slice.cell(up, right)).estimate.probability;
-            text += &format!(" {:>8}", probability.map_or("?".to_owned(), label));
+            let row = surface.row(slice.cell(up, right));
+            let mark = if known_probability(&row).is_some() { ' ' } else { '?' };
+            has_unknown |= mark == '?';
+            line += &format!("{:>8}{mark}", row.estimate.probability.map_or(String::new(), label));
         }
-        text.push('\n');
+        text += &format!("{}\n", line.trim_end());
     }
     let width = 9 * horizontal.values.len();
-    let values: String = horizontal.values.iter().map(|&value| format!(" {:>8}", label(value))).collect();
-    text + &format!("{:9}+{}\n{:10}{values}  {}\n\n", "", "-".repeat(width), "", horizontal.name)
+    let values: String = horizontal.values.iter().map(|&value| format!("{:>8} ", label(value))).collect();
+    text += &format!("{:9}+{}+\n{:10}{values}  {}\n", "", "-".repeat(width), "", horizontal.name);
+    if has_unknown {
+        text += UNKNOWN;
+    }
+    text + "\n"
 }
 
 /// The axis below a picture: its line, its ends and its name, which has a line of its own where it is long.
@@ -188,7 +198,7 @@ fn curve(surface: &Surface<'_>, slice: &Slice<'_>, axis: &ViewAxis) -> String {
         surface.job().sampling.confidence
     );
     if has_unknown {
-        text += "          ? more than 10 % of the samples undecided or failed\n";
+        text += UNKNOWN;
     }
     text + "\n"
 }
