@@ -6,11 +6,11 @@ use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use crate::cli::CheckArguments;
 use crate::evaluate::evaluator::Evaluator;
 use crate::failure::Failure;
-use crate::job::{Effort, Job, JobSource};
-use crate::output::{HumanCount128, counted, rate, result, warn};
+use crate::job::{Job, JobSource};
+use crate::output::{counted, rate, result, warn};
 use crate::schedule::engine::Engine;
 use crate::schedule::time_left::Prediction;
-use crate::schedule::trial::SampleTrial;
+use crate::schedule::trial::{SampleTrial, UntilStop};
 
 /// `stickslip check`.
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
@@ -49,20 +49,15 @@ fn cost_of_samples(job: &Job, trial: &SampleTrial, threads: usize) -> String {
     let unit = job.unit_samples().min(job.sampling.samples);
     let total = counted(job.total_samples(), "sample", "samples");
     let time = |samples: f64, error: f64| SampleTrial { error, ..*trial }.time(samples, unit, threads);
-    let Effort::Until(looks) = &job.sampling.effort else {
-        return format!("# {total}, {} {measured}\n", time(job.total_samples() as f64, trial.error));
-    };
-    match trial.samples_at_stop {
-        Some(of_a_cell) => {
-            let expected = of_a_cell * job.cells() as f64;
-            let samples = HumanCount(expected as u64);
-            format!("# at most {total}, about {samples} expected, {} {measured}\n", time(expected, trial.error_at_stop))
-        }
-        // One sample costs too much to try enough of a cell.
-        None => {
-            let first = looks.ends().first().map_or(0, |&end| u128::from(end) * u128::from(job.cells()));
-            let [low, high] = [first, job.total_samples()].map(|samples| time(samples as f64, 0.0));
-            format!("# from {} to {total}, from {low} to {high} {measured}\n", HumanCount128(first))
+    match trial.until_stop {
+        None => format!("# {total}, {} {measured}\n", time(job.total_samples() as f64, trial.error)),
+        Some(UntilStop { samples, samples_by_cost, error }) => {
+            let cells = job.cells() as f64;
+            format!(
+                "# at most {total}, about {} expected, {} {measured}\n",
+                HumanCount((samples * cells) as u64),
+                time(samples_by_cost * cells, error)
+            )
         }
     }
 }

@@ -62,7 +62,12 @@ impl fmt::Display for Prediction {
         match self {
             Self::Unknown => f.write_str("an unknown time"),
             Self::AtLeast(low) => write!(f, "at least {}", Duration(*low)),
-            Self::Between(low, high) => write!(f, "about {} to {}", Duration(*low), Duration(*high)),
+            Self::Between(low, high) => {
+                let (low, high) = (Duration(*low).to_string(), Duration(*high).to_string());
+                // "about 2 to 3 minutes", but "about 50 seconds to 2 minutes".
+                let same_unit = low.split_once(' ').filter(|(_, unit)| high.ends_with(unit));
+                write!(f, "about {} to {high}", same_unit.map_or(&low[..], |(number, _)| number))
+            }
             Self::About(seconds) => write!(f, "about {}", Duration(*seconds)),
         }
     }
@@ -132,18 +137,21 @@ impl RateMeter {
 
     /// How long an amount of work takes that is left after `seconds`, in which `done` was done.
     pub fn time_left(&self, seconds: f64, done: f64, left: f64) -> Prediction {
-        if self.windows.len() < GROUPS || done <= 0.0 {
-            return Prediction::Unknown;
+        match self.relative_error() {
+            Some(error) if done > 0.0 => Prediction::from_rate(left * seconds / done, error),
+            _ => Prediction::Unknown,
         }
-        Prediction::from_rate(left * seconds / done, self.relative_error())
     }
 
-    /// The relative standard error of the mean rate, from the rates in groups of windows.
-    fn relative_error(&self) -> f64 {
+    /// The relative standard error of the mean rate, from the rates in groups of windows; `None` if there are too few.
+    pub fn relative_error(&self) -> Option<f64> {
         let of_a_group = self.windows.len() / GROUPS;
+        if of_a_group == 0 {
+            return None;
+        }
         let mut rates = Mean::default();
         self.windows.chunks_exact(of_a_group).take(GROUPS).for_each(|group| rates.add(group.iter().sum()));
-        rates.relative_error()
+        Some(rates.relative_error())
     }
 }
 
@@ -225,6 +233,12 @@ mod tests {
         let mut meter = RateMeter::new();
         (1..=80).for_each(|tick| meter.record(0.1 * f64::from(tick), 100.0));
         assert!(matches!(meter.time_left(8.0, 100.0, 100.0), Prediction::AtLeast(low) if low < 8.0));
+    }
+
+    #[test]
+    fn a_range_names_its_unit_once() {
+        assert_eq!(Prediction::Between(120.0, 200.0).to_string(), "about 2 to 3.3 minutes");
+        assert_eq!(Prediction::Between(50.0, 200.0).to_string(), "about 50 seconds to 3.3 minutes");
     }
 
     #[test]

@@ -1,18 +1,21 @@
 //! Trials: the cost of a job, measured on some of its samples and tiles, before it runs.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
+use crate::evaluate::control::Control;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::tiles::{MapTrial, cost_of};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::job::Criterion;
 use crate::schedule::engine::{Engine, Event, Link};
 use crate::schedule::spread::Spread;
-use crate::schedule::time_left::{Mean, Prediction};
+use crate::schedule::time_left::{Mean, Prediction, RateMeter};
 
 /// Shortest and longest time of a trial.
 const SHORTEST: Duration = Duration::from_millis(600);
@@ -31,6 +34,12 @@ const FROM_FEW: f64 = 1.0;
 /// the vector lanes to be busy.
 const BATCH: Duration = Duration::from_millis(25);
 
+/// Samples of a cell in a stream that is tried.
+const STREAM_SAMPLES: u64 = 16;
+
+/// Share of the time of such a trial after which all lanes are busy.
+const FILLED: f64 = 0.3;
+
 /// Fewest samples of a cell that show when it stops.
 const LEAST_FOR_STOP: u64 = 16;
 
@@ -38,16 +47,25 @@ const LEAST_FOR_STOP: u64 = 16;
 const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
 
 /// What a trial of samples found.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct SampleTrial {
     /// Seconds for one sample on one thread, while all threads are at work.
     pub cost: f64,
     /// The relative standard error of the cost.
     pub error: f64,
-    /// With looks: how many samples a cell is expected to have, weighted with their cost; `None` if that is not known.
-    pub samples_at_stop: Option<f64>,
-    /// The relative standard error of the cost of a cell with looks.
-    pub error_at_stop: f64,
+    /// What is expected of the cells of a job with looks.
+    pub until_stop: Option<UntilStop>,
+}
+
+/// What is expected of the cells of a job with looks.
+#[derive(Debug, Clone, Copy)]
+pub struct UntilStop {
+    /// Samples of a cell when it stops.
+    pub samples: f64,
+    /// The same, weighted with the costs of the cells' samples.
+    pub samples_by_cost: f64,
+    /// The relative standard error of the cost of a cell.
+    pub error: f64,
 }
 
 /// Some samples of a trial.
@@ -59,39 +77,43 @@ struct Batch {
 impl Engine {
     /// Measures the cost of samples from all over a job.
     pub fn try_samples(&self, evaluator: &Evaluator<'_>) -> Result<SampleTrial, Failure> {
-        let parts = evaluator.parts();
-        let of_a_cell = if parts.are_sequential() { 1 } else { parts.of_a_cell() as u64 };
-        let most = parts.max_samples(0).min(evaluator.job().unit_samples()).max(1);
-        let order = Spread::over(parts.cells() * of_a_cell);
-        let batch = |turn: u64, samples: u64| {
-            let place = order.at(turn % (parts.cells() * of_a_cell)).unwrap_or(0);
-            let part = parts.of(place / of_a_cell).start + place % of_a_cell;
-            // Samples from anywhere in the part. Those of common random numbers are the same in all cells.
-            let first = ((turn as f64 * GOLDEN_SECTION).fract() * (most - samples + 1) as f64) as u64;
-            let begun = Instant::now();
-            let unit = evaluator.count(part, first..first + samples);
-            Batch { seconds: begun.elapsed().as_secs_f64(), counts: unit.counts }
-        };
+        let places = Places::of(evaluator);
         // Some criteria compute tables when they are first used, which a whole run does once.
-        batch(0, 1);
-        let samples = samples_of_a_batch(&batch, most);
+        places.count(evaluator, 0, 1);
+        let is_simulated = matches!(evaluator.job().criterion, Criterion::TimeDomain { .. });
+        let mut trial = SampleTrial::default();
+        if !is_simulated || evaluator.parts().looks().is_some() {
+            trial = self.try_batches(evaluator, &places)?;
+        }
+        if is_simulated {
+            // Simulations of different cells share the lanes, so that batches by themselves take longer.
+            (trial.cost, trial.error) = self.try_stream(evaluator, &places)?;
+        }
+        Ok(trial)
+    }
+
+    /// The cost of samples in batches, each evaluated by itself.
+    fn try_batches(&self, evaluator: &Evaluator<'_>, places: &Places) -> Result<SampleTrial, Failure> {
+        let looks = evaluator.parts().looks();
+        let least = if looks.is_some() { LEAST_FOR_STOP.min(places.most) } else { 1 };
+        let samples = places.samples_of_a_batch(evaluator).max(least);
         let started = Instant::now();
         let is_enough = AtomicBool::new(false);
-        let looks = parts.looks().filter(|_| samples >= LEAST_FOR_STOP);
-        let (mut costs, mut costs_to_stop) = (Mean::default(), Mean::default());
         let turn = AtomicU64::new(0);
         let work = |link: &Link<'_, Batch>| {
             while !is_enough.load(Ordering::Relaxed) && started.elapsed() < LONGEST {
-                link.send(batch(turn.fetch_add(1, Ordering::Relaxed), samples));
+                link.send(places.count(evaluator, turn.fetch_add(1, Ordering::Relaxed), samples));
             }
         };
+        let (mut costs, mut ends, mut costs_to_stop) = (Mean::default(), Mean::default(), Mean::default());
         self.on_every_thread(0, &Interrupt::unwatched(), work, |event| {
             let Event::Finished(batch) = event else { return Ok(()) };
             costs.add(batch.seconds);
             if let Some(looks) = looks {
                 // Cells whose samples cost more may stop earlier or later.
-                let of_sample = batch.seconds / samples as f64;
-                costs_to_stop.add(of_sample * looks.expected_end(0, &batch.counts) as f64);
+                let end = looks.expected_end(0, &batch.counts) as f64;
+                ends.add(end);
+                costs_to_stop.add(batch.seconds / samples as f64 * end);
             }
             let is_certain = costs.count() >= LEAST_BATCHES && costs.relative_error() <= ENOUGH;
             if is_certain && started.elapsed() >= SHORTEST {
@@ -102,12 +124,48 @@ impl Engine {
         let error = |costs: &Mean| if costs.count() < LEAST_BATCHES { FROM_FEW } else { costs.relative_error() };
         let mean = |costs: &Mean| costs.sum() / costs.count().max(1) as f64;
         let cost = mean(&costs) / samples as f64;
-        Ok(SampleTrial {
-            cost,
-            error: error(&costs),
-            samples_at_stop: looks.map(|_| mean(&costs_to_stop) / cost),
-            error_at_stop: error(&costs_to_stop),
-        })
+        let until_stop = looks.map(|_| UntilStop {
+            samples: mean(&ends),
+            samples_by_cost: mean(&costs_to_stop) / cost,
+            error: error(&costs_to_stop),
+        });
+        Ok(SampleTrial { cost, error: error(&costs), until_stop })
+    }
+
+    /// The cost of a sample in a stream of samples from all over the job, and its relative standard error.
+    fn try_stream(&self, evaluator: &Evaluator<'_>, places: &Places) -> Result<(f64, f64), Failure> {
+        let started = Instant::now();
+        let is_enough = AtomicBool::new(false);
+        let is_over = || is_enough.load(Ordering::Relaxed) || started.elapsed() >= LONGEST;
+        let turn = AtomicU64::new(0);
+        let samples = places.most.min(STREAM_SAMPLES);
+        let work = |link: &Link<'_, u64>| {
+            let next = || (!is_over()).then(|| places.at(evaluator, turn.fetch_add(1, Ordering::Relaxed), samples));
+            let control = || if is_over() { Control::Stop } else { Control::Continue };
+            evaluator.work(&next, &mut |unit| link.send(unit.len()), &control);
+        };
+        let mut meter = RateMeter::new();
+        let mut record: Vec<(f64, u64)> = vec![(0.0, 0)];
+        self.on_every_thread(0, &Interrupt::unwatched(), work, |event| {
+            // What is finished after the end were the shorter motions.
+            if is_over() {
+                return Ok(());
+            }
+            let (seconds, done) = (started.elapsed().as_secs_f64(), record[record.len() - 1].1);
+            let done = if let Event::Finished(samples) = event { done + samples } else { done };
+            record.push((seconds, done));
+            meter.record(seconds, done as f64);
+            if seconds >= SHORTEST.as_secs_f64() && meter.relative_error().is_some_and(|error| error <= ENOUGH) {
+                is_enough.store(true, Ordering::Relaxed);
+            }
+            Ok(())
+        })?;
+        // At first no motion ends, while the lanes are being filled.
+        let (end, done) = record[record.len() - 1];
+        let (begin, before) = record[record.partition_point(|&(seconds, _)| seconds < FILLED * end)];
+        let cost = (end - begin) * self.threads() as f64 / (done - before).max(1) as f64;
+        let error = meter.relative_error().filter(|error| error.is_finite()).unwrap_or(FROM_FEW);
+        Ok((cost, error))
     }
 
     /// Resolves some of the missing tiles, evenly spread, to estimate the cost of all. Tiles that take too long are
@@ -155,21 +213,60 @@ impl Engine {
     }
 }
 
-/// How many samples take the time of a batch.
-fn samples_of_a_batch(batch: &impl Fn(u64, u64) -> Batch, most: u64) -> u64 {
-    let mut samples = 1;
-    let started = Instant::now();
-    for turn in 0.. {
-        let tried = batch(turn, samples);
-        let affordable = samples as f64 * BATCH.as_secs_f64() / tried.seconds.max(1e-9);
-        let next = most.min(affordable.min(4.0 * samples as f64) as u64).max(1);
-        if next <= samples || started.elapsed() >= SHORTEST {
-            break;
-        }
-        samples = next;
+/// The samples of a trial: some of each of many parts, from all over the job.
+struct Places {
+    order: Spread,
+    parts: u64,
+    /// The number of parts of a cell that are tried: with looks, those up to the first.
+    of_a_cell: u64,
+    /// Largest number of samples of a part at once.
+    most: u64,
+}
+
+impl Places {
+    fn of(evaluator: &Evaluator<'_>) -> Self {
+        let parts = evaluator.parts();
+        let of_a_cell = if parts.are_sequential() { 1 } else { parts.of_a_cell() as u64 };
+        let count = parts.cells() * of_a_cell;
+        let most = parts.max_samples(0).min(evaluator.job().unit_samples()).max(1);
+        Self { order: Spread::over(count), parts: count, of_a_cell, most }
     }
-    // Whole blocks are drawn fastest.
-    if samples > BLOCK_SAMPLES { samples - samples % BLOCK_SAMPLES } else { samples }
+
+    /// The samples of one turn: their part and range.
+    fn at(&self, evaluator: &Evaluator<'_>, turn: u64, samples: u64) -> (u64, Range<u64>) {
+        let place = self.order.at(turn % self.parts).unwrap_or(0);
+        let part = evaluator.parts().of(place / self.of_a_cell).start + place % self.of_a_cell;
+        // Samples from anywhere in the part. Those of common random numbers are the same in all cells.
+        let first = ((turn as f64 * GOLDEN_SECTION).fract() * (self.most - samples + 1) as f64) as u64;
+        (part, first..first + samples)
+    }
+
+    /// Evaluates the samples of one turn.
+    fn count(&self, evaluator: &Evaluator<'_>, turn: u64, samples: u64) -> Batch {
+        let (part, samples) = self.at(evaluator, turn, samples);
+        let begun = Instant::now();
+        let unit = evaluator.count(part, samples);
+        Batch { seconds: begun.elapsed().as_secs_f64(), counts: unit.counts }
+    }
+
+    /// How many samples take the time of a batch.
+    fn samples_of_a_batch(&self, evaluator: &Evaluator<'_>) -> u64 {
+        let mut samples = 1;
+        let started = Instant::now();
+        for turn in 0.. {
+            // A single sample may cost far more than most.
+            let tried = (0..3).map(|i| self.count(evaluator, 3 * turn + i, samples).seconds);
+            let seconds = tried.fold(f64::INFINITY, f64::min);
+            let affordable = samples as f64 * BATCH.as_secs_f64() / seconds.max(1e-9);
+            let next = self.most.min(affordable.min(4.0 * samples as f64) as u64).max(1);
+            if next <= samples || started.elapsed() >= SHORTEST {
+                break;
+            }
+            samples = next;
+        }
+        // Whole blocks are drawn fastest.
+        if samples > BLOCK_SAMPLES { samples - samples % BLOCK_SAMPLES } else { samples }
+    }
 }
 
 impl SampleTrial {
