@@ -135,30 +135,31 @@ pub(super) fn flexible_step<const W: usize>(lanes: &mut FlexibleLanes) {
     let FlexibleLanes { tables, shape, pad, amplitudes, disc_damping, slip, sticks, loads, plain, pace, .. } = lanes;
     let coefficients = Coefficients { tables, shape: *shape, pad, amplitudes, disc_damping, slip, sticks };
     let (StateRows { q, u }, StateRows { q: stage_q, u: stage_u }) = (&lanes.present, &mut lanes.stage);
-    let (StateRows { q: next_q, u: next_u }, [k1, k2, k3, k4]) = (&mut lanes.next, &mut lanes.k);
+    let (StateRows { q: next_q, u: next_u }, k) = (&mut lanes.next, &mut lanes.k);
     let n = q.len();
     let h = pace.length;
     let (half, sixth) = (row!(|l| 0.5 * h[l]), row!(|l| h[l] / 6.0));
     *plain = [1; BLOCK];
-    let ratio = rates::<W>(&coefficients, (q, u), loads, plain, k1);
-    for i in 0..n {
-        let (q, u, k) = (&q[i], &u[i], &k1[i]);
-        stage_q[i] = row!(|l| q[l] + half[l] * u[l]);
-        stage_u[i] = row!(|l| u[l] + half[l] * k[l]);
+    stage_q.copy_from_slice(q);
+    stage_u.copy_from_slice(u);
+    let mut first_ratio = [0.0; BLOCK];
+    // One copy of the rates, not four: the loop over stages has to stay in the processor's cache of instructions.
+    for (stage, k) in k.iter_mut().enumerate() {
+        let ratio = rates::<W>(&coefficients, (stage_q, stage_u), loads, plain, k);
+        let part = if stage < 2 { half } else { h };
+        if stage == 0 {
+            first_ratio = ratio;
+        }
+        if stage == 3 {
+            break;
+        }
+        for i in 0..n {
+            let (q, u, k, stage) = (&q[i], &u[i], &k[i], stage_u[i]);
+            stage_q[i] = row!(|l| q[l] + part[l] * stage[l]);
+            stage_u[i] = row!(|l| u[l] + part[l] * k[l]);
+        }
     }
-    rates::<W>(&coefficients, (stage_q, stage_u), loads, plain, k2);
-    for i in 0..n {
-        let (q, u, k, stage) = (&q[i], &u[i], &k2[i], stage_u[i]);
-        stage_q[i] = row!(|l| q[l] + half[l] * stage[l]);
-        stage_u[i] = row!(|l| u[l] + half[l] * k[l]);
-    }
-    rates::<W>(&coefficients, (stage_q, stage_u), loads, plain, k3);
-    for i in 0..n {
-        let (q, u, k, stage) = (&q[i], &u[i], &k3[i], stage_u[i]);
-        stage_q[i] = row!(|l| q[l] + h[l] * stage[l]);
-        stage_u[i] = row!(|l| u[l] + h[l] * k[l]);
-    }
-    rates::<W>(&coefficients, (stage_q, stage_u), loads, plain, k4);
+    let [k1, k2, k3, k4] = k;
     for i in 0..n {
         let (q, u, k1, k2, k3, k4) = (&q[i], &u[i], &k1[i], &k2[i], &k3[i], &k4[i]);
         next_q[i] = row!(|l| q[l] + h[l] * (u[l] + sixth[l] * (k1[l] + k2[l] + k3[l])));
@@ -180,7 +181,7 @@ pub(super) fn flexible_step<const W: usize>(lanes: &mut FlexibleLanes) {
         for l in 0..BLOCK {
             let held = pad.friction_at_rest[l];
             let holds = |ratio: f64| (held - ratio > 0.0) & (held + ratio > 0.0);
-            released[l] = u64::from(!(holds(ratio[l]) & holds(friction.1[l]))) | (1 - whole[l]);
+            released[l] = u64::from(!(holds(first_ratio[l]) & holds(friction.1[l]))) | (1 - whole[l]);
         }
         released
     } else {
