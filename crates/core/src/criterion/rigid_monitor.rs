@@ -6,8 +6,9 @@
 //! | any | the energy is so small that friction cannot feed the motion any more | stable |
 //! | swinging | turns at the largest x: the first since the start, a release or an overtaking | its amplitude is the one to compare with |
 //! | | at an amplitude larger than the last by more than errors of the steps | unstable |
-//! | | smaller by more than these, and no cycle can lie inside (Stribeck's law with exponents up to 1, the rational law) | stable |
+//! | | smaller by more than these, and no stable cycle can lie inside ([`crate::rigid_disc::inner_cycles`]) | stable |
 //! | | more than 1 % smaller, where one can | swinging; this amplitude is the next one to compare with |
+//! | | 0.1 % to 1 % smaller, at most a hundred times | the same |
 //! | | in between, too slow to wait for | the return map decides |
 //! | | sticks for the first time | held: until its release, which is the same for all motions that stick |
 //! | | sticks a second time, or for the first time after a start at release | unstable: all later cycles are the same |
@@ -23,6 +24,7 @@ use crate::criterion::monitor::Monitor;
 use crate::degree_of_freedom::DegreeOfFreedom;
 use crate::motion::integrator::Observer;
 use crate::pad::contact_state::ContactState;
+use crate::rigid_disc::inner_cycles::Turns;
 use crate::rigid_disc::planar_motion::PlanarMotion;
 use crate::rigid_disc::return_map::Fate;
 use crate::verdict::Verdict;
@@ -32,6 +34,12 @@ const RESOLVED: f64 = 1e-5;
 
 /// A change that is worth waiting for: a hundredfold decay takes 460 cycles at most.
 const CLEAR: f64 = 1e-2;
+
+/// Swings that shrink more slowly, but by more than this, are awaited too, so many of them: next to an unstable cycle they
+/// soon shrink fast, and the return map takes longer than a hundred cycles. Those that shrink even less may be about to
+/// settle on a cycle without sticking; the return map knows better than fixed steps.
+const SLOW: f64 = 1e-3;
+const SLOW_SWINGS: u32 = 100;
 
 /// A longer stick than this, in scaled time, is not simulated.
 const LONGEST_STICK: f64 = 100.0;
@@ -48,6 +56,7 @@ pub(crate) struct RigidMonitor {
     verdict: Option<Verdict>,
     /// Amplitude of the last turning point at the largest x.
     last_top: Option<f64>,
+    slow_swings: u32,
     /// The return map did not resolve that amplitude.
     is_unresolved: bool,
     last_turn: Option<f64>,
@@ -70,6 +79,7 @@ impl RigidMonitor {
             is_known_unstable: is_linearly_unstable,
             verdict: (is_linearly_unstable && !until_settled).then_some(Verdict::Unstable),
             last_top: None,
+            slow_swings: 0,
             is_unresolved: false,
             last_turn: None,
             amplitude: 0.0,
@@ -170,7 +180,8 @@ impl Monitor for RigidMonitor {
 impl Observer for RigidMonitor {
     #[inline]
     fn turns(&mut self, _: f64, x: f64) {
-        if let Some(before) = self.last_turn.replace(x) {
+        let last_turn = self.last_turn.replace(x);
+        if let Some(before) = last_turn {
             self.amplitude = 0.5 * (x - before).abs();
         }
         self.check(x, 0.0);
@@ -186,13 +197,20 @@ impl Observer for RigidMonitor {
         let change = a / before - 1.0;
         if change > RESOLVED {
             self.becomes_unstable();
-        } else if change < -RESOLVED && !self.is_known_unstable && self.has_no_inner_cycle {
-            self.verdict = Some(Verdict::Stable);
+        } else if change < -RESOLVED && !self.is_known_unstable {
+            // Tops shrink one after the other: that of the last swing was no higher than the one to compare with.
+            let bottom = last_turn.map_or(f64::INFINITY, |turn| self.equilibrium - turn);
+            let last_swing = Turns { top: before, bottom, next_top: a };
+            if self.has_no_inner_cycle || self.motion.has_no_cycle_inside(last_swing) {
+                self.verdict = Some(Verdict::Stable);
+            }
         }
         if self.verdict.is_some() {
             return;
         }
-        if change.abs() > CLEAR {
+        let is_awaited = change < -SLOW && !self.is_known_unstable && self.slow_swings < SLOW_SWINGS;
+        if change.abs() > CLEAR || is_awaited {
+            self.slow_swings += u32::from(change.abs() <= CLEAR);
             self.last_top = Some(a);
             self.is_unresolved = false;
         } else if !self.is_unresolved {

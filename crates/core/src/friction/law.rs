@@ -203,6 +203,13 @@ impl FrictionLaw {
         fall - self.rise(speed)
     }
 
+    /// `d^2 mu / d v^2` of Stribeck's law at a sliding speed above 0.
+    pub(crate) fn curvature(&self, speed: f64) -> f64 {
+        let power = self.power(speed / self.speed_scale);
+        let bend = self.exponent * power * (self.exponent * power - self.exponent + 1.0);
+        self.falling() * bend * libm::exp(-power) / (speed * speed)
+    }
+
     /// How far friction falls, and the scale of speed on which it does: `f_s - f_c` and v_s; of a measured curve the
     /// distance between its largest and smallest value, and the speed of its first row beyond rest.
     pub(crate) fn drop_and_width(&self) -> (f64, f64) {

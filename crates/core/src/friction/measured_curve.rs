@@ -233,7 +233,6 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
-    #[cfg(test)]
     pub fn value(&self, speed: f64) -> f64 {
         let ([a, b, c, d], t) = (self.coefficients, speed - self.from);
         a + t * (b + t * (c + t * d))
@@ -242,6 +241,21 @@ impl Piece {
     pub fn slope(&self, speed: f64) -> f64 {
         let ([_, b, c, d], t) = (self.coefficients, speed - self.from);
         b + t * (2.0 * c + t * (3.0 * d))
+    }
+
+    /// Its second derivative.
+    pub fn curvature(&self, speed: f64) -> f64 {
+        let ([_, _, c, d], t) = (self.coefficients, speed - self.from);
+        2.0 * c + 6.0 * d * t
+    }
+
+    /// Bounds of its values in `from..=to`: a cubic lies between the least and the largest of its Bezier points.
+    pub fn bounds(&self, from: f64, to: f64) -> (f64, f64) {
+        let third = (to - from) / 3.0;
+        let (first, last) = (self.value(from), self.value(to));
+        let inner = [first + third * self.slope(from), last - third * self.slope(to)];
+        let points = [first, last].into_iter().chain(inner);
+        points.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), y| (least.min(y), most.max(y)))
     }
 
     /// The speed in `from..=to`, inside the piece, at which it falls most steeply.

@@ -2,7 +2,7 @@
 
 use crate::friction::shape::Shape;
 use crate::lanes::pace::Trials;
-use crate::motion::friction_steps::FrictionSteps;
+use crate::motion::friction_steps::{FrictionSteps, LimitedLaw};
 use crate::motion::integrator::{FARTHEST, grazes_at_end, may_touch, turns};
 
 /// What findings in slip depend on, for some lanes.
@@ -12,6 +12,8 @@ pub(super) struct Slip<const N: usize> {
     pub inverse_stribeck: [f64; N],
     /// Of Stribeck's law.
     pub exponent: [f64; N],
+    /// See [`LimitedLaw`].
+    pub steepest: [f64; N],
     /// See [`FrictionSteps::new`].
     pub falling_pull: [f64; N],
     pub additional_pull: [f64; N],
@@ -25,6 +27,7 @@ impl<const N: usize> Slip<N> {
             disc_speed: zero,
             inverse_stribeck: zero,
             exponent: zero,
+            steepest: zero,
             falling_pull: zero,
             additional_pull: zero,
             refinement: zero,
@@ -61,10 +64,11 @@ pub(super) fn findings<const N: usize>(
         let touches = may_touch(sliding, (-acceleration.0, -acceleration.1), h[l]);
         let ordinary = (sliding.1 > 0.0) & (sliding.1 < f64::MAX) & (next_x[l].abs() < FARTHEST);
         let grazes = grazes_at_end(sliding, disc_speed);
-        let law = (shape, slip.exponent[l]);
+        let law = LimitedLaw { shape, exponent: slip.exponent[l], steepest: slip.steepest[l] };
         let pulls = (slip.falling_pull[l], slip.additional_pull[l]);
         let steps = FrictionSteps::new(disc_speed, slip.inverse_stribeck[l], law, pulls, slip.refinement[l]);
-        trials.may_be_too_long[l] = u64::from(steps.may_be_too_long(u, acceleration, h[l]));
+        let (is_too_long, growth) = steps.judge(u, acceleration, h[l]);
+        (trials.is_too_long[l], trials.growth[l]) = (u64::from(is_too_long), growth);
         trials.is_event[l] = u64::from(touches | grazes | !ordinary);
         trials.turns[l] = u64::from(turns(u.0, u.1));
     }

@@ -128,7 +128,8 @@ impl<'q> FlexibleBundle<'q> {
         rows.slope_scale[l] = equations.slope_scale;
         lanes.slip.disc_speed[l] = pad.disc_speed;
         lanes.slip.inverse_stribeck[l] = pad.inverse_stribeck;
-        lanes.slip.exponent[l] = pad.stribeck_exponent;
+        let law = placed.friction_steps.law;
+        (lanes.slip.exponent[l], lanes.slip.steepest[l]) = (law.exponent, law.steepest);
         let pulls = FrictionSteps::pulls_of_pad(pad, placed.inputs);
         (lanes.slip.falling_pull[l], lanes.slip.additional_pull[l]) = pulls;
         lanes.slip.refinement[l] = placed.motion.refinement;

@@ -5,6 +5,7 @@ use crate::lanes::BLOCK;
 use crate::lanes::contact_loads::{Amplitudes, LoadRows, Row, Tables, contact_loads};
 use crate::lanes::findings::{Slip, findings};
 use crate::lanes::pace::Pace;
+use crate::motion::friction_steps::MOST_GROWTH;
 use crate::numerics::sine_cosine::{SERIES_ANGLE, small_sine_and_cosine};
 use crate::pad::equations::PAD;
 
@@ -189,8 +190,9 @@ pub(super) fn flexible_step<const W: usize>(lanes: &mut FlexibleLanes) {
     };
     for l in 0..BLOCK {
         let (sticks, slips) = (sticks[l], 1 - sticks[l]);
-        trials.may_be_too_long[l] &= slips & plain[l];
+        trials.is_too_long[l] &= slips & plain[l];
         trials.turns[l] &= slips;
+        trials.growth[l] = if slips == 0 { MOST_GROWTH } else { trials.growth[l] };
         trials.is_event[l] = (trials.is_event[l] & slips) | (released[l] & sticks) | (1 - plain[l]);
     }
     pace.judge(&trials);

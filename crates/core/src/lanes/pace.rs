@@ -5,6 +5,7 @@
 //! complete a substep of slip, or of stick where the kernel knows it.
 
 use crate::motion::advance::{LEAST_REMAINDER, MOST_SUBSTEPS};
+use crate::motion::friction_steps::MOST_GROWTH;
 use crate::motion::substep::SHORTEST;
 
 /// What a trial step found in a lane, as bits of numbers of the width of a lane. The motion turned in it.
@@ -42,18 +43,20 @@ pub(super) struct Pace<const N: usize> {
     pub findings: [u64; N],
 }
 
-/// What a kernel knows of trial steps, 0 or 1 for each lane.
+/// What a kernel knows of trial steps; 0 or 1 for each lane where it is true or false.
 #[derive(Clone, Copy)]
 pub(super) struct Trials<const N: usize> {
-    pub may_be_too_long: [u64; N],
+    pub is_too_long: [u64; N],
     pub is_event: [u64; N],
     pub turns: [u64; N],
+    /// How many times longer the next substep may be.
+    pub growth: [f64; N],
 }
 
 impl<const N: usize> Trials<N> {
     #[inline(always)]
     pub fn plain() -> Self {
-        Self { may_be_too_long: [0; N], is_event: [0; N], turns: [0; N] }
+        Self { is_too_long: [0; N], is_event: [0; N], turns: [0; N], growth: [MOST_GROWTH; N] }
     }
 }
 
@@ -83,23 +86,23 @@ impl<const N: usize> Pace<N> {
         for l in 0..N {
             let (step, length, done) = (self.step[l], self.length[l], self.done[l]);
             let (held, free) = (self.is_held[l], 1 - self.is_held[l]);
-            let may_be_too_long = trials.may_be_too_long[l] & u64::from(length > self.shortest[l]) & free;
+            let is_too_long = trials.is_too_long[l] & u64::from(length > self.shortest[l]) & free;
             let done_then = done + length;
             let left = step - done_then;
             let is_over = (length >= step - done) | (left <= LEAST_REMAINDER * step);
             let substeps = self.substeps[l] + 1.0;
             let is_endless = u64::from(!is_over & (substeps >= MOST_SUBSTEPS as f64));
-            let is_event = (trials.is_event[l] | held | is_endless) & (1 - may_be_too_long);
-            let is_plain = (may_be_too_long | is_event) == 0;
+            let is_event = (trials.is_event[l] | held | is_endless) & (1 - is_too_long);
+            let is_plain = (is_too_long | is_event) == 0;
             let steps = if is_plain & is_over { self.steps[l] + 1.0 } else { self.steps[l] };
             let is_due = u64::from(is_plain & is_over & (steps >= self.due[l]));
             let turns = u64::from(is_plain) & trials.turns[l];
-            let findings = (turns * TURN) | (may_be_too_long * TOO_LONG) | (is_event * EVENT) | (is_due * DUE);
+            let findings = (turns * TURN) | (is_too_long * TOO_LONG) | (is_event * EVENT) | (is_due * DUE);
             self.findings[l] = findings & self.is_busy[l];
             (self.taken[l], self.began[l]) = (length, done);
             // Of the substep after this one.
             let done_next = if is_over { 0.0 } else { done_then };
-            let longest = if is_over { step } else { 2.0 * length };
+            let longest = if is_over { step } else { trials.growth[l] * length };
             let left = step - done_next;
             let next = if left < longest { left } else { longest };
             self.steps[l] = steps;

@@ -53,7 +53,8 @@ impl RigidBlock {
         self.kinetic_pull[l] = sample.kinetic_pull;
         self.slip.disc_speed[l] = sample.brake.disc_speed;
         self.slip.inverse_stribeck[l] = sample.brake.inverse_stribeck;
-        self.slip.exponent[l] = sample.brake.law.exponent;
+        let law = sample.friction_steps.law;
+        (self.slip.exponent[l], self.slip.steepest[l]) = (law.exponent, law.steepest);
         self.slip.falling_pull[l] = sample.falling_pull;
         self.slip.additional_pull[l] = sample.additional_pull;
         self.slip.refinement[l] = sample.brake.refinement;

@@ -207,7 +207,7 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
         };
         let (pace, l) = self.bundle.pace(lane);
         let length = pace.length[l];
-        if !limits.is_too_long(u, acceleration, length) {
+        if !limits.judge(u, acceleration, length).0 {
             return false;
         }
         pace.length[l] = cut(&limits, u, acceleration, length);

@@ -41,7 +41,7 @@ pub(crate) struct StepInProgress<S> {
     pub h: f64,
     /// What is over of it.
     pub done: f64,
-    /// The longest substep that is tried: after a cut, substeps grow again by doubling.
+    /// The longest substep that is tried: after a cut, substeps grow again step by step.
     pub longest: f64,
     /// Substeps that are over, and changes of contact.
     pub substeps: u64,
@@ -71,7 +71,7 @@ impl<S: Copy> StepInProgress<S> {
         report(equations, motion, &part, time + self.done, observer);
         let is_completed = part.ending == Ending::Completed;
         let just_released = !is_completed && part.end.contact != ContactState::Stick;
-        self.longest = if is_completed { 2.0 * part.time } else { self.h };
+        self.longest = if is_completed { part.growth * part.time } else { self.h };
         self.changes += u32::from(!is_completed);
         self.substeps += 1;
         *motion = part.end;

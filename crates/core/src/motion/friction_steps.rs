@@ -6,7 +6,7 @@
 //! x'| / v_s` and `p = r^delta`, friction above its kinetic value is proportional to `exp(-p)`:
 //!
 //! ```text
-//! resolution   h |x''| / v_s  <=  0.25 e(p) s(r)      e(p) = 1 + p/5 + p^2/50 <= exp(p/5)
+//! resolution   h |x''| / v_s  <=  0.5 e(p) s(r)       e(p) = 1 + p/5 + ... + (p/5)^4/24 <= exp(p/5)
 //! feedback     h lambda(r)    <=  0.4                 lambda(r) = G (f_s - f_c) |d exp(-p) / dv|
 //! ```
 //!
@@ -15,13 +15,25 @@
 //! friction has fallen to nothing, nothing limits the step. *Feedback*: near sticking the falling friction drives the
 //! pad away at the rate `lambda`, which steps have to resolve even while nothing moves much yet.
 //!
-//! | exponent | s(r) | why |
-//! |---|---|---|
-//! | 1 | 1 | the law has one length, v_s |
-//! | above 1 | `1 / delta` below r = 1, `r^(1 - delta) / delta` above, at most `1.2 r` | at rest its second derivative may be infinite |
-//! | below 1 | `r^(1 - delta) / delta`, at most `1.2 r` | at rest its slope is infinite |
+//! | exponent | s(r) |
+//! |---|---|
+//! | 1 | 1, with 0.25 in place of 0.5 and e(p) up to its square: the law has one length, v_s |
+//! | above 1 | `1 / delta` below r = 1, `r^(1 - delta) / delta` above |
+//! | below 1 | `r^(1 - delta) / delta` |
 //!
-//! Below `r = 1e-5` steps shrink no further: there the law changes no speed by more than `1e-5 v_s`.
+//! At rest a derivative of the law is infinite, the second one for exponents between 1 and 2, the first one below 1. So
+//! for exponents below 2 a step may also change r by no more than `0.75 r`, unless, for exponents from 1 to 2, friction
+//! above its value at rest changes the pad's speed by less than `5e-4 v` within it,
+//!
+//! ```text
+//! near rest    h |x''| / v_s  <=  0.75 r   or    h G (f_s - f_c) p  <=  5e-4 v     at the end that slides faster
+//! ```
+//!
+//! because the error of a step across rest is at most 0.0027 of that change: Simpson's rule for `r^delta`. For exponents
+//! below 1 the limits end at `r = 1e-5`, where the law changes no speed by more than `1e-5 v_s`.
+//!
+//! In these limits p is computed to 10 %, by fewer operations than friction itself; they say what is computed, and have
+//! the same bits everywhere.
 //!
 //! The rational law has the length `s = 0.6 (1 + r)` with `e = 1`, and the slope `G (f_s - f_c) / (v_s (1 + r)^2)`. A viscous term
 //! is a damping rate; the length of a step times it is at most 1.
@@ -44,48 +56,84 @@
 //! Both limits are checked after a step, with the speeds and accelerations at its ends. A plain step has these anyway,
 //! so lanes find out by a few comparisons which steps are too long, and leave those to the scalar code.
 
-use crate::friction::law::FrictionLaw;
 use crate::friction::measured_curve::SharedCurve;
 use crate::friction::shape::Shape;
+use crate::numerics::logarithm::rough_power;
 use crate::pad::equations::PadEquations;
 use crate::rigid_disc::pad_on_disc::RandomInputs;
 
 /// Largest change of `p` where friction has not fallen yet, and largest growth of a disturbance, in one step.
 ///
 /// Measured together, see the tests: the saddle-node of stick-slip is where the adaptive reference finds it, to 1e-5,
-/// for disc speeds up to 1000 Stribeck velocities.
+/// for disc speeds of ten to 1000 Stribeck velocities.
 const RESOLUTION: f64 = 0.25;
 const FEEDBACK: f64 = 0.4;
 
-/// The rational law bends more than the exponential at the same slope: the share of [`RESOLUTION`] that it is allowed.
+/// The share of [`RESOLUTION`] that other laws are allowed. The rational law bends more than the exponential at the same
+/// slope. Stribeck's law with another exponent resolves as well with longer steps, in which e(p) follows `exp(p/5)` to
+/// higher p.
 const RATIONAL: f64 = 0.6;
+const STRIBECK: f64 = 2.0;
 
-/// Largest change of `r` in one step over `r` itself where derivatives of the law grow without bound at rest, and the
-/// sliding speed at which that ends.
-const NEAR_REST: f64 = 0.3;
+/// Where `exp(-p)` is nothing.
+const DEAD: f64 = 1e30;
+
+/// Largest change of `r` in one step over `r` itself where derivatives of the law grow without bound at rest, the change
+/// of the pad's speed over the disc's below which that limit is waived, and the sliding speed at which the limits end for
+/// exponents below 1.
+const NEAR_REST: f64 = 0.75;
+const WAIVED: f64 = 5e-4;
 const FLOOR: f64 = 1e-5;
 
-/// Largest error of the speed that the bends of a measured curve may cause in one step, over the disc's speed and 0.0027,
-/// and most intervals that a step may begin and end apart.
+/// Largest error of the speed in one step that the bends of a measured curve may cause, over the disc's speed and 0.0027.
 const BEND: f64 = 1e-3;
+
+/// Most intervals of a measured curve that a step may begin and end apart.
 const MOST_INTERVALS: usize = 2;
+
+/// A trial step that is too long is shortened to this share of what the law allows, so that a second cut is rare; and how
+/// many times longer a step may be than the one before.
+pub(crate) const CUT: f64 = 0.8;
+pub(crate) const MOST_GROWTH: f64 = 2.0;
 
 /// Length of any step times the highest damping rate: the method is stable up to 2.8.
 pub(crate) const DAMPED_STEP: f64 = 1.0;
+
+/// What the limits depend on of a friction law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LimitedLaw {
+    pub shape: Shape,
+    /// Of Stribeck's law.
+    pub exponent: f64,
+    /// The steepest slope of `exp(-r^delta)`; infinite for exponents below 1.
+    pub steepest: f64,
+}
+
+impl LimitedLaw {
+    pub fn new(shape: Shape, exponent: f64) -> Self {
+        let crest = 1.0 - 1.0 / exponent;
+        let steepest = match shape {
+            Shape::Gaussian => libm::sqrt(2.0) * libm::exp(-0.5),
+            Shape::Stribeck if exponent > 1.0 => exponent * libm::pow(crest, crest) * libm::exp(-crest),
+            _ => f64::INFINITY,
+        };
+        Self { shape, exponent, steepest }
+    }
+}
 
 /// The limits that a friction law sets to the steps that integrate it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FrictionSteps {
     disc_speed: f64,
     inverse_stribeck: f64,
-    shape: Shape,
-    exponent: f64,
+    pub law: LimitedLaw,
     /// `G (f_s - f_c) / v_s`, per unit of scaled time.
     feedback: f64,
     /// `G e / v_s`: the damping by a viscous term.
     additional: f64,
     resolution_limit: f64,
     feedback_limit: f64,
+    refinement: f64,
     bend_limit: f64,
 }
 
@@ -98,19 +146,19 @@ impl FrictionSteps {
     pub fn new(
         disc_speed: f64,
         inverse_stribeck: f64,
-        (shape, exponent): (Shape, f64),
+        law: LimitedLaw,
         (falling_pull, additional_pull): (f64, f64),
         refinement: f64,
     ) -> Self {
         Self {
             disc_speed,
             inverse_stribeck,
-            shape,
-            exponent,
+            law,
             feedback: falling_pull * inverse_stribeck,
             additional: additional_pull * inverse_stribeck,
             resolution_limit: refinement * RESOLUTION,
             feedback_limit: refinement * FEEDBACK,
+            refinement,
             // The product that it limits goes with the cube of the step.
             bend_limit: refinement * refinement * refinement * BEND * disc_speed * inverse_stribeck,
         }
@@ -118,7 +166,7 @@ impl FrictionSteps {
 
     /// For a pad on a disc that yields, with the contact force on a rigid disc, which no motion exceeds by much.
     pub fn of_pad(pad: &PadEquations, inputs: RandomInputs, refinement: f64) -> Self {
-        let law = (pad.friction_shape, pad.stribeck_exponent);
+        let law = LimitedLaw::new(pad.friction_shape, pad.stribeck_exponent);
         Self::new(pad.disc_speed, pad.inverse_stribeck, law, Self::pulls_of_pad(pad, inputs), refinement)
     }
 
@@ -128,15 +176,36 @@ impl FrictionSteps {
         (gain * (inputs.static_friction - pad.kinetic_friction).max(0.0), gain * pad.additional_friction)
     }
 
-    /// Whether a step of length `h` with the speeds `u` and accelerations at its ends is too long.
-    pub fn is_too_long(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> bool {
-        match self.shape {
-            Shape::Tustin => self.is_too_long_for_tustin(u, acceleration, h),
-            _ => self.excess(u, acceleration, h) > 1.0,
+    /// Whether a step of length `h` with the speeds `u` and accelerations at its ends is too long, and how many times
+    /// longer the next one is tried if it is not. No branch depends on the motion, so that lanes decide it too.
+    #[inline(always)]
+    pub fn judge(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> (bool, f64) {
+        match self.law.shape {
+            Shape::Tustin => (self.is_too_long_for_tustin(u, acceleration, h), MOST_GROWTH),
+            Shape::Table(curve) => {
+                let (cube_by_bends, by_others) = self.excess_for_table(curve, u, acceleration, h);
+                let most = larger((cube_by_bends, by_others));
+                (most > 1.0, if most * MOST_GROWTH * MOST_GROWTH * MOST_GROWTH > CUT { 1.0 } else { MOST_GROWTH })
+            }
+            Shape::Gaussian => self.judged(self.unrefined_excess_for_gaussian(u, acceleration, h)),
+            Shape::Stribeck => self.judged(self.unrefined_excess_for_stribeck(u, acceleration, h)),
+            Shape::Rational => self.judged(self.unrefined_excess_for_rational(u, acceleration, h)),
         }
     }
 
-    /// [`FrictionSteps::is_too_long`] for the exponent 1, without a branch.
+    #[inline(always)]
+    fn judged(&self, unrefined_excess: f64) -> (bool, f64) {
+        let is_too_long = unrefined_excess > self.refinement;
+        let share = CUT * self.refinement / unrefined_excess;
+        (is_too_long, if (share < MOST_GROWTH) & !is_too_long { share } else { MOST_GROWTH })
+    }
+
+    /// Whether steps near rest may be so short that one ends close to the disc's speed however fast the pad approaches.
+    pub fn are_fine_near_rest(&self) -> bool {
+        self.law.shape == Shape::Stribeck
+    }
+
+    /// Whether a step is too long for the exponent 1, without a branch.
     #[inline(always)]
     pub fn is_too_long_for_tustin(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> bool {
         let (resolution, feedback) = self.limits_for_tustin(self.least_sliding(u));
@@ -153,78 +222,89 @@ impl FrictionSteps {
         (self.resolution_limit * widening(p), self.feedback_limit * growth(p))
     }
 
-    /// False only if [`FrictionSteps::is_too_long`] is false, and without a branch that depends on the motion: for
-    /// lanes, which leave the steps of which it is true to the scalar code. It is exact but for Stribeck's law with an
-    /// exponent other than 1.
-    #[inline(always)]
-    pub fn may_be_too_long(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> bool {
-        match self.shape {
-            Shape::Tustin => self.is_too_long_for_tustin(u, acceleration, h),
-            Shape::Gaussian | Shape::Stribeck => self.may_be_too_long_for_stribeck(u, acceleration, h),
-            Shape::Rational => self.excess_for_rational(u, acceleration, h) > 1.0,
-            Shape::Table(curve) => self.excess_for_table(curve, u, acceleration, h) > 1.0,
-        }
-    }
-
-    /// Without a power: below r = 1 the length s is at least `1 / delta` or r, and `s e` at least `0.48 r / delta`
-    /// everywhere; the slope of `exp(-p)` is at most `delta / (e r)`.
-    #[inline(always)]
-    fn may_be_too_long_for_stribeck(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> bool {
-        let (delta, least) = (self.exponent, self.least_sliding(u));
-        let r = if least > FLOOR { least } else { FLOOR };
-        let inside = if delta > 1.0 { 1.0 } else { r };
-        let length = (if r < 1.0 { inside } else { 0.48 * r }) / delta;
-        let resolution = self.resolution_limit * length;
-        let near_rest = self.resolution_limit * (NEAR_REST / RESOLUTION) * r;
-        let resolution = if resolution < near_rest { resolution } else { near_rest };
-        let per_acceleration = h * self.inverse_stribeck;
-        (per_acceleration * acceleration.0.abs() > resolution)
-            | (per_acceleration * acceleration.1.abs() > resolution)
-            | (h * self.feedback * (0.368 * delta) > self.feedback_limit * r)
-            | (h * self.additional > DAMPED_STEP)
-    }
-
     /// By how much a step is too long: its length over what the limits allow.
+    #[inline(always)]
     pub fn excess(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
-        match self.shape {
+        match self.law.shape {
             Shape::Tustin => {
                 let (resolution, feedback) = self.limits_for_tustin(self.least_sliding(u));
                 let change = h * larger(acceleration) * self.inverse_stribeck;
                 (change / resolution).max(h * self.feedback / feedback).max(h * self.additional / DAMPED_STEP)
             }
-            Shape::Gaussian | Shape::Stribeck => self.excess_for_stribeck(u, acceleration, h),
-            Shape::Rational => self.excess_for_rational(u, acceleration, h),
-            Shape::Table(curve) => self.excess_for_table(curve, u, acceleration, h),
+            Shape::Gaussian => self.unrefined_excess_for_gaussian(u, acceleration, h) / self.refinement,
+            Shape::Stribeck => self.unrefined_excess_for_stribeck(u, acceleration, h) / self.refinement,
+            Shape::Rational => self.unrefined_excess_for_rational(u, acceleration, h) / self.refinement,
+            Shape::Table(curve) => {
+                let (cube_by_bends, by_others) = self.excess_for_table(curve, u, acceleration, h);
+                libm::cbrt(cube_by_bends).max(by_others)
+            }
         }
     }
 
-    fn excess_for_stribeck(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
-        let change = h * larger(acceleration) * self.inverse_stribeck;
-        let delta = self.exponent;
-        let r = self.least_sliding(u).max(FLOOR);
-        let p = libm::pow(r, delta);
-        let length = if delta > 1.0 && r < 1.0 { 1.0 } else { r / p } / delta;
-        let resolution =
-            (self.resolution_limit * widening(p) * length).min(self.resolution_limit / RESOLUTION * NEAR_REST * r);
-        // The law is steepest at the crest of its slope, or at the end of the step that is nearer to it.
-        let most = ((self.disc_speed - u.0).abs().max((self.disc_speed - u.1).abs()) * self.inverse_stribeck).max(r);
-        let law = FrictionLaw::stribeck(1.0, 0.0, 1.0, delta);
-        let slope = self.feedback * law.weakening(law.steepest_between(r, most));
-        (change / resolution).max(h * slope / self.feedback_limit).max(h * self.additional / DAMPED_STEP)
-    }
-
-    /// `1 / (1 + r)` has the length `1 + r`, and its slope falls with its square.
     #[inline(always)]
-    fn excess_for_rational(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
-        let length = 1.0 + self.least_sliding(u);
-        let change = h * larger(acceleration) * self.inverse_stribeck;
-        let by_resolution = change / (RATIONAL * self.resolution_limit * length);
-        let by_feedback = h * self.feedback / (self.feedback_limit * length * length);
-        larger((larger((by_resolution, by_feedback)), h * self.additional / DAMPED_STEP))
+    fn unrefined_excess_for_gaussian(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
+        self.excess_by_power(u, acceleration, h, 2.0, |r| r * r)
     }
 
     #[inline(always)]
-    fn excess_for_table(&self, curve: SharedCurve, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
+    fn unrefined_excess_for_stribeck(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
+        let delta = self.law.exponent;
+        self.excess_by_power(u, acceleration, h, delta, |r| rough_power(r, delta))
+    }
+
+    /// For Stribeck's law with an exponent other than 1, before it is divided by the refinement.
+    #[inline(always)]
+    fn excess_by_power(
+        &self,
+        u: (f64, f64),
+        acceleration: (f64, f64),
+        h: f64,
+        delta: f64,
+        power: impl Fn(f64) -> f64,
+    ) -> f64 {
+        let is_steep_at_rest = delta < 1.0;
+        let (least, most) = self.sliding(u);
+        let r = if is_steep_at_rest & (least < FLOOR) { FLOOR } else { least };
+        let p = power(r);
+        // Beyond, friction has died long since, and products of the series stay finite.
+        let p = if p < DEAD { p } else { DEAD };
+        let (per_r, slope_of_p) = (1.0 / r, delta * p);
+        let slope_of_p = slope_of_p * per_r;
+        let (widening, growth) = (growth(0.2 * p), growth(p));
+        let per_both = 1.0 / (widening * growth);
+        let is_inside = !is_steep_at_rest & (r < 1.0);
+        let change = h * larger(acceleration) * self.inverse_stribeck;
+        let by_resolution = change * (if is_inside { delta } else { slope_of_p }) * (growth * per_both);
+        let by_resolution = by_resolution * (1.0 / (STRIBECK * RESOLUTION));
+        // `exp(-p)` is at most `1 / growth(p)`, and nowhere steeper than at its crest.
+        let slope = slope_of_p * (widening * per_both);
+        let is_before_crest = p * delta < delta - 1.0;
+        let slope = if is_before_crest | (slope > self.law.steepest) { self.law.steepest } else { slope };
+        let by_feedback = h * self.feedback * slope * (1.0 / FEEDBACK);
+        let by_rest = if delta < 2.0 {
+            let by_change = change * per_r * (1.0 / NEAR_REST);
+            let by_size = h * self.feedback * power(most) / (WAIVED * self.disc_speed * self.inverse_stribeck);
+            if !is_steep_at_rest & (by_size < by_change) { by_size } else { by_change }
+        } else {
+            0.0
+        };
+        let by_friction = larger((larger((by_resolution, by_rest)), by_feedback));
+        larger((by_friction, self.refinement * h * self.additional * (1.0 / DAMPED_STEP)))
+    }
+
+    /// `1 / (1 + r)` has the length `1 + r`, and its slope falls with its square. Before it is divided by the refinement.
+    #[inline(always)]
+    fn unrefined_excess_for_rational(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
+        let per_length = 1.0 / (1.0 + self.least_sliding(u));
+        let change = h * larger(acceleration) * self.inverse_stribeck;
+        let by_resolution = change * per_length * (1.0 / (RATIONAL * RESOLUTION));
+        let by_feedback = h * self.feedback * per_length * per_length * (1.0 / FEEDBACK);
+        larger((larger((by_resolution, by_feedback)), self.refinement * h * self.additional * (1.0 / DAMPED_STEP)))
+    }
+
+    /// The cube of the excess by bends, and the excess by all else.
+    #[inline(always)]
+    fn excess_for_table(&self, curve: SharedCurve, u: (f64, f64), acceleration: (f64, f64), h: f64) -> (f64, f64) {
         let place = |u: f64| curve.interval((self.disc_speed - u).abs() * self.inverse_stribeck);
         let intervals = (place(u.0), place(u.1));
         let (first, second) = (curve.window(intervals.0), curve.window(intervals.1));
@@ -232,22 +312,26 @@ impl FrictionSteps {
         let steepest = larger((of(first.steepest), of(second.steepest)));
         let bend = larger((of(first.bend), of(second.bend)));
         let change = h * larger(acceleration) * self.inverse_stribeck;
-        // The error goes with the cube of the step; what is asked for is the ratio of lengths, for which a bound is enough.
-        let by_bend = h * bend * change * change / self.bend_limit;
+        let cube_by_bends = h * bend * change * change / self.bend_limit;
         let crossed = intervals.0.abs_diff(intervals.1);
         let by_intervals = if crossed > MOST_INTERVALS { crossed as f64 / MOST_INTERVALS as f64 } else { 0.0 };
-        let by_bend = if by_bend > 1.0 { libm::cbrt(by_bend) } else { by_bend };
-        larger((larger((by_bend, by_intervals)), h * steepest / self.feedback_limit))
+        (cube_by_bends, larger((by_intervals, h * steepest / self.feedback_limit)))
     }
 
     /// The smallest sliding speed in a step over the Stribeck velocity; 0 where it passes through sticking.
     #[inline(always)]
     fn least_sliding(&self, u: (f64, f64)) -> f64 {
+        self.sliding(u).0
+    }
+
+    /// The smallest and the largest sliding speed in a step over the Stribeck velocity.
+    #[inline(always)]
+    fn sliding(&self, u: (f64, f64)) -> (f64, f64) {
         let (first, last) = (self.disc_speed - u.0, self.disc_speed - u.1);
         let crosses = first * last <= 0.0;
         let (first, last) = (first.abs(), last.abs());
-        let least = if first < last { first } else { last };
-        if crosses { 0.0 } else { least * self.inverse_stribeck }
+        let (least, most) = if first < last { (first, last) } else { (last, first) };
+        (if crosses { 0.0 } else { least * self.inverse_stribeck }, most * self.inverse_stribeck)
     }
 }
 

@@ -76,10 +76,11 @@ pub(crate) trait Observer {
     fn grazes(&mut self) {}
 }
 
-/// A pad grazes where its sliding speed has a minimum below this share of the disc's speed, or where it meets the disc
-/// with less than this share of the disc's speed times its natural frequency. Where stick-slip ends, errors of the
-/// sliding speed are some 1e-6 of the disc's (a test of the steps), and the acceleration at the meeting grows with the
-/// square root of the distance to a mere touch.
+/// A pad grazes where its sliding speed has a minimum, or a step ends, below this share of the disc's speed, or where it
+/// meets the disc with less than this share of the disc's speed times its natural frequency. Where steps may be short
+/// near rest in any case, one that ends there counts only if the pad approaches as slowly. Where stick-slip ends, errors
+/// of the sliding speed are some 1e-6 of the disc's (a test of the steps), and the acceleration at the meeting grows with
+/// the square root of the distance to a mere touch.
 pub(crate) const GRAZING_SPEED: f64 = 1e-4;
 pub(crate) const GRAZING_RATE: f64 = 3e-2;
 

@@ -13,7 +13,7 @@
 //! adaptive method; the tests compare the two.
 
 use crate::friction::law::FrictionLaw;
-use crate::motion::friction_steps::{DAMPED_STEP, FrictionSteps};
+use crate::motion::friction_steps::{DAMPED_STEP, FrictionSteps, LimitedLaw};
 use crate::motion::integrator::{Equations, Reserve, Step};
 use crate::pad::contact_state::ContactState;
 use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
@@ -33,6 +33,7 @@ pub(crate) struct RigidBrake {
     pub disc_speed: f64,
     /// The friction law, its static coefficient apart.
     pub law: FrictionLaw,
+    limited_law: LimitedLaw,
     /// 1 / v_s, or over another speed scale of the law.
     pub inverse_stribeck: f64,
     /// G for one unit of preload.
@@ -81,6 +82,7 @@ impl RigidBrake {
             damping,
             disc_speed: brake.disc_speed(),
             law: *law,
+            limited_law: LimitedLaw::new(law.shape, law.exponent),
             inverse_stribeck: 1.0 / law.speed_scale,
             gain_per_preload: brake.friction_transmission() * brake.normal_force_per_preload() / mass,
             step: (STEP / stiffness.sqrt()).min(DAMPED_STEP / damping),
@@ -118,7 +120,7 @@ impl RigidBrake {
     pub fn friction_steps(&self, falling_pull: f64, additional_pull: f64) -> FrictionSteps {
         let (v, inverse) = (self.disc_speed, self.inverse_stribeck);
         let pulls = (falling_pull, additional_pull);
-        FrictionSteps::new(v, inverse, (self.law.shape, self.law.exponent), pulls, self.refinement)
+        FrictionSteps::new(v, inverse, self.limited_law, pulls, self.refinement)
     }
 }
 

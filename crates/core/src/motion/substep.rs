@@ -14,16 +14,14 @@
 //! [`Attempt`] says how long the next trial step is, and judges it. Who takes the step does not matter: the scalar code
 //! takes one after the other, lanes take those of many samples at once.
 
-use crate::motion::friction_steps::FrictionSteps;
+use crate::motion::friction_steps::{CUT, FrictionSteps, MOST_GROWTH};
 use crate::motion::integrator::{
     Breakdown, Equations, FARTHEST, GRAZING_RATE, GRAZING_SPEED, Motion, Step, grazes_at_end, may_touch,
 };
 use crate::numerics::root_location::FalsePosition;
 use crate::pad::contact_state::ContactState;
 
-/// A trial step that the friction law cuts is shortened to this share of what the law allows, so that a second cut is
-/// rare, and at once to no less than this share of its length.
-const CUT: f64 = 0.8;
+/// A trial step that the friction law cuts is at once shortened to no less than this share of its length.
 const DEEPEST_CUT: f64 = 1e-3;
 
 /// Trial steps are not cut below this share of the first one.
@@ -51,6 +49,8 @@ pub(crate) struct Substep<S> {
     pub acceleration: (f64, f64),
     pub ending: Ending,
     pub grazes: bool,
+    /// How many times longer the next substep may be, if this one is completed.
+    pub growth: f64,
 }
 
 /// A substep that is not found yet.
@@ -113,12 +113,13 @@ impl<S: Copy> Attempt<S> {
             Aim::Slide { shortest, just_released } => {
                 let u = (equations.tangential(&from.state).1, equations.tangential(&step.next).1);
                 let limits = equations.friction_steps();
-                if self.length > *shortest && limits.is_too_long(u, step.acceleration, self.length) {
+                let (is_too_long, growth) = limits.judge(u, step.acceleration, self.length);
+                if self.length > *shortest && is_too_long {
                     self.length = cut(limits, u, step.acceleration, self.length);
                     return Ok(None);
                 }
                 let just_released = *just_released;
-                self.judge_slide(equations, from, step, just_released)
+                self.judge_slide(equations, from, step, just_released, growth)
             }
             Aim::Meeting { search, state, acceleration } => {
                 let relative = Relative::new(equations, from.contact);
@@ -152,6 +153,7 @@ impl<S: Copy> Attempt<S> {
         from: &Motion<S>,
         step: &Step<S>,
         just_released: bool,
+        growth: f64,
     ) -> Result<Option<Substep<S>>, Breakdown> {
         check(equations, &step.next)?;
         let (h, contact) = (self.length, from.contact);
@@ -159,7 +161,11 @@ impl<S: Copy> Attempt<S> {
         let rate = (-relative.direction * step.acceleration.0, -relative.direction * step.acceleration.1);
         let ends = (relative.sliding(&from.state), relative.sliding(&step.next));
         let mut meets = (ends.1 <= 0.0).then_some((h, step.next));
-        let mut grazes = grazes_at_end(ends, equations.disc_speed());
+        let slows_down = || {
+            let limits = equations.friction_steps();
+            !limits.are_fine_near_rest() || rate.1 > -GRAZING_RATE * equations.meeting_rate()
+        };
+        let mut grazes = grazes_at_end(ends, equations.disc_speed()) && slows_down();
         if meets.is_none() && ends.0 > 0.0 && may_touch(ends, rate, h) {
             let (part, nearest) = relative.least_sliding(&from.state, h);
             grazes |= relative.sliding(&nearest) < GRAZING_SPEED * equations.disc_speed();
@@ -168,7 +174,7 @@ impl<S: Copy> Attempt<S> {
         let Some((late, state)) = meets else {
             let end = Motion { state: step.next, contact };
             let acceleration = step.acceleration;
-            return Ok(Some(Substep { time: h, end, acceleration, ending: Ending::Completed, grazes }));
+            return Ok(Some(Substep { time: h, end, acceleration, ending: Ending::Completed, grazes, growth }));
         };
         let acceleration = step.acceleration.0;
         let (time, state) = if ends.0 > 0.0 {
@@ -241,7 +247,7 @@ fn meeting<E: Equations>(
         (ContactState::Slip, Ending::Overtaken)
     };
     let grazes = comes_from_slip && acceleration.1.abs() < GRAZING_RATE * equations.meeting_rate();
-    Substep { time, end: Motion { state, contact }, acceleration, ending, grazes }
+    Substep { time, end: Motion { state, contact }, acceleration, ending, grazes, growth: 1.0 }
 }
 
 /// The end of a substep of stick after a `time`.
@@ -254,7 +260,8 @@ fn stuck_until<E: Equations>(equations: &E, time: f64, state: &E::State, ending:
         }
         _ => ContactState::Stick,
     };
-    Substep { time, end: Motion { state: *state, contact }, acceleration: (0.0, 0.0), ending, grazes: false }
+    let end = Motion { state: *state, contact };
+    Substep { time, end, acceleration: (0.0, 0.0), ending, grazes: false, growth: MOST_GROWTH }
 }
 
 /// How far static friction is from letting go of a pad that moves with the disc.

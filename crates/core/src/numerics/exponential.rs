@@ -14,7 +14,7 @@ const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
 /// 1.5 * 2^52: a sum with it is rounded to a whole number, which its last bits then hold.
-const ROUNDER: f64 = 6_755_399_441_055_744.0;
+pub(crate) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// Beyond it the result would leave the range of normal numbers; arguments are clamped to it.
 const LARGEST: f64 = 708.0;

@@ -9,6 +9,8 @@ pub mod varying_brake;
 
 pub(crate) mod planar_motion;
 
+pub(crate) mod inner_cycles;
+
 pub(crate) mod return_map;
 
 pub mod limit_cycle;

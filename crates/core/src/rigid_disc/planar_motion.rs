@@ -76,11 +76,6 @@ impl PlanarMotion {
         self.damping - self.law.fall(self.disc_speed)
     }
 
-    /// Whether a swing that shrinks without meeting the disc's speed must come to rest: see the module's documentation.
-    pub fn has_no_inner_cycle(&self) -> bool {
-        self.law.is_completely_monotone() && self.damping_at_equilibrium() > 0.0
-    }
-
     /// Whether a motion that moves at speeds up to `fastest`, if it keeps its energy, surely comes to rest.
     pub fn comes_to_rest_from(&self, fastest: f64) -> bool {
         let slope = if self.law.never_falls() {

@@ -12,15 +12,7 @@
 //! * A swing longer than the one before is followed by longer ones only; a shorter one by shorter ones.
 //! * A shrinking motion comes to rest exactly if `R(s) < s` for all smaller amplitudes s. If some `R(s) >= s`, a limit
 //!   cycle lies between, and the motion never gets inside it.
-//! * For Stribeck's law with exponents up to 1, the rational law and a linearly stable equilibrium there is no stable
-//!   cycle without sticking, and one unstable one at most: a swing that shrinks decides by itself. Let
-//!   `F(u) = G mu(v - u)` and `f = C - F'`, the damping. On both sides of `u = 0` the quotient `f / u` falls, because
-//!   `u f' - f = F' - u F'' - C` is largest at `u = 0`, where it is `F'(0) - C < 0`; its derivative is `-u` times the
-//!   third derivative of F, which is positive as all derivatives of `exp(-r^delta)` and of `1 / (1 + r)` alternate in
-//!   sign. That is the condition of Zhang's theorem on Lienard's equation (Zhang Zhifen et al., *Qualitative Theory of
-//!   Differential Equations*, chapter 4) with time running backwards. A viscous term `k |v - u|` adds the constant
-//!   `-G k` to F' and nothing to the third derivative: it is damping, and the condition survives. A measured curve need
-//!   not satisfy it.
+//! * Where no stable cycle can lie inside a swing ([`crate::rigid_disc::inner_cycles`]), one that shrinks decides by itself.
 //! * The energy `u^2/2 + K (x - x0)^2/2` of a motion with speeds up to U falls as long as
 //!   `C > [G mu(v - u) - G mu(v)] / u` for all `|u| <= U`: such a motion comes to rest, however slowly.
 //!
@@ -28,11 +20,15 @@
 //! tested against them, and the criterion uses the return map for motions on a rigid disc that change too slowly.
 
 use crate::numerics::root_location::bisect;
+use crate::rigid_disc::inner_cycles::Turns;
 use crate::rigid_disc::planar_motion::{PlanarMotion, Slip, SlipEnd};
 
 /// Ratio of neighbouring amplitudes in a scan. Between them the change over a cycle is taken to have one extremum at
 /// the most; that one is searched for.
 const SCAN_RATIO: f64 = 0.9;
+
+/// The first step of a scan: it shows whether the change rises inwards, to a maximum before the next amplitude.
+const FIRST_RATIO: f64 = 0.999;
 
 /// Largest number of amplitudes scanned: down to 1e-7 of the first.
 const MOST_SCANNED: usize = 160;
@@ -69,13 +65,19 @@ impl PlanarMotion {
 
     /// `ln(R(a) / a)`; infinite where the pad is captured, minus infinity where it comes to rest within the swing.
     fn change(&self, a: f64) -> f64 {
+        self.change_and_bottom(a).0
+    }
+
+    /// The same, with the amplitude on the other side.
+    fn change_and_bottom(&self, a: f64) -> (f64, f64) {
         let swing = self.swing(a);
-        match swing.end {
+        let change = match swing.end {
             SlipEnd::Turned => libm::log((swing.x - self.equilibrium()) / a),
             SlipEnd::Captured => f64::INFINITY,
             SlipEnd::Equilibrium => f64::NEG_INFINITY,
             SlipEnd::Unresolved => f64::NAN,
-        }
+        };
+        (change, self.equilibrium() - swing.smallest)
     }
 
     /// The change of small amplitudes over a cycle; minus infinity where they do not oscillate.
@@ -87,13 +89,13 @@ impl PlanarMotion {
 
     /// The fate of a motion that has turned at `x0 + a`, `a` > 0.
     pub fn fate_of_swing(&self, a: f64) -> Fate {
-        let change = self.change(a);
+        let (change, bottom) = self.change_and_bottom(a);
         if change.is_nan() || change.abs() <= UNRESOLVED {
             Fate::Unresolved
         } else if change > 0.0 {
             Fate::Grows { from: a }
         } else {
-            self.fate_of_shrinking(a)
+            self.fate_of_shrinking(a, change, bottom)
         }
     }
 
@@ -120,20 +122,21 @@ impl PlanarMotion {
     }
 
     /// The fate of a motion that shrinks at the amplitude `a`: is there a smaller one at which it does not?
-    fn fate_of_shrinking(&self, a: f64) -> Fate {
-        if self.has_no_inner_cycle() {
-            return Fate::Equilibrium;
-        }
+    fn fate_of_shrinking(&self, a: f64, change: f64, mut bottom: f64) -> Fate {
         let linear = self.linear_change();
-        let mut scanned = vec![(a, self.change(a))];
+        let mut scanned = vec![(a, change)];
         let mut near_linear = 0;
         while scanned.len() < MOST_SCANNED {
             let (outer, before) = scanned[scanned.len() - 1];
+            if self.has_no_cycle_inside(Turns { top: outer, bottom, next_top: outer * libm::exp(before) }) {
+                return Fate::Equilibrium;
+            }
             if self.damping_at_equilibrium() > 0.0 && self.comes_to_rest_from(self.stiffness.sqrt() * outer) {
                 return Fate::Equilibrium;
             }
-            let inner = SCAN_RATIO * outer;
-            let change = self.change(inner);
+            let inner = if scanned.len() == 1 { FIRST_RATIO } else { SCAN_RATIO } * outer;
+            let change;
+            (change, bottom) = self.change_and_bottom(inner);
             if change.is_nan() {
                 return Fate::Unresolved;
             }

@@ -5,7 +5,8 @@
 //! [`normalised`](super::normalised): the name and the description do not belong to them, nor do keys that the job's
 //! method or criterion has no use for.
 
-use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
+use stickslip_core::criterion::time_domain::{OTHER_LAWS_VERSION, VERDICTS_VERSION};
+use stickslip_core::friction::law::LawKind;
 use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
 use stickslip_sampler::verdict_map::resolve::MAP_VERSION;
 
@@ -75,8 +76,22 @@ impl Job {
         hash.whole("results version", RESULTS_VERSION.into());
         if !matches!(self.criterion, Criterion::Eigenvalue) {
             hash.whole("verdicts version", VERDICTS_VERSION.into());
+            if !self.has_tustins_law() {
+                hash.whole("other laws version", OTHER_LAWS_VERSION.into());
+            }
         }
         hash
+    }
+}
+
+impl Job {
+    /// Whether friction follows Stribeck's law with the exponent 1 in every sample.
+    fn has_tustins_law(&self) -> bool {
+        const EXPONENT: &str = "friction.stribeck_exponent";
+        let friction = &self.parameters.friction;
+        let is_axis = self.grid.of_brake.iter().any(|axis| axis.name == EXPONENT);
+        let is_random = self.random.inputs.iter().any(|input| input.name() == EXPONENT);
+        matches!(friction.law, LawKind::Stribeck) && friction.stribeck_exponent == 1.0 && !is_axis && !is_random
     }
 }
 

@@ -18,6 +18,11 @@ fn flat_at_rest() -> PlanarMotion {
     motion(4.0, 0.01, 2.0, 2.0)
 }
 
+/// The unstable cycle reaches so far into speeds at which friction is concave that cycles inside it are not excluded.
+fn concave_within_the_cycle() -> PlanarMotion {
+    motion(4.0, 0.02, 2.5, 4.0)
+}
+
 /// Linearly unstable: all motions end in stick-slip.
 fn repelling() -> PlanarMotion {
     motion(4.0, 0.002, 1.0, 1.0)
@@ -120,21 +125,19 @@ fn the_return_map_decides_slow_swings() {
 #[test]
 fn a_motion_that_the_return_map_cannot_resolve_is_simulated_further() {
     // The unstable cycle between rest and stick-slip, to the last digits.
-    let (mut shrinking, mut captured) = (2.5, 3.5);
+    let (mut shrinking, mut captured) = (0.5, 3.9);
     for _ in 0..60 {
         let middle = 0.5 * (shrinking + captured);
-        match bistable().fate_of_swing(middle) {
+        match concave_within_the_cycle().fate_of_swing(middle) {
             Fate::Equilibrium => shrinking = middle,
             Fate::Grows { .. } => captured = middle,
             _ => (shrinking, captured) = (middle, middle),
         }
     }
-    assert_eq!(bistable().fate_of_swing(shrinking), Fate::Unresolved);
-    let mut monitor = monitor(bistable(), false, shrinking);
+    assert_eq!(concave_within_the_cycle().fate_of_swing(shrinking), Fate::Unresolved);
+    let mut monitor = monitor(concave_within_the_cycle(), false, shrinking);
     assert_eq!(swings(&mut monitor, &[shrinking; 3]), None);
     assert!(monitor.is_unresolved, "the map is not used again");
-    // As a motion would be decision whose inner cycles are not excluded.
-    monitor.has_no_inner_cycle = false;
     assert_eq!(swings(&mut monitor, &[0.98 * shrinking]), None);
     assert!(!monitor.is_unresolved, "but of another swing");
     assert_eq!(swings(&mut monitor, &[0.98 * shrinking]), Some(Verdict::Stable));

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::*;
 use crate::friction::shape::Shape;
-use crate::motion::friction_steps::FrictionSteps;
+use crate::motion::friction_steps::{FrictionSteps, LimitedLaw};
 use crate::motion::integrator::Reserve;
 
 mod substeps;
@@ -50,12 +50,15 @@ const HOLDS_TWO: Reserves = |x| (2.0 - x, 2.0 + x);
 impl Toy {
     /// With friction that sets no limits to steps.
     fn new(law: Law, reserve: Reserves) -> Self {
-        Self { law, reserve, limits: FrictionSteps::new(V, 0.0, (Shape::Tustin, 1.0), (0.0, 0.0), 1.0) }
+        Self { law, reserve, limits: FrictionSteps::new(V, 0.0, LimitedLaw::new(Shape::Tustin, 1.0), (0.0, 0.0), 1.0) }
     }
 
     /// With a Stribeck velocity of 1 to whose friction steps have to keep.
     fn steep(law: Law) -> Self {
-        Self { limits: FrictionSteps::new(V, 1.0, (Shape::Tustin, 1.0), (0.0, 0.0), 1.0), ..Self::new(law, HOLDS) }
+        Self {
+            limits: FrictionSteps::new(V, 1.0, LimitedLaw::new(Shape::Tustin, 1.0), (0.0, 0.0), 1.0),
+            ..Self::new(law, HOLDS)
+        }
     }
 }
 

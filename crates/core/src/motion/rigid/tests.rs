@@ -89,8 +89,8 @@ fn the_saddle_node_is_found_at_any_step_size() {
 
 #[test]
 fn steps_resolve_the_friction_law_however_steep_it_is() {
-    // Where stick-slip ends, by these steps and by the adaptive method; the disc passes the pad at up to a thousand
-    // Stribeck velocities.
+    // Where stick-slip ends, by these steps and by the adaptive method; the disc passes the pad at ten to a thousand
+    // Stribeck velocities, and at two in the first case.
     for (exponent, stribeck_velocity) in [
         (1.0, 3.0),
         (1.0, 0.1),
@@ -99,7 +99,9 @@ fn steps_resolve_the_friction_law_however_steep_it_is() {
         (0.5, 0.3),
         (0.5, 0.02),
         (0.7, 0.05),
+        (1.3, 0.1),
         (1.5, 0.05),
+        (2.0, 0.3),
         (2.0, 0.1),
         (2.0, 0.005),
         (3.0, 0.05),
@@ -114,6 +116,20 @@ fn steps_resolve_the_friction_law_however_steep_it_is() {
         for (divisor, tolerance) in [(1.0, 1e-5), (2.0, 2e-6)] {
             let error = error_of_saddle_node(at, divisor);
             assert!(error.abs() < tolerance, "{exponent} {stribeck_velocity} / {divisor}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn a_disc_of_some_stribeck_velocities_has_the_error_of_a_plain_step() {
+    for exponent in [1.0, 1.3, 2.0, 3.0] {
+        let at = |speed: f64| {
+            let changes = [("friction.stribeck_exponent", exponent), ("operating_point.rotating_speed", speed)];
+            PadOnDisc::preset_with(&changes)
+        };
+        for (divisor, tolerance) in [(1.0, 2.1e-5), (2.0, 3e-6)] {
+            let error = error_of_saddle_node(at, divisor);
+            assert!(error.abs() < tolerance, "{exponent} / {divisor}: {error:e}");
         }
     }
 }

@@ -135,3 +135,24 @@ fn a_touch_inside_a_step_is_a_capture() {
     let preset = PadOnDisc::preset_with(&[]).saddle_node_speed().unwrap();
     assert!((preset - 30.197_050_3).abs() < 2e-7, "{preset}");
 }
+
+#[test]
+fn a_cycle_just_inside_a_swing_is_found() {
+    // Exponent 2 and much damping: just below 7.3237 rad/s a stable and an unstable cycle without sticking are close.
+    let changes = [("friction.stribeck_exponent", 2.0), ("damping.tangential", 3000.0)];
+    let at = |speed: f64| motion(&[changes[0], changes[1], ("operating_point.rotating_speed", speed)]);
+    let motion = at(7.3236);
+    let Fate::SmoothCycle { amplitude } = motion.settles(motion.fate_of_swing(0.0024)) else { panic!("no cycle") };
+    let (mut inside, mut outside) = (0.0021, 0.0024);
+    while outside - inside > 1e-9 {
+        let middle = 0.5 * (inside + outside);
+        match motion.fate_of_swing(middle) {
+            Fate::Trapped { .. } => outside = middle,
+            _ => inside = middle,
+        }
+    }
+    // However close to the cycle the swing is.
+    let Fate::Trapped { inner, .. } = motion.fate_of_swing(outside) else { panic!("not trapped") };
+    assert!(inner < outside && (amplitude / (0.5 * 1.3 * outside) - 1.0).abs() < 0.05, "{amplitude} {outside}");
+    assert_eq!(at(7.3238).fate_of_swing(outside), Fate::Equilibrium);
+}

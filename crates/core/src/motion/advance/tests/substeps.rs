@@ -156,14 +156,21 @@ fn what_meets_the_disc_slowly_grazes() {
 
 #[test]
 fn a_step_that_ends_next_to_the_disc_speed_grazes_unless_it_comes_from_there() {
-    let end = |from: f64, to: f64| {
-        let part = slide(&Toy::new(Law::Constant(to - from, 0.0), HOLDS), &slipping(0.0, from), 1.0, false).unwrap();
+    let end = |from: f64, to: f64, exponent: f64| {
+        let law = LimitedLaw::new(Shape::of_stribeck(exponent), exponent);
+        let limits = FrictionSteps::new(V, 0.0, law, (0.0, 0.0), 1.0);
+        let toy = Toy { limits, ..Toy::new(Law::Constant(to - from, 0.0), HOLDS) };
+        let part = slide(&toy, &slipping(0.0, from), 1.0, false).unwrap();
         assert_eq!(part.ending, Ending::Completed);
         part.grazes
     };
-    assert!(end(0.5, 1.0 - 0.9e-4));
-    assert!(!end(0.5, 1.0 - 1.1e-4));
-    assert!(!end(1.0 - 0.1e-4, 1.0 - 0.9e-4));
+    for exponent in [1.0, 1.5, 2.0] {
+        assert!(end(0.995, 1.0 - 0.9e-4, exponent));
+        assert!(!end(0.995, 1.0 - 1.1e-4, exponent));
+        assert!(!end(1.0 - 0.1e-4, 1.0 - 0.9e-4, exponent));
+        // Where steps may be short in any case, a fast approach is none.
+        assert_eq!(end(0.5, 1.0 - 0.9e-4, exponent), exponent != 1.5);
+    }
 }
 
 #[test]
