@@ -13,6 +13,7 @@
 //! | | sticks for the first time | held: until its release, which is the same for all motions that stick |
 //! | | sticks a second time, or for the first time after a start at release | unstable: all later cycles are the same |
 //! | | grazes the disc's speed in its first swing since the start or a release | the return map decides from that start or release |
+//! | | is about to reach the disc's speed in that swing, where a step happens to end | the return map decides from the release |
 //! | | overtakes the disc | swinging, with nothing to compare with |
 //! | held | would stick for longer than [`LONGEST_STICK`] | the return map decides from the release |
 //! | | slips | swinging |
@@ -143,7 +144,9 @@ impl RigidMonitor {
     }
 
     fn conclude_from_stick_slip(&mut self) {
-        if let (out, Some(back)) = self.motion.slip_from_release() {
+        if self.until_settled
+            && let (out, Some(back)) = self.motion.slip_from_release()
+        {
             self.amplitude = 0.5 * (out.x - back.smallest);
         }
         self.is_known_unstable = true;
@@ -244,6 +247,12 @@ impl Observer for RigidMonitor {
     fn grazes(&mut self) {
         if let (Some(state), None) = (self.started.take(), self.verdict) {
             self.conclude_from(self.motion.fate_from(state));
+        }
+    }
+
+    fn is_caught(&mut self) {
+        if self.started.take().is_some() && self.verdict.is_none() {
+            self.conclude_from(Fate::Captured);
         }
     }
 }

@@ -189,6 +189,13 @@ impl MeasuredCurve {
         (self.shape.value(i, t), self.deviation.value(i, t))
     }
 
+    /// The first of [`MeasuredCurve::values`]; without standard deviations the second is 0.
+    #[inline(always)]
+    pub(crate) fn shape_alone(&self, speed: f64) -> f64 {
+        let (i, t) = self.index.place(speed);
+        self.shape.value(i, t)
+    }
+
     /// The slopes of `T / T(0)` and of S, s/m.
     #[inline(always)]
     pub(crate) fn slopes(&self, speed: f64) -> (f64, f64) {

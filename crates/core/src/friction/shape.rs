@@ -72,6 +72,11 @@ impl Shape {
                 }
                 *b = *r;
             }
+            Self::Table(curve) if curve.deviations().is_none() => {
+                for i in 0..N {
+                    (a[i], b[i]) = (curve.shape_alone(r[i]), 0.0);
+                }
+            }
             Self::Table(curve) => {
                 for i in 0..N {
                     (a[i], b[i]) = curve.values(r[i]);

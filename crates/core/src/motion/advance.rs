@@ -107,6 +107,9 @@ fn report<E: Equations>(
     if part.grazes {
         observer.grazes();
     }
+    if part.is_caught {
+        observer.is_caught();
+    }
     match part.ending {
         Ending::Completed => {}
         Ending::Released => observer.slips(begin + part.time),

@@ -32,7 +32,7 @@
 //! because the error of a step across rest is at most 0.0027 of that change: Simpson's rule for `r^delta`. For exponents
 //! below 1 the limits end at `r = 1e-5`, where the law changes no speed by more than `1e-5 v_s`.
 //!
-//! In these limits p is computed to 10 %, by fewer operations than friction itself; they say what is computed, and have
+//! In these limits powers are computed to 10 %, by fewer operations than friction itself; they say what is computed, and have
 //! the same bits everywhere.
 //!
 //! The rational law has the length `s = 0.6 (1 + r)` with `e = 1`, and the slope `G (f_s - f_c) / (v_s (1 + r)^2)`. A viscous term
@@ -134,7 +134,6 @@ pub(crate) struct FrictionSteps {
     resolution_limit: f64,
     feedback_limit: f64,
     refinement: f64,
-    bend_limit: f64,
 }
 
 impl FrictionSteps {
@@ -159,8 +158,6 @@ impl FrictionSteps {
             resolution_limit: refinement * RESOLUTION,
             feedback_limit: refinement * FEEDBACK,
             refinement,
-            // The product that it limits goes with the cube of the step.
-            bend_limit: refinement * refinement * refinement * BEND * disc_speed * inverse_stribeck,
         }
     }
 
@@ -182,14 +179,10 @@ impl FrictionSteps {
     pub fn judge(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> (bool, f64) {
         match self.law.shape {
             Shape::Tustin => (self.is_too_long_for_tustin(u, acceleration, h), MOST_GROWTH),
-            Shape::Table(curve) => {
-                let (cube_by_bends, by_others) = self.excess_for_table(curve, u, acceleration, h);
-                let most = larger((cube_by_bends, by_others));
-                (most > 1.0, if most * MOST_GROWTH * MOST_GROWTH * MOST_GROWTH > CUT { 1.0 } else { MOST_GROWTH })
-            }
             Shape::Gaussian => self.judged(self.unrefined_excess_for_gaussian(u, acceleration, h)),
             Shape::Stribeck => self.judged(self.unrefined_excess_for_stribeck(u, acceleration, h)),
             Shape::Rational => self.judged(self.unrefined_excess_for_rational(u, acceleration, h)),
+            Shape::Table(curve) => self.judged(self.unrefined_excess_for_table(curve, u, acceleration, h)),
         }
     }
 
@@ -200,9 +193,10 @@ impl FrictionSteps {
         (is_too_long, if (share < MOST_GROWTH) & !is_too_long { share } else { MOST_GROWTH })
     }
 
-    /// Whether steps near rest may be so short that one ends close to the disc's speed however fast the pad approaches.
+    /// Whether steps near rest may be so short that one often ends close to the disc's speed. Those of Tustin's law hardly
+    /// ever are.
     pub fn are_fine_near_rest(&self) -> bool {
-        self.law.shape == Shape::Stribeck
+        self.law.shape != Shape::Tustin
     }
 
     /// Whether a step is too long for the exponent 1, without a branch.
@@ -234,10 +228,7 @@ impl FrictionSteps {
             Shape::Gaussian => self.unrefined_excess_for_gaussian(u, acceleration, h) / self.refinement,
             Shape::Stribeck => self.unrefined_excess_for_stribeck(u, acceleration, h) / self.refinement,
             Shape::Rational => self.unrefined_excess_for_rational(u, acceleration, h) / self.refinement,
-            Shape::Table(curve) => {
-                let (cube_by_bends, by_others) = self.excess_for_table(curve, u, acceleration, h);
-                libm::cbrt(cube_by_bends).max(by_others)
-            }
+            Shape::Table(curve) => self.unrefined_excess_for_table(curve, u, acceleration, h) / self.refinement,
         }
     }
 
@@ -302,9 +293,9 @@ impl FrictionSteps {
         larger((larger((by_resolution, by_feedback)), self.refinement * h * self.additional * (1.0 / DAMPED_STEP)))
     }
 
-    /// The cube of the excess by bends, and the excess by all else.
+    /// Before it is divided by the refinement.
     #[inline(always)]
-    fn excess_for_table(&self, curve: SharedCurve, u: (f64, f64), acceleration: (f64, f64), h: f64) -> (f64, f64) {
+    fn unrefined_excess_for_table(&self, curve: SharedCurve, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
         let place = |u: f64| curve.interval((self.disc_speed - u).abs() * self.inverse_stribeck);
         let intervals = (place(u.0), place(u.1));
         let (first, second) = (curve.window(intervals.0), curve.window(intervals.1));
@@ -312,10 +303,12 @@ impl FrictionSteps {
         let steepest = larger((of(first.steepest), of(second.steepest)));
         let bend = larger((of(first.bend), of(second.bend)));
         let change = h * larger(acceleration) * self.inverse_stribeck;
-        let cube_by_bends = h * bend * change * change / self.bend_limit;
+        let cube_by_bends = h * bend * change * change / (BEND * self.disc_speed * self.inverse_stribeck);
+        let by_bends = rough_power(cube_by_bends, 1.0 / 3.0);
         let crossed = intervals.0.abs_diff(intervals.1);
         let by_intervals = if crossed > MOST_INTERVALS { crossed as f64 / MOST_INTERVALS as f64 } else { 0.0 };
-        (cube_by_bends, larger((by_intervals, h * steepest / self.feedback_limit)))
+        let by_feedback = h * steepest * (1.0 / FEEDBACK);
+        larger((larger((by_bends, self.refinement * by_intervals)), by_feedback))
     }
 
     /// The smallest sliding speed in a step over the Stribeck velocity; 0 where it passes through sticking.

@@ -74,13 +74,15 @@ pub(crate) trait Observer {
     /// The pad comes so near the disc's speed, or meets it so slowly, that errors of the steps may decide whether they
     /// stick. If they do, this comes first.
     fn grazes(&mut self) {}
+    /// The pad will surely reach the disc's speed at once.
+    fn is_caught(&mut self) {}
 }
 
 /// A pad grazes where its sliding speed has a minimum, or a step ends, below this share of the disc's speed, or where it
-/// meets the disc with less than this share of the disc's speed times its natural frequency. Where steps may be short
-/// near rest in any case, one that ends there counts only if the pad approaches as slowly. Where stick-slip ends, errors
-/// of the sliding speed are some 1e-6 of the disc's (a test of the steps), and the acceleration at the meeting grows with
-/// the square root of the distance to a mere touch.
+/// meets the disc with less than this share of the disc's speed times its natural frequency. A step that ends there on a
+/// faster approach only comes before the meeting. Where stick-slip ends, errors of the sliding speed are some 1e-6 of the
+/// disc's (a test of the steps), and the acceleration at the meeting grows with the square root of the distance to a mere
+/// touch.
 pub(crate) const GRAZING_SPEED: f64 = 1e-4;
 pub(crate) const GRAZING_RATE: f64 = 3e-2;
 

@@ -49,6 +49,8 @@ pub(crate) struct Substep<S> {
     pub acceleration: (f64, f64),
     pub ending: Ending,
     pub grazes: bool,
+    /// It ends close to the disc's speed, on a fast approach.
+    pub is_caught: bool,
     /// How many times longer the next substep may be, if this one is completed.
     pub growth: f64,
 }
@@ -161,11 +163,10 @@ impl<S: Copy> Attempt<S> {
         let rate = (-relative.direction * step.acceleration.0, -relative.direction * step.acceleration.1);
         let ends = (relative.sliding(&from.state), relative.sliding(&step.next));
         let mut meets = (ends.1 <= 0.0).then_some((h, step.next));
-        let slows_down = || {
-            let limits = equations.friction_steps();
-            !limits.are_fine_near_rest() || rate.1 > -GRAZING_RATE * equations.meeting_rate()
-        };
-        let mut grazes = grazes_at_end(ends, equations.disc_speed()) && slows_down();
+        let is_near = grazes_at_end(ends, equations.disc_speed());
+        let is_fast = is_near && rate.1 <= -GRAZING_RATE * equations.meeting_rate();
+        let mut grazes = is_near && !is_fast;
+        let is_caught = is_fast && !equations.friction_steps().are_fine_near_rest();
         if meets.is_none() && ends.0 > 0.0 && may_touch(ends, rate, h) {
             let (part, nearest) = relative.least_sliding(&from.state, h);
             grazes |= relative.sliding(&nearest) < GRAZING_SPEED * equations.disc_speed();
@@ -174,7 +175,15 @@ impl<S: Copy> Attempt<S> {
         let Some((late, state)) = meets else {
             let end = Motion { state: step.next, contact };
             let acceleration = step.acceleration;
-            return Ok(Some(Substep { time: h, end, acceleration, ending: Ending::Completed, grazes, growth }));
+            return Ok(Some(Substep {
+                time: h,
+                end,
+                acceleration,
+                ending: Ending::Completed,
+                grazes,
+                is_caught,
+                growth,
+            }));
         };
         let acceleration = step.acceleration.0;
         let (time, state) = if ends.0 > 0.0 {
@@ -247,7 +256,7 @@ fn meeting<E: Equations>(
         (ContactState::Slip, Ending::Overtaken)
     };
     let grazes = comes_from_slip && acceleration.1.abs() < GRAZING_RATE * equations.meeting_rate();
-    Substep { time, end: Motion { state, contact }, acceleration, ending, grazes, growth: 1.0 }
+    Substep { time, end: Motion { state, contact }, acceleration, ending, grazes, is_caught: false, growth: 1.0 }
 }
 
 /// The end of a substep of stick after a `time`.
@@ -261,7 +270,7 @@ fn stuck_until<E: Equations>(equations: &E, time: f64, state: &E::State, ending:
         _ => ContactState::Stick,
     };
     let end = Motion { state: *state, contact };
-    Substep { time, end, acceleration: (0.0, 0.0), ending, grazes: false, growth: MOST_GROWTH }
+    Substep { time, end, acceleration: (0.0, 0.0), ending, grazes: false, is_caught: false, growth: MOST_GROWTH }
 }
 
 /// How far static friction is from letting go of a pad that moves with the disc.

@@ -256,6 +256,15 @@ fn a_start_that_is_captured_ends_as_its_release_does() {
 }
 
 #[test]
+fn what_is_about_to_be_captured_ends_as_its_release_does() {
+    for (damping, verdict) in [(0.03, Verdict::Stable), (0.01, Verdict::Unstable)] {
+        let mut monitor = monitor(motion(4.0, damping, 1.0, 1.0), false, 6.0);
+        monitor.is_caught();
+        assert_eq!(monitor.verdict(), Some(verdict), "{damping}");
+    }
+}
+
+#[test]
 fn the_return_map_decides_a_release_that_grazes_though_the_start_would_have_come_to_rest() {
     let mut monitor = monitor(bistable(), false, 2.5);
     monitor.slips(1.0);
