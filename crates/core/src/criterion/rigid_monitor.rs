@@ -15,6 +15,7 @@
 //! | | grazes the disc's speed in its first swing since the start or a release | the return map decides from that start or release |
 //! | | is about to reach the disc's speed in that swing, where a step happens to end | the return map decides from the release |
 //! | | overtakes the disc | swinging, with nothing to compare with |
+//! | | for the first time, and the motion after a release, which lies inside, does not come to rest | unstable |
 //! | held | would stick for longer than [`LONGEST_STICK`] | the return map decides from the release |
 //! | | slips | swinging |
 //!
@@ -61,6 +62,8 @@ pub(crate) struct RigidMonitor {
     /// The return map did not resolve that amplitude.
     is_unresolved: bool,
     last_turn: Option<f64>,
+    /// Where the pad overtook the disc last.
+    last_overtaking: Option<f64>,
     amplitude: f64,
     /// How often the pad stuck, a start at release included.
     sticks: u32,
@@ -83,6 +86,7 @@ impl RigidMonitor {
             slow_swings: 0,
             is_unresolved: false,
             last_turn: None,
+            last_overtaking: None,
             amplitude: 0.0,
             sticks: u32::from(starts_at_release),
             started: Some([x, speed]),
@@ -145,9 +149,9 @@ impl RigidMonitor {
 
     fn conclude_from_stick_slip(&mut self) {
         if self.until_settled
-            && let (out, Some(back)) = self.motion.slip_from_release()
+            && let Some(cycle) = self.motion.limit_cycle()
         {
-            self.amplitude = 0.5 * (out.x - back.smallest);
+            self.amplitude = 0.5 * (cycle.tangential_max - cycle.tangential_min);
         }
         self.is_known_unstable = true;
         self.verdict = Some(Verdict::Unstable);
@@ -239,9 +243,25 @@ impl Observer for RigidMonitor {
         self.last_top = None;
     }
 
-    fn overtakes(&mut self) {
+    fn overtakes(&mut self, x: f64, then: ContactState) {
         self.last_top = None;
         self.started = None;
+        if then != ContactState::Overtaking || self.verdict.is_some() {
+            return;
+        }
+        let before = self.last_overtaking.replace(x);
+        if before.is_none() && !self.is_known_unstable {
+            // The motion lies outside the one that follows a release, and stays there.
+            let release = [self.motion.release(), self.motion.disc_speed];
+            match self.motion.fate_in_plane(release, true) {
+                Fate::Equilibrium | Fate::Unresolved => {}
+                _ => self.becomes_unstable(),
+            }
+        }
+        let has_settled = before.is_some_and(|before| (x - before).abs() <= RESOLVED * (self.equilibrium - x).abs());
+        if self.is_known_unstable && has_settled {
+            self.verdict = Some(Verdict::Unstable);
+        }
     }
 
     fn grazes(&mut self) {

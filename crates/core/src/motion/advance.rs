@@ -116,7 +116,7 @@ fn report<E: Equations>(
         // A pad that has not left the disc since its release has not come to stick either.
         Ending::Stuck if u == equations.disc_speed() => {}
         Ending::Stuck => observer.sticks(begin + part.time, next_x),
-        Ending::Overtaken => observer.overtakes(),
+        Ending::Overtaken => observer.overtakes(next_x, part.end.contact),
     }
 }
 

@@ -69,8 +69,8 @@ pub(crate) trait Observer {
     fn sticks(&mut self, time: f64, x: f64);
     /// They cease to.
     fn slips(&mut self, time: f64);
-    /// Pad and disc pass each other without sticking.
-    fn overtakes(&mut self) {}
+    /// Pad and disc pass each other at `x` without sticking, and are then in this state of contact.
+    fn overtakes(&mut self, _x: f64, _then: ContactState) {}
     /// The pad comes so near the disc's speed, or meets it so slowly, that errors of the steps may decide whether they
     /// stick. If they do, this comes first.
     fn grazes(&mut self) {}

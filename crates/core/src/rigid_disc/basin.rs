@@ -184,7 +184,7 @@ impl PlanarMotion {
     /// motion with the disc's speed does not stick at its start.
     pub fn fate_in_plane(&self, start: [f64; 2], is_released: bool) -> Fate {
         let v = self.disc_speed;
-        let (first, last) = (-self.release() - 2.0 * self.damping * v / self.stiffness, self.release());
+        let (first, last) = (self.last_hold(), self.release());
         let size = (start[0] - self.equilibrium()).abs().max(start[1].abs().max(v) / self.stiffness.sqrt());
         let mut state = start;
         let mut may_stick = !is_released;

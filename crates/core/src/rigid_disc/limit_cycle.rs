@@ -11,11 +11,16 @@
 
 use crate::numerics::root_location::bisect;
 use crate::rigid_disc::pad_on_disc::PadOnDisc;
-use crate::rigid_disc::planar_motion::{PlanarMotion, SlipEnd};
+use crate::rigid_disc::planar_motion::{PlanarMotion, Slip, SlipEnd};
 
 /// The highest admissible rotating speed, see `operating_point.rotating_speed`; the search for the saddle-node ends
 /// there.
 const HIGHEST_SPEED: f64 = 1e5;
+
+/// Cycles in which the pad overtakes the disc are followed until they change by no more than this share of their width, and
+/// no longer than for so many.
+const SETTLED: f64 = 1e-10;
+const MOST_CYCLES: usize = 1000;
 
 /// A stick-slip limit cycle, in scaled time and length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +31,7 @@ pub struct LimitCycle {
     pub tangential_max: f64,
     /// Smallest tangential displacement.
     pub tangential_min: f64,
-    /// Share of the period spent in stick.
+    /// Share of the period spent in stick; 0 where the pad overtakes the disc in every cycle instead.
     pub stick_fraction: f64,
 }
 
@@ -38,24 +43,13 @@ impl PadOnDisc {
     /// same slip phase. Accuracy some 1e-10 (Dormand-Prince 5(4), located ends; the pad's speed may touch the disc's
     /// between two steps). A slip phase that takes more than 20 000 steps, of a pad far lighter or more damped than any
     /// brake's, counts as not recaptured.
+    ///
+    /// Where friction is weak beside the springs and damping that act at the disc's speed, static friction cannot hold
+    /// the pad when it reaches that speed: it overtakes the disc and falls back to its speed. Then it sticks, or slips at
+    /// once and overtakes in every cycle; such a cycle is one too, without a stick.
     #[must_use]
     pub fn limit_cycle(&self) -> Option<LimitCycle> {
-        let motion = self.planar_motion();
-        if motion.release() <= 0.0 {
-            return None;
-        }
-        let (out, Some(back)) = motion.slip_from_release() else { return None };
-        if back.end != SlipEnd::Captured {
-            return None;
-        }
-        let stick = (motion.release() - back.x) / motion.disc_speed;
-        let period = out.duration + back.duration + stick;
-        (stick > 0.0).then_some(LimitCycle {
-            period,
-            tangential_max: out.x,
-            tangential_min: back.smallest,
-            stick_fraction: stick / period,
-        })
+        self.planar_motion().limit_cycle()
     }
 
     /// The tangential motion at the operating point.
@@ -105,9 +99,49 @@ impl PadOnDisc {
     }
 }
 
+impl PlanarMotion {
+    /// See [`PadOnDisc::limit_cycle`].
+    pub fn limit_cycle(&self) -> Option<LimitCycle> {
+        if self.release() <= 0.0 {
+            return None;
+        }
+        let v = self.disc_speed;
+        let mut start = self.release();
+        for _ in 0..MOST_CYCLES {
+            let (out, Some(back)) = self.slip_from(start) else { return None };
+            if back.end != SlipEnd::Captured {
+                return None;
+            }
+            let overtaking = self.overtaking_from(back.x);
+            let caught = match overtaking {
+                Some(Slip { end: SlipEnd::Captured, x, .. }) => x,
+                Some(_) => return None,
+                None => back.x,
+            };
+            let slip = out.duration + back.duration + overtaking.map_or(0.0, |overtaking| overtaking.duration);
+            let cycle = |stick: f64| LimitCycle {
+                period: slip + stick,
+                tangential_max: out.x,
+                tangential_min: back.smallest,
+                stick_fraction: stick / (slip + stick),
+            };
+            if caught <= self.release() {
+                let stick = (self.release() - caught) / v;
+                return (stick > 0.0).then(|| cycle(stick));
+            }
+            if (caught - start).abs() <= SETTLED * (out.x - back.smallest) {
+                return Some(cycle(0.0));
+            }
+            start = caught;
+        }
+        None
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigid_disc::pad_on_disc::bstab_with;
 
     /// G of a brake with the preset's kinetic friction.
     fn gain(motion: &PlanarMotion) -> f64 {
@@ -128,6 +162,30 @@ mod tests {
             assert!((cycle.tangential_max - max).abs() < 1e-6, "{cycle:?}");
             assert!((cycle.tangential_min - min).abs() < 1e-6, "{cycle:?}");
             assert!((cycle.stick_fraction - stick).abs() < 1e-4, "{cycle:?}");
+        }
+    }
+
+    #[test]
+    fn where_friction_cannot_hold_the_pad_it_overtakes_the_disc_in_every_cycle() {
+        // SciPy 1.17.1, solve_ivp with DOP853, rtol 1e-12, atol 1e-14, located events: preload, damping, speed; period,
+        // max x, min x, share in stick. The first two never stick; the next two overtake the disc before they stick.
+        for ([preload, damping, speed], [period, max, min, stick]) in [
+            ([0.05, 0.001, 2.2], [6.283_508_258, 2.240_838_186, -2.187_323_949, 0.0]),
+            ([0.1, 0.001, 1.5], [6.287_044_557, 1.580_546_679, -1.477_540_993, 0.0]),
+            ([0.05, 0.001, 0.5], [6.293_495_727, 0.545_282_899, -0.486_050_533, 0.005_678_514]),
+            ([0.2, 0.001, 1.0], [6.318_592_834, 1.170_766_339, -0.963_298_016, 0.038_886_183]),
+            ([0.3, 0.001, 0.6], [6.431_207_074, 0.870_771_956, -0.538_073_539, 0.146_064_589]),
+        ] {
+            let changes = [
+                ("operating_point.preload", preload),
+                ("damping.tangential", damping),
+                ("operating_point.rotating_speed", speed),
+            ];
+            let cycle = bstab_with(&changes).limit_cycle().unwrap();
+            let found = [cycle.period, cycle.tangential_max, cycle.tangential_min, cycle.stick_fraction];
+            let is_close =
+                found.iter().zip([period, max, min, stick]).all(|(found, value)| (found - value).abs() < 1e-8);
+            assert!(is_close, "{preload} {damping} {speed}: {cycle:?}");
         }
     }
 

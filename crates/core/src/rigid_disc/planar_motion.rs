@@ -182,9 +182,30 @@ impl PlanarMotion {
     /// The slip phase that begins at release from stick, to its first turning point and on from there; `None` in place
     /// of the second where the first does not turn.
     pub fn slip_from_release(&self) -> (Slip, Option<Slip>) {
-        let size = self.release().abs().max(self.disc_speed / self.stiffness.sqrt());
-        let first = self.slip([self.release(), self.disc_speed], size);
+        self.slip_from(self.release())
+    }
+
+    /// The same of the slip phase that begins at `x` with the disc's speed.
+    pub fn slip_from(&self, x: f64) -> (Slip, Option<Slip>) {
+        let size = x.abs().max(self.disc_speed / self.stiffness.sqrt());
+        let first = self.slip([x, self.disc_speed], size);
         let second = (first.end == SlipEnd::Turned).then(|| self.slip([first.x, 0.0], size));
         (first, second)
+    }
+
+    /// The least x at which static friction holds a pad with the disc's speed; below it the pad overtakes the disc.
+    pub fn last_hold(&self) -> f64 {
+        -self.release() - 2.0 * self.damping * self.disc_speed / self.stiffness
+    }
+
+    /// The phase in which the pad is faster than the disc, from `x` with the disc's speed until it has that speed again;
+    /// `None` where static friction holds the pad. Seen from a disc that turns the other way it is slip.
+    pub fn overtaking_from(&self, x: f64) -> Option<Slip> {
+        let v = self.disc_speed;
+        (x < self.last_hold()).then(|| {
+            let size = x.abs().max(v / self.stiffness.sqrt());
+            let mirrored = Self { disc_speed: -v, ..*self }.slip([-x, -v], size);
+            Slip { x: -mirrored.x, ..mirrored }
+        })
     }
 }

@@ -179,28 +179,40 @@ impl Deviates {
 #[inline]
 fn fill_from(generator: &mut Xoshiro256PlusPlus, columns: &mut [Vec<f64>], range: Range<usize>) {
     let mut deviate = || -> f64 { generator.sample(StandardNormal) };
-    match columns {
-        [only] => only[range].fill_with(deviate),
-        [first, second] => {
-            for (first, second) in first[range.clone()].iter_mut().zip(&mut second[range]) {
-                *first = deviate();
-                *second = deviate();
-            }
-        }
-        columns => {
-            // Drawn sample by sample into one array, and from there to the columns: faster than writing to all columns
-            // in turn.
-            const AT_ONCE: usize = 32;
-            let inputs = columns.len();
-            let mut drawn = vec![0.0; AT_ONCE * inputs];
-            for first in range.clone().step_by(AT_ONCE) {
-                let samples = AT_ONCE.min(range.end - first);
-                drawn[..samples * inputs].fill_with(&mut deviate);
-                for (i, column) in columns.iter_mut().enumerate() {
-                    let of_input = drawn[i..].iter().step_by(inputs);
-                    column[first..first + samples].iter_mut().zip(of_input).for_each(|(to, from)| *to = *from);
+    match columns.len() {
+        1 => columns[0][range].fill_with(deviate),
+        2 => {
+            if let [first, second] = columns {
+                for (first, second) in first[range.clone()].iter_mut().zip(&mut second[range]) {
+                    *first = deviate();
+                    *second = deviate();
                 }
             }
+        }
+        3 => fill_many::<3>(deviate, columns, range),
+        4 => fill_many::<4>(deviate, columns, range),
+        5 => fill_many::<5>(deviate, columns, range),
+        6 => fill_many::<6>(deviate, columns, range),
+        7 => fill_many::<7>(deviate, columns, range),
+        8 => fill_many::<8>(deviate, columns, range),
+        _ => {
+            for sample in range {
+                columns.iter_mut().for_each(|column| column[sample] = deviate());
+            }
+        }
+    }
+}
+
+/// Draws sample by sample into one array, and from there to the columns: faster than writing to all columns in turn.
+fn fill_many<const INPUTS: usize>(mut deviate: impl FnMut() -> f64, columns: &mut [Vec<f64>], range: Range<usize>) {
+    const AT_ONCE: usize = 32;
+    let mut drawn = [[0.0; INPUTS]; AT_ONCE];
+    for first in range.clone().step_by(AT_ONCE) {
+        let samples = AT_ONCE.min(range.end - first);
+        drawn[..samples].as_flattened_mut().fill_with(&mut deviate);
+        for (i, column) in columns.iter_mut().take(INPUTS).enumerate() {
+            let column = &mut column[first..first + samples];
+            column.iter_mut().zip(&drawn).for_each(|(to, from)| *to = from[i]);
         }
     }
 }

@@ -83,7 +83,7 @@ fn where_no_cycle_can_lie_inside_the_first_swing_that_shrinks_is_stable() {
     }
     // Unless the pad passed the disc in between, and the two swings are of different kinds.
     let mut monitor = monitor(bistable(), false, 3.9);
-    monitor.overtakes();
+    monitor.overtakes(0.5, ContactState::Slip);
     assert_eq!(swings(&mut monitor, &[3.5]), None);
 }
 
@@ -278,6 +278,31 @@ fn only_the_first_swing_grazes() {
     assert_eq!(swings(&mut monitor, &[3.5]), None);
     monitor.grazes();
     assert_eq!(monitor.verdict(), None);
+}
+
+#[test]
+fn a_motion_outside_one_that_does_not_come_to_rest_is_unstable() {
+    // Of two brakes that differ in their damping, stick-slip exists for one only.
+    for (damping, verdict) in [(0.01, Some(Verdict::Unstable)), (0.03, None)] {
+        let mut monitor = monitor(motion(4.0, damping, 1.0, 1.0), false, 6.0);
+        monitor.overtakes(-2.0, ContactState::Overtaking);
+        assert_eq!(monitor.verdict(), verdict, "{damping}");
+        // Falling back to the disc's speed says nothing more.
+        monitor.overtakes(1.0, ContactState::Slip);
+        assert_eq!(monitor.verdict(), verdict, "{damping}");
+    }
+}
+
+#[test]
+fn a_cycle_of_overtaking_has_settled_when_it_repeats() {
+    let mut monitor = monitor(bistable(), true, 6.0);
+    monitor.overtakes(-2.0, ContactState::Overtaking);
+    assert!(monitor.is_unstable());
+    assert_eq!(monitor.verdict(), None);
+    monitor.overtakes(-1.9, ContactState::Overtaking);
+    assert_eq!(monitor.verdict(), None);
+    monitor.overtakes(-1.9, ContactState::Overtaking);
+    assert_eq!(monitor.verdict(), Some(Verdict::Unstable));
 }
 
 #[test]

@@ -3,7 +3,8 @@ mod given_starts;
 use super::*;
 use crate::degree_of_freedom::DegreeOfFreedom;
 use crate::motion::integrator::Observer;
-use crate::motion::start::Start;
+use crate::motion::start::{GivenStart, Start};
+use crate::rigid_disc::pad_on_disc::bstab_with;
 
 mod laws;
 
@@ -399,6 +400,34 @@ fn smooth_cycles_are_unstable_up_to_the_speed_at_which_they_end() {
     }
     let amplitudes = [7.0, 7.25, 7.32].map(|speed| at(speed, true).amplitude.unwrap());
     assert!(amplitudes.is_sorted_by(|a, b| a > b) && amplitudes[2] > 1e-4, "{amplitudes:?}");
+}
+
+#[test]
+fn a_pad_that_overtakes_the_disc_in_every_cycle_is_unstable() {
+    // The limit cycle of this brake is tested against SciPy with those of `limit_cycle`.
+    let brake = bstab_with(&[
+        ("operating_point.preload", 0.05),
+        ("damping.tangential", 0.001),
+        ("operating_point.rotating_speed", 2.2),
+    ]);
+    let inputs = RandomInputs { preload: 0.05, static_friction: 1.0 };
+    let cycle = brake.limit_cycle().unwrap();
+    // From outside and from inside of the cycle, and from the disc's speed.
+    for (tangential, velocity) in [(2.5, 0.0), (2.2, 0.0), (0.04, 2.2), (-3.0, 2.0)] {
+        let start = Start::Given(GivenStart {
+            tangential: Some(tangential),
+            velocity: Some(velocity),
+            ..GivenStart::default()
+        });
+        for record_amplitude in [false, true] {
+            let settings = TimeDomainSettings { start, record_amplitude, ..Default::default() };
+            let decision = TimeDomain::new(&brake, &DiscModel::Rigid, settings).unwrap().decide(inputs);
+            assert_eq!(decision.verdict, Verdict::Unstable, "{tangential} {velocity}: {decision:?}");
+            let Some(amplitude) = decision.amplitude else { continue };
+            let expected = 0.5 * (cycle.tangential_max - cycle.tangential_min);
+            assert!((amplitude / expected - 1.0).abs() < 1e-3, "{tangential} {velocity}: {decision:?}");
+        }
+    }
 }
 
 #[test]

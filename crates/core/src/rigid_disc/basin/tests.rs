@@ -1,42 +1,9 @@
 use super::*;
 use crate::friction::law::LawKind;
-use crate::parameters::Parameters;
-use crate::rigid_disc::pad_on_disc::uniform_draws;
+use crate::rigid_disc::pad_on_disc::{bstab_with, uniform_draws};
 
-/// The oscillator of Stender & Hoffmann (bSTAB, Nonlinear Dynamics 2021, doi 10.1007/s11071-021-06786-5):
-/// x'' = -x - 0.1 x' + 0.5 + 0.5 exp(-(v - x') / 0.5) in slip.
 fn bstab(speed: f64) -> PadOnDisc {
-    let mut parameters = Parameters::sui_ding_2018();
-    for (key, value) in [
-        ("disc.density", 1000.0),
-        ("disc.youngs_modulus", 12_000.0),
-        ("disc.poissons_ratio", 0.0),
-        ("disc.thickness", 1.0),
-        ("disc.inner_radius", 0.25),
-        ("disc.outer_radius", 1.0),
-        ("pad.mass", 1.0),
-        ("pad.moment_of_inertia", 1.0),
-        ("pad.inner_radius", 0.5),
-        ("pad.moment_arm", 0.0),
-        ("stiffness.calliper_tangential", 0.5),
-        ("stiffness.calliper_normal", 2.0),
-        ("stiffness.calliper_angular", 1.0),
-        ("stiffness.contact_normal", 2.0),
-        ("stiffness.contact_tangential_1", 0.5),
-        ("stiffness.contact_tangential_2", 0.5),
-        ("damping.tangential", 0.1),
-        ("damping.normal", 0.1),
-        ("damping.angular", 0.1),
-        ("friction.static_coefficient", 1.0),
-        ("friction.kinetic_coefficient", 0.5),
-        ("friction.stribeck_velocity", 0.5),
-        ("friction.stribeck_exponent", 1.0),
-        ("operating_point.preload", 1.0),
-        ("operating_point.rotating_speed", speed),
-    ] {
-        parameters.set(key, value).unwrap();
-    }
-    PadOnDisc::new(parameters).unwrap()
+    bstab_with(&[("operating_point.rotating_speed", speed)])
 }
 
 /// The window from which the authors of bSTAB draw their starts.
