@@ -15,7 +15,7 @@
 //! | | grazes the disc's speed in its first swing since the start or a release | the return map decides from that start or release |
 //! | | is about to reach the disc's speed in that swing, where a step happens to end | the return map decides from the release |
 //! | | overtakes the disc | swinging, with nothing to compare with |
-//! | | for the first time, and the motion after a release, which lies inside, does not come to rest | unstable |
+//! | | for the second time, and the motion after a release, which lies inside, does not come to rest | unstable |
 //! | held | would stick for longer than [`LONGEST_STICK`] | the return map decides from the release |
 //! | | slips | swinging |
 //!
@@ -62,7 +62,8 @@ pub(crate) struct RigidMonitor {
     /// The return map did not resolve that amplitude.
     is_unresolved: bool,
     last_turn: Option<f64>,
-    /// Where the pad overtook the disc last.
+    /// How often the pad overtook the disc, and where last.
+    overtakings: u32,
     last_overtaking: Option<f64>,
     amplitude: f64,
     /// How often the pad stuck, a start at release included.
@@ -86,6 +87,7 @@ impl RigidMonitor {
             slow_swings: 0,
             is_unresolved: false,
             last_turn: None,
+            overtakings: 0,
             last_overtaking: None,
             amplitude: 0.0,
             sticks: u32::from(starts_at_release),
@@ -250,7 +252,8 @@ impl Observer for RigidMonitor {
             return;
         }
         let before = self.last_overtaking.replace(x);
-        if before.is_none() && !self.is_known_unstable {
+        self.overtakings += 1;
+        if self.overtakings == 2 && !self.is_known_unstable {
             // The motion lies outside the one that follows a release, and stays there.
             let release = [self.motion.release(), self.motion.disc_speed];
             match self.motion.fate_in_plane(release, true) {

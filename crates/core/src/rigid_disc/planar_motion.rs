@@ -13,8 +13,14 @@ use crate::friction::law::FrictionLaw;
 use crate::numerics::dormand_prince;
 use crate::numerics::root_location::bisect;
 
-/// Local error allowed in one step, relative to the size of the motion.
+/// Local error allowed in one step, relative to the size of the motion; and in a first, rough simulation that takes a
+/// sixth of the time.
 const TOLERANCE: f64 = 1e-12;
+const ROUGH_TOLERANCE: f64 = 1e-8;
+
+/// A pad that meets the disc at more than this share of the disc's speed times the natural frequency is caught, whatever
+/// the errors of a rough simulation.
+const CLEAR_RATE: f64 = 0.03;
 
 /// Largest number of steps of one slip phase; some hundred are usual. Only a pad so light or so damped that its motion
 /// is stiff needs more; an explicit method is the wrong one for it.
@@ -121,6 +127,10 @@ impl PlanarMotion {
     /// Simulates slip from a state until the pad reaches the disc's speed, or x its largest value again. Errors are
     /// relative to the amplitude `size`.
     pub fn slip(&self, from: [f64; 2], size: f64) -> Slip {
+        self.slip_within(TOLERANCE, from, size)
+    }
+
+    fn slip_within(&self, tolerance: f64, from: [f64; 2], size: f64) -> Slip {
         let frequency = self.stiffness.sqrt();
         let sliding = |state: [f64; 2]| self.disc_speed - state[1];
         let mut state = from;
@@ -129,7 +139,7 @@ impl PlanarMotion {
         let shortest = 1e-9 * h;
         for count in 1..=MOST_STEPS {
             let (next, error) = self.step(state, h);
-            let error = (error[0].abs() / size).max(error[1].abs() / (size * frequency)) / TOLERANCE;
+            let error = (error[0].abs() / size).max(error[1].abs() / (size * frequency)) / tolerance;
             if error.is_nan() {
                 return slip;
             }
@@ -164,6 +174,17 @@ impl PlanarMotion {
             h *= (0.9 * libm::pow(error.max(1e-10), -0.2)).clamp(0.2, 5.0);
         }
         slip
+    }
+
+    /// Whether a motion in a state of slip is caught before it has completed a swing, by a margin that a rough simulation
+    /// resolves. False also where only a precise one can tell.
+    pub fn is_clearly_caught(&self, from: [f64; 2], size: f64) -> bool {
+        let mut slip = self.slip_within(ROUGH_TOLERANCE, from, size);
+        if slip.end == SlipEnd::Turned {
+            slip = self.slip_within(ROUGH_TOLERANCE, [slip.x, 0.0], size);
+        }
+        let rate = self.rate([slip.x, self.disc_speed])[1];
+        slip.end == SlipEnd::Captured && rate > CLEAR_RATE * self.disc_speed * self.stiffness.sqrt()
     }
 
     /// A time within the step `h` from `state` to `next` at which the pad is not slower than the disc, if there is one:

@@ -107,6 +107,9 @@ impl PlanarMotion {
     /// The fate of a motion in a state of slip, up to its first capture.
     pub fn fate_from(&self, state: [f64; 2]) -> Fate {
         let size = (state[0] - self.equilibrium()).abs().max(self.disc_speed / self.stiffness.sqrt());
+        if self.is_clearly_caught(state, size) {
+            return Fate::Captured;
+        }
         let first = self.slip(state, size);
         match first.end {
             SlipEnd::Captured => Fate::Captured,

@@ -1,6 +1,6 @@
 use super::*;
 use crate::motion::rigid::RigidBrake;
-use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use crate::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs, uniform_draws};
 
 fn motion(changes: &[(&str, f64)]) -> PlanarMotion {
     let brake = PadOnDisc::preset_with(changes);
@@ -155,4 +155,30 @@ fn a_cycle_just_inside_a_swing_is_found() {
     let Fate::Trapped { inner, .. } = motion.fate_of_swing(outside) else { panic!("not trapped") };
     assert!(inner < outside && (amplitude / (0.5 * 1.3 * outside) - 1.0).abs() < 0.05, "{amplitude} {outside}");
     assert_eq!(at(7.3238).fate_of_swing(outside), Fate::Equilibrium);
+}
+
+#[test]
+fn a_clear_capture_is_one() {
+    let mut draw = uniform_draws(5);
+    let mut counts = [0; 2];
+    for _ in 0..2000 {
+        let motion = motion(&[
+            ("operating_point.rotating_speed", 5.0 + 35.0 * draw()),
+            ("friction.stribeck_velocity", 0.05 + 2.0 * draw()),
+            ("damping.tangential", 600.0 * draw()),
+            ("friction.stribeck_exponent", 0.6 + 2.0 * draw()),
+        ]);
+        let start = [motion.equilibrium() * (3.0 * draw() - 1.0), motion.disc_speed * (1.9 * draw() - 0.9)];
+        let size = (start[0] - motion.equilibrium()).abs().max(motion.disc_speed / motion.stiffness.sqrt());
+        let mut slip = motion.slip(start, size);
+        if slip.end == SlipEnd::Turned {
+            slip = motion.slip([slip.x, 0.0], size);
+        }
+        let (is_clear, is_caught) = (motion.is_clearly_caught(start, size), slip.end == SlipEnd::Captured);
+        assert!(is_caught || !is_clear, "{motion:?} {start:?}");
+        counts[0] += usize::from(is_caught);
+        counts[1] += usize::from(is_clear);
+    }
+    // Hardly any capture is not clear.
+    assert!(counts[0] > 300 && counts[0] < 1800 && counts[1] * 100 > counts[0] * 90, "{counts:?}");
 }
