@@ -200,13 +200,8 @@ impl PlanarMotion {
         (self.disc_speed - fastest[1] <= 0.0).then_some(part)
     }
 
-    /// The slip phase that begins at release from stick, to its first turning point and on from there; `None` in place
-    /// of the second where the first does not turn.
-    pub fn slip_from_release(&self) -> (Slip, Option<Slip>) {
-        self.slip_from(self.release())
-    }
-
-    /// The same of the slip phase that begins at `x` with the disc's speed.
+    /// The slip phase that begins at `x` with the disc's speed, to its first turning point and on from there; `None` in
+    /// place of the second where the first does not turn.
     pub fn slip_from(&self, x: f64) -> (Slip, Option<Slip>) {
         let size = x.abs().max(self.disc_speed / self.stiffness.sqrt());
         let first = self.slip([x, self.disc_speed], size);

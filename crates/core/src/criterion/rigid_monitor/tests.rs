@@ -117,7 +117,7 @@ fn the_return_map_decides_slow_swings() {
         assert_eq!(swings(&mut monitor(bistable(), false, 3.5), &[3.5 * shift]), Some(Verdict::Unstable));
         let mut monitor = monitor(bistable(), true, 3.5);
         assert_eq!(swings(&mut monitor, &[3.5 * shift]), Some(Verdict::Unstable));
-        let (out, back) = bistable().slip_from_release();
+        let (out, back) = bistable().slip_from(bistable().release());
         assert_eq!(monitor.amplitude(), 0.5 * (out.x - back.unwrap().smallest), "of the stick-slip that follows");
     }
 }

@@ -47,7 +47,7 @@ fn between_critical_speed_and_saddle_node_the_start_decides() {
     assert_eq!(motion.fate_of_swing(0.1 * x0), Fate::Equilibrium);
     assert_eq!(motion.fate_of_release(), Fate::Captured);
     // The unstable cycle between them: from slightly larger amplitudes the pad is captured.
-    let (mut shrinking, mut captured) = (0.1 * x0, motion.slip_from_release().0.x - x0);
+    let (mut shrinking, mut captured) = (0.1 * x0, motion.slip_from(motion.release()).0.x - x0);
     for _ in 0..40 {
         let middle = 0.5 * (shrinking + captured);
         if motion.fate_of_swing(middle) == Fate::Equilibrium { shrinking = middle } else { captured = middle }
