@@ -67,8 +67,8 @@ pub(super) fn findings<const N: usize>(
         let law = LimitedLaw { shape, exponent: slip.exponent[l], steepest: slip.steepest[l] };
         let pulls = (slip.falling_pull[l], slip.additional_pull[l]);
         let steps = FrictionSteps::new(disc_speed, slip.inverse_stribeck[l], law, pulls, slip.refinement[l]);
-        let (is_too_long, growth) = steps.judge(u, acceleration, h[l]);
-        (trials.is_too_long[l], trials.growth[l]) = (u64::from(is_too_long), growth);
+        let (is_too_long, factor) = steps.judge(u, acceleration, h[l]);
+        (trials.is_too_long[l], trials.factor[l]) = (u64::from(is_too_long), factor);
         trials.is_event[l] = u64::from(touches | grazes | !ordinary);
         trials.turns[l] = u64::from(turns(u.0, u.1));
     }

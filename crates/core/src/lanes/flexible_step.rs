@@ -192,7 +192,7 @@ pub(super) fn flexible_step<const W: usize>(lanes: &mut FlexibleLanes) {
         let (sticks, slips) = (sticks[l], 1 - sticks[l]);
         trials.is_too_long[l] &= slips & plain[l];
         trials.turns[l] &= slips;
-        trials.growth[l] = if slips == 0 { MOST_GROWTH } else { trials.growth[l] };
+        trials.factor[l] = if sticks == 1 { MOST_GROWTH } else { trials.factor[l] };
         trials.is_event[l] = (trials.is_event[l] & slips) | (released[l] & sticks) | (1 - plain[l]);
     }
     pace.judge(&trials);

@@ -10,7 +10,7 @@ use crate::motion::substep::SHORTEST;
 
 /// What a trial step found in a lane, as bits of numbers of the width of a lane. The motion turned in it.
 pub(super) const TURN: u64 = 1;
-/// It may be too long for the friction law.
+/// It is too long for the friction law, and is taken again with another length.
 pub(super) const TOO_LONG: u64 = 2;
 /// The scalar code has to judge it.
 pub(super) const EVENT: u64 = 4;
@@ -49,14 +49,14 @@ pub(super) struct Trials<const N: usize> {
     pub is_too_long: [u64; N],
     pub is_event: [u64; N],
     pub turns: [u64; N],
-    /// How many times longer the next substep may be.
-    pub growth: [f64; N],
+    /// The length of the next trial step over this one's, see [`crate::motion::friction_steps::FrictionSteps::judge`].
+    pub factor: [f64; N],
 }
 
 impl<const N: usize> Trials<N> {
     #[inline(always)]
     pub fn plain() -> Self {
-        Self { is_too_long: [0; N], is_event: [0; N], turns: [0; N], growth: [MOST_GROWTH; N] }
+        Self { is_too_long: [0; N], is_event: [0; N], turns: [0; N], factor: [MOST_GROWTH; N] }
     }
 }
 
@@ -80,7 +80,8 @@ impl<const N: usize> Pace<N> {
         }
     }
 
-    /// Lanes whose trial step was plain go on to their next one; the others stay, and their findings say why.
+    /// Lanes whose trial step was plain go on to their next one; where it was too long it is shortened; the others stay, and
+    /// their findings say why.
     #[inline(always)]
     pub fn judge(&mut self, trials: &Trials<N>) {
         for l in 0..N {
@@ -102,7 +103,8 @@ impl<const N: usize> Pace<N> {
             (self.taken[l], self.began[l]) = (length, done);
             // Of the substep after this one.
             let done_next = if is_over { 0.0 } else { done_then };
-            let longest = if is_over { step } else { trials.growth[l] * length };
+            let growth = if trials.is_too_long[l] == 1 { MOST_GROWTH } else { trials.factor[l] };
+            let longest = if is_over { step } else { growth * length };
             let left = step - done_next;
             let next = if left < longest { left } else { longest };
             self.steps[l] = steps;
@@ -115,7 +117,8 @@ impl<const N: usize> Pace<N> {
             };
             self.done[l] = if is_plain { done_next } else { done };
             self.longest[l] = if is_plain { longest } else { self.longest[l] };
-            self.length[l] = if is_plain { next } else { length };
+            let shortened = if is_too_long == 1 { trials.factor[l] * length } else { length };
+            self.length[l] = if is_plain { next } else { shortened };
             self.shortest[l] = if is_plain { SHORTEST * next } else { self.shortest[l] };
         }
     }

@@ -3,7 +3,7 @@
 use crate::friction::shape::Shape;
 use crate::lanes::BLOCK;
 use crate::lanes::findings::{Slip, findings};
-use crate::lanes::pace::Pace;
+use crate::lanes::pace::{Pace, TOO_LONG};
 use crate::motion::rigid::RigidSample;
 
 /// Blocks: enough independent chains to hide the latency of the friction law.
@@ -106,6 +106,13 @@ fn block_step(block: &mut RigidBlock, shape: Shape) {
     }
     let trials = findings(&block.slip, shape, (&u, &next_u), &next_x, (&k1, &k4), &h);
     block.pace.judge(&trials);
+    // Steps that are too long are taken again from where they began.
+    for l in 0..BLOCK {
+        let is_too_long = block.pace.findings[l] & TOO_LONG != 0;
+        next_x[l] = if is_too_long { x[l] } else { next_x[l] };
+        next_u[l] = if is_too_long { u[l] } else { next_u[l] };
+        block.pace.findings[l] &= !TOO_LONG;
+    }
     block.visits = block.pace.visits();
     (block.x, block.u) = (x, u);
     (block.next_x, block.next_u) = (next_x, next_u);

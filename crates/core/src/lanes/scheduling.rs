@@ -9,7 +9,7 @@ use crate::lanes::pace::{DUE, EVENT, TOO_LONG, TURN};
 use crate::lanes::queue::{QueuedSample, SampleQueue};
 use crate::motion::advance::StepInProgress;
 use crate::motion::integrator::{Breakdown, Equations as _, Motion, Observer as _, Step, turning_point};
-use crate::motion::substep::{Attempt, cut};
+use crate::motion::substep::Attempt;
 use crate::pad::contact_state::ContactState;
 use crate::verdict::Verdict;
 
@@ -162,10 +162,9 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
     fn visit(&mut self, lane: usize) {
         let (pace, l) = self.bundle.pace(lane);
         let findings = pace.findings[l];
-        if findings & TOO_LONG != 0 && self.cut(lane) {
-            return;
-        }
-        if findings & (EVENT | TOO_LONG) != 0 {
+        if findings & TOO_LONG != 0 {
+            self.bundle.keep(lane);
+        } else if findings & EVENT != 0 {
             let is_simulated = self.running[lane].as_ref().is_some_and(|running| B::simulates(running.contact));
             let trial = if is_simulated { self.bundle.trial(lane) } else { None };
             let state = self.bundle.present(lane);
@@ -197,22 +196,6 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
             self.queue.decided(running.ticket, decision);
         }
         self.refill(lane);
-    }
-
-    /// Shortens a trial step that is too long for the friction law. Returns whether it was.
-    fn cut(&mut self, lane: usize) -> bool {
-        let (_, u, acceleration) = self.bundle.tangential(lane);
-        let Some(limits) = self.bundle.equations(lane).map(|equations| *equations.friction_steps()) else {
-            return false;
-        };
-        let (pace, l) = self.bundle.pace(lane);
-        let length = pace.length[l];
-        if !limits.judge(u, acceleration, length).0 {
-            return false;
-        }
-        pace.length[l] = cut(&limits, u, acceleration, length);
-        self.bundle.keep(lane);
-        true
     }
 
     /// Reports the turning point in a plain trial step. Returns whether it brought a verdict and ended the step.

@@ -91,9 +91,12 @@ const BEND: f64 = 1e-3;
 /// Most intervals of a measured curve that a step may begin and end apart.
 const MOST_INTERVALS: usize = 2;
 
-/// A trial step that is too long is shortened to this share of what the law allows, so that a second cut is rare; and how
-/// many times longer a step may be than the one before.
-pub(crate) const CUT: f64 = 0.8;
+/// A trial step that is too long is shortened to this share of what the law allows, so that a second cut is rare, and at
+/// once to no less than this share of its length.
+const CUT: f64 = 0.8;
+const DEEPEST_CUT: f64 = 1e-3;
+
+/// How many times longer a step may be than the one before.
 pub(crate) const MOST_GROWTH: f64 = 2.0;
 
 /// Length of any step times the highest damping rate: the method is stable up to 2.8.
@@ -173,12 +176,17 @@ impl FrictionSteps {
         (gain * (inputs.static_friction - pad.kinetic_friction).max(0.0), gain * pad.additional_friction)
     }
 
-    /// Whether a step of length `h` with the speeds `u` and accelerations at its ends is too long, and how many times
-    /// longer the next one is tried if it is not. No branch depends on the motion, so that lanes decide it too.
+    /// Whether a step of length `h` with the speeds `u` and accelerations at its ends is too long, and the length of the
+    /// next trial step over this one's: after a step that is too long the same one again, else at most the following one.
+    /// No branch depends on the motion, so that lanes decide it too.
     #[inline(always)]
     pub fn judge(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> (bool, f64) {
         match self.law.shape {
-            Shape::Tustin => (self.is_too_long_for_tustin(u, acceleration, h), MOST_GROWTH),
+            Shape::Tustin => {
+                let is_too_long = self.is_too_long_for_tustin(u, acceleration, h);
+                let share = CUT / self.excess_for_tustin(u, acceleration, h);
+                (is_too_long, if is_too_long { shortened(share) } else { MOST_GROWTH })
+            }
             Shape::Gaussian => self.judged(self.unrefined_excess_for_gaussian(u, acceleration, h)),
             Shape::Stribeck => self.judged(self.unrefined_excess_for_stribeck(u, acceleration, h)),
             Shape::Rational => self.judged(self.unrefined_excess_for_rational(u, acceleration, h)),
@@ -190,7 +198,8 @@ impl FrictionSteps {
     fn judged(&self, unrefined_excess: f64) -> (bool, f64) {
         let is_too_long = unrefined_excess > self.refinement;
         let share = CUT * self.refinement / unrefined_excess;
-        (is_too_long, if (share < MOST_GROWTH) & !is_too_long { share } else { MOST_GROWTH })
+        let growth = if share < MOST_GROWTH { share } else { MOST_GROWTH };
+        (is_too_long, if is_too_long { shortened(share) } else { growth })
     }
 
     /// Whether steps near rest may be so short that one often ends close to the disc's speed. Those of Tustin's law hardly
@@ -218,18 +227,23 @@ impl FrictionSteps {
 
     /// By how much a step is too long: its length over what the limits allow.
     #[inline(always)]
+    fn excess_for_tustin(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
+        let (resolution, feedback) = self.limits_for_tustin(self.least_sliding(u));
+        let change = h * larger(acceleration) * self.inverse_stribeck;
+        (change / resolution).max(h * self.feedback / feedback).max(h * self.additional / DAMPED_STEP)
+    }
+
+    /// The same for any law.
+    #[cfg(test)]
     pub fn excess(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
-        match self.law.shape {
-            Shape::Tustin => {
-                let (resolution, feedback) = self.limits_for_tustin(self.least_sliding(u));
-                let change = h * larger(acceleration) * self.inverse_stribeck;
-                (change / resolution).max(h * self.feedback / feedback).max(h * self.additional / DAMPED_STEP)
-            }
-            Shape::Gaussian => self.unrefined_excess_for_gaussian(u, acceleration, h) / self.refinement,
-            Shape::Stribeck => self.unrefined_excess_for_stribeck(u, acceleration, h) / self.refinement,
-            Shape::Rational => self.unrefined_excess_for_rational(u, acceleration, h) / self.refinement,
-            Shape::Table(curve) => self.unrefined_excess_for_table(curve, u, acceleration, h) / self.refinement,
-        }
+        let unrefined = match self.law.shape {
+            Shape::Tustin => return self.excess_for_tustin(u, acceleration, h),
+            Shape::Gaussian => self.unrefined_excess_for_gaussian(u, acceleration, h),
+            Shape::Stribeck => self.unrefined_excess_for_stribeck(u, acceleration, h),
+            Shape::Rational => self.unrefined_excess_for_rational(u, acceleration, h),
+            Shape::Table(curve) => self.unrefined_excess_for_table(curve, u, acceleration, h),
+        };
+        unrefined / self.refinement
     }
 
     #[inline(always)]
@@ -326,6 +340,13 @@ impl FrictionSteps {
         let (least, most) = if first < last { (first, last) } else { (last, first) };
         (if crosses { 0.0 } else { least * self.inverse_stribeck }, most * self.inverse_stribeck)
     }
+}
+
+/// To what a trial step is shortened that is too long. Infinite accelerations take the deepest cut.
+#[inline(always)]
+fn shortened(share: f64) -> f64 {
+    let cut = if share < CUT { share } else { CUT };
+    if share > DEEPEST_CUT { cut } else { DEEPEST_CUT }
 }
 
 /// The larger of two absolute values.

@@ -7,22 +7,19 @@
 //! |---|---|---|
 //! | stick | static friction still holds the pad at its end | completed |
 //! | | it does not | the release is located by further trials: released |
-//! | slip, overtaking | is too long for the friction law ([`FrictionSteps`]) | a shorter one |
+//! | slip, overtaking | is too long for the friction law ([`crate::motion::friction_steps`]) | a shorter one |
 //! | | does not meet the disc's speed | completed |
 //! | | meets it | the meeting is located by further trials: stuck if static friction can hold the pad, else overtaken |
 //!
 //! [`Attempt`] says how long the next trial step is, and judges it. Who takes the step does not matter: the scalar code
 //! takes one after the other, lanes take those of many samples at once.
 
-use crate::motion::friction_steps::{CUT, FrictionSteps, MOST_GROWTH};
+use crate::motion::friction_steps::MOST_GROWTH;
 use crate::motion::integrator::{
     Breakdown, Equations, FARTHEST, GRAZING_RATE, GRAZING_SPEED, Motion, Step, grazes_at_end, may_touch,
 };
 use crate::numerics::root_location::FalsePosition;
 use crate::pad::contact_state::ContactState;
-
-/// A trial step that the friction law cuts is at once shortened to no less than this share of its length.
-const DEEPEST_CUT: f64 = 1e-3;
 
 /// Trial steps are not cut below this share of the first one.
 pub(crate) const SHORTEST: f64 = 1e-12;
@@ -115,11 +112,12 @@ impl<S: Copy> Attempt<S> {
             Aim::Slide { shortest, just_released } => {
                 let u = (equations.tangential(&from.state).1, equations.tangential(&step.next).1);
                 let limits = equations.friction_steps();
-                let (is_too_long, growth) = limits.judge(u, step.acceleration, self.length);
+                let (is_too_long, factor) = limits.judge(u, step.acceleration, self.length);
                 if self.length > *shortest && is_too_long {
-                    self.length = cut(limits, u, step.acceleration, self.length);
+                    self.length *= factor;
                     return Ok(None);
                 }
+                let growth = if is_too_long { MOST_GROWTH } else { factor };
                 let just_released = *just_released;
                 self.judge_slide(equations, from, step, just_released, growth)
             }
@@ -226,14 +224,6 @@ impl<S: Copy> Attempt<S> {
         }
         Ok(Some(stuck_until(equations, late, &step.next, Ending::Released)))
     }
-}
-
-/// The length of the trial step after one that is too long for the friction law.
-#[inline]
-pub(crate) fn cut(limits: &FrictionSteps, u: (f64, f64), acceleration: (f64, f64), length: f64) -> f64 {
-    // Infinite accelerations take the deepest cut.
-    let share = CUT / limits.excess(u, acceleration, length);
-    length * if share > DEEPEST_CUT { share.min(CUT) } else { DEEPEST_CUT }
 }
 
 /// The end of a substep of slip at which the pad has come to the disc's speed after a `time`.
