@@ -263,12 +263,44 @@ impl StabilityBoundary {
         }
     }
 
+    /// The static friction coefficients with which sliding is unstable at a given preload: those above the first number and
+    /// below the second, which is infinite but for shifted measured curves. Both are infinite if there are none.
+    #[must_use]
+    pub fn unstable_static_friction(&self, preload: f64) -> (f64, f64) {
+        const NONE: (f64, f64) = (f64::INFINITY, f64::INFINITY);
+        if self.by_static > 0.0 || preload.is_nan() || preload <= 0.0 {
+            return (self.critical_static_friction(preload), f64::INFINITY);
+        }
+        let needed = self.critical_product / preload;
+        let highest = if self.by_static < 0.0 {
+            self.offset - needed
+        } else if self.offset > needed {
+            f64::INFINITY
+        } else {
+            return NONE;
+        };
+        if highest > self.least_static { (self.least_static, highest) } else { NONE }
+    }
+
     /// The preload on the boundary at a given static friction coefficient; infinite where friction does not fall.
     #[must_use]
     pub fn critical_preload(&self, static_friction: f64) -> f64 {
         let falling = self.falling(static_friction);
         let is_physical = static_friction >= self.least_static;
         if falling > 0.0 && is_physical { self.critical_product / falling } else { f64::INFINITY }
+    }
+
+    /// The derivative of [`StabilityBoundary::critical_preload`]; zero where that is infinite.
+    #[must_use]
+    pub fn critical_preload_slope(&self, static_friction: f64) -> f64 {
+        let critical = self.critical_preload(static_friction);
+        if critical.is_finite() { -critical * self.by_static / self.falling(static_friction) } else { 0.0 }
+    }
+
+    /// The least static friction coefficient that is physical: f_c, for a measured curve where it is nowhere negative.
+    #[must_use]
+    pub fn least_static_coefficient(&self) -> f64 {
+        self.least_static
     }
 
     /// How much friction falls, in the unit of the critical product.

@@ -7,8 +7,9 @@
 //! Delta(z1) = Delta (1 + sigma_Delta z1),   t(z1) = (f_crit(Delta(z1)) / f_s - 1) / sigma_f
 //! ```
 //!
-//! with the normal density `phi` and upper tail `Q`. If only one input scatters, it is a single tail. The derivatives
-//! follow from the moments of the deviates over the same region ([`derivatives`](crate::integrate::derivatives)).
+//! with the normal density `phi` and upper tail `Q`. If only one input scatters, it is a single tail. A measured curve that
+//! falls only because it is shifted by its standard deviations is unstable between two static friction coefficients, and
+//! `Q` becomes the difference of the two tails. The derivatives follow from the moments of the deviates over the same region ([`derivatives`](crate::integrate::derivatives)).
 
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 
@@ -46,17 +47,19 @@ pub struct ExactProbability {
 #[must_use]
 pub fn probability(boundary: &StabilityBoundary, cell: &Cell) -> ExactProbability {
     let (preload_scatters, friction_scatters) = scatter(cell);
-    let critical_friction = |preload: f64| boundary.critical_static_friction(preload);
-    let friction_tail =
-        |preload: f64| exceeds(cell.static_friction, cell.relative_std.static_friction, critical_friction(preload));
+    let friction_exceeds = |limit: f64| exceeds(cell.static_friction, cell.relative_std.static_friction, limit);
+    let friction_share = |preload: f64| {
+        let (above, below) = boundary.unstable_static_friction(preload);
+        friction_exceeds(above) - friction_exceeds(below)
+    };
     if !preload_scatters {
-        return rounded(friction_tail(cell.preload), cell);
+        return rounded(friction_share(cell.preload), cell);
     }
     if !friction_scatters {
         let critical = boundary.critical_preload(cell.static_friction);
         return rounded(exceeds(cell.preload, cell.relative_std.preload, critical), cell);
     }
-    let integrand = |z: f64| [normal::density(z) * friction_tail(preload_at(cell, z))];
+    let integrand = |z: f64| [normal::density(z) * friction_share(preload_at(cell, z))];
     let ([value], [error]) = over_preload(boundary, cell, &integrand);
     ExactProbability { value: value.clamp(0.0, 1.0), error_bound: error + rounding(cell) }
 }
@@ -69,17 +72,19 @@ pub fn probability(boundary: &StabilityBoundary, cell: &Cell) -> ExactProbabilit
 pub fn derivatives(boundary: &StabilityBoundary, cell: &Cell) -> Derivatives {
     const WHOLE: DeviateMoments = [1.0, 0.0, 0.0];
     let std = cell.relative_std;
-    let friction_tail = |preload: f64| {
-        tail_moments(cell.static_friction, std.static_friction, boundary.critical_static_friction(preload))
+    let friction_moments = |preload: f64| {
+        let (above, below) = boundary.unstable_static_friction(preload);
+        let [above, below] = [above, below].map(|limit| tail_moments(cell.static_friction, std.static_friction, limit));
+        std::array::from_fn(|i| above[i] - below[i])
     };
     let moments = match scatter(cell) {
-        (false, _) => product(&WHOLE, &friction_tail(cell.preload)),
+        (false, _) => product(&WHOLE, &friction_moments(cell.preload)),
         (true, false) => {
             let critical = boundary.critical_preload(cell.static_friction);
             product(&tail_moments(cell.preload, std.preload, critical), &WHOLE)
         }
         (true, true) => {
-            let integrand = |z: f64| product(&moments_at(z), &friction_tail(preload_at(cell, z)));
+            let integrand = |z: f64| product(&moments_at(z), &friction_moments(preload_at(cell, z)));
             over_preload(boundary, cell, &integrand).0
         }
     };
@@ -91,17 +96,22 @@ pub fn derivatives(boundary: &StabilityBoundary, cell: &Cell) -> Derivatives {
         let slope = -density * slope_of_limit / spread;
         Some(if density > 0.0 { slope } else { 0.0 })
     };
-    let product = boundary.critical_product();
     match scatter(cell) {
         (false, true) if cell.preload > 0.0 => {
-            let limit = boundary.critical_static_friction(cell.preload);
-            let slope_of_limit = -product / (cell.preload * cell.preload);
+            let (above, below) = boundary.unstable_static_friction(cell.preload);
+            // Sliding is unstable above `f_0 + C / Delta`, or below `f_0 - C / Delta`: with more preload more so, either way.
+            let limit = if below.is_finite() { below } else { above };
+            let slope_of_limit = if limit > boundary.least_static_coefficient() {
+                -boundary.critical_product() / (cell.preload * cell.preload)
+            } else {
+                0.0
+            };
             derivatives.preload = slope(cell.static_friction, std.static_friction, limit, slope_of_limit);
         }
-        (true, false) if cell.static_friction > boundary.kinetic_coefficient() => {
-            let falling = cell.static_friction - boundary.kinetic_coefficient();
+        (true, false) if boundary.critical_preload(cell.static_friction).is_finite() => {
             let limit = boundary.critical_preload(cell.static_friction);
-            derivatives.static_friction = slope(cell.preload, std.preload, limit, -product / (falling * falling));
+            let slope_of_limit = boundary.critical_preload_slope(cell.static_friction);
+            derivatives.static_friction = slope(cell.preload, std.preload, limit, slope_of_limit);
         }
         _ => {}
     }
@@ -127,10 +137,13 @@ fn over_preload<const N: usize>(
 ) -> ([f64; N], [f64; N]) {
     let std = cell.relative_std;
     let from = (-1.0 / std.preload).clamp(-DEVIATE_LIMIT, DEVIATE_LIMIT);
-    let mut ends = [from; CUTS.len() + 2];
-    ends[CUTS.len() + 1] = DEVIATE_LIMIT;
-    for (end, cut) in ends[1..].iter_mut().zip(CUTS) {
-        let critical = boundary.critical_preload(cell.static_friction * (1.0 + std.static_friction * cut));
+    let mut ends = [from; CUTS.len() + 3];
+    ends[CUTS.len() + 2] = DEVIATE_LIMIT;
+    // Below the critical preload of the least physical coefficient nothing may be unstable.
+    let cuts = CUTS.map(|cut| cell.static_friction * (1.0 + std.static_friction * cut));
+    let cuts = cuts.into_iter().chain([boundary.least_static_coefficient()]);
+    for (end, static_friction) in ends[1..].iter_mut().zip(cuts) {
+        let critical = boundary.critical_preload(static_friction);
         *end = ((critical / cell.preload - 1.0) / std.preload).clamp(from, DEVIATE_LIMIT);
     }
     ends.sort_by(f64::total_cmp);

@@ -256,6 +256,7 @@ fn every_law_is_unstable_exactly_between_its_critical_speeds() {
 
 #[test]
 fn the_boundary_is_that_of_the_growth_rate_for_any_preload_and_friction() {
+    let mut sides = [false; 2];
     for band in [-1.5, 0.0, 1.5] {
         for speed in [1.0, 4.0, 7.0, 12.0, 17.0, 25.0, 40.0] {
             let at = |preload: f64, static_friction: f64| {
@@ -275,12 +276,17 @@ fn the_boundary_is_that_of_the_growth_rate_for_any_preload_and_friction() {
                     let grows = at(preload, static_friction).growth_rate() > 0.0;
                     let verdict = boundary.verdict(preload, static_friction);
                     assert_eq!(verdict == Verdict::Unstable, grows, "{band} {speed} {preload} {static_friction}");
+                    assert_eq!(preload > boundary.critical_preload(static_friction), grows);
+                    let (above, below) = boundary.unstable_static_friction(preload);
+                    assert_eq!(above < static_friction && static_friction < below, grows);
                     if boundary.is_unstable_above() {
-                        assert_eq!(static_friction > boundary.critical_static_friction(preload), grows);
-                        assert_eq!(preload > boundary.critical_preload(static_friction), grows);
+                        assert_eq!(above, boundary.critical_static_friction(preload));
+                        assert_eq!(below, f64::INFINITY);
                     }
+                    sides[usize::from(below.is_finite())] |= grows;
                 }
             }
         }
     }
+    assert_eq!(sides, [true; 2], "instability above and below a static friction coefficient");
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::grid::RelativeStd;
+use stickslip_core::friction::measured_curve::{MeasuredCurve, SharedCurve};
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 
@@ -98,6 +99,48 @@ fn undamped_brakes_are_unstable_wherever_friction_falls() {
     let p = probability(&boundary, &cell(0.1, 0.3, 0.5, 0.2)).value;
     let expected = normal::upper_tail(-2.0) * normal::upper_tail((0.25 / 0.3 - 1.0) / 0.2);
     assert!((p - expected).abs() < 1e-12, "{p} {expected}");
+}
+
+/// The boundary of a brake whose measured curve falls only because it is shifted by its standard deviations.
+fn shifted_boundary() -> StabilityBoundary {
+    let deviations = [0.08, 0.02, 0.01];
+    let curve = MeasuredCurve::new(&[0.0, 1.0, 4.0], &[0.3, 0.32, 0.33], Some(&deviations)).unwrap();
+    let mut parameters = Parameters::sui_ding_2018();
+    parameters.friction.use_table(SharedCurve::new(curve));
+    parameters.friction.band = 2.0;
+    parameters.damping.tangential = 500.0;
+    parameters.operating_point.rotating_speed = 1.0;
+    PadOnDisc::new(parameters).unwrap().stability_boundary()
+}
+
+#[test]
+fn instability_below_a_static_friction_coefficient_is_integrated() {
+    let boundary = shifted_boundary();
+    let mut seen = [false; 2];
+    for (preload, friction, preload_std, friction_std) in ORDINARY {
+        let cell = cell(preload, friction, preload_std, friction_std);
+        let (above, below) = boundary.unstable_static_friction(preload);
+        seen[usize::from(above < friction && friction < below)] = true;
+        let exact = probability(&boundary, &cell);
+        let other = by_trapezoid(&boundary, &cell);
+        assert!((exact.value - other).abs() < 1e-5, "{cell:?}: {exact:?} {other}");
+        for (which, derivative) in as_array(derivatives(&boundary, &cell)).into_iter().enumerate() {
+            let expected = by_differences(&boundary, &cell, which);
+            let error = (derivative.unwrap() - expected).abs() / expected.abs().max(1.0);
+            assert!(error < 1e-8, "{cell:?} {which}: {derivative:?} {expected}");
+        }
+        for (preload_std, friction_std) in [(0.0, 0.2), (0.2, 0.0)] {
+            let cell =
+                Cell { relative_std: RelativeStd { preload: preload_std, static_friction: friction_std }, ..cell };
+            for (which, derivative) in as_array(derivatives(&boundary, &cell)).into_iter().enumerate() {
+                let Some(derivative) = derivative else { continue };
+                let expected = by_differences(&boundary, &cell, which);
+                let error = (derivative - expected).abs() / expected.abs().max(1.0);
+                assert!(error < 1e-8, "{cell:?} {which}: {derivative} {expected}");
+            }
+        }
+    }
+    assert_eq!(seen, [true; 2], "expected values on both sides of the boundary");
 }
 
 /// A cell with one of its four parameters shifted: preload, static friction and their relative standard deviations.
