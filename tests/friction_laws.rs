@@ -172,7 +172,8 @@ fn one_point_takes_any_law() {
         serde_json::from_str::<serde_json::Value>(&said).unwrap()
     };
     let rational = analysis("--set friction.law=rational");
-    // (1 + v / v_s)^2 = G (f_s - f_c) / (v_s c): half a percent of the preset's product with 16 rad/s is enough to place it.
+    // (1 + v / v_s)^2 = G (f_s - f_c) / (v_s c): half a percent of the preset's product with 16 rad/s is enough to
+    // place it.
     let critical = rational["critical_speed_rad_s"].as_f64().unwrap();
     let slower =
         analysis(&format!("--set friction.law=rational --set operating_point.rotating_speed={}", critical * 0.999));

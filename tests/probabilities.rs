@@ -678,7 +678,7 @@ fn every_method() -> [(&'static str, String); 6] {
 
 #[test]
 fn result_columns_are_pinned() {
-    // Regression values of results version 1, verdicts version 3 and estimates version 2.
+    // Regression values of results version 1, verdicts version 4 and estimates version 2.
     let place = Place::new();
     let digests = every_method().map(|(name, text)| (name, submitted(&place, name, &text).digest()));
     let digests: Vec<(&str, &str)> = digests.iter().map(|(name, digest)| (*name, digest.as_str())).collect();

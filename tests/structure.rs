@@ -1,6 +1,6 @@
-//! The structure of the code: modules import only modules that are declared before them, so that no circle of imports can
-//! arise and the order of declaration is an order in which to read. What ARCHITECTURE.md says of the modules and of places in
-//! the code is up to date.
+//! The structure of the code: modules import only modules that are declared before them, so that no circle of imports
+//! can arise and the order of declaration is an order in which to read. What ARCHITECTURE.md says of the modules and of
+//! places in the code is up to date.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,7 +1,7 @@
 //! The grid of a job: the cells are the product of its axes.
 //!
-//! Four axes are always there: rotating speed, relative standard deviation, preload and static friction. A grid may have
-//! further axes, which vary more slowly. Each has a name, which this crate does not interpret.
+//! Four axes are always there: rotating speed, relative standard deviation, preload and static friction. A grid may
+//! have further axes, which vary more slowly. Each has a name, which this crate does not interpret.
 
 use thiserror::Error;
 
@@ -87,7 +87,8 @@ impl Axis {
 
     /// An axis of `points` values from `from` to `to`, both included exactly, each the same multiple of the one before.
     ///
-    /// Values between the ends are rounded to 14 significant digits, so that three points from 1 to 100 are 1, 10 and 100.
+    /// Values between the ends are rounded to 14 significant digits, so that three points from 1 to 100 are 1, 10 and
+    /// 100.
     ///
     /// # Errors
     /// [`AxisError`] if an end is not positive and finite, or the number of points does not fit the ends.
@@ -150,8 +151,8 @@ pub struct RelativeStd {
     pub static_friction: f64,
 }
 
-/// One cell of a job: the expected inputs and their relative standard deviations. [`Grid::further_values`] has its values
-/// on further axes.
+/// One cell of a job: the expected inputs and their relative standard deviations. [`Grid::further_values`] has its
+/// values on further axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// Position in the grid, from 0.
@@ -178,8 +179,8 @@ pub struct FurtherAxis {
 /// The product of the axes. `static_friction` varies fastest, then `preload`, `relative_std`, `rotating_speed` and the
 /// further axes, the last of them first.
 ///
-/// A *brake* is a combination of values of the axes of the brake and a rotating speed: what cells have in common that differ
-/// only in the inputs, their scatter and the start.
+/// A *brake* is a combination of values of the axes of the brake and a rotating speed: what cells have in common that
+/// differ only in the inputs, their scatter and the start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     /// Further axes of the brake, slowest first.

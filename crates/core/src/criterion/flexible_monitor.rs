@@ -99,8 +99,8 @@ impl FlexibleMonitor {
         }
     }
 
-    /// Notes that normal motion and rotation start away from steady sliding, by this much in the disc's thicknesses and rad
-    /// together.
+    /// Notes that normal motion and rotation start away from steady sliding, by this much in the disc's thicknesses and
+    /// rad together.
     pub fn is_excited_by(&mut self, distance: f64) {
         self.transients.are_excited_by(distance);
     }

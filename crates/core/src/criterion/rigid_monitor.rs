@@ -4,16 +4,16 @@
 //! | state | event | then |
 //! |---|---|---|
 //! | any | the energy is so small that friction cannot feed the motion any more | stable |
-//! | swinging | turns at the largest x: the first since the start, a release or an overtaking | its amplitude is the one to compare with |
-//! | | at an amplitude larger than the last by more than errors of the steps | unstable |
-//! | | smaller by more than these, and no stable cycle can lie inside ([`crate::rigid_disc::inner_cycles`]) | stable |
-//! | | more than 1 % smaller, where one can | swinging; this amplitude is the next one to compare with |
+//! | swinging | turns at the largest x: the first since the start, a release or an overtaking | this amplitude is compared with the next |
+//! | | larger than the last one by more than errors of the steps | unstable |
+//! | | smaller by more than these; no stable cycle inside ([`inner_cycles`](crate::rigid_disc::inner_cycles)) | stable |
+//! | | more than 1 % smaller, where one can lie inside | swinging; this amplitude is compared with the next |
 //! | | 0.1 % to 1 % smaller, at most a hundred times | the same |
 //! | | in between, too slow to wait for | the return map decides |
 //! | | sticks for the first time | held: until its release, which is the same for all motions that stick |
 //! | | sticks a second time, or for the first time after a start at release | unstable: all later cycles are the same |
 //! | | grazes the disc's speed in its first swing since the start or a release | the return map decides from that start or release |
-//! | | is about to reach the disc's speed in that swing, where a step happens to end | the return map decides from the release |
+//! | | is about to be caught in that swing, at the end of a step (exponent 1) | the return map decides from the release |
 //! | | overtakes the disc | swinging, with nothing to compare with |
 //! | | for the second time, and the motion after a release, which lies inside, does not come to rest | unstable |
 //! | held | would stick for longer than [`LONGEST_STICK`] | the return map decides from the release |
@@ -37,9 +37,9 @@ const RESOLVED: f64 = 1e-5;
 /// A change that is worth waiting for: a hundredfold decay takes 460 cycles at most.
 const CLEAR: f64 = 1e-2;
 
-/// Swings that shrink more slowly, but by more than this, are awaited too, so many of them: next to an unstable cycle they
-/// soon shrink fast, and the return map takes longer than a hundred cycles. Those that shrink even less may be about to
-/// settle on a cycle without sticking; the return map knows better than fixed steps.
+/// Swings that shrink more slowly, but by more than this, are awaited too, so many of them: next to an unstable cycle
+/// they soon shrink fast, and the return map takes longer than a hundred cycles. Those that shrink even less may be
+/// about to settle on a cycle without sticking; the return map knows better than fixed steps.
 const SLOW: f64 = 1e-3;
 const SLOW_SWINGS: u32 = 100;
 
@@ -51,6 +51,7 @@ const LONGEST_STICK: f64 = 100.0;
 pub(crate) struct RigidMonitor {
     motion: PlanarMotion,
     equilibrium: f64,
+    /// Asked at every turn, so kept.
     has_no_inner_cycle: bool,
     until_settled: bool,
     /// The motion is known to be unstable, and may be simulated further for its amplitude.
@@ -62,9 +63,10 @@ pub(crate) struct RigidMonitor {
     /// The return map did not resolve that amplitude.
     is_unresolved: bool,
     last_turn: Option<f64>,
-    /// How often the pad overtook the disc, and where last.
+    /// How often the pad overtook the disc, where last, and the change of that place from cycle to cycle.
     overtakings: u32,
     last_overtaking: Option<f64>,
+    last_change: Option<f64>,
     amplitude: f64,
     /// How often the pad stuck, a start at release included.
     sticks: u32,
@@ -89,6 +91,7 @@ impl RigidMonitor {
             last_turn: None,
             overtakings: 0,
             last_overtaking: None,
+            last_change: None,
             amplitude: 0.0,
             sticks: u32::from(starts_at_release),
             started: Some([x, speed]),
@@ -139,7 +142,7 @@ impl RigidMonitor {
         };
         match fate {
             Fate::Equilibrium if !self.is_known_unstable => self.verdict = Some(Verdict::Stable),
-            Fate::Grows { .. } | Fate::Trapped { .. } => self.becomes_unstable(),
+            Fate::Grows { .. } | Fate::Trapped { .. } | Fate::Overtakes => self.becomes_unstable(),
             Fate::SmoothCycle { amplitude } => {
                 self.amplitude = amplitude;
                 self.is_known_unstable = true;
@@ -149,14 +152,26 @@ impl RigidMonitor {
         }
     }
 
+    /// Unstable, with the amplitude of the cycle that follows a release. A cycle that is not resolved is simulated.
     fn conclude_from_stick_slip(&mut self) {
-        if self.until_settled
-            && let Some(cycle) = self.motion.limit_cycle()
-        {
-            self.amplitude = 0.5 * (cycle.tangential_max - cycle.tangential_min);
+        self.becomes_unstable();
+        if self.verdict.is_some() {
+            return;
         }
-        self.is_known_unstable = true;
-        self.verdict = Some(Verdict::Unstable);
+        if let Some(cycle) = self.motion.limit_cycle() {
+            self.amplitude = 0.5 * (cycle.tangential_max - cycle.tangential_min);
+            self.verdict = Some(Verdict::Unstable);
+        } else {
+            self.is_unresolved = true;
+        }
+    }
+
+    /// Whether a place that changes geometrically from cycle to cycle is as near its limit as is resolved.
+    fn has_settled(&mut self, before: f64, x: f64) -> bool {
+        let change = (x - before).abs();
+        let last_change = self.last_change.replace(change);
+        let resolved = RESOLVED * (self.equilibrium - x).abs();
+        last_change.is_some_and(|last| change <= resolved && change * change <= resolved * (last - change))
     }
 }
 
@@ -253,15 +268,15 @@ impl Observer for RigidMonitor {
         }
         let before = self.last_overtaking.replace(x);
         self.overtakings += 1;
-        if self.overtakings == 2 && !self.is_known_unstable {
+        if self.overtakings == 2 {
             // The motion lies outside the one that follows a release, and stays there.
-            let release = [self.motion.release(), self.motion.disc_speed];
-            match self.motion.fate_in_plane(release, true) {
+            match self.motion.fate_in_plane([self.motion.release(), self.motion.disc_speed], true) {
+                Fate::Captured | Fate::Overtakes => return self.conclude_from_stick_slip(),
+                Fate::Grows { .. } | Fate::Trapped { .. } | Fate::SmoothCycle { .. } => self.becomes_unstable(),
                 Fate::Equilibrium | Fate::Unresolved => {}
-                _ => self.becomes_unstable(),
             }
         }
-        let has_settled = before.is_some_and(|before| (x - before).abs() <= RESOLVED * (self.equilibrium - x).abs());
+        let has_settled = before.is_some_and(|before| self.has_settled(before, x));
         if self.is_known_unstable && has_settled {
             self.verdict = Some(Verdict::Unstable);
         }

@@ -17,17 +17,16 @@
 //!
 //! Steps are those of the classical fourth-order Runge-Kutta method. Their length is 0.1 over the natural frequency of
 //! the pad on a rigid disc, 0.45 over the highest frequency of pad, contact and kept disc modes on a flexible one, and
-//! no longer than 1 over the highest damping rate. Such a step is divided where the friction law is steep: with `r = |v
-//! - x'| / v_s` and `p = r^delta`, so that friction above its kinetic value goes with `exp(-p)`,
+//! no longer than 1 over the highest damping rate. Such a step is divided where the friction law is steep. For
+//! Stribeck's law with the exponent 1, with `r = |v - x'| / v_s`,
 //!
 //! ```text
-//! h |x''| / v_s <= 0.25 (1 + p/5 + p^2/50) s(r),      h G (f_s - f_c) |d exp(-p) / dv| <= 0.4
+//! h |x''| / v_s <= 0.25 (1 + r/5 + r^2/50),      h G (f_s - f_c) / v_s <= 0.4 (1 + r + ... + r^4/24)
 //! ```
 //!
-//! where `s` is the length in `r` over which `p` changes by one (1 for the exponent 1). Other laws and exponents have limits
-//! of the same kind. With these steps the
-//! saddle-node of stick-slip is accurate to 1e-5 for disc speeds of ten to a thousand Stribeck velocities, and to 2.1e-5
-//! at lower ones, as the tests check.
+//! and the other laws have limits of this kind (module `friction_steps`). With these steps the saddle-node of
+//! stick-slip is accurate to 1e-5 for disc speeds of ten to a thousand Stribeck velocities, and to 2.1e-5 at lower
+//! ones, as the tests check.
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -56,13 +55,9 @@ use crate::verdict::Verdict;
 /// never mixed. The samples themselves have a version of their own.
 ///
 /// 2: ringing of the disc after the tangential motion has died away is no growth. 3: linear stability decides where it
-/// can, and on a rigid disc the return map decides slow motions; steps are divided where the friction law is steep.
-pub const VERDICTS_VERSION: u32 = 3;
-
-/// The same for friction laws other than Stribeck's with the exponent 1.
-///
-/// 1: steps are longer where friction has died away or hardly changes the speed of the pad.
-pub const OTHER_LAWS_VERSION: u32 = 1;
+/// can, and on a rigid disc the return map decides slow motions; steps are divided where the friction law is steep. 4:
+/// motions that overtake the disc in every cycle are decided, and the steps of other laws have limits of their own.
+pub const VERDICTS_VERSION: u32 = 4;
 
 /// Largest number of steps to the horizon.
 const MOST_STEPS: f64 = 1e8;
@@ -166,8 +161,8 @@ impl TimeDomain {
     /// Checks that a sample can start where the settings say.
     ///
     /// # Errors
-    /// [`TimeDomainError::Start`] if no pad can be there, [`TimeDomainError::Brake`] if there is no steady sliding to start
-    /// from.
+    /// [`TimeDomainError::Start`] if no pad can be there, [`TimeDomainError::Brake`] if there is no steady sliding to
+    /// start from.
     pub fn check_start(&self, inputs: RandomInputs) -> Result<(), TimeDomainError> {
         match &self.system {
             System::Rigid(motion) => self.check_rigid_start(&motion.sample(inputs), self.settings.start)?,
@@ -230,8 +225,8 @@ impl TimeDomain {
         }
     }
 
-    /// The same criterion for another brake. A flexible disc keeps its number of modes. A start in SI units was scaled for
-    /// the present brake and stays as it is; see [`TimeDomain::with_start`].
+    /// The same criterion for another brake. A flexible disc keeps its number of modes. A start in SI units was scaled
+    /// for the present brake and stays as it is; see [`TimeDomain::with_start`].
     ///
     /// # Errors
     /// As [`TimeDomain::new`].

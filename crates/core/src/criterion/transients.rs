@@ -36,7 +36,8 @@ impl Transients {
         Self { rate, excited_at: 0.0, excitation: 0.0, first_swings: 1 }
     }
 
-    /// The other degrees of freedom start with an amplitude of their own, and the motion perhaps not at a turning point.
+    /// The other degrees of freedom start with an amplitude of their own, and the motion perhaps not at a turning
+    /// point.
     pub fn are_excited_by(&mut self, amplitude: f64) {
         self.excitation = self.excitation.max(amplitude);
         self.first_swings = FIRST_SWINGS;

@@ -74,9 +74,9 @@ impl FlexibleBrake {
         Ok(Self::of_modes(brake, &modes[..count]))
     }
 
-    /// The model of another brake, with as many modes. The same as [`FlexibleBrake::with_modes`], at a thousandth of the
-    /// cost if radii, Poisson's ratio and the pad's angle are the same numbers: the modes of the disc are not solved
-    /// again then, and the averages of their shapes over the patch are shared.
+    /// The model of another brake, with as many modes. The same as [`FlexibleBrake::with_modes`], at a thousandth of
+    /// the cost if radii, Poisson's ratio and the pad's angle are the same numbers: the modes of the disc are not
+    /// solved again then, and the averages of their shapes over the patch are shared.
     ///
     /// # Errors
     /// As [`FlexibleBrake::with_modes`].

@@ -191,8 +191,8 @@ impl PadOnDisc {
         AnnularPlate { radius_ratio: disc.inner_radius / disc.outer_radius, poissons_ratio: disc.poissons_ratio }
     }
 
-    /// Angular frequency, per unit of scaled time, of a disc mode: `lambda^2 h^(3/2) / b^2`, lengths in metres. Over tau
-    /// it is the frequency of the plate in rad/s, see [`Scales`](crate::rigid_disc::pad_on_disc::Scales).
+    /// Angular frequency, per unit of scaled time, of a disc mode: `lambda^2 h^(3/2) / b^2`, lengths in metres. Over
+    /// tau it is the frequency of the plate in rad/s, see [`Scales`](crate::rigid_disc::pad_on_disc::Scales).
     #[must_use]
     pub fn disc_frequency(&self, mode: &PlateMode) -> f64 {
         mode.frequency_parameter * self.frequency_per_parameter()

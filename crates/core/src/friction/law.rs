@@ -41,8 +41,8 @@ impl LawKind {
 /// mu(v) = f_c + (f_s - f_c) a(|v| / v_s) + e b(|v| / v_s)
 /// ```
 ///
-/// For Stribeck's law (the paper's equation 2.6 with the sign of its exponent corrected) `a(r) = exp(-r^delta)`. Speeds and
-/// the speed scale `v_s` share a unit; inside this crate they are scaled speeds.
+/// For Stribeck's law (the paper's equation 2.6 with the sign of its exponent corrected) `a(r) = exp(-r^delta)`. Speeds
+/// and the speed scale `v_s` share a unit; inside this crate they are scaled speeds.
 ///
 /// ```
 /// use stickslip_core::friction::law::FrictionLaw;
@@ -56,8 +56,8 @@ pub struct FrictionLaw {
     pub static_coefficient: f64,
     /// f_c, the limit of the falling part at high sliding speed; 0 for a table.
     pub kinetic_coefficient: f64,
-    /// e: the viscous friction at the Stribeck velocity, or the number of standard deviations by which a measured curve is
-    /// shifted.
+    /// e: the viscous friction at the Stribeck velocity, or the number of standard deviations by which a measured curve
+    /// is shifted.
     pub additional: f64,
     /// v_s > 0, the Stribeck velocity; for a table 1 m/s.
     pub speed_scale: f64,
@@ -87,8 +87,8 @@ impl FrictionLaw {
         Self { shape: Shape::Rational, ..law }
     }
 
-    /// A measured curve with its value at rest changed to `static_coefficient`, where `metre_per_second` is the speed 1 m/s
-    /// in the unit of speeds.
+    /// A measured curve with its value at rest changed to `static_coefficient`, where `metre_per_second` is the speed 1
+    /// m/s in the unit of speeds.
     #[must_use]
     pub fn table(curve: SharedCurve, static_coefficient: f64, metre_per_second: f64) -> Self {
         let law = Self::stribeck(static_coefficient, 0.0, metre_per_second, 1.0);
@@ -221,8 +221,8 @@ impl FrictionLaw {
         (most - least, first.to * self.speed_scale)
     }
 
-    /// Whether `f_s >= f_c` and all derivatives of mu but those of the viscous term alternate in sign, the first one
-    /// negative: Stribeck's law with exponents up to 1, and the rational law.
+    /// Whether all derivatives of mu but those of the viscous term alternate in sign: Stribeck's law with exponents up
+    /// to 1, and the rational law. The first one is negative if `f_s > f_c`; otherwise nothing falls.
     pub(crate) fn is_completely_monotone(&self) -> bool {
         match self.shape {
             Shape::Tustin | Shape::Gaussian | Shape::Stribeck => self.exponent <= 1.0,
@@ -238,8 +238,8 @@ impl FrictionLaw {
 
     /// The speed in `from..=to` at which friction falls most steeply, for `f_s >= f_c`; `from` > 0.
     ///
-    /// For the rational law and for exponents up to 1 the slope falls with speed; for exponents above 1 it has its crest
-    /// at `v_s (1 - 1 / delta)^(1 / delta)`. On a table each cubic has one of its own.
+    /// For the rational law and for exponents up to 1 the slope falls with speed; for exponents above 1 it has its
+    /// crest at `v_s (1 - 1 / delta)^(1 / delta)`. On a table each cubic has one of its own.
     pub(crate) fn steepest_between(&self, from: f64, to: f64) -> f64 {
         match self.shape {
             Shape::Table(_) => self

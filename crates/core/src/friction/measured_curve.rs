@@ -98,8 +98,8 @@ pub enum CurveError {
 /// A friction curve as measured: coefficients, and perhaps their standard deviations, at some sliding speeds.
 ///
 /// Between the rows it is interpolated by piecewise cubics that are monotone where the rows are (Fritsch and Carlson's
-/// method with the slopes of Fritsch and Butland, SciPy's `PchipInterpolator`). Below the first and beyond the last speed
-/// it is constant, and its slope is continuous everywhere.
+/// method with the slopes of Fritsch and Butland, SciPy's `PchipInterpolator`). Below the first and beyond the last
+/// speed it is constant, and its slope is continuous everywhere.
 ///
 /// ```
 /// use stickslip_core::friction::measured_curve::MeasuredCurve;
@@ -333,8 +333,8 @@ fn check_columns(speeds: &[f64], coefficients: &[f64], deviations: Option<&[f64]
     Ok(())
 }
 
-/// Piecewise cubics over the speeds of a curve, each in powers of the speed above its own beginning. Behind the last row
-/// comes a constant.
+/// Piecewise cubics over the speeds of a curve, each in powers of the speed above its own beginning. Behind the last
+/// row comes a constant.
 #[derive(Debug, PartialEq)]
 struct Cubics {
     coefficients: [Box<[f64; PLACES]>; 4],

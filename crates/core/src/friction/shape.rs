@@ -33,9 +33,10 @@ impl Shape {
     /// The parts a and b of the law ([`crate::friction`]) at `r`, the sliding speed over the law's speed scale; the
     /// friction coefficient is `f_c + (f_s - f_c) a + e b`.
     ///
-    /// A step may reach a little beyond the moment at which the sliding speed vanishes. Curves are continued to negative
-    /// `r` so that the step keeps its order: smoothly for the exponents 1 and 2, the rational law and a table that begins
-    /// at rest, as an even function for other exponents, whose derivatives at rest are infinite in any case.
+    /// A step may reach a little beyond the moment at which the sliding speed vanishes. Curves are continued to
+    /// negative `r` so that the step keeps its order: smoothly for the exponents 1 and 2, the rational law and a table
+    /// that begins at rest, as an even function for other exponents, whose derivatives at rest are infinite in any
+    /// case.
     #[inline(always)]
     pub fn parts(self, r: f64, exponent: f64) -> (f64, f64) {
         let (mut a, mut b) = ([0.0], [0.0]);

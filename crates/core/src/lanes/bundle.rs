@@ -17,8 +17,8 @@ pub(super) struct Begun<S, M> {
     pub step: f64,
 }
 
-/// Lanes with one kind of equations. Each has two states: the present one, from which the last trial step was taken, and
-/// the next one, its end or what the scalar code puts there, from which the following trial step is taken.
+/// Lanes with one kind of equations. Each has two states: the present one, from which the last trial step was taken,
+/// and the next one, its end or what the scalar code puts there, from which the following trial step is taken.
 pub(super) trait Bundle<'q> {
     /// Lanes, at most 64.
     const LANES: usize;
@@ -44,8 +44,8 @@ pub(super) trait Bundle<'q> {
         known: Self::Known,
     ) -> Result<Begun<Self::State, Self::Monitor>, Decision>;
 
-    /// Gives a lane the equations of a sample, decided or not. Returns the motion at its beginning and the length of its
-    /// steps, if it has equations.
+    /// Gives a lane the equations of a sample, decided or not. Returns the motion at its beginning and the length of
+    /// its steps, if it has equations.
     fn place(&mut self, lane: usize, sample: QueuedSample<'q>) -> Option<(Motion<Self::State>, f64)>;
 
     /// A trial step in every lane, from the next states of the last one.

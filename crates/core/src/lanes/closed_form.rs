@@ -8,11 +8,11 @@
 //! h (k_t2 / k_t1) k_en k_y / (k_en + k_y) Delta [(f_s - f_c) W(V) - B(V)] > c_x
 //! ```
 //!
-//! where friction falls by `(f_s - f_c) W(V) - B(V)` for each m/s; `W` belongs to the falling part of the law and `B` to
-//! the additional term ([`crate::friction`]). Here both sides are multiplied by all denominators, so that each side is a
-//! product of parameters: those that all samples share are multiplied once, the others row by row. For the exponent 1
-//! there is one division, `V / v_s`. A single sample is decided by the same operations as many, so it has the same
-//! verdict.
+//! where friction falls by `(f_s - f_c) W(V) - B(V)` for each m/s; `W` belongs to the falling part of the law and `B`
+//! to the additional term ([`crate::friction`]). Here both sides are multiplied by all denominators, so that each side
+//! is a product of parameters: those that all samples share are multiplied once, the others row by row. For the
+//! exponent 1 there is one division, `V / v_s`. A single sample is decided by the same operations as many, so it has
+//! the same verdict.
 //!
 //! [`PadOnDisc::stability_boundary`] rounds differently, by some units in the last place of its critical product.
 //!

@@ -23,8 +23,9 @@ pub struct OwnBrake {
 
 impl FlexibleBrake {
     /// The linear stability of samples that each have a brake of their own, with as many modes as this one has: what
-    /// [`FlexibleBrake::by_eigenvalues`] says of each, at a hundredth of the cost for most. Brakes of this one's geometry
-    /// (radii, Poisson's ratio and the pad's angle) are decided many at once; others cost as much as their modes.
+    /// [`FlexibleBrake::by_eigenvalues`] says of each, at a hundredth of the cost for most. Brakes of this one's
+    /// geometry (radii, Poisson's ratio and the pad's angle) are decided many at once; others cost as much as their
+    /// modes.
     #[must_use]
     pub fn linear_stability_of(&self, samples: &[OwnBrake]) -> Vec<Result<LinearStability, FlexibleError>> {
         self.linear_stability_with(samples, InstructionSet::widest())
@@ -82,8 +83,8 @@ mod tests {
     use crate::degree_of_freedom::DegreeOfFreedom;
     use crate::rigid_disc::pad_on_disc::uniform_draws;
 
-    /// Brakes near the preset or far from it. Every third has hardly any damping in its disc, and turns up to a thousand
-    /// times as fast: some of these flutter, and others outrun their waves.
+    /// Brakes near the preset or far from it. Every third has hardly any damping in its disc, and turns up to a
+    /// thousand times as fast: some of these flutter, and others outrun their waves.
     fn samples(count: usize, spread: f64, draw: &mut impl FnMut() -> f64) -> Vec<OwnBrake> {
         let sample = |index: usize| {
             let mut around = |value: f64, spread: f64| value * libm::exp(spread * (2.0 * draw() - 1.0));

@@ -49,7 +49,8 @@ pub(super) struct Trials<const N: usize> {
     pub is_too_long: [u64; N],
     pub is_event: [u64; N],
     pub turns: [u64; N],
-    /// The length of the next trial step over this one's, see [`crate::motion::friction_steps::FrictionSteps::judge`].
+    /// The length of the next trial step over this one's, see
+    /// [`FrictionSteps::judge`](crate::motion::friction_steps::FrictionSteps::judge).
     pub factor: [f64; N],
 }
 
@@ -80,8 +81,8 @@ impl<const N: usize> Pace<N> {
         }
     }
 
-    /// Lanes whose trial step was plain go on to their next one; where it was too long it is shortened; the others stay, and
-    /// their findings say why.
+    /// Lanes whose trial step was plain go on to their next one. A trial step that was too long is shortened. The other
+    /// lanes stay. The findings say which.
     #[inline(always)]
     pub fn judge(&mut self, trials: &Trials<N>) {
         for l in 0..N {

@@ -7,13 +7,14 @@
 //!
 //! ```text
 //! resolution   h |x''| / v_s  <=  0.5 e(p) s(r)       e(p) = 1 + p/5 + ... + (p/5)^4/24 <= exp(p/5)
-//! feedback     h lambda(r)    <=  0.4                 lambda(r) = G (f_s - f_c) |d exp(-p) / dv|
+//! feedback     h lambda(r)    <=  0.4                 lambda(r) >= G (f_s - f_c) |d exp(-p) / dv|
 //! ```
 //!
 //! *Resolution*: `r` may change by a part of the length `s` over which `p` changes by one. The error of a fourth-order
 //! step is proportional to `exp(-p) (change of p)^5`, so at equal error the change may grow as `exp(p/5)`; where
 //! friction has fallen to nothing, nothing limits the step. *Feedback*: near sticking the falling friction drives the
-//! pad away at the rate `lambda`, which steps have to resolve even while nothing moves much yet.
+//! pad away at the rate `lambda`, which steps have to resolve even while nothing moves much yet. It is bounded with `1
+//! + p + ... + p^4/24` in place of `exp(p)`, and by the steepest slope of the law.
 //!
 //! | exponent | s(r) |
 //! |---|---|
@@ -22,24 +23,24 @@
 //! | below 1 | `r^(1 - delta) / delta` |
 //!
 //! At rest a derivative of the law is infinite, the second one for exponents between 1 and 2, the first one below 1. So
-//! for exponents below 2 a step may also change r by no more than `0.75 r`, unless, for exponents from 1 to 2, friction
-//! above its value at rest changes the pad's speed by less than `5e-4 v` within it,
+//! for exponents below 2 a step may also change r by no more than `0.75 r`, unless, for exponents from 1 to 2, the fall
+//! of friction below its value at rest changes the pad's speed by less than `5e-4 v` within it,
 //!
 //! ```text
 //! near rest    h |x''| / v_s  <=  0.75 r   or    h G (f_s - f_c) p  <=  5e-4 v     at the end that slides faster
 //! ```
 //!
-//! because the error of a step across rest is at most 0.0027 of that change: Simpson's rule for `r^delta`. For exponents
-//! below 1 the limits end at `r = 1e-5`, where the law changes no speed by more than `1e-5 v_s`.
+//! because the error of a step across rest is at most 0.0027 of that change: Simpson's rule for `r^delta`. For
+//! exponents below 1 the limits end at `r = 1e-5`, where the law changes no speed by more than `1e-5 v_s`.
 //!
-//! In these limits powers are computed to 10 %, by fewer operations than friction itself; they say what is computed, and have
-//! the same bits everywhere.
+//! In these limits powers are computed to 10 %, by fewer operations than friction itself. They decide the lengths of
+//! steps, so they have the same bits everywhere.
 //!
-//! The rational law has the length `s = 0.6 (1 + r)` with `e = 1`, and the slope `G (f_s - f_c) / (v_s (1 + r)^2)`. A viscous term
-//! is a damping rate; the length of a step times it is at most 1.
+//! The rational law has the length `s = 0.6 (1 + r)` with 0.25 and `e = 1`, and the slope `G (f_s - f_c) / (v_s (1 +
+//! r)^2)`. A viscous term is a damping rate; the length of a step times it is at most 1.
 //!
-//! A measured curve has a continuous slope, but its second derivative jumps at the rows. A step that crosses a jump J of
-//! `G d^2 mu / d v^2` changes the speed wrongly by at most `0.0027 h J (h x'')^2`: the error of Simpson's rule for a
+//! A measured curve has a continuous slope, but its second derivative jumps at the rows. A step that crosses a jump J
+//! of `G d^2 mu / d v^2` changes the speed wrongly by at most `0.0027 h J (h x'')^2`: the error of Simpson's rule for a
 //! parabola that begins inside the step. So
 //!
 //! ```text
@@ -48,13 +49,13 @@
 //! feedback   h G |d mu / d v|  <=  0.4
 //! ```
 //!
-//! with the largest variation B of the second derivative over an interval, its ends included, and the steepest slope, over
-//! the intervals of both ends of the step and their neighbours. With these limits the saddle-node of the rational law, of
-//! viscous friction and of measured curves is right to 2e-5, as the tests check; most of that is an error of the plain
-//! step, which Tustin's law has too where the disc is some ten times faster than v_s.
+//! with the largest variation B of the second derivative over an interval, its ends included, and the steepest slope,
+//! over the intervals of both ends of the step and their neighbours. With these limits the saddle-node of the rational
+//! law, of viscous friction and of measured curves is right to 2e-5, as the tests check; most of that is an error of
+//! the plain step, which Tustin's law has too where the disc is some ten times faster than v_s.
 //!
-//! Both limits are checked after a step, with the speeds and accelerations at its ends. A plain step has these anyway,
-//! so lanes find out by a few comparisons which steps are too long, and leave those to the scalar code.
+//! The limits are checked after a step, with the speeds and accelerations at its ends. A plain step has these anyway,
+//! so lanes find out by a few operations which steps are too long, and by how much.
 
 use crate::friction::measured_curve::SharedCurve;
 use crate::friction::shape::Shape;
@@ -69,30 +70,33 @@ use crate::rigid_disc::pad_on_disc::RandomInputs;
 const RESOLUTION: f64 = 0.25;
 const FEEDBACK: f64 = 0.4;
 
-/// The share of [`RESOLUTION`] that other laws are allowed. The rational law bends more than the exponential at the same
-/// slope. Stribeck's law with another exponent resolves as well with longer steps, in which e(p) follows `exp(p/5)` to
-/// higher p.
+/// How many times [`RESOLUTION`] other laws are allowed. The rational law bends more than the exponential at the same
+/// slope. Stribeck's law with another exponent is as accurate with longer steps near rest, because e(p) follows
+/// `exp(p/5)` to higher p.
 const RATIONAL: f64 = 0.6;
 const STRIBECK: f64 = 2.0;
 
 /// Where `exp(-p)` is nothing.
 const DEAD: f64 = 1e30;
 
-/// Largest change of `r` in one step over `r` itself where derivatives of the law grow without bound at rest, the change
-/// of the pad's speed over the disc's below which that limit is waived, and the sliding speed at which the limits end for
-/// exponents below 1.
+/// Largest change of `r` in one step over `r` itself where derivatives of the law grow without bound at rest.
 const NEAR_REST: f64 = 0.75;
+
+/// The change of the pad's speed over the disc's below which that limit is waived.
 const WAIVED: f64 = 5e-4;
+
+/// The sliding speed `r` at which the limits end for exponents below 1.
 const FLOOR: f64 = 1e-5;
 
-/// Largest error of the speed in one step that the bends of a measured curve may cause, over the disc's speed and 0.0027.
+/// Largest error of the speed in one step that the bends of a measured curve may cause, over the disc's speed and
+/// 0.0027.
 const BEND: f64 = 1e-3;
 
 /// Most intervals of a measured curve that a step may begin and end apart.
 const MOST_INTERVALS: usize = 2;
 
-/// A trial step that is too long is shortened to this share of what the law allows, so that a second cut is rare, and at
-/// once to no less than this share of its length.
+/// A trial step that is too long is shortened to this share of what the law allows, so that a second cut is rare, and
+/// at once to no less than this share of its length.
 const CUT: f64 = 0.8;
 const DEEPEST_CUT: f64 = 1e-3;
 
@@ -176,9 +180,9 @@ impl FrictionSteps {
         (gain * (inputs.static_friction - pad.kinetic_friction).max(0.0), gain * pad.additional_friction)
     }
 
-    /// Whether a step of length `h` with the speeds `u` and accelerations at its ends is too long, and the length of the
-    /// next trial step over this one's: after a step that is too long the same one again, else at most the following one.
-    /// No branch depends on the motion, so that lanes decide it too.
+    /// Whether a step of length `h` with the speeds `u` and accelerations at its ends is too long, and the length of
+    /// the next trial step over this one's. A step that is too long is tried again with that length; after any other,
+    /// the next step is no longer than that. No branch depends on the motion, so that lanes decide it too.
     #[inline(always)]
     pub fn judge(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> (bool, f64) {
         match self.law.shape {
@@ -202,15 +206,15 @@ impl FrictionSteps {
         (is_too_long, if is_too_long { shortened(share) } else { growth })
     }
 
-    /// Whether steps near rest may be so short that one often ends close to the disc's speed. Those of Tustin's law hardly
-    /// ever are.
+    /// Whether steps near rest may be so short that one often ends close to the disc's speed. Those of Tustin's law
+    /// hardly ever are.
     pub fn are_fine_near_rest(&self) -> bool {
         self.law.shape != Shape::Tustin
     }
 
     /// Whether a step is too long for the exponent 1, without a branch.
     #[inline(always)]
-    pub fn is_too_long_for_tustin(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> bool {
+    fn is_too_long_for_tustin(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> bool {
         let (resolution, feedback) = self.limits_for_tustin(self.least_sliding(u));
         let per_acceleration = h * self.inverse_stribeck;
         (per_acceleration * acceleration.0.abs() > resolution)
@@ -297,7 +301,8 @@ impl FrictionSteps {
         larger((by_friction, self.refinement * h * self.additional * (1.0 / DAMPED_STEP)))
     }
 
-    /// `1 / (1 + r)` has the length `1 + r`, and its slope falls with its square. Before it is divided by the refinement.
+    /// `1 / (1 + r)` has the length `1 + r`, and its slope falls with its square. Before it is divided by the
+    /// refinement.
     #[inline(always)]
     fn unrefined_excess_for_rational(&self, u: (f64, f64), acceleration: (f64, f64), h: f64) -> f64 {
         let per_length = 1.0 / (1.0 + self.least_sliding(u));

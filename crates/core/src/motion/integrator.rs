@@ -1,4 +1,5 @@
-//! What a motion with stick and slip is made of: equations that can be simulated, their steps, and who learns of events.
+//! What a motion with stick and slip is made of: equations that can be simulated, their steps, and who learns of
+//! events.
 //!
 //! Stick and slip are states, not a smoothed sign function. In slip the pad moves under kinetic friction until the
 //! sliding speed vanishes; in stick it moves with the disc until the friction that this takes exceeds what static
@@ -74,16 +75,17 @@ pub(crate) trait Observer {
     /// The pad comes so near the disc's speed, or meets it so slowly, that errors of the steps may decide whether they
     /// stick. If they do, this comes first.
     fn grazes(&mut self) {}
-    /// The pad will surely reach the disc's speed at once.
+    /// The pad will surely reach the disc's speed at once, and stick. Not told for laws that may rise just there.
     fn is_caught(&mut self) {}
 }
 
-/// A pad grazes where its sliding speed has a minimum, or a step ends, below this share of the disc's speed, or where it
-/// meets the disc with less than this share of the disc's speed times its natural frequency. A step that ends there on a
-/// faster approach only comes before the meeting. Where stick-slip ends, errors of the sliding speed are some 1e-6 of the
-/// disc's (a test of the steps), and the acceleration at the meeting grows with the square root of the distance to a mere
-/// touch.
+/// A pad grazes where its sliding speed has a minimum, or a step ends, below this share of the disc's speed. A step
+/// that ends there on an approach faster than [`GRAZING_RATE`] only comes before the meeting. Where stick-slip ends,
+/// errors of the sliding speed are some 1e-6 of the disc's (a test of the steps).
 pub(crate) const GRAZING_SPEED: f64 = 1e-4;
+
+/// A pad grazes too where it meets the disc with less than this share of the disc's speed times its natural frequency:
+/// the acceleration at the meeting grows with the square root of the distance to a mere touch.
 pub(crate) const GRAZING_RATE: f64 = 3e-2;
 
 /// The computation broke down: not a number, or farther away than any brake could go.

@@ -22,11 +22,12 @@ pub enum Start {
     Given(GivenStart),
 }
 
-/// A state that a motion starts in. What is `None` is as in steady sliding of the model in use, and so is everything that it
-/// does not mention: y' = phi' = 0, and the deflection of the disc.
+/// A state that a motion starts in. What is `None` is as in steady sliding of the model in use, and so is everything
+/// that it does not mention: y' = phi' = 0, and the deflection of the disc.
 ///
-/// The state of contact follows. A pad slower than the disc slips, a faster one overtakes it. One as fast as the disc (to
-/// 1e-9 of its speed) sticks if static friction can hold it there; otherwise it slips or overtakes as the force on it points.
+/// The state of contact follows. A pad slower than the disc slips, a faster one overtakes it. One as fast as the disc
+/// (to 1e-9 of its speed) sticks if static friction can hold it there; otherwise it slips or overtakes as the force on
+/// it points.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GivenStart {
     /// x.
@@ -140,7 +141,8 @@ impl Start {
     }
 }
 
-/// The state of contact that follows from the sliding speed, and where that vanishes, from the reserve of static friction.
+/// The state of contact that follows from the sliding speed, and where that vanishes, from the reserve of static
+/// friction.
 fn contact_of<E: Equations>(equations: &E, state: &E::State) -> ContactState {
     let sliding = equations.disc_speed() - equations.tangential(state).1;
     if sliding > 0.0 {

@@ -46,7 +46,8 @@ pub(crate) struct Substep<S> {
     pub acceleration: (f64, f64),
     pub ending: Ending,
     pub grazes: bool,
-    /// It ends close to the disc's speed, on a fast approach.
+    /// It ends close to the disc's speed on a fast approach, and static friction could hold the pad there. Only told
+    /// for the exponent 1, whose steps seldom end there.
     pub is_caught: bool,
     /// How many times longer the next substep may be, if this one is completed.
     pub growth: f64,
@@ -164,7 +165,9 @@ impl<S: Copy> Attempt<S> {
         let is_near = grazes_at_end(ends, equations.disc_speed());
         let is_fast = is_near && rate.1 <= -GRAZING_RATE * equations.meeting_rate();
         let mut grazes = is_near && !is_fast;
-        let is_caught = is_fast && !equations.friction_steps().are_fine_near_rest();
+        let is_caught = is_fast
+            && !equations.friction_steps().are_fine_near_rest()
+            && margin(equations, &equations.moving_with_disc(&step.next)) > 0.0;
         if meets.is_none() && ends.0 > 0.0 && may_touch(ends, rate, h) {
             let (part, nearest) = relative.least_sliding(&from.state, h);
             grazes |= relative.sliding(&nearest) < GRAZING_SPEED * equations.disc_speed();

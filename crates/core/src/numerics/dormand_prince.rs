@@ -1,7 +1,7 @@
 //! One step of Dormand and Prince's method.
 
-/// One step of length `h` of Dormand and Prince's fifth-order Runge-Kutta method for `y' = rate(y)`; the second value is
-/// the estimate of its error, the difference to the embedded fourth-order method.
+/// One step of length `h` of Dormand and Prince's fifth-order Runge-Kutta method for `y' = rate(y)`; the second value
+/// is the estimate of its error, the difference to the embedded fourth-order method.
 pub(crate) fn step<const N: usize>(
     rate: impl Fn([f64; N]) -> [f64; N],
     state: [f64; N],

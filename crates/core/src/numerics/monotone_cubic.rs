@@ -1,10 +1,10 @@
 //! Monotone cubic interpolation (PCHIP): slopes at the knots with which piecewise cubics do not overshoot.
 
-/// The slopes of Fritsch and Butland (1984) at the knots `x` of a curve with the values `y`: between two knots the curve
-/// is then monotone, and everywhere its slope is continuous. There are at least two knots, in rising order.
+/// The slopes of Fritsch and Butland (1984) at the knots `x` of a curve with the values `y`: between two knots the
+/// curve is then monotone, and everywhere its slope is continuous. There are at least two knots, in rising order.
 ///
-/// Inside, the slope is the weighted harmonic mean of the secants on both sides, and zero where these differ in sign. At
-/// an end beyond which the curve is constant it is zero; at another one it is that of the parabola through three
+/// Inside, the slope is the weighted harmonic mean of the secants on both sides, and zero where these differ in sign.
+/// At an end beyond which the curve is constant it is zero; at another one it is that of the parabola through three
 /// points, limited as the secant demands. These are the slopes of SciPy's `PchipInterpolator` for the same knots and,
 /// beyond an end with a constant curve, one more of the same value.
 pub(crate) fn monotone_slopes(x: &[f64], y: &[f64], is_constant_before: bool, is_constant_after: bool) -> Vec<f64> {

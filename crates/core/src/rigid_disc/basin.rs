@@ -2,8 +2,8 @@
 //!
 //! A motion is a point of the plane of x and x'. Slip (x' < v) is as in the module `planar_motion`. A pad that
 //! overtakes the disc (x' > v) obeys the same law with friction in the other direction; seen in a mirror, it slips on a
-//! disc of speed -v. A pad with the disc's speed sticks where static friction can hold it, `|K x + C v| <= G f_s`, until
-//! its release, which is the same for all of them.
+//! disc of speed -v. A pad with the disc's speed sticks where static friction can hold it, `|K x + C v| <= G f_s`,
+//! until its release, which is the same for all of them.
 //!
 //! | rotating speed | steady sliding | the basin |
 //! |---|---|---|
@@ -11,8 +11,8 @@
 //! | from there to the saddle-node of stick-slip | stable, and so is stick-slip | the inside of an unstable cycle |
 //! | above | stable | every motion returns |
 //!
-//! With friction that is weak beside the disc's speed a motion may overtake the disc in every cycle instead of sticking;
-//! then read *the cycle outside* for *stick-slip*.
+//! With friction that is weak beside the disc's speed a motion may overtake the disc in every cycle instead of
+//! sticking; then read *the cycle outside* for *stick-slip*.
 
 use crate::rigid_disc::pad_on_disc::PadOnDisc;
 use crate::rigid_disc::planar_motion::{PlanarMotion, SlipEnd};
@@ -20,8 +20,8 @@ use crate::rigid_disc::return_map::Fate;
 use crate::rigid_disc::unstable_cycle::{Surrounding, UnstableCycle};
 use crate::verdict::Verdict;
 
-/// How often a motion is simulated through overtaking the disc; every time it loses energy.
-const MOST_OVERTAKINGS: usize = 1000;
+/// How often a motion may meet the disc's speed before its fate is known.
+const MOST_MEETINGS: usize = 1000;
 
 /// Points of the outline of a basin: its chords miss some 1e-8 of the area.
 const OUTLINE: usize = 20_000;
@@ -107,9 +107,9 @@ impl Basin {
 impl PadOnDisc {
     /// The basin of attraction of steady sliding on a rigid disc with constant contact force.
     ///
-    /// The unstable cycle that bounds it is found to 1e-10 of its amplitude, by bisection on the return map. Nearer than
-    /// 1e-5 to the critical speed, relative to it, fewer digits are right: six at 1e-8. The amplitude vanishes there with
-    /// the root of the distance.
+    /// The unstable cycle that bounds it is found to 1e-10 of its amplitude, by bisection on the return map. Nearer
+    /// than 1e-5 to the critical speed, relative to it, fewer digits are right: six at 1e-8. The amplitude vanishes
+    /// there with the root of the distance.
     #[must_use]
     pub fn basin(&self) -> Basin {
         let motion = self.planar_motion();
@@ -123,7 +123,7 @@ impl PadOnDisc {
         match motion.fate_in_plane([motion.release(), motion.disc_speed], true) {
             Fate::Equilibrium => Basin::Everything,
             Fate::Unresolved => Basin::Unresolved,
-            Fate::Grows { .. } | Fate::Trapped { .. } | Fate::SmoothCycle { .. } | Fate::Captured => {
+            Fate::Grows { .. } | Fate::Trapped { .. } | Fate::SmoothCycle { .. } | Fate::Captured | Fate::Overtakes => {
                 match motion.innermost_unstable_cycle() {
                     Surrounding::Cycle(cycle) => Basin::Inside(cycle),
                     Surrounding::Unresolved => Basin::Unresolved,
@@ -166,39 +166,40 @@ impl PadOnDisc {
         if motion.damping_at_equilibrium() < 0.0 {
             return Verdict::Unstable;
         }
-        let release = [motion.release(), motion.disc_speed];
         let fate = match motion.fate_in_plane([x, speed], false) {
-            Fate::Captured => motion.fate_in_plane(release, true),
+            Fate::Captured => motion.fate_in_plane([motion.release(), motion.disc_speed], true),
             fate => fate,
         };
         match fate {
             Fate::Equilibrium => Verdict::Stable,
-            Fate::Captured | Fate::Grows { .. } | Fate::Trapped { .. } | Fate::SmoothCycle { .. } => Verdict::Unstable,
             Fate::Unresolved => Verdict::Undecided,
+            Fate::Captured | Fate::Overtakes | Fate::Grows { .. } | Fate::Trapped { .. } | Fate::SmoothCycle { .. } => {
+                Verdict::Unstable
+            }
         }
     }
 }
 
 impl PlanarMotion {
-    /// The fate of a motion anywhere in the plane, up to its first stick ([`Fate::Captured`]); `is_released` says that a
-    /// motion with the disc's speed does not stick at its start.
+    /// The fate of a motion anywhere in the plane, up to its first stick ([`Fate::Captured`]); `is_released` says that
+    /// a motion with the disc's speed does not stick at its start.
     pub fn fate_in_plane(&self, start: [f64; 2], is_released: bool) -> Fate {
         let v = self.disc_speed;
         let (first, last) = (self.last_hold(), self.release());
         let size = (start[0] - self.equilibrium()).abs().max(start[1].abs().max(v) / self.stiffness.sqrt());
         let mut state = start;
         let mut may_stick = !is_released;
-        let mut last_overtaking = f64::NEG_INFINITY;
-        for _ in 0..MOST_OVERTAKINGS {
+        let (mut last_overtaking, mut overtakings) = (f64::NEG_INFINITY, 0);
+        for _ in 0..MOST_MEETINGS {
             let [x, speed] = state;
             if may_stick && speed == v && (first..=last).contains(&x) {
                 return Fate::Captured;
             }
             may_stick = true;
             if speed > v || (speed == v && x < first) {
-                let slip = Self { disc_speed: -v, ..*self }.slip([-x, -speed], size);
-                match slip.end {
-                    SlipEnd::Captured => state = [-slip.x, v],
+                let overtaking = self.overtaking(state, size);
+                match overtaking.end {
+                    SlipEnd::Captured => state = [overtaking.x, v],
                     // Only where friction never falls, and then everywhere.
                     SlipEnd::Equilibrium => return Fate::Equilibrium,
                     SlipEnd::Turned | SlipEnd::Unresolved => return Fate::Unresolved,
@@ -218,10 +219,19 @@ impl PlanarMotion {
                     back
                 }
             };
-            // Orbits do not cross: a motion that overtakes no nearer to steady sliding than the time before does so for
-            // ever.
-            if caught.x < first && caught.x <= last_overtaking {
-                return Fate::Grows { from: self.equilibrium() - caught.x };
+            if caught.x < first {
+                // Orbits do not cross: a motion that overtakes no nearer to steady sliding than the time before does so
+                // for ever. So does one outside the motion that follows a release, or what becomes of that decides.
+                if caught.x <= last_overtaking {
+                    return Fate::Overtakes;
+                }
+                overtakings += 1;
+                if overtakings == 2 && !is_released {
+                    let released = self.fate_in_plane([last, v], true);
+                    if !matches!(released, Fate::Equilibrium | Fate::Unresolved) {
+                        return released;
+                    }
+                }
             }
             last_overtaking = caught.x;
             state = [caught.x, v];

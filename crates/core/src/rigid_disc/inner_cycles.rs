@@ -7,18 +7,21 @@
 //! g(u) = F'(u) - u F''(u) - C  <=  0        at all speeds of a swing and of what lies inside it,
 //! ```
 //!
-//! then `f / u` falls on both sides of `u = 0`, because its derivative is `g / u^2`. That is the condition of Zhang's theorem
-//! on Lienard's equation (Zhang Zhifen et al., *Qualitative Theory of Differential Equations*, chapter 4) with time
-//! running backwards: there is one cycle at most, and it repels. A motion that shrinks would lie inside it and comes to rest. Outside the
-//! speeds of the swing, friction can be replaced by any other for which `f / u` falls, so only these speeds count.
+//! then `f / u` falls on both sides of `u = 0`, because its derivative is `g / u^2`. That is the condition of Zhang's
+//! theorem on Lienard's equation (Zhang Zhifen et al., *Qualitative Theory of Differential Equations*, chapter 4) with
+//! time running backwards: there is one cycle at most, and it repels. A motion that shrinks stays inside its own swing,
+//! and ends at rest or on a cycle that attracts; there is none, so it comes to rest. Outside the speeds of the swing,
+//! friction can be replaced by any other for which `f / u` falls, so only these speeds count.
 //!
 //! * For `u = 0` the condition is linear stability, and the derivative of g is `-u F'''`. All derivatives of
 //!   `exp(-r^delta)` for exponents up to 1 and of `1 / (1 + r)` alternate in sign, so that `F''' > 0` and the condition
 //!   holds at any speed. A viscous term `k |s|` adds the constant `-G k` to F': it is damping.
 //! * For exponents above 1, `F'''` is positive where `p = r^delta` exceeds
-//!   `[3 (delta - 1) + sqrt((delta - 1) (5 delta - 1))] / (2 delta)`, negative below that, and for exponents above 2 it is
-//!   positive again below the same with the other sign of the root.
-//! * In every cubic of a measured curve `F'''` is constant, and g largest at one of its ends.
+//!   `[3 (delta - 1) + sqrt((delta - 1) (5 delta - 1))] / (2 delta)`, negative below that, and for exponents above 2 it
+//!   is positive again below the same with the other sign of the root. A disc slower than the first of these is left to
+//!   the return map: then `F''' < 0` at `u = 0`, and g rises on the other side.
+//! * In every cubic of a measured curve `F'''` is constant, and g is largest at one of its ends or, in the one around
+//!   the disc's speed, at `u = 0`, where the condition is linear stability.
 //!
 //! The speeds of a swing from `x0 + a` to `x0 - b` and on to `x0 + a'` are bounded by its energy. Say the pad moves up,
 //! no faster than U, and up to this speed friction exceeds that of steady sliding by `P` at most and falls below it by
@@ -52,7 +55,8 @@ impl PlanarMotion {
         self.law.is_completely_monotone() && self.damping_at_equilibrium() > 0.0
     }
 
-    /// Whether no stable cycle lies inside a swing that has not met the disc's speed; false also where that is not known.
+    /// Whether no stable cycle lies inside a swing that has not met the disc's speed; false also where that is not
+    /// known.
     pub fn has_no_cycle_inside(&self, swing: Turns) -> bool {
         let is_stable = self.damping_at_equilibrium() > 0.0 && self.damping >= 0.0;
         if !is_stable || self.law.is_completely_monotone() {
@@ -69,8 +73,8 @@ impl PlanarMotion {
         -slope - (self.disc_speed - s) * curvature - self.damping
     }
 
-    /// A bound of the speed of a half swing from one turning point to the next, `at_most` at most; `friction` bounds P and
-    /// D for speeds up to its argument.
+    /// A bound of the speed of a half swing from one turning point to the next, `at_most` at most; `friction` bounds P
+    /// and D for speeds up to its argument.
     fn fastest(&self, (start, end): (f64, f64), at_most: f64, friction: impl Fn(f64) -> (f64, f64)) -> f64 {
         let k = self.stiffness;
         (0..IMPROVEMENTS).fold(at_most, |fastest: f64, _| {

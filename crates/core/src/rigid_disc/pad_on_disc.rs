@@ -16,12 +16,12 @@ use crate::parameters::{ParameterError, Parameters};
 /// `sqrt(rho h L^4 / D)`, which for L = h is `tau sqrt(h)`. The paper takes the number tau, with all lengths in metres,
 /// as a number of seconds.
 ///
-/// **The conversion is exact nevertheless**, for pad and disc. Substitute t = tau t' in the equations in SI, with tau as a
-/// number of seconds:
+/// **The conversion is exact nevertheless**, for pad and disc. Substitute t = tau t' in the equations in SI, with tau
+/// as a number of seconds:
 ///
 /// - Pad: `M x_tt` becomes `M eta0 x''`, and a damper becomes `c sqrt(eta0) x'`.
-/// - Disc: `rho h w_tt + D nabla^4 w = p` becomes `w'' + (1/h) nabla^4 w = (h^2 / D) p`, with lengths over h. The factor
-///   1/h, the number of the thickness in metres, makes up for the missing root of a metre.
+/// - Disc: `rho h w_tt + D nabla^4 w = p` becomes `w'' + (1/h) nabla^4 w = (h^2 / D) p`, with lengths over h. The
+///   factor 1/h, the number of the thickness in metres, makes up for the missing root of a metre.
 ///
 /// So a scaled frequency over tau is the frequency in hertz. A disc mode of frequency parameter lambda^2 has the scaled
 /// angular frequency `lambda^2 h^(3/2) / b^2`, and over tau this is the textbook's
@@ -278,8 +278,8 @@ impl PadOnDisc {
         self.parameters.disc.outer_radius * self.parameters.operating_point.rotating_speed / self.scales.speed
     }
 
-    /// V = b Omega (m/s), the speed of the disc under the pad at a rotating speed Omega (rad/s): the sliding speed while
-    /// the pad does not move.
+    /// V = b Omega (m/s), the speed of the disc under the pad at a rotating speed Omega (rad/s): the sliding speed
+    /// while the pad does not move.
     #[must_use]
     pub fn speed_under_pad(&self, rotating_speed: f64) -> f64 {
         self.parameters.disc.outer_radius * rotating_speed
@@ -379,8 +379,8 @@ impl PadOnDisc {
         0.5 * pad.moment_arm * self.scales.length * pad.mass / pad.moment_of_inertia
     }
 
-    /// The fall of the friction force with the sliding speed, `-(k_t2 / k_t1) N d mu / d v`, N/m: what friction takes away
-    /// from the damping of the tangential motion.
+    /// The fall of the friction force with the sliding speed, `-(k_t2 / k_t1) N d mu / d v`, N/m: what friction takes
+    /// away from the damping of the tangential motion.
     pub(super) fn friction_weakening_force(&self) -> f64 {
         let (law, v) = (&self.friction, self.disc_speed());
         let force = self.friction_transmission() * self.normal_force();
@@ -416,8 +416,7 @@ impl PadOnDisc {
 }
 
 /// The oscillator of Stender & Hoffmann (bSTAB, Nonlinear Dynamics 2021, doi 10.1007/s11071-021-06786-5):
-/// x'' = -x - 0.1 x' + 0.5 + 0.5 exp(-(v - x') / 0.5) in slip; the disc's
-/// speed is the rotating speed.
+/// x'' = -x - 0.1 x' + 0.5 + 0.5 exp(-(v - x') / 0.5) in slip; the disc's speed is the rotating speed.
 #[cfg(test)]
 pub(crate) fn bstab_with(changes: &[(&str, f64)]) -> PadOnDisc {
     let mut parameters = Parameters::sui_ding_2018();

@@ -10,6 +10,7 @@
 //! of slip and turning points are located by bisection.
 
 use crate::friction::law::FrictionLaw;
+use crate::motion::integrator::GRAZING_RATE;
 use crate::numerics::dormand_prince;
 use crate::numerics::root_location::bisect;
 
@@ -18,9 +19,11 @@ use crate::numerics::root_location::bisect;
 const TOLERANCE: f64 = 1e-12;
 const ROUGH_TOLERANCE: f64 = 1e-8;
 
-/// A pad that meets the disc at more than this share of the disc's speed times the natural frequency is caught, whatever
-/// the errors of a rough simulation.
-const CLEAR_RATE: f64 = 0.03;
+/// A pad that meets the disc at more than this share of the disc's speed times the natural frequency is caught,
+/// whatever the errors of a rough simulation; they are relative to its size, which must not be larger than this many
+/// times the disc's speed over the natural frequency.
+const CLEAR_RATE: f64 = GRAZING_RATE;
+const CLEAR_SIZE: f64 = 1e3;
 
 /// Largest number of steps of one slip phase; some hundred are usual. Only a pad so light or so damped that its motion
 /// is stiff needs more; an explicit method is the wrong one for it.
@@ -66,6 +69,16 @@ pub(crate) struct Slip {
     pub smallest: f64,
 }
 
+/// A phase in which the pad is faster than the disc.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Overtaking {
+    /// [`SlipEnd::Captured`] is the usual one.
+    pub end: SlipEnd,
+    pub duration: f64,
+    /// x at its end.
+    pub x: f64,
+}
+
 impl PlanarMotion {
     /// Steady sliding, x0.
     pub fn equilibrium(&self) -> f64 {
@@ -95,8 +108,8 @@ impl PlanarMotion {
         self.damping > slope
     }
 
-    /// Whether the friction law bends nowhere within the speeds of a swing of the amplitude `a`: a measured curve bends at
-    /// its rows. Only then does a change near that of the linearised motion say something of smaller amplitudes.
+    /// Whether the friction law bends nowhere within the speeds of a swing of the amplitude `a`: a measured curve bends
+    /// at its rows. Only then does a change near that of the linearised motion say something of smaller amplitudes.
     pub fn is_smooth_within(&self, a: f64) -> bool {
         let (v, reach) = (self.disc_speed, 2.0 * a * self.stiffness.sqrt());
         let mut knots = self.law.pieces().flat_map(|piece| [piece.from, piece.to]);
@@ -176,9 +189,12 @@ impl PlanarMotion {
         slip
     }
 
-    /// Whether a motion in a state of slip is caught before it has completed a swing, by a margin that a rough simulation
-    /// resolves. False also where only a precise one can tell.
+    /// Whether a motion in a state of slip is caught before it has completed a swing, by a margin that a rough
+    /// simulation resolves. False also where only a precise one can tell.
     pub fn is_clearly_caught(&self, from: [f64; 2], size: f64) -> bool {
+        if size * self.stiffness.sqrt() > CLEAR_SIZE * self.disc_speed {
+            return false;
+        }
         let mut slip = self.slip_within(ROUGH_TOLERANCE, from, size);
         if slip.end == SlipEnd::Turned {
             slip = self.slip_within(ROUGH_TOLERANCE, [slip.x, 0.0], size);
@@ -214,14 +230,17 @@ impl PlanarMotion {
         -self.release() - 2.0 * self.damping * self.disc_speed / self.stiffness
     }
 
-    /// The phase in which the pad is faster than the disc, from `x` with the disc's speed until it has that speed again;
-    /// `None` where static friction holds the pad. Seen from a disc that turns the other way it is slip.
-    pub fn overtaking_from(&self, x: f64) -> Option<Slip> {
-        let v = self.disc_speed;
-        (x < self.last_hold()).then(|| {
-            let size = x.abs().max(v / self.stiffness.sqrt());
-            let mirrored = Self { disc_speed: -v, ..*self }.slip([-x, -v], size);
-            Slip { x: -mirrored.x, ..mirrored }
-        })
+    /// The phase in which the pad is faster than the disc, from `x` with the disc's speed until it has that speed
+    /// again; `None` where static friction holds the pad.
+    pub fn overtaking_from(&self, x: f64) -> Option<Overtaking> {
+        let size = x.abs().max(self.disc_speed / self.stiffness.sqrt());
+        (x < self.last_hold()).then(|| self.overtaking([x, self.disc_speed], size))
+    }
+
+    /// The same from any state in which the pad is not slower than the disc. In a mirror it slips on a disc of speed
+    /// -v.
+    pub fn overtaking(&self, [x, speed]: [f64; 2], size: f64) -> Overtaking {
+        let mirrored = Self { disc_speed: -self.disc_speed, ..*self }.slip([-x, -speed], size);
+        Overtaking { end: mirrored.end, duration: mirrored.duration, x: -mirrored.x }
     }
 }

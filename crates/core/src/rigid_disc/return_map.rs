@@ -12,7 +12,8 @@
 //! * A swing longer than the one before is followed by longer ones only; a shorter one by shorter ones.
 //! * A shrinking motion comes to rest exactly if `R(s) < s` for all smaller amplitudes s. If some `R(s) >= s`, a limit
 //!   cycle lies between, and the motion never gets inside it.
-//! * Where no stable cycle can lie inside a swing ([`crate::rigid_disc::inner_cycles`]), one that shrinks decides by itself.
+//! * Where no stable cycle can lie inside a swing ([`inner_cycles`](crate::rigid_disc::inner_cycles)), one that shrinks
+//!   decides by itself.
 //! * The energy `u^2/2 + K (x - x0)^2/2` of a motion with speeds up to U falls as long as
 //!   `C > [G mu(v - u) - G mu(v)] / u` for all `|u| <= U`: such a motion comes to rest, however slowly.
 //!
@@ -53,6 +54,8 @@ pub(crate) enum Fate {
     SmoothCycle { amplitude: f64 },
     /// It reaches the disc's speed.
     Captured,
+    /// It overtakes the disc in every cycle.
+    Overtakes,
     /// Not resolved.
     Unresolved,
 }
@@ -94,6 +97,8 @@ impl PlanarMotion {
             Fate::Unresolved
         } else if change > 0.0 {
             Fate::Grows { from: a }
+        } else if change == f64::NEG_INFINITY {
+            Fate::Equilibrium
         } else {
             self.fate_of_shrinking(a, change, bottom)
         }

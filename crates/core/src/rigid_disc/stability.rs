@@ -7,8 +7,9 @@
 //! m1 = [ -(k_t2 / k_t1) N d mu / d v - c_x sqrt(eta0) ] / (M eta0),      N = k_en k_y Delta / (k_en + k_y)
 //! ```
 //!
-//! with the slope `d mu / d v = -(f_s - f_c) w(v) + e b'(v)` of the friction law. Steady sliding is unstable exactly when
-//! `m1 > 0`, so the boundary in the plane of preload and static friction is a hyperbola, `Delta (f_s - f_0) = const`.
+//! with the slope `d mu / d v = -(f_s - f_c) w(v) + e b'(v)` of the friction law. Steady sliding is unstable exactly
+//! when `m1 > 0`, so the boundary in the plane of preload and static friction is a hyperbola, `Delta (f_s - f_0) =
+//! const`.
 
 use nalgebra::DMatrix;
 
@@ -39,8 +40,8 @@ impl Oscillator {
 /// Rotating speeds between which steady sliding is unstable, rad/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpeedRange {
-    /// Lower end: 0 for the rational law and Stribeck exponents up to 1; above 1 the friction curve is flat at rest, and
-    /// very slow sliding is stable again.
+    /// Lower end: 0 for the rational law and Stribeck exponents up to 1; above 1 the friction curve is flat at rest,
+    /// and very slow sliding is stable again.
     pub from: f64,
     /// Upper end, the critical speed; infinite if nothing damps the tangential motion.
     pub to: f64,
@@ -86,16 +87,16 @@ impl PadOnDisc {
         self.tangential_oscillator().eigenvalues()[0].re
     }
 
-    /// The rotating speeds at which steady sliding is unstable with this preload and friction, in rising order; none if it
-    /// is stable at every speed. The upper end of the last range is the critical speed. A measured curve that falls in
-    /// several places may have several ranges.
+    /// The rotating speeds at which steady sliding is unstable with this preload and friction, in rising order; none if
+    /// it is stable at every speed. The upper end of the last range is the critical speed. A measured curve that falls
+    /// in several places may have several ranges.
     ///
     /// Unstable is a sliding speed at which friction falls more steeply than `c = c_x sqrt(eta0) + (k_t2 / k_t1) N k_v`
-    /// with the viscous term k_v of the law. For Tustin's law
-    /// `v_crit = v_s ln[(k_t2 / k_t1) N (f_s - f_c) / (v_s c)]`. For other exponents `u = (v / v_s)^delta` solves
-    /// `u^p exp(-u) = c v_s / (delta (k_t2 / k_t1) N (f_s - f_c))` with `p = 1 - 1/delta`, which is `u = -p W(...)` with
-    /// Lambert's W on both its real branches. For the rational law
-    /// `(1 + v_crit / v_s)^2 = (k_t2 / k_t1) N (f_s - f_c) / (v_s c)`. On a table the slope of each cubic is a parabola.
+    /// with the viscous term k_v of the law. For Tustin's law `v_crit = v_s ln[(k_t2 / k_t1) N (f_s - f_c) / (v_s c)]`.
+    /// For other exponents `u = (v / v_s)^delta` solves `u^p exp(-u) = c v_s / (delta (k_t2 / k_t1) N (f_s - f_c))`
+    /// with `p = 1 - 1/delta`, which is `u = -p W(...)` with Lambert's W on both its real branches. For the rational
+    /// law `(1 + v_crit / v_s)^2 = (k_t2 / k_t1) N (f_s - f_c) / (v_s c)`. On a table the slope of each cubic is a
+    /// parabola.
     #[must_use]
     pub fn unstable_speeds(&self) -> Vec<SpeedRange> {
         let law = self.friction_law();
@@ -217,16 +218,18 @@ fn log_root(power: f64, level: f64, start: f64) -> f64 {
 /// The hyperbola `Delta (f_s - f_0) = critical_product` that separates stable from unstable steady sliding at one
 /// rotating speed.
 ///
-/// `f_0` is the static friction coefficient with which friction neither falls nor rises at this speed: f_c, with a viscous
-/// term k_v `f_c + k_v / w(v)`. Where a measured curve rises, nothing is unstable; but if it falls only because it is shifted
-/// by its standard deviations, that is so for small f_s, and the boundary is `Delta (f_0 - f_s) = critical_product`.
+/// `f_0` is the static friction coefficient with which friction neither falls nor rises at this speed: f_c, with a
+/// viscous term k_v `f_c + k_v / w(v)`. Where a measured curve rises, nothing is unstable; but if it falls only because
+/// it is shifted by its standard deviations, that is so for small f_s, and the boundary is `Delta (f_0 - f_s) =
+/// critical_product`.
 ///
 /// Samples outside physics are stable by definition, and never redrawn: `Delta <= 0` presses nothing together, and
 /// `f_s < f_c` means friction that rises with speed. (The bare product would call "both negative" unstable.)
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StabilityBoundary {
     critical_product: f64,
-    /// Unstable is `Delta (by_static f_s + offset) > critical_product`; `by_static` is 1 where friction falls with speed.
+    /// Unstable is `Delta (by_static f_s + offset) > critical_product`; `by_static` is 1 where friction falls with
+    /// speed.
     by_static: f64,
     offset: f64,
     /// Below it a sample is outside physics.
@@ -263,8 +266,8 @@ impl StabilityBoundary {
         }
     }
 
-    /// The static friction coefficients with which sliding is unstable at a given preload: those above the first number and
-    /// below the second, which is infinite but for shifted measured curves. Both are infinite if there are none.
+    /// The static friction coefficients with which sliding is unstable at a given preload: those above the first number
+    /// and below the second, which is infinite but for shifted measured curves. Both are infinite if there are none.
     #[must_use]
     pub fn unstable_static_friction(&self, preload: f64) -> (f64, f64) {
         const NONE: (f64, f64) = (f64::INFINITY, f64::INFINITY);

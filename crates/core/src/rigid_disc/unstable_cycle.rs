@@ -1,20 +1,20 @@
 //! The unstable cycle around steady sliding, from the return map.
 //!
-//! Between the critical speed and the saddle-node of stick-slip, steady sliding is stable and stick-slip is too. A cycle
-//! of slip parts them: motions that start inside it return to steady sliding, motions outside leave. No orbit on it or
-//! inside it reaches the disc's speed. For the slip phase that just touches the disc's speed does so at the release
-//! point, and goes on as every slip phase from there does; below the saddle-node that one is wider than the one before,
-//! so swings grow already where they touch.
+//! Between the critical speed and the saddle-node of stick-slip, steady sliding is stable and stick-slip is too. A
+//! cycle of slip parts them: motions that start inside it return to steady sliding, motions outside leave. No orbit on
+//! it or inside it reaches the disc's speed. For the slip phase that just touches the disc's speed does so at the
+//! release point, and goes on as every slip phase from there does; below the saddle-node that one is wider than the one
+//! before, so swings grow already where they touch.
 //!
-//! The cycle repels, often so strongly that no motion forward in time stays near it for one turn. So motions are followed
-//! backward in time, where it attracts. With `d = x - x0`, `w = -x'` and `F(u) = G mu(v - u)`,
+//! The cycle repels, often so strongly that no motion forward in time stays near it for one turn. So motions are
+//! followed backward in time, where it attracts. With `d = x - x0`, `w = -x'` and `F(u) = G mu(v - u)`,
 //!
 //! ```text
 //! d' = w,   w' = F(-w) - F(0) - K d + C w,       w > -v
 //! ```
 //!
-//! A swing from `d = a > 0`, `w = 0` comes from the amplitude Q(a) of the swing before. Inside the innermost cycle `Q(a) >
-//! a`, and Q(a) is inside too; at the cycle `Q(a) = a`. Along with the motion its energy is integrated,
+//! A swing from `d = a > 0`, `w = 0` comes from the amplitude Q(a) of the swing before. Inside the innermost cycle
+//! `Q(a) > a`, and Q(a) is inside too; at the cycle `Q(a) = a`. Along with the motion its energy is integrated,
 //!
 //! ```text
 //! (w^2 + K d^2)' / 2 = w (F(-w) - F(0) + C w),       Q(a)^2 = a^2 + 2 (its increase) / K
@@ -173,7 +173,8 @@ impl PlanarMotion {
         None
     }
 
-    /// Simulates a swing backward in time from `d = a`, `w = 0`, in steps of at most `longest`; `visit` sees every state.
+    /// Simulates a swing backward in time from `d = a`, `w = 0`, in steps of at most `longest`; `visit` sees every
+    /// state.
     fn follow(&self, a: f64, longest: f64, mut visit: impl FnMut(&State)) -> Swing {
         let frequency = self.stiffness.sqrt();
         let at_rest = self.law.coefficient(self.disc_speed);
@@ -231,8 +232,8 @@ impl PlanarMotion {
         Swing::Unresolved
     }
 
-    /// Whether the pad is as fast as the disc in the step `h` from `state` to `next`: at its end, or where its speed has
-    /// a maximum in between.
+    /// Whether the pad is as fast as the disc in the step `h` from `state` to `next`: at its end, or where its speed
+    /// has a maximum in between.
     fn leaves_disc_speed(&self, state: State, next: State, h: f64, rate: impl Fn(State) -> State) -> bool {
         let v = self.disc_speed;
         if next[1] <= -v {

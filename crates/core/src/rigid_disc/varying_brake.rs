@@ -44,11 +44,11 @@ impl VaryingBrake {
         &self.scalars
     }
 
-    /// The brake of one sample, `value(i)` being its value of scalar `i`; `None` if a value is not admissible, such as a
-    /// stiffness below zero.
+    /// The brake of one sample, `value(i)` being its value of scalar `i`; `None` if a value is not admissible, such as
+    /// a stiffness below zero.
     ///
-    /// No brake can be made with friction that rises with speed. Where the sample's static friction is below its kinetic
-    /// friction, the brake has the latter; criteria take the sample's own from its `inputs`.
+    /// No brake can be made with friction that rises with speed. Where the sample's static friction is below its
+    /// kinetic friction, the brake has the latter; criteria take the sample's own from its `inputs`.
     #[must_use]
     pub fn brake(&self, inputs: RandomInputs, value: impl Fn(usize) -> f64) -> Option<PadOnDisc> {
         let mut parameters: Parameters = self.shared.parameters().clone();

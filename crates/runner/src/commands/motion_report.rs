@@ -53,8 +53,8 @@ impl Facts {
         self.keys.insert(key.to_owned(), value);
     }
 
-    /// Rotating speed, preload and static friction; the first two also as the speed under the pad and as a displacement,
-    /// where the brake is known.
+    /// Rotating speed, preload and static friction; the first two also as the speed under the pad and as a
+    /// displacement, where the brake is known.
     pub fn add_operating_point(&mut self, rotating_speed: f64, inputs: RandomInputs, pad: Option<&PadOnDisc>) {
         let (mut speed_note, mut preload_note) = (String::new(), String::new());
         if let Some(pad) = pad {

@@ -21,13 +21,15 @@ use stickslip_sampler::grid::Cell;
 use crate::evaluate::samples::Samples;
 use crate::job::{Criterion, Job, StartValue};
 
-/// Largest number of brakes of a grid whose criteria are kept once they are prepared; a flexible disc takes some 100 kB.
+/// Largest number of brakes of a grid whose criteria are kept once they are prepared; a flexible disc takes some 100
+/// kB.
 const MOST_KEPT: usize = 1000;
 
 /// What decides the samples of a job.
 pub struct Criteria {
-    /// One for each brake of the grid. It is prepared when it is first wanted, and kept unless there are too many. `None`
-    /// if it cannot be prepared: between the extremes of the axes, where alone this was checked, no such brake may exist.
+    /// One for each brake of the grid. It is prepared when it is first wanted, and kept unless there are too many.
+    /// `None` if it cannot be prepared: between the extremes of the axes, where alone this was checked, no such brake
+    /// may exist.
     kept: Vec<OnceLock<Option<Arc<ReadyCriterion>>>>,
     /// The one for the first brake; others share with it what does not differ.
     first: Arc<ReadyCriterion>,
@@ -37,8 +39,8 @@ pub struct Criteria {
     scalars: Vec<&'static Scalar>,
 }
 
-/// A criterion for one brake of a grid. Where parameters other than preload and static friction scatter, every sample has
-/// a brake of its own, which `varying` makes.
+/// A criterion for one brake of a grid. Where parameters other than preload and static friction scatter, every sample
+/// has a brake of its own, which `varying` makes.
 pub enum ReadyCriterion {
     /// See [`Criterion::Eigenvalue`].
     Eigenvalue(StabilityBoundary),
@@ -271,8 +273,8 @@ impl Criteria {
         Some(Motions { criterion: of_first, brakes, starts })
     }
 
-    /// A sample for simulation in time, or its decision if it needs none. It fails if a value is not admissible, such as a
-    /// stiffness below zero.
+    /// A sample for simulation in time, or its decision if it needs none. It fails if a value is not admissible, such
+    /// as a stiffness below zero.
     pub(super) fn queued<'q>(
         &self,
         motions: &Motions<'q>,

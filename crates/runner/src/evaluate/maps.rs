@@ -127,8 +127,8 @@ fn kinetic_coefficient(job: &Job, brake: usize) -> f64 {
     parameters.map_or(f64::NAN, |parameters| parameters.friction.kinetic_coefficient)
 }
 
-/// The tiles that samples of any cell with a brake may fall in, sorted. Jobs with maps have no axes of the start, so that
-/// these cells follow each other.
+/// The tiles that samples of any cell with a brake may fall in, sorted. Jobs with maps have no axes of the start, so
+/// that these cells follow each other.
 fn needed_tiles(job: &Job, brake: usize) -> Vec<TileIndex> {
     let mut needed = vec![false; (TILES * TILES) as usize];
     let kinetic_coefficient = kinetic_coefficient(job, brake);

@@ -1,9 +1,9 @@
-//! Simulation of the samples of many units in one stream: they flow through the lanes of vector registers across cells and
-//! units, so that no lane waits for the last sample of a unit.
+//! Simulation of the samples of many units in one stream: they flow through the lanes of vector registers across cells
+//! and units, so that no lane waits for the last sample of a unit.
 //!
-//! A sample is complete when all its decisions are there; with Sobol indices, those on the second and on the mixed samples
-//! too. The samples of a unit are handed out in their order. Complete samples at the beginning of a unit can be handed over
-//! at any time, so that little is lost when the work stops.
+//! A sample is complete when all its decisions are there; with Sobol indices, those on the second and on the mixed
+//! samples too. The samples of a unit are handed out in their order. Complete samples at the beginning of a unit can be
+//! handed over at any time, so that little is lost when the work stops.
 
 use std::cell::Cell as Shared;
 use std::ops::Range;

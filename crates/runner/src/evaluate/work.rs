@@ -1,5 +1,5 @@
-//! One thread's work on units: it evaluates their samples a few at a time, so that it can stop soon, and hands over what
-//! is finished.
+//! One thread's work on units: it evaluates their samples a few at a time, so that it can stop soon, and hands over
+//! what is finished.
 
 use std::ops::Range;
 use std::time::{Duration, Instant};

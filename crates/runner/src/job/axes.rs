@@ -193,8 +193,8 @@ impl Brakes<'_> {
         corners.into_iter().try_for_each(|parameters| PadOnDisc::new(parameters).map(|_| ()))
     }
 
-    /// The parameters at the extremes of the further axes, at each of these rotating speeds: all combinations, or if these
-    /// are too many, all smallest values, all largest ones, and the smallest with one of the largest.
+    /// The parameters at the extremes of the further axes, at each of these rotating speeds: all combinations, or if
+    /// these are too many, all smallest values, all largest ones, and the smallest with one of the largest.
     ///
     /// # Errors
     /// None for axes that were checked, see [`settle`].
@@ -223,8 +223,8 @@ impl Brakes<'_> {
     }
 }
 
-/// Puts the first value of every further axis into the parameters, and checks that values which must agree do so in every
-/// cell.
+/// Puts the first value of every further axis into the parameters, and checks that values which must agree do so in
+/// every cell.
 ///
 /// # Errors
 /// The first contradiction.

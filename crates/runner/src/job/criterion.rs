@@ -48,8 +48,8 @@ pub enum Criterion {
 }
 
 impl Criterion {
-    /// Checks every key, and that the model has modes and an equilibrium where the job needs them. `None` if anything is
-    /// refused, or without a model.
+    /// Checks every key, and that the model has modes and an equilibrium where the job needs them. `None` if anything
+    /// is refused, or without a model.
     pub fn validate(
         span: Range<usize>,
         specs: StartSpecs<'_>,
@@ -150,9 +150,10 @@ impl Criterion {
         })
     }
 
-    /// A rotating speed of the axis and a growth rate at which pad and disc are unstable although friction does not fall with
-    /// speed, if there is one at the extremes of the further axes and at half the least or one and a half times the largest preload: with constant friction, or with
-    /// friction that rises as far as the scatter of the static friction coefficient reaches.
+    /// A rotating speed of the axis and a growth rate at which pad and disc are unstable although friction does not
+    /// fall with speed, if there is one at the extremes of the further axes and at half the least or one and a half
+    /// times the largest preload: with constant friction, or with friction that rises as far as the scatter of the
+    /// static friction coefficient reaches.
     pub fn growth_without_fall(&self, parameters: &Parameters, grid: &Grid) -> Option<(f64, f64)> {
         let modes = self.modes()?;
         let ends = |values: &[f64]| {

@@ -23,8 +23,8 @@ pub struct CriterionSpec {
     /// The disc under the pad; by default "flexible".
     #[schemars(with = "Option<DiscKind>")]
     pub disc: Option<Spanned<DiscKind>>,
-    /// How many modes of the flexible disc are kept, those of lowest frequency; by default "auto": as many as the growth
-    /// rates of the job need.
+    /// How many modes of the flexible disc are kept, those of lowest frequency; by default "auto": as many as the
+    /// growth rates of the job need.
     #[schemars(with = "Option<ModesSpec>")]
     pub disc_modes: Option<Spanned<ModesSpec>>,
     /// Where a motion starts; by default "near-equilibrium".
@@ -39,8 +39,8 @@ pub struct CriterionSpec {
     /// The paper's index: unstable where the settled amplitude exceeds a limit. Without it the motion itself decides.
     #[schemars(with = "Option<IndexSpec>")]
     pub index: Option<Spanned<IndexSpec>>,
-    /// What becomes of samples without preload (Delta <= 0) or with friction that rises with speed (f_s < f_c); "stable" by
-    /// default.
+    /// What becomes of samples without preload (Delta <= 0) or with friction that rises with speed (f_s < f_c);
+    /// "stable" by default.
     #[schemars(with = "Option<OutsidePhysics>")]
     pub outside_physics: Option<Spanned<OutsidePhysics>>,
     /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude.
@@ -99,8 +99,8 @@ impl JsonSchema for ModesSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutsidePhysics {
-    /// They are decided as they are: stable, as nothing is pressed together and rising friction only damps (on a flexible
-    /// disc unless pad and disc feed each other without any fall of friction).
+    /// They are decided as they are: stable, as nothing is pressed together and rising friction only damps (on a
+    /// flexible disc unless pad and disc feed each other without any fall of friction).
     #[default]
     Stable,
     /// They count as failed: the normal deviate, not the brake, made them.

@@ -273,8 +273,8 @@ pub fn check_band(friction: &Friction, is_random: bool) -> Result<(), String> {
     Err("friction.band shifts the measured curve by its standard deviations, but the table has no column std; add it, or leave friction.band out".to_owned())
 }
 
-/// What is wrong with a random input, or an axis, of a parameter that belongs to another friction law. `place` is its key
-/// in the job.
+/// What is wrong with a random input, or an axis, of a parameter that belongs to another friction law. `place` is its
+/// key in the job.
 pub fn check_varied(place: &str, input: &str, friction: &Friction) -> Result<(), String> {
     let law = LawSpec::from(&friction.law);
     let Some(name) = input.strip_prefix("friction.") else { return Ok(()) };

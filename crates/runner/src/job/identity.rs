@@ -1,12 +1,11 @@
 //! The identity of a job: a hash of every value that its result depends on.
 //!
 //! Each value enters the hash under the name of its key, with its type, its length where it has one, and its bits. The
-//! hash thus depends on no printer of numbers and on no order of a file. The values are those of the normalised job, see
-//! [`normalised`](super::normalised): the name and the description do not belong to them, nor do keys that the job's
-//! method or criterion has no use for.
+//! hash thus depends on no printer of numbers and on no order of a file. The values are those of the normalised job,
+//! see [`normalised`](super::normalised): the name and the description do not belong to them, nor do keys that the
+//! job's method or criterion has no use for.
 
-use stickslip_core::criterion::time_domain::{OTHER_LAWS_VERSION, VERDICTS_VERSION};
-use stickslip_core::friction::law::LawKind;
+use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
 use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
 use stickslip_sampler::verdict_map::resolve::MAP_VERSION;
 
@@ -76,22 +75,8 @@ impl Job {
         hash.whole("results version", RESULTS_VERSION.into());
         if !matches!(self.criterion, Criterion::Eigenvalue) {
             hash.whole("verdicts version", VERDICTS_VERSION.into());
-            if !self.has_tustins_law() {
-                hash.whole("other laws version", OTHER_LAWS_VERSION.into());
-            }
         }
         hash
-    }
-}
-
-impl Job {
-    /// Whether friction follows Stribeck's law with the exponent 1 in every sample.
-    fn has_tustins_law(&self) -> bool {
-        const EXPONENT: &str = "friction.stribeck_exponent";
-        let friction = &self.parameters.friction;
-        let is_axis = self.grid.of_brake.iter().any(|axis| axis.name == EXPONENT);
-        let is_random = self.random.inputs.iter().any(|input| input.name() == EXPONENT);
-        matches!(friction.law, LawKind::Stribeck) && friction.stribeck_exponent == 1.0 && !is_axis && !is_random
     }
 }
 

@@ -87,8 +87,8 @@ fn place_in_job(scalar: &Scalar, table: &str) -> String {
     }
 }
 
-/// The key of a job spec that may have been meant by one that `table` does not have, among those that it has and those of
-/// other tables, as the end of a message.
+/// The key of a job spec that may have been meant by one that `table` does not have, among those that it has and those
+/// of other tables, as the end of a message.
 pub fn suggestion(wrong: &str, table: &str, candidates: &[&str]) -> String {
     if let Some((right, _)) = TABLES.iter().find(|(_, keys)| keys.contains(&wrong)) {
         return format!("; `{wrong}` belongs in [{right}]");

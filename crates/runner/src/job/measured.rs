@@ -19,8 +19,8 @@ pub fn from_values(values: &[f64]) -> Result<Empirical, String> {
     Empirical::new(values).map_err(|error: EmpiricalError| error.to_string())
 }
 
-/// The distribution of one column of a CSV file: names in the first line, decimals with a point. Says file, line and value
-/// where it cannot be read.
+/// The distribution of one column of a CSV file: names in the first line, decimals with a point. Says file, line and
+/// value where it cannot be read.
 pub fn from_csv(path: &Path, column: &str) -> Result<Empirical, String> {
     let shown = path.display();
     let file = File::open(path).map_err(|error| format!("cannot read {shown}: {error}"))?;

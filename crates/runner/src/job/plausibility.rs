@@ -1,7 +1,7 @@
 //! Values that are admissible but were probably meant in another unit.
 //!
-//! The limits of the parameters exclude what cannot be computed. The ranges here are narrower: they hold every brake from a
-//! bicycle's to a train's, and what lies outside is warned of.
+//! The limits of the parameters exclude what cannot be computed. The ranges here are narrower: they hold every brake
+//! from a bicycle's to a train's, and what lies outside is warned of.
 
 use std::f64::consts::{PI, TAU};
 

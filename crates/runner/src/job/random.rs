@@ -27,8 +27,8 @@ pub struct RandomInputSet {
     pub pairs: Vec<(usize, usize, f64)>,
     /// Their correlation.
     pub correlation: Correlation,
-    /// For each entry of `relative_std`, the relative standard deviation of each input; of inputs of the start the standard
-    /// deviation itself.
+    /// For each entry of `relative_std`, the relative standard deviation of each input; of inputs of the start the
+    /// standard deviation itself.
     pub relative_stds: Vec<Vec<f64>>,
 }
 
@@ -158,8 +158,8 @@ impl RandomInputSet {
         }
     }
 
-    /// The normal inputs that do not scatter in some cell although they are asked to, since they scatter in proportion to
-    /// an expected value of zero there: each in a sentence.
+    /// The normal inputs that do not scatter in some cell although they are asked to, since they scatter in proportion
+    /// to an expected value of zero there: each in a sentence.
     pub fn without_scatter(&self, parameters: &Parameters, grid: &Grid) -> Vec<String> {
         let mut found = Vec::new();
         for (i, (input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {

@@ -15,7 +15,8 @@ pub enum RandomInput {
     StaticFriction,
     /// Any other parameter; its expected value is the model's, or that of its axis.
     Other(&'static Scalar),
-    /// A number of the start of a motion. It scatters by a standard deviation that is not relative to its expected value.
+    /// A number of the start of a motion. It scatters by a standard deviation that is not relative to its expected
+    /// value.
     Start(StartValue),
 }
 
@@ -85,8 +86,8 @@ impl RandomInput {
         }
     }
 
-    /// Whether its standard deviation is not relative to its expected value: of numbers of the start, and of the shift of a
-    /// measured friction curve, which counts standard deviations itself.
+    /// Whether its standard deviation is not relative to its expected value: of numbers of the start, and of the shift
+    /// of a measured friction curve, which counts standard deviations itself.
     pub fn scatters_absolutely(self) -> bool {
         match self {
             Self::Start(_) => true,

@@ -19,13 +19,13 @@ pub const LARGEST_STD: f64 = 10.0;
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomSpec {
-    /// The inputs that scatter about their expected value: "preload", "static_friction", "rotating_speed", any parameter of
-    /// the model by its path, for example "stiffness.contact_normal", or a number of the start, for example
-    /// "start.velocity". May be empty.
+    /// The inputs that scatter about their expected value: "preload", "static_friction", "rotating_speed", any
+    /// parameter of the model by its path, for example "stiffness.contact_normal", or a number of the start, for
+    /// example "start.velocity". May be empty.
     #[schemars(with = "Option<Vec<String>>")]
     pub inputs: Option<Spanned<Vec<Spanned<String>>>>,
-    /// Standard deviation over expected value, from 0 to what the distribution allows: 1 for a normal input. A list makes an
-    /// axis of the grid. An input with measured values has their own, and none here.
+    /// Standard deviation over expected value, from 0 to what the distribution allows: 1 for a normal input. A list
+    /// makes an axis of the grid. An input with measured values has their own, and none here.
     #[schemars(with = "Option<RelativeStdSpec>")]
     pub relative_std: Option<Spanned<RelativeStdSpec>>,
     /// Standard deviations of numbers of the start, which may be 0 on average: by input, in the unit of the start.

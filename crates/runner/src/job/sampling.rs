@@ -246,8 +246,8 @@ impl SamplingSpec {
         })
     }
 
-    /// Shares the half width that is wanted among the audit of a verdict map, of which no sample differs, and the counts:
-    /// the audit that it takes, and what is left for the counts.
+    /// Shares the half width that is wanted among the audit of a verdict map, of which no sample differs, and the
+    /// counts: the audit that it takes, and what is left for the counts.
     fn share_precision(
         &self,
         precision: Precision,

@@ -23,7 +23,8 @@ pub struct SamplingSpec {
     /// Seed of the random numbers; by default 0. The same seed gives the same result on every machine.
     #[schemars(with = "Option<u64>")]
     pub seed: Option<Spanned<u64>>,
-    /// Whether every sample is simulated ("each") or looked up in a map of the verdicts ("boundary"); by default "each".
+    /// Whether every sample is simulated ("each") or looked up in a map of the verdicts ("boundary"); by default
+    /// "each".
     #[schemars(with = "Option<EvaluateMode>")]
     pub evaluate: Option<Spanned<EvaluateMode>>,
     /// With a verdict map: how many looked-up samples of each cell are simulated as a check (a whole number), or which

@@ -59,8 +59,8 @@ impl Job {
         u128::from(self.cells()) * u128::from(self.sampling.samples)
     }
 
-    /// Verdicts that counting its samples takes, at most, if each is simulated: of a sample with Sobol indices also those
-    /// of the second sample and of the mixed ones.
+    /// Verdicts that counting its samples takes, at most, if each is simulated: of a sample with Sobol indices also
+    /// those of the second sample and of the mixed ones.
     pub fn verdicts_of_samples(&self) -> u128 {
         let of_a_sample = if self.sampling.sensitivity { 2 + self.random.inputs.len() } else { 1 };
         self.total_samples() * of_a_sample as u128
@@ -80,8 +80,8 @@ impl Job {
         if self.sampling.method == SamplingMethod::Sobol { Points::Sobol } else { Points::Random }
     }
 
-    /// Whether drawing and deciding a sample costs little more than its random numbers: only preload and static friction scatter,
-    /// normal and independent.
+    /// Whether drawing and deciding a sample costs little more than its random numbers: only preload and static
+    /// friction scatter, normal and independent.
     pub fn has_cheap_samples(&self) -> bool {
         self.sampling.method == SamplingMethod::MonteCarlo && self.random.other().is_none() && self.random.is_plain()
     }
@@ -107,8 +107,8 @@ impl Job {
         BinomialInterval::new(self.sampling.interval_kind(confidence), confidence)
     }
 
-    /// The confidence of the interval of the counted verdicts of one cell. Where a part of them is known from the audit of
-    /// a verdict map only, the error is shared with it.
+    /// The confidence of the interval of the counted verdicts of one cell. Where a part of them is known from the audit
+    /// of a verdict map only, the error is shared with it.
     pub fn confidence(&self, is_audited: bool) -> f64 {
         let of_a_cell = self.confidence_of_a_cell();
         if is_audited { interval::half_of_the_error(of_a_cell) } else { of_a_cell }
@@ -146,8 +146,8 @@ impl Job {
         Brakes { parameters: &self.parameters, grid: &self.grid }
     }
 
-    /// The value in a cell of a parameter, but for those that have an axis in every job, or of a number of the start; `None`
-    /// if the start leaves it out.
+    /// The value in a cell of a parameter, but for those that have an axis in every job, or of a number of the start;
+    /// `None` if the start leaves it out.
     pub fn value_in(&self, key: &str, cell: &Cell) -> Option<f64> {
         if let Some(axis) = self.grid.further().position(|further| further.name == key) {
             return Some(self.grid.further_values(cell.index)[axis]);
@@ -205,7 +205,8 @@ impl Job {
         warnings
     }
 
-    /// What of the extremes of the axes lies outside the range over which verdicts in time were tested, each value once.
+    /// What of the extremes of the axes lies outside the range over which verdicts in time were tested, each value
+    /// once.
     fn uncovered(&self) -> Vec<Uncovered> {
         let Criterion::TimeDomain { disc, .. } = &self.criterion else { return Vec::new() };
         let mut found: Vec<Uncovered> = Vec::new();

@@ -25,8 +25,8 @@ const MOST_MAPS: usize = 1000;
 /// Largest number of parts of cells that are counted apart.
 const MOST_PARTS: u64 = 2_000_000;
 
-/// The job of a spec; `None` with at least one complaint if anything of it is refused. Files that it names are sought in
-/// `folder`.
+/// The job of a spec; `None` with at least one complaint if anything of it is refused. Files that it names are sought
+/// in `folder`.
 pub fn validate(spec: &JobSpec, folder: &Path, complaints: &mut Complaints) -> Option<Job> {
     let before = complaints.len();
     let name = validate_name(spec.name.as_ref(), complaints);

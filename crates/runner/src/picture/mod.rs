@@ -36,8 +36,8 @@ const MOST_UNKNOWN: f64 = 0.1;
 /// The mark of such a probability.
 const UNKNOWN: &str = "          ? more than 10 % of the samples undecided or failed\n";
 
-/// The probability of instability over the two longest axes, one slice for each combination of the others. If only one axis
-/// varies, the picture shows a curve, or bars if it is short.
+/// The probability of instability over the two longest axes, one slice for each combination of the others. If only one
+/// axis varies, the picture shows a curve, or bars if it is short.
 pub fn picture(surface: &Surface<'_>) -> String {
     let view = GridView::new(surface.job());
     let slices = view.slices();

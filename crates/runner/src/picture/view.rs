@@ -83,8 +83,8 @@ impl GridView {
         view
     }
 
-    /// Chooses the two longest axes; of equally long ones those that vary fastest. Standard deviations are shown along a
-    /// line if nothing else varies.
+    /// Chooses the two longest axes; of equally long ones those that vary fastest. Standard deviations are shown along
+    /// a line if nothing else varies.
     fn choose(&mut self) {
         let length = |axis: &usize| self.axes[*axis].values.len();
         let mut long: Vec<usize> = (0..self.axes.len()).rev().filter(|axis| length(axis) > 1).collect();

@@ -1,7 +1,7 @@
 //! Two friction oscillators that others published, as brakes with a rigid disc: numbers that nobody here wrote.
 //!
-//! - M. Stender, N. Hoffmann, "bSTAB: an open-source software for computing the basin stability of multi-stable dynamical
-//!   systems", Nonlinear Dynamics (2021), doi 10.1007/s11071-021-06786-5.
+//! - M. Stender, N. Hoffmann, "bSTAB: an open-source software for computing the basin stability of multi-stable
+//!   dynamical systems", Nonlinear Dynamics (2021), doi 10.1007/s11071-021-06786-5.
 //! - V. Veraszto, G. Stepan, International Journal of Non-Linear Mechanics (2017), doi
 //!   10.1016/j.ijnonlinmec.2017.01.006.
 //!

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-/// An amplitude spectrum: one-sided, of a signal without its mean, under a Hann window that is scaled so that a sine wave
-/// in the middle of a bin shows its amplitude.
+/// An amplitude spectrum: one-sided, of a signal without its mean, under a Hann window that is scaled so that a sine
+/// wave in the middle of a bin shows its amplitude.
 pub struct Spectrum {
     /// Hz of scaled time.
     pub frequencies: Vec<f64>,
@@ -31,8 +31,8 @@ pub fn spectrum(values: &[f64], interval: f64) -> Spectrum {
 }
 
 impl Spectrum {
-    /// The highest peaks, at most `count`, as frequency and amplitude, by falling amplitude; each at least `share` of the
-    /// highest. Their frequencies are those of the parabola through the logarithms of a peak and its neighbours.
+    /// The highest peaks, at most `count`, as frequency and amplitude, by falling amplitude; each at least `share` of
+    /// the highest. Their frequencies are those of the parabola through the logarithms of a peak and its neighbours.
     pub fn peaks(&self, count: usize, share: f64) -> Vec<(f64, f64)> {
         let a = &self.amplitudes;
         let highest = a.iter().copied().fold(0.0, f64::max);

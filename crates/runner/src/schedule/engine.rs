@@ -255,8 +255,8 @@ impl Engine {
         let _working = interrupt.working();
         thread::scope(|scope| {
             let workers = scope.spawn(move || {
-                // Each thread takes units until there are none. In which order they are done, and by which thread, makes
-                // no difference to the results.
+                // Each thread takes units until there are none. In which order they are done, and by which thread,
+                // makes no difference to the results.
                 self.pool.install(|| {
                     (0..self.threads()).into_par_iter().with_max_len(1).for_each(|_| work(&link));
                 });

@@ -256,9 +256,9 @@ fn sensitivity_columns(layout: SumLayout, inputs: &[RandomInput]) -> Vec<Column>
     columns
 }
 
-/// Adds columns for the inputs and the further axes: expected value and standard deviation of those other than preload and
-/// static friction, and mean and standard deviation of those that are truncated. The other columns of a truncated input then name
-/// parameters of its distribution.
+/// Adds columns for the inputs and the further axes: expected value and standard deviation of those other than preload
+/// and static friction, and mean and standard deviation of those that are truncated. The other columns of a truncated
+/// input then name parameters of its distribution.
 fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
     let job = Arc::new(job.clone());
     let start = job.criterion.given_start().unwrap_or_default();

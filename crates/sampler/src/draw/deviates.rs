@@ -1,12 +1,12 @@
 //! Standard normal deviates for any number of random inputs, from random numbers or from scrambled Sobol points.
 //!
-//! Deviates come in columns, one for each random input, and in chunks: a sample takes one deviate of each column, in the
-//! order of the inputs.
+//! Deviates come in columns, one for each random input, and in chunks: a sample takes one deviate of each column, in
+//! the order of the inputs.
 //!
-//! Random numbers are drawn sample by sample from the generator of the sample's block (see [`identity`](super::identity)).
-//! They become normal by `rand_distr`'s ziggurat. Its rare tail and rejection steps call `exp` and `ln`, which a build that
-//! enables `num-traits/std` (Arrow does) takes from the platform; golden values in the tests, and a run without FMA and
-//! AVX2, guard that no result depends on it.
+//! Random numbers are drawn sample by sample from the generator of the sample's block (see
+//! [`identity`](super::identity)). They become normal by `rand_distr`'s ziggurat. Its rare tail and rejection steps
+//! call `exp` and `ln`, which a build that enables `num-traits/std` (Arrow does) takes from the platform; golden values
+//! in the tests, and a run without FMA and AVX2, guard that no result depends on it.
 
 use std::ops::Range;
 
@@ -32,8 +32,8 @@ pub enum Points {
     Sobol,
 }
 
-/// The deviates of a job: those of a sample are a pure function of the seed, the cell (unless all cells share them) and the
-/// sample's number.
+/// The deviates of a job: those of a sample are a pure function of the seed, the cell (unless all cells share them) and
+/// the sample's number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DeviateStream {
     /// Seed of the job.
@@ -80,8 +80,8 @@ impl DeviateStream {
         Deviates { seed: self.seed, dimensions: self.dimensions, next: first, source }
     }
 
-    /// Hands the deviates of samples `range` of a cell to `visit`, in order and in chunks of columns. What `visit` makes of
-    /// the columns is dropped.
+    /// Hands the deviates of samples `range` of a cell to `visit`, in order and in chunks of columns. What `visit`
+    /// makes of the columns is dropped.
     #[inline]
     pub fn for_each_chunk(
         &self,

@@ -12,7 +12,8 @@ pub(super) struct Shifted {
 }
 
 impl Marginal {
-    /// A relative standard deviation for which the distribution exists, if any shift of it is a distribution of the same kind.
+    /// A relative standard deviation for which the distribution exists, if any shift of it is a distribution of the
+    /// same kind.
     fn shiftable(&self) -> Option<f64> {
         match self {
             Self::Normal | Self::TruncatedNormal { .. } => Some(1.0),
@@ -33,9 +34,9 @@ impl Marginal {
         }
     }
 
-    /// Whether the distribution exists with this expected value and this standard deviation, which is not relative to it.
-    /// Normal, uniform, Gumbel, triangular and truncated normal distributions do with any expected value; the others, which
-    /// have positive values only, with positive ones.
+    /// Whether the distribution exists with this expected value and this standard deviation, which is not relative to
+    /// it. Normal, uniform, Gumbel, triangular and truncated normal distributions do with any expected value; the
+    /// others, which have positive values only, with positive ones.
     ///
     /// # Errors
     /// [`MarginalError`] if it does not.

@@ -7,9 +7,10 @@
 //! Delta(z1) = Delta (1 + sigma_Delta z1),   t(z1) = (f_crit(Delta(z1)) / f_s - 1) / sigma_f
 //! ```
 //!
-//! with the normal density `phi` and upper tail `Q`. If only one input scatters, it is a single tail. A measured curve that
-//! falls only because it is shifted by its standard deviations is unstable between two static friction coefficients, and
-//! `Q` becomes the difference of the two tails. The derivatives follow from the moments of the deviates over the same region ([`derivatives`](crate::integrate::derivatives)).
+//! with the normal density `phi` and upper tail `Q`. If only one input scatters, it is a single tail. A measured curve
+//! that falls only because it is shifted by its standard deviations is unstable between two static friction
+//! coefficients, and `Q` becomes the difference of the two tails. The derivatives follow from the moments of the
+//! deviates over the same region ([`derivatives`](crate::integrate::derivatives)).
 
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 
@@ -99,7 +100,8 @@ pub fn derivatives(boundary: &StabilityBoundary, cell: &Cell) -> Derivatives {
     match scatter(cell) {
         (false, true) if cell.preload > 0.0 => {
             let (above, below) = boundary.unstable_static_friction(cell.preload);
-            // Sliding is unstable above `f_0 + C / Delta`, or below `f_0 - C / Delta`: with more preload more so, either way.
+            // Sliding is unstable above `f_0 + C / Delta`, or below `f_0 - C / Delta`: with more preload more so,
+            // either way.
             let limit = if below.is_finite() { below } else { above };
             let slope_of_limit = if limit > boundary.least_static_coefficient() {
                 -boundary.critical_product() / (cell.preload * cell.preload)

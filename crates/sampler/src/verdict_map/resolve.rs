@@ -57,8 +57,8 @@ const GRID: usize = INTERVALS as usize + 3;
 
 impl Tile {
     /// Resolves a tile. `verdicts_at` returns the verdicts at points (preload, falling friction), many at once. The
-    /// cost of the tile is left at 0 for the caller to set. If `verdicts_at` returns `None`, the search ends there, with
-    /// `None`.
+    /// cost of the tile is left at 0 for the caller to set. If `verdicts_at` returns `None`, the search ends there,
+    /// with `None`.
     pub fn resolve(index: TileIndex, verdicts_at: impl FnMut(&[Point]) -> Option<Vec<Verdict>>) -> Option<Self> {
         let tile = index.bounds();
         let mut questions = Questions { verdicts_at, asked: 0 };

@@ -295,12 +295,30 @@ fn a_motion_outside_one_that_does_not_come_to_rest_is_unstable() {
 }
 
 #[test]
-fn a_cycle_of_overtaking_has_settled_when_it_repeats() {
-    let mut monitor = monitor(bistable(), true, 6.0);
-    for (x, verdict) in [(-2.0, None), (-1.95, None), (-1.9, None), (-1.9, Some(Verdict::Unstable))] {
-        monitor.overtakes(x, ContactState::Overtaking);
-        assert_eq!(monitor.verdict(), verdict, "{x}");
-    }
+fn outside_a_cycle_of_stick_slip_a_motion_ends_in_that_cycle() {
+    let motion = bistable();
+    let mut monitor = monitor(motion, true, 6.0);
+    monitor.overtakes(-2.0, ContactState::Overtaking);
+    assert_eq!(monitor.verdict(), None);
+    monitor.overtakes(-1.95, ContactState::Overtaking);
+    assert_eq!(monitor.verdict(), Some(Verdict::Unstable));
+    let cycle = motion.limit_cycle().unwrap();
+    assert_eq!(monitor.amplitude(), 0.5 * (cycle.tangential_max - cycle.tangential_min));
+}
+
+#[test]
+fn a_place_has_settled_when_what_is_left_of_its_change_is_small() {
+    let settles = |ratio: f64, first: f64| {
+        let mut monitor = monitor(bistable(), true, 6.0);
+        let places = [0.0, 1.0, 2.0].map(|cycle| -2.0 + first * ratio.powf(cycle));
+        assert!(!monitor.has_settled(places[0], places[1]), "a single change says nothing of the next");
+        monitor.has_settled(places[1], places[2])
+    };
+    assert!(settles(0.5, 1e-5));
+    assert!(!settles(0.5, 1e-3));
+    // A small change, but a thousand times as much is to come.
+    assert!(!settles(0.999, 1e-2));
+    assert!(settles(0.999, 1e-6));
 }
 
 #[test]

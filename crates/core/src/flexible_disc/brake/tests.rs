@@ -178,9 +178,9 @@ fn twice_the_points_change_no_growth_rate_of_a_soft_brake() {
 
 #[test]
 fn the_disc_in_the_equations_vibrates_at_the_textbooks_frequencies_in_hertz() {
-    // With a pad that hardly touches, the eigenvalues of pad and disc contain those of the disc alone. Seen from the pad,
-    // a wave with n nodal diameters on a disc that turns has the angular frequencies omega - n Omega and omega + n Omega.
-    // lambda^2 is from the zeros of the determinant of Bessel functions, computed independently of this crate.
+    // With a pad that hardly touches, the eigenvalues of pad and disc contain those of the disc alone. Seen from the
+    // pad, a wave with n nodal diameters on a disc that turns has the angular frequencies omega - n Omega and omega + n
+    // Omega. lambda^2 is from the zeros of the determinant of Bessel functions, computed independently of this crate.
     let frequency_parameters = [11.7565, 11.9802, 13.3679, 17.3691, 24.6646];
     let speed = 80.0;
     for (youngs_modulus, thickness) in [(2.1e11, 0.02), (7e10, 0.008)] {

@@ -11,8 +11,8 @@ use crate::flexible_disc::plate_modes::PlateMode;
 use crate::numerics::quadrature::gauss_legendre;
 use crate::parameters::Parameters;
 
-/// Unit of the lengths along the disc, `r theta` and those by which slopes are taken, over the outer radius b. It is the
-/// thickness of the preset, whose scales are 1 for it: see [`PadPosition::tilt`] and [`ContactLoads::follower`].
+/// Unit of the lengths along the disc, `r theta` and those by which slopes are taken, over the outer radius b. It is
+/// the thickness of the preset, whose scales are 1 for it: see [`PadPosition::tilt`] and [`ContactLoads::follower`].
 pub(crate) const LENGTH_UNIT: f64 = 0.020 / 0.135;
 
 /// Further points for a partly lifted patch, on each piece and between two cuts of the radius: where pieces divide and

@@ -211,8 +211,8 @@ impl<const L: usize> Couplings<L> {
     }
 }
 
-/// A row that couples the core: at y; its size at the amplitudes, times the inverse of the core, once y is eliminated; and
-/// its whole size.
+/// A row that couples the core: at y; its size at the amplitudes, times the inverse of the core, once y is eliminated;
+/// and its whole size.
 struct CoreRow<const L: usize> {
     at_y: Row<L>,
     eliminated: Row<L>,

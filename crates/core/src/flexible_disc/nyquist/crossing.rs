@@ -7,8 +7,8 @@ use crate::flexible_disc::nyquist::elimination::{Complex, eliminate_complex, lef
 use crate::flexible_disc::nyquist::matrices::Places;
 use crate::flexible_disc::nyquist::row::Row;
 
-/// What is left for rounding, for the last step of the equilibrium, and for the eigenvalues' own errors, relative to the
-/// damping.
+/// What is left for rounding, for the last step of the equilibrium, and for the eigenvalues' own errors, relative to
+/// the damping.
 const MARGIN: f64 = 1e-6;
 
 /// The side of the origin on which f crosses the imaginary axis: 1 above, -1 below, 0 if that is not known.

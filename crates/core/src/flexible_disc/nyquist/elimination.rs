@@ -1,9 +1,9 @@
 //! Gaussian elimination in lanes, without exchange of rows.
 //!
-//! No exchange is needed where `v* R v` has a positive imaginary part for every v, as the module documentation proves of
-//! the core: pivots cannot vanish then, and their growth is bounded (G. H. Golub, C. F. Van Loan, "Unsymmetric positive
-//! definite linear systems", Linear Algebra and its Applications 28, 1979, 85-97). The search for the equilibrium shows
-//! by its convergence that its own elimination was good.
+//! No exchange is needed where `v* R v` has a positive imaginary part for every v, as the module documentation proves
+//! of the core: pivots cannot vanish then, and their growth is bounded (G. H. Golub, C. F. Van Loan, "Unsymmetric
+//! positive definite linear systems", Linear Algebra and its Applications 28, 1979, 85-97). The search for the
+//! equilibrium shows by its convergence that its own elimination was good.
 
 use crate::flexible_disc::nyquist::row::Row;
 

@@ -11,8 +11,8 @@ use crate::numerics::sine_cosine::{SERIES_ANGLE, small_sine_and_cosine};
 /// the eigenvalues.
 const MOST_STEPS: usize = 12;
 
-/// Size of the last step, relative to the displacements, at which the search ends. It changes a growth rate by less than
-/// the margin of the decision.
+/// Size of the last step, relative to the displacements, at which the search ends. It changes a growth rate by less
+/// than the margin of the decision.
 const LAST_STEP: f64 = 1e-10;
 
 /// Places of the degrees of freedom: y is first, the amplitudes follow.

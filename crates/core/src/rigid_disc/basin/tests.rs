@@ -11,8 +11,8 @@ const WINDOW: Window = Window { tangential: (-2.0, 2.0), speed: (0.0, 2.0) };
 
 #[test]
 fn shares_of_a_window_are_those_of_an_independent_integration() {
-    // SciPy 1.17.1: the unstable cycle by solve_ivp with DOP853, rtol 1e-13, atol 1e-15, and brentq; its area within the
-    // window by the trapezoidal rule over 200 001 points. The first two columns are what the issue of these tests
+    // SciPy 1.17.1: the unstable cycle by solve_ivp with DOP853, rtol 1e-13, atol 1e-15, and brentq; its area within
+    // the window by the trapezoidal rule over 200 001 points. The first two columns are what the issue of these tests
     // prints, six decimals from another integration.
     for (speed, printed, ours) in [
         (1.175, 0.018774, 0.0187743),
@@ -161,7 +161,7 @@ fn a_pad_that_overtakes_the_disc_in_every_cycle_never_returns() {
     parameters.set("damping.tangential", 0.001).unwrap();
     let brake = PadOnDisc::new(parameters).unwrap();
     let motion = brake.planar_motion();
-    assert!(matches!(motion.fate_in_plane([motion.release(), 2.2], true), Fate::Grows { .. }));
+    assert!(matches!(motion.fate_in_plane([motion.release(), 2.2], true), Fate::Overtakes));
     let knock = brake.basin().smallest_knock().unwrap();
     let x0 = brake.sliding_equilibrium().tangential;
     assert_eq!(brake.verdict_on_start(x0, knock.forward * (1.0 - 1e-5)), Verdict::Stable);

@@ -187,8 +187,8 @@ pub fn json(compared: &[Differences<'_>], confidence: f64, simultaneous: bool) -
     Value::Array(compared.iter().map(of).collect())
 }
 
-/// The difference over the two longest axes of the reference: one slice for each combination of the others, if it has at least
-/// two values of each.
+/// The difference over the two longest axes of the reference: one slice for each combination of the others, if it has
+/// at least two values of each.
 pub fn picture(differences: &Differences<'_>) -> String {
     let view = GridView::new(differences.job);
     let (Some(vertical), Some(horizontal)) = (view.vertical(), view.horizontal()) else { return String::new() };

@@ -14,8 +14,8 @@ fn with(start: GivenStart) -> TimeDomainSettings {
     TimeDomainSettings { start: Start::Given(start), ..Default::default() }
 }
 
-/// What becomes of a motion on a rigid disc, by the adaptive method alone: whether it comes to stick for ever. `None` if this
-/// takes too long.
+/// What becomes of a motion on a rigid disc, by the adaptive method alone: whether it comes to stick for ever. `None`
+/// if this takes too long.
 fn keeps_sticking(motion: &PlanarMotion, mut x: f64, mut u: f64) -> Option<bool> {
     let v = motion.disc_speed;
     // A pad that overtakes is one that slips, seen in a mirror.

@@ -1,5 +1,5 @@
-//! Verdicts on a rigid disc with every friction law, against an independent fate: the adaptive method, swing after swing,
-//! until the motion sticks for the second time, keeps to a cycle or has come to rest.
+//! Verdicts on a rigid disc with every friction law, against an independent fate: the adaptive method, swing after
+//! swing, until the motion sticks for the second time, keeps to a cycle or has come to rest.
 
 use super::*;
 use crate::friction::law::{FrictionLaw, LawKind};
