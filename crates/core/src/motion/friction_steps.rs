@@ -13,8 +13,8 @@
 //! *Resolution*: `r` may change by a part of the length `s` over which `p` changes by one. The error of a fourth-order
 //! step is proportional to `exp(-p) (change of p)^5`, so at equal error the change may grow as `exp(p/5)`; where
 //! friction has fallen to nothing, nothing limits the step. *Feedback*: near sticking the falling friction drives the
-//! pad away at the rate `lambda`, which steps have to resolve even while nothing moves much yet. It is bounded with `1
-//! + p + ... + p^4/24` in place of `exp(p)`, and by the steepest slope of the law.
+//! pad away at the rate `lambda`, which steps have to resolve even while nothing moves much yet. It is bounded by
+//! the slope with `1 + p + ... + p^4/24` in place of `exp(p)`, and by the steepest slope of the law.
 //!
 //! | exponent | s(r) |
 //! |---|---|

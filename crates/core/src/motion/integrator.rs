@@ -85,7 +85,8 @@ pub(crate) trait Observer {
 pub(crate) const GRAZING_SPEED: f64 = 1e-4;
 
 /// A pad grazes too where it meets the disc with less than this share of the disc's speed times its natural frequency:
-/// the acceleration at the meeting grows with the square root of the distance to a mere touch.
+/// the acceleration at the meeting grows with the square root of the distance to a mere touch. The same as the rate of
+/// a clear capture in `rigid_disc::planar_motion`.
 pub(crate) const GRAZING_RATE: f64 = 3e-2;
 
 /// The computation broke down: not a number, or farther away than any brake could go.

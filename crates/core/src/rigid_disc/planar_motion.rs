@@ -10,7 +10,6 @@
 //! of slip and turning points are located by bisection.
 
 use crate::friction::law::FrictionLaw;
-use crate::motion::integrator::GRAZING_RATE;
 use crate::numerics::dormand_prince;
 use crate::numerics::root_location::bisect;
 
@@ -22,7 +21,7 @@ const ROUGH_TOLERANCE: f64 = 1e-8;
 /// A pad that meets the disc at more than this share of the disc's speed times the natural frequency is caught,
 /// whatever the errors of a rough simulation; they are relative to its size, which must not be larger than this many
 /// times the disc's speed over the natural frequency.
-const CLEAR_RATE: f64 = GRAZING_RATE;
+const CLEAR_RATE: f64 = 3e-2;
 const CLEAR_SIZE: f64 = 1e3;
 
 /// Largest number of steps of one slip phase; some hundred are usual. Only a pad so light or so damped that its motion
