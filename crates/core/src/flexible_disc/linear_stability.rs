@@ -124,7 +124,7 @@ impl FlexibleBrake {
         Linearisation { stiffness, damping, damping_by_slope }
     }
 
-    fn by_lattice(&self, inputs: RandomInputs) -> Option<LinearStability> {
+    pub(crate) fn by_lattice(&self, inputs: RandomInputs) -> Option<LinearStability> {
         let RandomInputs { preload, static_friction } = inputs;
         if !(preload > 0.0 && static_friction.is_finite()) {
             return None;

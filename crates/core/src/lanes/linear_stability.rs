@@ -31,6 +31,19 @@ impl FlexibleBrake {
         self.linear_stability_with(samples, InstructionSet::widest())
     }
 
+    /// [`FlexibleBrake::linear_stability`], with the response in place of the eigenvalues for samples next to the critical
+    /// products of their box.
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn quick_linear_stability(&self, inputs: RandomInputs) -> Result<LinearStability, FlexibleError> {
+        if let Some(stability) = self.by_lattice(inputs) {
+            return Ok(stability);
+        }
+        let own = OwnBrake { brake: self.brake().clone(), inputs };
+        self.linear_stability_of(&[own]).pop().unwrap_or_else(|| self.by_eigenvalues(inputs))
+    }
+
     /// Decides samples by the coupled eigenvalues, as [`FlexibleBrake::decide_with`] does.
     #[must_use]
     pub fn decide_own(&self, samples: &[OwnBrake]) -> Vec<Decision> {
@@ -81,6 +94,7 @@ fn decide_batch(set: InstructionSet, geometry: &DiscGeometry, batch: &mut Batch<
 mod tests {
     use super::*;
     use crate::degree_of_freedom::DegreeOfFreedom;
+    use crate::numerics::root_location::bisect;
     use crate::rigid_disc::pad_on_disc::uniform_draws;
 
     /// Brakes near the preset or far from it. Every third has hardly any damping in its disc, and turns up to a
@@ -137,6 +151,28 @@ mod tests {
             let [stable, tangential, other, _] = compare(modes, &samples(count, spread, &mut draw));
             assert!(stable > 30 && tangential > 20 && other > 5, "{modes} {spread}: {stable} {tangential} {other}");
         }
+    }
+
+    #[test]
+    fn samples_next_to_the_critical_product_are_decided_as_by_their_eigenvalues() {
+        let mut left_open = 0;
+        for speed in [12.0, 15.4, 22.0] {
+            let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]);
+            let flexible = FlexibleBrake::with_modes(brake, 5).unwrap();
+            for i in 0..8 {
+                let preload = 0.06 + 0.03 * f64::from(i);
+                let at = |static_friction: f64| RandomInputs { preload, static_friction };
+                let is_stable =
+                    |friction: f64| flexible.by_eigenvalues(at(friction)).unwrap() == LinearStability::Stable;
+                let (critical, _) = bisect((0.25, 2.0), 30, 1e-7, is_stable);
+                for beside in -25..25 {
+                    let inputs = at(0.25 + (critical - 0.25) * (1.0 + 1e-4 * (f64::from(beside) + 0.5)));
+                    assert_eq!(flexible.quick_linear_stability(inputs), flexible.by_eigenvalues(inputs), "{inputs:?}");
+                    left_open += usize::from(flexible.by_lattice(inputs).is_none());
+                }
+            }
+        }
+        assert!(left_open > 600, "{left_open} of 1200 samples are next to the critical products of their box");
     }
 
     #[test]
