@@ -42,6 +42,8 @@ pub enum Command {
     Replay(ReplayArguments),
     /// Compare finished runs cell by cell, and sample by sample if they share their samples
     Compare(CompareArguments),
+    /// Draw the result of a finished run, as SVG and PNG
+    Plot(PlotArguments),
     /// Reproduce a table or figure of Sui & Ding (2018)
     Reproduce(ReproduceArguments),
     /// Write the surface from the pieces of finished shards
@@ -282,6 +284,34 @@ pub struct CompareArguments {
     pub json: bool,
     #[command(flatten)]
     pub threads: ThreadsArgument,
+}
+
+/// Arguments of `plot`.
+#[derive(Debug, Args)]
+pub struct PlotArguments {
+    /// The run directory
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+    /// Write one file, SVG or PNG by its name [default: surface.svg and surface.png in the run directory]
+    #[arg(long, value_name = "FILE", value_parser = plot_file)]
+    pub out: Option<PathBuf>,
+    /// Columns of a paper that the figure fills: 1 is 84 mm wide, 2 are 174 mm
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub columns: u8,
+}
+
+/// The path of a file that a plot can be written to.
+fn plot_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
+    match extension.as_ref().and_then(|extension| extension.to_str()) {
+        Some("svg" | "png") => Ok(path),
+        _ => Err(format!(
+            "a plot is written as SVG or PNG; name it {} or {}",
+            path.with_extension("svg").display(),
+            path.with_extension("png").display()
+        )),
+    }
 }
 
 /// Arguments of `reproduce`.

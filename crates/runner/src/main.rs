@@ -25,6 +25,8 @@ mod schedule;
 
 mod picture;
 
+mod plot;
+
 mod target;
 
 mod cli;
@@ -70,6 +72,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Trajectory(arguments) => commands::trajectory(&arguments),
         Command::Replay(arguments) => commands::replay(&arguments),
         Command::Compare(arguments) => commands::compare(&arguments, &Interrupt::watch()?),
+        Command::Plot(arguments) => commands::plot(&arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(&arguments, &Interrupt::watch()?),
         Command::Merge(arguments) => commands::merge(&arguments),
         Command::Schema => commands::schema(),

@@ -3,24 +3,27 @@
 use std::path::Path;
 
 use indicatif::HumanCount;
+use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::job::{Job, OutsidePhysics};
 use crate::output::{counted, result};
+use crate::picture::answer::answer;
 use crate::picture::picture;
 use crate::store::directory::RunDirectory;
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
-/// Prints the result as a picture, where it is, and notes on it.
+/// Prints the result as a picture and as a sentence, where it is, and notes on it.
 ///
 /// # Errors
 /// An audit that found wrong verdicts in the verdict map.
 pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Result<(), Failure> {
     let line = closing_line(&directory.surface(), job, surface);
     let notes = [outside_physics(job, surface), without_verdict(surface), looked_up(job, surface)].concat();
-    result(&format!("{}{line}{notes}", picture(surface)))?;
+    let estimates: Vec<Estimate> = surface.rows().map(|row| row.estimate).collect();
+    result(&format!("{}{}{line}{notes}", picture(surface), answer(job, &estimates)))?;
     let Lookups { audited, differed, .. } = surface.lookups();
     if differed == 0 {
         return Ok(());

@@ -24,12 +24,15 @@ mod replay;
 
 mod compare;
 
+mod plot;
+
 pub use analyse::analyse;
 pub use check::check;
 pub use compare::compare;
 pub use completion::{FinishedRun, complete_run};
 pub use describe::{completions, man, schema};
 pub use motion_report::columns;
+pub use plot::plot;
 pub use replay::replay;
 pub use status::status;
 pub use submit::{merge, resume, submit};

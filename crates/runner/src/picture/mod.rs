@@ -7,6 +7,8 @@ use crate::tables::surface::Surface;
 
 pub mod view;
 
+pub mod answer;
+
 /// Largest number of rows and columns of a picture; larger grids are thinned out.
 const MOST_ROWS: usize = 15;
 const MOST_COLUMNS: usize = 60;

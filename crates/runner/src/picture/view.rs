@@ -17,6 +17,21 @@ pub struct ViewAxis {
 }
 
 impl ViewAxis {
+    /// An axis of one value, for a grid of one cell.
+    pub fn single() -> Self {
+        Self { name: String::new(), unit: String::new(), values: vec![0.0], stride: 1 }
+    }
+
+    /// Its name without the unit.
+    pub fn key(&self) -> &str {
+        self.name.split(',').next().unwrap_or_default()
+    }
+
+    /// Its unit, empty for a pure number.
+    pub fn unit(&self) -> &str {
+        self.unit.trim_start()
+    }
+
     /// Its first and its last value.
     pub fn ends(&self) -> [f64; 2] {
         [self.values.first(), self.values.last()].map(|value| value.copied().unwrap_or(f64::NAN))
@@ -162,8 +177,7 @@ impl Slice<'_> {
         }
         for (i, axis) in view.axes.iter().enumerate() {
             if ![view.speed, view.std].contains(&i) && axis.values.len() > 1 && !view.is_shown(i) {
-                let name = axis.name.split(',').next().unwrap_or_default();
-                shared.push(format!("{name} = {}{}", rounded(value(i)), axis.unit));
+                shared.push(format!("{} = {}{}", axis.key(), rounded(value(i)), axis.unit));
             }
         }
         let at = if shared.is_empty() { String::new() } else { format!(" at {}", shared.join(", ")) };

@@ -1,0 +1,189 @@
+//! What plots are drawn on: lines, areas and text at places in pixels, 96 of them an inch.
+
+use kuva::backend::raster::RasterBackend;
+use kuva::backend::svg::SvgBackend;
+use kuva::render::color::Color;
+use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
+
+/// A place on a canvas, from the left and from the top.
+pub type Place = (f64, f64);
+
+/// Dots of an image for each pixel of the canvas: 300 dots an inch.
+const DENSITY: f32 = 300.0 / 96.0;
+
+/// Width of a letter over the size of its font, on average.
+const LETTER: f64 = 0.58;
+
+/// A colour by its parts.
+pub type Rgb = (u8, u8, u8);
+
+/// Colours of lines and text.
+pub const BLACK: Rgb = (0x1a, 0x1a, 0x1a);
+pub const GREY: Rgb = (0x70, 0x70, 0x70);
+pub const WHITE: Rgb = (0xff, 0xff, 0xff);
+
+/// How a line is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Pen {
+    pub colour: Rgb,
+    pub width: f64,
+}
+
+impl Pen {
+    pub const fn new(colour: Rgb, width: f64) -> Self {
+        Self { colour, width }
+    }
+}
+
+/// Lengths of a dash and of the space after it.
+const DASH: (f64, f64) = (5.0, 3.5);
+
+/// On which side of its place a text stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    Right,
+    Middle,
+    Left,
+}
+
+/// A plot while it is drawn.
+pub struct Canvas {
+    scene: Scene,
+}
+
+/// The width of a text in a font of this size.
+pub fn width_of(text: &str, size: u32) -> f64 {
+    LETTER * f64::from(size) * text.chars().count() as f64
+}
+
+impl Canvas {
+    pub fn new(width: f64, height: f64) -> Self {
+        let mut scene = Scene::new(width, height).with_background(Some("#ffffff"));
+        scene.font_family = Some("DejaVu Sans, Verdana, Arial, sans-serif".to_owned());
+        Self { scene }
+    }
+
+    /// The plot as SVG.
+    pub fn svg(&self) -> Vec<u8> {
+        SvgBackend::default().render_scene(&self.scene).into_bytes()
+    }
+
+    /// The plot as PNG.
+    ///
+    /// # Errors
+    /// What the drawing crate says of an image that is too large.
+    pub fn png(&self) -> Result<Vec<u8>, String> {
+        RasterBackend::new().with_scale(DENSITY).render_scene(&self.scene)
+    }
+
+    pub fn line(&mut self, from: Place, to: Place, pen: Pen) {
+        self.scene.add(Primitive::Line {
+            x1: from.0,
+            y1: from.1,
+            x2: to.0,
+            y2: to.1,
+            stroke: colour(pen.colour),
+            stroke_width: pen.width,
+            stroke_dasharray: None,
+        });
+    }
+
+    pub fn lines(&mut self, points: &[Place], pen: Pen) {
+        if points.len() < 2 {
+            return;
+        }
+        self.scene.add(Primitive::PolyLine {
+            points: points.to_vec(),
+            stroke: colour(pen.colour),
+            stroke_width: pen.width,
+            stroke_dasharray: None,
+        });
+    }
+
+    /// The same in dashes, of one length whatever the distance of the points.
+    pub fn dashes(&mut self, points: &[Place], pen: Pen) {
+        let mut dash: Vec<Place> = points.first().copied().into_iter().collect();
+        let (mut is_drawn, mut left) = (true, DASH.0);
+        for pair in points.windows(2) {
+            let (mut from, to) = (pair[0], pair[1]);
+            let mut length = libm::hypot(to.0 - from.0, to.1 - from.1);
+            while length > left {
+                let share = left / length;
+                from = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+                length -= left;
+                if is_drawn {
+                    dash.push(from);
+                    self.lines(&dash, pen);
+                }
+                dash = vec![from];
+                is_drawn = !is_drawn;
+                left = if is_drawn { DASH.0 } else { DASH.1 };
+            }
+            left -= length;
+            dash.push(to);
+        }
+        if is_drawn {
+            self.lines(&dash, pen);
+        }
+    }
+
+    /// Fills several polygons as one area, so that nothing shows between them.
+    pub fn area(&mut self, polygons: &[Vec<Place>], fill: Rgb, opacity: f64) {
+        if polygons.is_empty() {
+            return;
+        }
+        self.scene.add(Primitive::Path(Box::new(PathData {
+            d: polygons.iter().map(|polygon| path(polygon)).collect(),
+            fill: Some(colour(fill)),
+            stroke: Color::None,
+            stroke_width: 0.0,
+            opacity: (opacity < 1.0).then_some(opacity),
+            stroke_dasharray: None,
+        })));
+    }
+
+    pub fn dot(&mut self, at: Place, radius: f64, fill: Rgb) {
+        self.scene.add(Primitive::Circle {
+            cx: at.0,
+            cy: at.1,
+            r: radius,
+            fill: colour(fill),
+            fill_opacity: None,
+            stroke: None,
+            stroke_width: None,
+        });
+    }
+
+    /// A text beside a place; a turn is in degrees, clockwise.
+    pub fn text(&mut self, at: Place, text: &str, size: u32, side: Side, turn: f64, fill: Rgb) {
+        self.scene.add(Primitive::Text {
+            x: at.0,
+            y: at.1,
+            content: text.to_owned(),
+            size,
+            anchor: match side {
+                Side::Right => TextAnchor::Start,
+                Side::Middle => TextAnchor::Middle,
+                Side::Left => TextAnchor::End,
+            },
+            rotate: (turn != 0.0).then_some(turn),
+            bold: false,
+            color: Some(colour(fill)),
+        });
+    }
+}
+
+fn colour((red, green, blue): Rgb) -> Color {
+    Color::Rgb(red, green, blue)
+}
+
+/// A closed polygon as SVG writes it, to a hundredth of a pixel.
+fn path(polygon: &[Place]) -> String {
+    use std::fmt::Write as _;
+    let mut text = String::new();
+    for (i, (x, y)) in polygon.iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{}{x:.2},{y:.2}", if i == 0 { 'M' } else { 'L' });
+    }
+    text + "Z"
+}

@@ -1,0 +1,20 @@
+//! Plots of results for papers and slides, as SVG and PNG.
+//!
+//! Everything is drawn by the same few primitives on a [`canvas`], so that all plots look alike; the crate kuva writes
+//! them as SVG, PNG or PDF, with metrics of a font of its own.
+
+pub mod canvas;
+
+pub mod scale;
+
+pub mod contours;
+
+pub mod levels;
+
+pub mod panel;
+
+pub mod axes;
+
+pub mod values;
+
+pub mod surface;

@@ -1,0 +1,108 @@
+//! A rectangle with two axes.
+
+use crate::plot::canvas::{BLACK, Canvas, Pen, Place, Side, width_of};
+use crate::plot::scale::{Scale, superscript};
+
+/// Sizes of text: labels of ticks, and titles.
+pub const SMALL: u32 = 10;
+pub const NORMAL: u32 = 11;
+
+/// Length of ticks, and the space between them and their labels.
+const TICK: f64 = 4.0;
+const GAP: f64 = 3.0;
+
+/// Space of an axis with its labels and title: at the left of a panel, and below it.
+pub const LEFT: f64 = 52.0;
+pub const BELOW: f64 = 36.0;
+
+/// Least distance of ticks, in pixels.
+const TICK_DISTANCE: (f64, f64) = (46.0, 28.0);
+
+const FRAME: Pen = Pen::new(BLACK, 0.8);
+
+/// An axis: its scale, what it is, and its unit, empty for a pure number.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    pub scale: Scale,
+    pub title: String,
+    pub unit: String,
+}
+
+impl Axis {
+    /// Its title with the unit, and the power of ten that its labels leave out.
+    fn heading(&self, power: i32) -> String {
+        let factor = if power == 0 { String::new() } else { format!("10{}", superscript(power)) };
+        let unit = [factor.as_str(), self.unit.as_str()].into_iter().filter(|part| !part.is_empty());
+        let unit: Vec<&str> = unit.collect();
+        if unit.is_empty() { self.title.clone() } else { format!("{} ({})", self.title, unit.join(" ")) }
+    }
+}
+
+/// Where a panel lies, without its axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Panel {
+    pub left: f64,
+    pub top: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl Panel {
+    pub fn right(&self) -> f64 {
+        self.left + self.width
+    }
+
+    pub fn bottom(&self) -> f64 {
+        self.top + self.height
+    }
+
+    /// Where shares of the width and of the height lie, counted from the lower left corner.
+    pub fn place(&self, right: f64, up: f64) -> Place {
+        (self.left + right * self.width, self.bottom() - up * self.height)
+    }
+
+    /// Whether a place lies inside.
+    pub fn contains(&self, (x, y): Place) -> bool {
+        (self.left..=self.right()).contains(&x) && (self.top..=self.bottom()).contains(&y)
+    }
+
+    /// A rectangle as a polygon, as far as it lies inside.
+    pub fn rectangle(&self, (left, top): Place, (right, bottom): Place) -> Vec<Place> {
+        let (left, right) = (left.max(self.left), right.min(self.right()));
+        let (top, bottom) = (top.max(self.top), bottom.min(self.bottom()));
+        vec![(left, top), (right, top), (right, bottom), (left, bottom)]
+    }
+
+    /// Draws the frame, the ticks, their labels and the titles.
+    pub fn frame(&self, canvas: &mut Canvas, horizontal: &Axis, vertical: &Axis) {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)];
+        canvas.lines(&corners.map(|(right, up)| self.place(right, up)), FRAME);
+        let most = |length: f64, distance: f64| (length / distance).max(2.0) as usize;
+
+        let (ticks, power) = horizontal.scale.ticks(most(self.width, TICK_DISTANCE.0));
+        for tick in ticks {
+            let at = self.place(horizontal.scale.at(tick.value), 0.0);
+            canvas.line(at, (at.0, at.1 + TICK), FRAME);
+            let below = (at.0, at.1 + TICK + GAP + f64::from(SMALL) * 0.8);
+            canvas.text(below, &tick.label, SMALL, Side::Middle, 0.0, BLACK);
+        }
+        let below = (self.left + 0.5 * self.width, self.bottom() + BELOW - 4.0);
+        title(canvas, below, &horizontal.heading(power), self.width + LEFT, 0.0);
+
+        let (ticks, power) = vertical.scale.ticks(most(self.height, TICK_DISTANCE.1));
+        for tick in ticks {
+            let at = self.place(0.0, vertical.scale.at(tick.value));
+            canvas.line(at, (at.0 - TICK, at.1), FRAME);
+            let beside = (at.0 - TICK - GAP, at.1 + 0.35 * f64::from(SMALL));
+            canvas.text(beside, &tick.label, SMALL, Side::Left, 0.0, BLACK);
+        }
+        let beside = (self.left - LEFT + f64::from(NORMAL), self.top + 0.5 * self.height);
+        title(canvas, beside, &vertical.heading(power), self.height + BELOW, -90.0);
+    }
+}
+
+/// A title about a place, in a smaller font where it is long.
+fn title(canvas: &mut Canvas, at: Place, text: &str, length: f64, turn: f64) {
+    let size = (7..=NORMAL).rev().find(|&size| width_of(text, size) <= length).unwrap_or(7);
+    canvas.text(at, text, size, Side::Middle, turn, BLACK);
+}
