@@ -12,13 +12,20 @@ run:
 	$(CARGO) build --locked --release
 	$(STICKSLIP) submit jobs/fig14a.toml
 
-# The tests. Those of the Python readers need Python with venv; without it they are left out, with a word about it.
+# The tests. Those of the Python readers need Python with venv, those of the report a Chromium as well; without them they
+# are left out, with a word about it.
 test: target/readers/ready
 	$(CARGO) build --locked
 	if [ -x target/readers/bin/python ]; then \
 	    export STICKSLIP_PYTHON="$(CURDIR)/target/readers/bin/python"; \
 	else \
 	    echo "note: no Python environment, the tests of pandas, polars and DuckDB are left out" >&2; \
+	fi; \
+	browser="$$(command -v chromium || command -v chromium-browser || command -v google-chrome)"; \
+	if [ -n "$$browser" ]; then \
+	    export STICKSLIP_BROWSER="$$browser"; \
+	else \
+	    echo "note: no Chromium, the test of the report in a browser is left out" >&2; \
 	fi; \
 	$(CARGO) test --locked --release --workspace
 

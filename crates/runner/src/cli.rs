@@ -44,6 +44,8 @@ pub enum Command {
     Compare(CompareArguments),
     /// Draw the result of a finished run, as SVG and PNG
     Plot(PlotArguments),
+    /// Write a report of a finished run: one HTML file with interactive pictures
+    Report(ReportArguments),
     /// Reproduce a table or figure of Sui & Ding (2018)
     Reproduce(ReproduceArguments),
     /// Write the surface from the pieces of finished shards
@@ -312,6 +314,17 @@ fn plot_file(text: &str) -> Result<PathBuf, String> {
             path.with_extension("png").display()
         )),
     }
+}
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+pub struct ReportArguments {
+    /// The run directory
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+    /// The file to write [default: report.html in the run directory]
+    #[arg(long, value_name = "FILE.html")]
+    pub out: Option<PathBuf>,
 }
 
 /// Arguments of `reproduce`.

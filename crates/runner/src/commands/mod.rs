@@ -26,6 +26,8 @@ mod compare;
 
 mod plot;
 
+mod report;
+
 pub use analyse::analyse;
 pub use check::check;
 pub use compare::compare;
@@ -34,6 +36,7 @@ pub use describe::{completions, man, schema};
 pub use motion_report::columns;
 pub use plot::plot;
 pub use replay::replay;
+pub use report::report;
 pub use status::status;
 pub use submit::{merge, resume, submit};
 pub use trajectory::{simulate, trajectory};

@@ -121,6 +121,16 @@ impl GridView {
         }
     }
 
+    /// All axes, slowest first.
+    pub fn axes(&self) -> &[ViewAxis] {
+        &self.axes
+    }
+
+    /// Which axes run upwards and to the right.
+    pub fn shown(&self) -> (Option<usize>, Option<usize>) {
+        (self.vertical, self.horizontal)
+    }
+
     /// The axis that runs upwards, if two are shown.
     pub fn vertical(&self) -> Option<&ViewAxis> {
         self.vertical.map(|axis| &self.axes[axis])

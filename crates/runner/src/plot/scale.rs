@@ -40,6 +40,11 @@ impl Scale {
         }
     }
 
+    /// Whether equal ratios are equal distances.
+    pub fn is_logarithmic(&self) -> bool {
+        self.is_logarithmic
+    }
+
     /// Where a value lies: 0 at the beginning, 1 at the end.
     pub fn at(&self, value: f64) -> f64 {
         if self.is_logarithmic {

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::Path;
 
-use arrow::array::{Array, Float64Array};
+use arrow::array::{Array, Float64Array, Int64Array};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
@@ -20,6 +20,9 @@ pub struct Values {
     /// Ends of its confidence interval.
     pub low: Vec<f64>,
     pub high: Vec<f64>,
+    /// Samples, and how many of them are unstable; 0 where the probability is integrated.
+    pub samples: Vec<u64>,
+    pub unstable: Vec<u64>,
 }
 
 impl Values {
@@ -38,7 +41,8 @@ impl Values {
             )));
         }
         let path = directory.surface();
-        let [probability, low, high] = columns(&path, ["p_unstable", "p_low", "p_high"])?;
+        let names = ["p_unstable", "p_low", "p_high", "n_samples", "n_unstable"];
+        let [probability, low, high, samples, unstable] = columns(&path, names)?;
         if probability.len() as u64 != job.cells() {
             return Err(broken(
                 &path,
@@ -46,7 +50,9 @@ impl Values {
             ));
         }
         let known = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-        Ok(Self { job, probability, low: known(low), high: known(high) })
+        let counts = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(0.0) as u64).collect();
+        let (samples, unstable) = (counts(samples), counts(unstable));
+        Ok(Self { job, probability, low: known(low), high: known(high), samples, unstable })
     }
 
     /// The largest probability.
@@ -66,8 +72,16 @@ fn columns<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Vec<Option<
     for batch in reader {
         let batch = batch.map_err(|error| wrong(&error))?;
         for (name, values) in names.iter().zip(&mut columns) {
-            let column = batch.column_by_name(name).and_then(|column| column.as_any().downcast_ref::<Float64Array>());
-            values.extend(column.ok_or_else(|| wrong(&format!("it has no numbers in a column {name}")))?);
+            let Some(column) = batch.column_by_name(name) else {
+                return Err(wrong(&format!("it has no column {name}")));
+            };
+            if let Some(real) = column.as_any().downcast_ref::<Float64Array>() {
+                values.extend(real);
+            } else if let Some(whole) = column.as_any().downcast_ref::<Int64Array>() {
+                values.extend(whole.iter().map(|value| value.map(|value| value as f64)));
+            } else {
+                return Err(wrong(&format!("the column {name} has no numbers")));
+            }
         }
     }
     Ok(columns)
