@@ -86,8 +86,25 @@ fn one_long_axis_is_a_curve_with_its_band() {
 }
 
 #[test]
+fn a_motion_is_drawn_from_its_file() {
+    let place = Place::new();
+    place
+        .run("trajectory --set operating_point.rotating_speed=12 --disc rigid --horizon 100 --out motion.parquet")
+        .done();
+    assert_eq!(place.run("plot motion.parquet").done().stdout, "motion.svg\nmotion.png\n");
+    let svg = fs::read_to_string(place.path("motion.svg")).unwrap();
+    for text in ["Time t (", "Tangential displacement x (", "Tangential velocity x′ (", "Friction force ("] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // A line in each of the four panels, and the four frames.
+    assert_eq!(svg.matches("<polyline").count() + svg.matches("<path").count(), 8, "{svg}");
+}
+
+#[test]
 fn what_cannot_be_drawn_is_said() {
     let place = Place::new();
+    fs::write(place.path("other.parquet"), "no Parquet").unwrap();
+    place.run("plot other.parquet").refused(74, &["other.parquet", "stickslip trajectory --out"]);
     submitted(&place, "plane", &job("plane", PLANE, 100));
     place.run("plot nowhere").refused(74, &["nowhere is not a run directory"]);
     place.run("plot plane --out plot.gif").refused(64, &["SVG or PNG", "plot.svg"]);

@@ -42,7 +42,7 @@ pub enum Command {
     Replay(ReplayArguments),
     /// Compare finished runs cell by cell, and sample by sample if they share their samples
     Compare(CompareArguments),
-    /// Draw the result of a finished run, as SVG and PNG
+    /// Draw the result of a finished run, or a simulated motion, as SVG and PNG
     Plot(PlotArguments),
     /// Write a report of a finished run: one HTML file with interactive pictures
     Report(ReportArguments),
@@ -291,10 +291,10 @@ pub struct CompareArguments {
 /// Arguments of `plot`.
 #[derive(Debug, Args)]
 pub struct PlotArguments {
-    /// The run directory
-    #[arg(value_name = "RUN_DIR")]
+    /// The run directory, or a time series that trajectory or replay wrote
+    #[arg(value_name = "RUN_DIR|FILE.parquet")]
     pub run: PathBuf,
-    /// Write one file, SVG or PNG by its name [default: surface.svg and surface.png in the run directory]
+    /// Write one file, SVG or PNG by its name [default: surface.svg and surface.png in the run directory, or both beside the file]
     #[arg(long, value_name = "FILE", value_parser = plot_file)]
     pub out: Option<PathBuf>,
     /// Columns of a paper that the figure fills: 1 is 84 mm wide, 2 are 174 mm

@@ -1,12 +1,15 @@
-//! `plot`: the result of a run as a figure.
+//! `plot`: the result of a run, or a simulated motion, as a figure.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use crate::cli::PlotArguments;
 use crate::failure::Failure;
 use crate::files::publish::publish;
 use crate::output::{note, output_file, result};
 use crate::picture::view::GridView;
+use crate::plot::canvas::Canvas;
+use crate::plot::motion;
 use crate::plot::surface::{MOST_PANELS, figure};
 use crate::plot::values::Values;
 
@@ -15,16 +18,16 @@ const WIDTHS: [f64; 2] = [84.0 / 25.4 * 96.0, 174.0 / 25.4 * 96.0];
 
 /// `stickslip plot`.
 pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
+    let width = WIDTHS[usize::from(arguments.columns.clamp(1, 2)) - 1];
+    let (canvas, beside) = if arguments.run.is_file() {
+        (motion::figure(&arguments.run, width)?, arguments.run.clone())
+    } else {
+        (of_run(&arguments.run, width)?, arguments.run.join("surface"))
+    };
     let files = match &arguments.out {
         Some(out) => vec![out.clone()],
-        None => ["surface.svg", "surface.png"].map(|name| arguments.run.join(name)).to_vec(),
+        None => ["svg", "png"].map(|extension| beside.with_extension(extension)).to_vec(),
     };
-    let values = Values::read(&arguments.run)?;
-    let slices = GridView::new(&values.job).slices();
-    if slices > MOST_PANELS {
-        note(format_args!("{slices} panels are too many for one figure; the first {MOST_PANELS} are drawn"));
-    }
-    let canvas = figure(&values, WIDTHS[usize::from(arguments.columns.clamp(1, 2)) - 1]);
     let mut text = String::new();
     for file in files {
         let is_svg = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
@@ -39,4 +42,13 @@ pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
         let _ = writeln!(text, "{}", file.display());
     }
     result(&text)
+}
+
+fn of_run(run: &Path, width: f64) -> Result<Canvas, Failure> {
+    let values = Values::read(run)?;
+    let slices = GridView::new(&values.job).slices();
+    if slices > MOST_PANELS {
+        note(format_args!("{slices} panels are too many for one figure; the first {MOST_PANELS} are drawn"));
+    }
+    Ok(figure(&values, width))
 }

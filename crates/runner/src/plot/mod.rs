@@ -18,3 +18,5 @@ pub mod axes;
 pub mod values;
 
 pub mod surface;
+
+pub mod motion;

@@ -42,7 +42,8 @@ impl Values {
         }
         let path = directory.surface();
         let names = ["p_unstable", "p_low", "p_high", "n_samples", "n_unstable"];
-        let [probability, low, high, samples, unstable] = columns(&path, names)?;
+        let read = columns(&path, names).map_err(|why| broken(&path, &why));
+        let [probability, low, high, samples, unstable] = read?;
         if probability.len() as u64 != job.cells() {
             return Err(broken(
                 &path,
@@ -61,10 +62,10 @@ impl Values {
     }
 }
 
-/// Columns of numbers of a Parquet file.
-fn columns<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Vec<Option<f64>>; N], Failure> {
-    let file = File::open(path).map_err(|error| Failure::reading(path, error))?;
-    let wrong = |error: &dyn std::fmt::Display| broken(path, &error.to_string());
+/// Columns of numbers of a Parquet file, or why they cannot be read.
+pub fn columns<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Vec<Option<f64>>; N], String> {
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let wrong = |error: &dyn std::fmt::Display| error.to_string();
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| wrong(&error))?;
     let mask = ProjectionMask::columns(builder.parquet_schema(), names);
     let reader = builder.with_projection(mask).build().map_err(|error| wrong(&error))?;
@@ -73,14 +74,14 @@ fn columns<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Vec<Option<
         let batch = batch.map_err(|error| wrong(&error))?;
         for (name, values) in names.iter().zip(&mut columns) {
             let Some(column) = batch.column_by_name(name) else {
-                return Err(wrong(&format!("it has no column {name}")));
+                return Err(format!("it has no column {name}"));
             };
             if let Some(real) = column.as_any().downcast_ref::<Float64Array>() {
                 values.extend(real);
             } else if let Some(whole) = column.as_any().downcast_ref::<Int64Array>() {
                 values.extend(whole.iter().map(|value| value.map(|value| value as f64)));
             } else {
-                return Err(wrong(&format!("the column {name} has no numbers")));
+                return Err(format!("the column {name} has no numbers"));
             }
         }
     }
