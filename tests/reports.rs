@@ -8,7 +8,7 @@ use std::env;
 use std::fs;
 use std::process::Command;
 
-use common::{Place, repository, submitted};
+use common::{Place, Table, repository, submitted};
 
 /// A job with a sharp character in every text of its own.
 const JOB: &str = r#"
@@ -103,4 +103,46 @@ fn what_has_no_report_is_said() {
     place.run("report three --out no/folder/report.html").refused(73, &["no/folder"]);
     fs::remove_file(place.path("three/surface.parquet")).unwrap();
     place.run("report three").refused(65, &["has no surface yet", "stickslip resume three"]);
+}
+
+/// The numbers of cells in a sentence "P is below 1 % in A of N cells, below 5 % in B, below 50 % in C ...".
+fn counts(answer: &str) -> [usize; 4] {
+    let numbers = answer.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok());
+    let numbers: Vec<usize> = numbers.collect();
+    // 1 %, A, N, 5 %, B, 50 %, C.
+    assert!(numbers.len() >= 7 && [numbers[0], numbers[3], numbers[5]] == [1, 5, 50], "{answer}");
+    [numbers[1], numbers[4], numbers[6], numbers[2]]
+}
+
+#[test]
+fn the_answer_is_that_of_the_exact_surface() {
+    let place = Place::new();
+    let limits = [0.01, 0.05, 0.5];
+    for job in 0..10 {
+        let text = JOB
+            .replace("12, 15, 18", &format!("{}, {}", 8 + 2 * job, 25 + job))
+            .replace("relative_std = 0.2", &format!("relative_std = {}", 0.05 + 0.03 * f64::from(job)))
+            .replace("seed = 1", &format!("seed = {job}"));
+        let exact = text.replace("samples = 2000\n", "").replace("seed =", "method = \"exact\"\nseed =");
+        place.write("exact.toml", &exact.replace("\"three\"", "\"exact\""));
+        place.write("drawn.toml", &text);
+        let told = |name: &str| {
+            let out = place.run(&format!("submit {name}.toml --out {name}-{job}")).done().stdout;
+            out.lines().find(|line| line.starts_with("P is below")).unwrap().to_owned()
+        };
+        let (exactly, drawn) = (counts(&told("exact")), counts(&told("drawn")));
+        let read = |name: &str| Table::read(&place.path(&format!("{name}-{job}/surface.parquet")));
+        let (known, estimated) = (read("exact"), read("drawn"));
+        for (i, limit) in limits.into_iter().enumerate() {
+            let below = known.column("p_unstable").iter().filter(|p| **p < limit).count();
+            assert_eq!(exactly[i], below, "job {job}, {limit}");
+            let sure: Vec<usize> =
+                (0..known.column("cell").len()).filter(|&cell| estimated.column("p_high")[cell] < limit).collect();
+            assert_eq!(drawn[i], sure.len(), "job {job}, {limit}");
+            // An upper end of a 95 % interval is too low in 2.5 % of the cells.
+            let wrong = sure.iter().filter(|&&cell| known.column("p_unstable")[cell] >= limit).count();
+            assert!(wrong <= 4, "job {job}, {limit}: {wrong} of {} cells", sure.len());
+        }
+        assert_eq!(exactly[3], 2 * 15 * 12);
+    }
 }
