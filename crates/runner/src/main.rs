@@ -27,6 +27,8 @@ mod picture;
 
 mod plot;
 
+mod export;
+
 mod target;
 
 mod cli;
@@ -73,6 +75,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Replay(arguments) => commands::replay(&arguments),
         Command::Compare(arguments) => commands::compare(&arguments, &Interrupt::watch()?),
         Command::Plot(arguments) => commands::plot(&arguments),
+        Command::Export(arguments) => commands::export(&arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(&arguments, &Interrupt::watch()?),
         Command::Merge(arguments) => commands::merge(&arguments),
         Command::Schema => commands::schema(),

@@ -1,16 +1,10 @@
 //! The numbers of a finished run, read from its `surface.parquet`.
 
-use std::fs::File;
 use std::path::Path;
-
-use arrow::array::{Array, Float64Array};
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
 use crate::failure::Failure;
 use crate::job::Job;
-use crate::output::quoted;
-use crate::store::directory::RunDirectory;
+use crate::tables::finished::FinishedSurface;
 
 /// A finished run with its probabilities, one for each cell.
 pub struct Values {
@@ -28,54 +22,14 @@ impl Values {
     /// # Errors
     /// A directory that is no run, a run without its surface, and a surface that cannot be read.
     pub fn read(run: &Path) -> Result<Self, Failure> {
-        let directory = RunDirectory::view(run)?;
-        let job = directory.job()?;
-        if !directory.has_surface_of(&job) {
-            return Err(Failure::Job(format!(
-                "{} has no surface yet; finish it with `stickslip resume {}`",
-                run.display(),
-                quoted(run)
-            )));
-        }
-        let path = directory.surface();
-        let [probability, low, high] = columns(&path, ["p_unstable", "p_low", "p_high"])?;
-        if probability.len() as u64 != job.cells() {
-            return Err(broken(
-                &path,
-                &format!("it has {} rows, and the job {} cells", probability.len(), job.cells()),
-            ));
-        }
+        let surface = FinishedSurface::open(run)?;
+        let [probability, low, high] = surface.numbers(["p_unstable", "p_low", "p_high"])?;
         let known = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-        Ok(Self { job, probability, low: known(low), high: known(high) })
+        Ok(Self { job: surface.job, probability, low: known(low), high: known(high) })
     }
 
     /// The largest probability.
     pub fn largest(&self) -> f64 {
         self.probability.iter().flatten().fold(0.0, |largest: f64, p| largest.max(*p))
     }
-}
-
-/// Columns of numbers of a Parquet file.
-fn columns<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Vec<Option<f64>>; N], Failure> {
-    let file = File::open(path).map_err(|error| Failure::reading(path, error))?;
-    let wrong = |error: &dyn std::fmt::Display| broken(path, &error.to_string());
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| wrong(&error))?;
-    let mask = ProjectionMask::columns(builder.parquet_schema(), names);
-    let reader = builder.with_projection(mask).build().map_err(|error| wrong(&error))?;
-    let mut columns: [Vec<Option<f64>>; N] = std::array::from_fn(|_| Vec::new());
-    for batch in reader {
-        let batch = batch.map_err(|error| wrong(&error))?;
-        for (name, values) in names.iter().zip(&mut columns) {
-            let column = batch.column_by_name(name).and_then(|column| column.as_any().downcast_ref::<Float64Array>());
-            values.extend(column.ok_or_else(|| wrong(&format!("it has no numbers in a column {name}")))?);
-        }
-    }
-    Ok(columns)
-}
-
-fn broken(path: &Path, why: &str) -> Failure {
-    Failure::InputOutput(format!(
-        "{}: not the surface of a run: {why}; `stickslip merge` writes it again from the run's pieces",
-        path.display()
-    ))
 }
