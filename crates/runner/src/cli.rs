@@ -7,6 +7,7 @@ use clap_complete::Shell;
 use stickslip_core::finite_difference::brake::DiscGrid;
 use stickslip_core::motion::start::{GivenStart, Start, StartUnits};
 
+use crate::export::format::Format;
 use crate::job::{StartKind, StartValue};
 use crate::schedule::plan::Shard;
 use crate::target::Target;
@@ -46,6 +47,8 @@ pub enum Command {
     Plot(PlotArguments),
     /// Write a report of a finished run: one HTML file with interactive pictures
     Report(ReportArguments),
+    /// Write the surface of a finished run as CSV, JSON, MAT or NPZ, for other programs
+    Export(ExportArguments),
     /// Reproduce a table or figure of Sui & Ding (2018)
     Reproduce(ReproduceArguments),
     /// Write the surface from the pieces of finished shards
@@ -324,6 +327,20 @@ pub struct ReportArguments {
     pub run: PathBuf,
     /// The file to write [default: report.html in the run directory]
     #[arg(long, value_name = "FILE.html")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `export`.
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// The run directory
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+    /// The format
+    #[arg(long, value_name = "FORMAT", value_enum)]
+    pub format: Format,
+    /// Write this file, named after the format [default: surface.FORMAT in the run directory]
+    #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
 

@@ -29,6 +29,8 @@ mod plot;
 
 mod report;
 
+mod export;
+
 mod target;
 
 mod cli;
@@ -76,6 +78,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Compare(arguments) => commands::compare(&arguments, &Interrupt::watch()?),
         Command::Plot(arguments) => commands::plot(&arguments),
         Command::Report(arguments) => commands::report(&arguments),
+        Command::Export(arguments) => commands::export(&arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(&arguments, &Interrupt::watch()?),
         Command::Merge(arguments) => commands::merge(&arguments),
         Command::Schema => commands::schema(),

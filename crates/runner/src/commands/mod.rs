@@ -28,11 +28,14 @@ mod plot;
 
 mod report;
 
+mod export;
+
 pub use analyse::analyse;
 pub use check::check;
 pub use compare::compare;
 pub use completion::{FinishedRun, complete_run};
 pub use describe::{completions, man, schema};
+pub use export::export;
 pub use motion_report::columns;
 pub use plot::plot;
 pub use replay::replay;

@@ -74,6 +74,12 @@ impl RandomInputSet {
         self.relative_stds.iter().map(entry).collect()
     }
 
+    /// The first input in which the entries of `relative_std` differ, by its position.
+    pub fn first_varied(&self) -> Option<usize> {
+        let stds = &self.relative_stds;
+        (0..self.inputs.len()).find(|&input| stds.iter().any(|entry| entry[input] != stds[0][input]))
+    }
+
     /// Whether preload is random.
     pub fn has_preload(&self) -> bool {
         self.inputs.iter().any(|input| matches!(input, RandomInput::Preload))

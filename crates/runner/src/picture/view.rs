@@ -197,10 +197,8 @@ impl Slice<'_> {
 
 /// A value of each entry of `relative_std`: of the first input in which they differ.
 fn scatters(job: &Job) -> Vec<f64> {
-    let stds = &job.random.relative_stds;
-    let differs = |input: &usize| stds.iter().any(|entry| entry[*input] != stds[0][*input]);
-    let input = (0..job.random.inputs.len()).find(differs);
-    stds.iter().map(|entry| input.map_or(0.0, |input| entry[input])).collect()
+    let input = job.random.first_varied();
+    job.random.relative_stds.iter().map(|entry| input.map_or(0.0, |input| entry[input])).collect()
 }
 
 /// How much the inputs of a cell scatter.

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::plot::canvas::{Canvas, Pen, Place, Rgb};
 use crate::plot::panel::{Axis, BELOW, LEFT, Panel};
 use crate::plot::scale::Scale;
-use crate::plot::values::columns;
+use crate::tables::finished::read_numbers;
 
 /// Space above panels and at their right, and their height over their width.
 const ABOVE: f64 = 10.0;
@@ -42,7 +42,7 @@ pub fn figure(path: &Path, width: f64) -> Result<Canvas, Failure> {
             path.display()
         ))
     };
-    let series = columns(path, QUANTITIES.map(|(column, ..)| column)).map_err(|why| wrong(&why))?;
+    let series = read_numbers(path, QUANTITIES.map(|(column, ..)| column)).map_err(|why| wrong(&why))?;
     let mut series =
         series.map(|column| column.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect::<Vec<f64>>());
     if series[0].len() < 2 {

@@ -101,6 +101,26 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
     columns
 }
 
+/// The axes of a job's grid, slowest first: the name of the column that has the values of each, and these values.
+///
+/// The axis of standard deviations goes by the first input in which its entries differ, as one column has to stand for
+/// all inputs.
+pub fn axes(job: &Job) -> Vec<(String, Vec<f64>)> {
+    let Job { grid, random, .. } = job;
+    let further = grid.further().map(|further| (further.name.clone(), further.axis.values().to_vec()));
+    let input = random.first_varied().unwrap_or_default();
+    let scattered = random.inputs.get(input).map_or("preload", |input| input.name());
+    let stds = random.relative_stds.iter().map(|entry| entry.get(input).copied().unwrap_or(0.0)).collect();
+    further
+        .chain([
+            ("rotating_speed_rad_s".to_owned(), grid.rotating_speed.values().to_vec()),
+            (format!("std_{scattered}"), stds),
+            ("preload".to_owned(), grid.preload.values().to_vec()),
+            ("static_friction".to_owned(), grid.static_friction.values().to_vec()),
+        ])
+        .collect()
+}
+
 /// The columns of every surface; `probability` is the meaning of `p_unstable`.
 #[rustfmt::skip]
 fn first_columns(probability: &'static str) -> Vec<Column> {

@@ -1,7 +1,9 @@
-//! The surface: its rows, its columns, and the file.
+//! The surface: its rows, its columns, the file, and how it is read back.
 
 pub mod row;
 
 pub mod columns;
 
 pub mod surface;
+
+pub mod finished;

@@ -1,0 +1,169 @@
+//! The surface of a finished run, read back from its `surface.parquet`.
+
+use std::fmt;
+use std::fs::File;
+use std::mem;
+use std::path::{Path, PathBuf};
+
+use arrow::array::{Array, Float64Array, Int64Array};
+use arrow::datatypes::{DataType, Field};
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+
+use crate::failure::Failure;
+use crate::job::Job;
+use crate::output::quoted;
+use crate::store::directory::RunDirectory;
+
+/// A finished run, with the path of its surface.
+pub struct FinishedSurface {
+    /// The job of the run.
+    pub job: Job,
+    path: PathBuf,
+}
+
+/// A column with its values, one for each cell.
+pub struct FinishedColumn {
+    /// Name.
+    pub name: String,
+    /// Unit; `1` for a pure number.
+    pub unit: String,
+    /// Meaning.
+    pub long_name: String,
+    /// Values.
+    pub values: FinishedValues,
+}
+
+/// The values of a column, `None` where a cell has none.
+pub enum FinishedValues {
+    /// Counts and indices.
+    Integer(Vec<Option<i64>>),
+    /// Numbers.
+    Real(Vec<Option<f64>>),
+}
+
+impl FinishedSurface {
+    /// Opens a run.
+    ///
+    /// # Errors
+    /// A directory that is no run, and a run without its surface.
+    pub fn open(run: &Path) -> Result<Self, Failure> {
+        let directory = RunDirectory::view(run)?;
+        let job = directory.job()?;
+        if !directory.has_surface_of(&job) {
+            return Err(Failure::Job(format!(
+                "{} has no surface yet; finish it with `stickslip resume {}`",
+                run.display(),
+                quoted(run)
+            )));
+        }
+        Ok(Self { job, path: directory.surface() })
+    }
+
+    /// Reads the columns whose names are wanted, in the order of the file.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not the surface of the job, and columns that hold no numbers.
+    pub fn columns(&self, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, Failure> {
+        let columns = read_columns(&self.path, wanted).map_err(|why| self.broken(why))?;
+        let wrong = columns.iter().map(|column| column.values.len()).find(|rows| *rows as u64 != self.job.cells());
+        match wrong {
+            None => Ok(columns),
+            Some(rows) => Err(self.broken(format!("it has {rows} rows, and the job {} cells", self.job.cells()))),
+        }
+    }
+
+    /// Reads columns of numbers by their names.
+    ///
+    /// # Errors
+    /// As [`FinishedSurface::columns`], and a column that is missing.
+    pub fn numbers<const N: usize>(&self, names: [&str; N]) -> Result<[Vec<Option<f64>>; N], Failure> {
+        let columns = self.columns(|name| names.contains(&name))?;
+        numbers_of(columns, names).map_err(|why| self.broken(why))
+    }
+
+    /// The failure of a file that is not what its run should have.
+    pub fn broken(&self, why: impl fmt::Display) -> Failure {
+        Failure::InputOutput(format!(
+            "{}: not the surface of a run: {why}; `stickslip merge` writes it again from the run's pieces",
+            self.path.display()
+        ))
+    }
+}
+
+/// Reads columns of numbers of any Parquet file by their names, or says why they cannot be read.
+///
+/// # Errors
+/// A file that is no Parquet file, and a column that is missing or holds no numbers.
+pub fn read_numbers<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Vec<Option<f64>>; N], String> {
+    numbers_of(read_columns(path, |name| names.contains(&name))?, names)
+}
+
+fn read_columns(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, String> {
+    let text = |error: &dyn fmt::Display| error.to_string();
+    let file = File::open(path).map_err(|error| text(&error))?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| text(&error))?;
+    let fields = builder.schema().fields().clone();
+    let (places, fields): (Vec<usize>, Vec<_>) =
+        fields.iter().enumerate().filter(|(_, field)| wanted(field.name())).unzip();
+    let mut columns: Vec<FinishedColumn> =
+        fields.into_iter().map(|field| FinishedColumn::empty(field)).collect::<Result<_, _>>()?;
+    let mask = ProjectionMask::roots(builder.parquet_schema(), places);
+    for batch in builder.with_projection(mask).build().map_err(|error| text(&error))? {
+        let batch = batch.map_err(|error| text(&error))?;
+        for (column, array) in columns.iter_mut().zip(batch.columns()) {
+            column.extend(array.as_ref())?;
+        }
+    }
+    Ok(columns)
+}
+
+/// The values of columns by their names, counts as numbers too.
+fn numbers_of<const N: usize>(
+    mut columns: Vec<FinishedColumn>,
+    names: [&str; N],
+) -> Result<[Vec<Option<f64>>; N], String> {
+    let mut numbers: [Vec<Option<f64>>; N] = std::array::from_fn(|_| Vec::new());
+    for (name, numbers) in names.iter().zip(&mut numbers) {
+        *numbers = match columns.iter_mut().find(|column| column.name == *name).map(|column| &mut column.values) {
+            Some(FinishedValues::Real(values)) => mem::take(values),
+            Some(FinishedValues::Integer(values)) => {
+                values.iter().map(|value| value.map(|value| value as f64)).collect()
+            }
+            None => return Err(format!("it has no column {name}")),
+        };
+    }
+    Ok(numbers)
+}
+
+impl FinishedValues {
+    fn len(&self) -> usize {
+        match self {
+            Self::Integer(values) => values.len(),
+            Self::Real(values) => values.len(),
+        }
+    }
+}
+
+impl FinishedColumn {
+    /// A column without values yet.
+    fn empty(field: &Field) -> Result<Self, String> {
+        let values = match field.data_type() {
+            DataType::Int64 => FinishedValues::Integer(Vec::new()),
+            DataType::Float64 => FinishedValues::Real(Vec::new()),
+            other => return Err(format!("its column {} holds {other}, not numbers", field.name())),
+        };
+        let text = |key: &str| field.metadata().get(key).cloned().unwrap_or_default();
+        Ok(Self { name: field.name().clone(), unit: text("unit"), long_name: text("long_name"), values })
+    }
+
+    /// Adds the values of a batch.
+    fn extend(&mut self, array: &dyn Array) -> Result<(), String> {
+        let array = array.as_any();
+        match &mut self.values {
+            FinishedValues::Integer(values) => array.downcast_ref::<Int64Array>().map(|array| values.extend(array)),
+            FinishedValues::Real(values) => array.downcast_ref::<Float64Array>().map(|array| values.extend(array)),
+        }
+        .ok_or_else(|| format!("its column {} changes its type", self.name))
+    }
+}
