@@ -30,7 +30,7 @@ pub enum Command {
     Submit(SubmitArguments),
     /// Continue a run that was interrupted
     Resume(ResumeArguments),
-    /// Show the progress of a run
+    /// Show the progress of a run, or of every run in a folder
     Status(StatusArguments),
     /// Validate a job, and show it with all defaults, its cells, samples and expected cost
     Check(CheckArguments),
@@ -140,8 +140,8 @@ pub struct ResumeArguments {
 /// Arguments of `status`.
 #[derive(Debug, Args)]
 pub struct StatusArguments {
-    /// The run directory
-    #[arg(value_name = "RUN_DIR")]
+    /// The run directory, or a folder of run directories
+    #[arg(value_name = "DIR")]
     pub run: PathBuf,
     /// Print JSON
     #[arg(long)]
