@@ -26,6 +26,8 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write an example job with comments, to start from
+    Init(InitArguments),
     /// Run a job and write its probability surface
     Submit(SubmitArguments),
     /// Continue a run that was interrupted
@@ -58,6 +60,14 @@ pub enum Command {
 
 /// Arguments of `submit`.
 #[derive(Debug, Args)]
+/// Arguments of `init`.
+#[derive(Debug, Args)]
+pub struct InitArguments {
+    /// The file to write; - writes to standard output
+    #[arg(value_name = "FILE", default_value = "job.toml")]
+    pub file: PathBuf,
+}
+
 pub struct SubmitArguments {
     /// The job spec; - reads it from standard input
     #[arg(value_name = "JOB.toml")]

@@ -64,6 +64,7 @@ fn main() -> ExitCode {
 
 fn dispatch(command: Command) -> Result<(), Failure> {
     match command {
+        Command::Init(arguments) => commands::init(&arguments),
         Command::Submit(arguments) => commands::submit(&arguments, &Interrupt::watch()?),
         Command::Resume(arguments) => commands::resume(&arguments, &Interrupt::watch()?),
         Command::Status(arguments) => commands::status(&arguments),

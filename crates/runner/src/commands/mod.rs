@@ -2,6 +2,8 @@
 
 mod describe;
 
+mod init;
+
 mod status;
 
 mod check;
@@ -33,6 +35,7 @@ pub use completion::{FinishedRun, complete_run};
 pub use describe::{completions, man, schema};
 pub use motion_report::columns;
 pub use plot::plot;
+pub use init::init;
 pub use replay::replay;
 pub use status::status;
 pub use submit::{merge, resume, submit};
