@@ -36,6 +36,8 @@ pub enum Command {
     Status(StatusArguments),
     /// Validate a job, and show it with all defaults, its cells, samples and expected cost
     Check(CheckArguments),
+    /// List the parameters of the brake: symbols, units, ranges, values
+    Parameters(ParametersArguments),
     /// Analyse one operating point: equilibrium, eigenvalues, critical speed
     Analyse(AnalyseArguments),
     /// Simulate one motion: time series and summary
@@ -58,8 +60,6 @@ pub enum Command {
     Man,
 }
 
-/// Arguments of `submit`.
-#[derive(Debug, Args)]
 /// Arguments of `init`.
 #[derive(Debug, Args)]
 pub struct InitArguments {
@@ -68,6 +68,8 @@ pub struct InitArguments {
     pub file: PathBuf,
 }
 
+/// Arguments of `submit`.
+#[derive(Debug, Args)]
 pub struct SubmitArguments {
     /// The job spec; - reads it from standard input
     #[arg(value_name = "JOB.toml")]
@@ -166,6 +168,17 @@ pub struct CheckArguments {
     pub job: PathBuf,
     #[command(flatten)]
     pub threads: ThreadsArgument,
+}
+
+/// Arguments of `parameters`.
+#[derive(Debug, Args)]
+pub struct ParametersArguments {
+    /// Change a value of the preset, for example friction.static_coefficient=0.45; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `analyse`.

@@ -69,6 +69,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Resume(arguments) => commands::resume(&arguments, &Interrupt::watch()?),
         Command::Status(arguments) => commands::status(&arguments),
         Command::Check(arguments) => commands::check(&arguments),
+        Command::Parameters(arguments) => commands::parameters(&arguments),
         Command::Analyse(arguments) => commands::analyse(&arguments),
         Command::Trajectory(arguments) => commands::trajectory(&arguments),
         Command::Replay(arguments) => commands::replay(&arguments),

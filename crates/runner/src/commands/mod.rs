@@ -10,6 +10,8 @@ mod check;
 
 mod analyse;
 
+mod parameters;
+
 mod adoption;
 
 mod closing;
@@ -33,9 +35,10 @@ pub use check::check;
 pub use compare::compare;
 pub use completion::{FinishedRun, complete_run};
 pub use describe::{completions, man, schema};
-pub use motion_report::columns;
-pub use plot::plot;
 pub use init::init;
+pub use motion_report::columns;
+pub use parameters::parameters;
+pub use plot::plot;
 pub use replay::replay;
 pub use status::status;
 pub use submit::{merge, resume, submit};
