@@ -27,14 +27,18 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write an example job with comments, to start from
+    Init(InitArguments),
     /// Run a job and write its probability surface
     Submit(SubmitArguments),
     /// Continue a run that was interrupted
     Resume(ResumeArguments),
-    /// Show the progress of a run
+    /// Show the progress of a run, or of every run in a folder
     Status(StatusArguments),
     /// Validate a job, and show it with all defaults, its cells, samples and expected cost
     Check(CheckArguments),
+    /// List the parameters of the brake: symbols, units, ranges, values
+    Parameters(ParametersArguments),
     /// Analyse one operating point: equilibrium, eigenvalues, critical speed
     Analyse(AnalyseArguments),
     /// Simulate one motion: time series and summary
@@ -59,6 +63,14 @@ pub enum Command {
     Completions(CompletionsArguments),
     /// Print the manual page
     Man,
+}
+
+/// Arguments of `init`.
+#[derive(Debug, Args)]
+pub struct InitArguments {
+    /// The file to write; - writes to standard output
+    #[arg(value_name = "FILE", default_value = "job.toml")]
+    pub file: PathBuf,
 }
 
 /// Arguments of `submit`.
@@ -145,8 +157,8 @@ pub struct ResumeArguments {
 /// Arguments of `status`.
 #[derive(Debug, Args)]
 pub struct StatusArguments {
-    /// The run directory
-    #[arg(value_name = "RUN_DIR")]
+    /// The run directory, or a folder of run directories
+    #[arg(value_name = "DIR")]
     pub run: PathBuf,
     /// Print JSON
     #[arg(long)]
@@ -161,6 +173,17 @@ pub struct CheckArguments {
     pub job: PathBuf,
     #[command(flatten)]
     pub threads: ThreadsArgument,
+}
+
+/// Arguments of `parameters`.
+#[derive(Debug, Args)]
+pub struct ParametersArguments {
+    /// Change a value of the preset, for example friction.static_coefficient=0.45; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `analyse`.

@@ -68,10 +68,12 @@ fn main() -> ExitCode {
 
 fn dispatch(command: Command) -> Result<(), Failure> {
     match command {
+        Command::Init(arguments) => commands::init(&arguments),
         Command::Submit(arguments) => commands::submit(&arguments, &Interrupt::watch()?),
         Command::Resume(arguments) => commands::resume(&arguments, &Interrupt::watch()?),
         Command::Status(arguments) => commands::status(&arguments),
         Command::Check(arguments) => commands::check(&arguments),
+        Command::Parameters(arguments) => commands::parameters(&arguments),
         Command::Analyse(arguments) => commands::analyse(&arguments),
         Command::Trajectory(arguments) => commands::trajectory(&arguments),
         Command::Replay(arguments) => commands::replay(&arguments),

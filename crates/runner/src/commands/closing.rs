@@ -8,7 +8,7 @@ use stickslip_sampler::estimate::interval::Estimate;
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::job::{Job, OutsidePhysics};
-use crate::output::{counted, result};
+use crate::output::{counted, result, wrapped};
 use crate::picture::answer::answer;
 use crate::picture::picture;
 use crate::store::directory::RunDirectory;
@@ -23,7 +23,7 @@ pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Res
     let line = closing_line(&directory.surface(), job, surface);
     let notes = [outside_physics(job, surface), without_verdict(surface), looked_up(job, surface)].concat();
     let estimates: Vec<Estimate> = surface.rows().map(|row| row.estimate).collect();
-    result(&format!("{}{}{line}{notes}", picture(surface), answer(job, &estimates)))?;
+    result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &estimates))))?;
     let Lookups { audited, differed, .. } = surface.lookups();
     if differed == 0 {
         return Ok(());

@@ -2,11 +2,15 @@
 
 mod describe;
 
+mod init;
+
 mod status;
 
 mod check;
 
 mod analyse;
+
+mod parameters;
 
 mod adoption;
 
@@ -36,7 +40,9 @@ pub use compare::compare;
 pub use completion::{FinishedRun, complete_run};
 pub use describe::{completions, man, schema};
 pub use export::export;
+pub use init::init;
 pub use motion_report::columns;
+pub use parameters::parameters;
 pub use plot::plot;
 pub use replay::replay;
 pub use report::report;

@@ -7,10 +7,10 @@ use crate::cli::PlotArguments;
 use crate::failure::Failure;
 use crate::files::publish::publish;
 use crate::output::{note, output_file, result};
-use crate::picture::view::GridView;
+use crate::picture::view::{GridView, MOST_PANELS};
 use crate::plot::canvas::Canvas;
 use crate::plot::motion;
-use crate::plot::surface::{MOST_PANELS, figure};
+use crate::plot::surface::figure;
 use crate::plot::values::Values;
 
 /// Widths of one and of two columns of a paper, 84 and 174 mm, in pixels.

@@ -1,7 +1,7 @@
 //! Pictures of surfaces and curves for the terminal.
 
 use crate::output::counted;
-use crate::picture::view::{GridView, Slice, ViewAxis, label, rounded};
+use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis, label, rounded};
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
@@ -58,8 +58,9 @@ pub fn picture(surface: &Surface<'_>) -> String {
         };
     }
     if slices > MOST_SLICES {
-        text +=
-            &format!("... and {} in the file\n", counted((slices - MOST_SLICES) as u128, "more slice", "more slices"));
+        let more = counted((slices - MOST_SLICES) as u128, "more slice", "more slices");
+        let drawn = if slices <= MOST_PANELS { "them all".to_owned() } else { format!("the first {MOST_PANELS}") };
+        text += &format!("... and {more} in the file; `stickslip plot` draws {drawn}\n");
     }
     text
 }
@@ -140,11 +141,17 @@ fn shade(probability: f64) -> char {
 
 fn bars(surface: &Surface<'_>, slice: &Slice<'_>, axis: Option<&ViewAxis>) -> String {
     let mut text = axis.map_or_else(String::new, |axis| format!(" {}\n", axis.name));
-    for index in 0..axis.map_or(1, |axis| axis.values.len()) {
-        let row = surface.row(slice.cell(0, index));
-        let line = match row.estimate.probability {
-            None => "no sample was decided".to_owned(),
-            Some(p) => {
+    let rows: Vec<SurfaceRow> =
+        (0..axis.map_or(1, |axis| axis.values.len())).map(|index| surface.row(slice.cell(0, index))).collect();
+    let numbers: Vec<Option<[String; 3]>> = rows
+        .iter()
+        .map(|SurfaceRow { estimate, .. }| Some([estimate.probability?, estimate.low, estimate.high].map(probability)))
+        .collect();
+    // Small probabilities with an exponent of two digits are longer than the others.
+    let width = numbers.iter().flatten().flatten().map(String::len).max().unwrap_or(0);
+    for (index, (row, numbers)) in rows.iter().zip(&numbers).enumerate() {
+        let line = match (row.estimate.probability, numbers) {
+            (Some(p), Some([probability, low, high])) => {
                 let filled = (p * BAR as f64).round() as usize;
                 let bar = format!("{}{}", "█".repeat(filled), " ".repeat(BAR - filled));
                 let unknown = if row.unknown_share() > MOST_UNKNOWN {
@@ -152,13 +159,19 @@ fn bars(surface: &Surface<'_>, slice: &Slice<'_>, axis: Option<&ViewAxis>) -> St
                 } else {
                     String::new()
                 };
-                format!("{bar}| {p:.4}  ({:.4} to {:.4}){unknown}", row.estimate.low, row.estimate.high)
+                format!("{bar}| {probability:>width$}  ({low:>width$} to {high:>width$}){unknown}")
             }
+            _ => "no sample was decided".to_owned(),
         };
         text += &format!("{} |{line}\n", axis.map_or_else(|| " ".repeat(8), |axis| label(axis.values[index])));
     }
     text.push('\n');
     text
+}
+
+/// A probability with four decimals, or with two digits and an exponent where those would show little of it.
+fn probability(value: f64) -> String {
+    if value == 0.0 || value >= 1e-3 { format!("{value:.4}") } else { format!("{value:.1e}") }
 }
 
 /// The probability along an axis, with its interval.
@@ -243,4 +256,24 @@ pub fn curves(lines: &[Vec<(f64, f64)>]) -> String {
     let gap = PLOT_COLUMNS.saturating_sub(left.len() + right.len());
     text += &format!("{:10}+{}\n{:11}{left}{:gap$}{right}\n\n", "", "-".repeat(PLOT_COLUMNS), "", "");
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_probabilities_are_not_shown_as_zero() {
+        for (value, text) in [
+            (0.0, "0.0000"),
+            (1.0, "1.0000"),
+            (0.25, "0.2500"),
+            (1e-3, "0.0010"),
+            (9.99e-4, "1.0e-3"),
+            (2.8e-7, "2.8e-7"),
+            (3.14e-12, "3.1e-12"),
+        ] {
+            assert_eq!(probability(value), text);
+        }
+    }
 }

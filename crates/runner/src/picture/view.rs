@@ -4,6 +4,9 @@ use stickslip_core::parameters::scalar;
 
 use crate::job::{Job, RandomInput, StartValue};
 
+/// Largest number of slices that a plot draws, each as a panel.
+pub const MOST_PANELS: usize = 60;
+
 /// An axis of a grid, as a picture names it.
 pub struct ViewAxis {
     /// Name, with its unit where it is not a pure number.

@@ -1,7 +1,7 @@
 //! The probability of a run: filled contours over two axes, curves with their intervals over one.
 
 use crate::job::Criterion;
-use crate::picture::view::{GridView, Slice, ViewAxis};
+use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis};
 use crate::plot::axes::axis;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, WHITE, width_of};
 use crate::plot::contours::Field;
@@ -21,9 +21,6 @@ const CURVE_ASPECT: f64 = 0.6;
 
 /// Least width of a panel.
 const LEAST_WIDTH: f64 = 150.0;
-
-/// Most panels of a figure.
-pub const MOST_PANELS: usize = 60;
 
 /// Most values of the second axis that become curves in one panel, and the least number of values of a curve.
 const MOST_CURVES: usize = 6;

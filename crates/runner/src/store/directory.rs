@@ -12,7 +12,7 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{LOOKUPS, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
-use crate::files::publish::{is_temporary, publish, publish_first, remove_temporary};
+use crate::files::publish::{files, is_temporary, publish, publish_first, remove_temporary};
 use crate::job::{Job, JobSource};
 use crate::output::note;
 use crate::store::piece;
@@ -64,6 +64,14 @@ impl RunDirectory {
     pub fn view(path: &Path) -> Result<Self, Failure> {
         Self::require_run(path)?;
         Ok(Self { path: path.to_owned(), _lock: None })
+    }
+
+    /// The runs that lie in the folder `path`, sorted by name; none if it is no folder.
+    pub fn runs_in(path: &Path) -> Result<Vec<PathBuf>, Failure> {
+        if !path.is_dir() {
+            return Ok(Vec::new());
+        }
+        Ok(files(path)?.into_iter().filter(|entry| Self::require_run(entry).is_ok()).collect())
     }
 
     fn require_run(path: &Path) -> Result<(), Failure> {
