@@ -100,6 +100,7 @@ def check(page, name):
 
     # The table behind the picture has every number of it.
     page.click("#map-section summary")
+    page.wait_for_selector("#numbers td")
     table = [row.split("\t") for row in page.inner_text("#numbers").splitlines()]
     frictions = [float(value) for value in table[0][1:]]
     assert len(table) - 1 == rows.preload.nunique() and len(frictions) == rows.static_friction.nunique()

@@ -10,6 +10,7 @@ const named = (axis, i) => `${axis.title} = ${number(axis.values[i])}${axis.unit
 const heading = (axis) => (axis.unit ? `${axis.title} (${axis.unit})` : axis.title);
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const { vertical, horizontal } = run;
+const details = document.querySelector("#map-section details");
 const isMap = vertical !== null && horizontal !== null;
 const config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
 
@@ -66,6 +67,11 @@ function drawMap() {
   Object.assign(sides.xaxis, scaled(across));
   Object.assign(sides.yaxis, scaled(up));
   Plotly.react("map", traces, sides, config);
+}
+
+// The numbers of the map, made when they are looked at: a large table takes seconds.
+function fillTable() {
+  const across = run.axes[horizontal], up = run.axes[vertical];
   const table = document.getElementById("numbers");
   table.replaceChildren();
   const head = table.insertRow();
@@ -79,7 +85,7 @@ function drawMap() {
   [...up.values.keys()].reverse().forEach((i) => {
     const row = table.insertRow();
     cellOf(row, number(up.values[i]), true);
-    cells[i].forEach((cell) => cellOf(row, number(run.p[cell]), false));
+    across.values.forEach((_, j) => cellOf(row, number(run.p[cellWith({ [vertical]: i, [horizontal]: j })]), false));
   });
 }
 
@@ -109,6 +115,7 @@ function draw() {
     [...shown.map(([axis, i]) => named(axis, place[i])), told(cellAt(place))].join(", ");
   if (isMap) {
     drawMap();
+    if (details.open) fillTable();
     drawSection("along-horizontal", horizontal);
     drawSection("along-vertical", vertical);
   } else if (horizontal !== null) {
@@ -143,9 +150,11 @@ const nearest = (values, wanted) =>
   values.reduce((best, value, i) => (Math.abs(value - wanted) < Math.abs(values[best] - wanted) ? i : best), 0);
 
 addControls();
-if (!isMap) {
+if (isMap) {
+  details.addEventListener("toggle", () => details.open && fillTable());
+} else {
   document.getElementById("sections").remove();
-  document.querySelector("#map-section details").remove();
+  details.remove();
 }
 if (horizontal === null) document.getElementById("map").style.display = "none";
 draw();
