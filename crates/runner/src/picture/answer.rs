@@ -37,9 +37,12 @@ pub fn answer(job: &Job, cells: &[Estimate]) -> String {
     if let Some((axis, ends)) =
         long.map(|axis| (axis, ends(axis, &high))).find(|(_, ends)| ends.iter().any(Option::is_some))
     {
+        // What is below a limit everywhere is below the larger ones too.
+        let needed = 1 + ends.iter().position(|end| *end == Some(End::Everywhere)).unwrap_or(ends.len() - 1);
         let parts: Vec<String> = LIMITS
             .into_iter()
             .zip(ends)
+            .take(needed)
             .filter_map(|(limit, end)| end.map(|end| format!("below {} {}", percent(limit), end.text(axis))))
             .collect();
         text += &format!("Along {}, whatever else varies: {}.\n", axis.key(), parts.join(", "));
@@ -123,7 +126,7 @@ mod tests {
              Along preload, whatever else varies: below 1 % up to 0.1, below 5 % up to 0.2, below 50 % up to 0.3.\n"
         );
         assert!(!answer(&job, &cells(&[0.9; 12])).contains("Along"));
-        assert!(answer(&job, &cells(&[0.001; 12])).contains("below 1 % everywhere"));
+        assert!(answer(&job, &cells(&[0.001; 12])).contains("varies: below 1 % everywhere.\n"));
         assert!(!answer(&job, &cells(&[f64::NAN; 12])).contains("Along"), "what is not known is not small");
     }
 

@@ -31,13 +31,11 @@ function layout(x, y, extra) {
   };
 }
 
-// A scale of colours that changes at the levels.
-function steps() {
-  const scale = [];
-  const edges = [0, ...run.levels, 1];
-  run.colours.forEach((fill, band) => scale.push([edges[band], fill], [edges[band + 1], fill]));
-  return scale;
-}
+// Colours are those of the bands between the levels, all of one width, since small probabilities matter too.
+const bands = run.colours.length;
+const band = (p) => (p === null ? null : run.levels.filter((level) => level <= p).length + 0.5);
+const steps = run.colours.flatMap((fill, i) => [[i / bands, fill], [(i + 1) / bands, fill]]);
+const small = (level) => (level < 1e-3 ? level.toExponential() : String(level));
 
 function drawMap() {
   const across = run.axes[horizontal], up = run.axes[vertical];
@@ -48,8 +46,11 @@ function drawMap() {
     `${named(up, i)}<br>${named(across, j)}<br>${told(cell)}`));
   const scaled = (axis) => (axis.logarithmic ? { type: "log" } : {});
   const traces = [{
-    type: "heatmap", x: across.values, y: up.values, z, text, hovertemplate: "%{text}<extra></extra>",
-    zmin: 0, zmax: 1, colorscale: steps(), colorbar: { title: { text: "P" }, tickvals: run.levels, tickfont: { size: 10 } },
+    type: "heatmap", x: across.values, y: up.values, z: z.map((row) => row.map(band)), text,
+    hovertemplate: "%{text}<extra></extra>", zmin: 0, zmax: bands, colorscale: steps,
+    colorbar: {
+      title: { text: "P" }, tickvals: run.levels.map((_, i) => i + 1), ticktext: run.levels.map(small), tickfont: { size: 10 },
+    },
   }];
   for (const level of run.lines) {
     traces.push({
