@@ -7,7 +7,7 @@ mod common;
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{self, Receiver};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -48,16 +48,29 @@ impl Running {
 
     /// Sends a signal; asserts that it is answered and obeyed in time, and returns everything that was said.
     #[track_caller]
-    fn stop(mut self, signal: &str) -> String {
+    fn stop(self, signal: &str) -> String {
+        self.stop_or_end(signal).unwrap_or_else(|said| panic!("it had ended before the signal came:\n{said}"))
+    }
+
+    /// [`Running::stop`], or what was said by a command that came to its end before the signal reached it.
+    #[track_caller]
+    fn stop_or_end(mut self, signal: &str) -> Result<String, String> {
         let (word, code) = if signal == "INT" { ("interrupted", 130) } else { ("terminated", 143) };
         self.said.extend(self.lines.try_iter());
         let sent = Instant::now();
         self.send(signal);
-        let answer = self.lines.recv_timeout(END).unwrap();
-        assert!(sent.elapsed() < WORDS, "the answer came after {:?}", sent.elapsed());
-        assert!(answer.contains(word), "{answer}");
-        self.said.push(answer);
-        self.ended(sent, code)
+        let mut answer = self.lines.recv_timeout(END);
+        while let Ok(line) = answer {
+            let answered = line.contains(word);
+            self.said.push(line);
+            if answered {
+                assert!(sent.elapsed() < WORDS, "the answer came after {:?}", sent.elapsed());
+                return Ok(self.ended(sent, code));
+            }
+            answer = self.lines.recv_timeout(END);
+        }
+        assert!(answer != Err(RecvTimeoutError::Timeout), "no answer within {END:?}:\n{}", self.said.join("\n"));
+        Err(self.ended(sent, 0))
     }
 
     #[track_caller]
@@ -111,7 +124,8 @@ fn advances(sampling: impl Fn(u64) -> String) {
                 running.ended(Instant::now(), 0);
                 break;
             }
-            let said = running.stop("TERM");
+            // It may come to its end between the look above and the signal.
+            let Ok(said) = running.stop_or_end("TERM") else { break };
             assert!(said.contains(&format!("continue with `stickslip resume {run}`")), "{said}");
             done.push(samples_done(&place, &run));
             assert!(done.len() < 100, "it does not advance: {done:?}");
@@ -146,10 +160,10 @@ fn samples_between_two_looks_are_kept() {
     advances(|samples| format!("until = {{ half_width = 0.005, confidence = 0.9, at_most = {samples} }}"));
 }
 
-/// A job with a verdict map that is integrated over it and audited.
+/// A job with a verdict map that is integrated over it and audited at length, so that a signal comes in time.
 const MAPPED: &str = "name = \"mapped\"\n[axes]\nrotating_speed = 15.0\npreload = { from = 0.03, to = 0.3, points = 3 }\n\
     static_friction = { from = 0.27, to = 0.5, points = 3 }\n[random]\ninputs = [\"preload\", \"static_friction\"]\n\
-    relative_std = 0.2\n[criterion]\nkind = \"time-domain\"\n[sampling]\nmethod = \"exact\"\n";
+    relative_std = 0.2\n[criterion]\nkind = \"time-domain\"\n[sampling]\nmethod = \"exact\"\naudit = 1500\n";
 
 #[test]
 fn tiles_and_audits_that_are_finished_are_kept() {
