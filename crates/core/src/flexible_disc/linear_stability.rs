@@ -13,7 +13,7 @@
 //! |---|---|
 //! | below all four by more than they differ among themselves, and by 0.2 % | stable |
 //! | above all four by as much | unstable, fed by falling friction |
-//! | else, or if a corner has no single critical product | by the sample's own eigenvalues |
+//! | else, or if a corner has no single critical product | by its response, or else by its own eigenvalues |
 //!
 //! A corner has no single critical product if it is unstable without any fall of friction: then modes of pad and disc
 //! feed each other through the contact (flutter), or the disc turns faster than one of its waves. Such corners are
@@ -82,18 +82,6 @@ impl Linearisation {
 }
 
 impl FlexibleBrake {
-    /// Whether steady sliding is linearly stable, and what feeds it where it is not. The same as the sign of
-    /// [`FlexibleBrake::growth_rate`], at a hundredth of the cost.
-    ///
-    /// # Errors
-    /// As [`FlexibleBrake::growth_rate`].
-    pub fn linear_stability(&self, inputs: RandomInputs) -> Result<LinearStability, FlexibleError> {
-        match self.by_lattice(inputs) {
-            Some(stability) => Ok(stability),
-            None => self.by_eigenvalues(inputs),
-        }
-    }
-
     /// [`FlexibleBrake::linear_stability`] by the eigenvalues of this very sample.
     ///
     /// # Errors

@@ -18,8 +18,8 @@ use crate::rigid_disc::pad_on_disc::RandomInputs;
 
 impl TimeDomain {
     /// Decides every sample of a list as [`TimeDomain::decide`] does, with the same bits, many at once. Linear
-    /// stability is that of [`FlexibleBrake::linear_stability`] here, with the response next to the critical products,
-    /// and that of [`FlexibleBrake::by_eigenvalues`] there; tests compare them.
+    /// stability is [`FlexibleBrake::linear_stability`]'s here and [`FlexibleBrake::by_eigenvalues`]'s there; tests
+    /// compare the two.
     ///
     /// [`FlexibleBrake::linear_stability`]: crate::flexible_disc::brake::FlexibleBrake::linear_stability
     /// [`FlexibleBrake::by_eigenvalues`]: crate::flexible_disc::brake::FlexibleBrake::by_eigenvalues

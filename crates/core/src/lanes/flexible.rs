@@ -194,7 +194,7 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
         let placed = self.equations_of(&sample)?;
         let stability = |brake: &FlexibleBrake, inputs: RandomInputs| match &known {
             Some(known) => known.clone(),
-            None => brake.quick_linear_stability(inputs),
+            None => brake.linear_stability(inputs),
         };
         let start = sample.scaled_start();
         let (motion, monitor) = sample.criterion.start_flexible(&placed.equations(), start, stability)?;
