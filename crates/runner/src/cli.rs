@@ -110,13 +110,28 @@ fn seed(text: &str) -> Result<u64, String> {
 
 /// The path of a file that will be written as Parquet.
 fn parquet_file(text: &str) -> Result<PathBuf, String> {
+    file_named(text, "the file is written as Parquet", &["parquet"])
+}
+
+/// The path of a file that will be written as HTML.
+fn html_file(text: &str) -> Result<PathBuf, String> {
+    file_named(text, "a report is written as HTML", &["html"])
+}
+
+/// The path of a file that a plot can be written to.
+fn plot_file(text: &str) -> Result<PathBuf, String> {
+    file_named(text, "a plot is written as SVG or PNG", &["svg", "png"])
+}
+
+/// A path with one of the extensions. A directory is refused later, with a message of its own.
+fn file_named(text: &str, what: &str, extensions: &[&str]) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    // A directory is refused later, with a message of its own.
-    if path.is_dir() || path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) {
+    let is_named = |extension: &&str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension));
+    if path.is_dir() || extensions.iter().any(is_named) {
         return Ok(path);
     }
-    let name = path.with_extension("parquet");
-    Err(format!("the file is written as Parquet; name it {}", name.display()))
+    let names = extensions.iter().map(|extension| path.with_extension(extension).display().to_string());
+    Err(format!("{what}; name it {}", names.collect::<Vec<_>>().join(" or ")))
 }
 
 /// Verdict maps of other runs.
@@ -328,20 +343,6 @@ pub struct PlotArguments {
     pub columns: u8,
 }
 
-/// The path of a file that a plot can be written to.
-fn plot_file(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
-    match extension.as_ref().and_then(|extension| extension.to_str()) {
-        Some("svg" | "png") => Ok(path),
-        _ => Err(format!(
-            "a plot is written as SVG or PNG; name it {} or {}",
-            path.with_extension("svg").display(),
-            path.with_extension("png").display()
-        )),
-    }
-}
-
 /// Arguments of `report`.
 #[derive(Debug, Args)]
 pub struct ReportArguments {
@@ -349,7 +350,7 @@ pub struct ReportArguments {
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
     /// The file to write [default: report.html in the run directory]
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(long, value_name = "FILE.html", value_parser = html_file)]
     pub out: Option<PathBuf>,
 }
 

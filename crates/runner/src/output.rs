@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::io::{self, IsTerminal as _, Write as _};
+use std::mem;
 use std::path::{Path, PathBuf};
 
 use indicatif::HumanCount;
@@ -19,25 +20,23 @@ pub fn result(text: &str) -> Result<(), Failure> {
 
 /// Text with its lines broken between words, for a terminal of 80 columns.
 pub fn wrapped(text: &str) -> String {
-    const WIDTH: usize = 80;
-    let mut wrapped = String::new();
-    for line in text.lines() {
-        let mut width = 0;
-        for word in line.split(' ') {
-            let length = word.chars().count();
-            if width > 0 && width + 1 + length > WIDTH {
-                wrapped.push('\n');
-                width = 0;
-            } else if width > 0 {
-                wrapped.push(' ');
-                width += 1;
-            }
-            wrapped += word;
-            width += length;
+    text.lines().flat_map(|line| broken(line, 80)).fold(String::new(), |text, line| text + &line + "\n")
+}
+
+/// A line broken between words into lines of at most `width` characters, but for longer words. At least one line.
+pub fn broken(line: &str, width: usize) -> Vec<String> {
+    let mut done = Vec::new();
+    let mut current = String::new();
+    for word in line.split(' ') {
+        if !current.is_empty() && current.chars().count() + 1 + word.chars().count() > width {
+            done.push(mem::take(&mut current));
+        } else if !current.is_empty() {
+            current.push(' ');
         }
-        wrapped.push('\n');
+        current += word;
     }
-    wrapped
+    done.push(current);
+    done
 }
 
 /// Writes a message to standard error. Errors are ignored, as there is no other place to report them.

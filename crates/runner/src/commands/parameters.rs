@@ -9,7 +9,7 @@ use super::analyse::brake;
 use crate::cli::ParametersArguments;
 use crate::failure::Failure;
 use crate::job::friction::{CurveColumns, LAWS};
-use crate::output::result;
+use crate::output::{broken, result};
 use crate::picture::view::rounded;
 
 /// Width of the table, and widths of its columns but the last.
@@ -111,16 +111,8 @@ fn row(columns: [&str; 5], last: &str) -> String {
         line += &format!("{column:width$} ");
     }
     let indent = line.len();
-    let mut text = String::new();
-    for word in last.split(' ') {
-        if line.len() > indent && line.len() + word.len() > WIDTH {
-            text += &format!("{}\n", line.trim_end());
-            line = " ".repeat(indent);
-        }
-        line += word;
-        line.push(' ');
-    }
-    text + line.trim_end() + "\n"
+    let description = broken(last, WIDTH - indent).join(&format!("\n{:indent$}", ""));
+    format!("{}\n", (line + &description).trim_end())
 }
 
 #[cfg(test)]

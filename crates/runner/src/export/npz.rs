@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use flate2::Crc;
+
 use super::arrays::{AXES, GridArrays, NamedArray, Numbers};
 
 /// Writes the arrays of a surface, and the names of its axes as the array `axes`.
@@ -117,25 +119,9 @@ fn in_32_bits(number: u64) -> io::Result<u32> {
 
 /// The checksum of zip, CRC-32.
 fn checksum(data: &[u8]) -> u32 {
-    const TABLE: [u32; 256] = table();
-    !data.iter().fold(!0, |sum, byte| TABLE[usize::from(sum as u8 ^ byte)] ^ sum >> 8)
-}
-
-/// What each byte does to the checksum.
-const fn table() -> [u32; 256] {
-    let mut table = [0; 256];
-    let mut byte = 0;
-    while byte < 256 {
-        let mut sum = byte as u32;
-        let mut bit = 0;
-        while bit < 8 {
-            sum = if sum & 1 == 1 { sum >> 1 ^ 0xEDB8_8320 } else { sum >> 1 };
-            bit += 1;
-        }
-        table[byte] = sum;
-        byte += 1;
-    }
-    table
+    let mut sum = Crc::new();
+    sum.update(data);
+    sum.sum()
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::output::quoted;
 use crate::picture::answer::answer;
 use crate::picture::view::GridView;
 use crate::plot::axes::axis;
-use crate::plot::levels::Levels;
+use crate::plot::levels::{Levels, label};
 use crate::plot::values::Values;
 
 const PAGE: &str = include_str!("page.html");
@@ -55,16 +55,29 @@ pub fn page(values: &Values, run: &Path) -> Result<String, Failure> {
         ("reconstructed", reconstructed().to_owned()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("plotly", LIBRARY_VERSION.to_owned()),
-        ("data", data(values).to_string().replace("</", "<\\/")),
+        ("data", in_script(&data(values))),
         ("script", SCRIPT.to_owned()),
-        // Last, so that nothing in it is taken for a place of another part.
         ("library", library),
     ];
-    let mut page = PAGE.to_owned();
-    for (place, text) in parts {
-        page = page.replacen(&format!("{{{{{place}}}}}"), &text, if place == "name" { 2 } else { 1 });
+    Ok(filled(PAGE, &parts))
+}
+
+/// A page with its places, such as `{{name}}`, filled by their parts.
+fn filled(page: &str, parts: &[(&str, String)]) -> String {
+    let mut pieces = page.split("{{");
+    let mut text = pieces.next().unwrap_or_default().to_owned();
+    for piece in pieces {
+        let (place, after) = piece.split_once("}}").unwrap_or((piece, ""));
+        let part = parts.iter().find(|(name, _)| *name == place);
+        text += part.map_or("", |(_, part)| part);
+        text += after;
     }
-    Ok(page)
+    text
+}
+
+/// Data as text inside a script element, which any `<` might end.
+fn in_script(data: &Value) -> String {
+    data.to_string().replace('<', "\\u003c")
 }
 
 /// What the script draws.
@@ -100,6 +113,7 @@ fn data(values: &Values) -> Value {
         "samples": values.samples,
         "unstable": values.unstable,
         "levels": levels.all(),
+        "level_names": levels.all().iter().map(|level| label(*level)).collect::<Vec<_>>(),
         "lines": levels.lines(),
         "colours": (0..levels.bands()).map(colour).collect::<Vec<_>>(),
         "interval_name": interval_name(values),

@@ -35,7 +35,6 @@ function layout(x, y, extra) {
 const bands = run.colours.length;
 const band = (p) => (p === null ? null : run.levels.filter((level) => level <= p).length + 0.5);
 const steps = run.colours.flatMap((fill, i) => [[i / bands, fill], [(i + 1) / bands, fill]]);
-const small = (level) => (level < 1e-3 ? level.toExponential() : String(level));
 
 function drawMap() {
   const across = run.axes[horizontal], up = run.axes[vertical];
@@ -49,7 +48,7 @@ function drawMap() {
     type: "heatmap", x: across.values, y: up.values, z: z.map((row) => row.map(band)), text,
     hovertemplate: "%{text}<extra></extra>", zmin: 0, zmax: bands, colorscale: steps,
     colorbar: {
-      title: { text: "P" }, tickvals: run.levels.map((_, i) => i + 1), ticktext: run.levels.map(small), tickfont: { size: 10 },
+      title: { text: "P" }, tickvals: run.levels.map((_, i) => i + 1), ticktext: run.level_names, tickfont: { size: 10 },
     },
   }];
   for (const level of run.lines) {
