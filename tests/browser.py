@@ -1,6 +1,8 @@
 """Opens a report in a real browser and compares what it shows with the Parquet file.
 
-Usage: browser.py CHROMIUM REPORT.html SURFACE.parquet [FOLDER for screenshots]
+Usage: browser.py CHROMIUM REPORT.html SURFACE.parquet TWO.html FIRST.parquet DIFFERENCES.parquet [FOLDER for screenshots]
+
+TWO.html is the report of two runs, of which the first has Sobol indices; DIFFERENCES.parquet is of `stickslip compare`.
 """
 
 import math
@@ -11,9 +13,9 @@ from pathlib import Path
 import pandas as pd
 from playwright.sync_api import sync_playwright
 
-chromium, report, surface, *screenshots = sys.argv[1:]
-surface = pd.read_parquet(surface)
-url = Path(report).resolve().as_uri()
+chromium, report, surface, two, first, differences, *screenshots = sys.argv[1:]
+surface, first, differences = (pd.read_parquet(file) for file in (surface, first, differences))
+url, url_of_two = (Path(file).resolve().as_uri() for file in (report, two))
 
 
 def close(shown, expected):
@@ -53,11 +55,17 @@ def click_on_map(page, right, up):
     page.wait_for_timeout(400)
 
 
-def check(page, name):
+def listen(page):
+    """Everything that a page complains about, and every address outside the file that it asks for."""
     said = []
     page.on("console", lambda message: said.append(message.text) if message.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: said.append(str(error)))
     page.on("request", lambda request: said.append(request.url) if not request.url.startswith(("file:", "data:", "blob:")) else None)
+    return said
+
+
+def check(page, name):
+    said = listen(page)
     page.goto(url)
     page.wait_for_selector("#map .nsewdrag")
     width = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
@@ -100,8 +108,8 @@ def check(page, name):
 
     # The table behind the picture has every number of it.
     page.click("#map-section summary")
-    page.wait_for_selector("#numbers td")
-    table = [row.split("\t") for row in page.inner_text("#numbers").splitlines()]
+    page.wait_for_selector("#map-section td")
+    table = [row.split("\t") for row in page.inner_text("#map-section table").splitlines()]
     frictions = [float(value) for value in table[0][1:]]
     assert len(table) - 1 == rows.preload.nunique() and len(frictions) == rows.static_friction.nunique()
     for preload, *shown in table[1:]:
@@ -111,11 +119,63 @@ def check(page, name):
     assert not said, said
 
 
+def nearest(rows, preload, friction):
+    near = (rows.preload - float(preload)).abs() + (rows.static_friction - float(friction)).abs()
+    return rows.loc[near.idxmin()]
+
+
+def check_two(page, name):
+    """Two runs: the difference of the second from the first, and the Sobol indices of the first."""
+    said = listen(page)
+    page.goto(url_of_two)
+    page.wait_for_selector("#map .nsewdrag")
+    width = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+    assert width <= 0, f"{name}: the page is {width} pixels wider than the window"
+    buttons = page.locator("#controls input[type=radio]")
+    assert buttons.count() == 3
+    assert page.locator("#along-horizontal .legendtext").all_text_contents() == ["drawn", "other"]
+
+    click_on_map(page, 0.3, 0.6)
+    preload, friction = re.search(r"Preload Δ = ([^,]+), .*fₛ = ([^,]+),", page.inner_text("#selected")).groups()
+    row = nearest(first, preload, friction)
+    page.click("#sensitivity-section summary")
+    table = [line.split("\t") for line in page.inner_text("#sensitivity-section table").splitlines()]
+    assert [line[0] for line in table[1:]] == ["preload", "static_friction", "damping.tangential"]
+    for of, *shown in table[1:]:
+        for number, column in zip(shown, ["first_order_{}", "first_order_{}_error", "total_{}", "total_{}_error"]):
+            close(number, row[column.format(of)])
+    assert page.locator("#sensitivity .bars .point").count() == 6
+
+    buttons.nth(2).check()
+    page.wait_for_timeout(400)
+    assert page.locator("#sensitivity-section").is_hidden()
+    seen = set()
+    for right, up in [(0.2, 0.3), (0.5, 0.5), (0.9, 0.9)]:
+        click_on_map(page, right, up)
+        text = page.inner_text("#selected")
+        preload, friction = re.search(r"Preload Δ = ([^,]+), .*fₛ = ([^,]+),", text).groups()
+        row = nearest(differences, preload, friction)
+        shown = re.search(r"difference = (\S+) \(.*together: (\S+) to (\S+)\); P = (\S+) and (\S+)$", text).groups()
+        for number, column in zip(shown, ["difference", "difference_low", "difference_high", "p_second", "p_first"]):
+            close(number, row[column])
+        seen.add(shown)
+    assert len(seen) == 3, seen
+    surely = ((differences.difference_low > 0).sum(), (differences.difference_high < 0).sum())
+    told = re.search(r"surely larger than that of drawn in (\d+), and surely smaller in (\d+)", page.inner_text("#answer"))
+    assert tuple(map(int, told.groups())) == surely and max(surely) > 0, (told, surely)
+    strokes = page.locator("#map .scatterlayer .trace").first.locator("path.point").count()
+    assert strokes == len(differences) - sum(surely), strokes
+    if screenshots:
+        page.screenshot(path=f"{screenshots[0]}/two-{name}.png", full_page=True)
+    assert not said, said
+
+
 with sync_playwright() as playwright:
     browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
     for width, scheme in [(1400, "light"), (400, "light"), (1400, "dark")]:
         context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
         check(context.new_page(), f"{width}-{scheme}")
+        check_two(context.new_page(), f"{width}-{scheme}")
         context.close()
     browser.close()
-print("report: mouse, keyboard, slider, hover and table show the numbers of the file at 1400 and 400 pixels")
+print("reports: mouse, keyboard, slider, hover and tables show the numbers of the files at 1400 and 400 pixels")

@@ -9,6 +9,7 @@ use std::fs;
 use std::process::Command;
 
 use common::{Place, Table, repository, submitted};
+use serde_json::Value;
 
 /// A job with a sharp character in every text of its own.
 const JOB: &str = r#"
@@ -56,8 +57,26 @@ fn a_report_is_one_file_with_the_answer_the_job_and_the_library() {
     assert_eq!(fs::read_to_string(place.path("again.html")).unwrap(), page);
 }
 
+/// A small job with Sobol indices, and another that differs from it in its damping.
+const DRAWN: &str = r#"
+name = "drawn"
+[axes]
+rotating_speed = 15
+preload = { from = 0.02, to = 0.3, points = 8 }
+static_friction = { from = 0.25, to = 0.5, points = 9 }
+[random]
+inputs = ["preload", "static_friction", "damping.tangential"]
+relative_std = 0.1
+[criterion]
+kind = "eigenvalue"
+[sampling]
+samples = 400
+sensitivity = true
+seed = 1
+"#;
+
 #[test]
-fn a_browser_shows_the_numbers_of_the_file() {
+fn a_browser_shows_the_numbers_of_the_files() {
     let (Some(python), Some(browser)) = (env::var_os("STICKSLIP_PYTHON"), env::var_os("STICKSLIP_BROWSER")) else {
         assert!(env::var_os("CI").is_none(), "STICKSLIP_PYTHON or STICKSLIP_BROWSER is not set; run `make test`");
         return;
@@ -65,10 +84,16 @@ fn a_browser_shows_the_numbers_of_the_file() {
     let place = Place::new();
     submitted(&place, "three", JOB);
     place.run("report three").done();
+    submitted(&place, "drawn", DRAWN);
+    submitted(&place, "other", &DRAWN.replace("[axes]", "[model.damping]\ntangential = 800.0\n[axes]"));
+    place.run("report drawn other --out two.html").done();
+    place.run("compare drawn other --out differences.parquet").done();
+    let files =
+        ["three/report.html", "three/surface.parquet", "two.html", "drawn/surface.parquet", "differences.parquet"];
     let output = Command::new(python)
         .arg(repository().join("tests/browser.py"))
         .arg(browser)
-        .args(["three/report.html", "three/surface.parquet"].map(|file| place.path(file)))
+        .args(files.map(|file| place.path(file)))
         .output()
         .unwrap();
     assert!(
@@ -77,6 +102,72 @@ fn a_browser_shows_the_numbers_of_the_file() {
         String::from_utf8_lossy(&output.stdout),
         String::from_utf8_lossy(&output.stderr)
     );
+}
+
+/// What the script of a report draws.
+fn data(page: &str) -> Value {
+    let start = "<script id=\"data\" type=\"application/json\">";
+    let data = &page[page.find(start).unwrap() + start.len()..];
+    serde_json::from_str(&data[..data.find("</script>").unwrap()]).unwrap()
+}
+
+#[test]
+fn the_expected_brake_of_a_cell_is_that_of_analyse() {
+    let place = Place::new();
+    for (name, criterion, rate) in [
+        ("rigid", "kind = \"eigenvalue\"", "growth_rate_per_s"),
+        ("flexible", "kind = \"coupled-eigenvalue\"", "coupled_growth_rate_per_s"),
+    ] {
+        let axes = "preload = [0.05, 0.1, 0.25]\nstatic_friction = [0.3, 0.45]";
+        let job = format!(
+            "name = {name:?}\n[axes]\nrotating_speed = [10, 25]\n{axes}\n[random]\ninputs = [\"preload\"]\nrelative_std = 0.1\n[criterion]\n{criterion}\n[sampling]\nsamples = 10\nseed = 1\n"
+        );
+        submitted(&place, name, &job);
+        place.run(&format!("report {name}")).done();
+        let run = &data(&fs::read_to_string(place.path(&format!("{name}/report.html"))).unwrap())["runs"][0];
+        let table = Table::read(&place.path(&format!("{name}/surface.parquet")));
+        let mut cycles = 0;
+        for cell in 0..12 {
+            let of = |column| table.column(column)[cell];
+            let (speed, preload, friction) = (of("rotating_speed_rad_s"), of("preload"), of("static_friction"));
+            let analysis: Value = serde_json::from_str(
+                &place
+                    .run(&format!(
+                        "analyse --json --set operating_point.rotating_speed={speed} --set \
+                         operating_point.preload={preload} --set friction.static_coefficient={friction}"
+                    ))
+                    .done()
+                    .stdout,
+            )
+            .unwrap();
+            let shown = |column: &str| run["expected"][column][cell].as_f64();
+            let close = |shown: Option<f64>, known: Option<f64>| match (shown, known) {
+                (Some(shown), Some(known)) => assert!((shown - known).abs() <= 1e-5 * known.abs(), "{shown} {known}"),
+                both => assert_eq!(both, (None, None)),
+            };
+            close(shown("growth_rate"), analysis[rate].as_f64());
+            let cycle = &analysis["limit_cycle"];
+            let half = |high: f64| Some(0.5 * (high - cycle["x_min_mm"].as_f64()?));
+            close(shown("amplitude_mm"), cycle["x_max_mm"].as_f64().and_then(half));
+            close(shown("frequency_hz"), cycle["frequency_hz"].as_f64());
+            close(shown("stick"), cycle["stick_fraction"].as_f64());
+            cycles += usize::from(shown("stick").is_some());
+        }
+        assert!(0 < cycles && cycles < 12, "{cycles} cells have a limit cycle");
+    }
+}
+
+#[test]
+fn runs_that_share_no_cell_stand_beside_each_other() {
+    let place = Place::new();
+    submitted(&place, "three", JOB);
+    submitted(&place, "drawn", DRAWN);
+    let said = place.run("report three drawn").done();
+    assert_eq!(said.stdout, "report.html\n");
+    assert!(said.stderr.contains("without a comparison: three and drawn have no cell in common"), "{}", said.stderr);
+    let data = data(&fs::read_to_string(place.path("report.html")).unwrap());
+    assert_eq!(data["runs"].as_array().map(Vec::len), Some(2));
+    assert_eq!(data["comparisons"].as_array().map(Vec::len), Some(0));
 }
 
 #[test]

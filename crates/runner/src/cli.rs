@@ -346,12 +346,14 @@ pub struct PlotArguments {
 /// Arguments of `report`.
 #[derive(Debug, Args)]
 pub struct ReportArguments {
-    /// The run directory
-    #[arg(value_name = "RUN_DIR")]
-    pub run: PathBuf,
-    /// The file to write [default: report.html in the run directory]
+    /// The run directories; the others are compared with the first
+    #[arg(value_name = "RUN_DIR", required = true)]
+    pub runs: Vec<PathBuf>,
+    /// The file to write [default: report.html in the run directory, of several runs in the current one]
     #[arg(long, value_name = "FILE.html", value_parser = html_file)]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
 }
 
 /// Arguments of `export`.

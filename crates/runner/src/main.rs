@@ -79,7 +79,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Replay(arguments) => commands::replay(&arguments),
         Command::Compare(arguments) => commands::compare(&arguments, &Interrupt::watch()?),
         Command::Plot(arguments) => commands::plot(&arguments),
-        Command::Report(arguments) => commands::report(&arguments),
+        Command::Report(arguments) => commands::report(&arguments, &Interrupt::watch()?),
         Command::Export(arguments) => commands::export(&arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(&arguments, &Interrupt::watch()?),
         Command::Merge(arguments) => commands::merge(&arguments),

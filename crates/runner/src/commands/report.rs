@@ -1,18 +1,59 @@
-//! `report`: a run as one HTML file.
+//! `report`: runs as one HTML file.
 
 use crate::cli::ReportArguments;
+use crate::commands::compare::{Differences, Run, STOPPED, differences_of};
 use crate::failure::Failure;
 use crate::files::publish::publish;
-use crate::output::{output_file, result};
-use crate::plot::values::Values;
-use crate::report::page;
+use crate::interrupt::Interrupt;
+use crate::output::{note, output_file, result};
+use crate::report::{ComparedCell, Comparison, ReportedRun, page};
+use crate::schedule::engine::Engine;
+
+/// Confidence that the intervals of all differences hold together.
+const CONFIDENCE: f64 = 0.95;
 
 /// `stickslip report`.
-pub fn report(arguments: &ReportArguments) -> Result<(), Failure> {
-    let out = arguments.out.clone().unwrap_or_else(|| arguments.run.join("report.html"));
-    let values = Values::read(&arguments.run)?;
-    let page = page(&values, &arguments.run)?;
+pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    interrupt.remark(STOPPED);
+    let out = match (&arguments.out, &arguments.runs[..]) {
+        (Some(out), _) => out.clone(),
+        (None, [run]) => run.join("report.html"),
+        (None, _) => "report.html".into(),
+    };
+    let runs: Vec<ReportedRun> = arguments.runs.iter().map(|run| ReportedRun::read(run)).collect::<Result<_, _>>()?;
     let (directory, name) = output_file(&out)?;
+    let comparisons = if runs.len() > 1 { comparisons(arguments, interrupt)? } else { Vec::new() };
+    let page = page(&runs, &comparisons)?;
     publish(&directory, &name, page.as_bytes())?;
     result(&format!("{}\n", out.display()))
+}
+
+/// The runs after the first, compared with it as `stickslip compare` does.
+fn comparisons(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<Vec<Comparison>, Failure> {
+    let runs: Vec<Run> = arguments.runs.iter().map(|path| Run::open(path)).collect::<Result<_, _>>()?;
+    let engine = Engine::new(arguments.threads.count())?;
+    let compared = match differences_of(&runs, CONFIDENCE, false, &engine, interrupt) {
+        Err(Failure::Job(why)) => {
+            note(format_args!("the runs stand beside each other without a comparison: {why}"));
+            return Ok(Vec::new());
+        }
+        compared => compared?,
+    };
+    Ok(compared.iter().enumerate().map(|(i, differences)| comparison(i + 1, differences)).collect())
+}
+
+fn comparison(run: usize, differences: &Differences<'_>) -> Comparison {
+    let mut cells: Vec<Option<ComparedCell>> = (0..differences.job.cells()).map(|_| None).collect();
+    for row in &differences.rows {
+        let compared = ComparedCell {
+            first: row.first,
+            second: row.second,
+            difference: row.difference.value,
+            low: row.difference.low,
+            high: row.difference.high,
+        };
+        cells[row.cell.index as usize] = Some(compared);
+    }
+    let interval_name = format!("{} % interval for all cells together", 100.0 * CONFIDENCE);
+    Comparison { run, interval_name, cells }
 }

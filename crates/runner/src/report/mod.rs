@@ -1,6 +1,12 @@
-//! The report of a run: one HTML file that needs nothing else, neither a network nor other files.
+//! The report of runs: one HTML file that needs nothing else, neither a network nor other files.
 //!
 //! Its pictures are drawn in the browser by plotly.js, whose cartesian bundle is part of the program, compressed.
+
+mod expected;
+
+mod run;
+
+mod comparison;
 
 use std::io::Read as _;
 use std::path::Path;
@@ -10,13 +16,11 @@ use serde_json::{Value, json};
 use stickslip_sampler::draw::identity::RESULTS_VERSION;
 use stickslip_sampler::estimate::interval::Estimate;
 
+pub use self::comparison::{ComparedCell, Comparison};
+pub use self::run::ReportedRun;
 use crate::failure::Failure;
 use crate::output::quoted;
 use crate::picture::answer::answer;
-use crate::picture::view::GridView;
-use crate::plot::axes::axis;
-use crate::plot::levels::{Levels, label};
-use crate::plot::values::Values;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
@@ -29,33 +33,37 @@ const LIBRARY_VERSION: &str = "4.1.1";
 /// Significant digits of numbers in the page.
 const DIGITS: usize = 6;
 
-/// The page of a run.
+/// The page of one or more runs, and of what the others differ from the first in.
 ///
 /// # Errors
 /// A library that was damaged when the program was built.
-pub fn page(values: &Values, run: &Path) -> Result<String, Failure> {
-    let job = &values.job;
+pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, Failure> {
     let mut library = String::new();
     GzDecoder::new(LIBRARY)
         .read_to_string(&mut library)
         .map_err(|error| Failure::InputOutput(format!("the program's copy of plotly.js cannot be read: {error}")))?;
-    let estimates: Vec<Estimate> = (0..values.probability.len())
-        .map(|cell| Estimate { probability: values.probability[cell], low: values.low[cell], high: values.high[cell] })
-        .collect();
-    let name = escaped(&job.name);
+    let names: Vec<&str> = runs.iter().map(|run| run.values.job.name.as_str()).collect();
+    let name = escaped(&names.join(", "));
+    let all = |part: fn(&ReportedRun, bool) -> String| runs.iter().map(|run| part(run, runs.len() > 1)).collect();
+    let data = json!({
+        "runs": runs.iter().map(ReportedRun::data).collect::<Vec<_>>(),
+        "comparisons": comparisons.iter().map(Comparison::data).collect::<Vec<_>>(),
+    });
+    let differences = comparisons.iter().map(|comparison| {
+        element("p", "class=\"answer\"", &comparison.summary(&runs[0].path, &runs[comparison.run].path))
+    });
     let parts = [
         ("title", format!("{name}: probability of instability")),
         ("style", STYLE.to_owned()),
         ("name", name),
-        ("description", escaped(&job.description)),
-        ("answer", escaped(&answer(job, &estimates))),
-        ("interval", interval_name(values)),
-        ("facts", facts(values, run)),
-        ("job", escaped(&job.normalised())),
-        ("reconstructed", reconstructed().to_owned()),
+        ("answers", all(answered)),
+        ("differences", differences.collect()),
+        ("computed", all(computed)),
+        ("reconstructed", element("p", "class=\"note\"", RECONSTRUCTED)),
+        ("verdicts", String::new()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("plotly", LIBRARY_VERSION.to_owned()),
-        ("data", in_script(&data(values))),
+        ("data", in_script(&data)),
         ("script", SCRIPT.to_owned()),
         ("library", library),
     ];
@@ -80,84 +88,61 @@ fn in_script(data: &Value) -> String {
     data.to_string().replace('<', "\\u003c")
 }
 
-/// What the script draws.
-fn data(values: &Values) -> Value {
-    let view = GridView::new(&values.job);
-    let axes: Vec<Value> = view
-        .axes()
-        .iter()
-        .map(|of| {
-            let named = axis(of);
-            json!({
-                "title": named.title,
-                "unit": named.unit,
-                "values": of.values,
-                "logarithmic": named.scale.is_logarithmic(),
-            })
-        })
-        .collect();
-    let (vertical, horizontal) = view.shown();
-    let levels = Levels::up_to(values.largest());
-    let colour = |band| {
-        let (red, green, blue) = levels.colour(band);
-        format!("#{red:02x}{green:02x}{blue:02x}")
-    };
-    let rounded = |value: &f64| round(*value);
-    json!({
-        "axes": axes,
-        "vertical": vertical,
-        "horizontal": horizontal,
-        "p": values.probability.iter().map(|p| p.map(round)).collect::<Vec<_>>(),
-        "low": values.low.iter().map(rounded).collect::<Vec<_>>(),
-        "high": values.high.iter().map(rounded).collect::<Vec<_>>(),
-        "samples": values.samples,
-        "unstable": values.unstable,
-        "levels": levels.all(),
-        "level_names": levels.all().iter().map(|level| label(*level)).collect::<Vec<_>>(),
-        "lines": levels.lines(),
-        "colours": (0..levels.bands()).map(colour).collect::<Vec<_>>(),
-        "interval_name": interval_name(values),
-    })
-}
-
 /// A number with as many digits as anyone reads.
 fn round(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
 }
 
-fn interval_name(values: &Values) -> String {
-    let sampling = &values.job.sampling;
-    if values.job.is_integrated() {
-        return "bounds of the integral".to_owned();
-    }
-    let together = if sampling.simultaneous { " for all cells together" } else { "" };
-    format!("{} % interval{together}", round(100.0 * sampling.confidence))
+/// The description and the answer of a run, with its name if there are several.
+fn answered(run: &ReportedRun, has_name: bool) -> String {
+    let values = &run.values;
+    let job = &values.job;
+    let estimates: Vec<Estimate> = (0..values.probability.len())
+        .map(|cell| Estimate { probability: values.probability[cell], low: values.low[cell], high: values.high[cell] })
+        .collect();
+    heading(run, has_name)
+        + &element("p", "class=\"note\"", &job.description)
+        + &element("p", "class=\"answer\"", answer(job, &estimates).trim_end())
 }
 
-/// Seed, versions and the command that computes the same numbers, as entries of a list.
-fn facts(values: &Values, run: &Path) -> String {
+/// How a run was computed: seed, versions, the command that computes the same numbers, and the job.
+fn computed(run: &ReportedRun, has_name: bool) -> String {
+    let values = &run.values;
     let job = &values.job;
     let samples = if job.is_integrated() {
         "none, the probability is integrated".to_owned()
     } else {
         format!("{} in all", values.samples.iter().map(|&samples| u128::from(samples)).sum::<u128>())
     };
+    let again = Path::new(&run.path).join("job.toml");
     let entries = [
         ("Cells", job.cells().to_string()),
         ("Samples", samples),
         ("Seed", job.sampling.seed.to_string()),
         ("Program", format!("stickslip {}, results version {RESULTS_VERSION}", env!("CARGO_PKG_VERSION"))),
         ("Job", job.hash()),
-        ("The same numbers", format!("stickslip submit {}", quoted(&run.join("job.toml")))),
+        ("The same numbers", format!("stickslip submit {}", quoted(&again))),
     ];
-    let entry = |(name, value): (&str, String)| format!("<dt>{name}</dt><dd>{}</dd>", escaped(&value));
-    entries.into_iter().map(entry).collect()
+    let entry = |(name, value): (&str, String)| element("dt", "", name) + &element("dd", "", &value);
+    let entries: String = entries.into_iter().map(entry).collect();
+    format!(
+        "{}<dl>{entries}</dl><details><summary>The job with every default filled in</summary>{}</details>",
+        heading(run, has_name),
+        element("pre", "", &job.normalised())
+    )
+}
+
+fn heading(run: &ReportedRun, has_name: bool) -> String {
+    if has_name { element("h3", "", &format!("{} ({})", run.values.job.name, run.path)) } else { String::new() }
 }
 
 /// What of the preset is not printed in the paper.
-fn reconstructed() -> &'static str {
-    "<p class=\"note\">The preset sui-ding-2018 is reconstructed from the printed results of Sui and Ding (2018, \
-     doi 10.1007/s11071-018-4280-4) where the paper does not print a parameter.</p>"
+const RECONSTRUCTED: &str = "Parameters start from the preset sui-ding-2018. Those that Sui and Ding (2018, \
+     doi 10.1007/s11071-018-4280-4) do not print are reconstructed from the results that they print.";
+
+/// An element with text; without text nothing.
+fn element(name: &str, attributes: &str, text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("<{name} {attributes}>{}</{name}>", escaped(text)) }
 }
 
 /// Text for HTML.

@@ -1,24 +1,73 @@
 "use strict";
-// Data of the run: axes slowest first, and one number for each cell in every column.
-const run = JSON.parse(document.getElementById("data").textContent);
-const place = run.axes.map((axis) => Math.floor((axis.values.length - 1) / 2));
-const strides = run.axes.map((_, i) => run.axes.slice(i + 1).reduce((n, axis) => n * axis.values.length, 1));
-const cellAt = (at) => at.reduce((cell, position, i) => cell + position * strides[i], 0);
-const cellWith = (changes) => cellAt(place.map((position, i) => (i in changes ? changes[i] : position)));
+// The runs: axes slowest first, and one number for each cell in every column.
+const { runs, comparisons } = JSON.parse(document.getElementById("data").textContent);
+const element = (id) => document.getElementById(id);
+const details = (of) => document.querySelector(`details[data-table="${of}"]`);
+
+// What the map can show: the probability of a run, or how much that of a run differs from the first.
+const views = [
+  ...runs.map((run) => ({ run, label: `P of ${run.path}` })),
+  ...comparisons.map((comparison) => ({
+    run: runs[0], comparison, label: `P of ${runs[comparison.run].path} minus P of ${runs[0].path}`,
+  })),
+];
+let view = views[0];
+const middle = (run) => run.axes.map((axis) => Math.floor((axis.values.length - 1) / 2));
+let place = middle(view.run);
+
+function cellAt(run, at) {
+  return at.reduce((cell, position, i) => cell * run.axes[i].values.length + position, 0);
+}
+const cellWith = (run, changes) => cellAt(run, place.map((position, i) => (i in changes ? changes[i] : position)));
+const sameAxes = (a, b) => JSON.stringify(a.axes) === JSON.stringify(b.axes);
 const number = (value) => (value === null ? "unknown" : Number(value.toPrecision(5)).toString());
 const named = (axis, i) => `${axis.title} = ${number(axis.values[i])}${axis.unit ? " " + axis.unit : ""}`;
 const heading = (axis) => (axis.unit ? `${axis.title} (${axis.unit})` : axis.title);
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-const { vertical, horizontal } = run;
-const details = document.querySelector("#map-section details");
-const isMap = vertical !== null && horizontal !== null;
+const isMap = () => view.run.vertical !== null && view.run.horizontal !== null;
 const config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
+const LINES = ["#3c6eb4", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 
-// What is known of a cell, in words.
+// What the view knows of a cell: a value with its interval, in words too.
+const value = (cell) => (view.comparison ? view.comparison.value[cell] : view.run.p[cell]);
 function told(cell) {
-  const interval = `${number(run.low[cell])} to ${number(run.high[cell])}`;
+  const of = view.comparison ?? view.run;
+  const interval = `${number(of.low[cell])} to ${number(of.high[cell])}`;
+  if (view.comparison) {
+    if (value(cell) === null) return "not a cell of both runs";
+    const both = `P = ${number(of.second[cell])} and ${number(of.first[cell])}`;
+    return `difference = ${number(value(cell))} (${of.interval_name}: ${interval}); ${both}`;
+  }
+  const run = view.run;
   const counts = run.samples[cell] > 0 ? `; ${run.unstable[cell]} of ${run.samples[cell]} samples unstable` : "";
   return `P = ${number(run.p[cell])} (${run.interval_name}: ${interval})${counts}`;
+}
+
+// What the brake with exactly the expected values of a cell does.
+function toldOfBrake(cell) {
+  if (view.comparison) return "Strokes: the interval contains 0.";
+  const { expected, amplitude, thickness_mm: thickness } = view.run;
+  const sentences = [];
+  if (expected) {
+    const rate = expected.growth_rate[cell];
+    const disc = expected.flexible ? "with the flexible disc" : "on a rigid disc";
+    const size = expected.amplitude_mm[cell];
+    sentences.push(
+      rate === null ? "no growth rate is known"
+        : `small motions about steady sliding ${rate > 0 ? "grow" : "decay"} at ${number(Math.abs(rate))} 1/s ${disc}`,
+      size === null ? "no stick-slip limit cycle on a rigid disc"
+        : `stick-slip limit cycle on a rigid disc: amplitude ${number(size)} mm, ${number(expected.frequency_hz[cell])} Hz, ` +
+          `${number(100 * expected.stick[cell])} % of the period in stick`,
+    );
+  }
+  const lines = sentences.length ? [`The brake with exactly these values: ${sentences.join("; ")}.`] : [];
+  if (amplitude && amplitude.mean[cell] !== null) {
+    const length = (share) => (thickness === null ? `${number(share)} h` : `${number(share * thickness)} mm`);
+    const { mean, p05, p95 } = amplitude;
+    lines.push(`Settled amplitude of the unstable samples: mean ${length(mean[cell])}, ` +
+      `5 to 95 %: ${length(p05[cell])} to ${length(p95[cell])}.`);
+  }
+  return lines.join(" ");
 }
 
 function layout(x, y, extra) {
@@ -31,107 +80,202 @@ function layout(x, y, extra) {
   };
 }
 
-// Colours are those of the bands between the levels, all of one width, since small probabilities matter too.
-const bands = run.colours.length;
-const band = (p) => (p === null ? null : run.levels.filter((level) => level <= p).length + 0.5);
-const steps = run.colours.flatMap((fill, i) => [[i / bands, fill], [(i + 1) / bands, fill]]);
+const marker = () => ({ size: 13, symbol: "circle-open", color: colour("--mark"), line: { width: 3 } });
 
-function drawMap() {
-  const across = run.axes[horizontal], up = run.axes[vertical];
-  const cells = up.values.map((_, row) => across.values.map((_, column) =>
-    cellWith({ [vertical]: row, [horizontal]: column })));
+// Colours of probabilities are those of the bands between the levels, all of one width, since small probabilities
+// matter too.
+function probabilityTraces(x, y, cells, text) {
+  const run = view.run, bands = run.colours.length;
+  const band = (p) => (p === null ? null : run.levels.filter((level) => level <= p).length + 0.5);
   const z = cells.map((row) => row.map((cell) => run.p[cell]));
-  const text = cells.map((row, i) => row.map((cell, j) =>
-    `${named(up, i)}<br>${named(across, j)}<br>${told(cell)}`));
-  const scaled = (axis) => (axis.logarithmic ? { type: "log" } : {});
-  const traces = [{
-    type: "heatmap", x: across.values, y: up.values, z: z.map((row) => row.map(band)), text,
-    hovertemplate: "%{text}<extra></extra>", zmin: 0, zmax: bands, colorscale: steps,
+  const lines = run.lines.map((level) => {
+    const ink = level > 0.6 ? "#fff" : "#000";
+    return {
+      type: "contour", x, y, z, hoverinfo: "skip", showscale: false, autocontour: false, line: { color: ink, width: 1 },
+      contours: { start: level, end: level, size: 1, coloring: "none", showlabels: true, labelfont: { size: 10, color: ink } },
+    };
+  });
+  return [{
+    type: "heatmap", x, y, z: z.map((row) => row.map(band)), text, hovertemplate: "%{text}<extra></extra>",
+    zmin: 0, zmax: bands,
+    colorscale: run.colours.flatMap((fill, i) => [[i / bands, fill], [(i + 1) / bands, fill]]),
     colorbar: {
       title: { text: "P" }, tickvals: run.levels.map((_, i) => i + 1), ticktext: run.level_names, tickfont: { size: 10 },
     },
+  }, ...lines];
+}
+
+// Differences: blue below, red above; a stroke where the interval contains 0.
+function differenceTraces(x, y, cells, text) {
+  const { low, high, value: all } = view.comparison;
+  const largest = Math.max(1e-12, ...all.filter((of) => of !== null).map(Math.abs));
+  const open = cells.flatMap((row, i) => row.flatMap((cell, j) =>
+    (all[cell] !== null && low[cell] <= 0 && high[cell] >= 0 ? [[x[j], y[i]]] : [])));
+  return [{
+    type: "heatmap", x, y, z: cells.map((row) => row.map((cell) => all[cell])), text,
+    hovertemplate: "%{text}<extra></extra>", zmin: -largest, zmax: largest,
+    colorscale: view.comparison.colours, colorbar: { title: { text: "ΔP" }, tickfont: { size: 10 } },
+  }, {
+    type: "scatter", mode: "markers", x: open.map(([at]) => at), y: open.map(([, at]) => at), hoverinfo: "skip",
+    marker: { symbol: "line-ne-open", size: 6, color: "#555" },
   }];
-  for (const level of run.lines) {
-    traces.push({
-      type: "contour", x: across.values, y: up.values, z, hoverinfo: "skip", showscale: false, autocontour: false,
-      contours: { start: level, end: level, size: 1, coloring: "none", showlabels: true,
-        labelfont: { size: 10, color: level > 0.6 ? "#fff" : "#000" } },
-      line: { color: level > 0.6 ? "#fff" : "#000", width: 1 },
-    });
-  }
+}
+
+function cellsOfMap() {
+  const { run } = view;
+  return run.axes[run.vertical].values.map((_, row) => run.axes[run.horizontal].values.map((_, column) =>
+    cellWith(run, { [run.vertical]: row, [run.horizontal]: column })));
+}
+
+function drawMap() {
+  const { run } = view;
+  const across = run.axes[run.horizontal], up = run.axes[run.vertical];
+  const cells = cellsOfMap();
+  const text = cells.map((row, i) => row.map((cell, j) => `${named(up, i)}<br>${named(across, j)}<br>${told(cell)}`));
+  const traces = (view.comparison ? differenceTraces : probabilityTraces)(across.values, up.values, cells, text);
   traces.push({
-    type: "scatter", mode: "markers", x: [across.values[place[horizontal]]], y: [up.values[place[vertical]]],
-    marker: { size: 13, symbol: "circle-open", color: colour("--mark"), line: { width: 3 } }, hoverinfo: "skip",
+    type: "scatter", mode: "markers", x: [across.values[place[run.horizontal]]], y: [up.values[place[run.vertical]]],
+    marker: marker(), hoverinfo: "skip",
   });
   const sides = layout(heading(across), heading(up));
-  Object.assign(sides.xaxis, scaled(across));
-  Object.assign(sides.yaxis, scaled(up));
+  if (across.logarithmic) sides.xaxis.type = "log";
+  if (up.logarithmic) sides.yaxis.type = "log";
   Plotly.react("map", traces, sides, config);
 }
 
-// The numbers of the map, made when they are looked at: a large table takes seconds.
-function fillTable() {
-  const across = run.axes[horizontal], up = run.axes[vertical];
-  const table = document.getElementById("numbers");
+// The numbers of the pictures as rows, the first of them the head.
+const tables = {
+  map() {
+    const { run } = view;
+    if (!isMap()) return sectionTable(run.horizontal);
+    const across = run.axes[run.horizontal], up = run.axes[run.vertical];
+    const rows = cellsOfMap().map((row, i) => [number(up.values[i]), ...row.map((cell) => number(value(cell)))]);
+    return [[`${up.title} \\ ${across.title}`, ...across.values.map(number)], ...rows.reverse()];
+  },
+  horizontal: () => sectionTable(view.run.horizontal),
+  vertical: () => sectionTable(view.run.vertical),
+  sensitivity() {
+    const cell = cellAt(view.run, place);
+    const rows = view.run.sensitivity.map((of) =>
+      [of.input, ...["first_order", "first_order_error", "total", "total_error"].map((name) => number(of[name][cell]))]);
+    return [["Input", "First order", "standard error", "Total", "standard error"], ...rows];
+  },
+};
+
+function sectionTable(index) {
+  const axis = view.run.axes[index], of = view.comparison ?? view.run;
+  const rows = axis.values.map((at, i) => {
+    const cell = cellWith(view.run, { [index]: i });
+    return [at, value(cell), of.low[cell], of.high[cell]].map(number);
+  });
+  return [[heading(axis), view.comparison ? "Difference" : "P", "from", "to"], ...rows];
+}
+
+// Tables are made when they are looked at: a large one takes seconds.
+function fillTable(of) {
+  const table = details(of).querySelector("table");
   table.replaceChildren();
-  const head = table.insertRow();
-  const cellOf = (row, content, isHead) => {
-    const cell = document.createElement(isHead ? "th" : "td");
-    cell.textContent = content;
-    row.append(cell);
-  };
-  cellOf(head, `${up.title} \\ ${across.title}`, true);
-  across.values.forEach((value) => cellOf(head, number(value), true));
-  [...up.values.keys()].reverse().forEach((i) => {
+  tables[of]().forEach((contents, i) => {
     const row = table.insertRow();
-    cellOf(row, number(up.values[i]), true);
-    across.values.forEach((_, j) => cellOf(row, number(run.p[cellWith({ [vertical]: i, [horizontal]: j })]), false));
+    contents.forEach((content, j) => {
+      const cell = document.createElement(i === 0 || j === 0 ? "th" : "td");
+      cell.textContent = content;
+      row.append(cell);
+    });
   });
 }
 
-// The probability along an axis through the selected point, with its band.
+// The value along an axis through the selected point with its band, and that of the other runs.
 function drawSection(target, index) {
-  const axis = run.axes[index];
-  const cells = axis.values.map((_, i) => cellWith({ [index]: i }));
-  const pick = (column) => cells.map((cell) => (run.p[cell] === null ? null : column[cell]));
+  const { run } = view, axis = run.axes[index], of = view.comparison ?? run;
+  const cells = axis.values.map((_, i) => cellWith(run, { [index]: i }));
+  const pick = (column) => cells.map((cell) => (value(cell) === null ? null : column[cell]));
   const shade = "rgba(60, 110, 180, 0.3)";
+  const others = view.comparison ? [] : runs.filter((other) => other !== run && sameAxes(other, run));
   const traces = [
-    { x: axis.values, y: pick(run.low), mode: "lines", line: { width: 0 }, hoverinfo: "skip" },
-    { x: axis.values, y: pick(run.high), mode: "lines", line: { width: 0 }, fill: "tonexty", fillcolor: shade, hoverinfo: "skip" },
-    { x: axis.values, y: pick(run.p), mode: "lines+markers", line: { color: "#3c6eb4", width: 2 }, marker: { size: 5 },
+    { x: axis.values, y: pick(of.low), mode: "lines", line: { width: 0 }, hoverinfo: "skip", showlegend: false },
+    { x: axis.values, y: pick(of.high), mode: "lines", line: { width: 0 }, fill: "tonexty", fillcolor: shade,
+      hoverinfo: "skip", showlegend: false },
+    ...others.map((other, i) => ({
+      x: axis.values, y: cells.map((cell) => other.p[cell]), mode: "lines", name: other.path,
+      line: { color: LINES[1 + i % (LINES.length - 1)], width: 1.5, dash: "dash" },
+      text: cells.map((cell, i) => `${other.path}<br>${named(axis, i)}<br>P = ${number(other.p[cell])}`),
+      hovertemplate: "%{text}<extra></extra>",
+    })),
+    { x: axis.values, y: cells.map(value), mode: "lines+markers", line: { color: LINES[0], width: 2 },
+      marker: { size: 5 }, name: run.path,
       text: cells.map((cell, i) => `${named(axis, i)}<br>${told(cell)}`), hovertemplate: "%{text}<extra></extra>" },
-    { x: [axis.values[place[index]]], y: [run.p[cellAt(place)]], mode: "markers", hoverinfo: "skip",
-      marker: { size: 13, symbol: "circle-open", color: colour("--mark"), line: { width: 3 } } },
+    { x: [axis.values[place[index]]], y: [value(cellAt(run, place))], mode: "markers", hoverinfo: "skip",
+      marker: marker(), showlegend: false },
   ];
-  const sides = layout(heading(axis), "Probability of instability P");
+  const sides = layout(heading(axis), view.comparison ? "Difference of P" : "Probability of instability P");
   if (axis.logarithmic) sides.xaxis.type = "log";
   sides.yaxis.rangemode = "tozero";
+  if (others.length) Object.assign(sides, { showlegend: true, legend: { orientation: "h", y: 1.15 } });
   Plotly.react(target, traces, sides, config);
 }
 
+function drawSensitivity() {
+  const indices = view.run.sensitivity, cell = cellAt(view.run, place);
+  element("sensitivity-section").hidden = !indices || Boolean(view.comparison);
+  if (element("sensitivity-section").hidden) return;
+  const bars = (name, column, fill) => ({
+    type: "bar", name, x: indices.map((of) => of.input), y: indices.map((of) => of[column][cell]),
+    error_y: { type: "data", array: indices.map((of) => 1.96 * of[`${column}_error`][cell]), color: colour("--text") },
+    marker: { color: fill }, hovertemplate: "%{x}: %{y:.4g}<extra></extra>",
+  });
+  const sides = layout("", "Sobol index", { showlegend: true, barmode: "group", legend: { orientation: "h", y: 1.1 } });
+  sides.yaxis.rangemode = "tozero";
+  Plotly.react("sensitivity", [bars("first order", "first_order", LINES[0]), bars("total", "total", LINES[4])], sides, config);
+  if (details("sensitivity").open) fillTable("sensitivity");
+}
+
 function draw() {
-  const shown = run.axes.map((axis, i) => [axis, i]).filter(([axis]) => axis.values.length > 1);
-  document.getElementById("selected").textContent =
-    [...shown.map(([axis, i]) => named(axis, place[i])), told(cellAt(place))].join(", ");
-  if (isMap) {
+  const { run } = view, cell = cellAt(run, place);
+  const long = run.axes.map((axis, i) => [axis, i]).filter(([axis]) => axis.values.length > 1);
+  element("selected").textContent = [...long.map(([axis, i]) => named(axis, place[i])), told(cell)].join(", ");
+  element("expected").textContent = toldOfBrake(cell);
+  element("interval").textContent = (view.comparison ?? run).interval_name;
+  element("sections").hidden = !isMap();
+  details("map").hidden = run.horizontal === null;
+  element("map").style.display = run.horizontal === null ? "none" : "";
+  if (isMap()) {
     drawMap();
-    if (details.open) fillTable();
-    drawSection("along-horizontal", horizontal);
-    drawSection("along-vertical", vertical);
-  } else if (horizontal !== null) {
-    drawSection("map", horizontal);
+    drawSection("along-horizontal", run.horizontal);
+    drawSection("along-vertical", run.vertical);
+  } else if (run.horizontal !== null) {
+    drawSection("map", run.horizontal);
   }
+  ["map", "horizontal", "vertical"].filter((of) => details(of).open).forEach(fillTable);
+  drawSensitivity();
 }
 
 function select(changes) {
   for (const [axis, position] of Object.entries(changes)) {
-    place[axis] = Math.min(Math.max(position, 0), run.axes[axis].values.length - 1);
+    place[axis] = Math.min(Math.max(position, 0), view.run.axes[axis].values.length - 1);
   }
   draw();
 }
 
+// Radio buttons for the views, and a slider for each long axis that the map does not show.
 function addControls() {
-  run.axes.forEach((axis, i) => {
+  element("controls").replaceChildren();
+  if (views.length > 1) {
+    const group = document.createElement("fieldset");
+    group.append(Object.assign(document.createElement("legend"), { textContent: "Shown" }));
+    views.forEach((of, i) => {
+      const label = document.createElement("label");
+      const button = Object.assign(document.createElement("input"), {
+        type: "radio", name: "view", value: i, checked: of === view,
+      });
+      button.addEventListener("change", () => show(of));
+      label.append(button, ` ${of.label}`);
+      group.append(label);
+    });
+    element("controls").append(group);
+  }
+  const { axes, vertical, horizontal } = view.run;
+  axes.forEach((axis, i) => {
     if (axis.values.length < 2 || i === vertical || i === horizontal) return;
     const label = document.createElement("label");
     const output = document.createElement("output");
@@ -142,32 +286,41 @@ function addControls() {
     slider.addEventListener("input", () => { select({ [i]: Number(slider.value) }); tell(); });
     tell();
     label.append(output, slider);
-    document.getElementById("controls").append(label);
+    element("controls").append(label);
   });
+}
+
+function show(wanted) {
+  if (!sameAxes(wanted.run, view.run)) {
+    place = middle(wanted.run);
+    ["map", "along-horizontal", "along-vertical"].forEach((id) => Plotly.purge(id));
+    view = wanted;
+    addControls();
+    element("controls").querySelector("input:checked").focus();
+  }
+  view = wanted;
+  draw();
+  listen();
 }
 
 const nearest = (values, wanted) =>
-  values.reduce((best, value, i) => (Math.abs(value - wanted) < Math.abs(values[best] - wanted) ? i : best), 0);
+  values.reduce((best, at, i) => (Math.abs(at - wanted) < Math.abs(values[best] - wanted) ? i : best), 0);
 
-addControls();
-if (isMap) {
-  details.addEventListener("toggle", () => details.open && fillTable());
-} else {
-  document.getElementById("sections").remove();
-  details.remove();
-}
-if (horizontal === null) document.getElementById("map").style.display = "none";
-draw();
-const map = document.getElementById("map");
-if (map.on) {
+function listen() {
+  const map = element("map");
+  if (!map.on) return;
+  map.removeAllListeners("plotly_click");
   map.on("plotly_click", (event) => {
-    const { x, y } = event.points[0];
-    const changes = horizontal === null ? {} : { [horizontal]: nearest(run.axes[horizontal].values, x) };
-    if (isMap) changes[vertical] = nearest(run.axes[vertical].values, y);
+    const { x, y } = event.points[0], { axes, horizontal, vertical } = view.run;
+    const changes = horizontal === null ? {} : { [horizontal]: nearest(axes[horizontal].values, x) };
+    if (isMap()) changes[vertical] = nearest(axes[vertical].values, y);
     select(changes);
   });
 }
-map.addEventListener("keydown", (event) => {
+
+Object.keys(tables).forEach((of) => details(of).addEventListener("toggle", () => details(of).open && fillTable(of)));
+element("map").addEventListener("keydown", (event) => {
+  const { horizontal, vertical } = view.run;
   const moves = { ArrowLeft: [horizontal, -1], ArrowRight: [horizontal, 1], ArrowDown: [vertical, -1], ArrowUp: [vertical, 1] };
   const [axis, by] = moves[event.key] ?? [null, 0];
   if (axis === null) return;
@@ -175,3 +328,6 @@ map.addEventListener("keydown", (event) => {
   select({ [axis]: place[axis] + by });
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+addControls();
+draw();
+listen();

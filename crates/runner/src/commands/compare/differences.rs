@@ -86,8 +86,8 @@ fn unpaired(first: &VerdictCounts, second: &VerdictCounts, dependence: Dependenc
 /// The differences of two runs in all their common cells, each interval with this confidence.
 pub fn differences<'a>(
     engine: &Engine,
-    first: &'a EvaluatedRun<'_>,
-    second: &'a EvaluatedRun<'_>,
+    first: &EvaluatedRun<'a>,
+    second: &EvaluatedRun<'a>,
     matching: &Matching,
     confidence: f64,
     interrupt: &Interrupt,

@@ -21,11 +21,13 @@ use std::path::PathBuf;
 use indicatif::HumanCount;
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
 
-use self::differences::{Differences, differences};
-use self::evaluated_run::{EvaluatedRun, STOPPED};
+pub use self::differences::Differences;
+use self::differences::differences;
+use self::evaluated_run::EvaluatedRun;
+pub use self::evaluated_run::STOPPED;
 use self::matching::{Dependence, Matching};
 use self::report::{json, picture, summary, table};
-use self::run::Run;
+pub use self::run::Run;
 use crate::cli::CompareArguments;
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
@@ -53,20 +55,8 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
     let out = arguments.out.as_deref().map(|out| output_file(out).map(|place| (out, place))).transpose()?;
 
     let runs: Vec<Run> = arguments.runs.iter().map(|path| Run::open(path)).collect::<Result<_, _>>()?;
-    let matchings: Vec<Matching> =
-        runs[1..].iter().map(|second| Matching::new(&runs[0], second)).collect::<Result<_, _>>()?;
     let engine = Engine::new(arguments.threads.count())?;
-    let evaluated = evaluated_runs(&runs, &matchings, &engine, interrupt)?;
-    evaluated.iter().for_each(warn_of_audit);
-    let cells =
-        if arguments.pointwise { 1 } else { matchings.iter().map(|matching| matching.cells.len() as u64).sum() };
-    let of_a_cell = simultaneous_confidence(confidence, cells);
-    let (reference, others) = evaluated.split_at(1);
-    let mut compared = Vec::with_capacity(others.len());
-    for (second, matching) in others.iter().zip(&matchings) {
-        compared.push(differences(&engine, &reference[0], second, matching, of_a_cell, interrupt)?);
-    }
-
+    let compared = differences_of(&runs, confidence, arguments.pointwise, &engine, interrupt)?;
     if let Some((out, (directory, name))) = out {
         let footer = [
             ("stickslip:confidence", confidence.to_string()),
@@ -86,6 +76,29 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
     };
     let text = |compared: &Differences| format!("{}\n{}", summary(compared, &meaning), picture(compared));
     result(&compared.iter().map(text).collect::<String>())
+}
+
+/// How the runs after the first differ from the first, with intervals that hold all together, or each for itself.
+///
+/// # Errors
+/// Runs without a common cell, samples that cannot be evaluated again, and an interruption.
+pub fn differences_of<'r>(
+    runs: &'r [Run],
+    confidence: f64,
+    pointwise: bool,
+    engine: &Engine,
+    interrupt: &Interrupt,
+) -> Result<Vec<Differences<'r>>, Failure> {
+    let Some((reference, others)) = runs.split_first() else { return Ok(Vec::new()) };
+    let matchings: Vec<Matching> =
+        others.iter().map(|second| Matching::new(reference, second)).collect::<Result<_, _>>()?;
+    let evaluated = evaluated_runs(runs, &matchings, engine, interrupt)?;
+    evaluated.iter().for_each(warn_of_audit);
+    let cells = if pointwise { 1 } else { matchings.iter().map(|matching| matching.cells.len() as u64).sum() };
+    let of_a_cell = simultaneous_confidence(confidence, cells);
+    let (reference, others) = evaluated.split_at(1);
+    let pairs = others.iter().zip(&matchings);
+    pairs.map(|(other, matching)| differences(engine, &reference[0], other, matching, of_a_cell, interrupt)).collect()
 }
 
 fn rows(compared: &[Differences]) -> HumanCount {

@@ -1,0 +1,65 @@
+//! How a run differs from the first one of a report.
+
+use serde_json::{Value, json};
+
+use super::round;
+
+/// Where the colours of differences are fixed, from the most negative to the most positive: blue, white, red.
+const COLOURS: [(f64, &str); 5] =
+    [(0.0, "#2166ac"), (0.25, "#92c5de"), (0.5, "#f7f7f7"), (0.75, "#f4a582"), (1.0, "#b2182b")];
+
+/// The differences of a run from the first, for every cell of the first.
+pub struct Comparison {
+    /// Place of the run among those of the report.
+    pub run: usize,
+    /// What the intervals are.
+    pub interval_name: String,
+    /// None for cells that only the first run has.
+    pub cells: Vec<Option<ComparedCell>>,
+}
+
+/// The probabilities of a cell in the first and in the other run, and the second minus the first.
+pub struct ComparedCell {
+    pub first: Option<f64>,
+    pub second: Option<f64>,
+    pub difference: Option<f64>,
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Comparison {
+    /// The comparison for the script of the page.
+    pub fn data(&self) -> Value {
+        let column = |value: fn(&ComparedCell) -> Option<f64>| -> Vec<Option<f64>> {
+            self.cells.iter().map(|cell| cell.as_ref().and_then(value).map(round)).collect()
+        };
+        json!({
+            "run": self.run,
+            "interval_name": self.interval_name,
+            "colours": COLOURS,
+            "first": column(|cell| cell.first),
+            "second": column(|cell| cell.second),
+            "value": column(|cell| cell.difference),
+            "low": column(|cell| Some(cell.low)),
+            "high": column(|cell| Some(cell.high)),
+        })
+    }
+
+    /// In how many cells the runs surely differ, as a sentence.
+    pub fn summary(&self, first: &str, second: &str) -> String {
+        let compared: Vec<&ComparedCell> = self.cells.iter().flatten().collect();
+        let more = compared.iter().filter(|cell| cell.low > 0.0).count();
+        let less = compared.iter().filter(|cell| cell.high < 0.0).count();
+        let largest = compared
+            .iter()
+            .filter_map(|cell| cell.difference)
+            .fold(0.0, |largest: f64, difference| if difference.abs() > largest.abs() { difference } else { largest });
+        format!(
+            "Of {} cells in both, P of {second} is surely larger than that of {first} in {more}, and surely smaller in \
+             {less} ({}). The largest difference is {}.",
+            compared.len(),
+            self.interval_name,
+            round(largest)
+        )
+    }
+}

@@ -1,0 +1,137 @@
+//! What the script of the page draws of one run.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use super::expected::expected_brakes;
+use super::round;
+use crate::failure::Failure;
+use crate::job::Job;
+use crate::picture::view::GridView;
+use crate::plot::axes::axis;
+use crate::plot::levels::{Levels, label};
+use crate::plot::values::Values;
+use crate::tables::finished::{FinishedColumn, FinishedSurface, FinishedValues};
+
+/// A run, as it was named on the command line.
+pub struct ReportedRun {
+    /// The directory, as typed.
+    pub path: String,
+    /// Its probabilities.
+    pub values: Values,
+    /// Its recorded amplitudes and Sobol indices, with their names.
+    further: Vec<FinishedColumn>,
+}
+
+/// Columns of amplitudes, in units of the disc's thickness.
+const AMPLITUDES: [&str; 4] = ["amplitude_mean", "amplitude_p05", "amplitude_p50", "amplitude_p95"];
+
+impl ReportedRun {
+    /// Reads a finished run.
+    ///
+    /// # Errors
+    /// As [`Values::read`].
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let values = Values::read(path)?;
+        let is_index = |name: &str| name.starts_with("first_order_") || name.starts_with("total_");
+        let further = FinishedSurface::open(path)?.columns(|name| AMPLITUDES.contains(&name) || is_index(name))?;
+        Ok(Self { path: path.display().to_string(), values, further })
+    }
+
+    /// The run for the script: axes slowest first, and one number for each cell in every column.
+    pub fn data(&self) -> Value {
+        let Values { job, probability, low, high, samples, unstable } = &self.values;
+        let view = GridView::new(job);
+        let axes: Vec<Value> = view
+            .axes()
+            .iter()
+            .map(|of| {
+                let named = axis(of);
+                json!({
+                    "title": named.title,
+                    "unit": named.unit,
+                    "values": of.values,
+                    "logarithmic": named.scale.is_logarithmic(),
+                })
+            })
+            .collect();
+        let (vertical, horizontal) = view.shown();
+        let levels = Levels::up_to(self.values.largest());
+        let colour = |band| {
+            let (red, green, blue) = levels.colour(band);
+            format!("#{red:02x}{green:02x}{blue:02x}")
+        };
+        let rounded = |value: &f64| round(*value);
+        json!({
+            "name": job.name,
+            "path": self.path,
+            "axes": axes,
+            "vertical": vertical,
+            "horizontal": horizontal,
+            "p": probability.iter().map(|p| p.map(round)).collect::<Vec<_>>(),
+            "low": low.iter().map(rounded).collect::<Vec<_>>(),
+            "high": high.iter().map(rounded).collect::<Vec<_>>(),
+            "samples": samples,
+            "unstable": unstable,
+            "levels": levels.all(),
+            "level_names": levels.all().iter().map(|level| label(*level)).collect::<Vec<_>>(),
+            "lines": levels.lines(),
+            "colours": (0..levels.bands()).map(colour).collect::<Vec<_>>(),
+            "interval_name": interval_name(job),
+            "expected": expected_brakes(job),
+            "thickness_mm": thickness_mm(job),
+            "amplitude": self.amplitude(),
+            "sensitivity": self.sensitivity(),
+        })
+    }
+
+    /// Recorded amplitudes, null without any.
+    fn amplitude(&self) -> Value {
+        let columns: Map<String, Value> = AMPLITUDES
+            .into_iter()
+            .filter_map(|name| Some((name.trim_start_matches("amplitude_").to_owned(), json!(self.further(name)?))))
+            .collect();
+        if columns.is_empty() { Value::Null } else { columns.into() }
+    }
+
+    /// The Sobol indices of every input, null without any.
+    fn sensitivity(&self) -> Value {
+        let of = |name: &str| {
+            let column = |kind: &str| self.further(&format!("{kind}_{name}"));
+            Some(json!({
+                "input": name,
+                "first_order": column("first_order")?,
+                "first_order_error": self.further(&format!("first_order_{name}_error"))?,
+                "total": column("total")?,
+                "total_error": self.further(&format!("total_{name}_error"))?,
+            }))
+        };
+        let inputs: Vec<Value> = self.values.job.random.inputs.iter().filter_map(|input| of(input.name())).collect();
+        if inputs.is_empty() { Value::Null } else { inputs.into() }
+    }
+
+    /// The rounded values of a column of real numbers.
+    fn further(&self, name: &str) -> Option<Vec<Option<f64>>> {
+        match &self.further.iter().find(|column| column.name == name)?.values {
+            FinishedValues::Real(values) => Some(values.iter().map(|value| value.map(round)).collect()),
+            FinishedValues::Integer(_) => None,
+        }
+    }
+}
+
+/// The thickness of the disc if it is the same in all cells.
+fn thickness_mm(job: &Job) -> Option<f64> {
+    let is_axis = job.grid.further().any(|further| further.name == "disc.thickness");
+    (!is_axis).then_some(1e3 * job.parameters.disc.thickness)
+}
+
+/// What the intervals of a job are.
+pub fn interval_name(job: &Job) -> String {
+    let sampling = &job.sampling;
+    if job.is_integrated() {
+        return "bounds of the integral".to_owned();
+    }
+    let together = if sampling.simultaneous { " for all cells together" } else { "" };
+    format!("{} % interval{together}", round(100.0 * sampling.confidence))
+}
