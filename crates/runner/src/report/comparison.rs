@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::round;
+use super::rounded::round;
 
 /// Where the colours of differences are fixed, from the most negative to the most positive: blue, white, red.
 const COLOURS: [(f64, &str); 5] =

@@ -6,6 +6,7 @@ use stickslip_core::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_sampler::grid::Cell;
 
+use super::rounded::round;
 use crate::job::{Criterion, Job};
 
 /// Largest number of cells of which this is computed: some tenths of a second.
@@ -65,7 +66,7 @@ pub fn expected_brakes(job: &Job) -> Value {
         })
         .collect();
     let column = |value: fn(&ExpectedBrake) -> Option<f64>| -> Vec<Option<f64>> {
-        brakes.iter().map(|brake| brake.as_ref().and_then(value).map(super::round)).collect()
+        brakes.iter().map(|brake| brake.as_ref().and_then(value).map(round)).collect()
     };
     json!({
         "flexible": modes.is_some(),

@@ -2,6 +2,8 @@
 //!
 //! Its pictures are drawn in the browser by plotly.js, whose cartesian bundle is part of the program, compressed.
 
+mod rounded;
+
 mod expected;
 
 mod run;
@@ -29,9 +31,6 @@ const SCRIPT: &str = include_str!("script.js");
 /// The cartesian bundle of plotly.js, see `plotly-license.txt` beside it.
 const LIBRARY: &[u8] = include_bytes!("plotly-cartesian.min.js.gz");
 const LIBRARY_VERSION: &str = "4.1.1";
-
-/// Significant digits of numbers in the page.
-const DIGITS: usize = 6;
 
 /// The page of one or more runs, and of what the others differ from the first in.
 ///
@@ -86,11 +85,6 @@ fn filled(page: &str, parts: &[(&str, String)]) -> String {
 /// Data as text inside a script element, which any `<` might end.
 fn in_script(data: &Value) -> String {
     data.to_string().replace('<', "\\u003c")
-}
-
-/// A number with as many digits as anyone reads.
-fn round(value: f64) -> f64 {
-    format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
 }
 
 /// The description and the answer of a run, with its name if there are several.

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use super::expected::expected_brakes;
-use super::round;
+use super::rounded::round;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::picture::view::GridView;
