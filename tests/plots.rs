@@ -108,6 +108,8 @@ fn what_cannot_be_drawn_is_said() {
     submitted(&place, "plane", &job("plane", PLANE, 100));
     place.run("plot nowhere").refused(74, &["nowhere is not a run directory"]);
     place.run("plot plane --out plot.gif").refused(64, &["SVG or PNG", "plot.svg"]);
+    submitted(&place, "single", &job("single", "rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.39", 1000));
+    place.run("plot single").refused(65, &["single has a single cell", "is 0.517 (0.486", "[axes] more than one value"]);
     place.run("plot plane --columns 3").refused(64, &["3"]);
     place.run("plot plane --out no/such/folder/plot.svg").refused(73, &["no/such/folder"]);
     fs::remove_file(place.path("plane/surface.parquet")).unwrap();

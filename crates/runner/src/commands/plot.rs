@@ -7,7 +7,7 @@ use crate::cli::PlotArguments;
 use crate::failure::Failure;
 use crate::files::publish::publish;
 use crate::output::{note, output_file, result};
-use crate::picture::view::{GridView, MOST_PANELS};
+use crate::picture::view::{GridView, MOST_PANELS, rounded};
 use crate::plot::canvas::Canvas;
 use crate::plot::motion;
 use crate::plot::surface::figure;
@@ -50,5 +50,19 @@ fn of_run(run: &Path, width: f64) -> Result<Canvas, Failure> {
     if slices > MOST_PANELS {
         note(format_args!("{slices} panels are too many for one figure; the first {MOST_PANELS} are drawn"));
     }
-    Ok(figure(&values, width))
+    figure(&values, width).ok_or_else(|| single_cell(run, &values))
+}
+
+/// The failure of a run that has nothing to draw.
+fn single_cell(run: &Path, values: &Values) -> Failure {
+    let probability = values.probability.first().copied().flatten();
+    let (low, high) = (values.low.first().copied().unwrap_or(0.0), values.high.first().copied().unwrap_or(1.0));
+    let known = probability.map_or_else(
+        || "no sample of it is decided".to_owned(),
+        |p| format!("its probability of instability is {} ({} to {})", rounded(p), rounded(low), rounded(high)),
+    );
+    Failure::Job(format!(
+        "{} has a single cell: {known}. A plot needs several; give a quantity in [axes] more than one value, for example rotating_speed = {{ from = 5.0, to = 30.0, points = 26 }}",
+        run.display()
+    ))
 }

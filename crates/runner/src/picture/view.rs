@@ -20,11 +20,6 @@ pub struct ViewAxis {
 }
 
 impl ViewAxis {
-    /// An axis of one value, for a grid of one cell.
-    pub fn single() -> Self {
-        Self { name: String::new(), unit: String::new(), values: vec![0.0], stride: 1 }
-    }
-
     /// Its name without the unit.
     pub fn key(&self) -> &str {
         self.name.split(',').next().unwrap_or_default()

@@ -17,6 +17,12 @@ pub mod axes;
 
 pub mod values;
 
+pub mod form;
+
+pub mod curves;
+
+pub mod area;
+
 pub mod surface;
 
 pub mod motion;
