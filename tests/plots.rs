@@ -18,6 +18,23 @@ fn job(name: &str, axes: &str, samples: u64) -> String {
 const PLANE: &str = "rotating_speed = 15.0\npreload = { from = 0.02, to = 0.3, points = 15 }\n\
                      static_friction = { from = 0.25, to = 0.5, points = 12 }";
 
+/// Colours of bars of Sobol indices.
+const FIRST_ORDER: &str = "#0072b2";
+const TOTAL: &str = "#e69f00";
+
+/// The least and the largest of the first of each two numbers: how far a line or an area extends to the right.
+fn extent(points: &str) -> [f64; 2] {
+    let numbers = points.split(|c: char| !c.is_ascii_digit() && !"-.".contains(c)).filter(|number| !number.is_empty());
+    let right: Vec<f64> = numbers.step_by(2).map(|number| number.parse().unwrap()).collect();
+    [right.iter().copied().fold(f64::INFINITY, f64::min), right.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
+}
+
+/// How far to the right the lines or areas extend whose description has this text, such as a colour.
+fn areas(svg: &str, colour: &str) -> Vec<[f64; 2]> {
+    let paths = svg.split("<path d=\"").skip(1).filter(|path| path.split('>').next().unwrap().contains(colour));
+    paths.map(|path| extent(path.split('"').next().unwrap())).collect()
+}
+
 /// Width and height of a PNG, from its first chunk.
 fn size(png: &[u8]) -> (u32, u32) {
     assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
@@ -85,6 +102,58 @@ fn one_long_axis_is_a_curve_with_its_band() {
     assert_eq!(svg.matches("opacity=\"0.25\"").count(), 3, "one band a curve");
 }
 
+/// How often a colour fills an area of the picture.
+fn fills(svg: &str, colour: &str) -> usize {
+    svg.matches(&format!("fill=\"{colour}\"")).count()
+}
+
+#[test]
+fn sobol_indices_are_bars_of_first_order_and_total_with_their_intervals() {
+    let place = Place::new();
+    let axes = "rotating_speed = 15.0\npreload = [0.06, 0.08, 0.10]\nstatic_friction = 0.39";
+    let with_indices = |name: &str, axes: &str| job(name, axes, 2000) + "sensitivity = true\n";
+    let which = submitted(&place, "which", &with_indices("which", axes));
+    assert_eq!(place.run("plot which --of sobol").done().stdout, "which/sobol.svg\nwhich/sobol.png\n");
+    let svg = fs::read_to_string(place.path("which/sobol.svg")).unwrap();
+    for text in [
+        "Preload Δ",
+        "Static friction coefficient fₛ",
+        "Share of the variance",
+        ">cell 1: P = 0.",
+        ">15 rad/s, preload = 0.08<",
+        "first order: alone",
+        "total: taking part",
+        "lines: 95 % intervals",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // Two inputs in three cells, and a sample in the legend.
+    assert_eq!((fills(&svg, FIRST_ORDER), fills(&svg, TOTAL)), (7, 7), "{svg}");
+    // The length of a bar is the index of the file.
+    let total = which.column("total_static_friction")[1];
+    let one = place.run("plot which --of sobol --cell 1 --columns 1 --out one.svg").done();
+    assert_eq!(one.stdout, "one.svg\n");
+    let svg = fs::read_to_string(place.path("one.svg")).unwrap();
+    assert_eq!((fills(&svg, FIRST_ORDER), fills(&svg, TOTAL)), (3, 3));
+    let bar = areas(&svg, TOTAL)[1];
+    let frame = areas(&svg, "stroke-width=\"0.8\"")[0];
+    assert!(((bar[1] - bar[0]) / (frame[1] - frame[0]) - total).abs() < 0.03, "{bar:?} {frame:?} {total}");
+
+    // Of many cells that with the probability nearest one half.
+    let many = submitted(&place, "many", &with_indices("many", PLANE));
+    place.run("plot many --of sobol --out many.svg").done();
+    let svg = fs::read_to_string(place.path("many.svg")).unwrap();
+    let p = many.column("p_unstable");
+    let nearest = (0..p.len()).min_by(|a, b| (p[*a] - 0.5).abs().total_cmp(&(p[*b] - 0.5).abs())).unwrap();
+    assert!(svg.contains(&format!(">cell {nearest}: P = {}<", (p[nearest] * 1e4).round() / 1e4)), "{nearest} {svg}");
+
+    submitted(&place, "plain", &job("plain", axes, 100));
+    place.run("plot plain --of sobol").refused(65, &["plain has no Sobol indices", "sensitivity = true"]);
+    place.run("plot which --of sobol --cell 3").refused(64, &["--cell 3", "cells 0 to 2"]);
+    place.run("plot many --of sobol --cell 0").refused(65, &["cell 0 of many has no Sobol indices", "P is 0"]);
+    place.run("plot which --cell 1").refused(64, &["--of sobol"]);
+}
+
 #[test]
 fn a_motion_is_drawn_from_its_file() {
     let place = Place::new();
@@ -109,7 +178,9 @@ fn what_cannot_be_drawn_is_said() {
     place.run("plot nowhere").refused(74, &["nowhere is not a run directory"]);
     place.run("plot plane --out plot.gif").refused(64, &["SVG or PNG", "plot.svg"]);
     submitted(&place, "single", &job("single", "rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.39", 1000));
-    place.run("plot single").refused(65, &["single has a single cell", "is 0.517 (0.486", "[axes] more than one value"]);
+    place
+        .run("plot single")
+        .refused(65, &["single has a single cell", "is 0.517 (0.486", "[axes] more than one value"]);
     place.run("plot plane --columns 3").refused(64, &["3"]);
     place.run("plot plane --out no/such/folder/plot.svg").refused(73, &["no/such/folder"]);
     fs::remove_file(place.path("plane/surface.parquet")).unwrap();

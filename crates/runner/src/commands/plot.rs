@@ -1,16 +1,17 @@
 //! `plot`: the result of a run, or a simulated motion, as a figure.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::cli::PlotArguments;
+use crate::cli::{PlotArguments, PlotQuantity};
 use crate::failure::Failure;
 use crate::files::publish::publish;
 use crate::output::{note, output_file, result};
 use crate::picture::view::{GridView, MOST_PANELS, rounded};
 use crate::plot::canvas::Canvas;
 use crate::plot::motion;
-use crate::plot::surface::figure;
+use crate::plot::sobol::Sobol;
+use crate::plot::surface;
 use crate::plot::values::Values;
 
 /// Widths of one and of two columns of a paper, 84 and 174 mm, in pixels.
@@ -19,10 +20,11 @@ const WIDTHS: [f64; 2] = [84.0 / 25.4 * 96.0, 174.0 / 25.4 * 96.0];
 /// `stickslip plot`.
 pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
     let width = WIDTHS[usize::from(arguments.columns.clamp(1, 2)) - 1];
+    check(arguments)?;
     let (canvas, beside) = if arguments.run.is_file() {
         (motion::figure(&arguments.run, width)?, arguments.run.clone())
     } else {
-        (of_run(&arguments.run, width)?, arguments.run.join("surface"))
+        of_run(arguments, width)?
     };
     let files = match &arguments.out {
         Some(out) => vec![out.clone()],
@@ -44,13 +46,44 @@ pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
     result(&text)
 }
 
-fn of_run(run: &Path, width: f64) -> Result<Canvas, Failure> {
-    let values = Values::read(run)?;
-    let slices = GridView::new(&values.job).slices();
+/// Refuses options that do not go together.
+fn check(arguments: &PlotArguments) -> Result<(), Failure> {
+    let is_probability = arguments.of == PlotQuantity::Probability;
+    if arguments.run.is_file() && !is_probability {
+        return Err(Failure::Usage(format!(
+            "--of needs a run directory, and {} is a file; leave it out to draw a motion",
+            arguments.run.display()
+        )));
+    }
+    if arguments.cell.is_some() && arguments.of != PlotQuantity::Sobol {
+        return Err(Failure::Usage("--cell chooses the cell of --of sobol; other plots show all cells".to_owned()));
+    }
+    Ok(())
+}
+
+/// The figure of a run, and where it is written if no file is given, without an extension.
+fn of_run(arguments: &PlotArguments, width: f64) -> Result<(Canvas, PathBuf), Failure> {
+    let run = &arguments.run;
+    match arguments.of {
+        PlotQuantity::Probability => {
+            let values = Values::read(run)?;
+            note_panels(GridView::new(&values.job).slices());
+            let canvas = surface::figure(&values, width).ok_or_else(|| single_cell(run, &values))?;
+            Ok((canvas, run.join("surface")))
+        }
+        PlotQuantity::Sobol => {
+            let sobol = Sobol::read(run)?;
+            let cells = sobol.cells(run, arguments.cell)?;
+            Ok((sobol.figure(&cells, width), run.join("sobol")))
+        }
+    }
+}
+
+/// Says how many panels are left out.
+fn note_panels(slices: usize) {
     if slices > MOST_PANELS {
         note(format_args!("{slices} panels are too many for one figure; the first {MOST_PANELS} are drawn"));
     }
-    figure(&values, width).ok_or_else(|| single_cell(run, &values))
 }
 
 /// The failure of a run that has nothing to draw.

@@ -13,6 +13,8 @@ pub mod levels;
 
 pub mod panel;
 
+pub mod legend;
+
 pub mod axes;
 
 pub mod values;
@@ -24,5 +26,7 @@ pub mod curves;
 pub mod area;
 
 pub mod surface;
+
+pub mod sobol;
 
 pub mod motion;

@@ -169,11 +169,15 @@ pub fn heading(canvas: &mut Canvas, panel: &Panel, title: &str) {
     let length = panel.width + 0.8 * LEFT;
     let size = (7..=SMALL).rev().find(|&size| width_of(title, size) <= length);
     match (size, title.split_once("; ")) {
-        (None, Some((first, second))) => {
-            canvas.text((middle, panel.top - 14.0), first, 8, Side::Middle, 0.0, BLACK);
-            canvas.text((middle, panel.top - 4.0), second, 8, Side::Middle, 0.0, BLACK);
-        }
+        (None, Some((first, second))) => two_lines(canvas, panel, [first, second], 8),
         (size, _) => canvas.text((middle, panel.top - 6.0), title, size.unwrap_or(7), Side::Middle, 0.0, BLACK),
+    }
+}
+
+/// Writes two lines above a panel.
+pub fn two_lines(canvas: &mut Canvas, panel: &Panel, lines: [&str; 2], size: u32) {
+    for (line, above) in lines.into_iter().zip([14.0, 4.0]) {
+        canvas.text((panel.left + 0.5 * panel.width, panel.top - above), line, size, Side::Middle, 0.0, BLACK);
     }
 }
 
