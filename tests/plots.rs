@@ -154,6 +154,89 @@ fn sobol_indices_are_bars_of_first_order_and_total_with_their_intervals() {
     place.run("plot which --cell 1").refused(64, &["--of sobol"]);
 }
 
+/// Colours of differences above 0.2, from 0.01 to 0.02 and about 0, and of the lines of a hatching. Each colour is in the
+/// bar, and on the map if some differences are as high or higher.
+const HIGHER: &str = "#a1182b";
+const JUST_HIGHER: &str = "#faddcc";
+const ZERO: &str = "#f1efed";
+const HATCHED: &str = "stroke=\"#707070\" stroke-width=\"0.5\"";
+
+#[test]
+fn the_difference_of_two_runs_is_a_map_with_its_line_of_zero_and_hatching() {
+    let place = Place::new();
+    submitted(&place, "plane", &job("plane", PLANE, 1000));
+    let other = "[model.friction]\nstribeck_velocity = 0.6\n";
+    submitted(&place, "slower", &job("slower", PLANE, 1000).replace("[axes]", &format!("{other}[axes]")));
+    let told = place.run("plot plane --against slower").done().stdout;
+    assert_eq!(told, "plane/difference.svg\nplane/difference.png\n");
+    let svg = fs::read_to_string(place.path("plane/difference.svg")).unwrap();
+    for text in [
+        "Preload Δ",
+        "Static friction coefficient fₛ",
+        ">Difference of probability<",
+        ">+0.01<",
+        ">−0.5<",
+        ">P of plane minus P of slower<",
+        "hatched: not significant, 0 is in the interval (95 % for all cells together)",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert_eq!(fills(&svg, HIGHER), 2);
+    let hatched = svg.matches(HATCHED).count();
+    assert!(hatched > 20, "{hatched}");
+    place.run("plot slower --against plane --columns 1 --out reversed.svg").done();
+    let svg = fs::read_to_string(place.path("reversed.svg")).unwrap();
+    assert_eq!([JUST_HIGHER, ZERO].map(|colour| fills(&svg, colour)), [1, 2], "the difference is nowhere above zero");
+    assert!(svg.contains(">P of slower minus P of plane<") && !svg.contains(">0<"));
+
+    // A run and itself differ nowhere.
+    place.run("plot plane --against plane --out same.svg").done();
+    let svg = fs::read_to_string(place.path("same.svg")).unwrap();
+    assert!(fills(&svg, ZERO) == 2 && svg.matches(HATCHED).count() > 5 * hatched);
+
+    // Another distribution makes some cells worse and others better, with zero between them.
+    let uniform = job("uniform", PLANE, 1000).replace("[criterion]", "distribution = \"uniform\"\n[criterion]");
+    submitted(&place, "uniform", &uniform);
+    place.run("plot plane --against uniform --out both.svg").done();
+    assert!(fs::read_to_string(place.path("both.svg")).unwrap().contains(">0<"), "the label of the line of zero");
+}
+
+#[test]
+fn the_difference_of_runs_with_one_long_axis_is_a_curve_with_its_interval() {
+    let place = Place::new();
+    let axes = "rotating_speed = { from = 5, to = 30, points = 26 }\npreload = 0.1\nstatic_friction = 0.39";
+    submitted(&place, "all", &job("all", axes, 1000));
+    submitted(&place, "few", &job("few", axes, 500));
+    place.run("plot few --against all --out curve.svg --threads 1").done();
+    let svg = fs::read_to_string(place.path("curve.svg")).unwrap();
+    for text in
+        ["Rotating speed Ω (rad/s)", ">Difference of probability<", "bands: intervals (95 % for all cells together)"]
+    {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert_eq!(svg.matches("opacity=\"0.25\"").count(), 1, "one band");
+    let dashes = svg.matches("stroke=\"#707070\"").count();
+    assert!(dashes > 20, "{dashes} dashes of the line at zero");
+
+    submitted(&place, "plane", &job("plane", PLANE, 100));
+    place.run("plot plane --against all").refused(
+        65,
+        &[
+            "plane and all have different axes",
+            "rotating speed, rad/s has the value 15",
+            "26 values from 5 to 30",
+            "compare",
+        ],
+    );
+    let wide = job("wide", axes, 500).replace("0.2", "0.1");
+    submitted(&place, "wide", &wide);
+    place.run("plot wide --against all").refused(65, &["no cell in common", "random.relative_std share values"]);
+    place.run("plot all --against nowhere").refused(74, &["nowhere is not a run directory"]);
+    place.run("plot all --against few --of sobol").refused(64, &["--against", "leave --of out"]);
+    fs::write(place.path("motion.parquet"), "").unwrap();
+    place.run("plot motion.parquet --against all").refused(64, &["motion.parquet is a file"]);
+}
+
 #[test]
 fn a_motion_is_drawn_from_its_file() {
     let place = Place::new();

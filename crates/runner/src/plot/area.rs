@@ -3,9 +3,9 @@
 use crate::job::Job;
 use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis};
 use crate::plot::axes::axis;
-use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Rgb, Side};
+use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, width_of};
 use crate::plot::contours::Field;
-use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, Panel, RIGHT, SMALL, heading};
+use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, Panel, RIGHT, SMALL, heading, space_of, write_notes};
 
 /// Space for the colour bar.
 const BAR: f64 = 74.0;
@@ -13,6 +13,7 @@ const BAR: f64 = 74.0;
 /// Height of a panel over its width.
 const ASPECT: f64 = 0.78;
 
+const LINE: Pen = Pen::new(BLACK, 1.0);
 const HATCH: Pen = Pen::new(GREY, 0.5);
 const HATCH_DISTANCE: f64 = 5.0;
 
@@ -38,7 +39,7 @@ pub struct Area<'a> {
     /// What the colours mean.
     pub title: &'static str,
     /// What else is drawn.
-    pub note: Option<String>,
+    pub notes: Vec<String>,
 }
 
 /// A panel while it is drawn, with its slice, its axes and its numbers.
@@ -48,6 +49,8 @@ pub struct AreaPanel<'a> {
     pub horizontal: Axis,
     pub vertical: Axis,
     pub field: Field<'a>,
+    /// The cells of the field.
+    pub cells: &'a [usize],
 }
 
 impl Area<'_> {
@@ -56,7 +59,8 @@ impl Area<'_> {
     pub fn figure(&self, width: f64, lines: impl Fn(&mut Canvas, &AreaPanel<'_>)) -> Canvas {
         let count = self.view.slices().min(MOST_PANELS);
         let right = RIGHT + BAR;
-        let layout = Layout { above: ABOVE, right, below: 12.0, aspect: ASPECT, most_columns: usize::MAX };
+        let layout =
+            Layout { above: ABOVE, right, below: space_of(&self.notes), aspect: ASPECT, most_columns: usize::MAX };
         let Arrangement { panels, height } = layout.arrange(count, width);
         let mut canvas = Canvas::new(width, height);
         for (number, panel) in panels.iter().enumerate() {
@@ -65,10 +69,7 @@ impl Area<'_> {
         if let (Some(first), Some(top_right)) = (panels.first(), panels.iter().map(Panel::right).reduce(f64::max)) {
             self.bar(&mut canvas, Panel { left: top_right + 14.0, width: 13.0, ..*first });
         }
-        if let Some(note) = &self.note {
-            let at = (width - RIGHT, height - 4.0);
-            canvas.text(at, note, SMALL - 3, Side::Left, 0.0, GREY);
-        }
+        write_notes(&mut canvas, &self.notes, (width, height));
         canvas
     }
 
@@ -93,7 +94,7 @@ impl Area<'_> {
             canvas.area(&field.at_least(floor), colour, 1.0);
         }
         self.hatch(canvas, panel, &columns, &rows, &cells);
-        let drawn = AreaPanel { panel: *panel, slice, horizontal, vertical, field };
+        let drawn = AreaPanel { panel: *panel, slice, horizontal, vertical, field, cells: &cells };
         lines(canvas, &drawn);
         panel.frame(canvas, &drawn.horizontal, &drawn.vertical);
         heading(canvas, panel, &drawn.slice.title(self.job));
@@ -132,7 +133,8 @@ impl Area<'_> {
             canvas.line(at, (at.0 + 3.0, at.1), Pen::new(BLACK, 0.8));
             canvas.text((at.0 + 5.0, at.1 + 3.0), &level.label, SMALL - 1, Side::Right, 0.0, BLACK);
         }
-        let beside = (bar.right() + 42.0, bar.top + 0.5 * bar.height);
+        let longest = self.levels.iter().map(|level| level.label.chars().count()).max().unwrap_or(0);
+        let beside = (bar.right() + if longest > 4 { 49.0 } else { 42.0 }, bar.top + 0.5 * bar.height);
         canvas.text(beside, self.title, SMALL, Side::Middle, -90.0, BLACK);
     }
 }
@@ -143,4 +145,55 @@ fn around(places: &[f64], i: usize) -> [f64; 2] {
         let other = i.checked_add_signed(by).and_then(|other| places.get(other));
         other.map_or(places[i], |other| 0.5 * (places[i] + other))
     })
+}
+
+/// A contour line with its label in a gap, where the line is long enough and no other label is near.
+pub fn labelled_line(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    line: &[Place],
+    text: &str,
+    colour: Rgb,
+    labels: &mut Vec<Place>,
+) {
+    let pen = Pen { colour, ..LINE };
+    let size = SMALL - 2;
+    let gap = width_of(text, size) + 4.0;
+    let distance = |a: Place, b: Place| libm::hypot(a.0 - b.0, a.1 - b.1);
+    let length: f64 = line.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+    // Not at the edges, and away from other labels.
+    let inner = Panel {
+        left: panel.left + gap,
+        width: panel.width - 2.0 * gap,
+        top: panel.top + 8.0,
+        height: panel.height - 16.0,
+    };
+    let is_free =
+        |place: Place| inner.contains(place) && labels.iter().all(|label| distance(*label, place) > 1.5 * gap);
+    let mut walked = 0.0;
+    let mut best: Option<(f64, Place)> = None;
+    for pair in line.windows(2) {
+        walked += distance(pair[0], pair[1]);
+        let from_middle = (walked - 0.5 * length).abs();
+        if is_free(pair[1]) && best.is_none_or(|(other, _)| from_middle < other) {
+            best = Some((from_middle, pair[1]));
+        }
+    }
+    let Some((_, middle)) = best.filter(|_| length > 2.5 * gap) else {
+        canvas.lines(line, pen);
+        return;
+    };
+    labels.push(middle);
+    let is_outside = |place: &Place| distance(*place, middle) > 0.5 * gap;
+    line.split(|place| !is_outside(place)).for_each(|part| canvas.lines(part, pen));
+    // The direction of the line from one end of the gap to the other.
+    let near = line.iter().position(|place| *place == middle).unwrap_or(0);
+    let from = line[..near].iter().rev().find(|place| is_outside(place)).copied().unwrap_or(middle);
+    let to = line[near..].iter().find(|place| is_outside(place)).copied().unwrap_or(middle);
+    let (from, to) = if from.0 <= to.0 { (from, to) } else { (to, from) };
+    let turn = libm::atan2(to.1 - from.1, to.0 - from.0).to_degrees();
+    let (sine, cosine) = (libm::sin(turn.to_radians()), libm::cos(turn.to_radians()));
+    let down = 0.35 * f64::from(size);
+    let at = (middle.0 - down * sine, middle.1 + down * cosine);
+    canvas.text(at, text, size, Side::Middle, turn, colour);
 }

@@ -7,7 +7,9 @@ use crate::picture::view::{GridView, MOST_PANELS, rounded};
 use crate::plot::axes::axis;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side};
 use crate::plot::form::Along;
-use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, NORMAL, Panel, RIGHT, SMALL, heading};
+use crate::plot::panel::{
+    ABOVE, Arrangement, Axis, Layout, NORMAL, Panel, RIGHT, SMALL, heading, space_of, write_notes,
+};
 
 /// Height of a panel over its width.
 const ASPECT: f64 = 0.6;
@@ -30,6 +32,8 @@ pub struct Curves<'a> {
     pub vertical: Axis,
     /// Whether there is a line at zero.
     pub has_zero: bool,
+    /// What else is to be said.
+    pub notes: Vec<String>,
 }
 
 impl Curves<'_> {
@@ -37,13 +41,15 @@ impl Curves<'_> {
     pub fn figure(&self, width: f64) -> Canvas {
         let has_legend = self.family().len() > 1;
         let right = if has_legend { RIGHT + LEGEND } else { RIGHT };
-        let layout = Layout { above: ABOVE, right, below: 12.0, aspect: ASPECT, most_columns: usize::MAX };
+        let layout =
+            Layout { above: ABOVE, right, below: space_of(&self.notes), aspect: ASPECT, most_columns: usize::MAX };
         let Arrangement { panels, height } = layout.arrange(self.view.slices().min(MOST_PANELS), width);
         let mut canvas = Canvas::new(width, height);
         for (number, panel) in panels.iter().enumerate() {
             self.panel(&mut canvas, panel, number);
         }
         self.legend(&mut canvas, &panels);
+        write_notes(&mut canvas, &self.notes, (width, height));
         canvas
     }
 

@@ -27,6 +27,8 @@ pub mod area;
 
 pub mod surface;
 
+pub mod difference;
+
 pub mod sobol;
 
 pub mod motion;

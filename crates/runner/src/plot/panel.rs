@@ -1,6 +1,6 @@
 //! A rectangle with two axes.
 
-use crate::plot::canvas::{BLACK, Canvas, Pen, Place, Side, width_of};
+use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Side, width_of};
 use crate::plot::scale::{Scale, superscript};
 
 /// Sizes of text: labels of ticks, and titles.
@@ -17,6 +17,9 @@ pub const BELOW: f64 = 36.0;
 
 /// Space above a panel for its heading.
 pub const ABOVE: f64 = 24.0;
+
+/// Distance of notes below the panels.
+const NOTE: f64 = 9.0;
 
 /// Space at the right of the last panel.
 pub const RIGHT: f64 = 14.0;
@@ -178,6 +181,18 @@ pub fn heading(canvas: &mut Canvas, panel: &Panel, title: &str) {
 pub fn two_lines(canvas: &mut Canvas, panel: &Panel, lines: [&str; 2], size: u32) {
     for (line, above) in lines.into_iter().zip([14.0, 4.0]) {
         canvas.text((panel.left + 0.5 * panel.width, panel.top - above), line, size, Side::Middle, 0.0, BLACK);
+    }
+}
+
+/// Space for notes below the panels.
+pub fn space_of(notes: &[String]) -> f64 {
+    12.0 + NOTE * notes.len().saturating_sub(1) as f64
+}
+
+/// Writes notes at the bottom of a figure.
+pub fn write_notes(canvas: &mut Canvas, notes: &[String], (width, height): (f64, f64)) {
+    for (i, note) in notes.iter().rev().enumerate() {
+        canvas.text((width - RIGHT, height - 4.0 - NOTE * i as f64), note, SMALL - 3, Side::Left, 0.0, GREY);
     }
 }
 

@@ -2,19 +2,17 @@
 
 use crate::job::Criterion;
 use crate::picture::view::GridView;
-use crate::plot::area::{Area, AreaPanel, Level};
-use crate::plot::canvas::{BLACK, Canvas, Pen, Place, Rgb, Side, WHITE, width_of};
+use crate::plot::area::{Area, AreaPanel, Level, labelled_line};
+use crate::plot::canvas::{BLACK, Canvas, Pen, Place, WHITE};
 use crate::plot::curves::Curves;
 use crate::plot::form::Form;
 use crate::plot::levels::{Levels, deviate, label};
-use crate::plot::panel::{Axis, Panel, SMALL};
+use crate::plot::panel::Axis;
 use crate::plot::scale::Scale;
 use crate::plot::values::Values;
 
 /// Upper ends of the axis of probabilities.
 const TOPS: [f64; 7] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0];
-
-const LINE: Pen = Pen::new(BLACK, 1.0);
 
 /// A figure of a run, this wide in pixels; none for a single cell.
 pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
@@ -27,7 +25,17 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                 unit: String::new(),
             };
             let Values { job, probability, low, high, .. } = values;
-            let curves = Curves { job, view: &view, along, values: probability, low, high, vertical, has_zero: false };
+            let curves = Curves {
+                job,
+                view: &view,
+                along,
+                values: probability,
+                low,
+                high,
+                vertical,
+                has_zero: false,
+                notes: Vec::new(),
+            };
             Some(curves.figure(width))
         }
         Form::Area { vertical, horizontal } => {
@@ -36,6 +44,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
             let has_boundary = vertical.key() == "preload"
                 && horizontal.key() == "static friction"
                 && matches!(values.job.criterion, Criterion::Eigenvalue);
+            let boundary_note = has_boundary.then_some("dashed: stability boundary of the expected brake");
             let is_wide = |(low, high): (&f64, &f64)| levels.band(*high) > levels.band(*low) + 1;
             let known = values.probability.iter().map(Option::is_some);
             let area = Area {
@@ -52,7 +61,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                     .collect(),
                 colours: (0..levels.bands()).map(|band| levels.colour(band)).collect(),
                 title: "Probability of instability",
-                note: has_boundary.then(|| "dashed: stability boundary of the expected brake".to_owned()),
+                notes: boundary_note.map(str::to_owned).into_iter().collect(),
             };
             let lines = |canvas: &mut Canvas, drawn: &AreaPanel<'_>| {
                 if has_boundary {
@@ -102,48 +111,4 @@ fn contour_lines(canvas: &mut Canvas, levels: &Levels, drawn: &AreaPanel<'_>) {
             labelled_line(canvas, &drawn.panel, &line, &label(level), colour, &mut labels);
         }
     }
-}
-
-/// A contour line with its label in a gap, where the line is long enough and no other label is near.
-fn labelled_line(canvas: &mut Canvas, panel: &Panel, line: &[Place], text: &str, colour: Rgb, labels: &mut Vec<Place>) {
-    let pen = Pen { colour, ..LINE };
-    let size = SMALL - 2;
-    let gap = width_of(text, size) + 4.0;
-    let distance = |a: Place, b: Place| libm::hypot(a.0 - b.0, a.1 - b.1);
-    let length: f64 = line.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
-    // Not at the edges, and away from other labels.
-    let inner = Panel {
-        left: panel.left + gap,
-        width: panel.width - 2.0 * gap,
-        top: panel.top + 8.0,
-        height: panel.height - 16.0,
-    };
-    let is_free =
-        |place: Place| inner.contains(place) && labels.iter().all(|label| distance(*label, place) > 1.5 * gap);
-    let mut walked = 0.0;
-    let mut best: Option<(f64, Place)> = None;
-    for pair in line.windows(2) {
-        walked += distance(pair[0], pair[1]);
-        let from_middle = (walked - 0.5 * length).abs();
-        if is_free(pair[1]) && best.is_none_or(|(other, _)| from_middle < other) {
-            best = Some((from_middle, pair[1]));
-        }
-    }
-    let Some((_, middle)) = best.filter(|_| length > 2.5 * gap) else {
-        canvas.lines(line, pen);
-        return;
-    };
-    labels.push(middle);
-    let is_outside = |place: &Place| distance(*place, middle) > 0.5 * gap;
-    line.split(|place| !is_outside(place)).for_each(|part| canvas.lines(part, pen));
-    // The direction of the line from one end of the gap to the other.
-    let near = line.iter().position(|place| *place == middle).unwrap_or(0);
-    let from = line[..near].iter().rev().find(|place| is_outside(place)).copied().unwrap_or(middle);
-    let to = line[near..].iter().find(|place| is_outside(place)).copied().unwrap_or(middle);
-    let (from, to) = if from.0 <= to.0 { (from, to) } else { (to, from) };
-    let turn = libm::atan2(to.1 - from.1, to.0 - from.0).to_degrees();
-    let (sine, cosine) = (libm::sin(turn.to_radians()), libm::cos(turn.to_radians()));
-    let down = 0.35 * f64::from(size);
-    let at = (middle.0 - down * sine, middle.1 + down * cosine);
-    canvas.text(at, text, size, Side::Middle, turn, colour);
 }

@@ -21,6 +21,7 @@ use std::path::PathBuf;
 use indicatif::HumanCount;
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
 
+pub use self::differences::Row;
 use self::differences::{Differences, differences};
 use self::evaluated_run::{EvaluatedRun, STOPPED};
 use self::matching::{Dependence, Matching};
@@ -36,7 +37,6 @@ use crate::schedule::engine::Engine;
 
 /// `stickslip compare`.
 pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    interrupt.remark(STOPPED);
     if arguments.runs.len() < 2 {
         let only = arguments.runs.first().map_or_else(String::new, |run| format!(", not only {}", run.display()));
         let message =
@@ -52,40 +52,54 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
     }
     let out = arguments.out.as_deref().map(|out| output_file(out).map(|place| (out, place))).transpose()?;
 
-    let runs: Vec<Run> = arguments.runs.iter().map(|path| Run::open(path)).collect::<Result<_, _>>()?;
+    let engine = Engine::new(arguments.threads.count())?;
+    with_differences(&arguments.runs, confidence, arguments.pointwise, &engine, interrupt, |compared| {
+        if let Some((out, (directory, name))) = out {
+            let footer = [
+                ("stickslip:confidence", confidence.to_string()),
+                ("stickslip:simultaneous", (!arguments.pointwise).to_string()),
+                ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
+            ];
+            write_table(&directory, &name, &table(compared), &footer)?;
+            note(format_args!("{}: {} rows", out.display(), rows(compared)));
+        }
+        if arguments.json {
+            return result(&format!("{:#}\n", json(compared, confidence, !arguments.pointwise)));
+        }
+        let meaning = if arguments.pointwise {
+            format!("(confidence {confidence} for each by itself)")
+        } else {
+            format!("(confidence {confidence} for all together)")
+        };
+        let text = |compared: &Differences| format!("{}\n{}", summary(compared, &meaning), picture(compared));
+        result(&compared.iter().map(text).collect::<String>())
+    })
+}
+
+/// Compares the first of several runs with each of the others, and hands the differences over; `pointwise` says that the
+/// confidence is that of each cell by itself, not of all together.
+pub fn with_differences<T>(
+    paths: &[PathBuf],
+    confidence: f64,
+    pointwise: bool,
+    engine: &Engine,
+    interrupt: &Interrupt,
+    and_then: impl FnOnce(&[Differences<'_>]) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    interrupt.remark(STOPPED);
+    let runs: Vec<Run> = paths.iter().map(|path| Run::open(path)).collect::<Result<_, _>>()?;
     let matchings: Vec<Matching> =
         runs[1..].iter().map(|second| Matching::new(&runs[0], second)).collect::<Result<_, _>>()?;
-    let engine = Engine::new(arguments.threads.count())?;
-    let evaluated = evaluated_runs(&runs, &matchings, &engine, interrupt)?;
+    let evaluated = evaluated_runs(&runs, &matchings, engine, interrupt)?;
     evaluated.iter().for_each(warn_of_audit);
-    let cells =
-        if arguments.pointwise { 1 } else { matchings.iter().map(|matching| matching.cells.len() as u64).sum() };
+    let cells = if pointwise { 1 } else { matchings.iter().map(|matching| matching.cells.len() as u64).sum() };
     let of_a_cell = simultaneous_confidence(confidence, cells);
     let (reference, others) = evaluated.split_at(1);
     let mut compared = Vec::with_capacity(others.len());
     for (second, matching) in others.iter().zip(&matchings) {
-        compared.push(differences(&engine, &reference[0], second, matching, of_a_cell, interrupt)?);
+        compared.push(differences(engine, &reference[0], second, matching, of_a_cell, interrupt)?);
     }
-
-    if let Some((out, (directory, name))) = out {
-        let footer = [
-            ("stickslip:confidence", confidence.to_string()),
-            ("stickslip:simultaneous", (!arguments.pointwise).to_string()),
-            ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
-        ];
-        write_table(&directory, &name, &table(&compared), &footer)?;
-        note(format_args!("{}: {} rows", out.display(), rows(&compared)));
-    }
-    if arguments.json {
-        return result(&format!("{:#}\n", json(&compared, confidence, !arguments.pointwise)));
-    }
-    let meaning = if arguments.pointwise {
-        format!("(confidence {confidence} for each by itself)")
-    } else {
-        format!("(confidence {confidence} for all together)")
-    };
-    let text = |compared: &Differences| format!("{}\n{}", summary(compared, &meaning), picture(compared));
-    result(&compared.iter().map(text).collect::<String>())
+    and_then(&compared)
 }
 
 fn rows(compared: &[Differences]) -> HumanCount {
