@@ -18,6 +18,23 @@ fn job(name: &str, axes: &str, samples: u64) -> String {
 const PLANE: &str = "rotating_speed = 15.0\npreload = { from = 0.02, to = 0.3, points = 15 }\n\
                      static_friction = { from = 0.25, to = 0.5, points = 12 }";
 
+/// Colours of bars of Sobol indices.
+const FIRST_ORDER: &str = "#0072b2";
+const TOTAL: &str = "#e69f00";
+
+/// The least and the largest of the first of each two numbers: how far a line or an area extends to the right.
+fn extent(points: &str) -> [f64; 2] {
+    let numbers = points.split(|c: char| !c.is_ascii_digit() && !"-.".contains(c)).filter(|number| !number.is_empty());
+    let right: Vec<f64> = numbers.step_by(2).map(|number| number.parse().unwrap()).collect();
+    [right.iter().copied().fold(f64::INFINITY, f64::min), right.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
+}
+
+/// How far to the right the lines or areas extend whose description has this text, such as a colour.
+fn areas(svg: &str, colour: &str) -> Vec<[f64; 2]> {
+    let paths = svg.split("<path d=\"").skip(1).filter(|path| path.split('>').next().unwrap().contains(colour));
+    paths.map(|path| extent(path.split('"').next().unwrap())).collect()
+}
+
 /// Width and height of a PNG, from its first chunk.
 fn size(png: &[u8]) -> (u32, u32) {
     assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
@@ -85,6 +102,141 @@ fn one_long_axis_is_a_curve_with_its_band() {
     assert_eq!(svg.matches("opacity=\"0.25\"").count(), 3, "one band a curve");
 }
 
+/// How often a colour fills an area of the picture.
+fn fills(svg: &str, colour: &str) -> usize {
+    svg.matches(&format!("fill=\"{colour}\"")).count()
+}
+
+#[test]
+fn sobol_indices_are_bars_of_first_order_and_total_with_their_intervals() {
+    let place = Place::new();
+    let axes = "rotating_speed = 15.0\npreload = [0.06, 0.08, 0.10]\nstatic_friction = 0.39";
+    let with_indices = |name: &str, axes: &str| job(name, axes, 2000) + "sensitivity = true\n";
+    let which = submitted(&place, "which", &with_indices("which", axes));
+    assert_eq!(place.run("plot which --of sobol").done().stdout, "which/sobol.svg\nwhich/sobol.png\n");
+    let svg = fs::read_to_string(place.path("which/sobol.svg")).unwrap();
+    for text in [
+        "Preload Δ",
+        "Static friction coefficient fₛ",
+        "Share of the variance",
+        ">cell 1: P = 0.",
+        ">15 rad/s, preload = 0.08<",
+        "first order: alone",
+        "total: taking part",
+        "lines: 95 % intervals",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // Two inputs in three cells, and a sample in the legend.
+    assert_eq!((fills(&svg, FIRST_ORDER), fills(&svg, TOTAL)), (7, 7), "{svg}");
+    // The length of a bar is the index of the file.
+    let total = which.column("total_static_friction")[1];
+    let one = place.run("plot which --of sobol --cell 1 --columns 1 --out one.svg").done();
+    assert_eq!(one.stdout, "one.svg\n");
+    let svg = fs::read_to_string(place.path("one.svg")).unwrap();
+    assert_eq!((fills(&svg, FIRST_ORDER), fills(&svg, TOTAL)), (3, 3));
+    let bar = areas(&svg, TOTAL)[1];
+    let frame = areas(&svg, "stroke-width=\"0.8\"")[0];
+    assert!(((bar[1] - bar[0]) / (frame[1] - frame[0]) - total).abs() < 0.03, "{bar:?} {frame:?} {total}");
+
+    // Of many cells that with the probability nearest one half.
+    let many = submitted(&place, "many", &with_indices("many", PLANE));
+    place.run("plot many --of sobol --out many.svg").done();
+    let svg = fs::read_to_string(place.path("many.svg")).unwrap();
+    let p = many.column("p_unstable");
+    let nearest = (0..p.len()).min_by(|a, b| (p[*a] - 0.5).abs().total_cmp(&(p[*b] - 0.5).abs())).unwrap();
+    assert!(svg.contains(&format!(">cell {nearest}: P = {}<", (p[nearest] * 1e4).round() / 1e4)), "{nearest} {svg}");
+
+    submitted(&place, "plain", &job("plain", axes, 100));
+    place.run("plot plain --of sobol").refused(65, &["plain has no Sobol indices", "sensitivity = true"]);
+    place.run("plot which --of sobol --cell 3").refused(64, &["--cell 3", "cells 0 to 2"]);
+    place.run("plot many --of sobol --cell 0").refused(65, &["cell 0 of many has no Sobol indices", "P is 0"]);
+    place.run("plot which --cell 1").refused(64, &["--of sobol"]);
+}
+
+/// Colours of differences above 0.2, from 0.01 to 0.02 and about 0, and of the lines of a hatching. Each colour is in the
+/// bar, and on the map if some differences are as high or higher.
+const HIGHER: &str = "#a1182b";
+const JUST_HIGHER: &str = "#faddcc";
+const ZERO: &str = "#f1efed";
+const HATCHED: &str = "stroke=\"#707070\" stroke-width=\"0.5\"";
+
+#[test]
+fn the_difference_of_two_runs_is_a_map_with_its_line_of_zero_and_hatching() {
+    let place = Place::new();
+    submitted(&place, "plane", &job("plane", PLANE, 1000));
+    let other = "[model.friction]\nstribeck_velocity = 0.6\n";
+    submitted(&place, "slower", &job("slower", PLANE, 1000).replace("[axes]", &format!("{other}[axes]")));
+    let told = place.run("plot plane --against slower").done().stdout;
+    assert_eq!(told, "plane/difference.svg\nplane/difference.png\n");
+    let svg = fs::read_to_string(place.path("plane/difference.svg")).unwrap();
+    for text in [
+        "Preload Δ",
+        "Static friction coefficient fₛ",
+        ">Difference of probability<",
+        ">+0.01<",
+        ">−0.5<",
+        ">P of plane minus P of slower<",
+        "hatched: not significant, 0 is in the interval (95 % for all cells together)",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert_eq!(fills(&svg, HIGHER), 2);
+    let hatched = svg.matches(HATCHED).count();
+    assert!(hatched > 20, "{hatched}");
+    place.run("plot slower --against plane --columns 1 --out reversed.svg").done();
+    let svg = fs::read_to_string(place.path("reversed.svg")).unwrap();
+    assert_eq!([JUST_HIGHER, ZERO].map(|colour| fills(&svg, colour)), [1, 2], "the difference is nowhere above zero");
+    assert!(svg.contains(">P of slower minus P of plane<") && !svg.contains(">0<"));
+
+    // A run and itself differ nowhere.
+    place.run("plot plane --against plane --out same.svg").done();
+    let svg = fs::read_to_string(place.path("same.svg")).unwrap();
+    assert!(fills(&svg, ZERO) == 2 && svg.matches(HATCHED).count() > 5 * hatched);
+
+    // Another distribution makes some cells worse and others better, with zero between them.
+    let uniform = job("uniform", PLANE, 1000).replace("[criterion]", "distribution = \"uniform\"\n[criterion]");
+    submitted(&place, "uniform", &uniform);
+    place.run("plot plane --against uniform --out both.svg").done();
+    assert!(fs::read_to_string(place.path("both.svg")).unwrap().contains(">0<"), "the label of the line of zero");
+}
+
+#[test]
+fn the_difference_of_runs_with_one_long_axis_is_a_curve_with_its_interval() {
+    let place = Place::new();
+    let axes = "rotating_speed = { from = 5, to = 30, points = 26 }\npreload = 0.1\nstatic_friction = 0.39";
+    submitted(&place, "all", &job("all", axes, 1000));
+    submitted(&place, "few", &job("few", axes, 500));
+    place.run("plot few --against all --out curve.svg --threads 1").done();
+    let svg = fs::read_to_string(place.path("curve.svg")).unwrap();
+    for text in
+        ["Rotating speed Ω (rad/s)", ">Difference of probability<", "bands: intervals (95 % for all cells together)"]
+    {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert_eq!(svg.matches("opacity=\"0.25\"").count(), 1, "one band");
+    let dashes = svg.matches("stroke=\"#707070\"").count();
+    assert!(dashes > 20, "{dashes} dashes of the line at zero");
+
+    submitted(&place, "plane", &job("plane", PLANE, 100));
+    place.run("plot plane --against all").refused(
+        65,
+        &[
+            "plane and all have different axes",
+            "rotating speed, rad/s has the value 15",
+            "26 values from 5 to 30",
+            "compare",
+        ],
+    );
+    let wide = job("wide", axes, 500).replace("0.2", "0.1");
+    submitted(&place, "wide", &wide);
+    place.run("plot wide --against all").refused(65, &["no cell in common", "random.relative_std share values"]);
+    place.run("plot all --against nowhere").refused(74, &["nowhere is not a run directory"]);
+    place.run("plot all --against few --of sobol").refused(64, &["--against", "leave --of out"]);
+    fs::write(place.path("motion.parquet"), "").unwrap();
+    place.run("plot motion.parquet --against all").refused(64, &["motion.parquet is a file"]);
+}
+
 #[test]
 fn a_motion_is_drawn_from_its_file() {
     let place = Place::new();
@@ -108,6 +260,10 @@ fn what_cannot_be_drawn_is_said() {
     submitted(&place, "plane", &job("plane", PLANE, 100));
     place.run("plot nowhere").refused(74, &["nowhere is not a run directory"]);
     place.run("plot plane --out plot.gif").refused(64, &["SVG or PNG", "plot.svg"]);
+    submitted(&place, "single", &job("single", "rotating_speed = 15.0\npreload = 0.1\nstatic_friction = 0.39", 1000));
+    place
+        .run("plot single")
+        .refused(65, &["single has a single cell", "is 0.517 (0.486", "[axes] more than one value"]);
     place.run("plot plane --columns 3").refused(64, &["3"]);
     place.run("plot plane --out no/such/folder/plot.svg").refused(73, &["no/such/folder"]);
     fs::remove_file(place.path("plane/surface.parquet")).unwrap();

@@ -335,12 +335,32 @@ pub struct PlotArguments {
     /// The run directory, or a time series that trajectory or replay wrote
     #[arg(value_name = "RUN_DIR|FILE.parquet")]
     pub run: PathBuf,
+    /// What of the run to draw
+    #[arg(long, value_name = "QUANTITY", value_enum, default_value_t = PlotQuantity::Probability)]
+    pub of: PlotQuantity,
+    /// With --of sobol: the cell whose indices to draw [default: all of few cells, else the one whose probability is nearest 0.5]
+    #[arg(long, value_name = "N")]
+    pub cell: Option<u64>,
+    /// Draw the difference of the probabilities: those of the run minus those of this one, which has the same axes
+    #[arg(long, value_name = "RUN_DIR")]
+    pub against: Option<PathBuf>,
     /// Write one file, SVG or PNG by its name [default: surface.svg and surface.png in the run directory, or both beside the file]
     #[arg(long, value_name = "FILE", value_parser = plot_file)]
     pub out: Option<PathBuf>,
     /// Columns of a paper that the figure fills: 1 is 84 mm wide, 2 are 174 mm
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub columns: u8,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
+}
+
+/// What a plot shows of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PlotQuantity {
+    /// The probability of instability
+    Probability,
+    /// The Sobol indices of the inputs, of a job with sensitivity = true
+    Sobol,
 }
 
 /// Arguments of `report`.

@@ -1,28 +1,39 @@
 //! `plot`: the result of a run, or a simulated motion, as a figure.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::cli::PlotArguments;
+use super::compare::{Row, Run, differences_of};
+use crate::cli::{PlotArguments, PlotQuantity};
 use crate::failure::Failure;
 use crate::files::publish::publish;
+use crate::interrupt::Interrupt;
+use crate::job::Job;
 use crate::output::{note, output_file, result};
-use crate::picture::view::{GridView, MOST_PANELS};
+use crate::picture::view::{GridView, MOST_PANELS, rounded};
 use crate::plot::canvas::Canvas;
+use crate::plot::difference::Difference;
 use crate::plot::motion;
-use crate::plot::surface::figure;
+use crate::plot::sobol::Sobol;
+use crate::plot::surface;
 use crate::plot::values::Values;
+use crate::schedule::engine::Engine;
+use crate::tables::finished::FinishedSurface;
 
 /// Widths of one and of two columns of a paper, 84 and 174 mm, in pixels.
 const WIDTHS: [f64; 2] = [84.0 / 25.4 * 96.0, 174.0 / 25.4 * 96.0];
 
+/// Confidence of the intervals of differences, for all cells together.
+const CONFIDENCE: f64 = 0.95;
+
 /// `stickslip plot`.
 pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
     let width = WIDTHS[usize::from(arguments.columns.clamp(1, 2)) - 1];
+    check(arguments)?;
     let (canvas, beside) = if arguments.run.is_file() {
         (motion::figure(&arguments.run, width)?, arguments.run.clone())
     } else {
-        (of_run(&arguments.run, width)?, arguments.run.join("surface"))
+        of_run(arguments, width)?
     };
     let files = match &arguments.out {
         Some(out) => vec![out.clone()],
@@ -44,11 +55,130 @@ pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
     result(&text)
 }
 
-fn of_run(run: &Path, width: f64) -> Result<Canvas, Failure> {
-    let values = Values::read(run)?;
-    let slices = GridView::new(&values.job).slices();
+/// Refuses options that do not go together.
+fn check(arguments: &PlotArguments) -> Result<(), Failure> {
+    let is_probability = arguments.of == PlotQuantity::Probability;
+    if arguments.run.is_file() && !(is_probability && arguments.against.is_none()) {
+        return Err(Failure::Usage(format!(
+            "{} is a file; --of and --against need a run directory. Leave them out to draw a motion",
+            arguments.run.display()
+        )));
+    }
+    if arguments.against.is_some() && !is_probability {
+        return Err(Failure::Usage("--against draws the difference of probabilities; leave --of out".to_owned()));
+    }
+    if arguments.cell.is_some() && arguments.of != PlotQuantity::Sobol {
+        return Err(Failure::Usage("--cell chooses the cell of --of sobol; other plots show all cells".to_owned()));
+    }
+    Ok(())
+}
+
+/// The figure of a run, and where it is written if no file is given, without an extension.
+fn of_run(arguments: &PlotArguments, width: f64) -> Result<(Canvas, PathBuf), Failure> {
+    let run = &arguments.run;
+    if let Some(against) = &arguments.against {
+        let difference = difference(run, against, arguments.threads.count())?;
+        let canvas = difference.figure(width).ok_or_else(|| {
+            let value = [difference.values[0], Some(difference.low[0]), Some(difference.high[0])];
+            single_cell(run, "the difference of its probabilities", value)
+        })?;
+        return Ok((canvas, run.join("difference")));
+    }
+    match arguments.of {
+        PlotQuantity::Probability => {
+            let values = Values::read(run)?;
+            note_panels(GridView::new(&values.job).slices());
+            let canvas = surface::figure(&values, width).ok_or_else(|| {
+                let Values { probability, low, high, .. } = &values;
+                let value = [probability[0], Some(low[0]), Some(high[0])];
+                single_cell(run, "its probability of instability", value)
+            })?;
+            Ok((canvas, run.join("surface")))
+        }
+        PlotQuantity::Sobol => {
+            let sobol = Sobol::read(run)?;
+            let cells = sobol.cells(run, arguments.cell)?;
+            Ok((sobol.figure(&cells, width), run.join("sobol")))
+        }
+    }
+}
+
+/// Says how many panels are left out.
+fn note_panels(slices: usize) {
     if slices > MOST_PANELS {
         note(format_args!("{slices} panels are too many for one figure; the first {MOST_PANELS} are drawn"));
     }
-    Ok(figure(&values, width))
+}
+
+/// The failure of a run that has nothing to draw: a number with the ends of its interval.
+fn single_cell(run: &Path, what: &str, value: [Option<f64>; 3]) -> Failure {
+    let [value, low, high] = value.map(|value| value.map(rounded));
+    let known = value.zip(low.zip(high)).map_or_else(
+        || "no sample of it is decided".to_owned(),
+        |(value, (low, high))| format!("{what} is {value} ({low} to {high})"),
+    );
+    Failure::Job(format!(
+        "{} has a single cell: {known}. A plot needs several; give a quantity in [axes] more than one value, for example rotating_speed = {{ from = 5.0, to = 30.0, points = 26 }}",
+        run.display()
+    ))
+}
+
+/// The difference of a run and another with the same axes, as `compare` finds it.
+fn difference(run: &Path, against: &Path, threads: usize) -> Result<Difference, Failure> {
+    let jobs = [run, against].map(|run| FinishedSurface::open(run).map(|surface| surface.job));
+    let [job, other] = jobs;
+    let (job, other) = (job?, other?);
+    require_same_axes([run, against], [&job, &other])?;
+    note_panels(GridView::new(&job).slices());
+    let (engine, interrupt) = (Engine::new(threads)?, Interrupt::watch()?);
+    let runs = [Run::open(against)?, Run::open(run)?];
+    let compared = differences_of(&runs, CONFIDENCE, false, &engine, &interrupt)?;
+    let rows = compared.first().map_or(&[][..], |differences| &differences.rows);
+    let is_matched = |(cell, row): (u64, &Row)| row.cell.index == cell && row.second_cell == cell;
+    if rows.len() as u64 != job.cells() || !(0..).zip(rows).all(is_matched) {
+        return Err(Failure::Job(format!(
+            "{} and {} have the same [axes], but not in every cell the same random.relative_std, so that no picture of all cells can be drawn; `stickslip compare` compares the cells that both have",
+            run.display(),
+            against.display()
+        )));
+    }
+    let name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let is_saturated = |row: &Row| row.first == row.second && (row.first == Some(0.0) || row.first == Some(1.0));
+    Ok(Difference {
+        name: format!("P of {} minus P of {}", name(run), name(against)),
+        intervals: format!("{} % for all cells together", rounded(100.0 * CONFIDENCE)),
+        values: rows.iter().map(|row| row.difference.value).collect(),
+        low: rows.iter().map(|row| row.difference.low).collect(),
+        high: rows.iter().map(|row| row.difference.high).collect(),
+        is_saturated: rows.iter().map(is_saturated).collect(),
+        job,
+    })
+}
+
+/// Refuses runs whose cells lie at different places. An axis of one value may be missing in one of them.
+fn require_same_axes(runs: [&Path; 2], jobs: [&Job; 2]) -> Result<(), Failure> {
+    let views = jobs.map(GridView::new);
+    let of =
+        |view: usize, name: &str| views[view].axes().iter().find(|axis| axis.name == name).map(|axis| &axis.values);
+    let names = views.iter().flat_map(GridView::axes).map(|axis| &*axis.name);
+    let count = |values: Option<&Vec<f64>>| values.map_or(1, Vec::len);
+    let differing = names
+        .map(|name| (name, of(0, name), of(1, name)))
+        .find(|(_, a, b)| if a.is_some() && b.is_some() { a != b } else { count(*a) != count(*b) });
+    let Some((name, a, b)) = differing else { return Ok(()) };
+    let told = |values: Option<&Vec<f64>>| match values.map(|values| &values[..]) {
+        None => "no axis".to_owned(),
+        Some([value]) => format!("the value {}", rounded(*value)),
+        Some(values) => {
+            let ends = [values.first(), values.last()].map(|end| rounded(end.copied().unwrap_or(f64::NAN)));
+            format!("{} values from {} to {}", values.len(), ends[0], ends[1])
+        }
+    };
+    Err(Failure::Job(format!(
+        "{} and {} have different axes, so their difference cannot be drawn: {name} has {} in the first, and {} in the second. Submit one of them again with the [axes] and random.relative_std of the other; `stickslip compare` compares the cells that both have",
+        runs[0].display(),
+        runs[1].display(),
+        told(a),
+        told(b)
+    )))
 }

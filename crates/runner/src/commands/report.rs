@@ -1,7 +1,7 @@
 //! `report`: runs as one HTML file.
 
 use crate::cli::ReportArguments;
-use crate::commands::compare::{Differences, Run, STOPPED, differences_of};
+use crate::commands::compare::{Differences, Run, differences_of};
 use crate::failure::Failure;
 use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
@@ -14,7 +14,6 @@ const CONFIDENCE: f64 = 0.95;
 
 /// `stickslip report`.
 pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    interrupt.remark(STOPPED);
     let out = match (&arguments.out, &arguments.runs[..]) {
         (Some(out), _) => out.clone(),
         (None, [run]) => run.join("report.html"),

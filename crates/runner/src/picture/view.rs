@@ -20,11 +20,6 @@ pub struct ViewAxis {
 }
 
 impl ViewAxis {
-    /// An axis of one value, for a grid of one cell.
-    pub fn single() -> Self {
-        Self { name: String::new(), unit: String::new(), values: vec![0.0], stride: 1 }
-    }
-
     /// Its name without the unit.
     pub fn key(&self) -> &str {
         self.name.split(',').next().unwrap_or_default()
@@ -144,6 +139,28 @@ impl GridView {
         self.horizontal.map(|axis| &self.axes[axis])
     }
 
+    /// The values of a cell on some axes, but its standard deviations: "15 rad/s", "pad.mass = 0.1 kg". Of axes with one
+    /// value only the rotating speed is told.
+    fn values_of(&self, cell: u64, is_wanted: impl Fn(usize) -> bool) -> Vec<String> {
+        let value = |axis: usize| self.axes[axis].values[self.axes[axis].position(cell)];
+        let mut values = Vec::new();
+        if is_wanted(self.speed) {
+            values.push(format!("{} rad/s", value(self.speed)));
+        }
+        for (i, axis) in self.axes.iter().enumerate() {
+            if ![self.speed, self.std].contains(&i) && axis.values.len() > 1 && is_wanted(i) {
+                values.push(format!("{} = {}{}", axis.key(), rounded(value(i)), axis.unit));
+            }
+        }
+        values
+    }
+
+    /// Where a cell lies: "15 rad/s, preload = 0.1", with its standard deviations if they have an axis.
+    pub fn place_of(&self, job: &Job, cell: u64) -> String {
+        let values = self.values_of(cell, |_| true).join(", ");
+        if self.axes[self.std].values.len() > 1 { format!("{values}; {}", scatter(job, cell)) } else { values }
+    }
+
     fn is_shown(&self, axis: usize) -> bool {
         [self.vertical, self.horizontal].contains(&Some(axis))
     }
@@ -183,16 +200,7 @@ impl Slice<'_> {
     /// preload 0.2".
     pub fn title(&self, job: &Job) -> String {
         let view = self.view;
-        let value = |axis: usize| view.axes[axis].values[view.axes[axis].position(self.first)];
-        let mut shared = Vec::new();
-        if !view.is_shown(view.speed) {
-            shared.push(format!("{} rad/s", value(view.speed)));
-        }
-        for (i, axis) in view.axes.iter().enumerate() {
-            if ![view.speed, view.std].contains(&i) && axis.values.len() > 1 && !view.is_shown(i) {
-                shared.push(format!("{} = {}{}", axis.key(), rounded(value(i)), axis.unit));
-            }
-        }
+        let shared = view.values_of(self.first, |axis| !view.is_shown(axis));
         let at = if shared.is_empty() { String::new() } else { format!(" at {}", shared.join(", ")) };
         if view.is_shown(view.std) { at } else { format!("{at}; {}", scatter(job, self.first)) }
     }

@@ -12,12 +12,12 @@ pub fn axis(of: &ViewAxis) -> Axis {
     Axis { scale: Scale::of(&of.values), title: title(of.key()), unit: of.unit().to_owned() }
 }
 
-/// Symbol and name of an axis of a job.
-fn title(key: &str) -> String {
+/// Symbol and name of an axis or a random input of a job.
+pub fn title(key: &str) -> String {
     match key {
         "preload" => "Preload Δ".to_owned(),
-        "static friction" => "Static friction coefficient fₛ".to_owned(),
-        "rotating speed" => "Rotating speed Ω".to_owned(),
+        "static friction" | "static_friction" => "Static friction coefficient fₛ".to_owned(),
+        "rotating speed" | "rotating_speed" => "Rotating speed Ω".to_owned(),
         "relative std" => "Relative standard deviation σ".to_owned(),
         key => {
             if let Some(number) = StartValue::from_key(key) {

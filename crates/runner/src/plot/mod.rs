@@ -13,10 +13,22 @@ pub mod levels;
 
 pub mod panel;
 
+pub mod legend;
+
 pub mod axes;
 
 pub mod values;
 
+pub mod form;
+
+pub mod curves;
+
+pub mod area;
+
 pub mod surface;
+
+pub mod difference;
+
+pub mod sobol;
 
 pub mod motion;

@@ -4,14 +4,11 @@ use std::path::Path;
 
 use crate::failure::Failure;
 use crate::plot::canvas::{Canvas, Pen, Place, Rgb};
-use crate::plot::panel::{Axis, BELOW, LEFT, Panel};
+use crate::plot::panel::{Arrangement, Axis, Layout, RIGHT};
 use crate::plot::scale::Scale;
 use crate::tables::finished::read_numbers;
 
-/// Space above panels and at their right, and their height over their width.
-const ABOVE: f64 = 10.0;
-const RIGHT: f64 = 14.0;
-const ASPECT: f64 = 0.6;
+const LAYOUT: Layout = Layout { above: 10.0, right: RIGHT, below: 4.0, aspect: 0.6, most_columns: 2 };
 
 /// Space around a line, over its range.
 const AROUND: f64 = 0.06;
@@ -51,17 +48,9 @@ pub fn figure(path: &Path, width: f64) -> Result<Canvas, Failure> {
     // The pad moves by micrometres about the millimetre by which the preload shifts it.
     let start = series[3][0];
     series[3].iter_mut().for_each(|y| *y = 1e3 * (*y - start));
-    let columns = if width < 400.0 { 1 } else { 2 };
-    let panel_width = (width - RIGHT) / columns as f64 - LEFT;
-    let step = ABOVE + ASPECT * panel_width + BELOW;
-    let mut canvas = Canvas::new(width, PANELS.len().div_ceil(columns) as f64 * step + 4.0);
-    for (i, (across, up)) in PANELS.into_iter().enumerate() {
-        let panel = Panel {
-            left: LEFT + (i % columns) as f64 * (LEFT + panel_width),
-            top: ABOVE + (i / columns) as f64 * step,
-            width: panel_width,
-            height: ASPECT * panel_width,
-        };
+    let Arrangement { panels, height } = LAYOUT.arrange(PANELS.len(), width);
+    let mut canvas = Canvas::new(width, height);
+    for (panel, (across, up)) in panels.iter().zip(PANELS) {
         let axes = [across, up].map(|which| axis(QUANTITIES[which], &series[which]));
         let place = |(x, y): (&f64, &f64)| -> Place { panel.place(axes[0].scale.at(*x), axes[1].scale.at(*y)) };
         let points: Vec<Place> = series[across].iter().zip(&series[up]).map(place).collect();

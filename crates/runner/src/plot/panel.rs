@@ -1,6 +1,6 @@
 //! A rectangle with two axes.
 
-use crate::plot::canvas::{BLACK, Canvas, Pen, Place, Side, width_of};
+use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Side, width_of};
 use crate::plot::scale::{Scale, superscript};
 
 /// Sizes of text: labels of ticks, and titles.
@@ -14,6 +14,18 @@ const GAP: f64 = 3.0;
 /// Space of an axis with its labels and title: at the left of a panel, and below it.
 pub const LEFT: f64 = 52.0;
 pub const BELOW: f64 = 36.0;
+
+/// Space above a panel for its heading.
+pub const ABOVE: f64 = 24.0;
+
+/// Distance of notes below the panels.
+const NOTE: f64 = 9.0;
+
+/// Space at the right of the last panel.
+pub const RIGHT: f64 = 14.0;
+
+/// Least width of a panel.
+const LEAST_WIDTH: f64 = 150.0;
 
 /// Least distance of ticks, in pixels.
 const TICK_DISTANCE: (f64, f64) = (46.0, 28.0);
@@ -73,13 +85,23 @@ impl Panel {
         vec![(left, top), (right, top), (right, bottom), (left, bottom)]
     }
 
-    /// Draws the frame, the ticks, their labels and the titles.
-    pub fn frame(&self, canvas: &mut Canvas, horizontal: &Axis, vertical: &Axis) {
+    /// Draws a line around it.
+    pub fn outline(&self, canvas: &mut Canvas) {
         let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)];
         canvas.lines(&corners.map(|(right, up)| self.place(right, up)), FRAME);
-        let most = |length: f64, distance: f64| (length / distance).max(2.0) as usize;
+    }
 
-        let (ticks, power) = horizontal.scale.ticks(most(self.width, TICK_DISTANCE.0));
+    /// Draws the frame, the ticks, their labels and the titles.
+    pub fn frame(&self, canvas: &mut Canvas, horizontal: &Axis, vertical: &Axis) {
+        self.outline(canvas);
+        self.axis_below(canvas, horizontal);
+        self.axis_beside(canvas, vertical);
+    }
+
+    /// Draws the ticks of the horizontal axis, their labels and its title.
+    pub fn axis_below(&self, canvas: &mut Canvas, horizontal: &Axis) {
+        let most = (self.width / TICK_DISTANCE.0).max(2.0) as usize;
+        let (ticks, power) = horizontal.scale.ticks(most);
         for tick in ticks {
             let at = self.place(horizontal.scale.at(tick.value), 0.0);
             canvas.line(at, (at.0, at.1 + TICK), FRAME);
@@ -88,8 +110,12 @@ impl Panel {
         }
         let below = (self.left + 0.5 * self.width, self.bottom() + BELOW - 4.0);
         title(canvas, below, &horizontal.heading(power), self.width + LEFT, 0.0);
+    }
 
-        let (ticks, power) = vertical.scale.ticks(most(self.height, TICK_DISTANCE.1));
+    /// Draws the ticks of the vertical axis, their labels and its title.
+    fn axis_beside(&self, canvas: &mut Canvas, vertical: &Axis) {
+        let most = (self.height / TICK_DISTANCE.1).max(2.0) as usize;
+        let (ticks, power) = vertical.scale.ticks(most);
         for tick in ticks {
             let at = self.place(0.0, vertical.scale.at(tick.value));
             canvas.line(at, (at.0 - TICK, at.1), FRAME);
@@ -98,6 +124,75 @@ impl Panel {
         }
         let beside = (self.left - LEFT + f64::from(NORMAL), self.top + 0.5 * self.height);
         title(canvas, beside, &vertical.heading(power), self.height + BELOW, -90.0);
+    }
+}
+
+/// Space around the panels of a figure, and their shape.
+#[derive(Debug, Clone, Copy)]
+pub struct Layout {
+    /// Space above each panel, at the right of them all, and below them all.
+    pub above: f64,
+    pub right: f64,
+    pub below: f64,
+    /// Height of a panel over its width.
+    pub aspect: f64,
+    /// Most panels beside each other.
+    pub most_columns: usize,
+}
+
+/// Where the panels of a figure lie, and its height.
+pub struct Arrangement {
+    pub panels: Vec<Panel>,
+    pub height: f64,
+}
+
+impl Layout {
+    /// Arranges panels in rows, as many beside each other as fit in the width.
+    pub fn arrange(&self, count: usize, width: f64) -> Arrangement {
+        let inside = width - self.right;
+        let fits = ((inside / (LEFT + LEAST_WIDTH)).floor() as usize).clamp(1, self.most_columns);
+        let columns = fits.min(count.max(1));
+        let panel_width = inside / columns as f64 - LEFT;
+        let panel_height = self.aspect * panel_width;
+        let step = self.above + panel_height + BELOW;
+        let panels = (0..count).map(|i| Panel {
+            left: LEFT + (i % columns) as f64 * (LEFT + panel_width),
+            top: self.above + (i / columns) as f64 * step,
+            width: panel_width,
+            height: panel_height,
+        });
+        Arrangement { panels: panels.collect(), height: count.div_ceil(columns) as f64 * step + self.below }
+    }
+}
+
+/// Writes the title of a slice of a grid above its panel, in two lines where it is long.
+pub fn heading(canvas: &mut Canvas, panel: &Panel, title: &str) {
+    let title = title.trim_start_matches([' ', ';']).trim_start_matches("at ");
+    let middle = panel.left + 0.5 * panel.width;
+    let length = panel.width + 0.8 * LEFT;
+    let size = (7..=SMALL).rev().find(|&size| width_of(title, size) <= length);
+    match (size, title.split_once("; ")) {
+        (None, Some((first, second))) => two_lines(canvas, panel, [first, second], 8),
+        (size, _) => canvas.text((middle, panel.top - 6.0), title, size.unwrap_or(7), Side::Middle, 0.0, BLACK),
+    }
+}
+
+/// Writes two lines above a panel.
+pub fn two_lines(canvas: &mut Canvas, panel: &Panel, lines: [&str; 2], size: u32) {
+    for (line, above) in lines.into_iter().zip([14.0, 4.0]) {
+        canvas.text((panel.left + 0.5 * panel.width, panel.top - above), line, size, Side::Middle, 0.0, BLACK);
+    }
+}
+
+/// Space for notes below the panels.
+pub fn space_of(notes: &[String]) -> f64 {
+    12.0 + NOTE * notes.len().saturating_sub(1) as f64
+}
+
+/// Writes notes at the bottom of a figure.
+pub fn write_notes(canvas: &mut Canvas, notes: &[String], (width, height): (f64, f64)) {
+    for (i, note) in notes.iter().rev().enumerate() {
+        canvas.text((width - RIGHT, height - 4.0 - NOTE * i as f64), note, SMALL - 3, Side::Left, 0.0, GREY);
     }
 }
 

@@ -21,10 +21,9 @@ use std::path::PathBuf;
 use indicatif::HumanCount;
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
 
-pub use self::differences::Differences;
 use self::differences::differences;
-use self::evaluated_run::EvaluatedRun;
-pub use self::evaluated_run::STOPPED;
+pub use self::differences::{Differences, Row};
+use self::evaluated_run::{EvaluatedRun, STOPPED};
 use self::matching::{Dependence, Matching};
 use self::report::{json, picture, summary, table};
 pub use self::run::Run;
@@ -38,7 +37,6 @@ use crate::schedule::engine::Engine;
 
 /// `stickslip compare`.
 pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    interrupt.remark(STOPPED);
     if arguments.runs.len() < 2 {
         let only = arguments.runs.first().map_or_else(String::new, |run| format!(", not only {}", run.display()));
         let message =
@@ -89,6 +87,7 @@ pub fn differences_of<'r>(
     engine: &Engine,
     interrupt: &Interrupt,
 ) -> Result<Vec<Differences<'r>>, Failure> {
+    interrupt.remark(STOPPED);
     let Some((reference, others)) = runs.split_first() else { return Ok(Vec::new()) };
     let matchings: Vec<Matching> =
         others.iter().map(|second| Matching::new(reference, second)).collect::<Result<_, _>>()?;

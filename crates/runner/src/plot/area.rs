@@ -1,0 +1,199 @@
+//! Filled contours of a number over two axes, with a colour bar.
+
+use crate::job::Job;
+use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis};
+use crate::plot::axes::axis;
+use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, width_of};
+use crate::plot::contours::Field;
+use crate::plot::panel::{ABOVE, Arrangement, Axis, Layout, Panel, RIGHT, SMALL, heading, space_of, write_notes};
+
+/// Space for the colour bar.
+const BAR: f64 = 74.0;
+
+/// Height of a panel over its width.
+const ASPECT: f64 = 0.78;
+
+const LINE: Pen = Pen::new(BLACK, 1.0);
+const HATCH: Pen = Pen::new(GREY, 0.5);
+const HATCH_DISTANCE: f64 = 5.0;
+
+/// A level of a number between two colours.
+pub struct Level {
+    /// On the scale on which the number is interpolated.
+    pub value: f64,
+    pub label: String,
+}
+
+/// What is drawn as an area: a number for each cell.
+pub struct Area<'a> {
+    pub job: &'a Job,
+    pub view: &'a GridView,
+    pub vertical: &'a ViewAxis,
+    pub horizontal: &'a ViewAxis,
+    /// On the scale on which they are interpolated.
+    pub values: Vec<Option<f64>>,
+    pub is_hatched: Vec<bool>,
+    pub levels: Vec<Level>,
+    /// The colours between the levels, the outer ones included.
+    pub colours: Vec<Rgb>,
+    /// What the colours mean.
+    pub title: &'static str,
+    /// What else is drawn.
+    pub notes: Vec<String>,
+}
+
+/// A panel while it is drawn, with its slice, its axes and its numbers.
+pub struct AreaPanel<'a> {
+    pub panel: Panel,
+    pub slice: Slice<'a>,
+    pub horizontal: Axis,
+    pub vertical: Axis,
+    pub field: Field<'a>,
+    /// The cells of the field.
+    pub cells: &'a [usize],
+}
+
+impl Area<'_> {
+    /// The figure, with a panel for each combination of the axes that are not shown. `lines` draws what lies on the
+    /// colours.
+    pub fn figure(&self, width: f64, lines: impl Fn(&mut Canvas, &AreaPanel<'_>)) -> Canvas {
+        let count = self.view.slices().min(MOST_PANELS);
+        let right = RIGHT + BAR;
+        let layout =
+            Layout { above: ABOVE, right, below: space_of(&self.notes), aspect: ASPECT, most_columns: usize::MAX };
+        let Arrangement { panels, height } = layout.arrange(count, width);
+        let mut canvas = Canvas::new(width, height);
+        for (number, panel) in panels.iter().enumerate() {
+            self.panel(&mut canvas, panel, self.view.slice(number), &lines);
+        }
+        if let (Some(first), Some(top_right)) = (panels.first(), panels.iter().map(Panel::right).reduce(f64::max)) {
+            self.bar(&mut canvas, Panel { left: top_right + 14.0, width: 13.0, ..*first });
+        }
+        write_notes(&mut canvas, &self.notes, (width, height));
+        canvas
+    }
+
+    fn panel(
+        &self,
+        canvas: &mut Canvas,
+        panel: &Panel,
+        slice: Slice<'_>,
+        lines: &impl Fn(&mut Canvas, &AreaPanel<'_>),
+    ) {
+        let (horizontal, vertical) = (axis(self.horizontal), axis(self.vertical));
+        let columns: Vec<f64> =
+            self.horizontal.values.iter().map(|&value| panel.place(horizontal.scale.at(value), 0.0).0).collect();
+        let rows: Vec<f64> =
+            self.vertical.values.iter().map(|&value| panel.place(0.0, vertical.scale.at(value)).1).collect();
+        let cells = (0..rows.len()).flat_map(|up| (0..columns.len()).map(move |right| (up, right)));
+        let cells: Vec<usize> = cells.map(|(up, right)| slice.cell(up, right) as usize).collect();
+        let values: Vec<Option<f64>> = cells.iter().map(|&cell| self.values[cell]).collect();
+        let field = Field { columns: &columns, rows: &rows, values: &values };
+        let floors = [f64::NEG_INFINITY].into_iter().chain(self.levels.iter().map(|level| level.value));
+        for (floor, &colour) in floors.zip(&self.colours) {
+            canvas.area(&field.at_least(floor), colour, 1.0);
+        }
+        self.hatch(canvas, panel, &columns, &rows, &cells);
+        let drawn = AreaPanel { panel: *panel, slice, horizontal, vertical, field, cells: &cells };
+        lines(canvas, &drawn);
+        panel.frame(canvas, &drawn.horizontal, &drawn.vertical);
+        heading(canvas, panel, &drawn.slice.title(self.job));
+    }
+
+    /// Lines across the cells that are hatched.
+    fn hatch(&self, canvas: &mut Canvas, panel: &Panel, columns: &[f64], rows: &[f64], cells: &[usize]) {
+        for (i, &cell) in cells.iter().enumerate() {
+            if !self.is_hatched[cell] {
+                continue;
+            }
+            let (up, right) = (i / columns.len(), i % columns.len());
+            let (xs, ys) = (around(columns, right), around(rows, up));
+            let (left, right) = (xs[0].min(xs[1]).max(panel.left), xs[0].max(xs[1]).min(panel.right()));
+            let (top, bottom) = (ys[0].min(ys[1]), ys[0].max(ys[1]));
+            // Lines x + y = constant, the same ones in all cells.
+            let mut sum = ((left + top) / HATCH_DISTANCE).ceil() * HATCH_DISTANCE;
+            while sum < right + bottom {
+                let from = (left.max(sum - bottom), sum - left.max(sum - bottom));
+                let to = (right.min(sum - top), sum - right.min(sum - top));
+                canvas.line(from, to, HATCH);
+                sum += HATCH_DISTANCE;
+            }
+        }
+    }
+
+    fn bar(&self, canvas: &mut Canvas, bar: Panel) {
+        let bands = self.colours.len() as f64;
+        for (band, &colour) in self.colours.iter().enumerate() {
+            let (low, high) = (bar.place(0.0, band as f64 / bands), bar.place(1.0, (band + 1) as f64 / bands));
+            canvas.area(&[bar.rectangle((low.0, high.1), (high.0, low.1))], colour, 1.0);
+        }
+        bar.outline(canvas);
+        for (i, level) in (1..).zip(&self.levels) {
+            let at = bar.place(1.0, f64::from(i) / bands);
+            canvas.line(at, (at.0 + 3.0, at.1), Pen::new(BLACK, 0.8));
+            canvas.text((at.0 + 5.0, at.1 + 3.0), &level.label, SMALL - 1, Side::Right, 0.0, BLACK);
+        }
+        let longest = self.levels.iter().map(|level| level.label.chars().count()).max().unwrap_or(0);
+        let beside = (bar.right() + if longest > 4 { 49.0 } else { 42.0 }, bar.top + 0.5 * bar.height);
+        canvas.text(beside, self.title, SMALL, Side::Middle, -90.0, BLACK);
+    }
+}
+
+/// The middles between a place and its neighbours; the place itself where it has none.
+fn around(places: &[f64], i: usize) -> [f64; 2] {
+    [-1, 1].map(|by| {
+        let other = i.checked_add_signed(by).and_then(|other| places.get(other));
+        other.map_or(places[i], |other| 0.5 * (places[i] + other))
+    })
+}
+
+/// A contour line with its label in a gap, where the line is long enough and no other label is near.
+pub fn labelled_line(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    line: &[Place],
+    text: &str,
+    colour: Rgb,
+    labels: &mut Vec<Place>,
+) {
+    let pen = Pen { colour, ..LINE };
+    let size = SMALL - 2;
+    let gap = width_of(text, size) + 4.0;
+    let distance = |a: Place, b: Place| libm::hypot(a.0 - b.0, a.1 - b.1);
+    let length: f64 = line.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+    // Not at the edges, and away from other labels.
+    let inner = Panel {
+        left: panel.left + gap,
+        width: panel.width - 2.0 * gap,
+        top: panel.top + 8.0,
+        height: panel.height - 16.0,
+    };
+    let is_free =
+        |place: Place| inner.contains(place) && labels.iter().all(|label| distance(*label, place) > 1.5 * gap);
+    let mut walked = 0.0;
+    let mut best: Option<(f64, Place)> = None;
+    for pair in line.windows(2) {
+        walked += distance(pair[0], pair[1]);
+        let from_middle = (walked - 0.5 * length).abs();
+        if is_free(pair[1]) && best.is_none_or(|(other, _)| from_middle < other) {
+            best = Some((from_middle, pair[1]));
+        }
+    }
+    let Some((_, middle)) = best.filter(|_| length > 2.5 * gap) else {
+        canvas.lines(line, pen);
+        return;
+    };
+    labels.push(middle);
+    let is_outside = |place: &Place| distance(*place, middle) > 0.5 * gap;
+    line.split(|place| !is_outside(place)).for_each(|part| canvas.lines(part, pen));
+    // The direction of the line from one end of the gap to the other.
+    let near = line.iter().position(|place| *place == middle).unwrap_or(0);
+    let from = line[..near].iter().rev().find(|place| is_outside(place)).copied().unwrap_or(middle);
+    let to = line[near..].iter().find(|place| is_outside(place)).copied().unwrap_or(middle);
+    let (from, to) = if from.0 <= to.0 { (from, to) } else { (to, from) };
+    let turn = libm::atan2(to.1 - from.1, to.0 - from.0).to_degrees();
+    let (sine, cosine) = (libm::sin(turn.to_radians()), libm::cos(turn.to_radians()));
+    let down = 0.35 * f64::from(size);
+    let at = (middle.0 - down * sine, middle.1 + down * cosine);
+    canvas.text(at, text, size, Side::Middle, turn, colour);
+}
