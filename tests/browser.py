@@ -140,8 +140,9 @@ def check_two(page, name):
     row = nearest(first, preload, friction)
     page.click("#sensitivity-section summary")
     table = [line.split("\t") for line in page.inner_text("#sensitivity-section table").splitlines()]
-    assert [line[0] for line in table[1:]] == ["preload", "static_friction", "damping.tangential"]
-    for of, *shown in table[1:]:
+    names = ["preload", "static_friction", "damping.tangential"]
+    assert [line[0] for line in table[1:]] == ["Preload Δ", "Static friction coefficient fₛ", "Tangential damping of the pad c_x"]
+    for of, (_, *shown) in zip(names, table[1:]):
         for number, column in zip(shown, ["first_order_{}", "first_order_{}_error", "total_{}", "total_{}_error"]):
             close(number, row[column.format(of)])
     assert page.locator("#sensitivity .bars .point").count() == 6

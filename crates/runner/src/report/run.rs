@@ -9,7 +9,7 @@ use super::rounded::round;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::picture::view::GridView;
-use crate::plot::axes::axis;
+use crate::plot::axes::{axis, title};
 use crate::plot::levels::{Levels, label};
 use crate::plot::values::Values;
 use crate::tables::finished::{FinishedColumn, FinishedSurface, FinishedValues};
@@ -100,7 +100,7 @@ impl ReportedRun {
         let of = |name: &str| {
             let column = |kind: &str| self.further(&format!("{kind}_{name}"));
             Some(json!({
-                "input": name,
+                "input": title(name),
                 "first_order": column("first_order")?,
                 "first_order_error": self.further(&format!("first_order_{name}_error"))?,
                 "total": column("total")?,
