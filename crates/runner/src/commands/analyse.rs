@@ -19,6 +19,7 @@ use stickslip_core::rigid_disc::stability::SpeedRange;
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
 use crate::job::friction::{LawSpec, check_band, read_curve};
+use crate::job::preload_force::{self, PRELOAD};
 use crate::job::{plausibility, unknown_parameter};
 use crate::output::{result, warn};
 use crate::units::{duration, force, frequency, growth_rate, length, range, row, scales_line, significant, speed};
@@ -393,6 +394,7 @@ fn finite(value: f64) -> String {
 pub(super) fn brake(changes: &[String]) -> Result<PadOnDisc, Failure> {
     let mut parameters = Parameters::sui_ding_2018();
     let mut changed: Vec<(&str, &str)> = Vec::new();
+    let mut force = None;
     for change in changes {
         let refused = |message: String| Failure::Usage(format!("--set {change}: {message}"));
         let Some((key, value)) = change.split_once('=') else {
@@ -407,12 +409,25 @@ pub(super) fn brake(changes: &[String]) -> Result<PadOnDisc, Failure> {
             continue;
         }
         let number: f64 = value.parse().map_err(|_| refused(not_a_number(value)))?;
+        if key == preload_force::KEY {
+            force = Some((change, number));
+            continue;
+        }
         parameters.set(key, number).map_err(|error| match error {
             ParameterError::Unknown { .. } => refused(unknown_parameter(key, false)),
             other => refused(format!("{other}{}", plausibility::hint(key, number, &parameters))),
         })?;
     }
     use_law(&changed, &mut parameters)?;
+    // It depends on the other values.
+    if let Some((change, force)) = force {
+        let refused = |message: String| Failure::Usage(format!("--set {change}: {message}"));
+        if let Some((key, value)) = changed.iter().find(|(key, _)| *key == PRELOAD) {
+            return Err(refused(format!("the preload is set too, {key}={value}; leave one of the two out")));
+        }
+        let preload = preload_force::preload(force, &parameters);
+        parameters.operating_point.preload = preload.map_err(|message| refused(format!("it {message}")))?;
+    }
     let brake = PadOnDisc::new(parameters).map_err(|error| Failure::Usage(format!("--set: {error}")))?;
     warn(plausibility::of_parameters(brake.parameters()));
     Ok(brake)
