@@ -8,6 +8,8 @@ mod status;
 
 mod check;
 
+mod one_brake;
+
 mod analyse;
 
 mod parameters;

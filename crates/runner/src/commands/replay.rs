@@ -1,17 +1,17 @@
 //! `replay`: one sample of a run again, with its motion.
 
-use stickslip_core::criterion::settings::TimeDomainSettings;
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
+use stickslip_core::criterion::time_domain::TimeDomain;
 use stickslip_core::motion::start::Start;
 use stickslip_core::verdict::Verdict;
 
 use super::completion::was_counted_without_map;
 use super::motion_report::{Facts, name, report};
+use super::one_brake::LookedAt;
 use super::trajectory::simulate;
 use crate::cli::ReplayArguments;
 use crate::evaluate::evaluator::{EvaluatedSample, Evaluator};
 use crate::failure::Failure;
-use crate::job::{Criterion, Job, OutsidePhysics, RandomInput, StartValue};
+use crate::job::{Job, OutsidePhysics, RandomInput, StartValue};
 use crate::output::result;
 use crate::store::directory::RunDirectory;
 use crate::store::map_pieces;
@@ -30,17 +30,8 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     let (place, number) = evaluator.parts().locate(arguments.sample);
     let is_counted = tally.contains(evaluator.parts().of(arguments.cell).start + place as u64, number);
     let facts = facts(arguments, &job, &sample, is_counted);
-    // A run that did not look at motions gets one of the model that it looked at.
-    let (disc, settings) = match &job.criterion {
-        Criterion::Eigenvalue => (DiscModel::Rigid, TimeDomainSettings::default()),
-        Criterion::CoupledEigenvalue { modes } => {
-            (DiscModel::Flexible { modes: *modes }, TimeDomainSettings::default())
-        }
-        Criterion::TimeDomain { disc, settings } => {
-            let start = sample.start.unwrap_or(settings.start);
-            (disc.clone(), TimeDomainSettings { start, ..*settings })
-        }
-    };
+    let LookedAt { disc, mut settings } = LookedAt::by(&job, &job.grid.cell(arguments.cell));
+    settings.start = sample.start.unwrap_or(settings.start);
     let outside = match &sample.brake {
         None => Some("failed: one of its values is not admissible; there is no motion to simulate"),
         Some(_) if sample.is_outside_physics && verdict == Verdict::Failed => {
