@@ -45,6 +45,8 @@ pub enum Command {
     Trajectory(TrajectoryArguments),
     /// Reproduce one sample of a run bit for bit: inputs, verdict, trajectory
     Replay(ReplayArguments),
+    /// Write every sample of one cell of a run: its random inputs and its verdict
+    Samples(SamplesArguments),
     /// Compare finished runs cell by cell, and sample by sample if they share their samples
     Compare(CompareArguments),
     /// Draw the result of a finished run, or a simulated motion, as SVG and PNG
@@ -160,6 +162,9 @@ pub struct StatusArguments {
     /// The run directory, or a folder of run directories
     #[arg(value_name = "DIR")]
     pub run: PathBuf,
+    /// Show the progress of one run every second, until it ends
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -304,6 +309,22 @@ pub struct ReplayArguments {
     /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `samples`.
+#[derive(Debug, Args)]
+pub struct SamplesArguments {
+    /// The run directory
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+    /// The cell, by its number in the column `cell`
+    #[arg(long, value_name = "I", value_parser = whole_number)]
+    pub cell: u64,
+    /// The file to write [default: samples-I.parquet in the run directory]
+    #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
 }
 
 /// Arguments of `compare`.

@@ -4,6 +4,10 @@ mod describe;
 
 mod init;
 
+mod run_progress;
+
+mod watch;
+
 mod status;
 
 mod check;
@@ -28,6 +32,8 @@ mod trajectory;
 
 mod replay;
 
+mod samples;
+
 mod compare;
 
 mod plot;
@@ -48,6 +54,7 @@ pub use parameters::parameters;
 pub use plot::plot;
 pub use replay::replay;
 pub use report::report;
+pub use samples::samples;
 pub use status::status;
 pub use submit::{merge, resume, submit};
 pub use trajectory::{simulate, trajectory};

@@ -4,7 +4,7 @@ use stickslip_core::criterion::time_domain::TimeDomain;
 use stickslip_core::motion::start::Start;
 use stickslip_core::verdict::Verdict;
 
-use super::completion::was_counted_without_map;
+use super::completion::evaluator_again;
 use super::motion_report::{Facts, name, report};
 use super::one_brake::LookedAt;
 use super::trajectory::simulate;
@@ -14,7 +14,6 @@ use crate::failure::Failure;
 use crate::job::{Job, OutsidePhysics, RandomInput, StartValue};
 use crate::output::result;
 use crate::store::directory::RunDirectory;
-use crate::store::map_pieces;
 use crate::store::tally::Tally;
 
 /// `stickslip replay`.
@@ -108,21 +107,14 @@ fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample, is_co
     facts
 }
 
-/// What evaluates the samples of a run, with the map that it used, if the wanted sample is one of them.
+/// What evaluates the samples of a run, if the wanted sample is one of them.
 fn evaluator<'a>(
     directory: &RunDirectory,
     job: &'a Job,
     tally: &Tally,
     arguments: &ReplayArguments,
 ) -> Result<Evaluator<'a>, Failure> {
-    if arguments.cell >= job.cells() {
-        let message = format!("--cell {}: the run has cells 0 to {}", arguments.cell, job.cells() - 1);
-        return Err(Failure::Usage(message));
-    }
-    if job.is_integrated() {
-        return Err(Failure::Usage("this run integrates its probabilities; it has no samples to replay".to_owned()));
-    }
-    let mut evaluator = Evaluator::new(job)?;
+    let evaluator = evaluator_again(directory, job, tally, arguments.cell)?;
     // A cell that stopped by precision has fewer samples than the job allows.
     let samples = if job.stops_by_precision() {
         evaluator.parts().counts(tally, arguments.cell).total()
@@ -135,11 +127,6 @@ fn evaluator<'a>(
             _ => format!("--sample {}: cell {} has samples 0 to {}", arguments.sample, arguments.cell, samples - 1),
         };
         return Err(Failure::Usage(message));
-    }
-    if job.uses_maps() && was_counted_without_map(job, tally) {
-        evaluator.maps_mut().give_up();
-    } else {
-        map_pieces::load(evaluator.maps_mut(), &directory.maps())?;
     }
     Ok(evaluator)
 }
