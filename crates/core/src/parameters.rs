@@ -61,6 +61,14 @@ pub struct Stiffness {
     pub contact_tangential_2: f64,
 }
 
+impl Stiffness {
+    /// Contact and calliper in series, `k_en k_y / (k_en + k_y)`, N/m.
+    #[must_use]
+    pub fn normal_in_series(&self) -> f64 {
+        self.contact_normal * self.calliper_normal / (self.contact_normal + self.calliper_normal)
+    }
+}
+
 /// Dampers of the pad, N s/m (angular: N m s/rad).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Damping {
@@ -389,6 +397,13 @@ impl Parameters {
         scalar.check(value)?;
         *(scalar.get_mut)(self) = value;
         Ok(())
+    }
+
+    /// The preload at which steady sliding on a rigid disc has this contact force (N), the inverse of
+    /// `N = h Delta k_en k_y / (k_en + k_y)`.
+    #[must_use]
+    pub fn preload_of(&self, contact_force: f64) -> f64 {
+        contact_force / (self.stiffness.normal_in_series() * self.disc.thickness)
     }
 
     /// Checks every value against its limits, and those that must agree against each other.

@@ -45,6 +45,8 @@ pub enum Command {
     Trajectory(TrajectoryArguments),
     /// Reproduce one sample of a run bit for bit: inputs, verdict, trajectory
     Replay(ReplayArguments),
+    /// Write every sample of one cell of a run: its random inputs and its verdict
+    Samples(SamplesArguments),
     /// Compare finished runs cell by cell, and sample by sample if they share their samples
     Compare(CompareArguments),
     /// Draw the result of a finished run, or a simulated motion, as SVG and PNG
@@ -175,6 +177,9 @@ pub struct StatusArguments {
     /// The run directory, or a folder of run directories
     #[arg(value_name = "DIR")]
     pub run: PathBuf,
+    /// Show the progress of one run every second, until it ends
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -201,12 +206,25 @@ pub struct ParametersArguments {
     pub json: bool,
 }
 
+/// The brake to look at.
+#[derive(Debug, Args)]
+pub struct BrakeArguments {
+    /// Take the brake of a job, in place of the preset: a job spec (- reads it from standard input) or a run directory
+    #[arg(long, value_name = "JOB.toml|RUN_DIR")]
+    pub job: Option<PathBuf>,
+    /// The cell of the job whose expected values are taken [default: the middle of its axes]
+    #[arg(long, value_name = "I", value_parser = whole_number, requires = "job")]
+    pub cell: Option<u64>,
+    /// Change a value, for example friction.static_coefficient=0.45; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
 /// Arguments of `analyse`.
 #[derive(Debug, Args)]
 pub struct AnalyseArguments {
-    /// Change a value of the preset, for example friction.static_coefficient=0.45; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub brake: BrakeArguments,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -215,13 +233,13 @@ pub struct AnalyseArguments {
 /// Arguments of `trajectory`.
 #[derive(Debug, Args)]
 pub struct TrajectoryArguments {
-    /// Change a value of the preset, for example operating_point.rotating_speed=10; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// The disc under the pad
-    #[arg(long, value_enum, default_value_t = DiscArgument::Flexible)]
-    pub disc: DiscArgument,
-    /// Number of modes of the flexible disc, lowest frequencies first [default: as many as the growth rate needs]
+    #[command(flatten)]
+    pub brake: BrakeArguments,
+    /// The disc under the pad [default: the job's, or flexible]
+    #[arg(long, value_enum)]
+    pub disc: Option<DiscArgument>,
+    /// Number of modes of the flexible disc, lowest frequencies first [default: the job's, or as many as the growth rate
+    /// needs]
     #[arg(long, value_name = "N")]
     pub disc_modes: Option<usize>,
     /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc) [default:
@@ -232,10 +250,11 @@ pub struct TrajectoryArguments {
     #[arg(long, value_enum)]
     pub allotment: Option<AllotmentArgument>,
     /// Where the motion starts: near-equilibrium, rest, limit-cycle, or numbers, for example
-    /// velocity=0.3,tangential=1e-4 (m/s, m, rad; also normal, angle, from_equilibrium and units=scaled)
-    #[arg(long, value_name = "START", default_value = "near-equilibrium", value_parser = start)]
-    pub start: StartArgument,
-    /// Relative displacement from the equilibrium at the start [default: 0.01]
+    /// velocity=0.3,tangential=1e-4 (m/s, m, rad; also normal, angle, from_equilibrium and units=scaled) [default: the
+    /// job's, or near-equilibrium]
+    #[arg(long, value_name = "START", value_parser = start)]
+    pub start: Option<StartArgument>,
+    /// Relative displacement from the equilibrium at the start [default: the job's, or 0.01]
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     pub displacement: Option<f64>,
     /// Scaled time to simulate [default: 500]
@@ -305,6 +324,22 @@ pub struct ReplayArguments {
     /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `samples`.
+#[derive(Debug, Args)]
+pub struct SamplesArguments {
+    /// The run directory
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+    /// The cell, by its number in the column `cell`
+    #[arg(long, value_name = "I", value_parser = whole_number)]
+    pub cell: u64,
+    /// The file to write [default: samples-I.parquet in the run directory]
+    #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
 }
 
 /// Arguments of `compare`.
@@ -436,6 +471,25 @@ fn start(text: &str) -> Result<StartArgument, String> {
     let named = StartKind::from_str(text, false).map(Start::from);
     let start = named.or_else(|_| given_start(text).map(Start::Given))?;
     Ok(StartArgument { text: text.to_owned(), start })
+}
+
+impl StartArgument {
+    /// A start as it would be typed.
+    pub fn of(start: Start) -> Self {
+        let text = match start {
+            Start::NearEquilibrium => "near-equilibrium".to_owned(),
+            Start::Rest => "rest".to_owned(),
+            Start::LimitCycle => "limit-cycle".to_owned(),
+            Start::Given(given) => {
+                let number = |number: StartValue| Some(format!("{}={}", number.name(), number.of(&given)?));
+                let mut parts: Vec<String> = StartValue::ALL.into_iter().filter_map(number).collect();
+                parts.extend((given.units == StartUnits::Scaled).then(|| "units=scaled".to_owned()));
+                parts.extend(given.from_equilibrium.then(|| "from_equilibrium".to_owned()));
+                parts.join(",")
+            }
+        };
+        Self { text, start }
+    }
 }
 
 fn given_start(text: &str) -> Result<GivenStart, String> {

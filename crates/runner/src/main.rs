@@ -77,6 +77,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Analyse(arguments) => commands::analyse(&arguments),
         Command::Trajectory(arguments) => commands::trajectory(&arguments),
         Command::Replay(arguments) => commands::replay(&arguments),
+        Command::Samples(arguments) => commands::samples(&arguments, &Interrupt::watch()?),
         Command::Compare(arguments) => commands::compare(&arguments, &Interrupt::watch()?),
         Command::Plot(arguments) => commands::plot(&arguments),
         Command::Report(arguments) => commands::report(&arguments, &Interrupt::watch()?),

@@ -293,8 +293,7 @@ impl PadOnDisc {
 
     /// The contact force over h that one unit of preload produces, `k_en k_y / (k_en + k_y)`, N/m.
     pub(crate) fn normal_force_per_preload(&self) -> f64 {
-        let stiffness = &self.parameters.stiffness;
-        stiffness.contact_normal * stiffness.calliper_normal / (stiffness.contact_normal + stiffness.calliper_normal)
+        self.parameters.stiffness.normal_in_series()
     }
 
     /// The contact force (N) of steady sliding on a rigid disc with this preload, `h Delta k_en k_y / (k_en + k_y)`.

@@ -1,6 +1,7 @@
 //! `check`: validates a job and estimates its cost.
 
 use indicatif::HumanCount;
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
 use crate::cli::CheckArguments;
@@ -11,6 +12,7 @@ use crate::output::{counted, rate, result, warn};
 use crate::schedule::engine::Engine;
 use crate::schedule::time_left::Prediction;
 use crate::schedule::trial::{SampleTrial, UntilStop};
+use crate::units::force;
 
 /// `stickslip check`.
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
@@ -30,7 +32,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         (false, false) => cost_of_samples(&job, &engine.try_samples(&evaluator)?, threads),
     };
     result(&format!(
-        "{}\n# {} is valid.\n# {}: {further}{} x {} x {} x {}\n{work}",
+        "{}\n# {} is valid.\n# {}: {further}{} x {} x {} x {}\n{}{work}",
         job.normalised(),
         source.path.display(),
         counted(job.cells().into(), "cell", "cells"),
@@ -38,7 +40,23 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         counted(lengths[usual + 1].into(), "standard deviation", "standard deviations"),
         counted(lengths[usual + 2].into(), "preload", "preloads"),
         counted(lengths[usual + 3].into(), "static friction coefficient", "static friction coefficients"),
+        contact_forces(&job),
     ))
+}
+
+/// The contact forces of the expected preloads, which say more than these.
+fn contact_forces(job: &Job) -> String {
+    // They grow with each value that they depend on.
+    let Ok(brakes) = job.brakes().at_extremes(&job.grid.rotating_speed.extremes()[..1]) else { return String::new() };
+    let forces = |preload: f64| {
+        let brakes = brakes.iter().filter_map(|parameters| PadOnDisc::new(parameters.clone()).ok());
+        brakes.map(move |brake| brake.contact_force(preload)).collect::<Vec<f64>>()
+    };
+    let [least, most] = job.grid.preload.extremes();
+    let least = forces(least).into_iter().fold(f64::INFINITY, f64::min);
+    let most = forces(most).into_iter().fold(0.0, f64::max);
+    let range = if least < most { format!("{} to {}", force(least), force(most)) } else { force(most) };
+    format!("# expected contact force on a rigid disc: {range}\n")
 }
 
 /// The cost of samples that are decided one by one.

@@ -212,10 +212,34 @@ fn prepare_maps(
 }
 
 /// Whether every sample that is counted was simulated because the verdict map was given up.
-pub fn was_counted_without_map(job: &Job, tally: &Tally) -> bool {
+fn was_counted_without_map(job: &Job, tally: &Tally) -> bool {
     let surface = Surface::new(job, tally);
     let simulated = surface.lookups().simulated;
     simulated > 0 && u128::from(simulated) == tally.counted()
+}
+
+/// What evaluates samples of a cell of a run once more, with the verdict maps that the run used.
+pub fn evaluator_again<'a>(
+    directory: &RunDirectory,
+    job: &'a Job,
+    tally: &Tally,
+    cell: u64,
+) -> Result<Evaluator<'a>, Failure> {
+    if cell >= job.cells() {
+        return Err(Failure::Usage(format!("--cell {cell}: the run has cells 0 to {}", job.cells() - 1)));
+    }
+    if job.is_integrated() {
+        return Err(Failure::Usage(
+            "this run integrates its probabilities; it has no samples to replay or to write".to_owned(),
+        ));
+    }
+    let mut evaluator = Evaluator::new(job)?;
+    if job.uses_maps() && was_counted_without_map(job, tally) {
+        evaluator.maps_mut().give_up();
+    } else {
+        map_pieces::load(evaluator.maps_mut(), &directory.maps())?;
+    }
+    Ok(evaluator)
 }
 
 /// Evaluates and counts the missing samples. With `until`, it repeats that as long as more samples are wanted.

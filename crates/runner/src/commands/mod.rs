@@ -4,9 +4,15 @@ mod describe;
 
 mod init;
 
+mod run_progress;
+
+mod watch;
+
 mod status;
 
 mod check;
+
+mod one_brake;
 
 mod analyse;
 
@@ -25,6 +31,8 @@ mod motion_report;
 mod trajectory;
 
 mod replay;
+
+mod samples;
 
 mod compare;
 
@@ -46,6 +54,7 @@ pub use parameters::parameters;
 pub use plot::plot;
 pub use replay::replay;
 pub use report::report;
+pub use samples::samples;
 pub use status::status;
 pub use submit::{merge, resume, submit};
 pub use trajectory::{simulate, trajectory};

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use serde_json::{Value, json};
 use stickslip_core::parameters::{Limits, Parameters, SCALARS, Scalar};
 
-use super::analyse::brake;
+use super::one_brake::changed_preset;
 use crate::cli::ParametersArguments;
 use crate::failure::Failure;
 use crate::job::friction::{CurveColumns, LAWS};
@@ -22,7 +22,7 @@ const TABLE: &str = "measured curve of the law table, a CSV file";
 
 /// `stickslip parameters`.
 pub fn parameters(arguments: &ParametersArguments) -> Result<(), Failure> {
-    let brake = brake(&arguments.set)?;
+    let brake = changed_preset(&arguments.set)?;
     let values = brake.parameters();
     result(&if arguments.json { format!("{:#}\n", as_json(values)) } else { as_text(values) })
 }

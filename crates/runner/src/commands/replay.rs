@@ -1,20 +1,19 @@
 //! `replay`: one sample of a run again, with its motion.
 
-use stickslip_core::criterion::settings::TimeDomainSettings;
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
+use stickslip_core::criterion::time_domain::TimeDomain;
 use stickslip_core::motion::start::Start;
 use stickslip_core::verdict::Verdict;
 
-use super::completion::was_counted_without_map;
+use super::completion::evaluator_again;
 use super::motion_report::{Facts, name, report};
+use super::one_brake::LookedAt;
 use super::trajectory::simulate;
 use crate::cli::ReplayArguments;
 use crate::evaluate::evaluator::{EvaluatedSample, Evaluator};
 use crate::failure::Failure;
-use crate::job::{Criterion, Job, OutsidePhysics, RandomInput, StartValue};
+use crate::job::{Job, OutsidePhysics, RandomInput, StartValue};
 use crate::output::result;
 use crate::store::directory::RunDirectory;
-use crate::store::map_pieces;
 use crate::store::tally::Tally;
 
 /// `stickslip replay`.
@@ -30,17 +29,8 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     let (place, number) = evaluator.parts().locate(arguments.sample);
     let is_counted = tally.contains(evaluator.parts().of(arguments.cell).start + place as u64, number);
     let facts = facts(arguments, &job, &sample, is_counted);
-    // A run that did not look at motions gets one of the model that it looked at.
-    let (disc, settings) = match &job.criterion {
-        Criterion::Eigenvalue => (DiscModel::Rigid, TimeDomainSettings::default()),
-        Criterion::CoupledEigenvalue { modes } => {
-            (DiscModel::Flexible { modes: *modes }, TimeDomainSettings::default())
-        }
-        Criterion::TimeDomain { disc, settings } => {
-            let start = sample.start.unwrap_or(settings.start);
-            (disc.clone(), TimeDomainSettings { start, ..*settings })
-        }
-    };
+    let LookedAt { disc, mut settings } = LookedAt::by(&job, &job.grid.cell(arguments.cell));
+    settings.start = sample.start.unwrap_or(settings.start);
     let outside = match &sample.brake {
         None => Some("failed: one of its values is not admissible; there is no motion to simulate"),
         Some(_) if sample.is_outside_physics && verdict == Verdict::Failed => {
@@ -117,21 +107,14 @@ fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample, is_co
     facts
 }
 
-/// What evaluates the samples of a run, with the map that it used, if the wanted sample is one of them.
+/// What evaluates the samples of a run, if the wanted sample is one of them.
 fn evaluator<'a>(
     directory: &RunDirectory,
     job: &'a Job,
     tally: &Tally,
     arguments: &ReplayArguments,
 ) -> Result<Evaluator<'a>, Failure> {
-    if arguments.cell >= job.cells() {
-        let message = format!("--cell {}: the run has cells 0 to {}", arguments.cell, job.cells() - 1);
-        return Err(Failure::Usage(message));
-    }
-    if job.is_integrated() {
-        return Err(Failure::Usage("this run integrates its probabilities; it has no samples to replay".to_owned()));
-    }
-    let mut evaluator = Evaluator::new(job)?;
+    let evaluator = evaluator_again(directory, job, tally, arguments.cell)?;
     // A cell that stopped by precision has fewer samples than the job allows.
     let samples = if job.stops_by_precision() {
         evaluator.parts().counts(tally, arguments.cell).total()
@@ -144,11 +127,6 @@ fn evaluator<'a>(
             _ => format!("--sample {}: cell {} has samples 0 to {}", arguments.sample, arguments.cell, samples - 1),
         };
         return Err(Failure::Usage(message));
-    }
-    if job.uses_maps() && was_counted_without_map(job, tally) {
-        evaluator.maps_mut().give_up();
-    } else {
-        map_pieces::load(evaluator.maps_mut(), &directory.maps())?;
     }
     Ok(evaluator)
 }

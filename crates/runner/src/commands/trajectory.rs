@@ -9,9 +9,9 @@ use stickslip_core::motion::start::Start;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::trajectory::recording::Trajectory;
 
-use super::analyse::brake;
 use super::motion_report::{Facts, report};
-use crate::cli::{AllotmentArgument, DiscArgument, TrajectoryArguments};
+use super::one_brake::OneBrake;
+use crate::cli::{AllotmentArgument, DiscArgument, StartArgument, TrajectoryArguments};
 use crate::failure::Failure;
 use crate::job::plausibility;
 use crate::output::{note, warn};
@@ -24,18 +24,24 @@ const MOST_MOMENTS: f64 = 5e6;
 
 /// `stickslip trajectory`.
 pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
-    let pad = brake(&arguments.set)?;
+    let OneBrake { brake: pad, model } = OneBrake::chosen(&arguments.brake)?;
+    let of_job = model.as_ref().map(|model| model.settings).unwrap_or_default();
+    let chosen_disc = arguments.disc.unwrap_or(match model.as_ref().map(|model| &model.disc) {
+        Some(DiscModel::Rigid) => DiscArgument::Rigid,
+        Some(DiscModel::Flexible { .. }) | None => DiscArgument::Flexible,
+    });
+    let start = arguments.start.clone().unwrap_or_else(|| StartArgument::of(of_job.start));
     let parameters = pad.parameters();
     let inputs = RandomInputs {
         preload: parameters.operating_point.preload,
         static_friction: parameters.friction.static_coefficient,
     };
     let settings = TimeDomainSettings {
-        start: arguments.start.start,
-        displacement: arguments.displacement.unwrap_or(TimeDomainSettings::default().displacement),
-        ..TimeDomainSettings::default()
+        start: start.start,
+        displacement: arguments.displacement.unwrap_or(of_job.displacement),
+        ..of_job
     };
-    if let (Start::Given(start), DiscArgument::Rigid) = (settings.start, arguments.disc)
+    if let (Start::Given(start), DiscArgument::Rigid) = (settings.start, chosen_disc)
         && (start.normal.is_some() || start.angle.is_some())
     {
         let message = "--start: normal and angle have no effect with --disc rigid; leave them out";
@@ -48,18 +54,19 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         ("--grid", arguments.grid.is_some(), DiscArgument::FiniteDifference),
         ("--allotment", arguments.allotment.is_some(), DiscArgument::FiniteDifference),
     ] {
-        if given && arguments.disc != disc {
+        if given && chosen_disc != disc {
             return Err(Failure::Usage(format!("{option} belongs to --disc {}; leave it out", disc.name())));
         }
     }
-    let simulated = match arguments.disc {
+    let simulated = match chosen_disc {
         DiscArgument::Rigid => simulate(&pad, &DiscModel::Rigid, settings, inputs, arguments.horizon)?,
         DiscArgument::Flexible => {
             let study = ModeStudy::new(&pad, &representative_inputs(&pad));
             // What has no modes or no equilibrium is refused below, with any number.
-            let modes = match arguments.disc_modes {
-                None => study.and_then(|study| study.smallest()).unwrap_or(DISC_MODES),
-                Some(modes) => {
+            let modes = match (arguments.disc_modes, model.and_then(|model| model.modes())) {
+                (None, None) => study.and_then(|study| study.smallest()).unwrap_or(DISC_MODES),
+                (None, Some(of_job)) => of_job,
+                (Some(modes), _) => {
                     if let Ok(check) = study.and_then(|study| study.check(modes))
                         && !check.is_enough
                     {
@@ -83,8 +90,8 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         }
     };
     let mut facts = Facts::default();
-    facts.add("disc", arguments.disc.name());
-    facts.add("start", arguments.start.text.clone());
+    facts.add("disc", chosen_disc.name());
+    facts.add("start", start.text);
     facts.add_operating_point(parameters.operating_point.rotating_speed, inputs, Some(&pad));
     report(facts, pad.scales(), &simulated, arguments.out.as_deref(), arguments.json)
 }

@@ -181,7 +181,6 @@ impl<'a> Evaluator<'a> {
     /// The verdicts that a run counts for consecutive samples of a cell. With Sobol points, these are samples of one
     /// randomisation; otherwise `randomisation` is 0.
     pub fn verdicts(&self, cell: u64, randomisation: usize, samples: Range<u64>) -> Vec<Verdict> {
-        let place = self.job.grid.cell(cell);
         // With looks, samples are numbered over all parts of the cell; with randomisations, within each.
         let places = match self.parts.are_sequential() {
             true => 0..self.parts.of_a_cell(),
@@ -194,13 +193,23 @@ impl<'a> Evaluator<'a> {
             if drawn.is_empty() {
                 continue;
             }
-            let mut drawing = Drawing::new(self.job, &place, part, drawn, self.job.points());
-            while let Some(chunk) = drawing.next_chunk(self.chunk) {
-                let audited = self.audited(self.parts.of(cell).start + part as u64, chunk.numbers());
-                verdicts.extend(verdicts_of(&self.decide(&place, chunk, &audited, &mut Lookups::default())));
-            }
+            let of_part = drawn.start - first..drawn.end - first;
+            self.each_decided(self.parts.of(cell).start + part as u64, of_part, |_, decisions| {
+                verdicts.extend(verdicts_of(decisions));
+            });
         }
         verdicts
+    }
+
+    /// Passes samples of a part, numbered within it, to `visit` chunk by chunk, with what a run counts of them.
+    pub fn each_decided(&self, part: u64, samples: Range<u64>, mut visit: impl FnMut(&Samples, &[Decision])) {
+        let (cell, place) = self.parts.place(part);
+        let cell = self.job.grid.cell(cell);
+        let mut drawing = self.draw(&cell, place, &samples, self.job.points());
+        while let Some(chunk) = drawing.next_chunk(self.chunk) {
+            let audited = self.audited(part, chunk.numbers());
+            visit(chunk, &self.decide(&cell, chunk, &audited, &mut Lookups::default()));
+        }
     }
 
     /// Evaluates one sample, numbered over all parts of its cell.

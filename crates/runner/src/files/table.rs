@@ -1,5 +1,6 @@
 //! Tables other than the surface: columns of equal length, each with unit and meaning, in one Parquet file.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -71,6 +72,8 @@ pub enum TableValues {
     Real(Vec<Option<f64>>),
     /// Names.
     Text(Vec<String>),
+    /// One of a few words, or nothing.
+    Word(Vec<Option<&'static str>>),
 }
 
 /// A column of any type.
@@ -80,7 +83,7 @@ pub struct TableColumn {
     /// Unit.
     pub unit: &'static str,
     /// Meaning.
-    pub long_name: &'static str,
+    pub long_name: Cow<'static, str>,
     /// Values.
     pub values: TableValues,
 }
@@ -91,8 +94,9 @@ impl TableColumn {
             TableValues::Integer(_) => (DataType::Int64, false),
             TableValues::Real(_) => (DataType::Float64, true),
             TableValues::Text(_) => (DataType::Utf8, false),
+            TableValues::Word(values) => (DataType::Utf8, values.contains(&None)),
         };
-        described_field(self.name, self.unit, self.long_name, data_type, nullable)
+        described_field(self.name, self.unit, &self.long_name, data_type, nullable)
     }
 
     fn array(&self) -> ArrayRef {
@@ -102,6 +106,7 @@ impl TableColumn {
             }
             TableValues::Real(values) => Arc::new(Float64Array::from(values.clone())),
             TableValues::Text(values) => Arc::new(StringArray::from_iter_values(values)),
+            TableValues::Word(values) => Arc::new(values.iter().collect::<StringArray>()),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! The axes of a job, checked, and the brakes that they make.
 
+use std::ops::Range;
+
 use stickslip_core::motion::start::GivenStart;
 use stickslip_core::parameters::{ParameterError, Parameters, SCALARS, Scalar, scalar};
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
@@ -9,6 +11,8 @@ use super::axes_spec::{AxesSpec, AxisEntry, AxisSpec, RangeSpec, ScaleSpec};
 use super::diagnosis::{Complaint, Complaints};
 use super::keys::{axis_of, parameter_of_axis, unknown_axis};
 use super::plausibility;
+use super::preload_force::{self, PARAMETERS, PRELOAD, is_preload_force};
+use super::spec::ModelSpec;
 use super::start_value::StartValue;
 
 /// Largest number of cells; their results are held in memory.
@@ -33,13 +37,13 @@ pub struct CheckedAxes {
 
 impl CheckedAxes {
     /// Checks every axis. Those that are left out have the one value of the model.
-    pub fn new(axes: &AxesSpec, defaults: &Parameters, complaints: &mut Complaints) -> Self {
+    pub fn new(axes: &AxesSpec, model: &ModelSpec, defaults: &Parameters, complaints: &mut Complaints) -> Self {
         let before = complaints.len();
         for (i, entry) in axes.0.iter().enumerate() {
             complaints.push_some(unknown(entry).or_else(|| given_twice(entry, &axes.0[..i])));
         }
         let are_known = complaints.len() == before && !complaints.has_unread(&["axes"]);
-        let [rotating_speed, preload, static_friction] = ["rotating_speed", "preload", "static_friction"]
+        let [rotating_speed, static_friction] = ["rotating_speed", "static_friction"]
             .map(|name| parameter_of_axis(name).and_then(scalar))
             .map(|scalar| usual_axis(scalar?, axes, defaults, complaints));
         let further = SCALARS.iter().filter(|scalar| axis_of(scalar.key).is_none()).filter_map(|scalar| {
@@ -47,6 +51,12 @@ impl CheckedAxes {
             Some(axis.map(|axis| FurtherAxis { name: scalar.key.to_owned(), axis }))
         });
         let of_brake = further.collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>().filter(|_| are_known);
+        let preload = match GivenForces::of(axes, model) {
+            None => scalar(PRELOAD).and_then(|scalar| usual_axis(scalar, axes, defaults, complaints)),
+            Some(forces) => {
+                of_brake.as_ref().and_then(|of_brake| complaints.take(forces.preloads(axes, of_brake, defaults)))
+            }
+        };
         let of_start = StartValue::ALL.into_iter().filter_map(|value| {
             let entry = axes.0.iter().find(|entry| entry.name.get_ref() == value.key())?;
             let complain =
@@ -62,6 +72,9 @@ impl CheckedAxes {
 /// The parameter that an axis has the values of.
 fn parameter_of(entry: &AxisEntry) -> Option<&'static Scalar> {
     let name = entry.name.get_ref().as_str();
+    if is_preload_force(name) {
+        return scalar(PRELOAD);
+    }
     scalar(parameter_of_axis(name).unwrap_or(name))
 }
 
@@ -126,6 +139,55 @@ fn values(spec: &AxisSpec) -> Result<Axis, String> {
         },
     };
     built.map_err(|error| error.to_string())
+}
+
+/// Forces in place of preloads.
+struct GivenForces {
+    /// Their key.
+    key: String,
+    span: Range<usize>,
+    forces: Result<Axis, String>,
+}
+
+impl GivenForces {
+    /// Those of a job, if it gives any.
+    fn of(axes: &AxesSpec, model: &ModelSpec) -> Option<Self> {
+        if let Some(AxisEntry { name, axis }) = axes.of_parameter(PRELOAD) {
+            let key = format!("axes.{}", name.get_ref());
+            return is_preload_force(name.get_ref()).then(|| Self {
+                key,
+                span: axis.span(),
+                forces: values(axis.get_ref()),
+            });
+        }
+        let force = model.preload_force()?;
+        let forces = values(&AxisSpec::Values(vec![*force.get_ref()]));
+        Some(Self { key: format!("model.{}", preload_force::KEY), span: force.span(), forces })
+    }
+
+    /// The preloads that press with them.
+    fn preloads(self, axes: &AxesSpec, of_brake: &[FurtherAxis], defaults: &Parameters) -> Result<Axis, Complaint> {
+        let Self { key, span, forces } = self;
+        let complain = |message: String| Complaint::at(span.clone(), format!("{key}{message}"));
+        let mut parameters = defaults.clone();
+        for FurtherAxis { name, axis } in of_brake.iter().filter(|further| PARAMETERS.contains(&&*further.name)) {
+            let [value] = *axis.values() else {
+                let message = format!(
+                    ": the preload of a force depends on {name}, which is an axis with several values. Give axes.preload in place of the force, or {name} one value"
+                );
+                let other = axes.of_parameter(name).map(|entry| entry.axis.span());
+                return Err(other.into_iter().fold(complain(message), Complaint::and_at));
+            };
+            // It is within its limits.
+            let _ = parameters.set(name, value);
+        }
+        let forces = forces.map_err(|message| complain(format!(": {message}")))?;
+        let preload = |&force: &f64| {
+            preload_force::preload(force, &parameters).map_err(|message| complain(format!(": {force} {message}")))
+        };
+        let preloads = forces.values().iter().map(preload).collect::<Result<Vec<f64>, Complaint>>()?;
+        Axis::from_values(preloads).map_err(|error| complain(format!(": {error}")))
+    }
 }
 
 /// The parameters of all brakes of a grid, with the values that axes do not have.

@@ -14,12 +14,15 @@ use stickslip_core::parameters::SCALARS;
 use toml::Spanned;
 
 use super::keys::{SECTIONS, axis_of};
+use super::preload_force;
 use super::start_value::StartValue;
 
 /// Keys of `[axes]` without a dot: the short names of three axes, and tables of further ones.
-const BARE_KEYS: [&str; 10] = {
+const BARE_KEYS: [&str; 11] = {
     let [disc, pad, stiffness, damping, friction, operating_point] = SECTIONS;
-    ["rotating_speed", "preload", "static_friction", disc, pad, stiffness, damping, friction, operating_point, START]
+    let names = ["rotating_speed", "preload", preload_force::NAME, "static_friction"];
+    let [speed, preload, force, friction_coefficient] = names;
+    [speed, preload, force, friction_coefficient, disc, pad, stiffness, damping, friction, operating_point, START]
 };
 
 /// The table of axes of the start.
@@ -32,7 +35,7 @@ pub struct AxesSpec(pub Vec<AxisEntry>);
 /// An axis under its name.
 #[derive(Debug)]
 pub struct AxisEntry {
-    /// Its name: `rotating_speed`, `preload`, `static_friction`, or the key of a parameter or of a number of the start.
+    /// Its name: `rotating_speed`, `preload`, `preload_force`, `static_friction`, or the key of a parameter or of a number of the start.
     pub name: Spanned<String>,
     /// Its values.
     pub axis: Spanned<AxisSpec>,
@@ -46,7 +49,9 @@ impl AxesSpec {
 
     /// The axis of a parameter, if the job has it, under any of its names.
     pub fn of_parameter(&self, key: &str) -> Option<&AxisEntry> {
-        self.0.iter().find(|entry| entry.name.get_ref() == key || axis_of(key) == Some(entry.name.get_ref()))
+        let is_axis = |name: &str| name == key || axis_of(key) == Some(name);
+        let is_force = |name: &str| key == preload_force::PRELOAD && preload_force::is_preload_force(name);
+        self.0.iter().find(|entry| is_axis(entry.name.get_ref()) || is_force(entry.name.get_ref()))
     }
 }
 
@@ -114,6 +119,10 @@ impl JsonSchema for AxesSpec {
         for (name, description) in [
             ("rotating_speed", "Rotating speed of the disc, rad/s."),
             ("preload", "Expected preload: displacement of the calliper over the thickness of the disc."),
+            (
+                preload_force::NAME,
+                "In place of preload: expected contact force, N. It depends on disc.thickness, stiffness.contact_normal and stiffness.calliper_normal.",
+            ),
             ("static_friction", "Expected static friction coefficient."),
         ] {
             properties.insert(name.to_owned(), described(description.to_owned()).into());
@@ -132,6 +141,7 @@ impl JsonSchema for AxesSpec {
         for scalar in &SCALARS {
             add(scalar.key, format!("Expected {}, unit {}", scalar.description, scalar.unit));
         }
+        add(preload_force::KEY, "Expected contact force in place of preload, unit N".to_owned());
         for value in StartValue::ALL {
             let description = value.description(&GivenStart::default());
             add(value.key(), format!("Expected {description}, unit as criterion.start.units"));

@@ -2,6 +2,7 @@
 
 use stickslip_core::parameters::{SCALARS, Scalar};
 
+use super::preload_force;
 use super::start_value::StartValue;
 
 /// The sections of the model, in the order of the model's table.
@@ -9,7 +10,7 @@ pub const SECTIONS: [&str; 6] = ["disc", "pad", "stiffness", "damping", "frictio
 
 /// The keys of a job spec outside `[model]`, by table.
 pub const TABLES: [(&str, &[&str]); 4] = [
-    ("axes", &["rotating_speed", "preload", "static_friction"]),
+    ("axes", &["rotating_speed", "preload", "preload_force", "static_friction"]),
     ("random", &["inputs", "relative_std", "std", "distribution", "correlation"]),
     (
         "criterion",
@@ -105,6 +106,10 @@ pub fn unknown_parameter(key: &str, in_job: bool) -> String {
     let (section, name) = key.split_once('.').unwrap_or(("", key));
     let table = format!("model.{section}");
     let names: Vec<&str> = SCALARS.iter().filter(|scalar| scalar.section() == section).map(Scalar::name).collect();
+    if name == preload_force::NAME {
+        let right = if in_job { "`preload_force` in [axes]".to_owned() } else { format!("`{}`", preload_force::KEY) };
+        return format!("unknown parameter `{key}`; did you mean {right}?");
+    }
     let meant = |scalar: &Scalar| {
         let right = if in_job { place_in_job(scalar, &table) } else { format!("`{}`", scalar.key) };
         format!("; did you mean {right}?")
@@ -124,7 +129,7 @@ pub fn unknown_parameter(key: &str, in_job: bool) -> String {
 }
 
 /// What the names of axes are, for messages.
-pub const AXIS_NAMES: &str = "rotating_speed, preload, static_friction, every parameter as \"section.name\", for example \"stiffness.contact_normal\", and those of the start, \"start.tangential\", \"start.velocity\", \"start.normal\", \"start.angle\"";
+pub const AXIS_NAMES: &str = "rotating_speed, preload (or preload_force), static_friction, every parameter as \"section.name\", for example \"stiffness.contact_normal\", and those of the start, \"start.tangential\", \"start.velocity\", \"start.normal\", \"start.angle\"";
 
 /// The complaint about an axis, with a dot in its name, of something that does not exist.
 pub fn unknown_axis(name: &str) -> String {

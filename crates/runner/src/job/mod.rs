@@ -2,6 +2,8 @@
 
 mod start_value;
 
+pub mod preload_force;
+
 mod keys;
 
 mod diagnosis;

@@ -10,6 +10,7 @@ use super::diagnosis::{Complaint, Complaints};
 use super::friction::{check_band, use_law};
 use super::keys::unknown_parameter;
 use super::plausibility;
+use super::preload_force;
 use super::spec::{JobSpec, ModelSpec};
 
 /// The preset with the overrides of a job, each within its limits. `None` if any is refused.
@@ -33,6 +34,11 @@ pub fn validate_model(
     for (section, overrides) in model.sections() {
         for (name, value) in overrides {
             let key = format!("{section}.{}", name.get_ref());
+            if key == preload_force::KEY {
+                // What it makes of the preload depends on the axes, see `CheckedAxes`.
+                complaints.push_some(given_twice(&key, value, axes).or_else(|| given_as_preload(value, model)));
+                continue;
+            }
             match parameters.set(&key, *value.get_ref()) {
                 Ok(()) => complaints.push_some(given_twice(&key, value, axes)),
                 Err(ParameterError::Unknown { .. }) => {
@@ -56,13 +62,27 @@ pub fn validate_model(
 
 /// A complaint about a value of the model that an axis has too.
 fn given_twice(key: &str, value: &Spanned<f64>, axes: &AxesSpec) -> Option<Complaint> {
-    let entry = axes.of_parameter(key)?;
+    let entry = axes.of_parameter(if key == preload_force::KEY { preload_force::PRELOAD } else { key })?;
     let message = format!(
         "model.{key} = {} is given a second time as axes.{}, which has the values that are used; remove one of the two",
         value.get_ref(),
         entry.name.get_ref()
     );
     Some(Complaint::at(value.span(), message).and_at(entry.axis.span()))
+}
+
+/// A complaint about a force in place of the preload, which is given too.
+fn given_as_preload(force: &Spanned<f64>, model: &ModelSpec) -> Option<Complaint> {
+    let mut others = model.operating_point.iter();
+    let (name, preload) = others.find(|(name, _)| preload_force::PRELOAD.ends_with(&format!(".{}", name.get_ref())))?;
+    let message = format!(
+        "model.{} = {} is given a second time as model.{} = {}; remove one of the two",
+        preload_force::KEY,
+        force.get_ref(),
+        preload_force::PRELOAD,
+        preload.get_ref()
+    );
+    Some(Complaint::at(force.span(), message).and_at(name.span()))
 }
 
 /// A contradiction between two values, with the place in the text that brought it about.

@@ -6,6 +6,8 @@ use serde_json::{Map, Value, json};
 use stickslip_core::parameters::SCALARS;
 use toml::Spanned;
 
+use super::preload_force;
+
 /// Values of one section of the parameters, by name.
 pub type Overrides = BTreeMap<Spanned<String>, Spanned<f64>>;
 
@@ -21,6 +23,10 @@ pub fn section_properties(section: &str) -> Map<String, Value> {
             scalar.name().to_owned(),
             json!({ "type": "number", lower: limits.minimum, upper: limits.maximum, "description": description }),
         );
+    }
+    if let Some((_, name)) = preload_force::KEY.split_once('.').filter(|(of, _)| *of == section) {
+        let description = "contact force in place of the preload, unit N";
+        properties.insert(name.to_owned(), json!({ "type": "number", "minimum": 0.0, "description": description }));
     }
     properties
 }

@@ -75,15 +75,11 @@ fn written(value: f64) -> String {
 /// What a user may have meant by a value of a parameter that was refused, as the end of a message.
 pub fn hint(key: &str, value: f64, parameters: &Parameters) -> String {
     if key == "operating_point.preload" && value > 1.0 {
-        let springs = &parameters.stiffness;
-        let series =
-            springs.contact_normal * springs.calliper_normal / (springs.contact_normal + springs.calliper_normal);
-        let force = series * parameters.disc.thickness;
         return format!(
-            ". Preload is the displacement of the calliper over the thickness of the disc, not a force: preload 1 presses with {} N here, N = h Delta k_en k_y / (k_en + k_y); write {} for {} N",
-            written(force),
-            written(value / force),
-            written(value)
+            ". Preload is the displacement of the calliper over the thickness of the disc, not a force: preload 1 presses with {} N here, N = h Delta k_en k_y / (k_en + k_y); write {} for {force} N, or give preload_force = {force} in its place",
+            written(1.0 / parameters.preload_of(1.0)),
+            written(parameters.preload_of(value)),
+            force = written(value)
         );
     }
     Rule::of(key).map_or(String::new(), |rule| rule.likely(value))

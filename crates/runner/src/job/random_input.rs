@@ -4,6 +4,7 @@ use stickslip_core::parameters::{Parameters, SCALARS, Scalar, scalar};
 use stickslip_sampler::grid::Grid;
 
 use super::keys::{axis_of, nearest, parameter};
+use super::preload_force::{AS_INPUT, is_preload_force};
 use super::start_value::StartValue;
 
 /// An input that scatters.
@@ -46,6 +47,9 @@ impl RandomInput {
             "preload" => return Ok(Self::Preload),
             "static_friction" => return Ok(Self::StaticFriction),
             _ => {}
+        }
+        if is_preload_force(name) {
+            return Err(format!("random.inputs: {AS_INPUT}"));
         }
         if let ("rotating_speed", Some(scalar)) = (name, scalar("operating_point.rotating_speed")) {
             return Ok(Self::Other(scalar));
@@ -114,6 +118,9 @@ impl RandomInput {
 
 /// The position of an input that a key other than `inputs` names.
 pub fn position(inputs: &[RandomInput], name: &str, key: &str) -> Result<usize, String> {
+    if is_preload_force(name) {
+        return Err(format!("random.{key}: {AS_INPUT}"));
+    }
     inputs
         .iter()
         .position(|input| input.name() == name)

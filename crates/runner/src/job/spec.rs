@@ -9,6 +9,7 @@ use super::criterion_spec::CriterionSpec;
 use super::friction::FrictionSpec;
 use super::keys::SECTIONS;
 use super::overrides::{Overrides, section_properties};
+use super::preload_force;
 use super::random_spec::RandomSpec;
 use super::sampling_spec::SamplingSpec;
 
@@ -72,6 +73,12 @@ pub struct ModelSpec {
 }
 
 impl ModelSpec {
+    /// The force that is given in place of the preload.
+    pub fn preload_force(&self) -> Option<&Spanned<f64>> {
+        let is_force = |name: &str| preload_force::KEY.ends_with(&format!(".{name}"));
+        self.operating_point.iter().find(|(name, _)| is_force(name.get_ref())).map(|(_, value)| value)
+    }
+
     /// Every section with its overrides.
     pub fn sections(&self) -> [(&'static str, &Overrides); 6] {
         let [disc, pad, stiffness, damping, friction, operating_point] = SECTIONS;

@@ -111,7 +111,7 @@ fn validate_grid(
     let parameters = validate_model(&spec.model, &spec.axes, folder, complaints);
     let defaults = parameters.clone().unwrap_or_else(Parameters::sui_ding_2018);
     let CheckedAxes { rotating_speed, preload, static_friction, of_brake, of_start } =
-        CheckedAxes::new(&spec.axes, &defaults, complaints);
+        CheckedAxes::new(&spec.axes, &spec.model, &defaults, complaints);
     let (Some(mut parameters), Some(static_friction), Some(of_brake)) = (parameters, static_friction, of_brake) else {
         return (None, None);
     };

@@ -179,19 +179,24 @@ impl<'a> Surface<'a> {
     /// The footer: the job and the versions that its values depend on. Nothing in it differs between two runs of one
     /// job.
     fn properties(&self) -> WriterProperties {
-        let mut footer = vec![
-            ("stickslip:job", self.job.normalised()),
-            (JOB_HASH_KEY, self.job.hash()),
-            ("stickslip:seed", self.job.sampling.seed.to_string()),
-            ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
-            ("stickslip:results_version", RESULTS_VERSION.to_string()),
-        ];
+        let mut footer = footer(self.job);
         if self.job.has_later_estimates() {
             footer.push(("stickslip:estimates_version", ESTIMATES_VERSION.to_string()));
         }
         let pairs = footer.into_iter().map(|(key, value)| KeyValue::new(key.to_owned(), value)).collect();
         WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(Some(pairs)).build()
     }
+}
+
+/// What the footers of files with samples of a job say of it.
+pub fn footer(job: &Job) -> Vec<(&'static str, String)> {
+    vec![
+        ("stickslip:job", job.normalised()),
+        (JOB_HASH_KEY, job.hash()),
+        ("stickslip:seed", job.sampling.seed.to_string()),
+        ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("stickslip:results_version", RESULTS_VERSION.to_string()),
+    ]
 }
 
 fn add_sums(total: &mut Vec<i128>, sums: &[i128]) {

@@ -16,7 +16,7 @@ mod differences;
 
 mod report;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use indicatif::HumanCount;
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
@@ -37,6 +37,10 @@ use crate::schedule::engine::Engine;
 
 /// `stickslip compare`.
 pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    if arguments.runs.iter().any(|run| run == Path::new("-")) {
+        let message = "compare takes run directories, and - is standard input; run a job from standard input first: stickslip submit - --out RUN_DIR";
+        return Err(Failure::Usage(message.to_owned()));
+    }
     if arguments.runs.len() < 2 {
         let only = arguments.runs.first().map_or_else(String::new, |run| format!(", not only {}", run.display()));
         let message =

@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use std::borrow::Cow;
+
 use indicatif::HumanCount;
 use serde_json::{Value, json as object};
 use stickslip_core::parameters::SCALARS;
@@ -264,19 +266,19 @@ pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
     let text = |name, long_name, value: fn(&Differences<'_>, &Row) -> String| TableColumn {
         name,
         unit: "1",
-        long_name,
+        long_name: Cow::Borrowed(long_name),
         values: TableValues::Text(all().map(|(differences, row)| value(differences, row)).collect()),
     };
     let integer = |name, long_name, value: fn(&Row) -> u64| TableColumn {
         name,
         unit: "1",
-        long_name,
+        long_name: Cow::Borrowed(long_name),
         values: TableValues::Integer(all().map(|(_, row)| value(row)).collect()),
     };
     let real = |name, long_name, value: fn(&Row) -> Option<f64>| TableColumn {
         name,
         unit: if name == "rotating_speed_rad_s" { "rad/s" } else { "1" },
-        long_name,
+        long_name: Cow::Borrowed(long_name),
         values: TableValues::Real(all().map(|(_, row)| value(row)).collect()),
     };
     #[rustfmt::skip]
@@ -309,7 +311,7 @@ pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
         if is_axis(key) {
             let value = |(differences, row): (&Differences<'_>, &Row)| differences.job.value_in(key, &row.cell);
             let values = TableValues::Real(all().map(value).collect());
-            columns.push(TableColumn { name: key, unit, long_name: "expected value in the first run", values });
+            columns.push(TableColumn { name: key, unit, long_name: "expected value in the first run".into(), values });
         }
     };
     SCALARS.iter().for_each(|scalar| add(scalar.key, scalar.unit));

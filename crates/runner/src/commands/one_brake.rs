@@ -1,0 +1,189 @@
+//! The one brake of `analyse`, `trajectory` and `parameters`: the preset or a cell of a job, with changes.
+
+use std::path::Path;
+
+use stickslip_core::criterion::settings::TimeDomainSettings;
+use stickslip_core::criterion::time_domain::DiscModel;
+use stickslip_core::friction::law::LawKind;
+use stickslip_core::motion::start::Start;
+use stickslip_core::parameters::{ParameterError, Parameters};
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::grid::Cell;
+
+use crate::cli::BrakeArguments;
+use crate::failure::Failure;
+use crate::job::friction::{LawSpec, check_band, read_curve};
+use crate::job::preload_force::{self, PRELOAD};
+use crate::job::{Criterion, Job, JobSource, plausibility, unknown_parameter};
+use crate::output::{note, warn};
+use crate::store::directory::RunDirectory;
+
+/// A brake at one operating point.
+pub struct OneBrake {
+    pub brake: PadOnDisc,
+    /// What a job looks at, if the brake is one of a job.
+    pub model: Option<LookedAt>,
+}
+
+/// What a job looks at.
+pub struct LookedAt {
+    pub disc: DiscModel,
+    pub settings: TimeDomainSettings,
+}
+
+impl OneBrake {
+    /// The brake that the command line names; warns of values that are not plausible.
+    pub fn chosen(arguments: &BrakeArguments) -> Result<Self, Failure> {
+        let Some(path) = &arguments.job else {
+            return Ok(Self { brake: changed_preset(&arguments.set)?, model: None });
+        };
+        let job = if path.is_dir() { RunDirectory::view(path)?.job()? } else { JobSource::read(path)?.job()? };
+        let last = job.cells() - 1;
+        let index = match arguments.cell {
+            Some(cell) if cell > last => {
+                let message = format!("--cell {cell}: the job \"{}\" has cells 0 to {last}", job.name);
+                return Err(Failure::Usage(message));
+            }
+            Some(cell) => cell,
+            None => middle(&job),
+        };
+        if arguments.cell.is_none() && last > 0 {
+            note(format_args!(
+                "cell {index} of 0 to {last} of the job \"{}\", the middle of its axes; choose another with --cell",
+                job.name
+            ));
+        }
+        let cell = job.grid.cell(index);
+        let parameters = parameters_in(&job, &cell).map_err(|error| Failure::Job(error.to_string()))?;
+        let model = Some(LookedAt::by(&job, &cell));
+        Ok(Self { brake: changed(parameters, &arguments.set)?, model })
+    }
+}
+
+impl LookedAt {
+    /// The disc and the motion that decide a cell. A job that does not look at motions gets one of the model that it
+    /// looks at.
+    pub fn by(job: &Job, cell: &Cell) -> Self {
+        match &job.criterion {
+            Criterion::Eigenvalue => Self { disc: DiscModel::Rigid, settings: TimeDomainSettings::default() },
+            Criterion::CoupledEigenvalue { modes } => {
+                Self { disc: DiscModel::Flexible { modes: *modes }, settings: TimeDomainSettings::default() }
+            }
+            Criterion::TimeDomain { disc, settings } => {
+                let start = match settings.start {
+                    Start::Given(start) => Start::Given(job.brakes().start_in_cell(start, cell)),
+                    named => named,
+                };
+                Self { disc: disc.clone(), settings: TimeDomainSettings { start, ..*settings } }
+            }
+        }
+    }
+
+    /// How many modes of the disc are kept, if there is one.
+    pub fn modes(&self) -> Option<usize> {
+        match self.disc {
+            DiscModel::Rigid => None,
+            DiscModel::Flexible { modes } => Some(modes),
+        }
+    }
+}
+
+/// The cell in the middle of every axis, of two the one before.
+fn middle(job: &Job) -> u64 {
+    job.grid.lengths().iter().fold(0, |index, length| index * length + (length - 1) / 2)
+}
+
+/// The expected values in a cell.
+fn parameters_in(job: &Job, cell: &Cell) -> Result<Parameters, ParameterError> {
+    let mut parameters = job.brakes().in_cell(cell)?;
+    parameters.set(PRELOAD, cell.preload)?;
+    parameters.set("friction.static_coefficient", cell.static_friction)?;
+    Ok(parameters)
+}
+
+/// The preset with `KEY=VALUE` changes; warns of values that are not plausible.
+pub fn changed_preset(changes: &[String]) -> Result<PadOnDisc, Failure> {
+    changed(Parameters::sui_ding_2018(), changes)
+}
+
+/// Parameters with `KEY=VALUE` changes; warns of values that are not plausible.
+fn changed(mut parameters: Parameters, changes: &[String]) -> Result<PadOnDisc, Failure> {
+    let mut changed: Vec<(&str, &str)> = Vec::new();
+    let mut force = None;
+    for change in changes {
+        let refused = |message: String| Failure::Usage(format!("--set {change}: {message}"));
+        let Some((key, value)) = change.split_once('=') else {
+            return Err(refused("write KEY=VALUE, for example friction.static_coefficient=0.45".to_owned()));
+        };
+        let (key, value) = (key.trim(), value.trim());
+        if let Some((_, before)) = changed.iter().find(|(other, _)| *other == key) {
+            return Err(refused(format!("{key} is set a second time, after {key}={before}; leave one of the two out")));
+        }
+        changed.push((key, value));
+        if key == "friction.law" || key == "friction.table" {
+            continue;
+        }
+        let number: f64 = value.parse().map_err(|_| refused(not_a_number(value)))?;
+        if key == preload_force::KEY {
+            force = Some((change, number));
+            continue;
+        }
+        parameters.set(key, number).map_err(|error| match error {
+            ParameterError::Unknown { .. } => refused(unknown_parameter(key, false)),
+            other => refused(format!("{other}{}", plausibility::hint(key, number, &parameters))),
+        })?;
+    }
+    use_law(&changed, &mut parameters)?;
+    // It depends on the other values.
+    if let Some((change, force)) = force {
+        let refused = |message: String| Failure::Usage(format!("--set {change}: {message}"));
+        if let Some((key, value)) = changed.iter().find(|(key, _)| *key == PRELOAD) {
+            return Err(refused(format!("the preload is set too, {key}={value}; leave one of the two out")));
+        }
+        let preload = preload_force::preload(force, &parameters);
+        parameters.operating_point.preload = preload.map_err(|message| refused(format!("it {message}")))?;
+    }
+    let brake = PadOnDisc::new(parameters).map_err(|error| Failure::Usage(format!("--set: {error}")))?;
+    warn(plausibility::of_parameters(brake.parameters()));
+    Ok(brake)
+}
+
+/// Applies `friction.law` and `friction.table` of the changes, and refuses values of other laws. A table changes the
+/// static friction coefficient to its own unless that is set too.
+fn use_law(changed: &[(&str, &str)], parameters: &mut Parameters) -> Result<(), Failure> {
+    let value = |wanted: &str| changed.iter().find(|(key, _)| *key == wanted).map(|(_, value)| *value);
+    let refused = |message: String| Failure::Usage(format!("--set: {message}"));
+    let (law, file) = (value("friction.law"), value("friction.table"));
+    let given = law.map(LawSpec::from_name).transpose().map_err(refused)?;
+    let before = LawSpec::from(&parameters.friction.law);
+    let law = given.unwrap_or(if file.is_some() { LawSpec::Table } else { before });
+    let keys = changed.iter().filter_map(|(key, _)| Some((*key, key.strip_prefix("friction.")?)));
+    if let Some(message) = keys.into_iter().find_map(|(key, name)| law.refusal(name, key)) {
+        return Err(refused(message));
+    }
+    let friction = &mut parameters.friction;
+    match (law, file) {
+        (LawSpec::Stribeck, _) => friction.law = LawKind::Stribeck,
+        (LawSpec::Rational, _) => friction.law = LawKind::Rational,
+        (LawSpec::Table, None) if before == LawSpec::Table => {}
+        (LawSpec::Table, None) => {
+            return Err(refused("friction.law=table needs the measured curve: --set friction.table=FILE".to_owned()));
+        }
+        (LawSpec::Table, Some(file)) => {
+            let set = value("friction.static_coefficient").map(|_| friction.static_coefficient);
+            let curve = read_curve(Path::new(file)).map_err(|error| refused(format!("friction.table: {error}")))?;
+            friction.use_table(curve);
+            friction.static_coefficient = set.unwrap_or(friction.static_coefficient);
+        }
+    }
+    check_band(friction, false).map_err(refused)
+}
+
+/// What is wrong with the value of a parameter that cannot be read.
+fn not_a_number(value: &str) -> String {
+    let with_point = value.replacen(',', ".", 1);
+    match with_point.parse::<f64>() {
+        Ok(_) => format!("{value} has a decimal comma; write {with_point}"),
+        Err(_) => format!("{value:?} is not a number"),
+    }
+}
