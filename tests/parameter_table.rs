@@ -54,7 +54,7 @@ impl Response {
 
 /// The preset with one parameter at other values.
 fn responses(place: &Place, key: &str, values: &[f64]) -> Vec<Response> {
-    let name = key.replace('.', "-");
+    let name = format!("{}-{}", key.replace('.', "-"), values.len());
     let job = format!(
         "name = \"{name}\"\n[axes]\n\"{key}\" = {values:?}\n[random]\n{BOTH}\n[criterion]\n{EIGENVALUE}\n[sampling]\nmethod = \"exact\"\n"
     );
