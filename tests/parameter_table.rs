@@ -8,6 +8,7 @@
 mod common;
 
 use std::fs;
+use std::thread;
 
 use common::{BOTH, EIGENVALUE, Place, repository, submitted};
 use serde_json::Value;
@@ -61,9 +62,14 @@ fn responses(place: &Place, key: &str, values: &[f64]) -> Vec<Response> {
     let surface = submitted(place, &name, &job);
     let probabilities = surface.column("p_unstable");
     assert_eq!(probabilities.len(), values.len());
-    let analysed = values.iter().map(|value| {
-        let analysed = place.run(&format!("analyse --json --set {key}={value:?}")).done().stdout;
-        serde_json::from_str::<Value>(&analysed).unwrap()
+    let analyse = |value: &f64| -> Value {
+        let analysed = place.run(&format!("analyse --json --set {key}={value:?}")).done();
+        serde_json::from_str(&analysed.stdout).unwrap()
+    };
+    // At the same time, as debug builds take seconds.
+    let analysed: Vec<Value> = thread::scope(|scope| {
+        let running: Vec<_> = values.iter().map(|value| scope.spawn(move || analyse(value))).collect();
+        running.into_iter().map(|analysed| analysed.join().unwrap()).collect()
     });
     let of = |(analysed, &probability): (Value, &f64)| Response {
         probability,
@@ -71,7 +77,7 @@ fn responses(place: &Place, key: &str, values: &[f64]) -> Vec<Response> {
         saddle_node: analysed["saddle_node_speed_rad_s"].as_f64().unwrap(),
         growth: analysed["coupled_growth_rate_per_s"].as_f64().unwrap(),
     };
-    analysed.zip(probabilities).map(of).collect()
+    analysed.into_iter().zip(probabilities).map(of).collect()
 }
 
 /// The table, with the strongest effects first.
@@ -95,7 +101,7 @@ fn table(place: &Place) -> String {
     rows.sort_by(|a, b| (b.0, b.1).partial_cmp(&(a.0, a.1)).unwrap());
     let [p, critical, saddle_node, growth] = preset;
     let head = format!(
-        "| -10 % / +10 % | P ({p}) | critical speed ({critical} rad/s) | saddle-node ({saddle_node} rad/s) | growth, flexible disc ({growth} 1/s) |\n|---|---|---|---|---|\n"
+        "| parameter, -10 % / +10 % | P ({p}) | critical speed ({critical} rad/s) | saddle-node ({saddle_node} rad/s) | growth, flexible disc ({growth} 1/s) |\n|---|---|---|---|---|\n"
     );
     format!("\n{head}{}\n", rows.into_iter().map(|(.., row)| row).collect::<String>())
 }
