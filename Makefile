@@ -1,10 +1,15 @@
-# What a user types: `make run` and `make test`. Everything else is for developers.
+# What a user types: `make run`, `make test` and `make docs`. Everything else is for developers.
 
 CARGO  ?= cargo
 PYTHON ?= python3
 STICKSLIP = target/release/stickslip
 
-.PHONY: run test check bench bench-peers validity coverage clean
+# What builds the documentation site. A debug build of it takes half the time, and is fast enough.
+MDBOOK_VERSION = 0.5.4
+MDBOOK_ROOT = target/mdbook-$(MDBOOK_VERSION)
+MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
+
+.PHONY: run test check docs docs-pictures bench bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -44,6 +49,32 @@ check:
 	$(CARGO) test --locked --quiet -p stickslip-core --test structure
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
+
+# The documentation as a site in target/docs, to be opened in a browser: README.md, ARCHITECTURE.md and docs/. Pages and
+# what they link to keep their places, so that the same links work here and in a view of the repository.
+docs: docs-pictures $(MDBOOK)
+	rm -rf target/docs target/book
+	mkdir -p target/book/src
+	cp docs/book.toml target/book
+	cp -R README.md ARCHITECTURE.md CITATION.cff docs jobs crates target/book/src
+	sed -e 's|](|](docs/|' -e 's|docs/\.\./||' docs/SUMMARY.md > target/book/src/SUMMARY.md
+	$(MDBOOK) build target/book --dest-dir "$(CURDIR)/target/docs"
+
+$(MDBOOK):
+	$(CARGO) install mdbook --version $(MDBOOK_VERSION) --locked --root $(MDBOOK_ROOT) --debug \
+		--no-default-features --features search
+
+# The pictures of the documents that the program draws.
+docs-pictures:
+	$(CARGO) build --locked --release
+	rm -rf target/pictures
+	$(call picture,fig14a)
+	$(call picture,parking)
+	$(call picture,parking-map)
+
+# Runs a job in jobs/ and draws its surface in docs/.
+picture = $(STICKSLIP) submit jobs/$(1).toml --out target/pictures/$(1) >/dev/null \
+	&& $(STICKSLIP) plot target/pictures/$(1) --out docs/$(1).svg
 
 # One line for each figure: name, value, unit.
 bench:

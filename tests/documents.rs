@@ -13,7 +13,8 @@
 //! | `text output` | what the Python block before it prints |
 //! | any of them `ignore (why)` | not run |
 //!
-//! A job that begins with the comment `# NAME.toml` is saved under that name. In shown output a line of three dots
+//! A job that begins with the comment `# NAME.toml` is saved under that name; if `jobs/` has a job of this name, it is the
+//! same. In shown output a line of three dots
 //! stands for any number of lines, and `…` inside a line for any text. Lines that begin with `stickslip: ` are messages
 //! on standard error, where others may stand between them.
 
@@ -86,6 +87,9 @@ impl Block {
     }
 }
 
+/// The contents of the site that `make docs` builds. It is no page of its own.
+const CONTENTS: &str = "docs/SUMMARY.md";
+
 /// README.md and the pages in docs/, by their path in the repository.
 fn pages() -> Vec<String> {
     fn add(folder: &str, pages: &mut Vec<String>) {
@@ -93,7 +97,7 @@ fn pages() -> Vec<String> {
             let name = format!("{folder}/{}", entry.unwrap().file_name().to_str().unwrap());
             if repository().join(&name).is_dir() {
                 add(&name, pages);
-            } else if name.ends_with(".md") {
+            } else if name.ends_with(".md") && name != CONTENTS {
                 pages.push(name);
             }
         }
@@ -250,6 +254,9 @@ fn check_job(place: &Place, block: &Block, number: usize) {
     let text = if block.words.iter().any(|word| word == "fragment") { merged(block) } else { block.text() };
     let name = block.file_name().map_or_else(|| format!("block-{number}.toml"), str::to_owned);
     place.write(&name, &text);
+    if let Ok(kept) = fs::read_to_string(place.path("jobs").join(&name)) {
+        assert_eq!(kept, text, "{}: jobs/{name} is another job", block.place);
+    }
     let (code, _, stderr) = shell(place, &format!("stickslip check {name}"));
     assert_eq!(code, Some(0), "{}: {stderr}\n{text}", block.place);
     assert!(!stderr.contains("warning"), "{}: {stderr}", block.place);
@@ -412,7 +419,7 @@ fn links(page: &str) -> Vec<(String, String)> {
 #[test]
 fn every_link_leads_somewhere_and_every_page_is_linked() {
     let (mut count, mut linked) = (0, BTreeSet::from(["README.md".to_owned()]));
-    for page in pages() {
+    for page in pages().into_iter().chain(["ARCHITECTURE.md".to_owned()]) {
         for (path, target) in links(&page) {
             count += 1;
             assert!(repository().join(&path).exists(), "{page}: there is no {path}");
@@ -424,6 +431,35 @@ fn every_link_leads_somewhere_and_every_page_is_linked() {
     assert!(count >= 60, "only {count} links");
     for page in pages() {
         assert!(linked.contains(&page), "no page links to {page}");
+    }
+}
+
+/// Files and folders at the root that `make docs` copies, so that pages find there what they link to.
+fn copied_to_the_site() -> BTreeSet<String> {
+    let makefile = read("Makefile");
+    let mut lines = makefile.lines().map(str::trim);
+    let copied = lines.find_map(|line| line.strip_prefix("cp -R ")?.strip_suffix(" target/book/src")).unwrap();
+    copied.split(' ').map(str::to_owned).collect()
+}
+
+#[test]
+fn the_site_has_every_page_once_and_what_they_link_to() {
+    let mut listed: Vec<String> = links(CONTENTS).into_iter().map(|(path, _)| path).collect();
+    listed.sort();
+    let mut wanted = pages();
+    wanted.push("ARCHITECTURE.md".to_owned());
+    wanted.sort();
+    assert_eq!(listed, wanted, "{CONTENTS} lists every page, and each once");
+
+    let copied = copied_to_the_site();
+    for page in &listed {
+        for (path, _) in links(page) {
+            let root = path.split('/').next().unwrap();
+            assert!(copied.contains(root), "{page}: `make docs` does not copy {path}, to which it links");
+            let is_page = path.ends_with(".md");
+            assert!(!is_page || listed.contains(&path), "{page}: {path} is not in {CONTENTS}");
+            assert!(repository().join(&path).is_file(), "{page}: {path} is a folder, which a site does not show");
+        }
     }
 }
 
