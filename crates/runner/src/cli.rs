@@ -346,6 +346,8 @@ pub enum PlotQuantity {
     Probability,
     /// The Sobol indices of the inputs, of a job with sensitivity = true
     Sobol,
+    /// The verdict maps, of a job with evaluate = "boundary", or method = "exact" and a criterion other than "eigenvalue"
+    Verdicts,
 }
 
 /// The path of a file that a plot can be written to.
