@@ -237,6 +237,84 @@ fn the_difference_of_runs_with_one_long_axis_is_a_curve_with_its_interval() {
     place.run("plot motion.parquet --against all").refused(64, &["motion.parquet is a file"]);
 }
 
+/// Colours of regions: stable, unstable, undecided.
+const REGIONS: [&str; 3] = ["#b3d9f2", "#df8244", "#999999"];
+
+#[test]
+fn a_verdict_map_has_a_panel_for_each_brake_with_its_regions_and_tiles() {
+    let place = Place::new();
+    let axes = "rotating_speed = [12.0, 18.0]\npreload = [0.05, 0.1]\nstatic_friction = [0.35, 0.4, 0.45]";
+    let with = |name: &str, sampling: &str| {
+        let text = job(name, axes, 50).replace("kind = \"eigenvalue\"", "kind = \"time-domain\"\ndisc = \"rigid\"");
+        text.replace("relative_std = 0.2", "relative_std = 0.05").replace("samples = 50\nseed = 1", sampling)
+    };
+    submitted(&place, "map", &with("map", "method = \"exact\"\naudit = 0"));
+    let told = place.run("plot map --of verdicts").done().stdout;
+    assert_eq!(told, "map/verdicts.svg\nmap/verdicts.png\n");
+    let svg = fs::read_to_string(place.path("map/verdicts.svg")).unwrap();
+    for text in [
+        ">12 rad/s<",
+        ">18 rad/s<",
+        "Preload Δ",
+        "Static friction coefficient fₛ",
+        ">stable<",
+        ">unstable<",
+        "dots: expected values of the cells",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // Both regions in both panels, each as one path, and in the legend; nothing is undecided.
+    assert_eq!(REGIONS.map(|colour| fills(&svg, colour)), [3, 3, 0], "{svg}");
+    assert!(!svg.contains(">undecided<"));
+    assert_eq!(svg.matches("<circle").count(), 12, "a dot for each cell");
+    // Tiles of an eighth from a kinetic friction of 0.25: for friction up to 0.45 * 1.3 three columns, for preloads up
+    // to 0.1 * 1.3 two rows.
+    assert_eq!(svg.matches("stroke=\"#ffffff\" stroke-width=\"0.4\"").count(), 2 * 6);
+    // The faster disc is stable up to a larger preload: its region is larger.
+    place.run("plot map --of verdicts --columns 1 --out narrow.png").done();
+    assert!(size(&fs::read(place.path("narrow.png")).unwrap()).0.abs_diff(992) <= 1);
+
+    // A run that gives its map up, and runs that never have one.
+    submitted(&place, "few", &with("few", "evaluate = \"boundary\"\nsamples = 20\nseed = 1"));
+    place.run("plot few --of verdicts").refused(65, &["the verdict map of few is not complete", "gave its map up"]);
+    submitted(&place, "each", &with("each", "samples = 20\nseed = 1"));
+    place
+        .run("plot each --of verdicts")
+        .refused(65, &["each has no verdict map", "evaluate = \"boundary\"", "\"exact\""]);
+    place.run("plot nowhere --of verdicts").refused(74, &["nowhere is not a run directory"]);
+}
+
+#[test]
+fn a_run_without_scatter_is_drawn_as_cells_of_two_colours() {
+    let place = Place::new();
+    let basin = |name: &str, axes: &str, criterion: &str| {
+        format!("name = \"{name}\"\n[axes]\n{axes}\n[criterion]\n{criterion}\n[sampling]\nsamples = 1\n")
+    };
+    let axes = "rotating_speed = 25.0\n\"start.tangential\" = { from = -4e-4, to = 4e-4, points = 9 }\n\
+                \"start.velocity\" = { from = -6.0, to = 6.0, points = 7 }";
+    let motion = "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = { from_equilibrium = true }";
+    submitted(&place, "basin", &basin("basin", axes, motion));
+    place.run("plot basin").done();
+    let svg = fs::read_to_string(place.path("basin/surface.svg")).unwrap();
+    for text in ["Tangential displacement x at the start (", "Tangential velocity x′ at the start (m/s)", ">25 rad/s;"]
+    {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert!(svg.contains(">steady sliding<") && svg.contains(">stick-slip<") && !svg.contains("Probability"), "{svg}");
+    assert_eq!(REGIONS.map(|colour| fills(&svg, colour)), [2, 2, 0], "a path and a sample in the legend: {svg}");
+    // The cells of the basin: so wide is the widest row of them.
+    let stable = areas(&svg, REGIONS[0])[0];
+    let frame = areas(&svg, "stroke-width=\"0.8\"")[0];
+    let cells = 9.0 * (stable[1] - stable[0]) / (frame[1] - frame[0]);
+    assert!((cells - cells.round()).abs() < 0.01 && (1.5..5.0).contains(&cells), "{cells}");
+
+    // Over one axis, a strip.
+    submitted(&place, "linear", &basin("linear", "rotating_speed = [10.0, 45.0]", "kind = \"eigenvalue\""));
+    place.run("plot linear --out linear.svg").done();
+    let svg = fs::read_to_string(place.path("linear.svg")).unwrap();
+    assert!(svg.contains(">stable<") && svg.contains(">unstable<"), "{svg}");
+}
+
 #[test]
 fn a_motion_is_drawn_from_its_file() {
     let place = Place::new();

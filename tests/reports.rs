@@ -158,6 +158,20 @@ fn the_expected_brake_of_a_cell_is_that_of_analyse() {
 }
 
 #[test]
+fn a_run_with_a_verdict_map_shows_it() {
+    let place = Place::new();
+    let job = "name = \"mapped\"\n[axes]\nrotating_speed = 20\npreload = [0.05, 0.1]\nstatic_friction = [0.3, 0.4]\n[random]\ninputs = [\"preload\", \"static_friction\"]\nrelative_std = 0.05\n[criterion]\nkind = \"time-domain\"\ndisc = \"rigid\"\n[sampling]\nmethod = \"exact\"\naudit = 10\n";
+    submitted(&place, "mapped", job);
+    place.run("report mapped").done();
+    let page = fs::read_to_string(place.path("mapped/report.html")).unwrap();
+    let map = &page[page.find("<h2 id=\"verdicts-heading\">Verdict map</h2>").unwrap()..];
+    assert!(map.contains("role=\"img\"") && map.contains("<svg viewBox=") && map.contains(">unstable<"));
+    submitted(&place, "drawn", DRAWN);
+    place.run("report drawn").done();
+    assert!(!fs::read_to_string(place.path("drawn/report.html")).unwrap().contains("verdicts-heading"));
+}
+
+#[test]
 fn runs_that_share_no_cell_stand_beside_each_other() {
     let place = Place::new();
     submitted(&place, "three", JOB);

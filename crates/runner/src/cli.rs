@@ -396,6 +396,8 @@ pub enum PlotQuantity {
     Probability,
     /// The Sobol indices of the inputs, of a job with sensitivity = true
     Sobol,
+    /// The verdict maps, of a job with evaluate = "boundary", or method = "exact" and a criterion other than "eigenvalue"
+    Verdicts,
 }
 
 /// Arguments of `report`.

@@ -12,11 +12,13 @@ use crate::job::Job;
 use crate::output::{note, output_file, result};
 use crate::picture::view::{GridView, MOST_PANELS, rounded};
 use crate::plot::canvas::Canvas;
+use crate::plot::cells;
 use crate::plot::difference::Difference;
 use crate::plot::motion;
 use crate::plot::sobol::Sobol;
 use crate::plot::surface;
 use crate::plot::values::Values;
+use crate::plot::verdict_map::VerdictMaps;
 use crate::schedule::engine::Engine;
 use crate::tables::finished::FinishedSurface;
 
@@ -88,7 +90,9 @@ fn of_run(arguments: &PlotArguments, width: f64) -> Result<(Canvas, PathBuf), Fa
         PlotQuantity::Probability => {
             let values = Values::read(run)?;
             note_panels(GridView::new(&values.job).slices());
-            let canvas = surface::figure(&values, width).ok_or_else(|| {
+            let canvas =
+                if values.is_certain() { cells::figure(&values, width) } else { surface::figure(&values, width) };
+            let canvas = canvas.ok_or_else(|| {
                 let Values { probability, low, high, .. } = &values;
                 let value = [probability[0], Some(low[0]), Some(high[0])];
                 single_cell(run, "its probability of instability", value)
@@ -99,6 +103,11 @@ fn of_run(arguments: &PlotArguments, width: f64) -> Result<(Canvas, PathBuf), Fa
             let sobol = Sobol::read(run)?;
             let cells = sobol.cells(run, arguments.cell)?;
             Ok((sobol.figure(&cells, width), run.join("sobol")))
+        }
+        PlotQuantity::Verdicts => {
+            let maps = VerdictMaps::read(run)?;
+            note_panels(maps.panels());
+            Ok((maps.figure(width), run.join("verdicts")))
         }
     }
 }

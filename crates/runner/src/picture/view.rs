@@ -161,6 +161,12 @@ impl GridView {
         if self.axes[self.std].values.len() > 1 { format!("{values}; {}", scatter(job, cell)) } else { values }
     }
 
+    /// The brake of a cell: its values on all axes but preload, static friction and standard deviations.
+    pub fn brake_of(&self, cell: u64) -> String {
+        // Preload and static friction are the last axes.
+        self.values_of(cell, |axis| axis + 2 < self.axes.len()).join(", ")
+    }
+
     fn is_shown(&self, axis: usize) -> bool {
         [self.vertical, self.horizontal].contains(&Some(axis))
     }

@@ -12,6 +12,11 @@ pub fn axis(of: &ViewAxis) -> Axis {
     Axis { scale: Scale::of(&of.values), title: title(of.key()), unit: of.unit().to_owned() }
 }
 
+/// The same, with space for the cells about its values.
+pub fn axis_of_cells(of: &ViewAxis) -> Axis {
+    Axis { scale: Scale::with_cells(&of.values), ..axis(of) }
+}
+
 /// Symbol and name of an axis or a random input of a job.
 pub fn title(key: &str) -> String {
     match key {

@@ -38,6 +38,9 @@ impl Pen {
 /// Lengths of a dash and of the space after it.
 const DASH: (f64, f64) = (5.0, 3.5);
 
+/// Width of a line that only closes seams.
+const HAIRLINE: f64 = 0.3;
+
 /// On which side of its place a text stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
@@ -65,7 +68,10 @@ impl Canvas {
 
     /// The plot as SVG.
     pub fn svg(&self) -> Vec<u8> {
-        SvgBackend::default().render_scene(&self.scene).into_bytes()
+        // With its own coordinates a browser can scale the plot.
+        let Scene { width, height, .. } = self.scene;
+        let scaled = format!("<svg viewBox=\"0 0 {width} {height}\" ");
+        SvgBackend::default().render_scene(&self.scene).replacen("<svg ", &scaled, 1).into_bytes()
     }
 
     /// The plot as PNG.
@@ -129,14 +135,23 @@ impl Canvas {
 
     /// Fills several polygons as one area, so that nothing shows between them.
     pub fn area(&mut self, polygons: &[Vec<Place>], fill: Rgb, opacity: f64) {
+        self.filled(polygons, fill, opacity, 0.0);
+    }
+
+    /// The same for polygons side by side, with a hairline around each of them that hides the seams.
+    pub fn mosaic(&mut self, polygons: &[Vec<Place>], fill: Rgb) {
+        self.filled(polygons, fill, 1.0, HAIRLINE);
+    }
+
+    fn filled(&mut self, polygons: &[Vec<Place>], fill: Rgb, opacity: f64, line: f64) {
         if polygons.is_empty() {
             return;
         }
         self.scene.add(Primitive::Path(Box::new(PathData {
             d: polygons.iter().map(|polygon| path(polygon)).collect(),
             fill: Some(colour(fill)),
-            stroke: Color::None,
-            stroke_width: 0.0,
+            stroke: if line > 0.0 { colour(fill) } else { Color::None },
+            stroke_width: line,
             opacity: (opacity < 1.0).then_some(opacity),
             stroke_dasharray: None,
         })));

@@ -25,10 +25,16 @@ pub mod curves;
 
 pub mod area;
 
+pub mod regions;
+
+pub mod cells;
+
 pub mod surface;
 
 pub mod difference;
 
 pub mod sobol;
+
+pub mod verdict_map;
 
 pub mod motion;

@@ -113,7 +113,7 @@ impl Panel {
     }
 
     /// Draws the ticks of the vertical axis, their labels and its title.
-    fn axis_beside(&self, canvas: &mut Canvas, vertical: &Axis) {
+    pub fn axis_beside(&self, canvas: &mut Canvas, vertical: &Axis) {
         let most = (self.height / TICK_DISTANCE.1).max(2.0) as usize;
         let (ticks, power) = vertical.scale.ticks(most);
         for tick in ticks {

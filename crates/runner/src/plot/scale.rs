@@ -40,6 +40,19 @@ impl Scale {
         }
     }
 
+    /// The same with space for cells about the values: half a step more at each end.
+    pub fn with_cells(values: &[f64]) -> Self {
+        let scale = Self::of(values);
+        let [.., before, last] = values else { return scale };
+        let (Some(first), Some(second)) = (values.first(), values.get(1)) else { return scale };
+        // Half a step beyond a value, seen from its neighbour.
+        let beyond = |neighbour: f64, end: f64| {
+            if scale.is_logarithmic { end * libm::sqrt(end / neighbour) } else { end + 0.5 * (end - neighbour) }
+        };
+        let ends = [beyond(*second, *first), beyond(*before, *last)];
+        Self { from: ends[0].min(ends[1]), to: ends[0].max(ends[1]), ..scale }
+    }
+
     /// Whether equal ratios are equal distances.
     pub fn is_logarithmic(&self) -> bool {
         self.is_logarithmic
@@ -159,6 +172,18 @@ mod tests {
         assert_eq!(labels(scale, 5).0, ["10⁶", "10⁷", "10⁸", "10⁹"]);
         assert_eq!(labels(Scale::of(&[0.1, 1.0, 10.0]), 7).0, ["0.1", "0.2", "0.5", "1", "2", "5", "10"]);
         assert_eq!(Scale::of(&[1.0, 2.0, 3.0, 30.0]).at(15.5), 0.5);
+    }
+
+    #[test]
+    fn cells_have_half_a_step_at_the_ends() {
+        for (values, ends) in [
+            ([1.0, 2.0, 3.0], [0.5, 3.5]),
+            ([3.0, 2.0, 1.0], [0.5, 3.5]),
+            ([1.0, 10.0, 100.0], [libm::sqrt(0.1), libm::sqrt(1e5)]),
+        ] {
+            let (scale, [from, to]) = (Scale::with_cells(&values), ends);
+            assert!(scale.at(from).abs() < 1e-12 && (scale.at(to) - 1.0).abs() < 1e-12, "{values:?}");
+        }
     }
 
     #[test]

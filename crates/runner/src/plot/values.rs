@@ -17,6 +17,9 @@ pub struct Values {
     /// Samples, and how many of them are unstable; 0 where the probability is integrated.
     pub samples: Vec<u64>,
     pub unstable: Vec<u64>,
+    /// Samples without a certain verdict, and samples that failed.
+    pub undecided: Vec<u64>,
+    pub failed: Vec<u64>,
 }
 
 impl Values {
@@ -26,12 +29,18 @@ impl Values {
     /// A directory that is no run, a run without its surface, and a surface that cannot be read.
     pub fn read(run: &Path) -> Result<Self, Failure> {
         let surface = FinishedSurface::open(run)?;
-        let names = ["p_unstable", "p_low", "p_high", "n_samples", "n_unstable"];
-        let [probability, low, high, samples, unstable] = surface.numbers(names)?;
+        let names = ["p_unstable", "p_low", "p_high", "n_samples", "n_unstable", "n_undecided", "n_failed"];
+        let [probability, low, high, samples, unstable, undecided, failed] = surface.numbers(names)?;
         let known = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
         let counts = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(0.0) as u64).collect();
-        let (samples, unstable) = (counts(samples), counts(unstable));
-        Ok(Self { job: surface.job, probability, low: known(low), high: known(high), samples, unstable })
+        let [samples, unstable, undecided, failed] = [samples, unstable, undecided, failed].map(counts);
+        let (low, high) = (known(low), known(high));
+        Ok(Self { job: surface.job, probability, low, high, samples, unstable, undecided, failed })
+    }
+
+    /// Whether nothing scatters, so that all samples of a cell have one verdict.
+    pub fn is_certain(&self) -> bool {
+        self.job.random.relative_stds.iter().flatten().all(|std| *std == 0.0)
     }
 
     /// The largest probability.

@@ -59,7 +59,7 @@ pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, 
         ("differences", differences.collect()),
         ("computed", all(computed)),
         ("reconstructed", element("p", "class=\"note\"", RECONSTRUCTED)),
-        ("verdicts", String::new()),
+        ("verdicts", verdicts(runs)),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("plotly", LIBRARY_VERSION.to_owned()),
         ("data", in_script(&data)),
@@ -97,6 +97,29 @@ fn answered(run: &ReportedRun, has_name: bool) -> String {
     heading(run, has_name)
         + &element("p", "class=\"note\"", &job.description)
         + &element("p", "class=\"answer\"", answer(job, &estimates).trim_end())
+}
+
+/// The pictures of the verdict maps.
+fn verdicts(runs: &[ReportedRun]) -> String {
+    let picture = |run: &ReportedRun| {
+        let map = run.verdict_map.as_ref()?;
+        // An SVG file begins with a declaration, which a page must not have.
+        let map = map.find("<svg").map_or("", |start| &map[start..]);
+        let label = "Map of the verdicts over preload and static friction coefficient";
+        Some(format!(
+            "{}<div class=\"picture\" role=\"img\" aria-label=\"{label}\">{map}</div>",
+            heading(run, runs.len() > 1)
+        ))
+    };
+    let pictures: String = runs.iter().filter_map(picture).collect();
+    if pictures.is_empty() {
+        return pictures;
+    }
+    let note = "Every sample whose preload and static friction coefficient lie in a region has its verdict.";
+    format!(
+        "<section aria-labelledby=\"verdicts-heading\" id=\"verdicts\"><h2 id=\"verdicts-heading\">Verdict map</h2>{pictures}{}</section>",
+        element("p", "class=\"note\"", note)
+    )
 }
 
 /// How a run was computed: seed, versions, the command that computes the same numbers, and the job.

@@ -12,6 +12,7 @@ use crate::picture::view::GridView;
 use crate::plot::axes::{axis, title};
 use crate::plot::levels::{Levels, label};
 use crate::plot::values::Values;
+use crate::plot::verdict_map::VerdictMaps;
 use crate::tables::finished::{FinishedColumn, FinishedSurface, FinishedValues};
 
 /// A run, as it was named on the command line.
@@ -22,7 +23,12 @@ pub struct ReportedRun {
     pub values: Values,
     /// Its recorded amplitudes and Sobol indices, with their names.
     further: Vec<FinishedColumn>,
+    /// The picture of its verdict map as SVG, if it has a map that is complete.
+    pub verdict_map: Option<String>,
 }
+
+/// Width of the picture of a verdict map, in pixels.
+const MAP_WIDTH: f64 = 700.0;
 
 /// Columns of amplitudes, in units of the disc's thickness.
 const AMPLITUDES: [&str; 4] = ["amplitude_mean", "amplitude_p05", "amplitude_p50", "amplitude_p95"];
@@ -36,12 +42,15 @@ impl ReportedRun {
         let values = Values::read(path)?;
         let is_index = |name: &str| name.starts_with("first_order_") || name.starts_with("total_");
         let further = FinishedSurface::open(path)?.columns(|name| AMPLITUDES.contains(&name) || is_index(name))?;
-        Ok(Self { path: path.display().to_string(), values, further })
+        // A run may have given its map up.
+        let maps = if values.job.uses_maps() { VerdictMaps::read(path).ok() } else { None };
+        let verdict_map = maps.map(|maps| String::from_utf8_lossy(&maps.figure(MAP_WIDTH).svg()).into_owned());
+        Ok(Self { path: path.display().to_string(), values, further, verdict_map })
     }
 
     /// The run for the script: axes slowest first, and one number for each cell in every column.
     pub fn data(&self) -> Value {
-        let Values { job, probability, low, high, samples, unstable } = &self.values;
+        let Values { job, probability, low, high, samples, unstable, .. } = &self.values;
         let view = GridView::new(job);
         let axes: Vec<Value> = view
             .axes()

@@ -42,7 +42,7 @@ impl BoundaryCurve {
     /// The ordinates between which the verdict is unknown, at the abscissa `coordinate`: it is `below` up to the first
     /// and `above` from the second.
     #[must_use]
-    pub(crate) fn gap(&self, within: &Box2, coordinate: f64) -> (f64, f64) {
+    pub fn gap(&self, within: &Box2, coordinate: f64) -> (f64, f64) {
         let t = scaled(within, self.abscissa, coordinate);
         (clenshaw(&self.lower, t) - self.guard, clenshaw(&self.upper, t) + self.guard)
     }

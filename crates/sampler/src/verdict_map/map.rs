@@ -21,7 +21,7 @@ impl VerdictMap {
 
     /// f_c, the kinetic friction coefficient.
     #[must_use]
-    pub(crate) fn kinetic_coefficient(&self) -> f64 {
+    pub fn kinetic_coefficient(&self) -> f64 {
         self.kinetic_coefficient
     }
 

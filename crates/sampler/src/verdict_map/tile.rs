@@ -103,7 +103,7 @@ impl Tile {
     }
 
     /// Every box that is not divided, with what is known of it.
-    pub(crate) fn boxes(&self, index: TileIndex) -> impl Iterator<Item = (Box2, Node)> + '_ {
+    pub fn boxes(&self, index: TileIndex) -> impl Iterator<Item = (Box2, Node)> + '_ {
         let mut bounds = vec![index.bounds(); self.nodes.len()];
         for (place, node) in self.nodes.iter().enumerate() {
             if let Node::Cut(first) = *node {

@@ -1,0 +1,252 @@
+//! The verdict maps of a run: which preloads and friction coefficients are stable, brake by brake.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use stickslip_sampler::verdict_map::boundary_curve::{BoundaryCurve, Box2};
+use stickslip_sampler::verdict_map::map::VerdictMap;
+use stickslip_sampler::verdict_map::tile::Node;
+
+use crate::evaluate::maps::Maps;
+use crate::failure::Failure;
+use crate::job::Job;
+use crate::output::quoted;
+use crate::picture::view::{GridView, MOST_PANELS};
+use crate::plot::axes::title;
+use crate::plot::canvas::{BLACK, Canvas, Pen, Place, WHITE};
+use crate::plot::panel::{ABOVE, Arrangement, Axis, LEFT, Layout, Panel, RIGHT, heading, space_of, write_notes};
+use crate::plot::regions::{Region, Regions};
+use crate::plot::scale::Scale;
+use crate::store::directory::RunDirectory;
+use crate::store::map_pieces;
+
+/// Height of a panel over its width.
+const ASPECT: f64 = 0.78;
+
+/// Space between the panels and the legend.
+const BEFORE: f64 = 10.0;
+
+/// Least width of a gap that is drawn, in pixels; narrower ones are closed.
+const LEAST_GAP: f64 = 0.4;
+
+/// Distance of the points of a boundary, in pixels, and the most of them across a box.
+const STEP: f64 = 2.0;
+const MOST_STEPS: f64 = 24.0;
+
+/// Most cells whose expected values are marked.
+const MOST_MARKS: usize = 600;
+/// So many have large marks.
+const FEW_MARKS: usize = 100;
+
+const TILE: Pen = Pen::new(WHITE, 0.4);
+
+const NAMES: [&str; 5] = ["stable", "unstable", "undecided", "failed", "left open: simulated one by one"];
+
+/// The maps of a run.
+pub struct VerdictMaps {
+    job: Job,
+    maps: Maps,
+}
+
+impl VerdictMaps {
+    /// Reads the maps of a run.
+    ///
+    /// # Errors
+    /// A run without maps, and one whose maps are not complete.
+    pub fn read(run: &Path) -> Result<Self, Failure> {
+        let directory = RunDirectory::view(run)?;
+        let job = directory.job()?;
+        if !job.uses_maps() {
+            return Err(Failure::Job(format!(
+                "{} has no verdict map: its samples are decided one by one, or in closed form. Runs with a map have evaluate = \"boundary\" or method = \"exact\" in [sampling], and a [criterion] other than \"eigenvalue\"",
+                run.display()
+            )));
+        }
+        let mut maps = Maps::new(&job);
+        map_pieces::load(&mut maps, &directory.maps())?;
+        let (missing, needed) = (maps.missing().len(), maps.needed());
+        if missing > 0 {
+            let remedy = if directory.has_surface_of(&job) {
+                "The run gave its map up, because simulating the samples cost less; with more samples, or method = \"exact\", the map is completed".to_owned()
+            } else {
+                format!("Finish it with `stickslip resume {}`", quoted(run))
+            };
+            return Err(Failure::Job(format!(
+                "the verdict map of {} is not complete: {missing} of {needed} tiles are missing. {remedy}",
+                run.display()
+            )));
+        }
+        Ok(Self { job, maps })
+    }
+
+    /// The number of panels.
+    pub fn panels(&self) -> usize {
+        self.job.grid.brakes()
+    }
+
+    /// The figure, this wide in pixels.
+    pub fn figure(&self, width: f64) -> Canvas {
+        let maps: Vec<&VerdictMap> =
+            (0..self.panels().min(MOST_PANELS)).filter_map(|brake| self.maps.get(brake)).collect();
+        let [horizontal, vertical] = axes(&maps);
+        let has_marks =
+            self.job.grid.preload.values().len() * self.job.grid.static_friction.values().len() <= MOST_MARKS;
+        let notes: Vec<String> = [
+            (has_marks, "dots: expected values of the cells"),
+            (maps.iter().any(|map| !fills_rectangle(map)), "blank: reached by no sample"),
+        ]
+        .into_iter()
+        .filter_map(|(is_there, note)| is_there.then(|| note.to_owned()))
+        .collect();
+        let layout = Layout { above: ABOVE, right: RIGHT, below: 0.0, aspect: ASPECT, most_columns: usize::MAX };
+        let Arrangement { panels, height } = layout.arrange(maps.len(), width);
+        let drawn = |(panel, map): (&Panel, &&VerdictMap)| {
+            Plane { panel, map, horizontal: &horizontal, vertical: &vertical }.regions()
+        };
+        let regions: Vec<Regions> = panels.iter().zip(&maps).map(drawn).collect();
+        let legend = Regions::legend(&regions, NAMES, width - LEFT - RIGHT);
+        let total = height + BEFORE + legend.height() + space_of(&notes);
+        let mut canvas = Canvas::new(width, total);
+        let view = GridView::new(&self.job);
+        for (brake, ((panel, map), regions)) in panels.iter().zip(&maps).zip(&regions).enumerate() {
+            regions.draw(&mut canvas);
+            let plane = Plane { panel, map, horizontal: &horizontal, vertical: &vertical };
+            plane.tiles(&mut canvas);
+            if has_marks {
+                plane.marks(&mut canvas, &self.job);
+            }
+            panel.frame(&mut canvas, &horizontal, &vertical);
+            heading(&mut canvas, panel, &view.brake_of(self.job.grid.first_cell_with(brake).index));
+        }
+        legend.draw(&mut canvas, (LEFT, height + BEFORE));
+        write_notes(&mut canvas, &notes, (width, total));
+        canvas
+    }
+}
+
+/// Whether the tiles of a map fill a rectangle.
+fn fills_rectangle(map: &VerdictMap) -> bool {
+    let (columns, rows): (BTreeSet<u32>, BTreeSet<u32>) =
+        map.tiles().map(|(index, _)| (index.column, index.row)).unzip();
+    map.tiles().count() == columns.len() * rows.len()
+}
+
+/// The axes of static friction and preload, as far as the tiles of all maps reach.
+fn axes(maps: &[&VerdictMap]) -> [Axis; 2] {
+    let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+    for map in maps {
+        for (index, _) in map.tiles() {
+            let bounds = index.bounds();
+            for corner in [bounds.low, bounds.high] {
+                for (end, value) in ends.iter_mut().zip(map.inputs(corner)) {
+                    *end = [end[0].min(value), end[1].max(value)];
+                }
+            }
+        }
+    }
+    let [preload, friction] = ends;
+    [(friction, "static friction"), (preload, "preload")].map(|([low, high], key)| Axis {
+        scale: if low < high { Scale::linear(low, high) } else { Scale::linear(0.0, 1.0) },
+        title: title(key),
+        unit: String::new(),
+    })
+}
+
+/// A map in its panel.
+struct Plane<'a> {
+    panel: &'a Panel,
+    map: &'a VerdictMap,
+    horizontal: &'a Axis,
+    vertical: &'a Axis,
+}
+
+impl Plane<'_> {
+    /// Where a preload and a static friction coefficient lie.
+    fn place(&self, [preload, friction]: [f64; 2]) -> Place {
+        self.panel.place(self.horizontal.scale.at(friction), self.vertical.scale.at(preload))
+    }
+
+    /// The corners of a box, around it.
+    fn corners(&self, Box2 { low, high }: &Box2) -> Vec<Place> {
+        let corners = [*low, [high[0], low[1]], *high, [low[0], high[1]]];
+        corners.map(|point| self.place(self.map.inputs(point))).to_vec()
+    }
+
+    /// What the boxes of its tiles tell.
+    fn regions(&self) -> Regions {
+        let mut regions = Regions::default();
+        for (index, tile) in self.map.tiles() {
+            for (bounds, node) in tile.boxes(index) {
+                match node {
+                    Node::Uniform(verdict) => regions.add(verdict.into(), self.corners(&bounds)),
+                    Node::Crossed(curve) => self.add_crossed(&mut regions, &bounds, &curve),
+                    Node::Unresolved => regions.add(Region::Open, self.corners(&bounds)),
+                    // Its quarters are boxes of their own.
+                    Node::Cut(_) => {}
+                }
+            }
+        }
+        regions
+    }
+
+    /// The parts of a box on the sides of a curve, and what is open between them.
+    fn add_crossed(&self, regions: &mut Regions, bounds: &Box2, curve: &BoundaryCurve) {
+        let (across, up) = (curve.abscissa, 1 - curve.abscissa);
+        let at = |abscissa: f64, ordinate: f64| {
+            let mut point = [0.0; 2];
+            (point[across], point[up]) = (abscissa, ordinate);
+            self.place(self.map.inputs(point))
+        };
+        let corners = self.corners(bounds);
+        let distance = |a: Place, b: Place| libm::hypot(a.0 - b.0, a.1 - b.1);
+        let steps = (distance(corners[0], corners[2]) / STEP).clamp(2.0, MOST_STEPS).ceil();
+        let mut sides: [Vec<Place>; 2] = Default::default();
+        let mut is_open = false;
+        for step in 0..=steps as u32 {
+            let share = f64::from(step) / steps;
+            let abscissa = bounds.low[across] + share * (bounds.high[across] - bounds.low[across]);
+            let (below, above) = curve.gap(bounds, abscissa);
+            let [below, above] = [below, above].map(|ordinate| ordinate.clamp(bounds.low[up], bounds.high[up]));
+            let places = [at(abscissa, below), at(abscissa, above)];
+            if distance(places[0], places[1]) >= LEAST_GAP {
+                is_open = true;
+                sides.iter_mut().zip(places).for_each(|(side, place)| side.push(place));
+            } else {
+                let middle = at(abscissa, 0.5 * (below + above));
+                sides.iter_mut().for_each(|side| side.push(middle));
+            }
+        }
+        let [below, above] = sides;
+        let ends = [bounds.high[across], bounds.low[across]];
+        let floor = ends.map(|end| at(end, bounds.low[up]));
+        let ceiling = ends.map(|end| at(end, bounds.high[up]));
+        regions.add(curve.below.into(), below.iter().copied().chain(floor).collect());
+        regions.add(curve.above.into(), above.iter().copied().chain(ceiling).collect());
+        if is_open {
+            regions.add(Region::Open, below.into_iter().chain(above.into_iter().rev()).collect());
+        }
+    }
+
+    /// The outlines of the tiles.
+    fn tiles(&self, canvas: &mut Canvas) {
+        for (index, _) in self.map.tiles() {
+            let mut outline = self.corners(&index.bounds());
+            outline.extend(outline.first().copied());
+            canvas.lines(&outline, TILE);
+        }
+    }
+
+    /// The expected values of the cells.
+    fn marks(&self, canvas: &mut Canvas, job: &Job) {
+        let count = job.grid.preload.values().len() * job.grid.static_friction.values().len();
+        let radius = if count <= FEW_MARKS { 1.6 } else { 0.8 };
+        for &preload in job.grid.preload.values() {
+            for &friction in job.grid.static_friction.values() {
+                let place = self.place([preload, friction]);
+                if self.panel.contains(place) {
+                    canvas.dot(place, radius, BLACK);
+                }
+            }
+        }
+    }
+}
