@@ -101,7 +101,7 @@ fn table(place: &Place) -> String {
     rows.sort_by(|a, b| (b.0, b.1).partial_cmp(&(a.0, a.1)).unwrap());
     let [p, critical, saddle_node, growth] = preset;
     let head = format!(
-        "| parameter, -10 % / +10 % | P ({p}) | critical speed ({critical} rad/s) | saddle-node ({saddle_node} rad/s) | growth, flexible disc ({growth} 1/s) |\n|---|---|---|---|---|\n"
+        "| parameter, -10 % / +10 % | probability P ({p}) | critical speed ({critical} rad/s) | saddle-node ({saddle_node} rad/s) | growth, flexible disc ({growth} 1/s) |\n|---|---|---|---|---|\n"
     );
     format!("\n{head}{}\n", rows.into_iter().map(|(.., row)| row).collect::<String>())
 }
