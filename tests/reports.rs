@@ -4,11 +4,9 @@
 
 mod common;
 
-use std::env;
 use std::fs;
-use std::process::Command;
 
-use common::{Place, Table, repository, submitted};
+use common::{Place, Table, named_by, python_agrees, submitted};
 
 /// A job with a sharp character in every text of its own.
 const JOB: &str = r#"
@@ -58,25 +56,12 @@ fn a_report_is_one_file_with_the_answer_the_job_and_the_library() {
 
 #[test]
 fn a_browser_shows_the_numbers_of_the_file() {
-    let (Some(python), Some(browser)) = (env::var_os("STICKSLIP_PYTHON"), env::var_os("STICKSLIP_BROWSER")) else {
-        assert!(env::var_os("CI").is_none(), "STICKSLIP_PYTHON or STICKSLIP_BROWSER is not set; run `make test`");
-        return;
-    };
+    let Some(browser) = named_by("STICKSLIP_BROWSER") else { return };
     let place = Place::new();
     submitted(&place, "three", JOB);
     place.run("report three").done();
-    let output = Command::new(python)
-        .arg(repository().join("tests/browser.py"))
-        .arg(browser)
-        .args(["three/report.html", "three/surface.parquet"].map(|file| place.path(file)))
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}{}",
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let files = ["three/report.html", "three/surface.parquet"].map(|file| place.path(file).into_os_string());
+    python_agrees("browser.py", [browser].into_iter().chain(files));
 }
 
 #[test]
