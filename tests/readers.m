@@ -18,7 +18,7 @@ assert(table(:, 1)', 0:prod(lengths) - 1)
 for column = 1:numel(names)
     name = strrep(names{column}, ".", "_");
     values = loaded.(name);
-    assert(isa(values, "double"), name)
+    assert(isa(values, "double"), "%s is no double", name)
     % Cells are numbered so that the last axis varies fastest; Octave varies the first one fastest.
     for cell = 0:prod(lengths) - 1
         places = num2cell(fliplr(mod(floor(cell ./ [1, cumprod(fliplr(lengths)(1:end - 1))]), fliplr(lengths))) + 1);
@@ -28,7 +28,7 @@ for column = 1:numel(names)
         else
             found = values(places{axis});
         end
-        assert(found, table(cell + 1, column), name)
+        assert(isequaln(found, table(cell + 1, column)), "%s in cell %d", name, cell)
     end
 end
 % As the documents index it.
