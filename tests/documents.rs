@@ -29,7 +29,7 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Component, Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-use common::{Place, TARGETS, repository};
+use common::{Place, TARGETS, named_by, repository};
 
 /// How many commands, jobs and Python blocks there are at the least, so that the test cannot pass by finding none.
 const LEAST_COMMANDS: usize = 70;
@@ -284,10 +284,7 @@ struct Python {
 impl Python {
     /// The interpreter that `make test` sets up; continuous integration insists on it.
     fn start() -> Option<Self> {
-        let Some(python) = std::env::var_os("STICKSLIP_PYTHON") else {
-            assert!(std::env::var_os("CI").is_none(), "STICKSLIP_PYTHON is not set; run `make test`");
-            return None;
-        };
+        let python = named_by("STICKSLIP_PYTHON")?;
         let mut command = Command::new(python);
         command.args(["-c", PYTHON_DRIVER]).env("MPLBACKEND", "agg").env("PATH", path_with_stickslip());
         let mut process = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();

@@ -4,11 +4,9 @@
 
 mod common;
 
-use std::env;
 use std::fs;
-use std::process::Command;
 
-use common::{Place, Table, repository, submitted};
+use common::{Place, Table, named_by, python_agrees, submitted};
 use serde_json::Value;
 
 /// A job with a sharp character in every text of its own.
@@ -77,10 +75,7 @@ seed = 1
 
 #[test]
 fn a_browser_shows_the_numbers_of_the_files() {
-    let (Some(python), Some(browser)) = (env::var_os("STICKSLIP_PYTHON"), env::var_os("STICKSLIP_BROWSER")) else {
-        assert!(env::var_os("CI").is_none(), "STICKSLIP_PYTHON or STICKSLIP_BROWSER is not set; run `make test`");
-        return;
-    };
+    let Some(browser) = named_by("STICKSLIP_BROWSER") else { return };
     let place = Place::new();
     submitted(&place, "three", JOB);
     place.run("report three").done();
@@ -90,18 +85,8 @@ fn a_browser_shows_the_numbers_of_the_files() {
     place.run("compare drawn other --out differences.parquet").done();
     let files =
         ["three/report.html", "three/surface.parquet", "two.html", "drawn/surface.parquet", "differences.parquet"];
-    let output = Command::new(python)
-        .arg(repository().join("tests/browser.py"))
-        .arg(browser)
-        .args(files.map(|file| place.path(file)))
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}{}",
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let files = files.map(|file| place.path(file).into_os_string());
+    python_agrees("browser.py", [browser].into_iter().chain(files));
 }
 
 /// What the script of a report draws.

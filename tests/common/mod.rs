@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -150,6 +151,32 @@ impl Place {
     pub fn surface(&self, run: &str) -> Vec<u8> {
         fs::read(self.path(run).join("surface.parquet")).unwrap()
     }
+}
+
+/// The program that a variable of the environment names, as `make test` sets it. Without it, as on a machine without that
+/// program, a test is left out; in continuous integration it fails then.
+#[track_caller]
+pub fn named_by(variable: &str) -> Option<OsString> {
+    let named = std::env::var_os(variable);
+    assert!(named.is_some() || std::env::var_os("CI").is_none(), "{variable} is not set; run `make test`");
+    named
+}
+
+/// Runs a Python script of this folder and asserts that it succeeds; false where there is no Python, see [`named_by`].
+#[track_caller]
+pub fn python_agrees<I: AsRef<OsStr>>(script: &str, arguments: impl IntoIterator<Item = I>) -> bool {
+    let Some(python) = named_by("STICKSLIP_PYTHON") else { return false };
+    let mut command = Command::new(python);
+    assert_succeeds(command.arg(repository().join("tests").join(script)).args(arguments));
+    true
+}
+
+/// Runs a command and asserts that it succeeds.
+#[track_caller]
+pub fn assert_succeeds(command: &mut Command) {
+    let output = command.output().unwrap();
+    let [stdout, stderr] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
+    assert!(output.status.success(), "{command:?}\n{stdout}{stderr}");
 }
 
 /// The program built with the other profile (debug or release) than this test.
