@@ -29,6 +29,15 @@ fn extent(points: &str) -> [f64; 2] {
     [right.iter().copied().fold(f64::INFINITY, f64::min), right.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
 }
 
+/// The area of a polygon.
+fn surface_of(polygon: &str) -> f64 {
+    let numbers = polygon.split(['M', 'L', ',']).filter(|number| !number.is_empty());
+    let numbers: Vec<f64> = numbers.map(|number| number.parse().unwrap()).collect();
+    let corners: Vec<[f64; 2]> = numbers.chunks(2).map(|pair| [pair[0], pair[1]]).collect();
+    let next = corners.iter().cycle().skip(1);
+    0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs()
+}
+
 /// How far to the right the lines or areas extend whose description has this text, such as a colour.
 fn areas(svg: &str, colour: &str) -> Vec<[f64; 2]> {
     let paths = svg.split("<path d=\"").skip(1).filter(|path| path.split('>').next().unwrap().contains(colour));
@@ -266,6 +275,12 @@ fn a_verdict_map_has_a_panel_for_each_brake_with_its_regions_and_tiles() {
     // Both regions in both panels, each as one path, and in the legend; nothing is undecided.
     assert_eq!(REGIONS.map(|colour| fills(&svg, colour)), [3, 3, 0], "{svg}");
     assert!(!svg.contains(">undecided<"));
+    // A polygon without an area would be a stray line.
+    for path in svg.split("<path d=\"").filter(|path| REGIONS.iter().any(|colour| path.contains(colour))) {
+        for polygon in path.split('"').next().unwrap().split('Z').filter(|polygon| !polygon.trim().is_empty()) {
+            assert!(surface_of(polygon) > 1e-6, "{polygon}");
+        }
+    }
     assert_eq!(svg.matches("<circle").count(), 12, "a dot for each cell");
     // Tiles of an eighth from a kinetic friction of 0.25: for friction up to 0.45 * 1.3 three columns, for preloads up
     // to 0.1 * 1.3 two rows.

@@ -379,7 +379,7 @@ pub struct PlotArguments {
     /// Draw the difference of the probabilities: those of the run minus those of this one, which has the same axes
     #[arg(long, value_name = "RUN_DIR")]
     pub against: Option<PathBuf>,
-    /// Write one file, SVG or PNG by its name [default: surface.svg and surface.png in the run directory, or both beside the file]
+    /// Write one file, SVG or PNG by its name [default: both in the run directory, or beside the file]
     #[arg(long, value_name = "FILE", value_parser = plot_file)]
     pub out: Option<PathBuf>,
     /// Columns of a paper that the figure fills: 1 is 84 mm wide, 2 are 174 mm

@@ -1,4 +1,4 @@
-//! The difference of the probabilities of two runs: filled contours over two axes, curves with their intervals over one.
+//! The difference of the probabilities of two runs: filled contours over two axes, curves with intervals over one.
 
 use kuva::plot::colormap::ColorMap;
 

@@ -96,7 +96,8 @@ impl VerdictMaps {
             (maps.iter().any(|map| !fills_rectangle(map)), "blank: reached by no sample"),
         ]
         .into_iter()
-        .filter_map(|(is_there, note)| is_there.then(|| note.to_owned()))
+        .filter(|(is_there, _)| *is_there)
+        .map(|(_, note)| note.to_owned())
         .collect();
         let layout = Layout { above: ABOVE, right: RIGHT, below: 0.0, aspect: ASPECT, most_columns: usize::MAX };
         let Arrangement { panels, height } = layout.arrange(maps.len(), width);
@@ -129,6 +130,10 @@ fn fills_rectangle(map: &VerdictMap) -> bool {
     let (columns, rows): (BTreeSet<u32>, BTreeSet<u32>) =
         map.tiles().map(|(index, _)| (index.column, index.row)).unzip();
     map.tiles().count() == columns.len() * rows.len()
+}
+
+fn distance(a: Place, b: Place) -> f64 {
+    libm::hypot(a.0 - b.0, a.1 - b.1)
 }
 
 /// The axes of static friction and preload, as far as the tiles of all maps reach.
@@ -192,38 +197,39 @@ impl Plane<'_> {
     /// The parts of a box on the sides of a curve, and what is open between them.
     fn add_crossed(&self, regions: &mut Regions, bounds: &Box2, curve: &BoundaryCurve) {
         let (across, up) = (curve.abscissa, 1 - curve.abscissa);
+        let [floor, ceiling] = [bounds.low[up], bounds.high[up]];
         let at = |abscissa: f64, ordinate: f64| {
             let mut point = [0.0; 2];
             (point[across], point[up]) = (abscissa, ordinate);
             self.place(self.map.inputs(point))
         };
         let corners = self.corners(bounds);
-        let distance = |a: Place, b: Place| libm::hypot(a.0 - b.0, a.1 - b.1);
         let steps = (distance(corners[0], corners[2]) / STEP).clamp(2.0, MOST_STEPS).ceil();
-        let mut sides: [Vec<Place>; 2] = Default::default();
-        let mut is_open = false;
-        for step in 0..=steps as u32 {
-            let share = f64::from(step) / steps;
-            let abscissa = bounds.low[across] + share * (bounds.high[across] - bounds.low[across]);
-            let (below, above) = curve.gap(bounds, abscissa);
-            let [below, above] = [below, above].map(|ordinate| ordinate.clamp(bounds.low[up], bounds.high[up]));
-            let places = [at(abscissa, below), at(abscissa, above)];
-            if distance(places[0], places[1]) >= LEAST_GAP {
-                is_open = true;
-                sides.iter_mut().zip(places).for_each(|(side, place)| side.push(place));
-            } else {
-                let middle = at(abscissa, 0.5 * (below + above));
-                sides.iter_mut().for_each(|side| side.push(middle));
+        // Where the sides of the curve begin and end, along the abscissa.
+        let slices: Vec<[Place; 4]> = (0..=steps as u32)
+            .map(|step| {
+                let share = f64::from(step) / steps;
+                let abscissa = bounds.low[across] + share * (bounds.high[across] - bounds.low[across]);
+                let (below, above) = curve.gap(bounds, abscissa);
+                let [below, above] = [below, above].map(|ordinate| ordinate.clamp(floor, ceiling));
+                let is_closed = distance(at(abscissa, below), at(abscissa, above)) < LEAST_GAP;
+                let middle = 0.5 * (below + above);
+                let [below, above] = if is_closed { [middle, middle] } else { [below, above] };
+                [floor, below, above, ceiling].map(|ordinate| at(abscissa, ordinate))
+            })
+            .collect();
+        for (side, region) in [curve.below.into(), Region::Open, curve.above.into()].into_iter().enumerate() {
+            // Only where it has some width.
+            let is_wide = |slice: &[Place; 4]| distance(slice[side], slice[side + 1]) > 0.0;
+            let is_part = |i: usize| {
+                is_wide(&slices[i]) || (i > 0 && is_wide(&slices[i - 1])) || slices.get(i + 1).is_some_and(is_wide)
+            };
+            let places: Vec<usize> = (0..slices.len()).collect();
+            for part in places.split(|i| !is_part(*i)).filter(|part| part.len() > 1) {
+                let lower = part.iter().map(|&i| slices[i][side]);
+                let upper = part.iter().rev().map(|&i| slices[i][side + 1]);
+                regions.add(region, lower.chain(upper).collect());
             }
-        }
-        let [below, above] = sides;
-        let ends = [bounds.high[across], bounds.low[across]];
-        let floor = ends.map(|end| at(end, bounds.low[up]));
-        let ceiling = ends.map(|end| at(end, bounds.high[up]));
-        regions.add(curve.below.into(), below.iter().copied().chain(floor).collect());
-        regions.add(curve.above.into(), above.iter().copied().chain(ceiling).collect());
-        if is_open {
-            regions.add(Region::Open, below.into_iter().chain(above.into_iter().rev()).collect());
         }
     }
 
