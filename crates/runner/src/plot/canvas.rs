@@ -63,6 +63,11 @@ impl Canvas {
         Self { scene }
     }
 
+    /// Its width and height.
+    pub fn size(&self) -> (f64, f64) {
+        (self.scene.width, self.scene.height)
+    }
+
     /// The plot as SVG.
     pub fn svg(&self) -> Vec<u8> {
         SvgBackend::default().render_scene(&self.scene).into_bytes()

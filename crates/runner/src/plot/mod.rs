@@ -5,8 +5,6 @@
 
 pub mod canvas;
 
-pub mod scale;
-
 pub mod contours;
 
 pub mod levels;
@@ -18,5 +16,7 @@ pub mod axes;
 pub mod values;
 
 pub mod surface;
+
+pub mod chart;
 
 pub mod motion;

@@ -1,13 +1,13 @@
 //! The probability of a run: filled contours over two axes, curves with their intervals over one.
 
 use crate::job::Criterion;
-use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis};
+use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis, is_family};
 use crate::plot::axes::axis;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, WHITE, width_of};
 use crate::plot::contours::Field;
 use crate::plot::levels::{Levels, deviate, label};
 use crate::plot::panel::{Axis, BELOW, LEFT, NORMAL, Panel, SMALL};
-use crate::plot::scale::Scale;
+use crate::picture::scale::Scale;
 use crate::plot::values::Values;
 
 /// Space above a panel for its title, at the right of the last panel, and for the colour bar.
@@ -21,10 +21,6 @@ const CURVE_ASPECT: f64 = 0.6;
 
 /// Least width of a panel.
 const LEAST_WIDTH: f64 = 150.0;
-
-/// Most values of the second axis that become curves in one panel, and the least number of values of a curve.
-const MOST_CURVES: usize = 6;
-const LEAST_POINTS: usize = 10;
 
 const LINE: Pen = Pen::new(BLACK, 1.0);
 const HATCH: Pen = Pen::new(GREY, 0.5);
@@ -46,11 +42,6 @@ pub fn figure(values: &Values, width: f64) -> Canvas {
         }
         (_, along) => curves(values, &view, along.unwrap_or(&ViewAxis::single()), None, false, width),
     }
-}
-
-/// Whether two axes make some curves, and not a surface: one for each value of the first.
-fn is_family(several: &ViewAxis, along: &ViewAxis) -> bool {
-    several.values.len() <= MOST_CURVES && along.values.len() >= LEAST_POINTS
 }
 
 /// Where the panels of a figure lie, and its size.

@@ -19,7 +19,8 @@ use crate::plot::levels::Levels;
 use crate::plot::values::Values;
 
 const PAGE: &str = include_str!("page.html");
-const STYLE: &str = include_str!("style.css");
+/// The style of pages, light and dark.
+pub const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 
 /// The cartesian bundle of plotly.js, see `plotly-license.txt` beside it.
@@ -141,12 +142,12 @@ fn facts(values: &Values, run: &Path) -> String {
 }
 
 /// What of the preset is not printed in the paper.
-fn reconstructed() -> &'static str {
+pub fn reconstructed() -> &'static str {
     "<p class=\"note\">The preset sui-ding-2018 is reconstructed from the printed results of Sui and Ding (2018, \
      doi 10.1007/s11071-018-4280-4) where the paper does not print a parameter.</p>"
 }
 
 /// Text for HTML.
-fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -3,6 +3,10 @@
 /// Least ratio of the ends of an axis that is drawn logarithmically.
 const LEAST_RATIO: f64 = 10.0;
 
+/// Space around a range, over the range, and the least range of values, over the largest of them.
+const SPACE: f64 = 0.05;
+const LEAST_SPAN: f64 = 1e-6;
+
 /// The scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
@@ -25,6 +29,27 @@ impl Scale {
         // An axis of one value is as wide as the value.
         let around = if from == to { if from == 0.0 { 1.0 } else { 0.5 * from.abs() } } else { 0.0 };
         Self { from: from - around, to: to + around, is_logarithmic: false }
+    }
+
+    /// From one positive value to another, equal ratios as equal distances.
+    pub fn logarithmic(from: f64, to: f64) -> Self {
+        Self { from: from.min(to), to: from.max(to), is_logarithmic: true }
+    }
+
+    /// The range of values with some space around it. Values that hardly differ are drawn as one.
+    pub fn around(values: impl Iterator<Item = f64>) -> Self {
+        let known = values.filter(|value| value.is_finite());
+        let (low, high) =
+            known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        if low > high {
+            return Self::linear(0.0, 1.0);
+        }
+        if high - low <= LEAST_SPAN * low.abs().max(high.abs()) {
+            let middle = 0.5 * (low + high);
+            return Self::linear(middle, middle);
+        }
+        let space = SPACE * (high - low);
+        Self::linear(low - space, high + space)
     }
 
     /// The scale that the values of an axis of a job were made with: logarithmic where neighbours have one ratio.

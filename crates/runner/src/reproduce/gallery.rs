@@ -1,0 +1,132 @@
+//! The gallery: every reproduced table and figure beside what the paper prints, as one HTML file that needs nothing else.
+
+use super::of_run;
+use super::part::{Part, Table};
+use super::printed::{name, statements};
+use crate::failure::Failure;
+use crate::output::without_colours;
+use crate::plot::canvas::Canvas;
+use crate::plot::chart;
+use crate::report::{STYLE, escaped, reconstructed};
+use crate::target::Target;
+
+const PAGE: &str = include_str!("gallery.html");
+const OWN_STYLE: &str = include_str!("gallery.css");
+
+/// Width of pictures, pixels: so wide that their text can be read on a telephone.
+const CHART_WIDTH: f64 = 400.0;
+const SURFACE_WIDTH: f64 = 460.0;
+
+/// A target and what it shows.
+pub struct Section {
+    pub target: Target,
+    pub parts: Vec<Part>,
+}
+
+/// The page; the scoreboard comes first.
+///
+/// # Errors
+/// A run whose surface cannot be read.
+pub fn page(sections: &[Section]) -> Result<String, Failure> {
+    let mut ordered: Vec<&Section> = sections.iter().collect();
+    ordered.sort_by_key(|section| section.target != Target::Scoreboard);
+    let contents = ordered.iter().map(|section| {
+        let target = section.target;
+        format!("<li><a href=\"#{}\">{}</a></li>", target.name(), escaped(name(target)))
+    });
+    let mut all = String::new();
+    for section in &ordered {
+        all += &html(section)?;
+    }
+    let parts = [
+        ("style", format!("{STYLE}{OWN_STYLE}")),
+        ("reconstructed", reconstructed().to_owned()),
+        ("contents", contents.collect()),
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        // Last, so that nothing in it is taken for a place of another part.
+        ("sections", all),
+    ];
+    let mut page = PAGE.to_owned();
+    for (place, text) in parts {
+        page = page.replacen(&format!("{{{{{place}}}}}"), &text, 1);
+    }
+    Ok(page)
+}
+
+fn html(section: &Section) -> Result<String, Failure> {
+    let target = section.target;
+    let mut ours = String::new();
+    let mut pictures = String::new();
+    let mut words = String::new();
+    let mut tables = String::new();
+    for part in &section.parts {
+        match part {
+            Part::Chart(chart) => {
+                let text = chart.description();
+                pictures += &figure(&chart::figure(&[chart], CHART_WIDTH), "curves", &text, &part.shown());
+            }
+            Part::Surface { shaded, run } => {
+                let text = shaded.lines().next().unwrap_or_default();
+                pictures += &figure(&of_run(run, SURFACE_WIDTH)?, "surface", text, shaded);
+            }
+            Part::Table(table) => tables += &html_table(table),
+            Part::Text(text) if !text.trim().is_empty() => words += &format!("{}\n", text.trim_matches('\n')),
+            Part::Text(_) => {}
+        }
+    }
+    if !pictures.is_empty() {
+        ours += &format!("<div class=\"pictures\">{pictures}</div>\n");
+    }
+    ours += &tables;
+    if !words.is_empty() {
+        ours += &format!("<pre tabindex=\"0\" aria-label=\"Numbers\">{}</pre>\n", escaped(words.trim_end()));
+    }
+    let id = target.name();
+    let said: String = statements(target).iter().map(|text| format!("<li>{}</li>", escaped(text))).collect();
+    let body = if said.is_empty() {
+        ours
+    } else {
+        format!(
+            "<div class=\"beside\"><div class=\"ours\">\n{ours}</div>\n<aside class=\"printed\" aria-label=\"In the paper\">\
+             <h3>In the paper</h3><ul>{said}</ul></aside></div>\n"
+        )
+    };
+    let heading = escaped(name(target));
+    Ok(format!("<section id=\"{id}\" aria-labelledby=\"{id}-heading\">\n<h2 id=\"{id}-heading\">{heading}</h2>\n{body}</section>\n"))
+}
+
+/// A picture with its text behind it.
+fn figure(canvas: &Canvas, kind: &str, description: &str, text: &str) -> String {
+    let svg = String::from_utf8_lossy(&canvas.svg()).into_owned();
+    let (width, height) = canvas.size();
+    let opening = format!(
+        "<svg role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {width:.0} {height:.0}\" ",
+        escaped(&without_colours(description))
+    );
+    let svg = svg.replacen("<svg ", &opening, 1);
+    let text = escaped(without_colours(text).trim_matches('\n'));
+    format!(
+        "<figure class=\"{kind}\">{svg}<details><summary>As text</summary><p>{}</p><pre tabindex=\"0\">{text}</pre></details></figure>\n",
+        escaped(&without_colours(description))
+    )
+}
+
+fn html_table(table: &Table) -> String {
+    let headings: String =
+        table.headings.iter().map(|heading| format!("<th scope=\"col\">{}</th>", escaped(heading))).collect();
+    let cell = |(column, text): (usize, &String)| {
+        let class = match text.as_str() {
+            "MISS" => " class=\"miss\"",
+            _ if column >= table.at_terminal => " class=\"words\"",
+            _ => "",
+        };
+        format!("<td{class}>{}</td>", escaped(text))
+    };
+    let row = |row: &Vec<String>| format!("<tr>{}</tr>\n", row.iter().enumerate().map(cell).collect::<String>());
+    let caption =
+        if table.title.is_empty() { String::new() } else { format!("<caption>{}</caption>", escaped(&table.title)) };
+    format!(
+        "<div class=\"tables\" tabindex=\"0\"><table>{caption}<thead><tr>{headings}</tr></thead>\n<tbody>{}</tbody></table></div>\n",
+        table.rows.iter().map(row).collect::<String>()
+    )
+}
