@@ -4,7 +4,7 @@ CARGO  ?= cargo
 PYTHON ?= python3
 STICKSLIP = target/release/stickslip
 
-.PHONY: run test check bench bench-peers validity coverage clean
+.PHONY: run test check docs-pictures bench bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -44,6 +44,15 @@ check:
 	$(CARGO) test --locked --quiet -p stickslip-core --test structure
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
+
+# The figures of docs/reproduction.md, drawn by the program. Figure 14b, which takes minutes, is left out.
+PICTURES = fig4 fig5 fig6 fig7 fig8 fig9 fig10 fig11 fig12 fig13 fig14a fig14c fig14d fig15a fig15b external
+
+docs-pictures:
+	$(CARGO) build --locked --release
+	$(STICKSLIP) reproduce $(PICTURES) --out target/pictures > /dev/null
+	mkdir -p docs/figures
+	for name in $(PICTURES); do cp "target/pictures/$$name/$$name.svg" docs/figures/ || exit 1; done
 
 # One line for each figure: name, value, unit.
 bench:

@@ -195,6 +195,12 @@ fn table(
     text + "\n"
 }
 
+/// A name at the beginning of a title.
+fn capitalised(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// A number in five characters.
 fn narrow(value: f64) -> String {
     let plain = value == 0.0 || (1e-3..1e5).contains(&value.abs());
@@ -295,7 +301,7 @@ fn curves(
     }
     let job = surface.job();
     let title = format!("Probability of instability{}", slice.title(job));
-    let horizontal = ChartAxis::new(&along.name, "", Scale::of(&along.values));
+    let horizontal = ChartAxis::new(&capitalised(along.key()), along.unit(), Scale::of(&along.values));
     let vertical = ChartAxis::new("P", "", Scale::linear(0.0, top));
     let note = if job.is_integrated() {
         "   shaded: bounds of the integral\n\n".to_owned()

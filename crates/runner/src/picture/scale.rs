@@ -90,7 +90,9 @@ impl Scale {
         let step = step.into_iter().find(|step| *step >= rough * (1.0 - 1e-9)).unwrap_or(10.0 * decade);
         let largest = self.from.abs().max(self.to.abs());
         let power = libm::log10(largest).floor() as i32;
-        let power = if (-2..4).contains(&power) { 0 } else { 3 * power.div_euclid(3) };
+        // Small steps would have long labels.
+        let is_small = power == -2 && step < 0.0099;
+        let power = if (-2..4).contains(&power) && !is_small { 0 } else { 3 * power.div_euclid(3) };
         let unit = power_of_ten(power);
         let decimals = (0..12).find(|&decimals| {
             let scaled = step / unit * power_of_ten(decimals);
@@ -169,6 +171,7 @@ mod tests {
             (-1.0, 1.0, 4, vec!["-1.0", "-0.5", "0.0", "0.5", "1.0"], 0),
             (1e7, 5e7, 4, vec!["10", "20", "30", "40", "50"], 6),
             (2e-4, 8e-4, 3, vec!["200", "400", "600", "800"], -6),
+            (-0.01, 0.015, 5, vec!["-10", "-5", "0", "5", "10", "15"], -3),
         ] {
             let (labels, found) = labels(Scale::linear(from, to), most);
             assert!(labels.len() <= most + 1, "{from} to {to}: {labels:?}");

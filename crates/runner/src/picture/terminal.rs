@@ -90,10 +90,10 @@ impl Area {
         }
     }
 
-    /// Every second dot between two heights.
+    /// Every fourth dot between two heights, so that a curve stands out from its band.
     fn shade(&mut self, x: usize, from: usize, to: usize, series: usize) {
         for y in from.min(to)..=from.max(to) {
-            if (x + y).is_multiple_of(2) {
+            if x.is_multiple_of(2) && (x / 2 + y).is_multiple_of(2) {
                 self.set((x, y), series);
             }
         }
@@ -153,6 +153,13 @@ fn symbols(area: &mut Area, chart: &Chart, number: usize) {
             }
             previous = is_own;
         }
+    }
+    // A steep curve may pass between all of these columns.
+    let is_named = area.characters.iter().any(|c| c.series == Some(number) && c.symbol.is_some());
+    let own = |c: &&mut Character| c.series == Some(number) && c.dots != 0 && c.symbol.is_none();
+    let count = area.characters.iter_mut().filter(own).count();
+    if let (false, Some(middle)) = (is_named, area.characters.iter_mut().filter(own).nth(count / 2)) {
+        middle.symbol = Some(chart.series[number].symbol);
     }
 }
 
@@ -266,4 +273,93 @@ fn legend(chart: &Chart) -> String {
         text += &format!("   {style}┊{style:#} {}: {}\n", marks.what, listed(&marks.values));
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::without_colours;
+    use crate::picture::chart::{ChartAxis, Marks, Series};
+    use crate::picture::scale::Scale;
+
+    fn chart(series: Vec<Series>) -> Chart {
+        let axis = |name, unit| ChartAxis::new(name, unit, Scale::linear(-1.0, 1.0));
+        Chart::new("Title", axis("Time t", "ms"), axis("x", "mm"), series)
+    }
+
+    #[test]
+    fn every_line_fits_the_terminal_and_has_its_axes() {
+        let names = ["a long name of a first curve", "another long name of a curve", "and a third one of them"];
+        let series = names.iter().enumerate().map(|(i, name)| {
+            let slope = 0.3 * (i as f64 + 1.0);
+            Series::numbered(i, (*name).to_owned(), vec![(-1.0, -slope), (1.0, slope)])
+        });
+        let mut chart = chart(series.collect());
+        chart.has_zero_line = true;
+        chart.marks = Some(Marks { what: "printed".to_owned(), values: vec![0.5] });
+        let text = without_colours(&drawn(&chart));
+        for line in text.lines() {
+            assert!(line.chars().count() <= WIDTH, "{line}");
+        }
+        for part in [" x, mm", "Time t, ms", "0.5 ┤", "-1.0 ┤", "┬", "┊ printed: 0.5", "╌", "1 a long name"] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        for symbol in ["1", "2", "3"] {
+            let area = text.lines().skip(2).take(ROWS);
+            assert!(area.filter(|line| line[LABEL..].contains(symbol)).count() >= 1, "{symbol}: {text}");
+        }
+    }
+
+    #[test]
+    fn dots_are_where_the_points_are() {
+        let mut point = Series::line(vec![(-1.0, 1.0), (1.0, -1.0), (5.0, 0.0), (f64::NAN, 0.0)]);
+        point.form = Form::Points;
+        let text = without_colours(&drawn(&chart(vec![point])));
+        let rows: Vec<&str> = text.lines().skip(2).take(ROWS).collect();
+        assert!(rows[0].ends_with("┤\u{2801}"), "{text}");
+        assert!(rows[ROWS - 1].ends_with('\u{2880}'), "{text}");
+        let drawn = text.chars().filter(|c| ('\u{2801}'..='\u{28ff}').contains(c)).count();
+        assert_eq!(drawn, 2, "what lies outside is left out: {text}");
+    }
+
+    #[test]
+    fn a_straight_line_has_no_gaps() {
+        let text = without_colours(&drawn(&chart(vec![Series::line(vec![(-1.0, 0.5), (1.0, 0.5)])])));
+        let row = text.lines().find(|line| line.contains('⠤') || line.contains('⠒') || line.contains('⠉'));
+        let row = row.unwrap_or_else(|| panic!("{text}"));
+        assert_eq!(row.chars().filter(|c| ('\u{2801}'..='\u{28ff}').contains(c)).count(), COLUMNS, "{text}");
+    }
+
+    #[test]
+    fn curves_have_colours_of_their_own() {
+        let line = |number| Series::numbered(number, "c".to_owned(), vec![(-1.0, 0.1 * number as f64), (1.0, 0.9)]);
+        let text = drawn(&chart(vec![line(0), line(5)]));
+        assert!(text.contains("\u{1b}[36m") && text.contains("\u{1b}[31m"), "{text:?}");
+        assert!(!without_colours(&text).contains('\u{1b}'));
+    }
+
+    #[test]
+    fn a_band_is_lighter_than_its_curve() {
+        let mut series = Series::line(vec![(-1.0, 0.0), (1.0, 0.0)]);
+        series.band = vec![(-0.5, 0.5); 2];
+        let with = drawn(&chart(vec![series.clone()]));
+        series.band.clear();
+        let without = drawn(&chart(vec![series]));
+        let dots = |text: &str| -> u32 {
+            let braille = text.chars().filter(|c| ('\u{2801}'..='\u{28ff}').contains(c));
+            braille.map(|c| (c as u32 & 0xff).count_ones()).sum()
+        };
+        let (band, curve) = (dots(&with) - dots(&without), dots(&without));
+        assert_eq!(curve as usize, ACROSS * COLUMNS);
+        assert!(band > 4 * curve && band < 12 * curve, "{band} {curve}");
+    }
+
+    #[test]
+    fn a_constant_curve_has_an_axis_with_different_labels() {
+        let mut chart = chart(vec![Series::line(vec![(-1.0, 0.008), (1.0, 0.008)])]);
+        chart.vertical.scale = Scale::around([0.008, 0.008 + 1e-12].into_iter());
+        let text = without_colours(&drawn(&chart));
+        let labels: Vec<&str> = text.lines().filter_map(|line| line.split_once('┤').map(|pair| pair.0)).collect();
+        assert!(labels.len() >= 3 && labels.windows(2).all(|pair| pair[0] != pair[1]), "{text}");
+    }
 }

@@ -47,7 +47,7 @@ pub fn figure(charts: &[&Chart], width: f64) -> Canvas {
     // Panels side by side begin at one height.
     let heads: Vec<f64> = legends
         .chunks(columns)
-        .map(|row| ABOVE + LINE_HEIGHT * (1 + row.iter().map(Vec::len).max().unwrap_or(0)) as f64)
+        .map(|row| 2.0 * ABOVE + LINE_HEIGHT * (1 + row.iter().map(Vec::len).max().unwrap_or(0)) as f64)
         .collect();
     let height: f64 = heads.iter().map(|head| head + panel_height + BELOW).sum();
     let mut canvas = Canvas::new(width, height + 4.0);
@@ -126,10 +126,15 @@ fn draw(canvas: &mut Canvas, panel: &Panel, chart: &Chart) {
     if let Some(zero) = chart.zero() {
         canvas.line(place((0.0, zero)), place((1.0, zero)), Pen::new(GREY, 0.8));
     }
+    let mut free_from = panel.left;
     for (value, at) in chart.marked() {
         canvas.dashes(&[place((at, 0.0)), place((at, 1.0))], Pen::new(GREY, 0.8));
+        // The legend has them all, also where there is no room for a label.
         let (x, y) = place((at, 1.0));
-        canvas.text((x - 3.0, y + 4.0), &rounded(value), SMALL - 3, Side::Left, -90.0, GREY);
+        if x - f64::from(SMALL) >= free_from {
+            canvas.text((x - 3.0, y + 4.0), &rounded(value), SMALL - 3, Side::Left, -90.0, GREY);
+            free_from = x;
+        }
     }
     for (number, series) in chart.series.iter().enumerate() {
         for piece in chart.bands(series) {

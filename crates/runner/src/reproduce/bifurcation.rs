@@ -34,7 +34,7 @@ pub fn diagram(directory: &Path) -> Result<Vec<Part>, Failure> {
     let scales = preset.scales();
     let mut columns = [const { Vec::new() }; 6];
     let mut parts = vec![Part::text(
-        "Figure 6: bifurcation diagram of the tangential motion, preload 0.1: largest and smallest x at each speed\n\n",
+        "Figure 6: bifurcation diagram of the tangential motion, preload 0.1\nlargest and smallest x at each speed\n\n",
     )];
     let mut boundaries = String::new();
     for (name, disc) in [("rigid", DiscModel::Rigid), ("flexible", DiscModel::Flexible { modes: DISC_MODES })] {
@@ -72,9 +72,9 @@ pub fn diagram(directory: &Path) -> Result<Vec<Part>, Failure> {
         parts.push(Part::chart(sweeps(title, &down, &up)));
     }
     let mut text = boundaries;
-    text += "the paper prints 15.56 (Hopf) and 30 (saddle-node). On the way down growth takes its time\n\
-        beyond the boundary; on the way up each step of the speed disturbs the motion, and just below\n\
-        the saddle-node little is enough.\n";
+    text += "the paper prints 15.56 (Hopf) and 30 (saddle-node). On the way down growth takes its\n\
+        time beyond the boundary; on the way up each step of the speed disturbs the motion,\n\
+        and just below the saddle-node little is enough.\n";
     let [flexible, direction, speeds, largest, smallest, stick] = columns;
     let millimetres = |values: &[f64]| values.iter().map(|&x| scales.millimetres(x)).collect::<Vec<f64>>();
     let (largest_mm, smallest_mm) = (millimetres(&largest), millimetres(&smallest));

@@ -126,7 +126,7 @@ impl Oscillator {
             row.estimate.probability == Some(f64::from(u8::from(sticks)))
         });
         format!(
-            "  released from stick in the time domain (jobs/{}.toml): stick-slip up to its end, none above: {}\n",
+            "  released from stick in the time domain (jobs/{}.toml):\n  stick-slip up to its end, none above: {}\n",
             self.name,
             holds(is_right)
         )
@@ -177,9 +177,9 @@ pub fn oscillators(
 /// The share of the window that ends in steady sliding, exact and by random starts.
 fn shares(run: &FinishedRun) -> Result<[Part; 3], Failure> {
     let introduction = format!(
-        "Share of initial states on [-2, 2] x [0, 2] that end in steady sliding: the authors'\n\
-         toolbox, {THEIR_STARTS} random states each; the area inside the unstable cycle by SciPy; the\n\
-         same here; and jobs/bstab.toml, as many random states each\n\n"
+        "Share of initial states on [-2, 2] x [0, 2] that end in steady sliding: the\n\
+         authors' toolbox, {THEIR_STARTS} random states each; the area inside the unstable cycle\n\
+         by SciPy; the same here; and jobs/bstab.toml, as many random states each\n\n"
     );
     let mut rows = Vec::new();
     let (mut largest_difference, mut largest_z, mut our_largest_z, mut slow_z) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0);
@@ -218,7 +218,7 @@ fn shares(run: &FinishedRun) -> Result<[Part; 3], Failure> {
     let mut text = format!(
         "\n  s.e.: standard errors of the share\n\
          \x20 areas within {AREA_TOLERANCE} of SciPy's: {}; none at 1.1 and all at 1.85: {}\n\
-         \x20 authors' shares within {LARGEST_Z} standard errors of the area, {SLOW} apart: {}, at most {largest_z:.1}\n\
+         \x20 authors' shares within {LARGEST_Z} s.e. of the area, {SLOW} apart: {}, at most {largest_z:.1}\n\
          \x20 shares of jobs/bstab.toml within {LARGEST_Z}: {}, at most {our_largest_z:.1}\n",
         holds(largest_difference <= AREA_TOLERANCE),
         holds(ends_hold),
@@ -227,9 +227,10 @@ fn shares(run: &FinishedRun) -> Result<[Part; 3], Failure> {
     );
     text += &format!(
         "  At {SLOW} the authors' share is {:.1} standard errors low. Small motions decay there\n  \
-         with the time constant {:.0}, those near the unstable cycle more slowly still, and their\n  \
-         simulation ends at t = 500. With this horizon {undecided_when_slow} of our states are undecided there:\n  \
-         swings that shrink or grow decide, and the return map where swings hardly differ.\n\n",
+         with the time constant {:.0}, those near the unstable cycle more slowly still, and\n  \
+         their simulation ends at t = 500. With this horizon {undecided_when_slow} of our states are\n  \
+         undecided there: swings that shrink or grow decide, and the return map where\n  \
+         swings hardly differ.\n\n",
         -slow_z,
         -1.0 / BSTAB.at(SLOW)?.growth_rate(),
     );

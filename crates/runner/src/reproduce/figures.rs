@@ -72,7 +72,8 @@ pub fn growth_rates(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
     chart.has_zero_line = true;
     chart.marks = Some(Marks { what: "critical speeds".to_owned(), values: crossings });
     text += &format!(
-        "above zero steady sliding is unstable; towards slow speeds the curves go on up to {highest:.1}\n\
+        "above zero steady sliding is unstable; towards slow speeds the curves go on\n\
+         up to {highest:.1}\n\
          the floor at -0.02 is the angular motion, which no speed changes\n\
          the paper prints 15.56 for preload 0.1\n"
     );

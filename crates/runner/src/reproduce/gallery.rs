@@ -79,7 +79,7 @@ fn html(section: &Section) -> Result<String, Failure> {
     }
     ours += &tables;
     if !words.is_empty() {
-        ours += &format!("<pre tabindex=\"0\" aria-label=\"Numbers\">{}</pre>\n", escaped(words.trim_end()));
+        ours += &format!("<pre class=\"words\">{}</pre>\n", escaped(words.trim_end()));
     }
     let id = target.name();
     let said: String = statements(target).iter().map(|text| format!("<li>{}</li>", escaped(text))).collect();

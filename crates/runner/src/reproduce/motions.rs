@@ -74,7 +74,7 @@ pub fn figure(target: Target, directory: &Path) -> Result<Vec<Part>, Failure> {
         Target::Fig8 => {
             let panel = panel("steady-sliding-35", 35.0, Start::Rest);
             let title = "Figure 8: the brake settles to steady sliding at 35 rad/s (start: rest)\n\n";
-            relative_motion(directory, &scales, title, &panel, 0.0..150.0)?
+            relative_motion(directory, &scales, title, &panel, 0.0..60.0)?
         }
         _ => {
             let panel = panel("stick-slip-10", 10.0, Start::Rest);
@@ -87,7 +87,14 @@ pub fn figure(target: Target, directory: &Path) -> Result<Vec<Part>, Failure> {
 }
 
 /// A quantity of a motion over scaled time, within a part of it.
-pub fn history(title: &str, name: &str, unit: &str, motion: &Trajectory, drawn: &Range<f64>, value: Quantity) -> Chart {
+pub fn history(
+    title: &str,
+    name: &str,
+    unit: &str,
+    motion: &Trajectory,
+    drawn: &Range<f64>,
+    value: impl Fn(&Moment) -> f64,
+) -> Chart {
     let shown = motion.moments.iter().filter(|moment| drawn.contains(&moment.time));
     let points: Vec<(f64, f64)> = shown.map(|moment| (moment.time, value(moment))).collect();
     Chart::new(
@@ -145,7 +152,7 @@ fn phase_portraits(directory: &Path, scales: &Scales) -> Result<Vec<Part>, Failu
 fn tangential_motion(directory: &Path, scales: &Scales) -> Result<Vec<Part>, Failure> {
     let mut parts = vec![Part::text("Figure 7: tangential motion of the pad, preload 0.1\n\n")];
     for (panel, what, drawn) in [
-        (panel("a-35", 35.0, Start::Rest), "a: 35 rad/s from rest: a stable focus", 150.0),
+        (panel("a-35", 35.0, Start::Rest), "a: 35 rad/s from rest: a stable focus", 60.0),
         (panel("b-10", 10.0, Start::NearEquilibrium), "b: 10 rad/s from near the equilibrium: a limit cycle", 60.0),
     ] {
         let trajectory = panel.trajectory()?;

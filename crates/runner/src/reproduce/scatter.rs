@@ -79,8 +79,8 @@ pub fn scattered_input(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
     let mut parts = vec![
         Part::chart(chart),
         Part::text(format!(
-            "{} samples of one cell for each standard deviation; their shares of the bins differ from those of\n\
-             the normal distribution by at most {largest_difference:.4}\n\n",
+            "{} samples of one cell for each standard deviation; the shares of the bins\n\
+             differ from those of the normal distribution by at most {largest_difference:.4}\n\n",
             job.sampling.samples
         )),
     ];

@@ -34,8 +34,8 @@ pub fn scoreboard() -> Result<Vec<Part>, Failure> {
         With 16.56, Table 3 and the range of Table 2 cannot both hold. The pad frequency\n\
         (0.23 Hz) and the amplitude (0.02) contradict each other: no radius b gives both,\n\
         ours is the compromise.\n";
-    text += "\nTwo friction oscillators that others published (see reproduce external); nothing was\n\
-        fitted to them.\n\n";
+    text += "\nTwo friction oscillators that others published (see reproduce external); nothing\n\
+        was fitted to them.\n\n";
     Ok(vec![
         Part::text(introduction),
         Part::Table(score::table("", "printed in the paper", "paper", "our set", &scores)),

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use stickslip_core::motion::moment::Moment;
 use stickslip_core::motion::start::Start;
 use stickslip_core::rigid_disc::pad_on_disc::Scales;
 use stickslip_core::trajectory::recording::Trajectory;
@@ -76,8 +77,8 @@ impl Shown<'_> {
         let mut chart = Chart::new(
             self.title,
             ChartAxis::new(
-                &format!("Frequency in scaled time (1 Hz is {})", frequency(scales.hertz(1.0))),
-                "Hz",
+                &format!("Frequency, Hz of scaled time (1 Hz is {})", frequency(scales.hertz(1.0))),
+                "",
                 Scale::linear(0.0, self.highest),
             ),
             ChartAxis::new(
@@ -202,7 +203,11 @@ fn of_disc(directory: &Path, scales: &Scales) -> Result<Vec<Part>, Failure> {
         ("d: a quarter of the width from the clamped edge", |m| m.deflection.1),
     ];
     for (what, value) in drawn {
-        parts.push(Part::chart(history(what, "Deflection over h", "", &trajectory, &late, value)));
+        let values: Vec<f64> = trajectory.moments.iter().filter(|m| late.contains(&m.time)).map(value).collect();
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let what = format!("{what}, about its mean of {mean:.3e}");
+        let deviation = |moment: &Moment| value(moment) - mean;
+        parts.push(Part::chart(history(&what, "Deflection over h - mean", "", &trajectory, &late, deviation)));
     }
     let mut text = format!(
         "{SPECTRAL_MODES} disc modes are kept here, those of lowest frequency. The disc starts deflected as in\n\
