@@ -1,6 +1,6 @@
 //! Drawings of surfaces, curves and motions for the terminal, and the charts that plots draw too.
 
-use crate::output::counted;
+use crate::output::{counted, wrapped};
 use crate::picture::chart::{Chart, ChartAxis, Form, Series};
 use crate::picture::scale::Scale;
 use crate::picture::terminal::drawn;
@@ -80,8 +80,10 @@ pub fn drawings(surface: &Surface<'_>) -> Vec<Drawing> {
 }
 
 fn of_slice(surface: &Surface<'_>, view: &GridView, slice: &Slice<'_>) -> Vec<Drawing> {
-    let titled =
-        |text: String| vec![Drawing::Text(format!("Probability of instability{}\n\n{text}", slice.title(surface.job())))];
+    let titled = |text: String| {
+        let title = format!("Probability of instability{}", slice.title(surface.job()));
+        vec![Drawing::Text(format!("{}\n{text}", wrapped(&title)))]
+    };
     let (vertical, horizontal) = match (view.vertical(), view.horizontal()) {
         (Some(vertical), Some(horizontal)) => (vertical, horizontal),
         (None, Some(axis)) if axis.values.len() > MOST_BARS => {
@@ -108,6 +110,7 @@ fn of_slice(surface: &Surface<'_>, view: &GridView, slice: &Slice<'_>) -> Vec<Dr
 fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
     let mut text = "Smallest and largest probability of the other slices\n\n".to_owned();
     let length = |axis: Option<&ViewAxis>| axis.map_or(1, |axis| axis.values.len());
+    let has_one_scatter = surface.job().grid.relative_std.len() == 1;
     for number in MOST_SLICES..slices.min(MOST_PANELS) {
         let slice = view.slice(number);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -118,9 +121,10 @@ fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
                 }
             }
         }
-        let range = if low <= high { format!("{} to {}", label(low), label(high)) } else { "unknown".to_owned() };
+        let range = if low <= high { format!("{} to {}", label(low), label(high).trim()) } else { "unknown".to_owned() };
         let title = slice.title(surface.job());
-        text += &format!("  {range:<20}  {}\n", title.trim_start_matches([' ', ';']));
+        let title = if has_one_scatter { title.split(';').next().unwrap_or_default() } else { &title };
+        text += &format!("{range:<20}  {}\n", title.trim_start_matches([' ', ';']));
     }
     if slices > MOST_PANELS {
         text += &format!("... and {} in the file\n", counted((slices - MOST_PANELS) as u128, "more slice", "more slices"));

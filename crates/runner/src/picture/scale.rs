@@ -45,8 +45,9 @@ impl Scale {
             return Self::linear(0.0, 1.0);
         }
         if high - low <= LEAST_SPAN * low.abs().max(high.abs()) {
-            let middle = 0.5 * (low + high);
-            return Self::linear(middle, middle);
+            // Not quite in the middle, which lies between two dots of a terminal: a constant would waver there.
+            let Self { from, to, .. } = Self::linear(low, low);
+            return Self { from, to: to + 0.02 * (to - from), is_logarithmic: false };
         }
         let space = SPACE * (high - low);
         Self::linear(low - space, high + space)

@@ -5,6 +5,7 @@
 
 use anstyle::{AnsiColor, Style};
 
+use crate::output::wrapped;
 use crate::picture::chart::{Chart, Form, Share, listed};
 
 /// Size of the area in characters.
@@ -133,7 +134,7 @@ pub fn drawn(chart: &Chart) -> String {
         (0..chart.series.len()).for_each(|number| symbols(&mut area, chart, number));
     }
     rulers(&mut area, chart);
-    let mut text = if chart.title.is_empty() { String::new() } else { format!("{}\n", chart.title) };
+    let mut text = wrapped(&chart.title);
     text += &framed(&area, chart);
     text += &legend(chart);
     text + "\n"
