@@ -93,7 +93,9 @@ fn a_motion_is_drawn_from_its_file() {
         .done();
     assert_eq!(place.run("plot motion.parquet").done().stdout, "motion.svg\nmotion.png\n");
     let svg = fs::read_to_string(place.path("motion.svg")).unwrap();
-    for text in ["Time t (", "Tangential displacement x (", "Tangential velocity x′ (", "Friction force (", "Contact force ("] {
+    for text in
+        ["Time t (", "Tangential displacement x (", "Tangential velocity x′ (", "Friction force (", "Contact force ("]
+    {
         assert!(svg.contains(text), "{text}");
     }
     for text in ["Spectrum of x in the second half", "Frequency (", "Amplitude of x (mm)"] {

@@ -89,7 +89,9 @@ fn the_gallery_has_every_number_of_the_scoreboard_and_needs_nothing_else() {
     assert!(told.ends_with("\ngallery: all/gallery.html\n"), "{told}");
     let page = fs::read_to_string(place.path("all/gallery.html")).unwrap();
     assert!(page.len() < 1_000_000, "{} bytes", page.len());
-    for text in ["15.56", "19.257", "critical speeds", "In the paper", "not print a parameter", "<table>", "role=\"img\""] {
+    for text in
+        ["15.56", "19.257", "critical speeds", "In the paper", "not print a parameter", "<table>", "role=\"img\""]
+    {
         assert!(page.contains(text), "{text}");
     }
     // Each section once, and each picture with words.
@@ -116,7 +118,10 @@ fn the_gallery_has_every_number_of_the_scoreboard_and_needs_nothing_else() {
     for row in rows {
         let cells = row.split("  ").map(str::trim).filter(|cell| !cell.is_empty());
         for cell in cells {
-            assert!(page.contains(&format!(">{cell}</td>")) || page.contains(&format!("  {cell}</td>")), "{cell}: {row}");
+            assert!(
+                page.contains(&format!(">{cell}</td>")) || page.contains(&format!("  {cell}</td>")),
+                "{cell}: {row}"
+            );
         }
     }
     assert!(page.contains("constrains c_x"));

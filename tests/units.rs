@@ -408,6 +408,7 @@ fn figures_carry_si_beside_the_papers_axes() {
     let printed = place.run("reproduce scoreboard").done().stdout;
     assert!(printed.contains("Our disc frequencies are 3.224 kHz, 21.03 kHz, 60.36 kHz."), "{printed}");
     let printed = place.run("reproduce table3").done().stdout;
-    let expected = "in SI: the disc passes the pad at 2.160 m/s;\n    the preload is 2.000 mm, 35.10 kN of contact force";
+    let expected =
+        "in SI: the disc passes the pad at 2.160 m/s;\n    the preload is 2.000 mm, 35.10 kN of contact force";
     assert!(printed.contains(expected), "{printed}");
 }

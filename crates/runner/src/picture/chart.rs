@@ -1,6 +1,8 @@
 //! What a drawing shows: curves and points over two axes. The terminal and plots draw the same chart.
 
 use crate::picture::scale::{Scale, superscript};
+use crate::picture::view::rounded;
+use crate::units::significant;
 
 /// An axis of a chart: its title, its unit, empty for a pure number, and its scale.
 #[derive(Debug, Clone)]
@@ -138,11 +140,7 @@ impl Chart {
             let ends = values.filter(|value| value.is_finite());
             let (low, high) =
                 ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-            if low <= high {
-                format!(" from {} to {}", crate::units::significant(low), crate::units::significant(high))
-            } else {
-                String::new()
-            }
+            if low <= high { format!(" from {} to {}", significant(low), significant(high)) } else { String::new() }
         };
         let points = || self.series.iter().flat_map(|series| &series.points);
         let mut text = format!(
@@ -153,7 +151,8 @@ impl Chart {
             self.horizontal.heading(0),
             range(&mut points().map(|point| point.0))
         );
-        let names: Vec<&str> = self.series.iter().map(|series| series.name.as_str()).filter(|n| !n.is_empty()).collect();
+        let names: Vec<&str> =
+            self.series.iter().map(|series| series.name.as_str()).filter(|n| !n.is_empty()).collect();
         if !names.is_empty() {
             text += &format!("; curves: {}", names.join(", "));
         }
@@ -166,7 +165,7 @@ impl Chart {
 
 /// Numbers as a list.
 pub fn listed(values: &[f64]) -> String {
-    let texts: Vec<String> = values.iter().map(|&value| super::view::rounded(value)).collect();
+    let texts: Vec<String> = values.iter().map(|&value| rounded(value)).collect();
     texts.join(", ")
 }
 
@@ -211,10 +210,7 @@ mod tests {
     fn a_curve_is_cut_at_the_edges_and_where_it_is_not_known() {
         let chart = chart(vec![(0.0, 5.0), (5.0, 15.0), (10.0, 5.0), (f64::NAN, 5.0), (2.0, 0.0), (4.0, 0.0)]);
         let lines = chart.lines(&chart.series[0]);
-        assert_eq!(
-            lines,
-            [vec![(0.0, 0.5), (0.25, 1.0)], vec![(0.75, 1.0), (1.0, 0.5)], vec![(0.2, 0.0), (0.4, 0.0)]]
-        );
+        assert_eq!(lines, [vec![(0.0, 0.5), (0.25, 1.0)], vec![(0.75, 1.0), (1.0, 0.5)], vec![(0.2, 0.0), (0.4, 0.0)]]);
         assert_eq!(chart.points(&chart.series[0]).len(), 4);
     }
 

@@ -51,7 +51,7 @@ const UNKNOWN: &str = "more than 10 % of the samples undecided or failed";
 /// Part of a drawing.
 pub enum Drawing {
     Text(String),
-    Chart(Chart),
+    Chart(Box<Chart>),
 }
 
 /// The probability of instability over the two longest axes, one slice for each combination of the others. If only one
@@ -121,13 +121,15 @@ fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
                 }
             }
         }
-        let range = if low <= high { format!("{} to {}", label(low), label(high).trim()) } else { "unknown".to_owned() };
+        let range =
+            if low <= high { format!("{} to {}", label(low), label(high).trim()) } else { "unknown".to_owned() };
         let title = slice.title(surface.job());
         let title = if has_one_scatter { title.split(';').next().unwrap_or_default() } else { &title };
         text += &format!("{range:<20}  {}\n", title.trim_start_matches([' ', ';']));
     }
     if slices > MOST_PANELS {
-        text += &format!("... and {} in the file\n", counted((slices - MOST_PANELS) as u128, "more slice", "more slices"));
+        text +=
+            &format!("... and {} in the file\n", counted((slices - MOST_PANELS) as u128, "more slice", "more slices"));
     }
     let drawn = if slices <= MOST_PANELS { "them all".to_owned() } else { format!("the first {MOST_PANELS}") };
     text + &format!("`stickslip plot` draws {drawn}\n")
@@ -312,7 +314,7 @@ fn curves(
     } else {
         format!("   shaded: interval with a confidence of {}\n\n", job.sampling.confidence)
     };
-    vec![Drawing::Chart(Chart::new(title, horizontal, vertical, series)), Drawing::Text(note)]
+    vec![Drawing::Chart(Box::new(Chart::new(title, horizontal, vertical, series))), Drawing::Text(note)]
 }
 
 #[cfg(test)]

@@ -29,14 +29,8 @@ const TICKS_UP: usize = 6;
 /// Distance of the symbols on a curve, in characters.
 const BETWEEN_SYMBOLS: usize = 15;
 
-const COLOURS: [AnsiColor; 6] = [
-    AnsiColor::Cyan,
-    AnsiColor::Red,
-    AnsiColor::Green,
-    AnsiColor::Magenta,
-    AnsiColor::Yellow,
-    AnsiColor::Blue,
-];
+const COLOURS: [AnsiColor; 6] =
+    [AnsiColor::Cyan, AnsiColor::Red, AnsiColor::Green, AnsiColor::Magenta, AnsiColor::Yellow, AnsiColor::Blue];
 
 const BRAILLE: u32 = 0x2800;
 

@@ -209,8 +209,7 @@ mod tests {
 
     #[test]
     fn a_simplified_line_stays_near_all_of_its_points() {
-        let wave: Vec<Place> =
-            (0..5000).map(|i| (0.1 * f64::from(i), 50.0 * libm::sin(0.02 * f64::from(i)))).collect();
+        let wave: Vec<Place> = (0..5000).map(|i| (0.1 * f64::from(i), 50.0 * libm::sin(0.02 * f64::from(i)))).collect();
         let simple = simplified(&wave);
         assert!(simple.len() < 600, "{}", simple.len());
         assert_eq!((simple.first(), simple.last()), (wave.first(), wave.last()));

@@ -77,7 +77,8 @@ fn axis((_, title, unit): Quantity, values: &[f64]) -> ChartAxis {
 /// The amplitudes of x, if it moves.
 fn of_spectrum(spectrum: &Spectrum) -> Option<Chart> {
     let &(frequency, highest) = spectrum.peaks(1, 1.0).first()?;
-    let points: Vec<(f64, f64)> = spectrum.frequencies.iter().copied().zip(spectrum.amplitudes.iter().copied()).collect();
+    let points: Vec<(f64, f64)> =
+        spectrum.frequencies.iter().copied().zip(spectrum.amplitudes.iter().copied()).collect();
     let last = spectrum.frequencies.last().copied()?.min(MULTIPLES * frequency);
     Some(Chart::new(
         "Spectrum of x in the second half",

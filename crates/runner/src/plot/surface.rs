@@ -1,13 +1,13 @@
 //! The probability of a run: filled contours over two axes, curves with their intervals over one.
 
 use crate::job::Criterion;
+use crate::picture::scale::Scale;
 use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis, is_family};
 use crate::plot::axes::axis;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, WHITE, width_of};
 use crate::plot::contours::Field;
 use crate::plot::levels::{Levels, deviate, label};
 use crate::plot::panel::{Axis, BELOW, LEFT, NORMAL, Panel, SMALL};
-use crate::picture::scale::Scale;
 use crate::plot::values::Values;
 
 /// Space above a panel for its title, at the right of the last panel, and for the colour bar.

@@ -72,9 +72,9 @@ pub fn diagram(directory: &Path) -> Result<Vec<Part>, Failure> {
         parts.push(Part::chart(sweeps(title, &down, &up)));
     }
     let mut text = boundaries;
-    text += "the paper prints 15.56 (Hopf) and 30 (saddle-node). On the way down growth takes its\n\
-        time beyond the boundary; on the way up each step of the speed disturbs the motion,\n\
-        and just below the saddle-node little is enough.\n";
+    text += "the paper prints 15.56 (Hopf) and 30 (saddle-node). On the way down growth takes\n\
+        its time beyond the boundary; on the way up each step of the speed disturbs the\n\
+        motion, and just below the saddle-node little is enough.\n";
     let [flexible, direction, speeds, largest, smallest, stick] = columns;
     let millimetres = |values: &[f64]| values.iter().map(|&x| scales.millimetres(x)).collect::<Vec<f64>>();
     let (largest_mm, smallest_mm) = (millimetres(&largest), millimetres(&smallest));

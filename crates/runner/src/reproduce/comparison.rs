@@ -70,7 +70,7 @@ pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
 pub fn summary(run: &FinishedRun, rows: &[ComparedRow]) -> String {
     let what = match run.job.criterion {
         Criterion::Eigenvalue => "the exact probabilities",
-        _ => "the exact probabilities of another criterion, linear stability on a rigid disc",
+        _ => "the exact probabilities of linear stability on a rigid disc",
     };
     let normal: Vec<f64> = rows.iter().filter(|row| row.is_normal()).filter_map(|row| row.z).collect();
     let rare = rows.iter().filter(|row| !row.is_normal());

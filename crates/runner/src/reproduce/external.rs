@@ -213,7 +213,7 @@ fn shares(run: &FinishedRun) -> Result<[Part; 3], Failure> {
             format!("{our_z:+.1} s.e."),
         ]);
     }
-    let headings = ["v_d", "authors", "SciPy", "area", "share", "undecided", "authors-area", "share-area"];
+    let headings = ["v_d", "authors", "SciPy", "area", "ours", "undecided", "authors-area", "ours-area"];
     let table = Table::new("", headings, rows);
     let mut text = format!(
         "\n  s.e.: standard errors of the share\n\
@@ -226,9 +226,9 @@ fn shares(run: &FinishedRun) -> Result<[Part; 3], Failure> {
         holds(our_largest_z <= LARGEST_Z),
     );
     text += &format!(
-        "  At {SLOW} the authors' share is {:.1} standard errors low. Small motions decay there\n  \
-         with the time constant {:.0}, those near the unstable cycle more slowly still, and\n  \
-         their simulation ends at t = 500. With this horizon {undecided_when_slow} of our states are\n  \
+        "  At {SLOW} the authors' share is {:.1} standard errors low. Small motions decay\n  \
+         there with the time constant {:.0}, those near the unstable cycle more slowly\n  \
+         still, and their simulation ends at t = 500. With this horizon {undecided_when_slow} of our states are\n  \
          undecided there: swings that shrink or grow decide, and the return map where\n  \
          swings hardly differ.\n\n",
         -slow_z,

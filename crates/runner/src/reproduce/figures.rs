@@ -119,4 +119,3 @@ pub fn growth_rates(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
     text += &format!("data: {} and {}\n", path.display(), run.directory.surface().display());
     Ok(vec![Part::chart(chart), Part::Text(text)])
 }
-

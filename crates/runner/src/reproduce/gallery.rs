@@ -1,7 +1,6 @@
 //! The gallery: every reproduced table and figure beside what the paper prints, as one HTML file that needs nothing else.
 
-use super::of_run;
-use super::part::{Part, Table};
+use super::part::{Part, Table, plot_of};
 use super::printed::{name, statements};
 use crate::failure::Failure;
 use crate::output::without_colours;
@@ -55,10 +54,9 @@ pub fn page(sections: &[Section]) -> Result<String, Failure> {
 
 fn html(section: &Section) -> Result<String, Failure> {
     let target = section.target;
-    let mut ours = String::new();
     let mut pictures = String::new();
+    let mut rest = String::new();
     let mut words = String::new();
-    let mut tables = String::new();
     for part in &section.parts {
         match part {
             Part::Chart(chart) => {
@@ -67,19 +65,19 @@ fn html(section: &Section) -> Result<String, Failure> {
             }
             Part::Surface { shaded, run } => {
                 let text = shaded.lines().next().unwrap_or_default();
-                pictures += &figure(&of_run(run, SURFACE_WIDTH)?, "surface", text, shaded);
+                pictures += &figure(&plot_of(run, SURFACE_WIDTH)?, "surface", text, shaded);
             }
-            Part::Table(table) => tables += &html_table(table),
-            Part::Text(text) if !text.trim().is_empty() => words += &format!("{}\n", text.trim_matches('\n')),
-            Part::Text(_) => {}
+            Part::Table(table) => {
+                rest += &paragraph(&std::mem::take(&mut words));
+                rest += &html_table(table);
+            }
+            Part::Text(text) => words += text,
         }
     }
+    rest += &paragraph(&words);
+    let mut ours = rest;
     if !pictures.is_empty() {
-        ours += &format!("<div class=\"pictures\">{pictures}</div>\n");
-    }
-    ours += &tables;
-    if !words.is_empty() {
-        ours += &format!("<pre class=\"words\">{}</pre>\n", escaped(words.trim_end()));
+        ours = format!("<div class=\"pictures\">{pictures}</div>\n{ours}");
     }
     let id = target.name();
     let said: String = statements(target).iter().map(|text| format!("<li>{}</li>", escaped(text))).collect();
@@ -92,7 +90,15 @@ fn html(section: &Section) -> Result<String, Failure> {
         )
     };
     let heading = escaped(name(target));
-    Ok(format!("<section id=\"{id}\" aria-labelledby=\"{id}-heading\">\n<h2 id=\"{id}-heading\">{heading}</h2>\n{body}</section>\n"))
+    Ok(format!(
+        "<section id=\"{id}\" aria-labelledby=\"{id}-heading\">\n<h2 id=\"{id}-heading\">{heading}</h2>\n{body}</section>\n"
+    ))
+}
+
+/// Text as the terminal shows it, without its empty lines at both ends.
+fn paragraph(text: &str) -> String {
+    let text = text.trim_matches('\n');
+    if text.is_empty() { String::new() } else { format!("<pre class=\"words\">{}</pre>\n", escaped(text.trim_end())) }
 }
 
 /// A picture with its text behind it.
@@ -112,16 +118,14 @@ fn figure(canvas: &Canvas, kind: &str, description: &str, text: &str) -> String 
 }
 
 fn html_table(table: &Table) -> String {
-    let headings: String =
-        table.headings.iter().map(|heading| format!("<th scope=\"col\">{}</th>", escaped(heading))).collect();
-    let cell = |(column, text): (usize, &String)| {
-        let class = match text.as_str() {
-            "MISS" => " class=\"miss\"",
-            _ if column >= table.at_terminal => " class=\"words\"",
-            _ => "",
-        };
-        format!("<td{class}>{}</td>", escaped(text))
+    let class = |(column, text): (usize, &String)| match text.as_str() {
+        "MISS" => " class=\"miss\"",
+        _ if column >= table.at_terminal => " class=\"words\"",
+        _ => "",
     };
+    let heading = |of: (usize, &String)| format!("<th scope=\"col\"{}>{}</th>", class(of), escaped(of.1));
+    let headings: String = table.headings.iter().enumerate().map(heading).collect();
+    let cell = |of: (usize, &String)| format!("<td{}>{}</td>", class(of), escaped(of.1));
     let row = |row: &Vec<String>| format!("<tr>{}</tr>\n", row.iter().enumerate().map(cell).collect::<String>());
     let caption =
         if table.title.is_empty() { String::new() } else { format!("<caption>{}</caption>", escaped(&table.title)) };

@@ -28,12 +28,12 @@ mod printed;
 
 mod gallery;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::ValueEnum;
 
 use self::gallery::Section;
-use self::part::Part;
+use self::part::{Part, figure};
 use crate::cli::ReproduceArguments;
 use crate::commands::{FinishedRun, complete_run};
 use crate::failure::Failure;
@@ -41,9 +41,6 @@ use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
 use crate::job::JobSource;
 use crate::output::result;
-use crate::picture::chart::Chart;
-use crate::plot::values::Values;
-use crate::plot::{canvas::Canvas, chart, surface};
 use crate::target::Target;
 
 /// Width of figures, two columns of a paper: 174 mm in pixels.
@@ -99,29 +96,13 @@ fn one(target: Target, arguments: &ReproduceArguments, interrupt: &Interrupt) ->
         (_, None) => motions::figure(target, &directory)?,
     };
     let mut text: String = parts.iter().map(Part::shown).collect();
-    if let Some(figure) = figure(&parts)? {
+    if let Some(figure) = figure(&parts, WIDTH)? {
         let name = format!("{}.svg", target.name());
         publish(&directory, &name, &figure.svg())?;
         text += &format!("figure: {}\n", directory.join(name).display());
     }
     result(&text)?;
     Ok(Section { target, parts })
-}
-
-/// The charts of a target as one figure, or its surface.
-fn figure(parts: &[Part]) -> Result<Option<Canvas>, Failure> {
-    let charts = parts.iter().filter_map(|part| if let Part::Chart(chart) = part { Some(&**chart) } else { None });
-    let charts: Vec<&Chart> = charts.collect();
-    if !charts.is_empty() {
-        return Ok(Some(chart::figure(&charts, WIDTH)));
-    }
-    let surfaces = parts.iter().find_map(|part| if let Part::Surface { run, .. } = part { Some(run) } else { None });
-    surfaces.map(|run| of_run(run, WIDTH)).transpose()
-}
-
-/// The surface of a run.
-fn of_run(run: &Path, width: f64) -> Result<Canvas, Failure> {
-    Ok(surface::figure(&Values::read(run)?, width))
 }
 
 /// The finished run of a target's job, computed now or before.

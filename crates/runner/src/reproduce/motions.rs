@@ -178,7 +178,7 @@ fn tangential_motion(directory: &Path, scales: &Scales) -> Result<Vec<Part>, Fai
         parts.push(Part::Text(format!("{text}{}\n", write(directory, scales, &panel, &trajectory)?)));
     }
     parts.push(Part::text(
-        "the paper prints x0 = 8.15e-3 at 35 rad/s (rigid disc); a flexible disc takes 3 % of the\ncontact force\n",
+        "the paper prints x0 = 8.15e-3 at 35 rad/s (rigid disc); a flexible disc takes\n3 % of the contact force\n",
     ));
     Ok(parts)
 }

@@ -1,10 +1,15 @@
 //! What a target shows, in parts: the terminal, the files of figures and the gallery are made from the same ones.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use crate::failure::Failure;
 use crate::picture::chart::Chart;
 use crate::picture::terminal::drawn;
 use crate::picture::{Drawing, drawings};
+use crate::plot;
+use crate::plot::canvas::Canvas;
+use crate::plot::chart;
+use crate::plot::values::Values;
 use crate::tables::surface::Surface;
 
 /// A part of what a target shows.
@@ -13,7 +18,10 @@ pub enum Part {
     Table(Table),
     Chart(Box<Chart>),
     /// The surface of a run, shaded for the terminal, and where its file is.
-    Surface { shaded: String, run: PathBuf },
+    Surface {
+        shaded: String,
+        run: PathBuf,
+    },
 }
 
 /// A table; the first column is text, the others are numbers.
@@ -50,12 +58,28 @@ pub fn of_surface(surface: &Surface<'_>, run: PathBuf) -> Vec<Part> {
     if drawings.iter().any(|drawing| matches!(drawing, Drawing::Chart(_))) {
         let part = |drawing| match drawing {
             Drawing::Text(text) => Part::Text(text),
-            Drawing::Chart(chart) => Part::chart(chart),
+            Drawing::Chart(chart) => Part::Chart(chart),
         };
         return drawings.into_iter().map(part).collect();
     }
     let text = |drawing| if let Drawing::Text(text) = drawing { text } else { String::new() };
     vec![Part::Surface { shaded: drawings.into_iter().map(text).collect(), run }]
+}
+
+/// The charts of a target as one figure, or its surface, this wide in pixels.
+pub fn figure(parts: &[Part], width: f64) -> Result<Option<Canvas>, Failure> {
+    let charts = parts.iter().filter_map(|part| if let Part::Chart(chart) = part { Some(&**chart) } else { None });
+    let charts: Vec<&Chart> = charts.collect();
+    if !charts.is_empty() {
+        return Ok(Some(chart::figure(&charts, width)));
+    }
+    let surfaces = parts.iter().find_map(|part| if let Part::Surface { run, .. } = part { Some(run) } else { None });
+    surfaces.map(|run| plot_of(run, width)).transpose()
+}
+
+/// The surface of a run, this wide in pixels.
+pub fn plot_of(run: &Path, width: f64) -> Result<Canvas, Failure> {
+    Ok(plot::surface::figure(&Values::read(run)?, width))
 }
 
 impl Table {

@@ -31,9 +31,9 @@ pub fn name(target: Target) -> &'static str {
 /// What the paper says that can be compared, one statement each.
 pub fn statements(target: Target) -> &'static [&'static str] {
     match target {
-        Target::Table2 => {
-            &["Its ten numbers are lost. The text says that outside preloads of 0.072 to 0.256 the probability is 0 or 1."]
-        }
+        Target::Table2 => &[
+            "Its ten numbers are lost. The text says that outside preloads of 0.072 to 0.256 the probability is 0 or 1.",
+        ],
         Target::Table3 => &["Forty probabilities, in the column \"paper\"."],
         Target::Fig4 => &[
             "Critical speed 15.56 rad/s at preload 0.1 (16.56 in two other places).",
@@ -63,10 +63,13 @@ pub fn statements(target: Target) -> &'static [&'static str] {
             "The outer edge moves more than the inner one.",
         ],
         Target::Fig12 => &["Preloads from 0.01 to 0.30, scatter 0.2.", "The text prints no other number of it."],
-        Target::Fig13 => {
-            &["Static friction from 0.25 to 0.50, scatter 0.1, 0.2, 0.25 and 0.3.", "Ten points of each curve are Table 3."]
+        Target::Fig13 => &[
+            "Static friction from 0.25 to 0.50, scatter 0.1, 0.2, 0.25 and 0.3.",
+            "Ten points of each curve are Table 3.",
+        ],
+        Target::Fig14a => {
+            &["15 rad/s, scatter 0.2, by eigenvalues.", "No numbers; small preload or friction is stable."]
         }
-        Target::Fig14a => &["15 rad/s, scatter 0.2, by eigenvalues.", "No numbers; small preload or friction is stable."],
         Target::Fig14b => &["15 rad/s, scatter 0.2, by motions in time.", "It tends to coincide with Figure 14a."],
         Target::Fig14c => &["10 rad/s, scatter 0.2.", "The stable region is smaller than at higher speeds."],
         Target::Fig14d => &["20 rad/s, scatter 0.2.", "The stable region is wider than at lower speeds."],

@@ -19,8 +19,9 @@ use crate::units::{duration, force, frequency, length, speed};
 pub fn scoreboard() -> Result<Vec<Part>, Failure> {
     let scores = scores()?;
     let introduction = "The paper's Table 1 (all parameter values) is lost in our copy. The preset\n\
-        sui-ding-2018 was identified from the numbers that the text prints; nobody should\n\
-        read it as the authors' own. Here is how well it does. Hz are those of scaled time.\n\n";
+        sui-ding-2018 was identified from the numbers that the text prints; nobody\n\
+        should read it as the authors' own. Here is how well it does. Hz are those of\n\
+        scaled time.\n\n";
     let misses = scores.iter().filter(|score| !score.agrees()).count();
     let mut text = format!(
         "\n{} of {} agree (same printed digits, within 5 %), {misses} miss.\n\n",
@@ -32,8 +33,8 @@ pub fn scoreboard() -> Result<Vec<Part>, Failure> {
     text += &table_2_line()?;
     text += "\nThe text prints the critical speed as 15.56 in three places and as 16.56 in two.\n\
         With 16.56, Table 3 and the range of Table 2 cannot both hold. The pad frequency\n\
-        (0.23 Hz) and the amplitude (0.02) contradict each other: no radius b gives both,\n\
-        ours is the compromise.\n";
+        (0.23 Hz) and the amplitude (0.02) contradict each other: no radius b gives\n\
+        both, ours is the compromise.\n";
     text += "\nTwo friction oscillators that others published (see reproduce external); nothing\n\
         was fitted to them.\n\n";
     Ok(vec![
@@ -96,7 +97,7 @@ fn in_si() -> Result<String, Failure> {
         .map(|mode| frequency(scales.hertz(brake.disc_frequency(mode) / TAU)))
         .collect();
     let mut text = format!(
-        "In SI: one unit of scaled time is {}, so 1 Hz of scaled time is {};\n\
+        "In SI: one unit of scaled time is {}, so 1 Hz is {};\n\
         one unit of length is {}.\n\
         Our disc frequencies are {}.\n",
         duration(scales.time),
@@ -106,7 +107,8 @@ fn in_si() -> Result<String, Failure> {
     );
     if let (Some(cycle), Some(speeds)) = (brake.limit_cycle(), brake.unstable_speeds().pop()) {
         text += &format!(
-            "The pad's frequency at 10 rad/s is {}, its largest displacement {}.\n\
+            "The pad's frequency at 10 rad/s is {}, its largest\n\
+            displacement {}.\n\
             At the critical speed the disc passes the pad at {};\n\
             the preload 0.1 is {} and {}.\n",
             frequency(scales.hertz(1.0 / cycle.period)),
@@ -134,7 +136,7 @@ fn table_3_line() -> Result<String, Failure> {
     }
     Ok(format!(
         "Table 3: the threshold f_s,crit = {:.4} at 16 rad/s explains its forty numbers\n\
-         with rms {:.4}, max {largest:.4} (10^4 independent samples alone would leave 0.004).\n",
+         with rms {:.4}, max {largest:.4} (10^4 independent samples would leave 0.004).\n",
         boundary.critical_static_friction(0.1),
         (squares / 40.0_f64).sqrt()
     ))

@@ -115,8 +115,7 @@ impl Shown<'_> {
 pub fn figure(target: Target, directory: &Path) -> Result<Vec<Part>, Failure> {
     // They do not depend on the speed.
     let scales = *brake_at(SPECTRAL.speed)?.scales();
-    let mut parts =
-        if target == Target::Fig10 { of_pad(directory, &scales)? } else { of_disc(directory, &scales)? };
+    let mut parts = if target == Target::Fig10 { of_pad(directory, &scales)? } else { of_disc(directory, &scales)? };
     parts.push(Part::Text(scales_line(&scales)));
     Ok(parts)
 }
@@ -193,8 +192,7 @@ fn of_disc(directory: &Path, scales: &Scales) -> Result<Vec<Part>, Failure> {
         printed: &printed,
         says: "0.29, 1.87, 5.03 of the disc, 0.23 and 0.45 of the pad",
     };
-    let mut parts =
-        vec![Part::text("Figure 11: vibration of the disc at 10 rad/s, at the middle of the pad\n\n")];
+    let mut parts = vec![Part::text("Figure 11: vibration of the disc at 10 rad/s, at the middle of the pad\n\n")];
     parts.extend(shown("a: outer edge", &edge).parts(scales));
     parts.extend(shown("d: a quarter of the width from the clamped edge", &inside).parts(scales));
     let late = HORIZON - 20.0..HORIZON;
@@ -205,13 +203,14 @@ fn of_disc(directory: &Path, scales: &Scales) -> Result<Vec<Part>, Failure> {
     for (what, value) in drawn {
         let values: Vec<f64> = trajectory.moments.iter().filter(|m| late.contains(&m.time)).map(value).collect();
         let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-        let what = format!("{what}, about its mean of {mean:.3e}");
+        let what = format!("{what}, mean {mean:.3e}");
         let deviation = |moment: &Moment| value(moment) - mean;
         parts.push(Part::chart(history(&what, "Deflection over h - mean", "", &trajectory, &late, deviation)));
     }
     let mut text = format!(
-        "{SPECTRAL_MODES} disc modes are kept here, those of lowest frequency. The disc starts deflected as in\n\
-         steady sliding, and what rings dies away before the part of the motion that is looked at.\n"
+        "{SPECTRAL_MODES} disc modes are kept here, those of lowest frequency. The disc starts\n\
+         deflected as in steady sliding, and what rings dies away before the part of the\n\
+         motion that is looked at.\n"
     );
     let spectra = [
         ("deflection_edge", Some("deflection_edge_mm"), &edge),

@@ -89,8 +89,8 @@ pub fn table2(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
     }
     let introduction = "Table 2: probability of instability, random preload (std 0.2), 16 rad/s,\n\
         static friction 0.39\n\
-        The paper's ten numbers are lost; it says that outside 0.072 to 0.256 the probability\n\
-        \"seems to be 0 or 1\".\n\n";
+        The paper's ten numbers are lost; it says that outside 0.072 to 0.256 the\n\
+        probability \"seems to be 0 or 1\".\n\n";
     let text = format!(
         "\nagainst the exact values: every entry within its binomial error\n\
          ({TEN_ENTRY_LIMIT} standard errors, 95 % for ten entries at once) {}\n{}",
