@@ -78,6 +78,8 @@ pub struct Chart {
     pub marks: Option<Marks>,
     /// Whether a line is drawn where the vertical axis is zero.
     pub has_zero_line: bool,
+    /// A line below the drawing at the terminal; empty for none.
+    pub note: String,
 }
 
 /// A place in a chart: shares of its width and of its height, from the lower left corner.
@@ -85,7 +87,8 @@ pub type Share = (f64, f64);
 
 impl Chart {
     pub fn new(title: impl Into<String>, horizontal: ChartAxis, vertical: ChartAxis, series: Vec<Series>) -> Self {
-        Self { title: title.into(), horizontal, vertical, series, marks: None, has_zero_line: false }
+        let (title, note) = (title.into(), String::new());
+        Self { title, horizontal, vertical, series, marks: None, has_zero_line: false, note }
     }
 
     /// Where a point lies, perhaps outside.

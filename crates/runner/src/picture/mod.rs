@@ -71,7 +71,7 @@ pub fn drawings(surface: &Surface<'_>) -> Vec<Drawing> {
     let mut all = Vec::new();
     for number in 0..slices.min(MOST_SLICES) {
         let slice = view.slice(number);
-        all.extend(of_slice(surface, &view, &slice));
+        all.push(of_slice(surface, &view, &slice));
     }
     if slices > MOST_SLICES {
         all.push(Drawing::Text(others(surface, &view, slices)));
@@ -79,10 +79,10 @@ pub fn drawings(surface: &Surface<'_>) -> Vec<Drawing> {
     all
 }
 
-fn of_slice(surface: &Surface<'_>, view: &GridView, slice: &Slice<'_>) -> Vec<Drawing> {
+fn of_slice(surface: &Surface<'_>, view: &GridView, slice: &Slice<'_>) -> Drawing {
     let titled = |text: String| {
         let title = format!("Probability of instability{}", slice.title(surface.job()));
-        vec![Drawing::Text(format!("{}\n{text}", wrapped(&title)))]
+        Drawing::Text(format!("{}\n{text}", wrapped(&title)))
     };
     let (vertical, horizontal) = match (view.vertical(), view.horizontal()) {
         (Some(vertical), Some(horizontal)) => (vertical, horizontal),
@@ -201,8 +201,11 @@ fn table(
     text + "\n"
 }
 
-/// A name at the beginning of a title.
+/// A name at the beginning of a title; the keys of the model stay as they are written.
 fn capitalised(name: &str) -> String {
+    if name.contains('.') {
+        return name.to_owned();
+    }
     let mut letters = name.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
@@ -277,7 +280,7 @@ fn curves(
     along: &ViewAxis,
     several: Option<&ViewAxis>,
     cell: impl Fn(usize, usize) -> u64,
-) -> Vec<Drawing> {
+) -> Drawing {
     let mut series = Vec::new();
     let mut unknown = Vec::new();
     for number in 0..several.map_or(1, |axis| axis.values.len()) {
@@ -309,12 +312,13 @@ fn curves(
     let title = format!("Probability of instability{}", slice.title(job));
     let horizontal = ChartAxis::new(&capitalised(along.key()), along.unit(), Scale::of(&along.values));
     let vertical = ChartAxis::new("P", "", Scale::linear(0.0, top));
-    let note = if job.is_integrated() {
-        "   shaded: bounds of the integral\n\n".to_owned()
+    let mut chart = Chart::new(title, horizontal, vertical, series);
+    chart.note = if job.is_integrated() {
+        "shaded: bounds of the integral".to_owned()
     } else {
-        format!("   shaded: interval with a confidence of {}\n\n", job.sampling.confidence)
+        format!("shaded: interval with a confidence of {}", job.sampling.confidence)
     };
-    vec![Drawing::Chart(Box::new(Chart::new(title, horizontal, vertical, series))), Drawing::Text(note)]
+    Drawing::Chart(Box::new(chart))
 }
 
 #[cfg(test)]

@@ -267,6 +267,9 @@ fn legend(chart: &Chart) -> String {
         let style = style(None);
         text += &format!("   {style}┊{style:#} {}: {}\n", marks.what, listed(&marks.values));
     }
+    if !chart.note.is_empty() {
+        text += &format!("   {}\n", chart.note);
+    }
     text
 }
 
