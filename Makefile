@@ -64,6 +64,9 @@ $(MDBOOK):
 	$(CARGO) install mdbook --version $(MDBOOK_VERSION) --locked --root $(MDBOOK_ROOT) --debug \
 		--no-default-features --features search
 
+# The figures of docs/reproduction.md. Figure 14b, which takes minutes, is left out.
+FIGURES = fig4 fig5 fig6 fig7 fig8 fig9 fig10 fig11 fig12 fig13 fig14a fig14c fig14d fig15a fig15b external
+
 # The pictures of the documents that the program draws.
 docs-pictures:
 	$(CARGO) build --locked --release
@@ -71,6 +74,9 @@ docs-pictures:
 	$(call picture,fig14a)
 	$(call picture,parking)
 	$(call picture,parking-map)
+	$(STICKSLIP) reproduce $(FIGURES) --out target/pictures >/dev/null
+	mkdir -p docs/figures
+	for name in $(FIGURES); do cp "target/pictures/$$name/$$name.svg" docs/figures/ || exit 1; done
 
 # Runs a job in jobs/ and draws its surface in docs/.
 picture = $(STICKSLIP) submit jobs/$(1).toml --out target/pictures/$(1) >/dev/null \

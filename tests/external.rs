@@ -51,11 +51,11 @@ fn the_limits_of_published_oscillators_are_reproduced() {
         ("bstab, end of stick-slip, v_d", "1.83660"),
         ("veraszto, critical speed, m/s", "0.190616"),
         ("veraszto, end of stick-slip, m/s", "0.271789"),
-        ("bstab, share of starts that return, v_d 1.175", "0.018774"),
-        ("bstab, share of starts that return, v_d 1.775", "0.55836"),
+        ("bstab, share that returns, v_d 1.175", "0.018774"),
+        ("bstab, share that returns, v_d 1.775", "0.55836"),
     ] {
         let line = printed.lines().find(|line| line.contains(quantity)).unwrap_or_else(|| panic!("{printed}"));
-        assert!(line.contains(" yes ") && line.matches(value).count() == 2, "{line}");
+        assert!(line.ends_with(" yes") && line.matches(value).count() == 2, "{line}");
     }
     assert!(printed.matches("holds").count() == 5 && !printed.contains("DOES NOT"), "{printed}");
 }
@@ -63,8 +63,8 @@ fn the_limits_of_published_oscillators_are_reproduced() {
 #[test]
 fn the_scoreboard_has_the_published_oscillators() {
     let printed = Place::new().run("reproduce scoreboard").done().stdout;
-    let lines = printed.lines().filter(|line| line.contains("nothing fitted"));
-    assert_eq!(lines.filter(|line| line.contains(" yes ")).count(), 10, "{printed}");
+    let lines = printed.lines().filter(|line| line.starts_with("  bstab, ") || line.starts_with("  veraszto, "));
+    assert_eq!(lines.filter(|line| line.ends_with(" yes")).count(), 10, "{printed}");
 }
 
 #[test]

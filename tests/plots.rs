@@ -338,11 +338,16 @@ fn a_motion_is_drawn_from_its_file() {
         .done();
     assert_eq!(place.run("plot motion.parquet").done().stdout, "motion.svg\nmotion.png\n");
     let svg = fs::read_to_string(place.path("motion.svg")).unwrap();
-    for text in ["Time t (", "Tangential displacement x (", "Tangential velocity x′ (", "Friction force ("] {
+    for text in
+        ["Time t (", "Tangential displacement x (", "Tangential velocity x′ (", "Friction force (", "Contact force ("]
+    {
         assert!(svg.contains(text), "{text}");
     }
-    // A line in each of the four panels, and the four frames.
-    assert_eq!(svg.matches("<polyline").count() + svg.matches("<path").count(), 8, "{svg}");
+    for text in ["Spectrum of x in the second half", "Frequency (", "Amplitude of x (mm)"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // A frame in each of the six panels and a line, in pieces where it leaves the panel.
+    assert!(svg.matches("<polyline").count() + svg.matches("<path").count() >= 12, "{svg}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Reports of finished runs.
+//! Reports of finished runs, and the gallery of what is reproduced of the paper.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
 
@@ -167,6 +167,76 @@ fn runs_that_share_no_cell_stand_beside_each_other() {
     let data = data(&fs::read_to_string(place.path("report.html")).unwrap());
     assert_eq!(data["runs"].as_array().map(Vec::len), Some(2));
     assert_eq!(data["comparisons"].as_array().map(Vec::len), Some(0));
+}
+
+/// The targets of a gallery with each kind of part: tables, curves, a surface.
+const SHOWN: &str = "reproduce table3 fig4 fig13 fig14a --report";
+
+#[test]
+fn the_gallery_has_every_number_of_the_scoreboard_and_needs_nothing_else() {
+    let place = Place::new();
+    let told = place.run(&format!("{SHOWN} --out all")).done().stdout;
+    assert!(told.ends_with("\ngallery: all/gallery.html\n"), "{told}");
+    let page = fs::read_to_string(place.path("all/gallery.html")).unwrap();
+    assert!(page.len() < 1_000_000, "{} bytes", page.len());
+    for text in
+        ["15.56", "19.257", "critical speeds", "In the paper", "not print a parameter", "<table>", "role=\"img\""]
+    {
+        assert!(page.contains(text), "{text}");
+    }
+    // Each section once, and each picture with words.
+    for target in ["table3", "fig4", "fig13", "fig14a"] {
+        assert_eq!(page.matches(&format!("<section id=\"{target}\"")).count(), 1, "{target}");
+    }
+    let pictures = page.matches("<svg ").count();
+    assert!(pictures == 4 && page.matches("aria-label=\"").count() > pictures, "{pictures}");
+    assert_eq!(page.matches("<figure").count(), page.matches("<details>").count());
+    assert!(!page.contains("{{") && !page.contains("<script") && !page.contains('\u{1b}'));
+    for outside in ["src=", "href=\"http", "url(", "@import"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    place.run(&format!("{SHOWN} --out all")).done();
+    assert_eq!(fs::read_to_string(place.path("all/gallery.html")).unwrap(), page, "the same bytes again");
+
+    // The scoreboard is first, wherever it is named, and complete.
+    let told = place.run("reproduce table3 scoreboard --report --out scores").done().stdout;
+    let page = fs::read_to_string(place.path("scores/gallery.html")).unwrap();
+    assert!(page.find("id=\"scoreboard\"").unwrap() < page.find("id=\"table3\"").unwrap());
+    let table = told.split("printed in the paper").nth(1).unwrap();
+    let rows: Vec<&str> = table.lines().skip(1).take_while(|line| !line.is_empty()).collect();
+    assert_eq!(rows.len(), 17, "{told}");
+    for row in rows {
+        let cells = row.split("  ").map(str::trim).filter(|cell| !cell.is_empty());
+        for cell in cells {
+            assert!(
+                page.contains(&format!(">{cell}</td>")) || page.contains(&format!("  {cell}</td>")),
+                "{cell}: {row}"
+            );
+        }
+    }
+    assert!(page.contains("constrains c_x"));
+}
+
+#[test]
+fn a_browser_shows_the_gallery() {
+    let (Some(python), Some(browser)) = (env::var_os("STICKSLIP_PYTHON"), env::var_os("STICKSLIP_BROWSER")) else {
+        assert!(env::var_os("CI").is_none(), "STICKSLIP_PYTHON or STICKSLIP_BROWSER is not set; run `make test`");
+        return;
+    };
+    let place = Place::new();
+    place.run(SHOWN).done();
+    let output = Command::new(python)
+        .arg(repository().join("tests/gallery.py"))
+        .arg(browser)
+        .arg(place.path("runs/gallery.html"))
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
 }
 
 #[test]

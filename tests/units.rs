@@ -361,7 +361,7 @@ fn present_keys_of_the_summaries_stay() {
 fn figures_carry_si_beside_the_papers_axes() {
     let place = Place::new();
     let printed = place.run("reproduce fig4").done().stdout;
-    assert!(printed.contains("preload 0.1 (2.000 mm, 35.10 kN), critical speed 15.560 rad/s (2.101 m/s)"), "{printed}");
+    assert!(printed.contains("preload 0.1 (2.000 mm, 35.10 kN): critical speed 15.560 rad/s (2.101 m/s)"), "{printed}");
     let pairs = |pairs: &[(&str, &str)]| -> Vec<(String, String)> {
         pairs.iter().map(|(name, unit)| ((*name).to_owned(), (*unit).to_owned())).collect()
     };
@@ -408,6 +408,7 @@ fn figures_carry_si_beside_the_papers_axes() {
     let printed = place.run("reproduce scoreboard").done().stdout;
     assert!(printed.contains("Our disc frequencies are 3.224 kHz, 21.03 kHz, 60.36 kHz."), "{printed}");
     let printed = place.run("reproduce table3").done().stdout;
-    let expected = "in SI: the disc passes the pad at 2.160 m/s; the preload is 2.000 mm, 35.10 kN of contact force";
+    let expected =
+        "in SI: the disc passes the pad at 2.160 m/s;\n    the preload is 2.000 mm, 35.10 kN of contact force";
     assert!(printed.contains(expected), "{printed}");
 }

@@ -55,7 +55,7 @@ pub enum Command {
     Report(ReportArguments),
     /// Write the surface of a finished run as CSV, JSON, MAT or NPZ, for other programs
     Export(ExportArguments),
-    /// Reproduce a table or figure of Sui & Ding (2018)
+    /// Reproduce tables and figures of Sui & Ding (2018)
     Reproduce(ReproduceArguments),
     /// Write the surface from the pieces of finished shards
     Merge(MergeArguments),
@@ -430,12 +430,15 @@ pub struct ExportArguments {
 /// Arguments of `reproduce`.
 #[derive(Debug, Args)]
 pub struct ReproduceArguments {
-    /// The table or figure
-    #[arg(value_name = "NAME", value_enum)]
-    pub target: Target,
+    /// Tables and figures, or all
+    #[arg(value_name = "NAME", value_enum, required = true)]
+    pub targets: Vec<Target>,
     /// Directory for the runs; each goes to DIR/NAME
     #[arg(long, value_name = "DIR", default_value = "runs")]
     pub out: PathBuf,
+    /// Write DIR/gallery.html: what is reproduced, beside what the paper prints
+    #[arg(long)]
+    pub report: bool,
     #[command(flatten)]
     pub threads: ThreadsArgument,
 }

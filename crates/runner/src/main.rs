@@ -9,6 +9,8 @@ mod output;
 
 mod units;
 
+mod spectrum;
+
 mod interrupt;
 
 mod files;

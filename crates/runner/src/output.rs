@@ -1,21 +1,86 @@
 //! Writing to standard output and standard error, without a panic if they are closed.
 
+use std::env;
 use std::fmt;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::mem;
 use std::path::{Path, PathBuf};
 
+use anstream::AutoStream;
+use anstream::adapter::strip_str;
 use indicatif::HumanCount;
 
 use crate::failure::Failure;
 
-/// Writes a result to standard output.
+/// Writes a result to standard output. Its colours are left out where that is no terminal, and at one that has none or
+/// is asked to show none (`NO_COLOR`, `TERM=dumb`). A terminal that cannot show the characters of drawings gets others.
 ///
 /// # Errors
 /// Any output error, including a closed pipe and a full disk.
 pub fn result(text: &str) -> Result<(), Failure> {
-    let mut out = io::stdout().lock();
+    let plain = (io::stdout().is_terminal() && !is_utf8(|name| env::var(name).ok())).then(|| in_ascii(text));
+    let mut out = AutoStream::auto(io::stdout().lock());
+    let text = plain.as_deref().unwrap_or(text);
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Failure::output(&error))
+}
+
+/// A text without the codes of its colours.
+pub fn without_colours(text: &str) -> String {
+    strip_str(text).to_string()
+}
+
+/// Whether the locale has the characters of UTF-8. One that is not set says nothing against it.
+fn is_utf8(variable: impl Fn(&str) -> Option<String>) -> bool {
+    let set =
+        ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(|name| variable(name).filter(|text| !text.is_empty()));
+    set.is_none_or(|locale| {
+        let locale = locale.to_lowercase();
+        locale.contains("utf-8") || locale.contains("utf8")
+    })
+}
+
+/// A text with ASCII characters for those of drawings.
+fn in_ascii(text: &str) -> String {
+    let mut ascii = String::with_capacity(text.len());
+    let mut is_raised = false;
+    for c in text.chars() {
+        let raised = match c {
+            '⁻' => Some('-'),
+            '¹' => Some('1'),
+            '²' => Some('2'),
+            '³' => Some('3'),
+            '⁰'..='⁹' => char::from_digit(c as u32 - '⁰' as u32, 10),
+            _ => None,
+        };
+        if raised.is_some() && !is_raised {
+            ascii.push('^');
+        }
+        is_raised = raised.is_some();
+        ascii.push(raised.unwrap_or(match c {
+            // Braille: dots in the upper half, in the lower half, in both.
+            '\u{2800}'..='\u{28ff}' => match c as u32 & 0xff {
+                0 => ' ',
+                dots if dots & 0b1110_0100 == 0 => '\'',
+                dots if dots & 0b0001_1011 == 0 => '.',
+                _ => ':',
+            },
+            '│' | '┤' | '┊' => '|',
+            '└' | '┬' => '+',
+            '─' | '╌' => '-',
+            '█' => '#',
+            '▓' => '%',
+            '▒' => '+',
+            '░' => '-',
+            '·' => '.',
+            '●' => 'o',
+            '′' => '\'',
+            'μ' | 'µ' => 'u',
+            '…' => '~',
+            c if c.is_ascii() => c,
+            _ => '?',
+        }));
+    }
+    ascii
 }
 
 /// Text with its lines broken between words, for a terminal of 80 columns.
@@ -108,5 +173,35 @@ impl fmt::Display for HumanCount128 {
             Ok(count) => HumanCount(count).fmt(f),
             Err(_) => self.0.fmt(f),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_locale_says_whether_a_terminal_shows_drawings() {
+        for (set, expected) in [
+            (vec![], true),
+            (vec![("LANG", "de_DE.UTF-8")], true),
+            (vec![("LANG", "de_DE.UTF-8"), ("LC_ALL", "C")], false),
+            (vec![("LANG", "C"), ("LC_CTYPE", "C.utf8")], true),
+            (vec![("LANG", "C"), ("LC_ALL", "")], false),
+        ] {
+            let find = |name: &str| set.iter().find(|(key, _)| *key == name).map(|(_, value)| (*value).to_owned());
+            assert_eq!(is_utf8(find), expected, "{set:?}");
+        }
+    }
+
+    #[test]
+    fn drawings_have_ascii_characters_too() {
+        assert_eq!(in_ascii("│⠉⣀⣿⠀┊ 10⁻¹² ░█ x′"), "|'.: | 10^-12 -# x'");
+        assert_eq!(in_ascii("Poincaré"), "Poincar?");
+    }
+
+    #[test]
+    fn colours_are_left_out() {
+        assert_eq!(without_colours("\u{1b}[36m⠉\u{1b}[0m 1"), "⠉ 1");
     }
 }

@@ -59,7 +59,7 @@ pub fn range(from: f64, to: f64) -> String {
 /// What scaled numbers are in units of.
 pub fn scales_line(scales: &Scales) -> String {
     format!(
-        "Scaled units: length {} (the disc's thickness h), time {:.4e} s, frequency {}, speed {}.\n",
+        "Scaled units: length {} (the disc's thickness h), time {:.4e} s,\n    frequency {}, speed {}.\n",
         length(scales.length),
         scales.time,
         frequency(scales.hertz(1.0)),

@@ -12,7 +12,9 @@ use stickslip_core::verdict::Verdict;
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
 use crate::output::{output_file, result};
-use crate::picture::curves;
+use crate::picture::chart::{Chart, ChartAxis, Series};
+use crate::picture::scale::Scale;
+use crate::picture::terminal::drawn;
 use crate::units::{duration, frequency, length, range, row, speed};
 
 /// Scaled time at the end of a trajectory that is drawn: some five cycles of the pad.
@@ -103,18 +105,26 @@ pub fn report(
         None => format!("The computation broke down at scaled time {last:.3} ({}).\n", duration(scales.seconds(last))),
         Some(settled) => settled_table(scales, trajectory, &settled),
     };
-    let drawn = trajectory.moments.iter().filter(|moment| moment.time >= last - DRAWN);
-    let line: Vec<(f64, f64)> = drawn.map(|moment| (moment.time, moment.tangential.0)).collect();
-    let shown = DRAWN.min(last);
-    text += &format!(
-        "\nx over h in the last {shown:.0} units of scaled time ({})\n{}",
-        duration(scales.seconds(shown)),
-        curves(&[line])
-    );
+    text += &format!("\n{}", drawn(&last_cycles(scales, trajectory)));
     if let Some(out) = out {
         text += &format!("{}: {} moments\n", out.display(), trajectory.moments.len());
     }
     result(&text)
+}
+
+/// The tangential motion at the end.
+fn last_cycles(scales: &Scales, trajectory: &Trajectory) -> Chart {
+    let last = last_time(trajectory);
+    let late = trajectory.moments.iter().filter(|moment| moment.time >= last - DRAWN);
+    let point = |moment: &Moment| (1e3 * scales.seconds(moment.time), scales.millimetres(moment.tangential.0));
+    let line: Vec<(f64, f64)> = late.map(point).collect();
+    let [from, to] = [last - DRAWN.min(last), last].map(|time| 1e3 * scales.seconds(time));
+    Chart::new(
+        format!("The last {:.0} units of scaled time", DRAWN.min(last)),
+        ChartAxis::new("Time t", "ms", Scale::linear(from, to)),
+        ChartAxis::new("Tangential displacement x", "mm", Scale::around(line.iter().map(|point| point.1))),
+        vec![Series::line(line)],
+    )
 }
 
 /// Scaled time of the last moment.

@@ -1,11 +1,20 @@
-//! Pictures of surfaces and curves for the terminal.
+//! Drawings of surfaces, curves and motions for the terminal, and the charts that plots draw too.
 
-use crate::output::counted;
-use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis, label, rounded};
+use crate::output::{counted, wrapped};
+use crate::picture::chart::{Chart, ChartAxis, Form, Series};
+use crate::picture::scale::Scale;
+use crate::picture::terminal::drawn;
+use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis, is_family, label, rounded};
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
+pub mod scale;
+
 pub mod view;
+
+pub mod chart;
+
+pub mod terminal;
 
 pub mod answer;
 
@@ -13,17 +22,18 @@ pub mod answer;
 const MOST_ROWS: usize = 15;
 const MOST_COLUMNS: usize = 60;
 
-/// Largest number of slices (combinations of the axes that are not shown) that are shown.
+/// Largest number of slices (combinations of the axes that are not shown) that are drawn; of further ones there is the
+/// range of probabilities.
 const MOST_SLICES: usize = 4;
 
 /// Largest number of values that are shown as bars, with their numbers; more make a curve.
 const MOST_BARS: usize = 12;
 
-/// Largest number of columns of a table of numbers; more make shades.
-const MOST_TABLE_COLUMNS: usize = 6;
+/// Largest number of columns of a table of numbers, of four decimals and of three; more make shades.
+const MOST_WIDE_COLUMNS: usize = 7;
+const MOST_NARROW_COLUMNS: usize = 11;
 
-/// Height of a curve, and the probabilities at which it may end.
-const CURVE_ROWS: usize = 17;
+/// Probabilities at which the axis of a curve may end.
 const TOPS: [f64; 13] = [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3, 1e-4, 1e-5, 1e-6];
 
 /// Length of the bar for a probability of 1.
@@ -36,33 +46,93 @@ const SHADES: [(f64, char); 6] = [(0.8, '█'), (0.6, '▓'), (0.4, '▒'), (0.2
 const MOST_UNKNOWN: f64 = 0.1;
 
 /// The mark of such a probability.
-const UNKNOWN: &str = "          ? more than 10 % of the samples undecided or failed\n";
+const UNKNOWN: &str = "more than 10 % of the samples undecided or failed";
+
+/// Part of a drawing.
+pub enum Drawing {
+    Text(String),
+    Chart(Box<Chart>),
+}
 
 /// The probability of instability over the two longest axes, one slice for each combination of the others. If only one
 /// axis varies, the picture shows a curve, or bars if it is short.
 pub fn picture(surface: &Surface<'_>) -> String {
+    let text = |drawing| match drawing {
+        Drawing::Text(text) => text,
+        Drawing::Chart(chart) => drawn(&chart),
+    };
+    drawings(surface).into_iter().map(text).collect()
+}
+
+/// The same in parts.
+pub fn drawings(surface: &Surface<'_>) -> Vec<Drawing> {
     let view = GridView::new(surface.job());
     let slices = view.slices();
-    let mut text = String::new();
+    let mut all = Vec::new();
     for number in 0..slices.min(MOST_SLICES) {
         let slice = view.slice(number);
-        text += &format!("Probability of instability{}\n\n", slice.title(surface.job()));
-        text += &match (view.vertical(), view.horizontal()) {
-            (Some(vertical), Some(horizontal)) if fits_a_table(vertical, horizontal) => {
-                table(surface, &slice, vertical, horizontal)
-            }
-            (Some(vertical), Some(horizontal)) => heat_map(surface, &slice, vertical, horizontal),
-            (None, Some(axis)) if axis.values.len() > MOST_BARS => curve(surface, &slice, axis),
-            (None, Some(axis)) => bars(surface, &slice, Some(axis)),
-            _ => bars(surface, &slice, None),
-        };
+        all.push(of_slice(surface, &view, &slice));
     }
     if slices > MOST_SLICES {
-        let more = counted((slices - MOST_SLICES) as u128, "more slice", "more slices");
-        let drawn = if slices <= MOST_PANELS { "them all".to_owned() } else { format!("the first {MOST_PANELS}") };
-        text += &format!("... and {more} in the file; `stickslip plot` draws {drawn}\n");
+        all.push(Drawing::Text(others(surface, &view, slices)));
     }
-    text
+    all
+}
+
+fn of_slice(surface: &Surface<'_>, view: &GridView, slice: &Slice<'_>) -> Drawing {
+    let titled = |text: String| {
+        let title = format!("Probability of instability{}", slice.title(surface.job()));
+        Drawing::Text(format!("{}\n{text}", wrapped(&title)))
+    };
+    let (vertical, horizontal) = match (view.vertical(), view.horizontal()) {
+        (Some(vertical), Some(horizontal)) => (vertical, horizontal),
+        (None, Some(axis)) if axis.values.len() > MOST_BARS => {
+            return curves(surface, slice, axis, None, |_, along| slice.cell(0, along));
+        }
+        (_, axis) => return titled(bars(surface, slice, axis)),
+    };
+    let upright = |up: usize, right: usize| slice.cell(up, right);
+    let turned = |up: usize, right: usize| slice.cell(right, up);
+    if fits_a_table(vertical, horizontal) {
+        titled(table(surface, vertical, horizontal, upright))
+    } else if fits_a_table(horizontal, vertical) {
+        titled(table(surface, horizontal, vertical, turned))
+    } else if is_family(vertical, horizontal) {
+        curves(surface, slice, horizontal, Some(vertical), upright)
+    } else if is_family(horizontal, vertical) {
+        curves(surface, slice, vertical, Some(horizontal), turned)
+    } else {
+        titled(heat_map(surface, slice, vertical, horizontal))
+    }
+}
+
+/// The slices that are not drawn, each with its range of probabilities.
+fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
+    let mut text = "Smallest and largest probability of the other slices\n\n".to_owned();
+    let length = |axis: Option<&ViewAxis>| axis.map_or(1, |axis| axis.values.len());
+    let has_one_scatter = surface.job().grid.relative_std.len() == 1;
+    for number in MOST_SLICES..slices.min(MOST_PANELS) {
+        let slice = view.slice(number);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for up in 0..length(view.vertical()) {
+            for right in 0..length(view.horizontal()) {
+                if let Some(p) = surface.row(slice.cell(up, right)).estimate.probability {
+                    (low, high) = (low.min(p), high.max(p));
+                }
+            }
+        }
+        let range =
+            if low <= high { format!("{} to {}", label(low), label(high).trim()) } else { "unknown".to_owned() };
+        let title = slice.title(surface.job());
+        let title = if has_one_scatter { title.split(';').next().unwrap_or_default() } else { &title };
+        text += &format!("{range:<20}  {}\n", title.trim_start_matches([' ', ';']));
+    }
+    if slices > MOST_PANELS {
+        text +=
+            &format!("... and {} in the file\n", counted((slices - MOST_PANELS) as u128, "more slice", "more slices"));
+    }
+    let drawn = if slices <= MOST_PANELS { "them all".to_owned() } else { format!("the first {MOST_PANELS}") };
+    text + &format!("`stickslip plot` draws {drawn}\n")
 }
 
 /// At most `most` evenly spaced indices below `length`, both ends included.
@@ -90,36 +160,64 @@ fn heat_map(surface: &Surface<'_>, slice: &Slice<'_>, vertical: &ViewAxis, horiz
     text += &foot(&horizontal.name, horizontal.ends(), columns.len() * width);
     text += "          ' ' below 1 %, · to 20, ░ to 40, ▒ to 60, ▓ to 80, █ 80 % and more\n";
     if has_unknown {
-        text += UNKNOWN;
+        text += &format!("          ? {UNKNOWN}\n");
     }
     text + "\n"
 }
 
 fn fits_a_table(vertical: &ViewAxis, horizontal: &ViewAxis) -> bool {
-    vertical.values.len() <= MOST_BARS && horizontal.values.len() <= MOST_TABLE_COLUMNS
+    vertical.values.len() <= MOST_BARS && horizontal.values.len() <= MOST_NARROW_COLUMNS
 }
 
-/// The probabilities in numbers.
-fn table(surface: &Surface<'_>, slice: &Slice<'_>, vertical: &ViewAxis, horizontal: &ViewAxis) -> String {
+/// The probabilities in numbers; `cell` gives the cell at positions upwards and to the right.
+fn table(
+    surface: &Surface<'_>,
+    vertical: &ViewAxis,
+    horizontal: &ViewAxis,
+    cell: impl Fn(usize, usize) -> u64,
+) -> String {
+    let is_wide = horizontal.values.len() <= MOST_WIDE_COLUMNS;
+    let width = if is_wide { 8 } else { 5 };
+    let written: fn(f64) -> String = if is_wide { label } else { narrow };
     let mut text = format!(" {}\n", vertical.name);
     let mut has_unknown = false;
     for (up, &value) in vertical.values.iter().enumerate().rev() {
         let mut line = format!("{} |", label(value));
         for right in 0..horizontal.values.len() {
-            let row = surface.row(slice.cell(up, right));
+            let row = surface.row(cell(up, right));
             let mark = if known_probability(&row).is_some() { ' ' } else { '?' };
             has_unknown |= mark == '?';
-            line += &format!("{:>8}{mark}", row.estimate.probability.map_or(String::new(), label));
+            line += &format!("{:>width$}{mark}", row.estimate.probability.map_or(String::new(), written));
         }
         text += &format!("{}\n", line.trim_end());
     }
-    let width = 9 * horizontal.values.len();
-    let values: String = horizontal.values.iter().map(|&value| format!("{:>8} ", label(value))).collect();
-    text += &format!("{:9}+{}+\n{:10}{values}  {}\n", "", "-".repeat(width), "", horizontal.name);
+    let values: String = horizontal.values.iter().map(|&value| format!("{:>width$} ", written(value))).collect();
+    let line = "-".repeat(values.chars().count());
+    text += &format!("{:9}+{line}+\n{:10}{}\n", "", "", values.trim_end());
+    text += &format!("{:10}{:>length$}\n", "", horizontal.name, length = line.len().max(horizontal.name.len()));
     if has_unknown {
-        text += UNKNOWN;
+        text += &format!("          ? {UNKNOWN}\n");
     }
     text + "\n"
+}
+
+/// A name at the beginning of a title; the keys of the model stay as they are written.
+fn capitalised(name: &str) -> String {
+    if name.contains('.') {
+        return name.to_owned();
+    }
+    let mut letters = name.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// A number in five characters.
+fn narrow(value: f64) -> String {
+    let plain = value == 0.0 || (1e-3..1e5).contains(&value.abs());
+    if !plain {
+        return format!("{value:.0e}");
+    }
+    let whole = format!("{:.0}", value.trunc()).len();
+    format!("{value:.*}", 4_usize.saturating_sub(whole).min(3))
 }
 
 /// The axis below a picture: its line, its ends and its name, which has a line of its own where it is long.
@@ -155,7 +253,7 @@ fn bars(surface: &Surface<'_>, slice: &Slice<'_>, axis: Option<&ViewAxis>) -> St
                 let filled = (p * BAR as f64).round() as usize;
                 let bar = format!("{}{}", "█".repeat(filled), " ".repeat(BAR - filled));
                 let unknown = if row.unknown_share() > MOST_UNKNOWN {
-                    format!("  {:.0} % of the samples undecided or failed", 100.0 * row.unknown_share())
+                    format!("\n{:9}|{:.0} % of the samples undecided or failed", "", 100.0 * row.unknown_share())
                 } else {
                     String::new()
                 };
@@ -174,88 +272,53 @@ fn probability(value: f64) -> String {
     if value == 0.0 || value >= 1e-3 { format!("{value:.4}") } else { format!("{value:.1e}") }
 }
 
-/// The probability along an axis, with its interval.
-fn curve(surface: &Surface<'_>, slice: &Slice<'_>, axis: &ViewAxis) -> String {
-    let columns = thinned(axis.values.len(), MOST_COLUMNS);
-    let width = if columns.len() <= MOST_COLUMNS / 2 { 2 } else { 1 };
-    let rows: Vec<SurfaceRow> = columns.iter().map(|&column| surface.row(slice.cell(0, column))).collect();
-    let largest = rows.iter().filter_map(|row| known_probability(row).map(|_| row.estimate.high)).fold(0.0, f64::max);
-    let top = TOPS.into_iter().rev().find(|top| *top >= largest).unwrap_or(1.0);
-    let height_of = |p: f64| (p / top * (CURVE_ROWS - 1) as f64).round() as usize;
-    let mut has_unknown = false;
-    let mut area = vec![String::new(); CURVE_ROWS];
-    for row in &rows {
-        let known = known_probability(row);
-        has_unknown |= known.is_none();
-        for (height, line) in area.iter_mut().enumerate() {
-            let symbol = match known {
-                None if height == 0 => '?',
-                None => ' ',
-                Some(p) if height_of(p) == height => '●',
-                Some(_) if (height_of(row.estimate.low)..=height_of(row.estimate.high.min(top))).contains(&height) => {
-                    '░'
-                }
-                Some(_) => ' ',
-            };
-            line.extend(std::iter::repeat_n(symbol, width));
+/// The probability along an axis with its interval: a curve for each value of another axis, if one is given; `cell`
+/// gives the cell of a curve and of a place along it.
+fn curves(
+    surface: &Surface<'_>,
+    slice: &Slice<'_>,
+    along: &ViewAxis,
+    several: Option<&ViewAxis>,
+    cell: impl Fn(usize, usize) -> u64,
+) -> Drawing {
+    let mut series = Vec::new();
+    let mut unknown = Vec::new();
+    for number in 0..several.map_or(1, |axis| axis.values.len()) {
+        let (mut points, mut band) = (Vec::new(), Vec::new());
+        for (index, &at) in along.values.iter().enumerate() {
+            let row = surface.row(cell(number, index));
+            let known = known_probability(&row);
+            points.push((at, known.unwrap_or(f64::NAN)));
+            band.push(known.map_or((f64::NAN, f64::NAN), |_| (row.estimate.low, row.estimate.high)));
+            if known.is_none() {
+                unknown.push((at, 0.0));
+            }
         }
+        let name = several.map_or_else(String::new, |axis| {
+            format!("{} {} {}", axis.key(), rounded(axis.values[number]), axis.unit()).trim_end().to_owned()
+        });
+        series.push(Series { band, ..Series::numbered(number, name, points) });
     }
-    let mut text = String::new();
-    for (height, line) in area.iter().enumerate().rev() {
-        let at = top * height as f64 / (CURVE_ROWS - 1) as f64;
-        // Every second row is labelled.
-        let value = if height % 2 == 0 { label(at) } else { " ".repeat(8) };
-        text += &format!("{value} |{line}|\n");
+    let ends = || series.iter().flat_map(|series: &Series| series.band.iter().map(|(_, high)| *high));
+    let highest = ends().filter(|high| high.is_finite()).fold(0.0, f64::max);
+    let top = TOPS.into_iter().rev().find(|top| *top >= highest).unwrap_or(1.0);
+    // Below the least of them the axis ends at the curve.
+    let top = if highest > 0.0 && highest < 0.1 * top { highest } else { top };
+    if !unknown.is_empty() {
+        let name = UNKNOWN.to_owned();
+        series.push(Series { name, symbol: '?', form: Form::Points, points: unknown, band: Vec::new() });
     }
-    text += &foot(&axis.name, axis.ends(), columns.len() * width);
-    text += &format!(
-        "          ● probability, ░ its interval with a confidence of {}\n",
-        surface.job().sampling.confidence
-    );
-    if has_unknown {
-        text += UNKNOWN;
-    }
-    text + "\n"
-}
-
-/// A number with at most three decimals, without trailing zeros.
-fn short(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// Size of the plot area of [`curves`].
-const PLOT_ROWS: usize = 20;
-const PLOT_COLUMNS: usize = 72;
-
-/// Curves over a common abscissa, the n-th drawn with the digit n, with a line at zero.
-pub fn curves(lines: &[Vec<(f64, f64)>]) -> String {
-    let points = || lines.iter().flatten().copied();
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+    let job = surface.job();
+    let title = format!("Probability of instability{}", slice.title(job));
+    let horizontal = ChartAxis::new(&capitalised(along.key()), along.unit(), Scale::of(&along.values));
+    let vertical = ChartAxis::new("P", "", Scale::linear(0.0, top));
+    let mut chart = Chart::new(title, horizontal, vertical, series);
+    chart.note = if job.is_integrated() {
+        "shaded: bounds of the integral".to_owned()
+    } else {
+        format!("shaded: interval with a confidence of {}", job.sampling.confidence)
     };
-    let (left, right) = range(&mut points().map(|point| point.0));
-    let (bottom, top) = range(&mut points().map(|point| point.1));
-    let row_of = |y: f64| ((top - y) / (top - bottom) * (PLOT_ROWS - 1) as f64).round() as usize;
-    let column_of = |x: f64| ((x - left) / (right - left) * (PLOT_COLUMNS - 1) as f64).round() as usize;
-    let mut area = vec![[' '; PLOT_COLUMNS]; PLOT_ROWS];
-    if bottom < 0.0 && top > 0.0 {
-        area[row_of(0.0)] = ['-'; PLOT_COLUMNS];
-    }
-    for (line, symbol) in lines.iter().zip("123456789".chars()) {
-        for &(x, y) in line {
-            area[row_of(y)][column_of(x)] = symbol;
-        }
-    }
-    let mut text = String::new();
-    for (row, cells) in area.iter().enumerate() {
-        let label = top - (top - bottom) * row as f64 / (PLOT_ROWS - 1) as f64;
-        text += &format!("{label:>9.5} |{}\n", cells.iter().collect::<String>().trim_end());
-    }
-    let (left, right) = (short(left), short(right));
-    let gap = PLOT_COLUMNS.saturating_sub(left.len() + right.len());
-    text += &format!("{:10}+{}\n{:11}{left}{:gap$}{right}\n\n", "", "-".repeat(PLOT_COLUMNS), "", "");
-    text
+    Drawing::Chart(Box::new(chart))
 }
 
 #[cfg(test)]
@@ -274,6 +337,15 @@ mod tests {
             (3.14e-12, "3.1e-12"),
         ] {
             assert_eq!(probability(value), text);
+        }
+    }
+
+    #[test]
+    fn narrow_numbers_have_five_characters_at_most() {
+        for (value, text) in
+            [(0.0, "0.000"), (0.1234, "0.123"), (1.0, "1.000"), (15.5, "15.50"), (1234.5, "1234"), (2.8e-7, "3e-7")]
+        {
+            assert_eq!(narrow(value), text);
         }
     }
 }

@@ -54,6 +54,15 @@ pub struct GridView {
     std: usize,
 }
 
+/// Most values of an axis that become curves of one drawing, and the least number of values of a curve.
+const MOST_CURVES: usize = 6;
+const LEAST_POINTS: usize = 10;
+
+/// Whether two axes make some curves, and not a surface: one for each value of the first.
+pub fn is_family(several: &ViewAxis, along: &ViewAxis) -> bool {
+    several.values.len() <= MOST_CURVES && along.values.len() >= LEAST_POINTS
+}
+
 /// A slice of a grid: the cells that agree in all axes that are not shown.
 pub struct Slice<'a> {
     view: &'a GridView,
@@ -96,12 +105,12 @@ impl GridView {
         view
     }
 
-    /// Chooses the two longest axes; of equally long ones those that vary fastest. Standard deviations are shown along
-    /// a line if nothing else varies.
+    /// Chooses the two longest axes; of equally long ones those that vary fastest. Standard deviations are shown if
+    /// at most one other axis varies.
     fn choose(&mut self) {
         let length = |axis: &usize| self.axes[*axis].values.len();
         let mut long: Vec<usize> = (0..self.axes.len()).rev().filter(|axis| length(axis) > 1).collect();
-        if long.len() > 1 {
+        if long.len() > 2 {
             long.retain(|&axis| axis != self.std);
         }
         long.sort_by_key(|axis| std::cmp::Reverse(length(axis)));

@@ -3,9 +3,9 @@
 use stickslip_core::parameters::scalar;
 
 use crate::job::StartValue;
+use crate::picture::scale::Scale;
 use crate::picture::view::ViewAxis;
 use crate::plot::panel::Axis;
-use crate::plot::scale::Scale;
 
 /// The axis of a grid, with its symbol, name and unit.
 pub fn axis(of: &ViewAxis) -> Axis {

@@ -66,12 +66,26 @@ impl Canvas {
         Self { scene }
     }
 
+    /// Its width and height.
+    pub fn size(&self) -> (f64, f64) {
+        (self.scene.width, self.scene.height)
+    }
+
     /// The plot as SVG.
     pub fn svg(&self) -> Vec<u8> {
+        self.svg_with("").into_bytes()
+    }
+
+    /// The plot as an SVG element of an HTML page, which is told as `label` where it is not seen.
+    pub fn element(&self, label: &str) -> String {
+        self.svg_with(&format!("role=\"img\" aria-label=\"{label}\" "))
+    }
+
+    fn svg_with(&self, attributes: &str) -> String {
         // With its own coordinates a browser can scale the plot.
         let Scene { width, height, .. } = self.scene;
-        let scaled = format!("<svg viewBox=\"0 0 {width} {height}\" ");
-        SvgBackend::default().render_scene(&self.scene).replacen("<svg ", &scaled, 1).into_bytes()
+        let opening = format!("<svg {attributes}viewBox=\"0 0 {width} {height}\" ");
+        SvgBackend::default().render_scene(&self.scene).replacen("<svg ", &opening, 1)
     }
 
     /// The plot as PNG.

@@ -3,6 +3,7 @@
 use kuva::plot::colormap::ColorMap;
 
 use crate::job::Job;
+use crate::picture::scale::Scale;
 use crate::picture::view::GridView;
 use crate::plot::area::{Area, AreaPanel, Level, labelled_line};
 use crate::plot::canvas::{BLACK, Canvas, Rgb};
@@ -10,7 +11,6 @@ use crate::plot::contours::Field;
 use crate::plot::curves::Curves;
 use crate::plot::form::Form;
 use crate::plot::panel::Axis;
-use crate::plot::scale::Scale;
 
 /// Levels of differences above 0; those below are the same with the other sign.
 const LEVELS: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];

@@ -1,10 +1,6 @@
 //! How a grid is drawn: as an area, or as curves.
 
-use crate::picture::view::{GridView, ViewAxis};
-
-/// Most values of the second axis that become curves in one panel, and the least number of values of a curve.
-const MOST_CURVES: usize = 6;
-const LEAST_POINTS: usize = 10;
+use crate::picture::view::{GridView, ViewAxis, is_family};
 
 /// How the cells of a grid are drawn.
 pub enum Form<'a> {
@@ -30,9 +26,6 @@ impl<'a> Form<'a> {
         let horizontal = view.horizontal()?;
         let Some(vertical) = view.vertical() else {
             return Some(Self::Curves(Along { axis: horizontal, several: None, is_vertical: false }));
-        };
-        let is_family = |several: &ViewAxis, along: &ViewAxis| {
-            several.values.len() <= MOST_CURVES && along.values.len() >= LEAST_POINTS
         };
         Some(if is_family(vertical, horizontal) {
             Self::Curves(Along { axis: horizontal, several: Some(vertical), is_vertical: false })

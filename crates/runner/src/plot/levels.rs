@@ -70,7 +70,7 @@ pub fn deviate(probability: f64) -> f64 {
 pub fn label(level: f64) -> String {
     if level < 1e-3 {
         let decade = libm::log10(level).round() as i32;
-        format!("10{}", crate::plot::scale::superscript(decade))
+        format!("10{}", crate::picture::scale::superscript(decade))
     } else {
         level.to_string()
     }

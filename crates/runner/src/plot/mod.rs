@@ -5,8 +5,6 @@
 
 pub mod canvas;
 
-pub mod scale;
-
 pub mod contours;
 
 pub mod levels;
@@ -36,5 +34,7 @@ pub mod difference;
 pub mod sobol;
 
 pub mod verdict_map;
+
+pub mod chart;
 
 pub mod motion;

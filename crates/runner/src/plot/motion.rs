@@ -1,19 +1,14 @@
-//! A simulated motion: its displacements and friction over time, and its phase portrait.
+//! A simulated motion: its displacements and friction over time, its phase portrait and its spectrum.
 
 use std::path::Path;
 
 use crate::failure::Failure;
-use crate::plot::canvas::{Canvas, Pen, Place, Rgb};
-use crate::plot::panel::{Arrangement, Axis, Layout, RIGHT};
-use crate::plot::scale::Scale;
+use crate::picture::chart::{Chart, ChartAxis, Series};
+use crate::picture::scale::Scale;
+use crate::plot::canvas::Canvas;
+use crate::plot::chart;
+use crate::spectrum::{Spectrum, spectrum};
 use crate::tables::finished::read_numbers;
-
-const LAYOUT: Layout = Layout { above: 10.0, right: RIGHT, below: 4.0, aspect: 0.6, most_columns: 2 };
-
-/// Space around a line, over its range.
-const AROUND: f64 = 0.06;
-
-const LINE: Rgb = (0x3c, 0x6e, 0xb4);
 
 /// A quantity of a motion: its column, title and unit.
 type Quantity = (&'static str, &'static str, &'static str);
@@ -23,10 +18,18 @@ const X: Quantity = ("x_mm", "Tangential displacement x", "mm");
 const SPEED: Quantity = ("x_speed_m_s", "Tangential velocity x′", "m/s");
 const Y: Quantity = ("y_mm", "Normal displacement y - y(0)", "μm");
 const FRICTION: Quantity = ("friction_force_n", "Friction force", "N");
+const CONTACT: Quantity = ("contact_force_n", "Contact force", "N");
+
+const QUANTITIES: [Quantity; 6] = [TIME, X, SPEED, Y, FRICTION, CONTACT];
 
 /// What is drawn over what.
-const PANELS: [(usize, usize); 4] = [(0, 1), (1, 2), (0, 4), (0, 3)];
-const QUANTITIES: [Quantity; 5] = [TIME, X, SPEED, Y, FRICTION];
+const PANELS: [(usize, usize); 5] = [(0, 1), (1, 2), (0, 4), (0, 5), (0, 3)];
+
+/// The part of a motion that its spectrum is taken of, at the end, and the frequencies that are shown: up to so many
+/// times that of the highest peak, with amplitudes down to this share of it.
+const SETTLED: f64 = 0.5;
+const MULTIPLES: f64 = 12.0;
+const LEAST_SHARE: f64 = 1e-5;
 
 /// A figure of the time series that `trajectory` and `replay` write, this wide in pixels.
 ///
@@ -48,25 +51,39 @@ pub fn figure(path: &Path, width: f64) -> Result<Canvas, Failure> {
     // The pad moves by micrometres about the millimetre by which the preload shifts it.
     let start = series[3][0];
     series[3].iter_mut().for_each(|y| *y = 1e3 * (*y - start));
-    let Arrangement { panels, height } = LAYOUT.arrange(PANELS.len(), width);
-    let mut canvas = Canvas::new(width, height);
-    for (panel, (across, up)) in panels.iter().zip(PANELS) {
-        let axes = [across, up].map(|which| axis(QUANTITIES[which], &series[which]));
-        let place = |(x, y): (&f64, &f64)| -> Place { panel.place(axes[0].scale.at(*x), axes[1].scale.at(*y)) };
-        let points: Vec<Place> = series[across].iter().zip(&series[up]).map(place).collect();
-        let is_known = |place: &Place| place.0.is_finite() && place.1.is_finite();
-        points.split(|place| !is_known(place)).for_each(|part| canvas.lines(part, Pen::new(LINE, 1.0)));
-        panel.frame(&mut canvas, &axes[0], &axes[1]);
-    }
-    Ok(canvas)
+    let over = |(across, up): (usize, usize)| {
+        let points = series[across].iter().copied().zip(series[up].iter().copied()).collect();
+        Chart::new(
+            "",
+            axis(QUANTITIES[across], &series[across]),
+            axis(QUANTITIES[up], &series[up]),
+            vec![Series::line(points)],
+        )
+    };
+    let mut charts: Vec<Chart> = PANELS.into_iter().map(over).collect();
+    let settled = &series[1][(series[1].len() as f64 * (1.0 - SETTLED)) as usize..];
+    charts.extend(of_spectrum(&spectrum(settled, series[0][1] - series[0][0])));
+    Ok(chart::figure(&charts.iter().collect::<Vec<_>>(), width))
 }
 
-fn axis((_, title, unit): Quantity, values: &[f64]) -> Axis {
-    let known = values.iter().filter(|value| value.is_finite());
-    let (low, high) =
-        known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)));
-    let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-    let around = AROUND * (high - low);
-    let scale = if title == TIME.1 { Scale::linear(low, high) } else { Scale::linear(low - around, high + around) };
-    Axis { scale, title: title.to_owned(), unit: unit.to_owned() }
+fn axis((_, title, unit): Quantity, values: &[f64]) -> ChartAxis {
+    let scale = match values {
+        [first, .., last] if title == TIME.1 => Scale::linear(*first, *last),
+        values => Scale::around(values.iter().copied()),
+    };
+    ChartAxis::new(title, unit, scale)
+}
+
+/// The amplitudes of x, if it moves.
+fn of_spectrum(spectrum: &Spectrum) -> Option<Chart> {
+    let &(frequency, highest) = spectrum.peaks(1, 1.0).first()?;
+    let points: Vec<(f64, f64)> =
+        spectrum.frequencies.iter().copied().zip(spectrum.amplitudes.iter().copied()).collect();
+    let last = spectrum.frequencies.last().copied()?.min(MULTIPLES * frequency);
+    Some(Chart::new(
+        "Spectrum of x in the second half",
+        ChartAxis::new("Frequency", "Hz", Scale::linear(0.0, last)),
+        ChartAxis::new("Amplitude of x", "mm", Scale::logarithmic(LEAST_SHARE * highest, 2.0 * highest)),
+        vec![Series::line(points)],
+    ))
 }

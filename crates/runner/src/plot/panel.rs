@@ -1,7 +1,7 @@
 //! A rectangle with two axes.
 
+use crate::picture::scale::{Scale, superscript};
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Side, width_of};
-use crate::plot::scale::{Scale, superscript};
 
 /// Sizes of text: labels of ticks, and titles.
 pub const SMALL: u32 = 10;

@@ -5,12 +5,12 @@ use std::path::Path;
 use stickslip_sampler::special_functions::normal;
 
 use crate::failure::Failure;
+use crate::picture::scale::Scale;
 use crate::picture::view::{GridView, rounded};
 use crate::plot::axes::title;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Rgb, Side, width_of};
 use crate::plot::legend::Legend;
 use crate::plot::panel::{ABOVE, Axis, BELOW, Panel, RIGHT, SMALL, two_lines};
-use crate::plot::scale::Scale;
 use crate::plot::values::Values;
 use crate::tables::finished::{FinishedSurface, FinishedValues};
 

@@ -1,6 +1,7 @@
 //! The probability of a run: filled contours over two axes, curves with their intervals over one.
 
 use crate::job::Criterion;
+use crate::picture::scale::Scale;
 use crate::picture::view::GridView;
 use crate::plot::area::{Area, AreaPanel, Level, labelled_line};
 use crate::plot::canvas::{BLACK, Canvas, Pen, Place, WHITE};
@@ -8,7 +9,6 @@ use crate::plot::curves::Curves;
 use crate::plot::form::Form;
 use crate::plot::levels::{Levels, deviate, label};
 use crate::plot::panel::Axis;
-use crate::plot::scale::Scale;
 use crate::plot::values::Values;
 
 /// Upper ends of the axis of probabilities.

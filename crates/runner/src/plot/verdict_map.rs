@@ -11,12 +11,12 @@ use crate::evaluate::maps::Maps;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::quoted;
+use crate::picture::scale::Scale;
 use crate::picture::view::{GridView, MOST_PANELS};
 use crate::plot::axes::title;
 use crate::plot::canvas::{BLACK, Canvas, Pen, Place, WHITE};
 use crate::plot::panel::{ABOVE, Arrangement, Axis, LEFT, Layout, Panel, RIGHT, heading, space_of, write_notes};
 use crate::plot::regions::{Region, Regions};
-use crate::plot::scale::Scale;
 use crate::store::directory::RunDirectory;
 use crate::store::map_pieces;
 

@@ -25,7 +25,8 @@ use crate::output::quoted;
 use crate::picture::answer::answer;
 
 const PAGE: &str = include_str!("page.html");
-const STYLE: &str = include_str!("style.css");
+/// The style of pages, light and dark.
+pub const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 
 /// The cartesian bundle of plotly.js, see `plotly-license.txt` beside it.
@@ -58,7 +59,7 @@ pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, 
         ("answers", all(answered)),
         ("differences", differences.collect()),
         ("computed", all(computed)),
-        ("reconstructed", element("p", "class=\"note\"", RECONSTRUCTED)),
+        ("reconstructed", reconstructed()),
         ("verdicts", verdicts(runs)),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("plotly", LIBRARY_VERSION.to_owned()),
@@ -70,7 +71,7 @@ pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, 
 }
 
 /// A page with its places, such as `{{name}}`, filled by their parts.
-fn filled(page: &str, parts: &[(&str, String)]) -> String {
+pub fn filled(page: &str, parts: &[(&str, String)]) -> String {
     let mut pieces = page.split("{{");
     let mut text = pieces.next().unwrap_or_default().to_owned();
     for piece in pieces {
@@ -103,13 +104,8 @@ fn answered(run: &ReportedRun, has_name: bool) -> String {
 fn verdicts(runs: &[ReportedRun]) -> String {
     let picture = |run: &ReportedRun| {
         let map = run.verdict_map.as_ref()?;
-        // An SVG file begins with a declaration, which a page must not have.
-        let map = map.find("<svg").map_or("", |start| &map[start..]);
-        let label = "Map of the verdicts over preload and static friction coefficient";
-        Some(format!(
-            "{}<div class=\"picture\" role=\"img\" aria-label=\"{label}\">{map}</div>",
-            heading(run, runs.len() > 1)
-        ))
+        let map = map.element("Map of the verdicts over preload and static friction coefficient");
+        Some(format!("{}<div class=\"picture\">{map}</div>", heading(run, runs.len() > 1)))
     };
     let pictures: String = runs.iter().filter_map(picture).collect();
     if pictures.is_empty() {
@@ -154,8 +150,11 @@ fn heading(run: &ReportedRun, has_name: bool) -> String {
 }
 
 /// What of the preset is not printed in the paper.
-const RECONSTRUCTED: &str = "Parameters start from the preset sui-ding-2018. Those that Sui and Ding (2018, \
-     doi 10.1007/s11071-018-4280-4) do not print are reconstructed from the results that they print.";
+pub fn reconstructed() -> String {
+    let text = "Parameters start from the preset sui-ding-2018. Those that Sui and Ding (2018, doi \
+                10.1007/s11071-018-4280-4) do not print are reconstructed from the results that they print.";
+    element("p", "class=\"note\"", text)
+}
 
 /// An element with text; without text nothing.
 fn element(name: &str, attributes: &str, text: &str) -> String {
@@ -163,6 +162,6 @@ fn element(name: &str, attributes: &str, text: &str) -> String {
 }
 
 /// Text for HTML.
-fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -10,6 +10,7 @@ use crate::failure::Failure;
 use crate::job::Job;
 use crate::picture::view::GridView;
 use crate::plot::axes::{axis, title};
+use crate::plot::canvas::Canvas;
 use crate::plot::levels::{Levels, label};
 use crate::plot::values::Values;
 use crate::plot::verdict_map::VerdictMaps;
@@ -23,8 +24,8 @@ pub struct ReportedRun {
     pub values: Values,
     /// Its recorded amplitudes and Sobol indices, with their names.
     further: Vec<FinishedColumn>,
-    /// The picture of its verdict map as SVG, if it has a map that is complete.
-    pub verdict_map: Option<String>,
+    /// The picture of its verdict map, if it has a map that is complete.
+    pub verdict_map: Option<Canvas>,
 }
 
 /// Width of the picture of a verdict map, in pixels.
@@ -44,7 +45,7 @@ impl ReportedRun {
         let further = FinishedSurface::open(path)?.columns(|name| AMPLITUDES.contains(&name) || is_index(name))?;
         // A run may have given its map up.
         let maps = if values.job.uses_maps() { VerdictMaps::read(path).ok() } else { None };
-        let verdict_map = maps.map(|maps| String::from_utf8_lossy(&maps.figure(MAP_WIDTH).svg()).into_owned());
+        let verdict_map = maps.map(|maps| maps.figure(MAP_WIDTH));
         Ok(Self { path: path.display().to_string(), values, further, verdict_map })
     }
 

@@ -9,10 +9,12 @@ use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_core::trajectory::sweep::{SweepPoint, sweep};
 
+use super::part::Part;
 use super::preset::brake_at;
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
-use crate::picture::curves;
+use crate::picture::chart::{Chart, ChartAxis, Form, Marks, Series};
+use crate::picture::scale::Scale;
 use crate::units::{scales_line, speed};
 
 /// Speeds of the sweep, rad/s.
@@ -23,14 +25,17 @@ const STEPS: i32 = 150;
 /// Scaled time at each speed, some 120 cycles of the pad.
 const DWELL: f64 = 400.0;
 
-/// Sweeps both discs down and up, writes every point, and draws the sweeps of the flexible disc.
-pub fn diagram(directory: &Path) -> Result<String, Failure> {
+/// Speeds that the paper prints: of the Hopf bifurcation, and of the saddle-node.
+const PRINTED: [f64; 2] = [15.56, 30.0];
+
+/// Sweeps both discs down and up, writes every point, and draws the sweeps.
+pub fn diagram(directory: &Path) -> Result<Vec<Part>, Failure> {
     let preset = brake_at(SLOWEST)?;
     let scales = preset.scales();
     let mut columns = [const { Vec::new() }; 6];
-    let mut text =
-        "Figure 6: turning points of the tangential motion against rotating speed (rad/s), preload 0.1\n\n".to_owned();
-    let mut picture = String::new();
+    let mut parts = vec![Part::text(
+        "Figure 6: bifurcation diagram of the tangential motion, preload 0.1\nlargest and smallest x at each speed\n\n",
+    )];
     let mut boundaries = String::new();
     for (name, disc) in [("rigid", DiscModel::Rigid), ("flexible", DiscModel::Flexible { modes: DISC_MODES })] {
         let (down, up) = (sweep_disc(&disc, true)?, sweep_disc(&disc, false)?);
@@ -56,23 +61,20 @@ pub fn diagram(directory: &Path) -> Result<String, Failure> {
             })
         };
         boundaries += &format!(
-            "{name:>9} disc: stick-slip begins at {} on the way down, ends at {} on the way up\n",
+            "{name} disc: stick-slip begins at {} on the way down\n\
+             {:>length$}ends at {} on the way up\n",
             jump(&down, true),
-            jump(&up, false)
+            "",
+            jump(&up, false),
+            length = name.len() + 18,
         );
-        if name == "flexible" {
-            let line = |points: &[SweepPoint]| -> Vec<(f64, f64)> {
-                let both = points.iter().map(|p| (p.rotating_speed, p.tangential_max));
-                both.chain(points.iter().map(|p| (p.rotating_speed, p.tangential_min))).collect()
-            };
-            picture = curves(&[line(&up), line(&down)]);
-        }
+        let title = if name == "flexible" { "Flexible disc" } else { "Rigid disc" };
+        parts.push(Part::chart(sweeps(title, &down, &up)));
     }
-    text += &picture;
-    text += "largest and smallest x; 1 on the way up, 2 on the way down (drawn over it), flexible disc\n\n";
-    text += &boundaries;
-    text += "the paper prints 15.56 (Hopf) and 30 (saddle-node). On the way down growth takes its time beyond the boundary; on\n\
-        the way up each step of the speed disturbs the motion, and just below the saddle-node little is enough.\n";
+    let mut text = boundaries;
+    text += "the paper prints 15.56 (Hopf) and 30 (saddle-node). On the way down growth takes\n\
+        its time beyond the boundary; on the way up each step of the speed disturbs the\n\
+        motion, and just below the saddle-node little is enough.\n";
     let [flexible, direction, speeds, largest, smallest, stick] = columns;
     let millimetres = |values: &[f64]| values.iter().map(|&x| scales.millimetres(x)).collect::<Vec<f64>>();
     let (largest_mm, smallest_mm) = (millimetres(&largest), millimetres(&smallest));
@@ -95,7 +97,28 @@ pub fn diagram(directory: &Path) -> Result<String, Failure> {
     )?;
     text += &format!("data: {}\n", directory.join("bifurcation.parquet").display());
     text += &scales_line(scales);
-    Ok(text)
+    parts.push(Part::Text(text));
+    Ok(parts)
+}
+
+/// Both sweeps of a disc.
+fn sweeps(title: &str, down: &[SweepPoint], up: &[SweepPoint]) -> Chart {
+    let series = |name: &str, symbol: char, points: &[SweepPoint]| {
+        let both = points.iter().map(|p| (p.rotating_speed, p.tangential_max));
+        let points = both.chain(points.iter().map(|p| (p.rotating_speed, p.tangential_min))).collect();
+        Series { name: name.to_owned(), symbol, form: Form::Points, points, band: Vec::new() }
+    };
+    let series = vec![series("on the way up", '^', up), series("on the way down", 'v', down)];
+    let x = Scale::around(series.iter().flat_map(|series| series.points.iter().map(|point| point.1)));
+    let fastest = SLOWEST + STEP * f64::from(STEPS);
+    let mut chart = Chart::new(
+        title,
+        ChartAxis::new("Rotating speed", "rad/s", Scale::linear(SLOWEST, fastest)),
+        ChartAxis::new("Displacement x over h", "", x),
+        series,
+    );
+    chart.marks = Some(Marks { what: "printed in the paper".to_owned(), values: PRINTED.to_vec() });
+    chart
 }
 
 fn sweep_disc(disc: &DiscModel, down: bool) -> Result<Vec<SweepPoint>, Failure> {

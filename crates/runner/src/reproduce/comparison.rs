@@ -70,7 +70,7 @@ pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
 pub fn summary(run: &FinishedRun, rows: &[ComparedRow]) -> String {
     let what = match run.job.criterion {
         Criterion::Eigenvalue => "the exact probabilities",
-        _ => "the exact probabilities of another criterion, linear stability on a rigid disc",
+        _ => "the exact probabilities of linear stability on a rigid disc",
     };
     let normal: Vec<f64> = rows.iter().filter(|row| row.is_normal()).filter_map(|row| row.z).collect();
     let rare = rows.iter().filter(|row| !row.is_normal());
@@ -80,7 +80,7 @@ pub fn summary(run: &FinishedRun, rows: &[ComparedRow]) -> String {
         let largest = normal.iter().map(|z| z.abs()).fold(0.0, f64::max);
         let mean_square = normal.iter().map(|z| z * z).sum::<f64>() / normal.len() as f64;
         text += &format!(
-            "against {what}: max |z| = {largest:.2}, mean z^2 = {mean_square:.3} over {} cells of {} samples\n",
+            "against {what}:\n    max |z| = {largest:.2}, mean z^2 = {mean_square:.3} over {} cells of {} samples\n",
             normal.len(),
             rows[0].row.counts.decided()
         );
@@ -88,7 +88,8 @@ pub fn summary(run: &FinishedRun, rows: &[ComparedRow]) -> String {
     let rare = rare.count();
     if rare > 0 {
         text += &format!(
-            "in {rare} cells fewer than {ENOUGH} samples are expected on one side; there max |p - exact| = {largest_rare:.5}\n"
+            "in {rare} cells fewer than {ENOUGH} samples are expected on one side;\n\
+             there max |p - exact| = {largest_rare:.5}\n"
         );
     }
     text + &in_si(run)
@@ -106,7 +107,7 @@ fn in_si(run: &FinishedRun) -> String {
     let scales = brake.scales();
     let (speeds, preloads) = (grid.rotating_speed.values(), grid.preload.values());
     format!(
-        "in SI: the disc passes the pad at {}; the preload is {}, {} of contact force\n",
+        "in SI: the disc passes the pad at {};\n    the preload is {}, {} of contact force\n",
         range(speeds, &|value| units::speed(brake.speed_under_pad(value))),
         range(preloads, &|value| units::length(scales.metres(value))),
         range(preloads, &|value| units::force(brake.contact_force(value)))

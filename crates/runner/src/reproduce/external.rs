@@ -13,6 +13,7 @@ use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::basin::Window;
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 
+use super::part::{Part, Table};
 use super::score::{self, Score};
 use crate::cli::ReproduceArguments;
 use crate::commands::{FinishedRun, complete_run};
@@ -20,7 +21,8 @@ use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
 use crate::interrupt::Interrupt;
 use crate::job::JobSource;
-use crate::picture::curves;
+use crate::picture::chart::{Chart, ChartAxis, Series};
+use crate::picture::scale::Scale;
 
 /// Limits of an oscillator, rad/s here and m/s there.
 struct Limits {
@@ -124,7 +126,7 @@ impl Oscillator {
             row.estimate.probability == Some(f64::from(u8::from(sticks)))
         });
         format!(
-            "  released from stick in the time domain (jobs/{}.toml): stick-slip up to its end, none above: {}\n",
+            "  released from stick in the time domain (jobs/{}.toml):\n  stick-slip up to its end, none above: {}\n",
             self.name,
             holds(is_right)
         )
@@ -132,11 +134,11 @@ impl Oscillator {
 }
 
 /// The limits of both oscillators and the areas of the first one, beside ours.
-pub fn score_table() -> Result<String, Failure> {
+pub fn score_table() -> Result<Table, Failure> {
     let mut scores = BSTAB.scores("v_d")?;
     for Share { speed, area, .. } in SHARES {
         scores.push(Score {
-            quantity: format!("bstab, share of starts that return, v_d {speed}"),
+            quantity: format!("bstab, share that returns, v_d {speed}"),
             printed: area,
             decimals: 6,
             ours: share(&BSTAB.at(speed)?)?,
@@ -144,33 +146,42 @@ pub fn score_table() -> Result<String, Failure> {
         });
     }
     scores.extend(VERASZTO.scores("m/s")?);
-    Ok(score::table("by independent integration", "reference", "ours", "role", &scores))
+    Ok(score::table("", "by independent integration", "reference", "ours", &scores))
 }
 
 /// `reproduce external`.
-pub fn oscillators(directory: &Path, arguments: &ReproduceArguments, interrupt: &Interrupt) -> Result<String, Failure> {
+pub fn oscillators(
+    directory: &Path,
+    arguments: &ReproduceArguments,
+    interrupt: &Interrupt,
+) -> Result<Vec<Part>, Failure> {
     let run = |oscillator: &Oscillator| {
         let out = directory.join(oscillator.name);
         complete_run(&oscillator.source(), &out, arguments.threads.count(), interrupt)
     };
-    let mut text = "Two published friction oscillators. Nothing was fitted to their numbers.\n\n".to_owned();
-    text += &score_table()?;
-    text += "\nbstab: Stender and Hoffmann, Nonlinear Dynamics (2021), doi 10.1007/s11071-021-06786-5\n\n";
-    text += &shares(&run(&BSTAB)?)?;
-    text += &basins(directory)?;
-    text += "veraszto: Veraszto and Stepan, Int. J. Non-Linear Mech. (2017), doi 10.1016/j.ijnonlinmec.2017.01.006\n\n";
-    text += &VERASZTO.stick_slip(&run(&VERASZTO)?);
-    Ok(text)
+    let mut parts = vec![
+        Part::text("Two published friction oscillators. Nothing was fitted to their numbers.\n\n"),
+        Part::Table(score_table()?),
+        Part::text("\nbstab: Stender and Hoffmann, Nonlinear Dynamics (2021),\n    doi 10.1007/s11071-021-06786-5\n\n"),
+    ];
+    parts.extend(shares(&run(&BSTAB)?)?);
+    parts.extend(basins(directory)?);
+    parts.push(Part::Text(format!(
+        "veraszto: Veraszto and Stepan, Int. J. Non-Linear Mech. (2017),\n    \
+         doi 10.1016/j.ijnonlinmec.2017.01.006\n\n{}",
+        VERASZTO.stick_slip(&run(&VERASZTO)?)
+    )));
+    Ok(parts)
 }
 
 /// The share of the window that ends in steady sliding, exact and by random starts.
-fn shares(run: &FinishedRun) -> Result<String, Failure> {
-    let mut text = format!(
-        "Share of initial states on [-2, 2] x [0, 2] that end in steady sliding: the authors' toolbox, {THEIR_STARTS} random\n\
-         states each; the area inside the unstable cycle by SciPy; the same here; and jobs/bstab.toml, random states each\n\n"
+fn shares(run: &FinishedRun) -> Result<[Part; 3], Failure> {
+    let introduction = format!(
+        "Share of initial states on [-2, 2] x [0, 2] that end in steady sliding: the\n\
+         authors' toolbox, {THEIR_STARTS} random states each; the area inside the unstable cycle\n\
+         by SciPy; the same here; and jobs/bstab.toml, as many random states each\n\n"
     );
-    text +=
-        "    v_d    authors   area, SciPy       area   starts    share   undecided   authors - area   share - area\n";
+    let mut rows = Vec::new();
     let (mut largest_difference, mut largest_z, mut our_largest_z, mut slow_z) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0);
     let mut ends_hold = true;
     let mut undecided_when_slow = 0;
@@ -191,16 +202,23 @@ fn shares(run: &FinishedRun) -> Result<String, Failure> {
         } else {
             largest_z = largest_z.max(z.abs());
         }
-        text += &format!(
-            "  {speed:.3}     {printed:.4}      {area:.6}   {exact:.6}   {:>6}   {ours:.4}   {:>9}        {z:+5.1} s.e.     {our_z:+5.1} s.e.\n",
-            counts.total(),
-            counts.undecided,
-        );
+        rows.push([
+            format!("{speed:.3}"),
+            format!("{printed:.4}"),
+            format!("{area:.6}"),
+            format!("{exact:.6}"),
+            format!("{ours:.4}"),
+            counts.undecided.to_string(),
+            format!("{z:+.1} s.e."),
+            format!("{our_z:+.1} s.e."),
+        ]);
     }
-    text += &format!(
+    let headings = ["v_d", "authors", "SciPy", "area", "ours", "undecided", "authors-area", "ours-area"];
+    let table = Table::new("", headings, rows);
+    let mut text = format!(
         "\n  s.e.: standard errors of the share\n\
          \x20 areas within {AREA_TOLERANCE} of SciPy's: {}; none at 1.1 and all at 1.85: {}\n\
-         \x20 authors' shares within {LARGEST_Z} standard errors of the area, {SLOW} apart: {}, at most {largest_z:.1}\n\
+         \x20 authors' shares within {LARGEST_Z} s.e. of the area, {SLOW} apart: {}, at most {largest_z:.1}\n\
          \x20 shares of jobs/bstab.toml within {LARGEST_Z}: {}, at most {our_largest_z:.1}\n",
         holds(largest_difference <= AREA_TOLERANCE),
         holds(ends_hold),
@@ -208,14 +226,15 @@ fn shares(run: &FinishedRun) -> Result<String, Failure> {
         holds(our_largest_z <= LARGEST_Z),
     );
     text += &format!(
-        "  At {SLOW} the authors' share is {:.1} standard errors low. Small motions decay there with the time constant {:.0},\n  \
-         those near the unstable cycle more slowly still, and their simulation ends at t = 500. With this horizon\n  \
-         {undecided_when_slow} of our states are undecided there: swings that shrink or grow decide, and the return map where\n  \
+        "  At {SLOW} the authors' share is {:.1} standard errors low. Small motions decay\n  \
+         there with the time constant {:.0}, those near the unstable cycle more slowly\n  \
+         still, and their simulation ends at t = 500. With this horizon {undecided_when_slow} of our states are\n  \
+         undecided there: swings that shrink or grow decide, and the return map where\n  \
          swings hardly differ.\n\n",
         -slow_z,
         -1.0 / BSTAB.at(SLOW)?.growth_rate(),
     );
-    Ok(text)
+    Ok([Part::Text(introduction), Part::Table(table), Part::Text(text)])
 }
 
 /// The exact share of the window.
@@ -226,7 +245,7 @@ fn share(brake: &PadOnDisc) -> Result<f64, Failure> {
 }
 
 /// The unstable cycles that bound the basins, drawn and written.
-fn basins(directory: &Path) -> Result<String, Failure> {
+fn basins(directory: &Path) -> Result<[Part; 2], Failure> {
     let mut lines = Vec::new();
     let mut columns = [const { Vec::new() }; 3];
     for Share { speed, .. } in SHARES {
@@ -236,9 +255,10 @@ fn basins(directory: &Path) -> Result<String, Failure> {
                 column.push(value);
             }
         }
-        lines.push(outline);
+        lines.push(Series::numbered(lines.len(), format!("v_d {speed}"), outline));
     }
     let [speeds, x, u] = columns;
+    let ends = (x.clone(), u.clone());
     let column = |name, unit, long_name, values: Vec<f64>| DescribedColumn { name, unit, long_name, values };
     let name = "basins.parquet";
     write_columns(
@@ -250,10 +270,13 @@ fn basins(directory: &Path) -> Result<String, Failure> {
             column("x_speed", "1", "tangential speed on the boundary of the basin", u),
         ],
     )?;
-    let mut text = "The basins: x' over x, for the six speeds\n".to_owned();
-    text += &curves(&lines);
-    text += &format!("data: {}\n\n", directory.join(name).display());
-    Ok(text)
+    let chart = Chart::new(
+        "The basins of steady sliding at six speeds: inside the curves the pad returns",
+        ChartAxis::new("Displacement x at the start", "", Scale::around(ends.0.into_iter())),
+        ChartAxis::new("Velocity x′ at the start", "", Scale::around(ends.1.into_iter())),
+        lines,
+    );
+    Ok([Part::chart(chart), Part::Text(format!("data: {}\n\n", directory.join(name).display()))])
 }
 
 fn holds(condition: bool) -> &'static str {

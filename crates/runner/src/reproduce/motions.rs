@@ -1,5 +1,6 @@
-//! Figures 5 and 7 to 11: motions in time, their phase portraits and spectra.
+//! Figures 5 and 7 to 9: motions in time and their phase portraits.
 
+use std::ops::Range;
 use std::path::Path;
 
 use stickslip_core::criterion::settings::TimeDomainSettings;
@@ -10,18 +11,19 @@ use stickslip_core::motion::start::Start;
 use stickslip_core::rigid_disc::pad_on_disc::{RandomInputs, Scales};
 use stickslip_core::trajectory::recording::Trajectory;
 
+use super::part::Part;
 use super::preset::brake_at;
-use super::spectrum::{Spectrum, spectrum};
 use crate::commands::{columns, simulate};
 use crate::failure::Failure;
-use crate::files::table::{DescribedColumn, write_columns};
-use crate::picture::curves;
+use crate::files::table::write_columns;
+use crate::picture::chart::{Chart, ChartAxis, Series};
+use crate::picture::scale::Scale;
 use crate::target::Target;
-use crate::units::{duration, frequency, length, range, scales_line, significant};
+use crate::units::{duration, frequency, length, range, scales_line};
 
 /// Scaled time of a motion, some 280 cycles of the pad; the last part of it is looked at.
-const HORIZON: f64 = 1000.0;
-const SETTLED: f64 = 500.0;
+pub const HORIZON: f64 = 1000.0;
+pub const SETTLED: f64 = 500.0;
 
 /// One motion of a figure.
 pub struct Panel {
@@ -35,7 +37,7 @@ pub struct Panel {
     pub modes: usize,
 }
 
-const fn panel(name: &'static str, speed: f64, start: Start) -> Panel {
+pub const fn panel(name: &'static str, speed: f64, start: Start) -> Panel {
     Panel { name, speed, start, modes: DISC_MODES }
 }
 
@@ -54,44 +56,57 @@ impl Panel {
 }
 
 /// A quantity of a motion.
-type Quantity = fn(&Moment) -> f64;
-
-/// A quantity of a motion over its settled part.
-fn settled(trajectory: &Trajectory, value: Quantity) -> Vec<f64> {
-    trajectory.moments.iter().filter(|moment| moment.time >= HORIZON - SETTLED).map(value).collect()
-}
+pub type Quantity = fn(&Moment) -> f64;
 
 /// Disc modes for spectra, more than verdicts need: it is their ringing that is shown.
-const SPECTRAL_MODES: usize = 16;
+pub const SPECTRAL_MODES: usize = 16;
 
 /// The stick-slip motion that the paper takes its spectra of, with many disc modes.
 pub const SPECTRAL: Panel = Panel { name: "stick-slip-10", speed: 10.0, start: Start::Rest, modes: SPECTRAL_MODES };
 
-/// One of the figures: its text, and its data as files in `directory`.
-pub fn figure(target: Target, directory: &Path) -> Result<String, Failure> {
+/// One of the figures, and its data as files in `directory`.
+pub fn figure(target: Target, directory: &Path) -> Result<Vec<Part>, Failure> {
     // They do not depend on the speed.
     let scales = *brake_at(SPECTRAL.speed)?.scales();
-    let text = match target {
-        Target::Fig5 => phase_portraits(directory, &scales),
-        Target::Fig7 => tangential_motion(directory, &scales),
+    let mut parts = match target {
+        Target::Fig5 => phase_portraits(directory, &scales)?,
+        Target::Fig7 => tangential_motion(directory, &scales)?,
         Target::Fig8 => {
             let panel = panel("steady-sliding-35", 35.0, Start::Rest);
             let title = "Figure 8: the brake settles to steady sliding at 35 rad/s (start: rest)\n\n";
-            relative_motion(directory, &scales, title, &panel, 0.0..150.0)
+            relative_motion(directory, &scales, title, &panel, 0.0..60.0)?
         }
-        Target::Fig9 => {
+        _ => {
             let panel = panel("stick-slip-10", 10.0, Start::Rest);
             let title = "Figure 9: stick-slip at 10 rad/s\n\n";
-            relative_motion(directory, &scales, title, &panel, HORIZON - 15.0..HORIZON)
+            relative_motion(directory, &scales, title, &panel, HORIZON - 15.0..HORIZON)?
         }
-        Target::Fig10 => pad_spectra(directory, &scales),
-        _ => disc_vibration(directory, &scales),
     };
-    Ok(text? + &scales_line(&scales))
+    parts.push(Part::Text(scales_line(&scales)));
+    Ok(parts)
+}
+
+/// A quantity of a motion over scaled time, within a part of it.
+pub fn history(
+    title: &str,
+    name: &str,
+    unit: &str,
+    motion: &Trajectory,
+    drawn: &Range<f64>,
+    value: impl Fn(&Moment) -> f64,
+) -> Chart {
+    let shown = motion.moments.iter().filter(|moment| drawn.contains(&moment.time));
+    let points: Vec<(f64, f64)> = shown.map(|moment| (moment.time, value(moment))).collect();
+    Chart::new(
+        title,
+        ChartAxis::new("Scaled time", "", Scale::linear(drawn.start, drawn.end)),
+        ChartAxis::new(name, unit, Scale::around(points.iter().map(|point| point.1))),
+        vec![Series::line(points)],
+    )
 }
 
 /// Writes the whole time series of a panel.
-fn write(directory: &Path, scales: &Scales, panel: &Panel, trajectory: &Trajectory) -> Result<String, Failure> {
+pub fn write(directory: &Path, scales: &Scales, panel: &Panel, trajectory: &Trajectory) -> Result<String, Failure> {
     let name = format!("{}.parquet", panel.name);
     write_columns(directory, &name, &columns(&trajectory.moments, scales))?;
     Ok(format!("data: {}\n", directory.join(name).display()))
@@ -102,39 +117,48 @@ fn extremes<'a>(moments: impl Iterator<Item = &'a Moment>, value: Quantity) -> (
     moments.map(value).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
 }
 
-fn phase_portraits(directory: &Path, scales: &Scales) -> Result<String, Failure> {
-    let mut text = "Figure 5: phase portraits of the tangential motion, x' against x, preload 0.1\n\n".to_owned();
+/// Scaled time of the phase portraits: some fifty cycles; longer, their lines cover each other.
+const PORTRAIT: f64 = 180.0;
+
+fn phase_portraits(directory: &Path, scales: &Scales) -> Result<Vec<Part>, Failure> {
+    let mut parts = vec![Part::text("Figure 5: phase portraits of the tangential motion, preload 0.1\n\n")];
     for (panel, what) in [
-        (panel("a-35", 35.0, Start::Rest), "35 rad/s from rest: one sliding equilibrium"),
-        (panel("b-10", 10.0, Start::NearEquilibrium), "10 rad/s from near the equilibrium: one limit cycle"),
-        (panel("c-20-equilibrium", 20.0, Start::NearEquilibrium), "20 rad/s from near the equilibrium: it holds"),
-        (panel("c-20-rest", 20.0, Start::Rest), "20 rad/s from rest: stick-slip"),
+        (panel("a-35", 35.0, Start::Rest), "a: 35 rad/s from rest: one sliding equilibrium"),
+        (panel("b-10", 10.0, Start::NearEquilibrium), "b: 10 rad/s from near the equilibrium: one limit cycle"),
+        (panel("c-20-equilibrium", 20.0, Start::NearEquilibrium), "c: 20 rad/s from near the equilibrium: it holds"),
+        (panel("c-20-rest", 20.0, Start::Rest), "c: 20 rad/s from rest: stick-slip"),
     ] {
         let trajectory = panel.trajectory()?;
-        let line: Vec<(f64, f64)> = trajectory.moments.iter().map(|m| m.tangential).collect();
-        let (left, right) = extremes(trajectory.moments.iter(), |m| m.tangential.0);
-        let (slowest, fastest) = extremes(trajectory.moments.iter(), |m| m.tangential.1);
-        text += &format!(
-            "{what}\n{}in SI: x {} mm, x' {} m/s\n{}\n",
-            curves(&[line]),
+        let shown: Vec<&Moment> = trajectory.moments.iter().filter(|moment| moment.time <= PORTRAIT).collect();
+        let line: Vec<(f64, f64)> = shown.iter().map(|moment| moment.tangential).collect();
+        let (left, right) = extremes(shown.iter().copied(), |m| m.tangential.0);
+        let (slowest, fastest) = extremes(shown.iter().copied(), |m| m.tangential.1);
+        parts.push(Part::chart(Chart::new(
+            what,
+            ChartAxis::new("Displacement x over h", "", Scale::around([left, right].into_iter())),
+            ChartAxis::new("Velocity x′, scaled", "", Scale::around([slowest, fastest].into_iter())),
+            vec![Series::line(line)],
+        )));
+        parts.push(Part::Text(format!(
+            "in SI: x {} mm, x' {} m/s\n{}\n",
             range(scales.millimetres(left), scales.millimetres(right)),
             range(scales.metres_per_second(slowest), scales.metres_per_second(fastest)),
             write(directory, scales, &panel, &trajectory)?
-        );
+        )));
     }
-    Ok(text)
+    Ok(parts)
 }
 
-fn tangential_motion(directory: &Path, scales: &Scales) -> Result<String, Failure> {
-    let mut text = "Figure 7: tangential motion of the pad, x against scaled time, preload 0.1\n\n".to_owned();
+fn tangential_motion(directory: &Path, scales: &Scales) -> Result<Vec<Part>, Failure> {
+    let mut parts = vec![Part::text("Figure 7: tangential motion of the pad, preload 0.1\n\n")];
     for (panel, what, drawn) in [
-        (panel("a-35", 35.0, Start::Rest), "35 rad/s from rest: a stable focus", 150.0),
-        (panel("b-10", 10.0, Start::NearEquilibrium), "10 rad/s from near the equilibrium: a limit cycle", 60.0),
+        (panel("a-35", 35.0, Start::Rest), "a: 35 rad/s from rest: a stable focus", 60.0),
+        (panel("b-10", 10.0, Start::NearEquilibrium), "b: 10 rad/s from near the equilibrium: a limit cycle", 60.0),
     ] {
         let trajectory = panel.trajectory()?;
-        let shown = trajectory.moments.iter().filter(|moment| moment.time <= drawn);
-        let line: Vec<(f64, f64)> = shown.map(|m| (m.time, m.tangential.0)).collect();
-        text += &format!("{what}\n{}", curves(&[line]));
+        let displacement = "Displacement x over h";
+        parts.push(Part::chart(history(what, displacement, "", &trajectory, &(0.0..drawn), |m| m.tangential.0)));
+        let mut text = String::new();
         if let Some(settled) = trajectory.settled {
             text += &format!(
                 "settled: x from {:.6} to {:.6}, mean {:.6}",
@@ -151,10 +175,12 @@ fn tangential_motion(directory: &Path, scales: &Scales) -> Result<String, Failur
                 format!(", period {} ({})\n", duration(seconds), frequency(1.0 / seconds))
             });
         }
-        text += &format!("{}\n", write(directory, scales, &panel, &trajectory)?);
+        parts.push(Part::Text(format!("{text}{}\n", write(directory, scales, &panel, &trajectory)?)));
     }
-    text += "the paper prints x0 = 8.15e-3 at 35 rad/s (rigid disc); a flexible disc takes 3 % of the contact force\n";
-    Ok(text)
+    parts.push(Part::text(
+        "the paper prints x0 = 8.15e-3 at 35 rad/s (rigid disc); a flexible disc takes\n3 % of the contact force\n",
+    ));
+    Ok(parts)
 }
 
 fn relative_motion(
@@ -162,21 +188,20 @@ fn relative_motion(
     scales: &Scales,
     title: &str,
     panel: &Panel,
-    drawn: std::ops::Range<f64>,
-) -> Result<String, Failure> {
+    drawn: Range<f64>,
+) -> Result<Vec<Part>, Failure> {
     let trajectory = panel.trajectory()?;
-    let mut text = title.to_owned();
-    let quantities: [(&str, Quantity); 4] = [
-        ("sliding speed v - x', scaled", |m| m.sliding_speed),
-        ("friction coefficient", |m| m.friction_coefficient),
-        ("friction force, kN", |m| 1e-3 * m.friction_force),
-        ("contact force, kN", |m| 1e-3 * m.contact_force),
+    let mut parts = vec![Part::text(title)];
+    let quantities: [(&str, &str, &str, Quantity); 4] = [
+        ("a: sliding speed v - x′", "Sliding speed, scaled", "", |m| m.sliding_speed),
+        ("b: friction coefficient", "Friction coefficient", "", |m| m.friction_coefficient),
+        ("c: friction force", "Friction force", "kN", |m| 1e-3 * m.friction_force),
+        ("d: contact force", "Contact force", "kN", |m| 1e-3 * m.contact_force),
     ];
-    for (what, value) in quantities {
-        let shown = trajectory.moments.iter().filter(|moment| drawn.contains(&moment.time));
-        let line: Vec<(f64, f64)> = shown.map(|m| (m.time, value(m))).collect();
-        text += &format!("{what}, against scaled time\n{}", curves(&[line]));
+    for (what, name, unit, value) in quantities {
+        parts.push(Part::chart(history(what, name, unit, &trajectory, &drawn, value)));
     }
+    let mut text = String::new();
     if let Some(last) = trajectory.moments.last() {
         text += &format!("at the end: friction coefficient {:.5}\n", last.friction_coefficient);
     }
@@ -188,135 +213,6 @@ fn relative_motion(
         duration(scales.seconds(drawn.end - drawn.start))
     );
     text += &write(directory, scales, panel, &trajectory)?;
-    Ok(text)
-}
-
-/// The spectrum of a quantity over the settled part of a motion.
-pub fn settled_spectrum(trajectory: &Trajectory, value: Quantity) -> Spectrum {
-    spectrum(&settled(trajectory, value), trajectory.interval)
-}
-
-/// A motion that has settled has no spectrum, and the paper's still rings: the spectrum of y over the first quarter.
-fn ringing_spectrum(trajectory: &Trajectory) -> Spectrum {
-    let values: Vec<f64> = trajectory.moments.iter().map(|m| m.normal.0).collect();
-    spectrum(&values[..values.len() / 4], trajectory.interval)
-}
-
-fn pad_spectra(directory: &Path, scales: &Scales) -> Result<String, Failure> {
-    let stick_slip = SPECTRAL.trajectory()?;
-    let sliding = panel("sliding-35", 35.0, Start::Rest);
-    let sliding_motion = sliding.trajectory()?;
-    let mut text = "Figure 10: spectra of the pad (Hz of scaled time)\n\n".to_owned();
-    let x = settled_spectrum(&stick_slip, |m| m.tangential.0);
-    let y = settled_spectrum(&stick_slip, |m| m.normal.0);
-    let phi = settled_spectrum(&stick_slip, |m| m.angle.0);
-    text += &peaks(scales, "a: x at 10 rad/s", &x, Amplitude::Length, "0.23, 0.45, 0.68");
-    text += &peaks(scales, "b: y at 10 rad/s", &y, Amplitude::Length, "0.23 and its multiples, 0.29 of the disc");
-    let printed = "0.23 and its multiples, 0.16 of the pad's rotation";
-    text += &peaks(scales, "c: phi at 10 rad/s", &phi, Amplitude::Angle, printed);
-    let ringing = ringing_spectrum(&sliding_motion);
-    let what = "d: y at 35 rad/s while it settles";
-    text += &peaks(scales, what, &ringing, Amplitude::Length, "0.29 of the disc");
-    let spectra = [("x", Some("x_mm"), &x), ("y", Some("y_mm"), &y), ("phi", None, &phi)];
-    spectra_file(directory, scales, "pad_spectra.parquet", &spectra)?;
-    spectra_file(directory, scales, "sliding_spectrum.parquet", &[("y", Some("y_mm"), &ringing)])?;
-    text += &write(directory, scales, &SPECTRAL, &stick_slip)?;
-    text += &write(directory, scales, &sliding, &sliding_motion)?;
-    text += &format!("data: {}\n", directory.join("pad_spectra.parquet").display());
-    Ok(text)
-}
-
-fn disc_vibration(directory: &Path, scales: &Scales) -> Result<String, Failure> {
-    let trajectory = SPECTRAL.trajectory()?;
-    let edge = settled_spectrum(&trajectory, |m| m.deflection.0);
-    let inside = settled_spectrum(&trajectory, |m| m.deflection.1);
-    let mut text = "Figure 11: vibration of the disc at 10 rad/s, at the middle of the pad\n\n".to_owned();
-    let printed = "0.29, 1.87, 5.03 of the disc, 0.23 and 0.45 of the pad";
-    text += &peaks(scales, "a: outer edge", &edge, Amplitude::Length, printed);
-    let what = "d: a quarter of the width from the clamped edge";
-    text += &peaks(scales, what, &inside, Amplitude::Length, printed);
-    let shown: Vec<&Moment> = trajectory.moments.iter().filter(|m| m.time >= HORIZON - 20.0).collect();
-    let drawn: [(&str, Quantity); 2] = [
-        ("b, c: deflection of the outer edge over disc thickness", |m| m.deflection.0),
-        ("d: deflection a quarter of the width from the clamped edge", |m| m.deflection.1),
-    ];
-    for (what, value) in drawn {
-        let line: Vec<(f64, f64)> = shown.iter().map(|m| (m.time, 1e3 * value(m))).collect();
-        text += &format!("{what}, times 1000\n{}", curves(&[line]));
-    }
-    text += &format!(
-        "{SPECTRAL_MODES} disc modes are kept here, those of lowest frequency. The disc starts deflected as in steady sliding, and\n\
-        what rings dies away before the part of the motion that is looked at.\n"
-    );
-    let spectra = [
-        ("deflection_edge", Some("deflection_edge_mm"), &edge),
-        ("deflection_inside", Some("deflection_inside_mm"), &inside),
-    ];
-    spectra_file(directory, scales, "disc_spectra.parquet", &spectra)?;
-    text += &write(directory, scales, &SPECTRAL, &trajectory)?;
-    text += &format!("data: {}\n", directory.join("disc_spectra.parquet").display());
-    Ok(text)
-}
-
-/// What the amplitudes of a spectrum are.
-#[derive(Clone, Copy)]
-enum Amplitude {
-    /// Over the thickness of the disc.
-    Length,
-    /// In rad.
-    Angle,
-}
-
-/// The highest peaks of a spectrum, in scaled units and SI, beside what the paper prints.
-fn peaks(scales: &Scales, what: &str, spectrum: &Spectrum, amplitude: Amplitude, printed: &str) -> String {
-    let found = spectrum.peaks(6, 1e-4);
-    let scaled: Vec<String> = found.iter().map(|(f, a)| format!("{f:.3} Hz ({a:.1e})")).collect();
-    let in_kilohertz: Vec<String> = found.iter().map(|peak| significant(1e-3 * scales.hertz(peak.0))).collect();
-    let highest = found.first().map_or(0.0, |peak| peak.1);
-    let highest = match amplitude {
-        Amplitude::Length => format!("{:.1e} mm", scales.millimetres(highest)),
-        Amplitude::Angle => format!("{highest:.1e} rad"),
-    };
-    format!(
-        "{what}\n    {}\n    in SI: {} kHz (the first {highest})\n    the paper prints {printed}\n",
-        scaled.join(", "),
-        in_kilohertz.join(", ")
-    )
-}
-
-/// Writes spectra of the same frequencies: names of their columns, the second of them in mm.
-fn spectra_file(
-    directory: &Path,
-    scales: &Scales,
-    name: &str,
-    spectra: &[(&'static str, Option<&'static str>, &Spectrum)],
-) -> Result<(), Failure> {
-    let frequencies = spectra.first().map_or(&[][..], |(_, _, spectrum)| &spectrum.frequencies);
-    let mut columns = vec![DescribedColumn {
-        name: "frequency_hz",
-        unit: "Hz",
-        long_name: "frequency, Hz of scaled time",
-        values: frequencies.to_vec(),
-    }];
-    columns.extend(spectra.iter().map(|(name, in_mm, spectrum)| DescribedColumn {
-        name,
-        unit: if in_mm.is_some() { "1" } else { "rad" },
-        long_name: "amplitude (Hann window)",
-        values: spectrum.amplitudes.clone(),
-    }));
-    columns.push(DescribedColumn {
-        name: "frequency_khz",
-        unit: "kHz",
-        long_name: "frequency in SI, not of scaled time",
-        values: frequencies.iter().map(|&frequency| 1e-3 * scales.hertz(frequency)).collect(),
-    });
-    columns.extend(spectra.iter().filter_map(|(_, in_mm, spectrum)| {
-        Some(DescribedColumn {
-            name: (*in_mm)?,
-            unit: "mm",
-            long_name: "amplitude (Hann window)",
-            values: spectrum.amplitudes.iter().map(|&amplitude| scales.millimetres(amplitude)).collect(),
-        })
-    }));
-    write_columns(directory, name, &columns)
+    parts.push(Part::Text(text));
+    Ok(parts)
 }

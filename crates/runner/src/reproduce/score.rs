@@ -1,5 +1,7 @@
 //! Printed numbers and ours, side by side.
 
+use super::part::Table;
+
 /// One printed number.
 pub struct Score {
     pub quantity: String,
@@ -23,22 +25,21 @@ impl Score {
         same_digits && self.deviation().abs() <= 0.05
     }
 
-    fn line(&self) -> String {
+    fn row(&self) -> [String; 6] {
         let decimals = self.decimals;
-        let deviation = 100.0 * self.deviation();
-        format!(
-            "  {:<46} {:>10}   {:>12}   {deviation:+6.2} %   {:<5} {}\n",
-            self.quantity,
+        [
+            self.quantity.clone(),
             format!("{:.decimals$}", self.printed),
             format!("{:.*}", decimals + 2, self.ours),
-            if self.agrees() { "yes" } else { "MISS" },
-            self.role,
-        )
+            format!("{:+.2} %", 100.0 * self.deviation()),
+            if self.agrees() { "yes" } else { "MISS" }.to_owned(),
+            self.role.to_owned(),
+        ]
     }
 }
 
-/// A table of scores under a heading.
-pub fn table(what: &str, theirs: &str, ours: &str, role: &str, scores: &[Score]) -> String {
-    let heading = format!("  {what:<46} {theirs:>10}   {ours:>12}   {:>8}   {:<5} {role}\n", "", "same");
-    heading + &scores.iter().map(Score::line).collect::<String>()
+/// A table of scores under headings; what the parameter set owes to them has no place at the terminal.
+pub fn table(title: &str, what: &str, theirs: &str, ours: &str, scores: &[Score]) -> Table {
+    let headings = [what, theirs, ours, "deviation", "same", "what it says of our set"];
+    Table { at_terminal: 5, ..Table::new(title, headings, scores.iter().map(Score::row).collect()) }
 }

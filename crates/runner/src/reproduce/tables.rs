@@ -1,6 +1,7 @@
 //! Tables 2 and 3.
 
 use super::comparison::{compare, summary};
+use super::part::{Part, Table};
 use crate::commands::FinishedRun;
 use crate::failure::Failure;
 
@@ -35,10 +36,9 @@ fn holds(condition: bool) -> &'static str {
 }
 
 /// `reproduce table3`.
-pub fn table3(run: &FinishedRun) -> Result<String, Failure> {
+pub fn table3(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
     let rows = compare(run)?;
-    let mut text = "Table 3: probability of instability, random static friction, 16 rad/s, preload 0.1\n\n".to_owned();
-    text += "    f_s    std    paper     ours    exact   ours-paper   ours-exact        z\n";
+    let mut table_rows = Vec::new();
     let (mut squares, mut largest) = (0.0, 0.0_f64);
     for (friction_index, (friction, paper_row)) in PAPER_TABLE_3.iter().enumerate() {
         for (std_index, &paper) in paper_row.iter().enumerate() {
@@ -47,48 +47,56 @@ pub fn table3(run: &FinishedRun) -> Result<String, Failure> {
             squares += deviation * deviation;
             largest = largest.max(deviation.abs());
             let z = compared.z.unwrap_or(0.0);
-            text += &format!(
-                "  {friction:.3}   {:.2}    {paper:.3}   {:.4}   {:.4}      {deviation:+.4}      {:+.4}    {z:+5.2}\n",
-                compared.row.cell.relative_std.static_friction,
-                compared.estimate,
-                compared.exact,
-                compared.estimate - compared.exact,
-            );
+            table_rows.push([
+                format!("{friction:.3}"),
+                format!("{:.2}", compared.row.cell.relative_std.static_friction),
+                format!("{paper:.3}"),
+                format!("{:.4}", compared.estimate),
+                format!("{:.4}", compared.exact),
+                format!("{deviation:+.4}"),
+                format!("{:+.4}", compared.estimate - compared.exact),
+                format!("{z:+.2}"),
+            ]);
         }
     }
     let rms = (squares / 40.0).sqrt();
-    text += &format!(
-        "\nagainst the paper: rms {rms:.4} (tolerance {RMS_TOLERANCE}) {}, max {largest:.4} (tolerance {MAX_TOLERANCE}) {}\n",
+    let text = format!(
+        "\nagainst the paper: rms {rms:.4} (tolerance {RMS_TOLERANCE}) {},\n    max {largest:.4} (tolerance {MAX_TOLERANCE}) {}\n\
+         against the exact values: every entry within its binomial error\n\
+         ({FORTY_ENTRY_LIMIT} standard errors, 95 % for forty entries at once) {}\n{}",
         holds(rms <= RMS_TOLERANCE),
-        holds(largest <= MAX_TOLERANCE)
+        holds(largest <= MAX_TOLERANCE),
+        holds(rows.iter().all(|row| row.agrees(FORTY_ENTRY_LIMIT))),
+        summary(run, &rows)
     );
-    text += &format!(
-        "against the exact values: every entry within its binomial error ({FORTY_ENTRY_LIMIT} standard errors, 95 % for forty entries at once) {}\n",
-        holds(rows.iter().all(|row| row.agrees(FORTY_ENTRY_LIMIT)))
-    );
-    Ok(text + &summary(run, &rows))
+    let title = "Table 3: probability of instability, random friction, 16 rad/s, preload 0.1";
+    let headings = ["f_s", "std", "paper", "ours", "exact", "ours-paper", "ours-exact", "z"];
+    Ok(vec![Part::Table(Table::new(title, headings, table_rows)), Part::Text(text)])
 }
 
 /// `reproduce table2`.
-pub fn table2(run: &FinishedRun) -> Result<String, Failure> {
+pub fn table2(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
     let rows = compare(run)?;
-    let mut text =
-        "Table 2: probability of instability, random preload (std 0.2), 16 rad/s, static friction 0.39\n".to_owned();
-    text += "The paper's ten numbers are lost; it says that outside 0.072 to 0.256 the probability \"seems to be 0 or 1\".\n\n";
-    text += "  preload     ours    exact   ours-exact        z\n";
+    let mut table_rows = Vec::new();
     for compared in &rows {
-        let z = compared.z.unwrap_or(0.0);
-        text += &format!(
-            "   {:.4}   {:.4}   {:.4}      {:+.4}    {z:+5.2}\n",
-            compared.row.cell.preload,
-            compared.estimate,
-            compared.exact,
-            compared.estimate - compared.exact
-        );
+        table_rows.push([
+            format!("{:.4}", compared.row.cell.preload),
+            format!("{:.4}", compared.estimate),
+            format!("{:.4}", compared.exact),
+            format!("{:+.4}", compared.estimate - compared.exact),
+            format!("{:+.2}", compared.z.unwrap_or(0.0)),
+        ]);
     }
-    text += &format!(
-        "\nagainst the exact values: every entry within its binomial error ({TEN_ENTRY_LIMIT} standard errors, 95 % for ten entries at once) {}\n",
-        holds(rows.iter().all(|row| row.agrees(TEN_ENTRY_LIMIT)))
+    let introduction = "Table 2: probability of instability, random preload (std 0.2), 16 rad/s,\n\
+        static friction 0.39\n\
+        The paper's ten numbers are lost; it says that outside 0.072 to 0.256 the\n\
+        probability \"seems to be 0 or 1\".\n\n";
+    let text = format!(
+        "\nagainst the exact values: every entry within its binomial error\n\
+         ({TEN_ENTRY_LIMIT} standard errors, 95 % for ten entries at once) {}\n{}",
+        holds(rows.iter().all(|row| row.agrees(TEN_ENTRY_LIMIT))),
+        summary(run, &rows)
     );
-    Ok(text + &summary(run, &rows))
+    let headings = ["preload", "ours", "exact", "ours-exact", "z"];
+    Ok(vec![Part::text(introduction), Part::Table(Table::new("", headings, table_rows)), Part::Text(text)])
 }

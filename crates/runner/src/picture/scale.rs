@@ -3,6 +3,10 @@
 /// Least ratio of the ends of an axis that is drawn logarithmically.
 const LEAST_RATIO: f64 = 10.0;
 
+/// Space around a range, over the range, and the least range of values, over the largest of them.
+const SPACE: f64 = 0.05;
+const LEAST_SPAN: f64 = 1e-6;
+
 /// The scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
@@ -25,6 +29,28 @@ impl Scale {
         // An axis of one value is as wide as the value.
         let around = if from == to { if from == 0.0 { 1.0 } else { 0.5 * from.abs() } } else { 0.0 };
         Self { from: from - around, to: to + around, is_logarithmic: false }
+    }
+
+    /// From one positive value to another, equal ratios as equal distances.
+    pub fn logarithmic(from: f64, to: f64) -> Self {
+        Self { from: from.min(to), to: from.max(to), is_logarithmic: true }
+    }
+
+    /// The range of values with some space around it. Values that hardly differ are drawn as one.
+    pub fn around(values: impl Iterator<Item = f64>) -> Self {
+        let known = values.filter(|value| value.is_finite());
+        let (low, high) =
+            known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        if low > high {
+            return Self::linear(0.0, 1.0);
+        }
+        if high - low <= LEAST_SPAN * low.abs().max(high.abs()) {
+            // Not quite in the middle, which lies between two dots of a terminal: a constant would waver there.
+            let Self { from, to, .. } = Self::linear(low, low);
+            return Self { from, to: to + 0.02 * (to - from), is_logarithmic: false };
+        }
+        let space = SPACE * (high - low);
+        Self::linear(low - space, high + space)
     }
 
     /// The scale that the values of an axis of a job were made with: logarithmic where neighbours have one ratio.
@@ -78,7 +104,9 @@ impl Scale {
         let step = step.into_iter().find(|step| *step >= rough * (1.0 - 1e-9)).unwrap_or(10.0 * decade);
         let largest = self.from.abs().max(self.to.abs());
         let power = libm::log10(largest).floor() as i32;
-        let power = if (-2..4).contains(&power) { 0 } else { 3 * power.div_euclid(3) };
+        // Small steps would have long labels.
+        let is_small = power == -2 && step < 0.0099;
+        let power = if (-2..4).contains(&power) && !is_small { 0 } else { 3 * power.div_euclid(3) };
         let unit = power_of_ten(power);
         let decimals = (0..12).find(|&decimals| {
             let scaled = step / unit * power_of_ten(decimals);
@@ -157,6 +185,7 @@ mod tests {
             (-1.0, 1.0, 4, vec!["-1.0", "-0.5", "0.0", "0.5", "1.0"], 0),
             (1e7, 5e7, 4, vec!["10", "20", "30", "40", "50"], 6),
             (2e-4, 8e-4, 3, vec!["200", "400", "600", "800"], -6),
+            (-0.01, 0.015, 5, vec!["-10", "-5", "0", "5", "10", "15"], -3),
         ] {
             let (labels, found) = labels(Scale::linear(from, to), most);
             assert!(labels.len() <= most + 1, "{from} to {to}: {labels:?}");
