@@ -77,8 +77,6 @@ impl Panel {
     pub fn frame(&self, canvas: &mut Canvas, horizontal: &Axis, vertical: &Axis) {
         let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)];
         canvas.lines(&corners.map(|(right, up)| self.place(right, up)), FRAME);
-        let most = |length: f64, distance: f64| (length / distance).max(2.0) as usize;
-
         let (ticks, power) = horizontal.scale.ticks(most(self.width, TICK_DISTANCE.0));
         for tick in ticks {
             let at = self.place(horizontal.scale.at(tick.value), 0.0);
@@ -96,9 +94,21 @@ impl Panel {
             let beside = (at.0 - TICK - GAP, at.1 + 0.35 * f64::from(SMALL));
             canvas.text(beside, &tick.label, SMALL, Side::Left, 0.0, BLACK);
         }
-        let beside = (self.left - LEFT + f64::from(NORMAL), self.top + 0.5 * self.height);
+        let beside = (self.left - left_of(vertical, self.height) + f64::from(NORMAL), self.top + 0.5 * self.height);
         title(canvas, beside, &vertical.heading(power), self.height + BELOW, -90.0);
     }
+}
+
+/// The number of ticks that fit a length.
+fn most(length: f64, distance: f64) -> usize {
+    (length / distance).max(2.0) as usize
+}
+
+/// The space at the left of a panel of this height for its vertical axis: more than [`LEFT`] where labels are long.
+pub fn left_of(vertical: &Axis, height: f64) -> f64 {
+    let (ticks, _) = vertical.scale.ticks(most(height, TICK_DISTANCE.1));
+    let longest = ticks.iter().map(|tick| width_of(&tick.label, SMALL)).fold(0.0, f64::max);
+    (longest + TICK + GAP + f64::from(NORMAL) + GAP).max(LEFT)
 }
 
 /// A title about a place, in a smaller font where it is long.
