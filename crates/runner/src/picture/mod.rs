@@ -108,7 +108,10 @@ fn of_slice(surface: &Surface<'_>, view: &GridView, slice: &Slice<'_>) -> Drawin
 
 /// The slices that are not drawn, each with its range of probabilities.
 fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
-    let mut text = "Smallest and largest probability of the other slices\n\n".to_owned();
+    let more = counted((slices - MOST_SLICES) as u128, "more slice", "more slices");
+    let drawn = if slices <= MOST_PANELS { "them all".to_owned() } else { format!("the first {MOST_PANELS}") };
+    let mut text = format!("... and {more} in the file; `stickslip plot` draws {drawn}\n");
+    text += "Smallest and largest probability:\n";
     let length = |axis: Option<&ViewAxis>| axis.map_or(1, |axis| axis.values.len());
     let has_one_scatter = surface.job().grid.relative_std.len() == 1;
     for number in MOST_SLICES..slices.min(MOST_PANELS) {
@@ -127,12 +130,7 @@ fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
         let title = if has_one_scatter { title.split(';').next().unwrap_or_default() } else { &title };
         text += &format!("{range:<20}  {}\n", title.trim_start_matches([' ', ';']));
     }
-    if slices > MOST_PANELS {
-        text +=
-            &format!("... and {} in the file\n", counted((slices - MOST_PANELS) as u128, "more slice", "more slices"));
-    }
-    let drawn = if slices <= MOST_PANELS { "them all".to_owned() } else { format!("the first {MOST_PANELS}") };
-    text + &format!("`stickslip plot` draws {drawn}\n")
+    text + "\n"
 }
 
 /// At most `most` evenly spaced indices below `length`, both ends included.
@@ -193,8 +191,12 @@ fn table(
     }
     let values: String = horizontal.values.iter().map(|&value| format!("{:>width$} ", written(value))).collect();
     let line = "-".repeat(values.chars().count());
-    text += &format!("{:9}+{line}+\n{:10}{}\n", "", "", values.trim_end());
-    text += &format!("{:10}{:>length$}\n", "", horizontal.name, length = line.len().max(horizontal.name.len()));
+    let name = if line.len() + horizontal.name.len() < MOST_COLUMNS + 8 {
+        format!("{values}  {}", horizontal.name)
+    } else {
+        format!("{}\n{:10}{:>length$}", values.trim_end(), "", horizontal.name, length = line.len())
+    };
+    text += &format!("{:9}+{line}+\n{:10}{name}\n", "", "");
     if has_unknown {
         text += &format!("          ? {UNKNOWN}\n");
     }

@@ -66,11 +66,6 @@ impl Canvas {
         Self { scene }
     }
 
-    /// Its width and height.
-    pub fn size(&self) -> (f64, f64) {
-        (self.scene.width, self.scene.height)
-    }
-
     /// The plot as SVG.
     pub fn svg(&self) -> Vec<u8> {
         self.svg_with("").into_bytes()

@@ -3,7 +3,7 @@
 use crate::picture::chart::{Chart, ChartAxis, Form, Series, Share, listed};
 use crate::picture::view::rounded;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, width_of};
-use crate::plot::panel::{Axis, BELOW, LEFT, Panel, SMALL};
+use crate::plot::panel::{Axis, BELOW, LEFT, Panel, SMALL, left_of};
 
 /// Colours of curves that colour-blind readers tell apart (Okabe and Ito).
 const COLOURS: [Rgb; 6] = [
@@ -55,7 +55,9 @@ pub fn figure(charts: &[&Chart], width: f64) -> Canvas {
     for ((charts, legends), head) in charts.chunks(columns).zip(legends.chunks(columns)).zip(heads) {
         for (column, (chart, legend)) in charts.iter().zip(legends).enumerate() {
             let left = column as f64 * step;
-            let panel = Panel { left: left + LEFT, top: top + head, width: panel_width, height: panel_height };
+            let wider = left_of(&axis(&chart.vertical), panel_height) - LEFT;
+            let panel =
+                Panel { left: left + LEFT + wider, top: top + head, width: panel_width - wider, height: panel_height };
             canvas.text(
                 (left + ABOVE, top + LINE_HEIGHT),
                 &chart.title,

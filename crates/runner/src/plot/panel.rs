@@ -100,8 +100,7 @@ impl Panel {
 
     /// Draws the ticks of the horizontal axis, their labels and its title.
     pub fn axis_below(&self, canvas: &mut Canvas, horizontal: &Axis) {
-        let most = (self.width / TICK_DISTANCE.0).max(2.0) as usize;
-        let (ticks, power) = horizontal.scale.ticks(most);
+        let (ticks, power) = horizontal.scale.ticks(most(self.width, TICK_DISTANCE.0));
         for tick in ticks {
             let at = self.place(horizontal.scale.at(tick.value), 0.0);
             canvas.line(at, (at.0, at.1 + TICK), FRAME);
@@ -114,15 +113,14 @@ impl Panel {
 
     /// Draws the ticks of the vertical axis, their labels and its title.
     pub fn axis_beside(&self, canvas: &mut Canvas, vertical: &Axis) {
-        let most = (self.height / TICK_DISTANCE.1).max(2.0) as usize;
-        let (ticks, power) = vertical.scale.ticks(most);
+        let (ticks, power) = vertical.scale.ticks(most(self.height, TICK_DISTANCE.1));
         for tick in ticks {
             let at = self.place(0.0, vertical.scale.at(tick.value));
             canvas.line(at, (at.0 - TICK, at.1), FRAME);
             let beside = (at.0 - TICK - GAP, at.1 + 0.35 * f64::from(SMALL));
             canvas.text(beside, &tick.label, SMALL, Side::Left, 0.0, BLACK);
         }
-        let beside = (self.left - LEFT + f64::from(NORMAL), self.top + 0.5 * self.height);
+        let beside = (self.left - left_of(vertical, self.height) + f64::from(NORMAL), self.top + 0.5 * self.height);
         title(canvas, beside, &vertical.heading(power), self.height + BELOW, -90.0);
     }
 }
@@ -194,6 +192,18 @@ pub fn write_notes(canvas: &mut Canvas, notes: &[String], (width, height): (f64,
     for (i, note) in notes.iter().rev().enumerate() {
         canvas.text((width - RIGHT, height - 4.0 - NOTE * i as f64), note, SMALL - 3, Side::Left, 0.0, GREY);
     }
+}
+
+/// The number of ticks that fit a length.
+fn most(length: f64, distance: f64) -> usize {
+    (length / distance).max(2.0) as usize
+}
+
+/// The space at the left of a panel of this height for its vertical axis: more than [`LEFT`] where labels are long.
+pub fn left_of(vertical: &Axis, height: f64) -> f64 {
+    let (ticks, _) = vertical.scale.ticks(most(height, TICK_DISTANCE.1));
+    let longest = ticks.iter().map(|tick| width_of(&tick.label, SMALL)).fold(0.0, f64::max);
+    (longest + TICK + GAP + f64::from(NORMAL) + GAP).max(LEFT)
 }
 
 /// A title about a place, in a smaller font where it is long.
