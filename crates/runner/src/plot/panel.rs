@@ -203,7 +203,8 @@ fn most(length: f64, distance: f64) -> usize {
 pub fn left_of(vertical: &Axis, height: f64) -> f64 {
     let (ticks, _) = vertical.scale.ticks(most(height, TICK_DISTANCE.1));
     let longest = ticks.iter().map(|tick| width_of(&tick.label, SMALL)).fold(0.0, f64::max);
-    (longest + TICK + GAP + f64::from(NORMAL) + GAP).max(LEFT)
+    // Digits are wider than letters are on average.
+    (1.12 * longest + TICK + GAP + f64::from(NORMAL) + GAP).max(LEFT)
 }
 
 /// A title about a place, in a smaller font where it is long.
