@@ -12,6 +12,7 @@ use crate::failure::Failure;
 use crate::files::publish::files;
 use crate::interrupt::Interrupt;
 use crate::output::{HumanCount128, rate, result};
+use crate::picture::view::rounded;
 use crate::schedule::time_left;
 use crate::store::directory::RunDirectory;
 
@@ -141,7 +142,8 @@ fn block(progress: &RunProgress, speed: &Speed) -> String {
     text + &match progress.probability {
         None => "no probability yet\n".to_owned(),
         Some((mean, cells)) => format!(
-            "mean probability of instability so far: {mean:.4}, over {} of {} cells\n",
+            "mean probability of instability so far: {}, over {} of {} cells\n",
+            rounded(mean),
             HumanCount(cells),
             HumanCount(job.cells())
         ),
