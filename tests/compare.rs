@@ -123,6 +123,22 @@ fn eigenvalues_against_motion_in_time_are_paired_and_add_up() {
 }
 
 #[test]
+fn a_run_over_starts_does_not_differ_from_itself() {
+    let place = Place::new();
+    place.write(
+        "basin.toml",
+        "name = \"basin\"\n[axes]\nrotating_speed = 20\npreload = 0.1\nstatic_friction = 0.39\nstart.velocity = [-0.2, 0.0]\n\
+         start.tangential = [-1e-4, 0.0, 1e-4]\n[random]\ninputs = [\"preload\"]\nrelative_std = 0.05\n[criterion]\n\
+         kind = \"time-domain\"\ndisc = \"rigid\"\nstart = { from_equilibrium = true }\n[sampling]\nsamples = 30\n",
+    );
+    place.run("submit basin.toml").done();
+    let compared = place.run("compare runs/basin runs/basin").done();
+    assert!(compared.stdout.contains("6 cells, 6 of them paired"), "{}", compared.stdout);
+    assert!(!compared.stderr.contains("warning"), "{}", compared.stderr);
+    assert!(!place.path("runs/basin/map").exists(), "a verdict map is of one start");
+}
+
+#[test]
 fn a_run_does_not_differ_from_itself() {
     let place = runs(15.0, &[("same", RIGID, "samples = 200"), ("exact", EIGENVALUE, "method = \"exact\"")]);
     let outcome = place.run("compare runs/same runs/same runs/same --json").done();

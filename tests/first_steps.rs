@@ -96,6 +96,7 @@ fn every_key_that_the_example_shows_is_accepted() {
             ("criterion", "start" | "displacement" | "horizon" | "record") => {
                 ("kind = \"eigenvalue\"", "kind = \"time-domain\"\ndisc = \"rigid\"")
             }
+            ("axes", "preload_force") => ("\npreload = ", "\n# preload = "),
             ("sampling", "until") => ("\nsamples = 10_000", "\n"),
             ("sampling", "method") if line.contains("exact") => ("\nsamples = 10_000", "\n"),
             ("sampling", "randomisations") => ("\nsamples = 10_000", "\nmethod = \"sobol\"\nsamples = 10_000"),

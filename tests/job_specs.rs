@@ -311,7 +311,7 @@ fn summaries_name_every_input_and_count_in_words() {
         .replace("samples = 100", "samples = 1");
     place.write("job.toml", &text);
     let said = place.run("submit job.toml").done().stdout;
-    assert!(said.contains("relative std: pad.mass 0.1, rotating_speed 0.05"), "{said}");
+    assert!(said.contains("relative std: pad.mass 0.1,\nrotating_speed 0.05"), "{said}");
     assert!(said.contains(": 1 cell, 1 sample each, seed 7"), "{said}");
     let said = place.run("check job.toml --threads 1").done().stdout;
     for text in [

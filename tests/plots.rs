@@ -186,7 +186,7 @@ fn the_difference_of_two_runs_is_a_map_with_its_line_of_zero_and_hatching() {
         ">+0.01<",
         ">−0.5<",
         ">P of plane minus P of slower<",
-        "hatched: not significant, 0 is in the interval (95 % for all cells together)",
+        "hatched: not significant, 0 is in the 95 % interval for all cells together",
     ] {
         assert!(svg.contains(text), "{text}");
     }
@@ -218,9 +218,11 @@ fn the_difference_of_runs_with_one_long_axis_is_a_curve_with_its_interval() {
     submitted(&place, "few", &job("few", axes, 500));
     place.run("plot few --against all --out curve.svg --threads 1").done();
     let svg = fs::read_to_string(place.path("curve.svg")).unwrap();
-    for text in
-        ["Rotating speed Ω (rad/s)", ">Difference of probability<", "bands: intervals (95 % for all cells together)"]
-    {
+    for text in [
+        "Rotating speed Ω (rad/s)",
+        ">Difference of probability (10⁻³)<",
+        "bands: 95 % interval for all cells together",
+    ] {
         assert!(svg.contains(text), "{text}");
     }
     assert_eq!(svg.matches("opacity=\"0.25\"").count(), 1, "one band");

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::compare::{Row, Run, differences_of};
+use super::compare::{CONFIDENCE, Row, Run, differences_of, interval_name};
 use crate::cli::{PlotArguments, PlotQuantity};
 use crate::failure::Failure;
 use crate::files::publish::publish;
@@ -24,9 +24,6 @@ use crate::tables::finished::FinishedSurface;
 
 /// Widths of one and of two columns of a paper, 84 and 174 mm, in pixels.
 const WIDTHS: [f64; 2] = [84.0 / 25.4 * 96.0, 174.0 / 25.4 * 96.0];
-
-/// Confidence of the intervals of differences, for all cells together.
-const CONFIDENCE: f64 = 0.95;
 
 /// `stickslip plot`.
 pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
@@ -155,7 +152,7 @@ fn difference(run: &Path, against: &Path, threads: usize) -> Result<Difference, 
     let is_saturated = |row: &Row| row.first == row.second && (row.first == Some(0.0) || row.first == Some(1.0));
     Ok(Difference {
         name: format!("P of {} minus P of {}", name(run), name(against)),
-        intervals: format!("{} % for all cells together", rounded(100.0 * CONFIDENCE)),
+        intervals: interval_name(&[&runs[0], &runs[1]]),
         values: rows.iter().map(|row| row.difference.value).collect(),
         low: rows.iter().map(|row| row.difference.low).collect(),
         high: rows.iter().map(|row| row.difference.high).collect(),

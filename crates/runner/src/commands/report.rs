@@ -1,16 +1,13 @@
 //! `report`: runs as one HTML file.
 
 use crate::cli::ReportArguments;
-use crate::commands::compare::{Differences, Run, differences_of};
+use crate::commands::compare::{CONFIDENCE, Differences, Run, differences_of, interval_name};
 use crate::failure::Failure;
 use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
 use crate::output::{note, output_file, result};
 use crate::report::{ComparedCell, Comparison, ReportedRun, page};
 use crate::schedule::engine::Engine;
-
-/// Confidence that the intervals of all differences hold together.
-const CONFIDENCE: f64 = 0.95;
 
 /// `stickslip report`.
 pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -38,10 +35,14 @@ fn comparisons(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<Vec
         }
         compared => compared?,
     };
-    Ok(compared.iter().enumerate().map(|(i, differences)| comparison(i + 1, differences)).collect())
+    Ok(compared
+        .iter()
+        .enumerate()
+        .map(|(i, differences)| comparison(i + 1, interval_name(&[&runs[0], &runs[i + 1]]), differences))
+        .collect())
 }
 
-fn comparison(run: usize, differences: &Differences<'_>) -> Comparison {
+fn comparison(run: usize, interval_name: String, differences: &Differences<'_>) -> Comparison {
     let mut cells: Vec<Option<ComparedCell>> = (0..differences.job.cells()).map(|_| None).collect();
     for row in &differences.rows {
         let compared = ComparedCell {
@@ -53,6 +54,5 @@ fn comparison(run: usize, differences: &Differences<'_>) -> Comparison {
         };
         cells[row.cell.index as usize] = Some(compared);
     }
-    let interval_name = format!("{} % interval for all cells together", 100.0 * CONFIDENCE);
     Comparison { run, interval_name, cells }
 }

@@ -33,6 +33,11 @@ pub struct RandomInputSet {
 }
 
 impl RandomInputSet {
+    /// Whether all standard deviations are 0, so that all samples of a cell have one verdict.
+    pub fn scatters_nothing(&self) -> bool {
+        self.relative_stds.iter().flatten().all(|std| *std == 0.0)
+    }
+
     /// Checks every key but what depends on expected values, see [`RandomInputSet::check_expected`]. `None` if any is
     /// refused.
     ///

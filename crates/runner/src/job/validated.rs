@@ -20,6 +20,9 @@ use super::sampling::{Effort, Sampling};
 use super::sampling_spec::{Audit, EvaluateMode, SamplingMethod};
 use super::start_value::StartValue;
 
+/// Largest number of verdict maps.
+pub const MOST_MAPS: usize = 1000;
+
 /// A job that can be run: everything resolved, nothing left to check.
 #[derive(Debug, Clone)]
 pub struct Job {
@@ -100,6 +103,11 @@ impl Job {
     pub fn uses_maps(&self) -> bool {
         let wanted = self.sampling.evaluate == EvaluateMode::Boundary || self.sampling.method == SamplingMethod::Exact;
         wanted && !matches!(self.criterion, Criterion::Eigenvalue)
+    }
+
+    /// Whether verdict maps can hold the verdicts: motions from one start, and not too many brakes.
+    pub fn fits_maps(&self) -> bool {
+        self.grid.of_start.is_empty() && self.grid.brakes() <= MOST_MAPS
     }
 
     /// The interval of counted verdicts at a confidence.

@@ -17,10 +17,7 @@ use super::sampling::Sampling;
 use super::sampling_spec::SamplingMethod;
 use super::spec::JobSpec;
 use super::start::StartSpecs;
-use super::validated::Job;
-
-/// Largest number of verdict maps.
-const MOST_MAPS: usize = 1000;
+use super::validated::{Job, MOST_MAPS};
 
 /// Largest number of parts of cells that are counted apart.
 const MOST_PARTS: u64 = 2_000_000;

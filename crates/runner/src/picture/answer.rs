@@ -12,7 +12,7 @@ const LIMITS: [f64; 3] = [0.01, 0.05, 0.5];
 /// which value of an axis in all cells. Without scatter, in how many cells steady sliding is kept.
 pub fn answer(job: &Job, cells: &[Estimate]) -> String {
     let total = cells.len();
-    if job.random.relative_stds.iter().flatten().all(|std| *std == 0.0) {
+    if job.random.scatters_nothing() {
         let stable = cells.iter().filter(|cell| cell.probability == Some(0.0)).count();
         return format!("Nothing scatters; {stable} of {total} cells are stable.\n");
     }
@@ -77,19 +77,22 @@ fn ends(axis: &ViewAxis, high: &[f64]) -> [Option<End>; LIMITS.len()] {
         // No number is worse than any.
         *worst = if high.is_nan() { f64::INFINITY } else { worst.max(*high) };
     }
+    // A list of values need not rise.
+    let mut rising: Vec<(f64, f64)> = axis.values.iter().copied().zip(worst).collect();
+    rising.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     LIMITS.map(|limit| {
-        let is_small = |worst: &&f64| **worst < limit;
+        let is_small = |(_, worst): &&(f64, f64)| *worst < limit;
         let (first, last) =
-            (worst.iter().take_while(is_small).count(), worst.iter().rev().take_while(is_small).count());
-        let length = worst.len();
+            (rising.iter().take_while(is_small).count(), rising.iter().rev().take_while(is_small).count());
+        let length = rising.len();
         if first == length {
             Some(End::Everywhere)
         } else if first == 0 && last == 0 {
             None
         } else if first >= last {
-            Some(End::UpTo(axis.values[first - 1]))
+            Some(End::UpTo(rising[first - 1].0))
         } else {
-            Some(End::From(axis.values[length - last]))
+            Some(End::From(rising[length - last].0))
         }
     })
 }
@@ -136,6 +139,13 @@ mod tests {
         assert!(answer(&job, &cells(&[0.9, 0.03, 0.002])).contains(
             "Along rotating speed, whatever else varies: below 1 % from 30 rad/s, below 5 % from 20 rad/s, below 50 % from 20 rad/s."
         ));
+    }
+
+    #[test]
+    fn values_of_an_axis_need_not_rise() {
+        let job = job("rotating_speed = [30.0, 10.0, 20.0]\npreload = 0.1\nstatic_friction = 0.4");
+        let told = answer(&job, &cells(&[0.002, 0.9, 0.03]));
+        assert!(told.contains("below 1 % from 30 rad/s, below 5 % from 20 rad/s, below 50 % from 20 rad/s."), "{told}");
     }
 
     #[test]

@@ -130,6 +130,9 @@ fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
         let title = if has_one_scatter { title.split(';').next().unwrap_or_default() } else { &title };
         text += &format!("{range:<20}  {}\n", title.trim_start_matches([' ', ';']));
     }
+    if slices > MOST_PANELS {
+        text += &format!("and {}\n", counted((slices - MOST_PANELS) as u128, "further slice", "further slices"));
+    }
     text + "\n"
 }
 
@@ -214,11 +217,15 @@ fn capitalised(name: &str) -> String {
 
 /// A number in five characters.
 fn narrow(value: f64) -> String {
-    let plain = value == 0.0 || (1e-3..1e5).contains(&value.abs());
+    if (-0.1..=-0.01).contains(&value) {
+        return format!("{value:.3}").replacen("0.", ".", 1);
+    }
+    let (least, sign) = if value < 0.0 { (0.1, 1) } else { (1e-3, 0) };
+    let plain = value == 0.0 || (least..1e5).contains(&value.abs());
     if !plain {
         return format!("{value:.0e}");
     }
-    let whole = format!("{:.0}", value.trunc()).len();
+    let whole = sign + format!("{:.0}", value.abs().trunc()).len();
     format!("{value:.*}", 4_usize.saturating_sub(whole).min(3))
 }
 
@@ -303,7 +310,8 @@ fn curves(
     }
     let ends = || series.iter().flat_map(|series: &Series| series.band.iter().map(|(_, high)| *high));
     let highest = ends().filter(|high| high.is_finite()).fold(0.0, f64::max);
-    let top = TOPS.into_iter().rev().find(|top| *top >= highest).unwrap_or(1.0);
+    let is_known = ends().any(f64::is_finite);
+    let top = TOPS.into_iter().rev().find(|top| is_known && *top >= highest).unwrap_or(1.0);
     // Below the least of them the axis ends at the curve.
     let top = if highest > 0.0 && highest < 0.1 * top { highest } else { top };
     if !unknown.is_empty() {
@@ -346,6 +354,11 @@ mod tests {
     fn narrow_numbers_have_five_characters_at_most() {
         for (value, text) in
             [(0.0, "0.000"), (0.1234, "0.123"), (1.0, "1.000"), (15.5, "15.50"), (1234.5, "1234"), (2.8e-7, "3e-7")]
+        {
+            assert_eq!(narrow(value), text);
+        }
+        for (value, text) in
+            [(-0.5, "-0.50"), (-0.0133, "-.013"), (-1e-3, "-1e-3"), (-15.5, "-15.5"), (-1234.5, "-1234")]
         {
             assert_eq!(narrow(value), text);
         }

@@ -147,6 +147,20 @@ fn around(places: &[f64], i: usize) -> [f64; 2] {
     })
 }
 
+/// A line whose points are no farther from each other than this.
+fn dense(line: &[Place], most: f64) -> Vec<Place> {
+    let mut points: Vec<Place> = line.first().copied().into_iter().collect();
+    for pair in line.windows(2) {
+        let [(x, y), (to_x, to_y)] = [pair[0], pair[1]];
+        let parts = (libm::hypot(to_x - x, to_y - y) / most).ceil().max(1.0);
+        for part in 1..=parts as usize {
+            let share = part as f64 / parts;
+            points.push((x + share * (to_x - x), y + share * (to_y - y)));
+        }
+    }
+    points
+}
+
 /// A contour line with its label in a gap, where the line is long enough and no other label is near.
 pub fn labelled_line(
     canvas: &mut Canvas,
@@ -160,6 +174,7 @@ pub fn labelled_line(
     let size = SMALL - 2;
     let gap = width_of(text, size) + 4.0;
     let distance = |a: Place, b: Place| libm::hypot(a.0 - b.0, a.1 - b.1);
+    let line = &dense(line, 0.25 * gap);
     let length: f64 = line.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
     // Not at the edges, and away from other labels.
     let inner = Panel {
@@ -196,4 +211,19 @@ pub fn labelled_line(
     let down = 0.35 * f64::from(size);
     let at = (middle.0 - down * sine, middle.1 + down * cosine);
     canvas.text(at, text, size, Side::Middle, turn, colour);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dense_line_keeps_its_corners_and_has_no_long_parts() {
+        let corners = [(0.0, 0.0), (10.0, 0.0), (10.0, 3.0)];
+        let line = dense(&corners, 4.0);
+        assert_eq!(line.len(), 5);
+        assert!(corners.iter().all(|corner| line.contains(corner)));
+        assert!(line.windows(2).all(|pair| libm::hypot(pair[1].0 - pair[0].0, pair[1].1 - pair[0].1) <= 4.0));
+        assert!(dense(&[], 4.0).is_empty());
+    }
 }

@@ -8,7 +8,7 @@ use crate::plot::axes::axis;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side};
 use crate::plot::form::Along;
 use crate::plot::panel::{
-    ABOVE, Arrangement, Axis, Layout, NORMAL, Panel, RIGHT, SMALL, heading, space_of, write_notes,
+    ABOVE, Arrangement, Axis, Layout, NORMAL, Panel, RIGHT, SMALL, heading, space_of, wrapped, write_notes,
 };
 
 /// Height of a panel over its width.
@@ -104,9 +104,14 @@ impl Curves<'_> {
         let family = &several.values;
         let right = panels.iter().map(Panel::right).fold(0.0, f64::max) + 8.0;
         let heading = axis(several);
-        canvas.text((right, first.top + 8.0), &heading.title, SMALL - 2, Side::Right, 0.0, BLACK);
+        let title = wrapped(&heading.title, LEGEND, SMALL - 2);
+        for (i, line) in title.iter().enumerate() {
+            let below = first.top + 8.0 + f64::from(SMALL) * i as f64;
+            canvas.text((right, below), line, SMALL - 2, Side::Right, 0.0, BLACK);
+        }
+        let top = first.top + 8.0 + f64::from(SMALL) * (title.len() - 1) as f64;
         for (up, value) in family.iter().enumerate().rev() {
-            let y = first.top + 8.0 + f64::from(NORMAL) * 1.3 * (family.len() - up) as f64;
+            let y = top + f64::from(NORMAL) * 1.3 * (family.len() - up) as f64;
             canvas.line((right, y - 3.0), (right + 14.0, y - 3.0), Pen::new(colour_of(up, family.len()), 2.0));
             let text = format!("{} {}", rounded(*value), heading.unit);
             canvas.text((right + 18.0, y), text.trim_end(), SMALL - 1, Side::Right, 0.0, BLACK);

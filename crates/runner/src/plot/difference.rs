@@ -48,24 +48,30 @@ impl Difference {
                 let around = AROUND * (high - low);
                 let scale = Scale::linear(low - around, high + around);
                 let vertical = Axis { scale, title: title.to_owned(), unit: String::new() };
-                let notes = vec![self.name.clone(), format!("bands: intervals ({})", self.intervals)];
+                let notes = vec![self.name.clone(), format!("bands: {}", self.intervals)];
                 let Self { job, values, low, high, .. } = self;
                 let curves = Curves { job, view: &view, along, values, low, high, vertical, has_zero: true, notes };
                 Some(curves.figure(width))
             }
             Form::Area { vertical, horizontal } => {
                 let contains_zero = |(low, high): (&f64, &f64)| *low <= 0.0 && 0.0 <= *high;
-                let notes = vec![
-                    self.name.clone(),
-                    format!("hatched: not significant, 0 is in the interval ({})", self.intervals),
-                ];
+                let known = self.values.iter().map(Option::is_some);
+                let notes =
+                    vec![self.name.clone(), format!("hatched: not significant, 0 is in the {}", self.intervals)];
                 let area = Area {
                     job: &self.job,
                     view: &view,
                     vertical,
                     horizontal,
                     values: self.values.clone(),
-                    is_hatched: self.low.iter().zip(&self.high).map(contains_zero).collect(),
+                    is_hatched: self
+                        .low
+                        .iter()
+                        .zip(&self.high)
+                        .map(contains_zero)
+                        .zip(known)
+                        .map(|(a, b)| a && b)
+                        .collect(),
                     levels: levels(),
                     colours: (0..=2 * LEVELS.len()).map(colour).collect(),
                     title,

@@ -170,9 +170,24 @@ pub fn heading(canvas: &mut Canvas, panel: &Panel, title: &str) {
     let length = panel.width + 0.8 * LEFT;
     let size = (7..=SMALL).rev().find(|&size| width_of(title, size) <= length);
     match (size, title.split_once("; ")) {
-        (None, Some((first, second))) => two_lines(canvas, panel, [first, second], 8),
+        (None, Some((first, second))) => {
+            let fits = |size: &u32| width_of(first, *size).max(width_of(second, *size)) <= length;
+            two_lines(canvas, panel, [first, second], (4..=8).rev().find(fits).unwrap_or(4));
+        }
         (size, _) => canvas.text((middle, panel.top - 6.0), title, size.unwrap_or(7), Side::Middle, 0.0, BLACK),
     }
+}
+
+/// A text in lines that fit in a width where its words allow it.
+pub fn wrapped(text: &str, width: f64, size: u32) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if width_of(&format!("{line} {word}"), size) <= width => *line = format!("{line} {word}"),
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// Writes two lines above a panel.

@@ -10,7 +10,7 @@ use crate::picture::view::{GridView, rounded};
 use crate::plot::axes::title;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Rgb, Side, width_of};
 use crate::plot::legend::Legend;
-use crate::plot::panel::{ABOVE, Axis, BELOW, Panel, RIGHT, SMALL, two_lines};
+use crate::plot::panel::{ABOVE, Axis, BELOW, Panel, RIGHT, SMALL, two_lines, wrapped};
 use crate::plot::values::Values;
 use crate::tables::finished::{FinishedSurface, FinishedValues};
 
@@ -127,7 +127,7 @@ impl Sobol {
     /// The figure of some cells, this wide in pixels.
     pub fn figure(&self, cells: &[usize], width: f64) -> Canvas {
         let names: Vec<Vec<String>> =
-            self.inputs.iter().map(|input| wrapped(&title(input), MOST_NAMES * width)).collect();
+            self.inputs.iter().map(|input| wrapped(&title(input), MOST_NAMES * width, SMALL)).collect();
         let longest = names.iter().flatten().map(|line| width_of(line, SMALL)).fold(0.0, f64::max);
         let left = longest + 12.0;
         let inside = width - RIGHT - left;
@@ -219,16 +219,4 @@ fn write_names(canvas: &mut Canvas, panel: &Panel, names: &[Vec<String>]) {
             canvas.text(at, line, SMALL, Side::Left, 0.0, BLACK);
         }
     }
-}
-
-/// A text in lines that fit in a width where its words allow it.
-fn wrapped(text: &str, width: f64) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
-        match lines.last_mut() {
-            Some(line) if width_of(&format!("{line} {word}"), SMALL) <= width => *line = format!("{line} {word}"),
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
 }

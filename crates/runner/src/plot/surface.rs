@@ -34,7 +34,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                 high,
                 vertical,
                 has_zero: false,
-                notes: Vec::new(),
+                notes: blank_note(values).map(str::to_owned).into_iter().collect(),
             };
             Some(curves.figure(width))
         }
@@ -61,7 +61,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                     .collect(),
                 colours: (0..levels.bands()).map(|band| levels.colour(band)).collect(),
                 title: "Probability of instability",
-                notes: boundary_note.map(str::to_owned).into_iter().collect(),
+                notes: boundary_note.into_iter().chain(blank_note(values)).map(str::to_owned).collect(),
             };
             let lines = |canvas: &mut Canvas, drawn: &AreaPanel<'_>| {
                 if has_boundary {
@@ -74,8 +74,16 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
     }
 }
 
+/// What cells without a probability are.
+fn blank_note(values: &Values) -> Option<&'static str> {
+    values.probability.contains(&None).then_some("blank: no sample is decided")
+}
+
 /// The upper end of the axis of probabilities: a round one, or just above the largest probability if that is tiny.
 fn top(values: &Values) -> f64 {
+    if values.probability.iter().all(Option::is_none) {
+        return 1.0;
+    }
     if values.largest() < 1e-3 {
         return values.largest() * 1.2 + 1e-12;
     }

@@ -40,7 +40,7 @@ impl Values {
 
     /// Whether nothing scatters, so that all samples of a cell have one verdict.
     pub fn is_certain(&self) -> bool {
-        self.job.random.relative_stds.iter().flatten().all(|std| *std == 0.0)
+        self.job.random.scatters_nothing()
     }
 
     /// The largest probability.

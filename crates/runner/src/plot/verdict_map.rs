@@ -67,7 +67,7 @@ impl VerdictMaps {
         let (missing, needed) = (maps.missing().len(), maps.needed());
         if missing > 0 {
             let remedy = if directory.has_surface_of(&job) {
-                "The run gave its map up, because simulating the samples cost less; with more samples, or method = \"exact\", the map is completed".to_owned()
+                "Either the run gave its map up, because simulating the samples cost less, or files of map/ are missing or damaged; submit the job to another directory to compute it again".to_owned()
             } else {
                 format!("Finish it with `stickslip resume {}`", quoted(run))
             };

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::rounded::round;
+use crate::output::counted;
 
 /// Where the colours of differences are fixed, from the most negative to the most positive: blue, white, red.
 const COLOURS: [(f64, &str); 5] =
@@ -50,16 +51,39 @@ impl Comparison {
         let compared: Vec<&ComparedCell> = self.cells.iter().flatten().collect();
         let more = compared.iter().filter(|cell| cell.low > 0.0).count();
         let less = compared.iter().filter(|cell| cell.high < 0.0).count();
-        let largest = compared
-            .iter()
-            .filter_map(|cell| cell.difference)
-            .fold(0.0, |largest: f64, difference| if difference.abs() > largest.abs() { difference } else { largest });
+        let known = compared.iter().filter_map(|cell| cell.difference);
+        let largest = known.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let largest = largest.map_or("No difference is known.".to_owned(), |largest| {
+            format!("The largest difference is {}.", round(largest))
+        });
         format!(
-            "Of {} cells in both, P of {second} is surely larger than that of {first} in {more}, and surely smaller in \
-             {less} ({}). The largest difference is {}.",
-            compared.len(),
-            self.interval_name,
-            round(largest)
+            "Of {} in both, P of {second} is surely larger than that of {first} in {more}, and surely smaller in \
+             {less} ({}). {largest}",
+            counted(compared.len() as u128, "cell", "cells"),
+            self.interval_name
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_known_is_no_difference_of_zero() {
+        let cell = |difference: Option<f64>, low, high| {
+            Some(ComparedCell { first: None, second: None, difference, low, high })
+        };
+        let summary = |cells| Comparison { run: 1, interval_name: "95 % interval".to_owned(), cells }.summary("a", "b");
+        assert_eq!(
+            summary(vec![cell(None, -1.0, 1.0), None]),
+            "Of 1 cell in both, P of b is surely larger than that of a in 0, and surely smaller in 0 (95 % interval). \
+             No difference is known."
+        );
+        assert_eq!(
+            summary(vec![cell(Some(0.1), 0.05, 0.2), cell(Some(-0.3), -0.4, -0.2), cell(Some(0.0), -0.1, 0.1)]),
+            "Of 3 cells in both, P of b is surely larger than that of a in 1, and surely smaller in 1 (95 % interval). \
+             The largest difference is -0.3."
+        );
     }
 }

@@ -8,6 +8,7 @@ use super::expected::expected_brakes;
 use super::rounded::round;
 use crate::failure::Failure;
 use crate::job::Job;
+use crate::output::note;
 use crate::picture::view::GridView;
 use crate::plot::axes::{axis, title};
 use crate::plot::canvas::Canvas;
@@ -43,9 +44,14 @@ impl ReportedRun {
         let values = Values::read(path)?;
         let is_index = |name: &str| name.starts_with("first_order_") || name.starts_with("total_");
         let further = FinishedSurface::open(path)?.columns(|name| AMPLITUDES.contains(&name) || is_index(name))?;
-        // A run may have given its map up.
-        let maps = if values.job.uses_maps() { VerdictMaps::read(path).ok() } else { None };
-        let verdict_map = maps.map(|maps| maps.figure(MAP_WIDTH));
+        let verdict_map = match values.job.uses_maps().then(|| VerdictMaps::read(path)) {
+            Some(Ok(maps)) => Some(maps.figure(MAP_WIDTH)),
+            Some(Err(why)) => {
+                note(format_args!("the report shows no verdict map of {}: {why}", path.display()));
+                None
+            }
+            None => None,
+        };
         Ok(Self { path: path.display().to_string(), values, further, verdict_map })
     }
 

@@ -34,7 +34,8 @@ function told(cell) {
   const of = view.comparison ?? view.run;
   const interval = `${number(of.low[cell])} to ${number(of.high[cell])}`;
   if (view.comparison) {
-    if (value(cell) === null) return "not a cell of both runs";
+    if (of.low[cell] === null) return "not a cell of both runs";
+    if (value(cell) === null) return "difference unknown: no sample is decided";
     const both = `P = ${number(of.second[cell])} and ${number(of.first[cell])}`;
     return `difference = ${number(value(cell))} (${of.interval_name}: ${interval}); ${both}`;
   }
@@ -108,7 +109,7 @@ function probabilityTraces(x, y, cells, text) {
 // Differences: blue below, red above; a stroke where the interval contains 0.
 function differenceTraces(x, y, cells, text) {
   const { low, high, value: all } = view.comparison;
-  const largest = Math.max(1e-12, ...all.filter((of) => of !== null).map(Math.abs));
+  const largest = all.reduce((most, of) => (of === null ? most : Math.max(most, Math.abs(of))), 1e-12);
   const open = cells.flatMap((row, i) => row.flatMap((cell, j) =>
     (all[cell] !== null && low[cell] <= 0 && high[cell] >= 0 ? [[x[j], y[i]]] : [])));
   return [{

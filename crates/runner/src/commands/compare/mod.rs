@@ -33,7 +33,20 @@ use crate::failure::Failure;
 use crate::files::table::write_table;
 use crate::interrupt::Interrupt;
 use crate::output::{note, output_file, result};
+use crate::picture::view::rounded;
 use crate::schedule::engine::Engine;
+
+/// Confidence of the intervals in plots and reports, for all cells together.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// What the intervals in plots and reports are.
+pub fn interval_name(runs: &[&Run]) -> String {
+    if runs.iter().all(|run| run.job.is_integrated()) {
+        "bounds of the integrals".to_owned()
+    } else {
+        format!("{} % interval for all cells together", rounded(100.0 * CONFIDENCE))
+    }
+}
 
 /// `stickslip compare`.
 pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<(), Failure> {

@@ -52,6 +52,7 @@ impl Run {
         let gains_from_map = !job.uses_maps()
             && !matches!(job.criterion, Criterion::Eigenvalue)
             && job.random.other().is_none()
+            && job.fits_maps()
             && job.criterion.growth_without_fall(&job.parameters, &job.grid).is_none();
         if gains_from_map {
             job.sampling.evaluate = EvaluateMode::Boundary;
