@@ -139,6 +139,7 @@ def check_two(page, name):
     preload, friction = re.search(r"Preload Δ = ([^,]+), .*fₛ = ([^,]+),", page.inner_text("#selected")).groups()
     row = nearest(first, preload, friction)
     page.click("#sensitivity-section summary")
+    page.wait_for_selector("#sensitivity-section td")
     table = [line.split("\t") for line in page.inner_text("#sensitivity-section table").splitlines()]
     names = ["preload", "static_friction", "damping.tangential"]
     assert [line[0] for line in table[1:]] == ["Preload Δ", "Static friction coefficient fₛ", "Tangential damping of the pad c_x"]
