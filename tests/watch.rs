@@ -58,6 +58,21 @@ fn a_run_under_way_is_shown_in_blocks_until_it_ends() {
 }
 
 #[test]
+fn every_shard_has_a_bar() {
+    let place = Place::new();
+    place.write("parts.toml", &job("parts", EIGENVALUE, BOTH, "samples = 2_000_000"));
+    place.run("submit parts.toml --out parts --shard 2/3").done();
+    let shown = place.run("status parts --watch --shards 3").done().stdout;
+    for (line, share) in ["  0.0 %  shard 1/3", "100.0 %  shard 2/3", "  0.0 %  shard 3/3"].into_iter().zip([0, 40, 0])
+    {
+        let shown = shown.lines().find(|shown| shown.ends_with(line)).unwrap_or_else(|| panic!("{line}\n{shown}"));
+        assert_eq!(shown.chars().filter(|&c| c == '█').count(), share, "{shown}");
+    }
+    place.run("status parts --shards 3").refused(64, &["--watch"]);
+    place.run("status parts --watch --shards 0").refused(64, &["1..=1000"]);
+}
+
+#[test]
 fn a_signal_ends_the_watch_and_not_the_run() {
     let place = Place::new();
     let mut run = slow_run(&place);

@@ -145,6 +145,9 @@ pub struct StatusArguments {
     /// Show the progress of one run every second, until it ends
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
+    /// Show a bar for each of the N shards that the run is computed in
+    #[arg(long, value_name = "N", requires = "watch", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub shards: Option<u64>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

@@ -9,6 +9,7 @@ use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::quoted;
+use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::RunDirectory;
 use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
@@ -30,16 +31,18 @@ pub struct RunProgress {
     pub differed: u64,
     /// The mean of the probabilities counted so far, and the number of cells that have one.
     pub probability: Option<(f64, u64)>,
+    /// What is done of each shard, if their number is known.
+    pub shards: Vec<f64>,
 }
 
 impl RunProgress {
     /// Of a run, from its directory alone.
     pub fn of(directory: &RunDirectory) -> Result<Self, Failure> {
-        Self::of_job(directory, directory.job()?)
+        Self::of_shards(directory, directory.job()?, 0)
     }
 
-    /// The same where the job of the run has been read.
-    pub fn of_job(directory: &RunDirectory, job: Job) -> Result<Self, Failure> {
+    /// The same where the job of the run has been read, with what is done of each shard.
+    pub fn of_shards(directory: &RunDirectory, job: Job, shards: u64) -> Result<Self, Failure> {
         let tally = directory.tally(&job)?;
         let parts = Parts::new(&job);
         let in_use = directory.in_use();
@@ -63,6 +66,7 @@ impl RunProgress {
         let Lookups { audited, differed, .. } = Surface::new(&job, &tally).lookups();
         Ok(Self {
             probability: mean_probability(&job, &parts, &tally),
+            shards: Shard::all(shards).map(|shard| share_of(shard, &job, &parts, &tally)).collect(),
             undecided: (0..parts.count()).map(|part| tally.counts(part).undecided).sum(),
             failed: (0..parts.count()).map(|part| tally.counts(part).failed).sum(),
             job,
@@ -133,6 +137,13 @@ impl RunProgress {
             self.job.cells()
         )
     }
+}
+
+/// What is done of the samples of a shard.
+fn share_of(shard: Shard, job: &Job, parts: &Parts, tally: &Tally) -> f64 {
+    let samples = |tally: &Tally| Plan::new(tally, parts, job.unit_samples(), Some(shard)).samples() as f64;
+    let all = samples(&Tally::new(parts.count()));
+    if all > 0.0 { 1.0 - samples(tally) / all } else { 1.0 }
 }
 
 /// The mean over the cells that have a verdict.

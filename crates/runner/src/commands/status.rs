@@ -30,7 +30,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
         }
     };
     if arguments.watch {
-        return watch(&directory, path, &Interrupt::watch()?);
+        return watch(&directory, path, arguments.shards.unwrap_or(0), &Interrupt::watch()?);
     }
     let progress = RunProgress::of(&directory)?;
     result(&if arguments.json { format!("{:#}\n", progress.json(path)) } else { progress.text(path) })

@@ -23,12 +23,12 @@ const SHARE_OF_READING: u32 = 5;
 /// Characters of the bar.
 const BAR: usize = 40;
 
-/// Shows the progress of a run until no process works in it.
-pub fn watch(directory: &RunDirectory, path: &Path, interrupt: &Interrupt) -> Result<(), Failure> {
+/// Shows the progress of a run, and of this many shards of it, until no process works in it.
+pub fn watch(directory: &RunDirectory, path: &Path, shards: u64, interrupt: &Interrupt) -> Result<(), Failure> {
     interrupt.remark("the run itself is not touched");
     let is_terminal = io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb");
     let mut seen = Seen::of(directory)?;
-    let mut progress = RunProgress::of(directory)?;
+    let mut progress = RunProgress::of_shards(directory, directory.job()?, shards)?;
     let mut speed = Speed::default();
     let mut shown = String::new();
     while progress.in_use {
@@ -48,7 +48,8 @@ pub fn watch(directory: &RunDirectory, path: &Path, interrupt: &Interrupt) -> Re
         speed.reading = looked.elapsed();
     }
     // What the last process wrote at its end.
-    let end = RunProgress::of(directory)?.text(path);
+    let end = RunProgress::of_shards(directory, directory.job()?, shards)?;
+    let end = bars(&end) + &end.text(path);
     result(&if is_terminal { erased(&shown) + &end } else { end })
 }
 
@@ -78,7 +79,8 @@ impl Seen {
             return Ok(RunProgress { in_use: directory.in_use(), ..before });
         }
         *self = now;
-        if is_same_job { RunProgress::of_job(directory, before.job) } else { RunProgress::of(directory) }
+        let job = if is_same_job { before.job } else { directory.job()? };
+        RunProgress::of_shards(directory, job, before.shards.len() as u64)
     }
 }
 
@@ -113,13 +115,24 @@ impl Speed {
     }
 }
 
+/// A bar with its share in per cent.
+fn bar(share: f64) -> String {
+    let filled = ((share * BAR as f64) as usize).min(BAR);
+    format!("{}{} {:5.1} %", "█".repeat(filled), "░".repeat(BAR - filled), 100.0 * share)
+}
+
+/// A bar for each shard.
+fn bars(progress: &RunProgress) -> String {
+    let count = progress.shards.len();
+    (1..).zip(&progress.shards).map(|(shard, share)| format!("{}  shard {shard}/{count}\n", bar(*share))).collect()
+}
+
 /// What is shown, in lines of at most 80 columns.
 fn block(progress: &RunProgress, speed: &Speed) -> String {
     let RunProgress { job, share, samples_done, samples_total, complete_cells, .. } = progress;
-    let filled = ((share * BAR as f64) as usize).min(BAR);
-    let bar = format!("{}{}", "█".repeat(filled), "░".repeat(BAR - filled));
     let name: String = job.name.chars().take(60).collect();
-    let mut text = format!("{name}: {}\n{bar} {:5.1} %\n", progress.state, progress.percent());
+    let mut text = format!("{name}: {}\n{}\n", progress.state, bar(*share));
+    text += &bars(progress);
     if job.is_integrated() {
         return text + "It integrates its probabilities, and writes nothing before the end.\n";
     }

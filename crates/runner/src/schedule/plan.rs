@@ -34,6 +34,11 @@ impl FromStr for Shard {
 }
 
 impl Shard {
+    /// All shards of a run that is computed in this many.
+    pub fn all(count: u64) -> impl Iterator<Item = Self> {
+        (1..=count).map(move |typed| Self { index: typed % count, count, typed })
+    }
+
     /// The number of shards.
     pub fn count(self) -> u64 {
         self.count
