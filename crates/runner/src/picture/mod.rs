@@ -1,5 +1,7 @@
 //! Drawings of surfaces, curves and motions for the terminal, and the charts that plots draw too.
 
+use anstyle::{Ansi256Color, Style};
+
 use crate::output::{counted, wrapped};
 use crate::picture::chart::{Chart, ChartAxis, Form, Series};
 use crate::picture::scale::Scale;
@@ -39,8 +41,16 @@ const TOPS: [f64; 13] = [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3,
 /// Length of the bar for a probability of 1.
 const BAR: usize = 40;
 
-/// Shades, each with the smallest probability that it is drawn for.
-const SHADES: [(f64, char); 6] = [(0.8, '█'), (0.6, '▓'), (0.4, '▒'), (0.2, '░'), (0.01, '·'), (0.0, ' ')];
+/// Shades, each with the smallest probability that it is drawn for, and its colour at a terminal that has 256 of them:
+/// those of plots, from yellow to violet.
+const SHADES: [(f64, char, Ansi256Color); 6] = [
+    (0.8, '█', Ansi256Color(54)),
+    (0.6, '▓', Ansi256Color(61)),
+    (0.4, '▒', Ansi256Color(30)),
+    (0.2, '░', Ansi256Color(71)),
+    (0.01, '·', Ansi256Color(178)),
+    (0.0, ' ', Ansi256Color(178)),
+];
 
 /// Largest share of samples without a verdict with which a probability is drawn.
 const MOST_UNKNOWN: f64 = 0.1;
@@ -150,13 +160,11 @@ fn heat_map(surface: &Surface<'_>, slice: &Slice<'_>, vertical: &ViewAxis, horiz
     let mut text = format!(" {}\n", vertical.name);
     let mut has_unknown = false;
     for up in thinned(vertical.values.len(), MOST_ROWS).into_iter().rev() {
-        text += &format!("{} |", label(vertical.values[up]));
-        for &right in &columns {
-            let shade = known_probability(&surface.row(slice.cell(up, right))).map_or('?', shade);
-            has_unknown |= shade == '?';
-            text.extend(std::iter::repeat_n(shade, width));
-        }
-        text += "|\n";
+        let shade_of = |&right: &usize| known_probability(&surface.row(slice.cell(up, right))).map_or('?', shade);
+        let shades: Vec<char> = columns.iter().map(shade_of).collect();
+        has_unknown |= shades.contains(&'?');
+        let line: String = shades.chunk_by(char::eq).map(|equal| coloured(equal[0], width * equal.len())).collect();
+        text += &format!("{} |{line}|\n", label(vertical.values[up]));
     }
     text += &foot(&horizontal.name, horizontal.ends(), columns.len() * width);
     text += "          ' ' below 1 %, · to 20, ░ to 40, ▒ to 60, ▓ to 80, █ 80 % and more\n";
@@ -243,7 +251,20 @@ fn known_probability(row: &SurfaceRow) -> Option<f64> {
 }
 
 fn shade(probability: f64) -> char {
-    SHADES.iter().find(|(from, _)| probability >= *from).map_or(' ', |(_, shade)| *shade)
+    SHADES.iter().find(|(from, ..)| probability >= *from).map_or(' ', |(_, shade, _)| *shade)
+}
+
+/// A shade so many times, in its colour.
+fn coloured(shade: char, times: usize) -> String {
+    let text: String = std::iter::repeat_n(shade, times).collect();
+    let colour = SHADES.iter().find(|(_, known, _)| *known == shade && shade != ' ').map(|(_, _, colour)| *colour);
+    colour.map_or_else(
+        || text.clone(),
+        |colour| {
+            let style = Style::new().fg_color(Some(colour.into()));
+            format!("{style}{text}{style:#}")
+        },
+    )
 }
 
 fn bars(surface: &Surface<'_>, slice: &Slice<'_>, axis: Option<&ViewAxis>) -> String {
@@ -348,6 +369,13 @@ mod tests {
         ] {
             assert_eq!(probability(value), text);
         }
+    }
+
+    #[test]
+    fn shades_have_colours_that_can_be_taken_out() {
+        assert_eq!(coloured('█', 2), "\u{1b}[38;5;54m██\u{1b}[0m");
+        assert_eq!(crate::output::without_colours(&coloured('·', 3)), "···");
+        assert_eq!([coloured(' ', 2), coloured('?', 1)], ["  ", "?"]);
     }
 
     #[test]
