@@ -248,9 +248,14 @@ fn scatter(job: &Job, cell: u64) -> String {
     }
 }
 
+/// A number rounded to six significant digits, as many as anyone reads.
+pub fn round(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
 /// A number with at most six digits, as short as possible.
 pub fn rounded(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    let rounded = round(value);
     if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 

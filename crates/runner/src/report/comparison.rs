@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::rounded::round;
 use crate::output::counted;
+use crate::picture::view::round;
 
 /// Where the colours of differences are fixed, from the most negative to the most positive: blue, white, red.
 const COLOURS: [(f64, &str); 5] =

@@ -6,8 +6,8 @@ use stickslip_core::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_sampler::grid::Cell;
 
-use super::rounded::round;
 use crate::job::{Criterion, Job};
+use crate::picture::view::round;
 
 /// Largest number of cells of which this is computed: some tenths of a second.
 pub const MOST_CELLS: u64 = 2000;

@@ -2,8 +2,6 @@
 //!
 //! Its pictures are drawn in the browser by plotly.js, whose cartesian bundle is part of the program, compressed.
 
-mod rounded;
-
 mod expected;
 
 mod run;

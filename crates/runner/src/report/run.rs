@@ -5,11 +5,10 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use super::expected::expected_brakes;
-use super::rounded::round;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::note;
-use crate::picture::view::GridView;
+use crate::picture::view::{GridView, round};
 use crate::plot::axes::{axis, title};
 use crate::plot::canvas::Canvas;
 use crate::plot::levels::{Levels, label};
