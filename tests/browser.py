@@ -11,7 +11,8 @@ import sys
 from pathlib import Path
 
 import pandas as pd
-from playwright.sync_api import sync_playwright
+
+from pages import fits, in_all_windows, listen
 
 chromium, report, surface, two, first, differences, *screenshots = sys.argv[1:]
 surface, first, differences = (pd.read_parquet(file) for file in (surface, first, differences))
@@ -55,21 +56,16 @@ def click_on_map(page, right, up):
     page.wait_for_timeout(400)
 
 
-def listen(page):
-    """Everything that a page complains about, and every address outside the file that it asks for."""
-    said = []
-    page.on("console", lambda message: said.append(message.text) if message.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: said.append(str(error)))
-    page.on("request", lambda request: said.append(request.url) if not request.url.startswith(("file:", "data:", "blob:")) else None)
-    return said
+def listening(page):
+    """What the page complains about or asks for; Plotly makes blobs."""
+    return listen(page, lambda message: message.type in ("error", "warning"), ("file:", "data:", "blob:"))
 
 
 def check(page, name):
-    said = listen(page)
+    said = listening(page)
     page.goto(url)
     page.wait_for_selector("#map .nsewdrag")
-    width = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
-    assert width <= 0, f"{name}: the page is {width} pixels wider than the window"
+    fits(page, name)
     overlap = page.evaluate(
         "document.getElementById('selected').getBoundingClientRect().top"
         " - document.querySelector('#map .main-svg').getBoundingClientRect().bottom"
@@ -126,11 +122,10 @@ def nearest(rows, preload, friction):
 
 def check_two(page, name):
     """Two runs: the difference of the second from the first, and the Sobol indices of the first."""
-    said = listen(page)
+    said = listening(page)
     page.goto(url_of_two)
     page.wait_for_selector("#map .nsewdrag")
-    width = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
-    assert width <= 0, f"{name}: the page is {width} pixels wider than the window"
+    fits(page, name)
     buttons = page.locator("#controls input[type=radio]")
     assert buttons.count() == 3
     assert page.locator("#along-horizontal .legendtext").all_text_contents() == ["drawn", "other"]
@@ -172,12 +167,5 @@ def check_two(page, name):
     assert not said, said
 
 
-with sync_playwright() as playwright:
-    browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-    for width, scheme in [(1400, "light"), (400, "light"), (1400, "dark")]:
-        context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
-        check(context.new_page(), f"{width}-{scheme}")
-        check_two(context.new_page(), f"{width}-{scheme}")
-        context.close()
-    browser.close()
+in_all_windows(chromium, check, check_two)
 print("reports: mouse, keyboard, slider, hover and tables show the numbers of the files at 1400 and 400 pixels")

@@ -6,20 +6,16 @@ Usage: gallery.py CHROMIUM gallery.html [FOLDER for screenshots]
 import sys
 from pathlib import Path
 
-from playwright.sync_api import sync_playwright
+from pages import fits, in_all_windows, listen
 
 chromium, gallery, *screenshots = sys.argv[1:]
 url = Path(gallery).resolve().as_uri()
 
 
 def check(page, name):
-    said = []
-    page.on("console", lambda message: said.append(message.text))
-    page.on("pageerror", lambda error: said.append(str(error)))
-    page.on("request", lambda request: said.append(request.url) if not request.url.startswith(("file:", "data:")) else None)
+    said = listen(page, lambda message: True, ("file:", "data:"))
     page.goto(url)
-    width = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
-    assert width <= 0, f"{name}: the page is {width} pixels wider than the window"
+    fits(page, name)
     if screenshots:
         page.screenshot(path=f"{screenshots[0]}/gallery-{name}.png", full_page=True)
 
@@ -59,11 +55,5 @@ def check(page, name):
     assert not said, said
 
 
-with sync_playwright() as playwright:
-    browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-    for width, scheme in [(1400, "light"), (400, "light"), (1400, "dark")]:
-        context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
-        check(context.new_page(), f"{width}-{scheme}")
-        context.close()
-    browser.close()
+in_all_windows(chromium, check)
 print("gallery: read at 1400 and 400 pixels, light and dark, by keyboard and on paper")
