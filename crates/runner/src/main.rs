@@ -86,6 +86,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Export(arguments) => commands::export(&arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(&arguments, &Interrupt::watch()?),
         Command::Merge(arguments) => commands::merge(&arguments),
+        Command::Verify(arguments) => commands::verify(&arguments),
         Command::Schema => commands::schema(),
         Command::Completions(arguments) => commands::completions(&arguments),
         Command::Man => commands::man(),

@@ -61,6 +61,8 @@ pub enum Command {
     Reproduce(ReproduceArguments),
     /// Write the surface from the pieces of finished shards
     Merge(MergeArguments),
+    /// Check the files of a run, from its pieces to its surface, and write again what can be
+    Verify(VerifyArguments),
     /// Print the JSON schema of job specs
     Schema,
     /// Print a completion script for a shell
@@ -409,6 +411,20 @@ pub struct MergeArguments {
     /// The run directory of the shards
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
+    /// How long to wait for shards that are still at work
+    #[arg(long, value_name = "SECONDS", default_value_t = 600)]
+    pub wait: u64,
+}
+
+/// Arguments of `verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArguments {
+    /// The run directory
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+    /// Print the findings as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `completions`.

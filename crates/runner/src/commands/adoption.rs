@@ -1,10 +1,15 @@
 //! Checking whether a job may be submitted to a run directory.
 
+use std::path::Path;
+use std::thread;
+use std::time::{Duration, Instant};
+
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::{note, quoted};
-use crate::store::directory::RunDirectory;
+use crate::store::directory::{JOB, RunDirectory};
+use crate::store::lock::Access;
 use crate::store::tally::Tally;
 
 /// The state of the run of a submitted job.
@@ -32,6 +37,10 @@ impl RunState {
 /// # Errors
 /// A directory that belongs to another job, or to the same one with more samples or unfinished with fewer.
 pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(Job, RunState), Failure> {
+    if directory.is_damaged_copy_of(source, &job)? {
+        directory.freeze(source, &job)?;
+        note(format_args!("{} was damaged; it is written again", directory.path().join(JOB).display()));
+    }
     if directory.job_source()?.is_none() {
         // There may be pieces without a job.toml, if somebody removed it. Those of this job count; others are refused
         // before anything is written. Meanwhile, another shard may have frozen the job.
@@ -73,6 +82,40 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     // With more samples, a cell may have more parts.
     let tally = directory.tally(&job)?;
     Ok((job, RunState::New(tally)))
+}
+
+/// How long a shard waits for others that begin with it. The first one freezes the job, and reads what is there.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Time between two tries.
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// The same for a shard. The one that freezes the job, or raises its number of samples, works alone for that moment, so
+/// that shards of different jobs cannot both do it.
+pub fn adopt_as_shard(out: &Path, source: &JobSource, job: &Job) -> Result<(RunDirectory, Job, RunState), Failure> {
+    let started = Instant::now();
+    loop {
+        let busy = match RunDirectory::create(out, Access::Alone, Duration::ZERO) {
+            Ok(directory) => {
+                let (job, state) = adopt(&directory, source, job.clone())?;
+                return Ok((directory.share()?, job, state));
+            }
+            Err(busy @ Failure::Busy(_)) => busy,
+            Err(other) => return Err(other),
+        };
+        let shared = RunDirectory::create(out, Access::Shared, Duration::ZERO);
+        if let Ok(directory) = shared
+            && let Some(frozen) = directory.job_source()?
+            && frozen.job()?.sampling.samples >= job.sampling.samples
+        {
+            let (job, state) = adopt(&directory, source, job.clone())?;
+            return Ok((directory, job, state));
+        }
+        if started.elapsed() >= PATIENCE {
+            return Err(busy);
+        }
+        thread::sleep(PAUSE);
+    }
 }
 
 /// The first key in which two normalised jobs differ.

@@ -9,13 +9,15 @@ use super::adoption::adopt;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
 use crate::failure::Failure;
+use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
 use crate::output::{HumanCount128, counted, note, quoted, rate};
 use crate::schedule::engine::{Engine, Outcome, Samples};
 use crate::schedule::plan::{Plan, Shard};
 use crate::schedule::progress::{Progress, Total};
-use crate::store::directory::{Access, RunDirectory};
+use crate::store::directory::{AUDITS, MAPS, RunDirectory};
+use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::map_pieces;
 use crate::store::provenance::Session;
 use crate::store::tally::Tally;
@@ -61,7 +63,7 @@ pub fn complete_run(
 ) -> Result<FinishedRun, Failure> {
     let job = source.job()?;
     let work = Work { threads, shard: None, maps: Vec::new(), command: "reproduce" };
-    let directory = RunDirectory::create(out, Access::Alone)?;
+    let directory = RunDirectory::create(out, Access::Alone, AN_INSTANT)?;
     // A run that was extended has the samples of this job and more.
     if let Some(existing) = directory.job_source()?.map(|frozen| frozen.job()).transpose()?
         && existing.experiment_hash() == job.experiment_hash()
@@ -104,7 +106,8 @@ pub fn compute(
         prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt).map_err(kept)?;
     if outcome == Outcome::Finished && job.is_integrated() {
         let mut audits = directory.audits_done(&job)?;
-        outcome = engine.audit(&evaluator, &mut audits, Some(&directory.audits()), interrupt).map_err(kept)?;
+        let keep = directory.create_folder(AUDITS)?;
+        outcome = engine.audit(&evaluator, &mut audits, Some(&keep), interrupt).map_err(kept)?;
         if outcome == Outcome::Finished {
             (outcome, integrated) = engine.integrate(&evaluator, &audits, interrupt)?;
         }
@@ -123,7 +126,7 @@ pub fn compute(
     }
     if let Outcome::Stopped(signal) = outcome {
         if shard.is_none() {
-            session.record(directory.path(), &signal.to_string(), computed)?;
+            session.record(&directory, &signal.to_string(), computed)?;
         }
         let message = if job.is_integrated() {
             format!("finished tiles of the verdict map and finished audits are kept; continue with `{how}`")
@@ -141,13 +144,13 @@ pub fn compute(
     let run = FinishedRun { directory, job, tally, integrated };
     if shard.is_none() {
         let surface = run.surface();
-        let is_new = surface.publish(run.directory.path())?;
+        let is_new = surface.publish(&run.directory)?;
         if run.job.is_integrated() && !is_new {
             note(format_args!("{} is finished already; its surface is unchanged", run.directory.path().display()));
         }
         if computed > 0 || is_new {
             session.lookups(surface.lookups());
-            session.record(run.directory.path(), "finished", computed)?;
+            session.record(&run.directory, "finished", computed)?;
         }
     }
     Ok(run)
@@ -180,11 +183,12 @@ fn prepare_maps(
     if !job.uses_maps() || !(job.is_integrated() || is_incomplete()) {
         return Ok(Outcome::Finished);
     }
-    let own = directory.maps();
+    let own = directory.create_folder(MAPS)?;
     map_pieces::load(evaluator.maps_mut(), &own)?;
     let mut borrowed = false;
     for other in &work.maps {
-        let loaded = map_pieces::load(evaluator.maps_mut(), other)?;
+        let folder = Folder::open(other).map_err(|error| Failure::reading(other, error))?;
+        let loaded = map_pieces::load(evaluator.maps_mut(), &folder)?;
         borrowed |= loaded > 0;
         if loaded == 0 && !evaluator.maps().missing().is_empty() {
             note(format_args!(
@@ -237,7 +241,7 @@ pub fn evaluator_again<'a>(
     if job.uses_maps() && was_counted_without_map(job, tally) {
         evaluator.maps_mut().give_up();
     } else {
-        map_pieces::load(evaluator.maps_mut(), &directory.maps())?;
+        directory.maps()?.map(|maps| map_pieces::load(evaluator.maps_mut(), &maps)).transpose()?;
     }
     Ok(evaluator)
 }
@@ -269,7 +273,7 @@ fn count(
             None if parts.are_sequential() => progress.expect_left(plan.samples(), Total::AtLeast),
             None => progress.expect_left(plan.samples(), Total::Known),
         }
-        let samples = Samples { plan: &plan, parts, pieces: Some(&pieces), are_audits: false };
+        let samples = Samples { plan: &plan, parts, pieces: Some(pieces), are_audits: false };
         outcome = engine.run(evaluator, samples, tally, &mut progress, interrupt);
     }
     progress.finish();

@@ -26,6 +26,8 @@ mod completion;
 
 mod submit;
 
+mod verify;
+
 mod motion_report;
 
 mod trajectory;
@@ -57,4 +59,5 @@ pub use report::report;
 pub use samples::samples;
 pub use status::status;
 pub use submit::{merge, resume, submit};
+pub use verify::verify;
 pub use trajectory::{simulate, trajectory};

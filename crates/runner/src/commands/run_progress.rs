@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::quoted;
 use crate::schedule::plan::{Plan, Shard};
-use crate::store::directory::RunDirectory;
+use crate::store::directory::{RunDirectory, SurfaceState};
 use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
 
@@ -47,10 +47,12 @@ impl RunProgress {
         let parts = Parts::new(&job);
         let in_use = directory.in_use();
         // After a run was extended, its surface does not count until it is written again.
-        let surface = directory.has_surface_of(&job).then(|| directory.surface());
+        let surface_state = directory.surface_state(&job)?;
+        let surface = (surface_state == SurfaceState::Sound).then(|| directory.surface());
         let complete_cells = directory.complete_cells(&job, &tally);
         let state = match (complete_cells == job.cells(), surface.is_some()) {
             _ if in_use => "running",
+            (true, false) if matches!(surface_state, SurfaceState::Damaged(_)) => "surface damaged",
             (true, true) => "finished",
             (true, false) => "complete, not merged",
             (false, _) => "unfinished",
@@ -113,6 +115,7 @@ impl RunProgress {
     pub fn text(&self, run: &Path) -> String {
         let next = match self.state {
             "unfinished" => format!("\ncontinue with `stickslip resume {}`", quoted(run)),
+            "surface damaged" => format!("\nwrite the surface again with `stickslip verify {}`", quoted(run)),
             "complete, not merged" => format!("\nwrite the surface with `stickslip merge {}`", quoted(run)),
             _ => String::new(),
         };

@@ -1,8 +1,9 @@
 //! `submit`, `resume` and `merge`: computing the surface of a job.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use super::adoption::{RunState, adopt};
+use super::adoption::{RunState, adopt, adopt_as_shard};
 use super::closing::report;
 use super::completion::{Work, compute};
 use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
@@ -12,7 +13,8 @@ use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::output::{HumanCount128, counted, note, quoted, warn};
 use crate::schedule::plan::{Plan, Shard};
-use crate::store::directory::{Access, RunDirectory};
+use crate::store::directory::RunDirectory;
+use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::provenance::Session;
 use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
@@ -31,15 +33,20 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     warn(arguments.shard.and_then(|shard| shards_beyond_work(shard, &job)));
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
-    let access = if arguments.shard.is_some() { Access::Shared } else { Access::Alone };
-    let directory = RunDirectory::create(&out, access)?;
     let threads = arguments.threads.count();
-    let (job, state) = adopt(&directory, &source, job)?;
+    let (directory, job, state) = match arguments.shard {
+        Some(_) => adopt_as_shard(&out, &source, &job)?,
+        None => {
+            let directory = RunDirectory::create(&out, Access::Alone, AN_INSTANT)?;
+            let (job, state) = adopt(&directory, &source, job)?;
+            (directory, job, state)
+        }
+    };
     match state {
         RunState::Finished(tally) if arguments.shard.is_none() && !job.is_integrated() => {
             note(format_args!("{} is finished already; nothing to do", out.display()));
             // A lost or damaged surface is written again from the pieces.
-            if Surface::new(&job, &tally).publish(directory.path())? {
+            if Surface::new(&job, &tally).publish(&directory)? {
                 note(format_args!("{} was missing or differed; it is written again", directory.surface().display()));
             }
             report(&directory, &job, &Surface::new(&job, &tally))
@@ -70,7 +77,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
 
 /// `stickslip resume`.
 pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    let directory = RunDirectory::open(&arguments.run, Access::Alone)?;
+    let directory = RunDirectory::open(&arguments.run, Access::Alone, AN_INSTANT)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
     if !job.is_integrated() && Parts::new(&job).complete_cells(&tally) == job.cells() {
@@ -121,7 +128,9 @@ fn map_directories(runs: &[PathBuf], job: &Job) -> Result<Vec<PathBuf>, Failure>
 
 /// `stickslip merge`.
 pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
-    let directory = RunDirectory::open(&arguments.run, Access::Alone)?;
+    // Shards may still be at work: some that finish, or one of which a batch system started a second copy.
+    let patience = Duration::from_secs(arguments.wait);
+    let directory = RunDirectory::open(&arguments.run, Access::Alone, patience.max(AN_INSTANT))?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
     if job.is_integrated() {
@@ -146,7 +155,7 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     directory.tidy()?;
     let session = Session::start("merge", 1);
     let surface = Surface::new(&job, &tally);
-    surface.publish(directory.path())?;
-    session.record(directory.path(), "finished", 0)?;
+    surface.publish(&directory)?;
+    session.record(&directory, "finished", 0)?;
     report(&directory, &job, &surface)
 }

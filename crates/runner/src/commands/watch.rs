@@ -1,7 +1,8 @@
 //! `status --watch`: the progress of a run as it goes on, from its directory alone.
 
+use std::ffi::OsString;
 use std::io::{self, IsTerminal as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -9,7 +10,6 @@ use indicatif::HumanCount;
 
 use super::run_progress::RunProgress;
 use crate::failure::Failure;
-use crate::files::publish::files;
 use crate::interrupt::Interrupt;
 use crate::output::{HumanCount128, rate, result};
 use crate::picture::view::rounded;
@@ -62,13 +62,15 @@ fn erased(lines: &str) -> String {
 /// What a look has seen. What takes time is done again only if something else is there.
 struct Seen {
     job: String,
-    pieces: Vec<PathBuf>,
+    pieces: Vec<OsString>,
 }
 
 impl Seen {
     fn of(directory: &RunDirectory) -> Result<Self, Failure> {
         let job = directory.job_source()?.map(|source| source.text).unwrap_or_default();
-        Ok(Self { job, pieces: files(&directory.shards())? })
+        let shards = directory.shards();
+        let pieces = shards.names().map_err(|error| Failure::reading(shards.path(), error))?;
+        Ok(Self { job, pieces })
     }
 
     /// The progress now.

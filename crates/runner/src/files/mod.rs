@@ -2,4 +2,6 @@
 
 pub mod publish;
 
+pub mod folder;
+
 pub mod table;

@@ -2,6 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, Write as _};
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -9,7 +10,7 @@ use tempfile::NamedTempFile;
 use crate::failure::Failure;
 
 /// Prefix of the names of unfinished files. A killed process leaves them behind.
-const PREFIX: &str = ".unfinished-";
+pub const PREFIX: &str = ".unfinished-";
 
 /// Writes `bytes` as the file `name` in `directory`, whole or not at all.
 pub fn publish(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {
@@ -46,15 +47,9 @@ pub fn publish_with<E: From<io::Error>>(
 }
 
 fn temporary(directory: &Path) -> io::Result<NamedTempFile> {
-    let temporary = tempfile::Builder::new().prefix(PREFIX).tempfile_in(directory)?;
-    // Temporary files are private by default. Whoever may read the directory may read this file, too.
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        let mode = fs::metadata(directory)?.permissions().mode() & 0o666;
-        temporary.as_file().set_permissions(fs::Permissions::from_mode(mode))?;
-    }
-    Ok(temporary)
+    // Temporary files are private by default. The umask takes from these rights what the user wants to be taken.
+    let rights = fs::Permissions::from_mode(0o666);
+    tempfile::Builder::new().prefix(PREFIX).permissions(rights).tempfile_in(directory)
 }
 
 /// Syncs a directory, so that a rename survives a power cut.
@@ -65,14 +60,6 @@ fn sync(directory: &Path) -> io::Result<()> {
 /// Whether a path is that of an unfinished file.
 pub fn is_temporary(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(PREFIX))
-}
-
-/// Removes the unfinished files of killed processes. No other process may work in the directory at the same time.
-pub fn remove_temporary(directory: &Path) -> Result<(), Failure> {
-    for path in files(directory)?.iter().filter(|path| is_temporary(path)) {
-        fs::remove_file(path).map_err(|error| Failure::writing(path, error))?;
-    }
-    Ok(())
 }
 
 /// The paths of everything in a directory, sorted.

@@ -63,10 +63,10 @@ impl VerdictMaps {
             )));
         }
         let mut maps = Maps::new(&job);
-        map_pieces::load(&mut maps, &directory.maps())?;
+        directory.maps()?.map(|folder| map_pieces::load(&mut maps, &folder)).transpose()?;
         let (missing, needed) = (maps.missing().len(), maps.needed());
         if missing > 0 {
-            let remedy = if directory.has_surface_of(&job) {
+            let remedy = if directory.has_surface_of(&job)? {
                 "Either the run gave its map up, because simulating the samples cost less, or files of map/ are missing or damaged; submit the job to another directory to compute it again".to_owned()
             } else {
                 format!("Finish it with `stickslip resume {}`", quoted(run))

@@ -1,9 +1,7 @@
 //! The computation: units of work on all threads, and finished pieces on disk.
 
 use std::cell::Cell;
-use std::fs;
 use std::ops::Range;
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::thread;
@@ -20,6 +18,7 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::Lookups;
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::{Failure, Signal};
+use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::schedule::plan::Plan;
 use crate::schedule::progress::Progress;
@@ -55,7 +54,7 @@ pub struct Samples<'a> {
     /// The parts that these are of.
     pub parts: &'a Parts,
     /// The directory of their pieces; `None` if they are not kept.
-    pub pieces: Option<&'a Path>,
+    pub pieces: Option<&'a Folder>,
     /// Whether they are the audit of integrals.
     pub are_audits: bool,
 }
@@ -141,16 +140,13 @@ impl Engine {
         &self,
         evaluator: &Evaluator<'_>,
         audits: &mut Tally,
-        keep: Option<&Path>,
+        keep: Option<&Folder>,
         interrupt: &Interrupt,
     ) -> Result<Outcome, Failure> {
         let parts = Parts::of_audits(evaluator.job());
         let plan = Plan::new(audits, &parts, BLOCK_SAMPLES, None);
         if plan.units() == 0 {
             return Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped));
-        }
-        if let Some(keep) = keep {
-            fs::create_dir_all(keep).map_err(|error| Failure::creating(keep, error))?;
         }
         let mut progress = Progress::new(plan.samples(), "audited samples");
         let samples = Samples { plan: &plan, parts: &parts, pieces: keep, are_audits: true };

@@ -1,6 +1,5 @@
 //! Completing the verdict maps of a job on all threads, unless they cost more than the samples.
 
-use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -10,6 +9,7 @@ use stickslip_sampler::verdict_map::tile::{Tile, TileIndex};
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::tiles::cost_of;
 use crate::failure::Failure;
+use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::Job;
 use crate::schedule::engine::{Engine, Event, Outcome};
@@ -53,7 +53,7 @@ impl Engine {
     pub fn complete_maps(
         &self,
         evaluator: &mut Evaluator<'_>,
-        keep: Option<&Path>,
+        keep: Option<&Folder>,
         borrowed: bool,
         interrupt: &Interrupt,
     ) -> Result<CompletedMaps, Failure> {

@@ -1,11 +1,11 @@
 //! Saving finished samples to pieces while a computation goes on.
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::evaluate::parts::Parts;
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
+use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::store::piece;
 
@@ -23,7 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Finished samples, and when they are written.
 pub struct Saving<'a> {
-    pieces: &'a Path,
+    pieces: &'a Folder,
     experiment: String,
     parts: &'a Parts,
     unit_samples: u64,
@@ -39,8 +39,8 @@ struct Pending {
 }
 
 impl<'a> Saving<'a> {
-    /// Saves samples of an experiment in the directory `pieces`, computed in units of up to `unit_samples`.
-    pub fn new(pieces: &'a Path, experiment: String, parts: &'a Parts, unit_samples: u64) -> Self {
+    /// Saves samples of an experiment in the folder `pieces`, computed in units of up to `unit_samples`.
+    pub fn new(pieces: &'a Folder, experiment: String, parts: &'a Parts, unit_samples: u64) -> Self {
         let now = Instant::now();
         Self { pieces, experiment, parts, unit_samples, pending: Vec::new(), started: now, written: now }
     }
@@ -122,7 +122,7 @@ mod tests {
         FinishedUnit { part, samples, counts, amplitudes: Distribution::default(), sums: Vec::new() }
     }
 
-    fn written(directory: &Path) -> Vec<FinishedUnit> {
+    fn written(directory: &Folder) -> Vec<FinishedUnit> {
         let mut units = piece::read_all(directory, "experiment", |_| true, 0).unwrap().units;
         units.sort_by_key(|unit| (unit.part, unit.samples.start));
         units
@@ -131,28 +131,30 @@ mod tests {
     #[test]
     fn units_are_written_whole_and_what_is_not_whole_waits_for_the_rest() {
         let directory = tempfile::tempdir().unwrap();
+        let folder = Folder::open(directory.path()).unwrap();
         let (parts, interrupt) = (Parts::plain(3, 2500), Interrupt::unwatched());
-        let mut saving = Saving::new(directory.path(), "experiment".to_owned(), &parts, 1000);
+        let mut saving = Saving::new(&folder, "experiment".to_owned(), &parts, 1000);
         let arrived =
             [unit(1, 400..1000), unit(1, 0..400), unit(0, 1000..1700), unit(2, 2000..2500), unit(1, 1000..2000)];
         arrived.into_iter().for_each(|unit| saving.add(unit));
         saving.save(false, &interrupt).unwrap();
-        assert_eq!(written(directory.path()), [unit(1, 0..1000), unit(1, 1000..2000), unit(2, 2000..2500)]);
+        assert_eq!(written(&folder), [unit(1, 0..1000), unit(1, 1000..2000), unit(2, 2000..2500)]);
         saving.add(unit(0, 1700..1800));
         saving.save_all(&interrupt).unwrap();
-        assert_eq!(written(directory.path())[0], unit(0, 1000..1800));
+        assert_eq!(written(&folder)[0], unit(0, 1000..1800));
         assert!(saving.pending.is_empty());
     }
 
     #[test]
     fn what_is_not_whole_waits_only_so_long() {
         let directory = tempfile::tempdir().unwrap();
+        let folder = Folder::open(directory.path()).unwrap();
         let (parts, interrupt) = (Parts::plain(1, 1000), Interrupt::unwatched());
-        let mut saving = Saving::new(directory.path(), "experiment".to_owned(), &parts, 1000);
+        let mut saving = Saving::new(&folder, "experiment".to_owned(), &parts, 1000);
         saving.add(unit(0, 0..10));
         saving.pending[0].since -= PATIENCE;
         saving.add(unit(0, 10..12));
         saving.save(false, &interrupt).unwrap();
-        assert_eq!(written(directory.path()), [unit(0, 0..12)]);
+        assert_eq!(written(&folder), [unit(0, 0..12)]);
     }
 }

@@ -1,8 +1,9 @@
-//! The run directory: its lock, its job and its paths.
+//! The run directory: its lock, its job and its files.
 
-use std::fs::{self, File, TryLockError};
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::thread;
 use std::time::Duration;
 
 use parquet::file::reader::FileReader as _;
@@ -12,58 +13,106 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{LOOKUPS, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
-use crate::files::publish::{files, is_temporary, publish, publish_first, remove_temporary};
+use crate::files::folder::{Folder, SMALL_FILE, Unfinished};
+use crate::files::publish::{files, is_temporary};
 use crate::job::{Job, JobSource};
-use crate::output::note;
+use crate::output::{note, quoted};
+use crate::store::digests::{DIGESTS, Fit, Known, digest_of_bytes, digest_of_file};
+use crate::store::lock::{AN_INSTANT, Access, LOCK, Lock, is_held};
 use crate::store::piece;
 use crate::store::tally::Tally;
 
 /// The footer key of a surface for the hash of its job.
 pub const JOB_HASH_KEY: &str = "stickslip:job_hash";
 
-/// How a process works in a run directory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Access {
-    /// Alone. It may remove unfinished files and write the surface.
-    Alone,
-    /// Beside others, as a shard, which only adds pieces.
-    Shared,
-}
+/// The footer key of a surface for its job.
+pub const JOB_KEY: &str = "stickslip:job";
+
+/// The names of the frozen job, of the result, and of the directories of pieces, tiles and audits.
+pub const JOB: &str = "job.toml";
+pub const SURFACE: &str = "surface.parquet";
+pub const SHARDS: &str = "shards";
+pub const MAPS: &str = "map";
+pub const AUDITS: &str = "audit";
+
+/// Why a file is taken for damaged.
+const NOT_AS_WRITTEN: &str = "it does not have the digest that it was written with";
 
 /// A run directory that this process may work in.
 #[derive(Debug)]
 pub struct RunDirectory {
-    path: PathBuf,
-    /// The lock, held as long as this file is open.
-    _lock: Option<File>,
+    root: Folder,
+    shards: Folder,
+    lock: Option<Lock>,
+}
+
+/// What there is of the surface of a job.
+#[derive(Debug, PartialEq, Eq)]
+pub enum SurfaceState {
+    /// No surface.
+    Absent,
+    /// One that does not belong to the job as it is now, such as that of a run before it was extended.
+    OfAnotherJob,
+    /// One that is not as it was written, and why.
+    Damaged(String),
+    /// The one of the job.
+    Sound,
 }
 
 impl RunDirectory {
-    /// Opens `path` for a job, and creates it if it does not exist.
-    pub fn create(path: &Path, access: Access) -> Result<Self, Failure> {
+    /// Opens `path` for a job, creates it if it does not exist, and waits up to `patience` for others that work in it.
+    pub fn create(path: &Path, access: Access, patience: Duration) -> Result<Self, Failure> {
         if path.exists() && !path.is_dir() {
             let message = format!("{} is a file; a run needs a directory. Choose another with --out", path.display());
             return Err(Failure::CannotCreate(message));
         }
-        if path.is_dir() && !path.join("job.toml").exists() && !looks_empty(path)? {
+        if path.is_dir() && !path.join(JOB).exists() && !looks_empty(path)? {
             let message = format!("{} is not empty and not a run directory. Choose another with --out", path.display());
             return Err(Failure::CannotCreate(message));
         }
-        let shards = path.join("shards");
-        fs::create_dir_all(&shards).map_err(|error| Failure::creating(path, error))?;
-        Self::lock(path, access)
+        fs::create_dir_all(path).map_err(|error| Failure::creating(path, error))?;
+        let root = Folder::open(path).map_err(|error| Failure::creating(path, error))?;
+        Self::within(root, access, patience)
     }
 
-    /// Opens an existing run.
-    pub fn open(path: &Path, access: Access) -> Result<Self, Failure> {
+    /// Opens an existing run, and waits up to `patience` for others that work in it.
+    pub fn open(path: &Path, access: Access, patience: Duration) -> Result<Self, Failure> {
         Self::require_run(path)?;
-        Self::lock(path, access)
+        let root = Folder::open(path).map_err(|error| Failure::reading(path, error))?;
+        Self::within(root, access, patience)
+    }
+
+    /// Opens a directory that is to be verified, which may lack its job.
+    pub fn open_any(path: &Path, access: Access) -> Result<Self, Failure> {
+        let what = [JOB, SURFACE, SHARDS, DIGESTS];
+        if !what.iter().any(|name| path.join(name).symlink_metadata().is_ok()) {
+            Self::require_run(path)?;
+        }
+        let root = Folder::open(path).map_err(|error| Failure::reading(path, error))?;
+        Self::within(root, access, AN_INSTANT)
+    }
+
+    fn within(root: Folder, access: Access, patience: Duration) -> Result<Self, Failure> {
+        let shards_path = root.path().join(SHARDS);
+        let shards = match access {
+            Access::Reading => root.within(SHARDS).map_err(|error| Failure::reading(&shards_path, error))?,
+            Access::Alone | Access::Shared => {
+                root.require_writable().map_err(|error| Failure::creating(root.path(), error))?;
+                let shards = root.create_within(SHARDS).map_err(|error| Failure::creating(&shards_path, error))?;
+                shards.require_writable().map_err(|error| Failure::creating(&shards_path, error))?;
+                shards
+            }
+        };
+        let lock = Lock::acquire(&root, access, patience)?;
+        Ok(Self { root, shards, lock })
     }
 
     /// Opens an existing run for reading, without a lock.
     pub fn view(path: &Path) -> Result<Self, Failure> {
         Self::require_run(path)?;
-        Ok(Self { path: path.to_owned(), _lock: None })
+        let root = Folder::open(path).map_err(|error| Failure::reading(path, error))?;
+        let shards = root.within(SHARDS).map_err(|error| Failure::reading(&path.join(SHARDS), error))?;
+        Ok(Self { root, shards, lock: None })
     }
 
     /// The runs that lie in the folder `path`, sorted by name; none if it is no folder.
@@ -75,135 +124,236 @@ impl RunDirectory {
     }
 
     fn require_run(path: &Path) -> Result<(), Failure> {
+        let has_job = path.join(JOB).symlink_metadata().is_ok();
+        let has_shards = path.join(SHARDS).is_dir();
         let why = if !path.exists() {
-            "it does not exist"
+            "it does not exist".to_owned()
         } else if !path.is_dir() {
-            "it is a file"
-        } else if !path.join("job.toml").is_file() || !path.join("shards").is_dir() {
-            "it has no job.toml and shards/"
-        } else {
+            "it is a file".to_owned()
+        } else if has_job && has_shards {
             return Ok(());
+        } else if has_shards && path.join(SURFACE).is_file() {
+            format!("its job.toml is lost; `stickslip verify {}` writes it again from the surface", quoted(path))
+        } else if has_shards {
+            format!("its job.toml is lost; submit the job again with `--out {}`, its pieces are kept", quoted(path))
+        } else {
+            "it has no job.toml and shards/".to_owned()
         };
         Err(Failure::InputOutput(format!("{} is not a run directory: {why}", path.display())))
     }
 
-    fn lock(path: &Path, access: Access) -> Result<Self, Failure> {
-        let directory = File::open(path).map_err(|error| Failure::reading(path, error))?;
-        let try_lock = || match access {
-            Access::Alone => directory.try_lock(),
-            Access::Shared => directory.try_lock_shared(),
-        };
-        // `status` takes the lock for an instant, so a single failure does not mean that the run is in use.
-        let mut locked = try_lock();
-        for _ in 0..10 {
-            if !matches!(locked, Err(TryLockError::WouldBlock)) {
-                break;
-            }
-            thread::sleep(Duration::from_millis(20));
-            locked = try_lock();
-        }
-        match locked {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                let message =
-                    format!("{} is in use by another stickslip; wait until it ends, or stop it", path.display());
-                return Err(Failure::Busy(message));
-            }
-            // Some network file systems have no locks. Pieces are safe without: they are whole files with names of
-            // their own, and are counted once. At worst, work is done twice.
-            Err(TryLockError::Error(error)) => {
-                note(format_args!(
-                    "note: {} cannot be locked ({error}); make sure that no other stickslip works in it",
-                    path.display()
-                ));
-            }
-        }
-        Ok(Self { path: path.to_owned(), _lock: Some(directory) })
+    /// Lets shards in, after this process worked alone.
+    pub fn share(self) -> Result<Self, Failure> {
+        let Self { root, shards, lock } = self;
+        let lock = lock.map(|lock| lock.share(&root)).transpose()?.flatten();
+        Ok(Self { root, shards, lock })
     }
 
     /// Whether another process is working in this run.
     pub fn in_use(&self) -> bool {
-        File::open(&self.path).is_ok_and(|directory| matches!(directory.try_lock(), Err(TryLockError::WouldBlock)))
+        is_held(&self.root)
     }
 
     /// The path of the directory.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.root.path()
+    }
+
+    /// The directory itself.
+    pub fn root(&self) -> &Folder {
+        &self.root
     }
 
     /// The directory of the finished pieces.
-    pub fn shards(&self) -> PathBuf {
-        self.path.join("shards")
+    pub fn shards(&self) -> &Folder {
+        &self.shards
     }
 
-    /// The directory of the verdict maps.
-    pub fn maps(&self) -> PathBuf {
-        self.path.join("map")
+    /// The directory of the verdict maps, if there is one.
+    pub fn maps(&self) -> Result<Option<Folder>, Failure> {
+        self.folder(MAPS)
     }
 
-    /// The directory of the audits of integrals.
-    pub fn audits(&self) -> PathBuf {
-        self.path.join("audit")
+    /// The directory of the audits of integrals, if there is one.
+    pub fn audits(&self) -> Result<Option<Folder>, Failure> {
+        self.folder(AUDITS)
+    }
+
+    /// A directory in this one, created if it is not there.
+    pub fn create_folder(&self, name: &str) -> Result<Folder, Failure> {
+        self.root.create_within(name).map_err(|error| Failure::writing(&self.path().join(name), error))
+    }
+
+    fn folder(&self, name: &str) -> Result<Option<Folder>, Failure> {
+        self.root.within_if_there(name).map_err(|error| Failure::reading(&self.path().join(name), error))
     }
 
     /// The path of the result.
     pub fn surface(&self) -> PathBuf {
-        self.path.join("surface.parquet")
+        self.path().join(SURFACE)
+    }
+
+    /// Opens the result for reading, if there is one.
+    pub fn open_surface(&self) -> Result<Option<File>, Failure> {
+        self.root.open_if_there(SURFACE).map_err(|error| Failure::reading(&self.surface(), error))
+    }
+
+    /// What there is of the surface of a job.
+    pub fn surface_state(&self, job: &Job) -> Result<SurfaceState, Failure> {
+        let opened = || -> io::Result<Option<(String, File)>> {
+            let Some(file) = self.root.open_if_there(SURFACE)? else { return Ok(None) };
+            Ok(Some((digest_of_file(file)?, self.root.open_file(SURFACE)?)))
+        };
+        let (digest, file) = match opened() {
+            Ok(Some(opened)) => opened,
+            Ok(None) => return Ok(SurfaceState::Absent),
+            Err(error) => return Ok(SurfaceState::Damaged(error.to_string())),
+        };
+        if Known::read(&self.root)?.fit(SURFACE, &digest) == Fit::Differs {
+            return Ok(SurfaceState::Damaged(NOT_AS_WRITTEN.to_owned()));
+        }
+        Ok(match footer_of(file, JOB_HASH_KEY) {
+            None => SurfaceState::Damaged("it is not the surface of a run".to_owned()),
+            Some(hash) if hash == job.hash() => SurfaceState::Sound,
+            Some(_) => SurfaceState::OfAnotherJob,
+        })
     }
 
     /// Whether there is a result that belongs to this job.
-    pub fn has_surface_of(&self, job: &Job) -> bool {
-        job_hash_of_file(&self.surface()) == Some(job.hash())
+    pub fn has_surface_of(&self, job: &Job) -> Result<bool, Failure> {
+        Ok(self.surface_state(job)? == SurfaceState::Sound)
     }
 
-    /// The number of complete cells of a job. An integrated surface is complete as a whole or not at all.
-    pub fn complete_cells(&self, job: &Job, tally: &Tally) -> u64 {
-        match job.is_integrated() {
-            false => Parts::new(job).complete_cells(tally),
-            true if self.has_surface_of(job) => job.cells(),
-            true => 0,
+    /// Writes a file of this directory, and its digest before it.
+    pub fn publish(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+        self.expect(name, &digest_of_bytes(bytes))?;
+        self.root.publish(name, bytes).map_err(|error| Failure::writing(&self.path().join(name), error))
+    }
+
+    /// Gives a finished file its name, and writes its digest before.
+    pub fn publish_file(&self, name: &str, file: Unfinished<'_>, digest: &str) -> Result<(), Failure> {
+        self.expect(name, digest)?;
+        file.publish(name).map_err(|error| Failure::writing(&self.path().join(name), error))
+    }
+
+    /// Writes the digest of what a file will hold.
+    pub fn expect(&self, name: &str, digest: &str) -> Result<(), Failure> {
+        let known = Known::read(&self.root)?;
+        let before = match &known {
+            Known::Digests(digests) => Some(digests.clone()),
+            Known::Nothing | Known::Damaged => None,
+        };
+        let mut digests = known.into_digests();
+        digests.expect(name, digest);
+        if before.as_ref() == Some(&digests) { Ok(()) } else { digests.publish(&self.root) }
+    }
+
+    /// The bytes of a small file that has a digest, if there is one, or why it is not as it was written.
+    pub fn read_known(&self, name: &str) -> Result<Option<Vec<u8>>, String> {
+        let bytes = self.root.read_if_there(name, SMALL_FILE).map_err(|error| error.to_string())?;
+        let Some(bytes) = bytes else { return Ok(None) };
+        let known = Known::read(&self.root).map_err(|error| error.to_string())?;
+        match known.fit(name, &digest_of_bytes(&bytes)) {
+            Fit::Fits | Fit::Unknown => Ok(Some(bytes)),
+            Fit::Differs => Err(NOT_AS_WRITTEN.to_owned()),
+        }
+    }
+
+    /// Gives a damaged file another name, under which nothing reads it, and says so.
+    pub fn set_aside(&self, folder: &Folder, name: &OsStr, why: &str) {
+        let mut aside = name.to_owned();
+        aside.push(".damaged");
+        let path = folder.path().join(name);
+        match folder.rename(name, &aside) {
+            Ok(()) => note(format_args!("warning: {} is set aside as {}: {why}", path.display(), aside.display())),
+            Err(error) => note(format_args!("warning: {} is ignored: {why} ({error})", path.display())),
         }
     }
 
     /// The frozen job, if there is one.
+    ///
+    /// # Errors
+    /// A file that is not the one that was written.
     pub fn job_source(&self) -> Result<Option<JobSource>, Failure> {
-        let path = self.path.join("job.toml");
-        if path.exists() { JobSource::read(&path).map(Some) } else { Ok(None) }
+        let path = self.path().join(JOB);
+        let bytes = self.root.read_if_there(JOB, SMALL_FILE).map_err(|error| Failure::reading(&path, error))?;
+        let Some(bytes) = bytes else { return Ok(None) };
+        if Known::read(&self.root)?.fit(JOB, &digest_of_bytes(&bytes)) == Fit::Differs {
+            return Err(Failure::InputOutput(format!(
+                "{} was damaged or edited: it does not have the digest that it was written with. Write it again from the surface with `stickslip verify {}`, or submit the same job again to this directory with --out; a job with other settings needs another directory",
+                path.display(),
+                quoted(self.path())
+            )));
+        }
+        let text = String::from_utf8(bytes).map_err(|error| Failure::reading(&path, error))?;
+        Ok(Some(JobSource { path, text }))
     }
 
     /// The frozen job of an existing run.
     pub fn job(&self) -> Result<Job, Failure> {
         match self.job_source()? {
             Some(source) => source.job(),
-            None => Err(Failure::InputOutput(format!("{} has no job.toml", self.path.display()))),
+            None => Err(Failure::InputOutput(format!("{} has no job.toml", self.path().display()))),
         }
     }
 
-    /// Freezes the job, unless another process has just frozen one; returns false then.
-    pub fn freeze_first(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
-        publish_first(&self.path, "job.toml", source.frozen(job).as_bytes())
+    /// The job in the footer of the surface, if that is as it was written and belongs to the pieces.
+    pub fn job_of_surface(&self) -> Option<(JobSource, Job)> {
+        let digest = digest_of_file(self.root.open_file(SURFACE).ok()?).ok()?;
+        if Known::read(&self.root).ok()?.fit(SURFACE, &digest) == Fit::Differs {
+            return None;
+        }
+        let text = footer_of(self.root.open_file(SURFACE).ok()?, JOB_KEY)?;
+        let source = JobSource { path: self.surface(), text };
+        let job = source.job().ok()?;
+        let is_whole = footer_of(self.root.open_file(SURFACE).ok()?, JOB_HASH_KEY)? == job.hash();
+        is_whole.then_some((source, job))
     }
 
-    /// Replaces the frozen job.
+    /// Whether the frozen job is damaged, and was this one.
+    pub fn is_damaged_copy_of(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
+        let digest = digest_of_bytes(source.frozen(job).as_bytes());
+        Ok(self.job_source().is_err() && Known::read(&self.root)?.fit(JOB, &digest) == Fit::Fits)
+    }
+
+    /// Freezes the job, in place of the one before if there is one. This process must work alone.
     pub fn freeze(&self, source: &JobSource, job: &Job) -> Result<(), Failure> {
-        publish(&self.path, "job.toml", source.frozen(job).as_bytes())
+        self.publish(JOB, source.frozen(job).as_bytes())
     }
 
-    /// Removes the unfinished files of killed processes.
+    /// Freezes the job, unless another process has just frozen one where no lock keeps it out; returns false then.
+    pub fn freeze_first(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
+        let text = source.frozen(job);
+        self.expect(JOB, &digest_of_bytes(text.as_bytes()))?;
+        let path = self.path().join(JOB);
+        self.root.publish_first(JOB, text.as_bytes()).map_err(|error| Failure::writing(&path, error))
+    }
+
+    /// Removes the unfinished files of killed processes, if no other process can be at work here.
     pub fn tidy(&self) -> Result<(), Failure> {
-        remove_temporary(&self.path)?;
-        remove_temporary(&self.shards())?;
-        for directory in [self.maps(), self.audits()] {
-            if directory.is_dir() {
-                remove_temporary(&directory)?;
-            }
+        if !self.lock.as_ref().is_some_and(Lock::is_certain) {
+            return Ok(());
+        }
+        self.root.remove_unfinished()?;
+        self.shards.remove_unfinished()?;
+        for folder in [self.maps()?, self.audits()?].iter().flatten() {
+            folder.remove_unfinished()?;
         }
         Ok(())
     }
 
+    /// The number of complete cells of a job. An integrated surface is complete as a whole or not at all.
+    pub fn complete_cells(&self, job: &Job, tally: &Tally) -> u64 {
+        match job.is_integrated() {
+            false => Parts::new(job).complete_cells(tally),
+            true if self.has_surface_of(job).unwrap_or(false) => job.cells(),
+            true => 0,
+        }
+    }
+
     /// Everything counted so far. Damaged pieces are named on standard error and left out.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
-        self.tally_of(&self.shards(), job, &Parts::new(job), SumLayout::of(job).count())
+        self.tally_of(&self.shards, job, &Parts::new(job), SumLayout::of(job).count())
     }
 
     /// The audits of integrals that are finished, by cell. Their sums are those of [`Lookups`].
@@ -211,13 +361,13 @@ impl RunDirectory {
     /// [`Lookups`]: crate::evaluate::sums::Lookups
     pub fn audits_done(&self, job: &Job) -> Result<Tally, Failure> {
         let parts = Parts::of_audits(job);
-        match self.audits() {
-            pieces if pieces.is_dir() => self.tally_of(&pieces, job, &parts, LOOKUPS),
-            _ => Ok(Tally::new(parts.count())),
+        match self.audits()? {
+            Some(pieces) => self.tally_of(&pieces, job, &parts, LOOKUPS),
+            None => Ok(Tally::new(parts.count())),
         }
     }
 
-    fn tally_of(&self, pieces: &Path, job: &Job, parts: &Parts, sums: usize) -> Result<Tally, Failure> {
+    fn tally_of(&self, pieces: &Folder, job: &Job, parts: &Parts, sums: usize) -> Result<Tally, Failure> {
         let is_part = |stored: u64| parts.locate_stored(stored).0 < job.cells();
         let read = piece::read_all(pieces, &job.experiment_hash(), is_part, sums)?;
         for complaint in &read.complaints {
@@ -231,7 +381,7 @@ impl RunDirectory {
                 let what = part.map_or("more samples".to_owned(), |_| format!("sample {}", unit.samples.end - 1));
                 return Err(Failure::Job(format!(
                     "{}: its pieces hold {what} of cell {cell}, but its job.toml has only {} samples; was it edited?",
-                    self.path.display(),
+                    self.path().display(),
                     job.sampling.samples
                 )));
             };
@@ -243,31 +393,31 @@ impl RunDirectory {
             let of = if parts.of_a_cell() > 1 { format!("part {place} of cell {cell}") } else { format!("cell {cell}") };
             Failure::InputOutput(format!(
                 "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move {}/ elsewhere and compute again",
-                self.path.display(),
+                self.path().display(),
                 samples.start,
                 samples.end - 1,
-                pieces.file_name().unwrap_or_default().display()
+                pieces.path().file_name().unwrap_or_default().display()
             ))
         })?;
         Ok(tally)
     }
 }
 
-/// The hash of the job in the footer of a surface; `None` if there is no surface that can be read.
-fn job_hash_of_file(path: &Path) -> Option<String> {
-    let reader = SerializedFileReader::new(File::open(path).ok()?).ok()?;
+/// What the footer of a surface says under a key; `None` if the file is none.
+fn footer_of(file: File, key: &str) -> Option<String> {
+    let reader = SerializedFileReader::new(file).ok()?;
     let pairs = reader.metadata().file_metadata().key_value_metadata()?;
-    pairs.iter().find(|pair| pair.key == JOB_HASH_KEY)?.value.clone()
+    pairs.iter().find(|pair| pair.key == key)?.value.clone()
 }
 
 fn looks_empty(path: &Path) -> Result<bool, Failure> {
     let entries = fs::read_dir(path).map_err(|error| Failure::reading(path, error))?;
     for entry in entries {
         let entry = entry.map_err(|error| Failure::reading(path, error))?;
-        // A `submit` that was killed at its start leaves shards/ and unfinished files. Another shard may just have
-        // written job.toml.
+        // A `submit` that was killed at its start leaves its lock, digests, shards/ and unfinished files. Another shard
+        // may just have written job.toml.
         let name = entry.file_name();
-        if name != "shards" && name != "job.toml" && !is_temporary(&entry.path()) {
+        if ![JOB, SHARDS, LOCK, DIGESTS].iter().any(|own| name == *own) && !is_temporary(&entry.path()) {
             return Ok(false);
         }
     }

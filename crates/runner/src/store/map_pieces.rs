@@ -4,8 +4,6 @@
 //! everything that their verdicts depend on (model, rotating speed, criterion), so that other jobs can use them.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::Path;
 use std::sync::Arc;
 
 use arrow::array::{
@@ -22,30 +20,31 @@ use stickslip_sampler::verdict_map::tile::{Node, TILES, Tile, TileIndex};
 
 use crate::evaluate::maps::Maps;
 use crate::failure::Failure;
-use crate::files::publish::{files, is_temporary, publish};
+use crate::files::folder::Folder;
 use crate::files::table::described_field;
 use crate::output::note;
-use crate::store::piece::digest;
+use crate::store::piece::{digest, is_piece_name, read_checked};
 
 const KEY: &str = "stickslip:verdict_map";
 
 /// Adds the tiles in a directory of pieces that `maps` need, and returns their number. Tiles that are not needed are
 /// left out, so that a map does not depend on where its tiles come from.
-pub fn load(maps: &mut Maps, directory: &Path) -> Result<usize, Failure> {
+pub fn load(maps: &mut Maps, folder: &Folder) -> Result<usize, Failure> {
     let mut loaded = 0;
-    if maps.is_empty() || !directory.is_dir() {
+    if maps.is_empty() {
         return Ok(0);
     }
-    for path in files(directory)? {
-        if is_temporary(&path) || path.extension().is_none_or(|extension| extension != "parquet") {
-            continue;
-        }
-        let ignored = |why: &str| note(format_args!("warning: {} is ignored: {why}", path.display()));
-        let bytes = fs::read(&path).map_err(|error| Failure::reading(&path, error))?;
-        if path.file_stem().is_none_or(|stem| stem.to_string_lossy() != digest(&bytes)) {
-            ignored("its content does not match the checksum in its name");
-            continue;
-        }
+    let names = folder.names().map_err(|error| Failure::reading(folder.path(), error))?;
+    for name in names.iter().filter(|name| is_piece_name(name)) {
+        let ignored =
+            |why: &str| note(format_args!("warning: {} is ignored: {why}", folder.path().join(name).display()));
+        let bytes = match read_checked(folder, name) {
+            Ok(bytes) => bytes,
+            Err(why) => {
+                ignored(&why);
+                continue;
+            }
+        };
         match decode(bytes) {
             Ok((key, tiles)) => {
                 let Some(speed) = maps.brake_of(&key) else { continue };
@@ -63,23 +62,23 @@ pub fn load(maps: &mut Maps, directory: &Path) -> Result<usize, Failure> {
 }
 
 /// Writes tiles as new pieces, one for each rotating speed.
-pub fn write(maps: &Maps, directory: &Path, tiles: &[(usize, TileIndex, Tile)]) -> Result<(), Failure> {
-    fs::create_dir_all(directory).map_err(|error| Failure::creating(directory, error))?;
+pub fn write(maps: &Maps, folder: &Folder, tiles: &[(usize, TileIndex, Tile)]) -> Result<(), Failure> {
     let mut by_speed: BTreeMap<usize, Vec<&(usize, TileIndex, Tile)>> = BTreeMap::new();
     for tile in tiles {
         by_speed.entry(tile.0).or_default().push(tile);
     }
     for (speed, mut tiles) in by_speed {
         tiles.sort_by_key(|(_, index, _)| *index);
-        let bytes = encode(maps.key(speed), &tiles).map_err(|error| Failure::writing(directory, error))?;
-        publish(directory, &format!("{}.parquet", digest(&bytes)), &bytes)?;
+        let bytes = encode(maps.key(speed), &tiles).map_err(|error| Failure::writing(folder.path(), error))?;
+        let name = format!("{}.parquet", digest(&bytes));
+        folder.publish(&name, &bytes).map_err(|error| Failure::writing(&folder.path().join(name), error))?;
     }
     Ok(())
 }
 
 /// Writes all tiles of `maps`, including those of other runs.
-pub fn write_all(maps: &Maps, directory: &Path) -> Result<(), Failure> {
-    write(maps, directory, &maps.tiles())
+pub fn write_all(maps: &Maps, folder: &Folder) -> Result<(), Failure> {
+    write(maps, folder, &maps.tiles())
 }
 
 /// Integer columns of a piece: name and meaning.

@@ -4,6 +4,10 @@ pub mod tally;
 
 pub mod wanted;
 
+pub mod lock;
+
+pub mod digests;
+
 pub mod piece;
 
 pub mod map_pieces;

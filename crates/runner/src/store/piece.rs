@@ -3,7 +3,7 @@
 //! A piece is a small Parquet file, named by the hash of its content. It is written under a temporary name and renamed
 //! when it is on disk. A piece that is incomplete, altered or from another job is never used.
 
-use std::fs;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use stickslip_sampler::estimate::distribution::Distribution;
 
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
-use crate::files::publish::{files, is_temporary, publish};
+use crate::files::folder::Folder;
 use crate::job::IDENTITY_VERSION;
 
 const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
@@ -41,11 +41,30 @@ const UNNAMED_IDENTITY: u32 = 1;
 /// Pieces that do not name the version of their verdicts have this one or an older one.
 const UNNAMED_VERDICTS: u32 = 2;
 
-/// Writes units as a new piece in `directory`.
-pub fn write(directory: &Path, experiment: &str, units: &[FinishedUnit]) -> Result<(), Failure> {
-    let bytes = encode(experiment, units).map_err(|error| Failure::writing(directory, error))?;
+/// Largest number of bytes of a piece.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// Writes units as a new piece in `folder`.
+pub fn write(folder: &Folder, experiment: &str, units: &[FinishedUnit]) -> Result<(), Failure> {
+    let bytes = encode(experiment, units).map_err(|error| Failure::writing(folder.path(), error))?;
     let name = format!("{}.parquet", digest(&bytes));
-    publish(directory, &name, &bytes)
+    folder.publish(&name, &bytes).map_err(|error| Failure::writing(&folder.path().join(name), error))
+}
+
+/// Whether a file has the name of a piece: a digest.
+pub fn is_piece_name(name: &OsStr) -> bool {
+    let stem = name.to_str().and_then(|name| name.strip_suffix(".parquet"));
+    stem.is_some_and(|stem| stem.len() == DIGITS && stem.bytes().all(|byte| byte.is_ascii_hexdigit()))
+}
+
+/// The bytes of a piece in `folder`, or why they are not what they were.
+pub fn read_checked(folder: &Folder, name: &OsStr) -> Result<Vec<u8>, String> {
+    let bytes = folder.read(name, MOST_BYTES).map_err(|error| error.to_string())?;
+    if *name == *format!("{}.parquet", digest(&bytes)) {
+        Ok(bytes)
+    } else {
+        Err("its content does not match the checksum in its name".to_owned())
+    }
 }
 
 /// The units in the pieces of a directory, and the complaints about pieces that were left out.
@@ -57,35 +76,34 @@ pub struct Pieces {
     pub complaints: Vec<String>,
 }
 
-/// Reads every piece in `directory`. `is_part` says which numbers parts may have, and `sums` is the number of sums.
+/// Reads every piece in `folder`. `is_part` says which numbers parts may have, and `sums` is the number of sums.
 ///
 /// # Errors
 /// A directory that cannot be read, or an undamaged piece of another experiment: the two must not be mixed.
 pub fn read_all(
-    directory: &Path,
+    folder: &Folder,
     experiment: &str,
     is_part: impl Fn(u64) -> bool,
     sums: usize,
 ) -> Result<Pieces, Failure> {
     let mut pieces = Pieces::default();
-    for path in files(directory)? {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        // Other files, such as .DS_Store, are left alone.
-        if is_temporary(&path) || path.extension().is_none_or(|extension| extension != "parquet") {
+    let names = folder.names().map_err(|error| Failure::reading(folder.path(), error))?;
+    // Other files, such as .DS_Store, are left alone.
+    for name in names.iter().filter(|name| Path::new(name).extension().is_some_and(|extension| extension == "parquet"))
+    {
+        let path = folder.path().join(name);
+        if !is_piece_name(name) {
+            pieces.complaints.push(format!("{} is ignored: it does not have the name of a piece", path.display()));
             continue;
         }
         let damaged = |why: &str| format!("{} is ignored, its samples will be computed again: {why}", path.display());
-        let bytes = match fs::read(&path) {
+        let bytes = match read_checked(folder, name) {
             Ok(bytes) => bytes,
-            Err(error) => {
-                pieces.complaints.push(damaged(&error.to_string()));
+            Err(why) => {
+                pieces.complaints.push(damaged(&why));
                 continue;
             }
         };
-        if name != format!("{}.parquet", digest(&bytes)) {
-            pieces.complaints.push(damaged("its content does not match the checksum in its name"));
-            continue;
-        }
         match decode(bytes) {
             Ok((owner, _)) if owner.experiment != experiment => return Err(owner.refused(&path)),
             Ok((_, units)) if units.iter().all(|s| is_part(s.part) && s.sums.len() == sums && s.is_consistent()) => {
@@ -128,9 +146,12 @@ impl Owner {
     }
 }
 
+/// Hexadecimal digits of a digest.
+const DIGITS: usize = 32;
+
 /// The name of a piece: a hash of its content.
 pub fn digest(bytes: &[u8]) -> String {
-    blake3::hash(bytes).to_hex()[..32].to_owned()
+    blake3::hash(bytes).to_hex()[..DIGITS].to_owned()
 }
 
 fn encode(experiment: &str, units: &[FinishedUnit]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
@@ -250,7 +271,10 @@ fn integers(column: &ArrayRef, row: usize) -> Result<Vec<i64>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
     use std::path::PathBuf;
+
+    use crate::files::publish::files;
 
     fn some_units() -> Vec<FinishedUnit> {
         (0..50)
@@ -271,9 +295,13 @@ mod tests {
         amplitudes
     }
 
+    fn folder(directory: &tempfile::TempDir) -> Folder {
+        Folder::open(directory.path()).unwrap()
+    }
+
     fn written() -> (tempfile::TempDir, PathBuf) {
         let directory = tempfile::tempdir().unwrap();
-        write(directory.path(), "experiment", &some_units()).unwrap();
+        write(&folder(&directory), "experiment", &some_units()).unwrap();
         let piece = files(directory.path()).unwrap().remove(0);
         (directory, piece)
     }
@@ -281,7 +309,7 @@ mod tests {
     #[test]
     fn a_piece_reads_back_as_written() {
         let (directory, _) = written();
-        let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
+        let pieces = read_all(&folder(&directory), "experiment", |part| part < 50, 2).unwrap();
         assert_eq!(pieces.units, some_units());
         assert!(pieces.complaints.is_empty());
     }
@@ -294,12 +322,12 @@ mod tests {
             let mut bytes = sound.clone();
             bytes[position] ^= 0x10;
             fs::write(&piece, &bytes).unwrap();
-            let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
+            let pieces = read_all(&folder(&directory), "experiment", |part| part < 50, 2).unwrap();
             assert!(pieces.units.is_empty() && pieces.complaints.len() == 1, "byte {position}");
         }
         for length in [0, 1, sound.len() / 2, sound.len() - 1] {
             fs::write(&piece, &sound[..length]).unwrap();
-            let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
+            let pieces = read_all(&folder(&directory), "experiment", |part| part < 50, 2).unwrap();
             assert!(pieces.units.is_empty() && pieces.complaints.len() == 1, "length {length}");
         }
     }
@@ -309,15 +337,15 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let mut units = some_units();
         units[7].counts.stable += 1;
-        write(directory.path(), "experiment", &units).unwrap();
-        let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
+        write(&folder(&directory), "experiment", &units).unwrap();
+        let pieces = read_all(&folder(&directory), "experiment", |part| part < 50, 2).unwrap();
         assert!(pieces.units.is_empty() && pieces.complaints[0].contains("do not add up"));
     }
 
     #[test]
     fn a_piece_of_another_job_is_an_error() {
         let (directory, _) = written();
-        assert!(matches!(read_all(directory.path(), "other", |part| part < 50, 2), Err(Failure::Job(_))));
+        assert!(matches!(read_all(&folder(&directory), "other", |part| part < 50, 2), Err(Failure::Job(_))));
     }
 
     #[test]
@@ -341,8 +369,8 @@ mod tests {
     fn unfinished_files_are_not_read() {
         let (directory, _) = written();
         fs::write(directory.path().join(".unfinished-123-x.parquet"), "half").unwrap();
-        assert_eq!(read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap().units.len(), 50);
-        crate::files::publish::remove_temporary(directory.path()).unwrap();
+        assert_eq!(read_all(&folder(&directory), "experiment", |part| part < 50, 2).unwrap().units.len(), 50);
+        folder(&directory).remove_unfinished().unwrap();
         assert_eq!(files(directory.path()).unwrap().len(), 1);
     }
 }

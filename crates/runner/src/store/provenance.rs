@@ -1,14 +1,12 @@
 //! `run.json`: what may differ between runs of one job, such as time, host, number of threads and build.
 
-use std::fs;
-use std::path::Path;
 use std::time::{Instant, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
-use crate::files::publish::publish;
+use crate::store::directory::RunDirectory;
 
 /// One session of work on a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -80,16 +78,33 @@ impl Session {
         self.lookups = self.maps.map(|_| lookups);
     }
 
-    /// Appends the finished session to `run.json`. A file that cannot be read is replaced, as nothing depends on it.
-    pub fn record(mut self, directory: &Path, outcome: &str, samples: u64) -> Result<(), Failure> {
+    /// Appends the finished session to `run.json`. Nothing depends on that file: one that is damaged is set aside.
+    pub fn record(mut self, directory: &RunDirectory, outcome: &str, samples: u64) -> Result<(), Failure> {
         self.seconds = self.clock.elapsed().as_secs_f64();
         self.outcome = outcome.to_owned();
         self.samples_computed = samples;
-        let path = directory.join("run.json");
-        let mut record: Record =
-            fs::read(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default();
+        let path = directory.path().join(RECORD);
+        let mut record = match directory.read_known(RECORD).and_then(|bytes| Ok(bytes.map(read).transpose()?)) {
+            Ok(record) => record.unwrap_or_default(),
+            Err(why) => {
+                directory.set_aside(directory.root(), RECORD.as_ref(), &why);
+                Record::default()
+            }
+        };
         record.sessions.push(self);
         let text = serde_json::to_string_pretty(&record).map_err(|error| Failure::writing(&path, error))?;
-        publish(directory, "run.json", (text + "\n").as_bytes())
+        directory.publish(RECORD, (text + "\n").as_bytes())
     }
+}
+
+/// The name of the file.
+pub const RECORD: &str = "run.json";
+
+/// Whether bytes are those of such a file.
+pub fn is_record(bytes: &[u8]) -> bool {
+    serde_json::from_slice::<Record>(bytes).is_ok()
+}
+
+fn read(bytes: Vec<u8>) -> Result<Record, String> {
+    serde_json::from_slice(&bytes).map_err(|error| error.to_string())
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::fs::File;
 use std::mem;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use arrow::array::{Array, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Field};
@@ -13,13 +13,13 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::quoted;
-use crate::store::directory::RunDirectory;
+use crate::store::directory::{RunDirectory, SurfaceState};
 
-/// A finished run, with the path of its surface.
+/// A finished run with a surface that is as it was written.
 pub struct FinishedSurface {
     /// The job of the run.
     pub job: Job,
-    path: PathBuf,
+    directory: RunDirectory,
 }
 
 /// A column with its values, one for each cell.
@@ -50,14 +50,19 @@ impl FinishedSurface {
     pub fn open(run: &Path) -> Result<Self, Failure> {
         let directory = RunDirectory::view(run)?;
         let job = directory.job()?;
-        if !directory.has_surface_of(&job) {
-            return Err(Failure::Job(format!(
+        match directory.surface_state(&job)? {
+            SurfaceState::Sound => Ok(Self { job, directory }),
+            SurfaceState::Damaged(why) => Err(Failure::InputOutput(format!(
+                "{} is damaged: {why}; `stickslip verify {}` writes it again",
+                directory.surface().display(),
+                quoted(run)
+            ))),
+            SurfaceState::Absent | SurfaceState::OfAnotherJob => Err(Failure::Job(format!(
                 "{} has no surface yet; finish it with `stickslip resume {}`",
                 run.display(),
                 quoted(run)
-            )));
+            ))),
         }
-        Ok(Self { job, path: directory.surface() })
     }
 
     /// Reads the columns whose names are wanted, in the order of the file.
@@ -65,7 +70,8 @@ impl FinishedSurface {
     /// # Errors
     /// A file that cannot be read or is not the surface of the job, and columns that hold no numbers.
     pub fn columns(&self, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, Failure> {
-        let columns = read_columns(&self.path, wanted).map_err(|why| self.broken(why))?;
+        let file = self.directory.open_surface()?.ok_or_else(|| self.broken("it is gone"))?;
+        let columns = read_columns(file, wanted).map_err(|why| self.broken(why))?;
         let wrong = columns.iter().map(|column| column.values.len()).find(|rows| *rows as u64 != self.job.cells());
         match wrong {
             None => Ok(columns),
@@ -86,7 +92,7 @@ impl FinishedSurface {
     pub fn broken(&self, why: impl fmt::Display) -> Failure {
         Failure::InputOutput(format!(
             "{}: not the surface of a run: {why}; `stickslip merge` writes it again from the run's pieces",
-            self.path.display()
+            self.directory.surface().display()
         ))
     }
 }
@@ -96,12 +102,12 @@ impl FinishedSurface {
 /// # Errors
 /// A file that is no Parquet file, and a column that is missing or holds no numbers.
 pub fn read_numbers<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Vec<Option<f64>>; N], String> {
-    numbers_of(read_columns(path, |name| names.contains(&name))?, names)
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    numbers_of(read_columns(file, |name| names.contains(&name))?, names)
 }
 
-fn read_columns(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, String> {
+fn read_columns(file: File, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, String> {
     let text = |error: &dyn fmt::Display| error.to_string();
-    let file = File::open(path).map_err(|error| text(&error))?;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| text(&error))?;
     let fields = builder.schema().fields().clone();
     let (places, fields): (Vec<usize>, Vec<_>) =

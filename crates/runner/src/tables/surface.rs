@@ -1,9 +1,8 @@
 //! `surface.parquet`: one row for each cell, sorted by cell.
 
 use std::cell::OnceCell;
-use std::fs::File;
+use std::fmt;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
 use std::sync::Arc;
 
 use arrow::array::RecordBatch;
@@ -23,9 +22,9 @@ use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
-use crate::files::publish::publish_with;
 use crate::job::{Effort, Job};
-use crate::store::directory::JOB_HASH_KEY;
+use crate::store::digests::digest_of_file;
+use crate::store::directory::{JOB_HASH_KEY, JOB_KEY, RunDirectory, SURFACE};
 use crate::store::tally::Tally;
 use crate::tables::columns::{self, Column};
 use crate::tables::row::{SurfaceRow, unaudited, widened};
@@ -138,25 +137,35 @@ impl<'a> Surface<'a> {
         (0..self.job.cells()).map(|cell| self.row(cell))
     }
 
-    /// Writes `surface.parquet` into `directory`, whole or not at all. Returns false if the file has the same bytes
-    /// already.
-    pub fn publish(&self, directory: &Path) -> Result<bool, Failure> {
-        let target = directory.join("surface.parquet");
+    /// Whether the run directory has this surface, byte for byte.
+    pub fn is_published(&self, directory: &RunDirectory) -> Result<bool, Failure> {
         // A hash compares the bytes without holding them in memory.
-        let present = hash_of_file(&target).map_err(|error| Failure::reading(&target, error))?;
-        let written = || -> Result<bool, ParquetError> {
-            if let Some(present) = present
-                && present == self.encode(blake3::Hasher::new())?.finalize()
-            {
-                return Ok(false);
-            }
-            publish_with(directory, "surface.parquet", |file| -> Result<(), ParquetError> {
-                self.encode(BufWriter::new(file))?.flush()?;
-                Ok(())
-            })?;
-            Ok(true)
-        };
-        written().map_err(|error| Failure::writing(&target, error))
+        let present = directory.open_surface().ok().flatten().and_then(|file| digest_of_file(file).ok());
+        let Some(present) = present else { return Ok(false) };
+        let hasher = self.encode(blake3::Hasher::new());
+        let hasher = hasher.map_err(|error| Failure::writing(&directory.surface(), error))?;
+        Ok(hasher.finalize().to_hex().as_str() == present)
+    }
+
+    /// Writes `surface.parquet` into a run directory, whole or not at all. Returns false if the file has the same bytes
+    /// already.
+    pub fn publish(&self, directory: &RunDirectory) -> Result<bool, Failure> {
+        if self.is_published(directory)? {
+            // Runs of earlier versions have no digests.
+            let digest = directory.open_surface()?.map(digest_of_file).transpose();
+            let digest = digest.map_err(|error| Failure::reading(&directory.surface(), error))?;
+            digest.map(|digest| directory.expect(SURFACE, &digest)).transpose()?;
+            return Ok(false);
+        }
+        let failed = |error: &dyn fmt::Display| Failure::writing(&directory.surface(), error);
+        let mut file = directory.root().begin().map_err(|error| failed(&error))?;
+        let out = Hashed { out: BufWriter::new(&mut file), hasher: blake3::Hasher::new() };
+        let mut written = self.encode(out).map_err(|error| failed(&error))?;
+        written.flush().map_err(|error| failed(&error))?;
+        let digest = written.hasher.finalize().to_hex();
+        drop(written);
+        directory.publish_file(SURFACE, file, &digest)?;
+        Ok(true)
     }
 
     fn encode<W: Write + Send>(&self, out: W) -> Result<W, ParquetError> {
@@ -191,7 +200,7 @@ impl<'a> Surface<'a> {
 /// What the footers of files with samples of a job say of it.
 pub fn footer(job: &Job) -> Vec<(&'static str, String)> {
     vec![
-        ("stickslip:job", job.normalised()),
+        (JOB_KEY, job.normalised()),
         (JOB_HASH_KEY, job.hash()),
         ("stickslip:seed", job.sampling.seed.to_string()),
         ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -204,12 +213,20 @@ fn add_sums(total: &mut Vec<i128>, sums: &[i128]) {
     total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
 }
 
-/// The hash of a file's content; `None` if there is no file.
-fn hash_of_file(path: &Path) -> io::Result<Option<blake3::Hash>> {
-    if !path.is_file() {
-        return Ok(None);
+/// Writes on, and hashes what is written.
+struct Hashed<W> {
+    out: W,
+    hasher: blake3::Hasher,
+}
+
+impl<W: Write> Write for Hashed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.hasher.update(&bytes[..written]);
+        Ok(written)
     }
-    let mut hasher = blake3::Hasher::new();
-    io::copy(&mut File::open(path)?, &mut hasher)?;
-    Ok(Some(hasher.finalize()))
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
 }

@@ -1,6 +1,5 @@
 //! A finished run whose samples are evaluated again.
 
-use std::fs;
 use std::path::PathBuf;
 
 use indicatif::HumanCount;
@@ -13,10 +12,12 @@ use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::Lookups;
 use crate::failure::{Failure, Signal};
+use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::Effort;
 use crate::output::note;
 use crate::schedule::engine::{Engine, Outcome};
+use crate::store::directory::MAPS;
 use crate::store::map_pieces;
 use crate::tables::row::unaudited;
 
@@ -109,14 +110,19 @@ fn complete_maps(
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     // The run may belong to somebody else.
-    let own = run.directory.maps();
-    let is_writable = fs::create_dir_all(&own).is_ok() && tempfile::tempfile_in(&own).is_ok();
-    map_pieces::load(evaluator.maps_mut(), &own)?;
-    let mut borrowed = false;
-    for other in maps.iter().filter(|other| **other != own) {
-        borrowed |= map_pieces::load(evaluator.maps_mut(), other)? > 0;
+    let created = run.directory.create_folder(MAPS).ok();
+    let own = created.or(run.directory.maps()?);
+    let keep = own.as_ref().filter(|own| own.require_writable().is_ok());
+    if let Some(own) = &own {
+        map_pieces::load(evaluator.maps_mut(), own)?;
     }
-    let completed = engine.complete_maps(evaluator, is_writable.then_some(own.as_path()), borrowed, interrupt)?;
+    let mut borrowed = false;
+    for other in maps.iter().filter(|other| own.as_ref().is_none_or(|own| **other != own.path())) {
+        if let Ok(other) = Folder::open(other) {
+            borrowed |= map_pieces::load(evaluator.maps_mut(), &other)? > 0;
+        }
+    }
+    let completed = engine.complete_maps(evaluator, keep, borrowed, interrupt)?;
     if let Outcome::Stopped(signal) = completed.outcome {
         return Err(stopped(signal));
     }
@@ -128,7 +134,7 @@ fn complete_maps(
             run.name,
             HumanCount(evaluator.maps().needed() as u64),
             HumanCount(completed.simulations),
-            if is_writable { "; kept in the run for the next time" } else { "" }
+            if keep.is_some() { "; kept in the run for the next time" } else { "" }
         ));
     }
     Ok(())

@@ -35,6 +35,7 @@ use crate::interrupt::Interrupt;
 use crate::output::{note, output_file, result};
 use crate::picture::view::rounded;
 use crate::schedule::engine::Engine;
+use crate::store::directory::MAPS;
 
 /// Confidence of the intervals in plots and reports, for all cells together.
 pub const CONFIDENCE: f64 = 0.95;
@@ -132,7 +133,7 @@ fn evaluated_runs<'a>(
         .iter()
         .map(|matching| matching.cells.iter().any(|cell| cell.dependence == Dependence::Paired))
         .collect();
-    let maps: Vec<PathBuf> = runs.iter().map(|run| run.directory.maps()).collect();
+    let maps: Vec<PathBuf> = runs.iter().map(|run| run.directory.path().join(MAPS)).collect();
     let mut evaluated = Vec::with_capacity(runs.len());
     for (i, run) in runs.iter().enumerate() {
         let needs_verdicts = if i == 0 { is_paired.contains(&true) } else { is_paired[i - 1] };

@@ -9,7 +9,8 @@ use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
 use crate::job::{Audit, Criterion, Effort, EvaluateMode, Job};
 use crate::output::quoted;
-use crate::store::directory::{Access, RunDirectory};
+use crate::store::directory::RunDirectory;
+use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::tally::Tally;
 
 /// A finished run.
@@ -34,7 +35,7 @@ impl Run {
     /// # Errors
     /// Among others, a run that is not finished.
     pub fn open(path: &Path) -> Result<Self, Failure> {
-        let directory = RunDirectory::open(path, Access::Shared)?;
+        let directory = RunDirectory::open(path, Access::Reading, AN_INSTANT)?;
         let mut job = directory.job()?;
         let tally = directory.tally(&job)?;
         let parts = Parts::new(&job);

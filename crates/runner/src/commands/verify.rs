@@ -1,0 +1,247 @@
+//! `verify`: checks every file of a run, from its pieces to its surface, and writes again what can be.
+
+use std::ffi::{OsStr, OsString};
+
+use indicatif::HumanCount;
+use serde_json::json;
+
+use crate::cli::VerifyArguments;
+use crate::evaluate::parts::Parts;
+use crate::failure::Failure;
+use crate::files::folder::Folder;
+use crate::job::Job;
+use crate::output::{counted, quoted, result};
+use crate::store::digests::{DIGESTS, Digests, Known, digest_of_file};
+use crate::store::directory::{AUDITS, JOB, MAPS, RunDirectory, SHARDS, SURFACE, SurfaceState};
+use crate::store::lock::Access;
+use crate::store::piece::{is_piece_name, read_checked};
+use crate::store::provenance::{RECORD, is_record};
+use crate::tables::surface::Surface;
+
+/// `stickslip verify`.
+pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
+    let (directory, can_mend) = match RunDirectory::open_any(&arguments.run, Access::Alone) {
+        // An archived run can be checked, too.
+        Err(Failure::CannotCreate(_)) => (RunDirectory::open_any(&arguments.run, Access::Reading)?, false),
+        opened => (opened?, true),
+    };
+    let mut check = Check { directory: &directory, can_mend, findings: Vec::new() };
+    let remedy = check.all()?;
+    let findings = check.findings;
+    let worst = findings.iter().map(|finding| finding.state).max().unwrap_or(State::Sound);
+    let run = arguments.run.display();
+    result(&if arguments.json {
+        let files = findings.iter().map(|finding| {
+            json!({ "file": finding.file, "state": finding.state.name(), "remark": finding.remark })
+        });
+        format!("{:#}\n", json!({ "run": run.to_string(), "state": worst.name(), "files": files.collect::<Vec<_>>() }))
+    } else {
+        let lines = findings.iter().map(|finding| {
+            let Finding { file, remark, .. } = finding;
+            format!("{file}: {remark}\n")
+        });
+        lines.collect()
+    })?;
+    let broken: Vec<&str> =
+        findings.iter().filter(|finding| finding.state == State::Broken).map(|finding| &*finding.file).collect();
+    if broken.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::InputOutput(format!("{run}: damaged: {}; {remedy}", broken.join(", "))))
+}
+
+/// How a file was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum State {
+    /// As it was written, or rightly not there yet.
+    Sound,
+    /// Damaged or lost, and written again.
+    Mended,
+    /// Damaged or lost.
+    Broken,
+}
+
+impl State {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Sound => "sound",
+            Self::Mended => "mended",
+            Self::Broken => "broken",
+        }
+    }
+}
+
+/// What was found of a file.
+struct Finding {
+    file: String,
+    state: State,
+    remark: String,
+}
+
+/// A check in progress.
+struct Check<'a> {
+    directory: &'a RunDirectory,
+    can_mend: bool,
+    findings: Vec<Finding>,
+}
+
+impl Check<'_> {
+    fn find(&mut self, file: &str, state: State, remark: impl Into<String>) {
+        self.findings.push(Finding { file: file.to_owned(), state, remark: remark.into() });
+    }
+
+    /// What was damaged and is written again, if anything can be written.
+    fn mended(&self) -> State {
+        if self.can_mend { State::Mended } else { State::Broken }
+    }
+
+    /// Checks everything; returns what to do about what stays damaged.
+    fn all(&mut self) -> Result<String, Failure> {
+        let directory = self.directory;
+        if self.can_mend {
+            directory.tidy()?;
+        }
+        let known = Known::read(directory.root())?;
+        match &known {
+            Known::Digests(_) => self.find(DIGESTS, State::Sound, "sound"),
+            Known::Nothing => self.find(DIGESTS, State::Sound, "none: the run was written by an earlier version"),
+            Known::Damaged => self.find(DIGESTS, self.mended(), "damaged; the other files are checked without it"),
+        }
+        let run = quoted(directory.path());
+        let Some(job) = self.job()? else {
+            return Ok(format!("submit the job again to this directory with `--out {run}`; finished pieces are kept"));
+        };
+        self.pieces(SHARDS, directory.shards());
+        for (name, folder) in [(MAPS, directory.maps()?), (AUDITS, directory.audits()?)] {
+            folder.iter().for_each(|folder| self.pieces(name, folder));
+        }
+        self.surface(&job)?;
+        self.record();
+        if self.can_mend {
+            self.write_digests()?;
+        }
+        Ok(if self.can_mend {
+            format!("compute what is lost again with `stickslip resume {run}`")
+        } else {
+            "nothing can be written in this directory; verify a copy of it".to_owned()
+        })
+    }
+
+    /// The frozen job, written again from the surface if it is damaged or lost.
+    fn job(&mut self) -> Result<Option<Job>, Failure> {
+        let why = match self.directory.job_source() {
+            Ok(Some(source)) => match source.job() {
+                Ok(job) => {
+                    self.find(JOB, State::Sound, "sound");
+                    return Ok(Some(job));
+                }
+                Err(_) => "damaged",
+            },
+            Ok(None) => "lost",
+            Err(_) => "damaged",
+        };
+        let Some((source, job)) = self.directory.job_of_surface() else {
+            self.find(JOB, State::Broken, format!("{why}, and there is no sound surface to write it again from"));
+            return Ok(None);
+        };
+        if self.can_mend {
+            self.directory.publish(JOB, source.text.as_bytes())?;
+        }
+        self.find(JOB, self.mended(), format!("{why}; the surface tells what it was"));
+        Ok(Some(job))
+    }
+
+    /// The pieces in a folder: each must have the content that its name says.
+    fn pieces(&mut self, name: &str, folder: &Folder) {
+        let names: Vec<OsString> = match folder.names() {
+            Ok(names) => names.into_iter().filter(|name| is_piece_name(name)).collect(),
+            Err(error) => return self.find(name, State::Broken, error.to_string()),
+        };
+        let damaged: Vec<(&OsStr, String)> =
+            names.iter().filter_map(|name| Some((&**name, read_checked(folder, name).err()?))).collect();
+        for (name, why) in &damaged {
+            if self.can_mend {
+                self.directory.set_aside(folder, name, why);
+            }
+        }
+        let count = counted(names.len() as u128, "piece", "pieces");
+        let name = format!("{name}/");
+        match damaged.len() {
+            0 => self.find(&name, State::Sound, format!("{count}, all sound")),
+            damaged => self.find(&name, State::Broken, format!("{count}, {} of them damaged", HumanCount(damaged as u64))),
+        }
+    }
+
+    /// The surface: as it was written, and the one that the pieces give.
+    fn surface(&mut self, job: &Job) -> Result<(), Failure> {
+        let directory = self.directory;
+        let state = directory.surface_state(job)?;
+        let tally = directory.tally(job)?;
+        let complete = Parts::new(job).complete_cells(&tally);
+        if !job.is_integrated() && complete == job.cells() {
+            let surface = Surface::new(job, &tally);
+            if surface.is_published(directory)? {
+                self.find(SURFACE, State::Sound, "sound, the same bytes as the pieces give");
+                return Ok(());
+            }
+            if self.can_mend {
+                surface.publish(directory)?;
+            }
+            let was = match state {
+                SurfaceState::Absent => "not written yet".to_owned(),
+                SurfaceState::OfAnotherJob => "that of the run before it was extended".to_owned(),
+                SurfaceState::Damaged(why) => format!("damaged ({why})"),
+                SurfaceState::Sound => "not the one that the pieces give".to_owned(),
+            };
+            let remark = if self.can_mend { "; it is written again from the pieces" } else { "" };
+            self.find(SURFACE, self.mended(), format!("{was}{remark}"));
+            return Ok(());
+        }
+        let progress = format!("{} of {} cells are complete", HumanCount(complete), HumanCount(job.cells()));
+        match state {
+            SurfaceState::Sound if job.is_integrated() => self.find(SURFACE, State::Sound, "sound"),
+            SurfaceState::Sound => {
+                self.find(SURFACE, State::Sound, format!("as it was written, but of its pieces only {progress}"));
+            }
+            SurfaceState::Absent | SurfaceState::OfAnotherJob => {
+                let remark = if job.is_integrated() { "not written yet".to_owned() } else { format!("none yet: {progress}") };
+                self.find(SURFACE, State::Sound, remark);
+            }
+            SurfaceState::Damaged(why) => {
+                if self.can_mend {
+                    directory.set_aside(directory.root(), SURFACE.as_ref(), &why);
+                }
+                self.find(SURFACE, State::Broken, format!("damaged ({why})"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The record of sessions.
+    fn record(&mut self) {
+        let directory = self.directory;
+        let read = directory.read_known(RECORD).map(|bytes| bytes.map(|bytes| is_record(&bytes)));
+        let why = match read {
+            Ok(None) => return self.find(RECORD, State::Sound, "none"),
+            Ok(Some(true)) => return self.find(RECORD, State::Sound, "sound"),
+            Ok(Some(false)) => "it is not a record of sessions".to_owned(),
+            Err(why) => why,
+        };
+        if self.can_mend {
+            directory.set_aside(directory.root(), RECORD.as_ref(), &why);
+        }
+        self.find(RECORD, self.mended(), format!("damaged ({why}); nothing depends on it"));
+    }
+
+    /// Writes the digests of what is there now.
+    fn write_digests(&self) -> Result<(), Failure> {
+        let root = self.directory.root();
+        let mut digests = Digests::default();
+        for name in [JOB, SURFACE, RECORD] {
+            let file = root.open_if_there(name).map_err(|error| Failure::reading(&root.path().join(name), error))?;
+            let digest = file.map(digest_of_file).transpose();
+            digests.set(name, digest.map_err(|error| Failure::reading(&root.path().join(name), error))?);
+        }
+        digests.publish(root)
+    }
+}

@@ -1,0 +1,353 @@
+//! What becomes of a run directory that is damaged, moved, shared or full of other things: nothing that was computed is
+//! lost, nothing broken is read as good, and nothing waits for ever.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
+
+mod common;
+
+use std::fs::{self, File};
+use std::os::unix::fs::{PermissionsExt as _, symlink};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use common::{BOTH, Outcome, Place, job, surface_job};
+
+/// Time in which a command that has nothing to compute ends.
+const SOON: Duration = Duration::from_secs(20);
+
+/// A finished run of a small job.
+fn finished() -> Place {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("small", 3, 2000, 7));
+    place.run("submit job.toml --out run").done();
+    place
+}
+
+/// Runs a command that must not wait for anything.
+#[track_caller]
+fn run_soon(place: &Place, words: &str) -> Outcome {
+    let mut child = place.command(words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let started = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if started.elapsed() > SOON {
+            child.kill().unwrap();
+            panic!("`stickslip {words}` does not end");
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+    let output = child.wait_with_output().unwrap();
+    Outcome {
+        code: output.status.code(),
+        stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+        stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+    }
+}
+
+/// The files of a folder with this extension.
+fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.filter(|path| path.extension().is_some_and(|found| found == extension)).collect()
+}
+
+fn make_pipe(path: &Path) {
+    assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
+}
+
+#[test]
+fn a_damaged_surface_is_noticed_wherever_it_is_read_and_written_again() {
+    let place = finished();
+    let sound = place.surface("run");
+    let path = place.path("run/surface.parquet");
+    let step = sound.len() / 40;
+    for position in (0..sound.len()).step_by(step) {
+        let mut bytes = sound.clone();
+        bytes[position] ^= 1 << (position % 8);
+        fs::write(&path, &bytes).unwrap();
+        let status = place.run("status run").done();
+        assert!(status.stdout.contains("surface damaged"), "byte {position}: {}", status.stdout);
+        let remedy = ["is damaged", "stickslip verify run"];
+        place.run("plot run --out plot.svg").refused(74, &remedy);
+        if position % (10 * step) == 0 {
+            for words in ["export run --format csv --out a.csv", "report run --out a.html"] {
+                place.run(words).refused(74, &remedy);
+            }
+            let verified = place.run("verify run").done();
+            assert!(verified.stdout.contains("it is written again from the pieces"), "{}", verified.stdout);
+            assert!(place.surface("run") == sound);
+            place.run("plot run --out plot.svg").done();
+        }
+    }
+    fs::write(&path, &sound[..sound.len() / 2]).unwrap();
+    place.run("resume run").done();
+    assert!(place.surface("run") == sound);
+}
+
+#[test]
+fn every_damaged_byte_of_a_frozen_job_is_noticed_and_the_surface_tells_what_it_was() {
+    let place = finished();
+    let path = place.path("run/job.toml");
+    let sound = fs::read(&path).unwrap();
+    for position in 0..sound.len() {
+        let mut bytes = sound.clone();
+        bytes[position] ^= 1 << (position % 7);
+        fs::write(&path, &bytes).unwrap();
+        place.run("status run").refused(74, &["job.toml was damaged or edited", "stickslip verify run"]);
+    }
+    place.run("resume run").refused(74, &["damaged or edited"]);
+    // The same job heals it, another one does not.
+    let other = surface_job("small", 3, 2000, 8);
+    place.write("other.toml", &other);
+    place.run("submit other.toml --out run").refused(74, &["damaged or edited"]);
+    let healed = place.run("submit job.toml --out run").done();
+    assert!(healed.stderr.contains("job.toml was damaged; it is written again"), "{}", healed.stderr);
+    assert_eq!(fs::read(&path).unwrap(), sound);
+    for damage in [None, Some(&b"no job"[..])] {
+        match damage {
+            Some(bytes) => fs::write(&path, bytes).unwrap(),
+            None => fs::remove_file(&path).unwrap(),
+        }
+        let surface = place.surface("run");
+        if damage.is_none() {
+            place.run("status run").refused(74, &["its job.toml is lost", "stickslip verify run"]);
+        }
+        let verified = place.run("verify run").done();
+        assert!(verified.stdout.contains("the surface tells what it was"), "{}", verified.stdout);
+        assert!(place.run("status run").done().stdout.contains("finished"));
+        place.run("resume run").done();
+        assert!(place.surface("run") == surface);
+    }
+}
+
+#[test]
+fn verify_names_what_is_damaged_and_resume_computes_it_again() {
+    let place = finished();
+    let sound = place.surface("run");
+    let verified = place.run("verify run").done();
+    for line in ["job.toml: sound", "all sound", "surface.parquet: sound, the same bytes as the pieces give", "run.json: sound"] {
+        assert!(verified.stdout.contains(line), "{line}: {}", verified.stdout);
+    }
+    let piece = files(&place.path("run/shards"), "parquet").remove(0);
+    let mut bytes = fs::read(&piece).unwrap();
+    bytes[40] ^= 4;
+    fs::write(&piece, bytes).unwrap();
+    fs::write(place.path("run/run.json"), "{").unwrap();
+    let verified = place.run("verify run").refused(74, &["damaged: shards/", "stickslip resume run"]);
+    assert!(verified.stdout.contains("1 of them damaged"), "{}", verified.stdout);
+    assert!(piece.with_extension("parquet.damaged").exists() && place.path("run/run.json.damaged").exists());
+    place.run("resume run").done();
+    assert!(place.surface("run") == sound);
+    let json = place.run("verify run --json").done().stdout;
+    assert!(json.contains("\"state\": \"sound\"") && !json.contains("broken"), "{json}");
+    // Damage to the digests themselves is told from damage to the files.
+    let digests = place.path("run/digests.json");
+    let text = fs::read_to_string(&digests).unwrap();
+    fs::write(&digests, text.replacen("\"files\"", "\"fires\"", 1)).unwrap();
+    let verified = place.run("verify run").done();
+    assert!(verified.stdout.contains("digests.json: damaged"), "{}", verified.stdout);
+    assert_eq!(fs::read_to_string(&digests).unwrap().lines().count(), text.lines().count());
+}
+
+#[test]
+fn pipes_links_and_directories_in_place_of_files_are_not_waited_for() {
+    let boundary = job(
+        "map",
+        "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"",
+        BOTH,
+        "samples = 50\nseed = 3\nevaluate = \"boundary\"\naudit = 0",
+    );
+    let place = Place::new();
+    place.write("job.toml", &boundary);
+    place.run("submit job.toml --out sound").done();
+    let sound = place.surface("sound");
+    let tile = files(&place.path("sound/map"), "parquet").remove(0);
+    let piece = files(&place.path("sound/shards"), "parquet").remove(0);
+    let inside = |path: &Path| path.strip_prefix(place.path("sound")).unwrap().to_owned();
+    let places = ["job.toml", "run.json", "surface.parquet", "digests.json", "run.lock"].map(PathBuf::from);
+    for name in places.into_iter().chain([inside(&tile), inside(&piece)]) {
+        for kind in ["pipe", "link", "directory"] {
+            let run = place.path("run");
+            let _ = fs::remove_dir_all(&run);
+            assert!(Command::new("cp").arg("-r").arg(place.path("sound")).arg(&run).status().unwrap().success());
+            let path = run.join(&name);
+            fs::remove_file(&path).unwrap();
+            match kind {
+                "pipe" => make_pipe(&path),
+                "link" => symlink("/dev/zero", &path).unwrap(),
+                _ => fs::create_dir(&path).unwrap(),
+            }
+            for words in ["status run", "plot run --out p.svg", "verify run", "resume run"] {
+                let ended = run_soon(&place, words);
+                assert!(matches!(ended.code, Some(0 | 65 | 73 | 74)), "{words}, {kind} {}: {ended:?}", name.display());
+                assert!(!ended.stderr.contains("panicked"), "{}", ended.stderr);
+            }
+            let now = fs::read(run.join("surface.parquet"));
+            if now.is_ok() && name != Path::new("surface.parquet") {
+                assert!(now.unwrap() == sound, "{kind} {}", name.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn foreign_files_are_left_alone_and_unread() {
+    let place = finished();
+    let sound = place.surface("run");
+    for folder in ["run", "run/shards"] {
+        fs::create_dir(place.path(folder).join(".unfinished-1-2")).unwrap();
+        fs::write(place.path(folder).join(".DS_Store"), "x").unwrap();
+    }
+    // Sparse files: three GiB that take no room, unless somebody reads them.
+    for name in ["run/shards/copy of a piece.parquet", "run/shards/0123456789abcdef0123456789abcdef.parquet"] {
+        File::create(place.path(name)).unwrap().set_len(3 << 30).unwrap();
+    }
+    let started = Instant::now();
+    let status = place.run("status run").done();
+    assert!(status.stderr.contains("does not have the name of a piece"), "{}", status.stderr);
+    assert!(status.stderr.contains("has more than"), "{}", status.stderr);
+    place.run("resume run").done();
+    assert!(started.elapsed() < SOON && place.surface("run") == sound);
+    assert!(place.path("run/shards/copy of a piece.parquet").exists());
+}
+
+/// A job that takes some seconds on one thread and saves pieces all along.
+fn slow(name: &str, seed: u64) -> String {
+    job(name, "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"", BOTH, &format!("samples = 40000\nseed = {seed}"))
+}
+
+fn started(place: &Place, words: &str) -> Child {
+    place.command(words).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Waits until a run has frozen its job and holds its lock.
+#[track_caller]
+fn wait_for(path: &Path) {
+    let begun = Instant::now();
+    while !path.exists() {
+        assert!(begun.elapsed() < SOON, "{} does not appear", path.display());
+        thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[track_caller]
+fn ended(child: Child) -> Outcome {
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    Outcome { code: output.status.code(), stdout: String::new(), stderr }
+}
+
+#[test]
+fn a_run_whose_directory_is_moved_or_removed_writes_nothing_under_its_name() {
+    let place = Place::new();
+    place.write("slow.toml", &slow("slow", 1));
+    place.write("other.toml", &surface_job("other", 2, 1000, 2));
+    place.run("submit other.toml --out alone").done();
+    for (attempt, delay) in [0, 20, 60, 120, 300, 600].into_iter().enumerate() {
+        let first = started(&place, "submit slow.toml --out run --threads 1");
+        wait_for(&place.path("run/job.toml"));
+        thread::sleep(Duration::from_millis(delay));
+        if attempt % 2 == 0 {
+            fs::rename(place.path("run"), place.path("moved")).unwrap();
+        } else {
+            // A file may be written meanwhile.
+            while fs::remove_dir_all(place.path("run")).is_err() {}
+        }
+        place.run("submit other.toml --out run").done();
+        ended(first).refused(74, &["run was moved, removed or replaced"]);
+        assert!(place.surface("run") == place.surface("alone"));
+        assert!(place.run("verify run").done().stdout.contains("the same bytes as the pieces give"));
+        if attempt % 2 == 0 {
+            assert!(!place.path("moved/surface.parquet").exists());
+            assert!(place.run("status moved").done().stdout.contains("unfinished"));
+            fs::remove_dir_all(place.path("moved")).unwrap();
+        }
+        fs::remove_dir_all(place.path("run")).unwrap();
+    }
+}
+
+#[test]
+fn the_second_runner_is_told_who_the_first_is_and_a_killed_one_leaves_no_lock() {
+    let place = Place::new();
+    place.write("slow.toml", &slow("slow", 1));
+    let mut first = started(&place, "submit slow.toml --out run --threads 1");
+    wait_for(&place.path("run/job.toml"));
+    let holder = format!("in use by process {} on ", first.id());
+    for words in ["resume run", "submit slow.toml --out run", "merge run --wait 0", "verify run"] {
+        place.run(words).refused(75, &[&holder, "`stickslip submit slow.toml --out run --threads 1`"]);
+    }
+    assert!(place.run("status run").done().stdout.contains("running"));
+    first.kill().unwrap();
+    first.wait().unwrap();
+    assert!(place.run("status run").done().stdout.contains("unfinished"));
+    place.run("resume run").done();
+}
+
+#[test]
+fn merge_waits_for_shards_that_are_still_at_work() {
+    let place = Place::new();
+    place.write("slow.toml", &slow("slow", 1));
+    place.run("submit slow.toml --out whole").done();
+    let shards: Vec<Child> =
+        (1..=2).map(|i| started(&place, &format!("submit slow.toml --out run --threads 1 --shard {i}/2"))).collect();
+    wait_for(&place.path("run/job.toml"));
+    place.run("merge run --wait 0").refused(75, &["in use by process", "--shard"]);
+    let merged = place.run("merge run").done();
+    assert!(merged.stderr.contains("waiting up to"), "{}", merged.stderr);
+    assert!(place.surface("run") == place.surface("whole"));
+    for shard in shards {
+        ended(shard).done();
+    }
+}
+
+#[test]
+fn extensions_of_different_size_cannot_both_begin() {
+    for attempt in 0..10 {
+        let place = finished();
+        let children = [("4000", 1), ("6000", 2)].map(|(samples, shard)| {
+            started(&place, &format!("submit job.toml --out run --threads 1 --samples {samples} --shard {shard}/2"))
+        });
+        let outcomes = children.map(ended);
+        let done = outcomes.iter().filter(|outcome| outcome.code == Some(0)).count();
+        assert!(done == 1, "attempt {attempt}: {outcomes:?}");
+        assert!(outcomes.iter().all(|outcome| matches!(outcome.code, Some(0 | 65 | 73))), "{outcomes:?}");
+        place.run("resume run").done();
+        let whole = if outcomes[0].code == Some(0) { "4000" } else { "6000" };
+        place.run(&format!("submit job.toml --out whole --samples {whole}")).done();
+        assert!(place.surface("run") == place.surface("whole"));
+    }
+}
+
+#[test]
+fn results_have_the_rights_that_the_umask_leaves() {
+    let place = finished();
+    fs::create_dir(place.path("shared")).unwrap();
+    fs::set_permissions(place.path("shared"), fs::Permissions::from_mode(0o777)).unwrap();
+    let line = format!(
+        "umask 022; {0} submit job.toml --out shared/run && {0} plot shared/run --out shared/plot.svg",
+        env!("CARGO_BIN_EXE_stickslip")
+    );
+    let mut shell = place.command("");
+    shell = {
+        let mut command = Command::new("sh");
+        command.args(["-c", &line]).current_dir(shell.get_current_dir().unwrap());
+        command
+    };
+    common::assert_succeeds(&mut shell);
+    for name in ["run/job.toml", "run/surface.parquet", "run/run.json", "run/run.lock", "run/digests.json", "plot.svg"] {
+        let mode = fs::metadata(place.path("shared").join(name)).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o644, "{name}");
+    }
+}
+
+#[test]
+fn a_file_system_that_cannot_be_written_is_refused_before_anything_is_computed() {
+    let place = Place::new();
+    place.write("slow.toml", &slow("slow", 1));
+    place.write("file", "");
+    for out in ["file", "file/run", "/proc/run"] {
+        let begun = Instant::now();
+        place.run(&format!("submit slow.toml --out {out}")).refused(73, &[out]);
+        assert!(begun.elapsed() < Duration::from_secs(2));
+    }
+}
