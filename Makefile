@@ -43,9 +43,15 @@ target/readers/ready: tests/requirements.txt
 	    rm -rf target/readers; test -z "$$CI"; \
 	fi
 
-# Formatting, lints, documentation and the order of imports; all warnings are errors.
+# Formatting, licences of dependencies, lints, documentation and the order of imports; all warnings are errors.
 check:
 	$(CARGO) fmt --all --check
+	$(CARGO) test --locked --quiet -p stickslip --test licences
+	if $(CARGO) deny --version >/dev/null 2>&1; then \
+	    $(CARGO) deny --locked check; \
+	else \
+	    echo "note: no cargo-deny, known vulnerabilities of dependencies are not looked up" >&2; \
+	fi
 	$(CARGO) test --locked --quiet -p stickslip-core --test structure
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps

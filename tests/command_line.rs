@@ -306,7 +306,7 @@ fn a_directory_in_use_is_refused() {
     while !place.path("runs/busy/job.toml").exists() && started.elapsed().as_secs() < 20 {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
-    for words in ["submit job.toml", "resume runs/busy", "merge runs/busy", "submit job.toml --shard 1/2"] {
+    for words in ["submit job.toml", "resume runs/busy", "merge runs/busy --wait 0", "submit job.toml --shard 1/2"] {
         place.run(words).refused(75, &["runs/busy is in use"]);
     }
     let status = place.run("status runs/busy --json").done();
@@ -484,7 +484,8 @@ fn samples_that_the_job_does_not_ask_for_are_never_counted() {
     }
     place.run("submit job.toml --samples 500 --shard 2/2").refused(65, &["more than the 500 of this one"]);
     place.run("resume runs/odd").done();
-    // Nor can a job be shrunk by hand.
+    // Nor can a job be shrunk by hand, even if somebody lets the digests fit.
+    fs::remove_file(place.path("runs/odd/digests.json")).unwrap();
     place.write("runs/odd/job.toml", &surface_job("odd", 3, 500, 7));
     for words in ["status runs/odd", "resume runs/odd", "merge runs/odd"] {
         place.run(words).refused(65, &["its pieces hold sample 999", "has only 500 samples"]);
@@ -607,7 +608,8 @@ fn replay_says_whether_a_sample_is_counted() {
         })
         .collect();
     assert_eq!(verdicts.iter().filter(|&&counted| counted).count(), 1, "{verdicts:?}");
-    // Pieces of another job are not those of this run.
+    // Pieces of another job are not those of this run, even if somebody lets the digests fit.
+    fs::remove_file(place.path("runs/part/digests.json")).unwrap();
     let frozen = fs::read_to_string(place.path("runs/part/job.toml")).unwrap();
     place.write("runs/part/job.toml", &frozen.replace("seed = 3", "seed = 4"));
     place.run("replay runs/part --cell 0 --sample 7").refused(65, &["another job"]);

@@ -254,7 +254,7 @@ fn a_run_whose_directory_is_moved_or_removed_writes_nothing_under_its_name() {
             while fs::remove_dir_all(place.path("run")).is_err() {}
         }
         place.run("submit other.toml --out run").done();
-        ended(first).refused(74, &["run was moved, removed or replaced"]);
+        ended(first).refused(74, &["was moved, removed or replaced", "resume the run where it is now"]);
         assert!(place.surface("run") == place.surface("alone"));
         assert!(place.run("verify run").done().stdout.contains("the same bytes as the pieces give"));
         if attempt % 2 == 0 {

@@ -84,8 +84,8 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     Ok((job, RunState::New(tally)))
 }
 
-/// How long a shard waits for others that begin with it. The first one freezes the job, and reads what is there.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// How long a shard waits for a process that works alone: the first shard freezes the job, and reads what is there.
+const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Time between two tries.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -103,9 +103,9 @@ pub fn adopt_as_shard(out: &Path, source: &JobSource, job: &Job) -> Result<(RunD
             Err(busy @ Failure::Busy(_)) => busy,
             Err(other) => return Err(other),
         };
-        let shared = RunDirectory::create(out, Access::Shared, Duration::ZERO);
-        if let Ok(directory) = shared
-            && let Some(frozen) = directory.job_source()?
+        // Other shards are at work, or soon will be.
+        let directory = RunDirectory::create(out, Access::Shared, PATIENCE)?;
+        if let Some(frozen) = directory.job_source()?
             && frozen.job()?.sampling.samples >= job.sampling.samples
         {
             let (job, state) = adopt(&directory, source, job.clone())?;
@@ -114,6 +114,7 @@ pub fn adopt_as_shard(out: &Path, source: &JobSource, job: &Job) -> Result<(RunD
         if started.elapsed() >= PATIENCE {
             return Err(busy);
         }
+        drop(directory);
         thread::sleep(PAUSE);
     }
 }

@@ -97,8 +97,10 @@ pub fn compute(
         Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
     };
     interrupt.remark(&format!("what is finished is kept; continue with `{how}`"));
-    let kept =
-        |failure: Failure| failure.with_remedy(&format!("what is on disk already is kept; continue with `{how}`"));
+    let kept = |failure: Failure| match directory.root().require_in_place() {
+        Ok(()) => failure.with_remedy(&format!("what is on disk already is kept; continue with `{how}`")),
+        Err(_) => failure.with_remedy("resume the run where it is now"),
+    };
     let engine = Engine::new(threads)?;
     let mut evaluator = Evaluator::new(&job)?;
     let mut integrated = Vec::new();

@@ -120,7 +120,11 @@ impl RunDirectory {
         if !path.is_dir() {
             return Ok(Vec::new());
         }
-        Ok(files(path)?.into_iter().filter(|entry| Self::require_run(entry).is_ok()).collect())
+        // A run that lost its job is one, too.
+        let is_run = |entry: &PathBuf| {
+            entry.join(SHARDS).is_dir() && [JOB, SURFACE].iter().any(|name| entry.join(name).symlink_metadata().is_ok())
+        };
+        Ok(files(path)?.into_iter().filter(is_run).collect())
     }
 
     fn require_run(path: &Path) -> Result<(), Failure> {
