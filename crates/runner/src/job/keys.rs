@@ -34,10 +34,7 @@ pub const TABLES: [(&str, &[&str]); 5] = [
             "sensitivity",
         ],
     ),
-    (
-        "engine",
-        &["partition", "account", "time", "memory", "cpus_per_task", "shards", "max_shards", "sbatch"],
-    ),
+    ("engine", &["partition", "account", "time", "memory", "cpus_per_task", "shards", "max_shards", "sbatch"]),
 ];
 
 /// Parameters that are axes of a job, with the names that they have there.
