@@ -43,6 +43,7 @@ daemon() {
     shift
     setsid "$@" >>"$place/$name.log" 2>&1 </dev/null &
     echo "$!" >"$place/$name.daemon"
+    disown
 }
 
 # wait_for SECONDS WHAT COMMAND...: until the command succeeds.
@@ -55,34 +56,55 @@ wait_for() {
     done
 }
 
-# started_here PROCESS: whether it was started in the environment of this test.
-started_here() { tr '\0' '\n' <"/proc/$1/environ" 2>/dev/null | grep -qxF "STICKSLIP_TEST_PLACE=$place"; }
+# family PROCESS...: the processes, and all that they have started.
+family() {
+    local parent child
+    for parent in "$@"; do
+        echo "$parent"
+        for child in $(ps -o pid= --ppid "$parent"); do
+            family "$child"
+        done
+    done
+}
+
+# with_variable NAME=VALUE PROCESS...: those of the processes that have this in their environment.
+with_variable() {
+    local line=$1 files
+    shift
+    if [ "$#" -eq 0 ]; then return; fi
+    files=("${@/#//proc/}")
+    { grep -lzxF "$line" "${files[@]/%//environ}" || true; } 2>/dev/null | cut -d / -f 3
+}
+# started_here: the processes that this test has started, at whatever distance, without itself.
+started_here() { with_variable "STICKSLIP_TEST_PLACE=$place" $(cd /proc && echo [0-9]*) | grep -vx $$ || true; }
 export STICKSLIP_TEST_PLACE=$place
 
+# A test may have more to end.
+before_clean_up() { :; }
+
 clean_up() {
-    local code=$? process
+    local code=$?
     if [ "$code" -ne 0 ]; then
-        tail -n 20 "$place"/*.log "$place"/*/*/*.log 2>/dev/null >&2 || true
+        tail -n 20 "$place"/*.log "$place"/*/*/*.log >&2 2>/dev/null || true
     fi
-    for process in $(cd /proc && echo [0-9]*); do
-        if [ "$process" -ne $$ ] && started_here "$process"; then
-            kill -KILL "$process" 2>/dev/null || true
-        fi
-    done
+    before_clean_up
+    # What daemons have started may have left their family, or have cleared its environment.
+    kill -KILL $(family $(cat "$place"/*.daemon 2>/dev/null)) 2>/dev/null || true
+    kill -KILL $(started_here) 2>/dev/null || true
     rm -rf "$place"
     return "$code"
 }
 
-# job FILE NAME SECONDS: writes a job that takes one thread about this long, as measured with a small one.
+# job FILE NAME SECONDS: writes a job that takes one thread about this long, as measured with a small one. Others may keep
+# the processors busy, so that the time of the processor counts.
 job() {
-    local samples
     if [ -z "${samples_per_second:-}" ]; then
-        job_with "$place/trial.toml" trial 3000
-        "$program" submit "$place/trial.toml" --out "$place/trial" --threads 1 >/dev/null 2>"$place/trial.log"
-        samples_per_second=$(sed -n 's/.*(\([0-9,.]*\) samples\/s).*/\1/p' "$place/trial.log" | tr -d , | cut -d. -f1)
+        local TIMEFORMAT=%U seconds
+        job_with "$place/trial.toml" trial 6000
+        seconds=$({ time "$program" submit "$place/trial.toml" --out "$place/trial" --threads 1 &>"$place/trial.log"; } 2>&1)
+        samples_per_second=$(awk -v seconds="$seconds" 'BEGIN { print int(30 * 6000 / seconds) }')
     fi
-    samples=$((samples_per_second * $3 / 30 + 1))
-    job_with "$1" "$2" "$samples"
+    job_with "$1" "$2" $((samples_per_second * $3 / 30 + 1))
 }
 job_with() {
     cat >"$1" <<EOF

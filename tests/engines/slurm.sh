@@ -9,6 +9,8 @@ set -euo pipefail
 program=$(realpath "$1")
 
 is_root "a cluster of Slurm"
+# The supervisors of tasks are no family of the daemons, and have no environment.
+before_clean_up() { kill -KILL $(tasks_of n1) $(tasks_of n2) 2>/dev/null || true; }
 needs "a cluster of Slurm" slurm-wlm munge -- sbatch slurmctld slurmd munged
 
 host=$(hostname -s)
@@ -42,16 +44,15 @@ EOF
 export SLURM_CONF=$place/slurm.conf
 
 # The daemon of a node.
-start_node() { SLURM_TEST_NODE=$1 daemon "slurmd.$1" slurmd -D -N "$1"; }
-# The processes that a node runs, without its daemon.
+start_node() { daemon "slurmd.$1" slurmd -D -N "$1"; }
+# The processes of the tasks on a node, and those of Slurm that supervise them.
 tasks_of() {
-    local process
-    for process in $(cd /proc && echo [0-9]*); do
-        if [ "$process" -ne "$(cat "$place/slurmd.$1.daemon")" ] && started_here "$process" &&
-            tr '\0' '\n' <"/proc/$process/environ" 2>/dev/null | grep -qxE "(SLURM_TEST_NODE|SLURMD_NODENAME)=$1"; then
-            echo "$process"
-        fi
-    done
+    local tasks parents
+    tasks=$(with_variable "SLURMD_NODENAME=$1" $(started_here))
+    if [ -n "$tasks" ]; then
+        parents=$(ps -o ppid= -p "$(echo $tasks | tr ' ' ,)")
+        echo $tasks $(ps -o pid=,comm= -p "$(echo $parents | tr ' ' ,)" | awk '$2 == "slurmstepd" { print $1 }')
+    fi
 }
 
 mkdir "$place/state"
@@ -84,30 +85,41 @@ say "jobs of 24 and 64 seconds at $samples_per_second samples/s"
 
 # Every task reaches its time limit: Slurm warns half a minute and more before it.
 read -r limited _ < <(submit limited long --shards 2 --time 1 --sbatch=--signal=B:USR1@50 --sbatch=--exclude=n1)
-"$program" submit "$place/short.toml" --out "$place/whole-short" >/dev/null 2>&1
+"$program" submit "$place/short.toml" --out "$place/whole-short" >/dev/null 2>&1 &
+reference=$!
 
 read -r lost _ < <(submit lost short --shards 8)
 wait_for 60 "tasks on n1" running_on n1 "$lost"
-sleep 2
-kill -KILL "$(cat "$place/slurmd.n1.daemon")" $(tasks_of n1)
+sleep 1
+# All at once, as a power cut does: nothing is left that could tell of the others.
+n1=$(cat "$place/slurmd.n1.daemon"; tasks_of n1)
+kill -STOP $n1
+kill -KILL $n1
 say "n1 is lost with its tasks; $("$program" status "$place/lost" | grep shards)"
 wait_for 120 "surface after the loss of a node" is_written lost
+wait "$reference"
 same "$place/lost" "$place/whole-short"
+[ "$(restarts "$lost")" -ge 1 ] || fail "no task of n1 was started again"
 say "a node was lost: $(restarts "$lost") restarts, the surface is that of a single process"
 
+"$program" submit "$place/long.toml" --out "$place/whole-long" >/dev/null 2>&1 &
+reference=$!
 start_node n1
 wait_for 60 "two nodes" is_up n1
 read -r twice _ < <(submit twice short --shards 8)
 wait_for 60 "tasks on n1" running_on n1 "$twice"
 sleep 1
 kill -KILL "$(cat "$place/slurmd.n1.daemon")"
-say "the daemon of n1 is lost, $(tasks_of n1 | wc -l) processes of its tasks go on"
+scontrol update nodename=n1 state=down reason=lost
+orphans=$(tasks_of n1 | wc -w)
+[ "$orphans" -ge 1 ] || fail "no task of n1 has survived its daemon"
+say "the daemon of n1 is lost, and $orphans processes of its tasks go on"
 wait_for 120 "surface after the loss of a daemon" is_written twice
 same "$place/twice" "$place/whole-short"
-ran_twice=$(grep -c 'shard .* is done' "$place"/twice/slurm/shard-*.log | grep -vc ':[01]$' || true)
-say "the daemon of a node was lost: $ran_twice shards were finished twice, the surface is that of a single process"
+[ "$(restarts "$twice")" -ge 1 ] || fail "no task of n1 was started again"
+say "tasks ran twice: $(restarts "$twice") restarts, the surface is that of a single process"
 
-"$program" submit "$place/long.toml" --out "$place/whole-long" >/dev/null 2>&1
+wait "$reference"
 wait_for 180 "surface after time limits" is_written limited
 same "$place/limited" "$place/whole-long"
 grep -h terminated "$place"/limited/slurm/shard-*.log >/dev/null || fail "no task has reached its time limit"

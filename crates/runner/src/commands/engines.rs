@@ -72,6 +72,7 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
         return result(&scripts.iter().map(text).collect::<String>());
     }
     request.require_program()?;
+    request.most()?;
     let directory = RunDirectory::create(&out, Access::Shared)?;
     let (job, state) = adopt(&directory, &source, job)?;
     let known = Sharing::read(&out).map(|sharing| sharing.shards);
