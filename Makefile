@@ -9,7 +9,7 @@ MDBOOK_VERSION = 0.5.4
 MDBOOK_ROOT = target/mdbook-$(MDBOOK_VERSION)
 MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 
-.PHONY: run test check docs docs-pictures bench bench-peers validity coverage clean
+.PHONY: run test test-slurm test-parallel program check docs docs-pictures bench bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -42,6 +42,16 @@ target/readers/ready: tests/requirements.txt
 	else \
 	    rm -rf target/readers; test -z "$$CI"; \
 	fi
+
+# The engines that run the shards of a job on many machines, each on this one: a cluster of Slurm, and GNU parallel over
+# ssh. They need root and the packages of Debian, and are left out elsewhere, with a word about it.
+PROGRAM = $(STICKSLIP)
+
+test-slurm test-parallel: test-%: program
+	tests/engines/$*.sh $(PROGRAM)
+
+program:
+	if [ "$(PROGRAM)" = "$(STICKSLIP)" ]; then $(CARGO) build --locked --release; fi
 
 # Formatting, licences of dependencies, lints, documentation and the order of imports; all warnings are errors.
 check:

@@ -68,7 +68,8 @@ fn every_shard_has_a_bar() {
         let shown = shown.lines().find(|shown| shown.ends_with(line)).unwrap_or_else(|| panic!("{line}\n{shown}"));
         assert_eq!(shown.chars().filter(|&c| c == '█').count(), share, "{shown}");
     }
-    place.run("status parts --shards 3").refused(64, &["--watch"]);
+    let status = place.run("status parts --shards 3").done().stdout;
+    assert!(status.contains("\nshards: 1 of 3 done; missing: 1,3\n"), "{status}");
     place.run("status parts --watch --shards 0").refused(64, &["1..=1000"]);
 }
 

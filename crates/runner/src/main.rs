@@ -33,6 +33,8 @@ mod report;
 
 mod export;
 
+mod cluster;
+
 mod target;
 
 mod cli;
@@ -71,6 +73,9 @@ fn main() -> ExitCode {
 fn dispatch(command: Command) -> Result<(), Failure> {
     match command {
         Command::Init(arguments) => commands::init(&arguments),
+        Command::Submit(arguments) if arguments.engine.engine.is_some() => {
+            commands::submit_to_engine(&arguments, &Interrupt::watch()?)
+        }
         Command::Submit(arguments) => commands::submit(&arguments, &Interrupt::watch()?),
         Command::Resume(arguments) => commands::resume(&arguments, &Interrupt::watch()?),
         Command::Status(arguments) => commands::status(&arguments),

@@ -2,16 +2,18 @@
 
 mod values;
 
+mod engine;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use stickslip_core::finite_difference::brake::DiscGrid;
 
+pub use self::engine::{EngineArguments, EngineKind, ListFormat, ShardArgument};
 pub use self::values::StartArgument;
 use self::values::{grid, html_file, parquet_file, plot_file, seed, start, whole_number};
 use crate::export::format::Format;
-use crate::schedule::plan::Shard;
 use crate::target::Target;
 
 /// Probability that a brake pad sticks and slips, by parallel Monte Carlo.
@@ -96,11 +98,14 @@ pub struct SubmitArguments {
     /// Samples in each cell (with until: at most), in place of the job's; more than a finished run has extend it
     #[arg(long, value_name = "N", value_parser = whole_number, allow_negative_numbers = true)]
     pub samples: Option<u64>,
-    /// Compute only one of N shards, to be merged later; I counts from 1 to N or from 0 to N-1
-    #[arg(long, value_name = "I/N")]
-    pub shard: Option<Shard>,
+    /// Compute only one of N shards, to be merged later; I counts from 1 to N or from 0 to N-1. slurm takes both from the
+    /// environment of a task of a job array
+    #[arg(long, value_name = "I/N|slurm")]
+    pub shard: Option<ShardArgument>,
     #[command(flatten)]
     pub maps: MapsArgument,
+    #[command(flatten)]
+    pub engine: EngineArguments,
 }
 
 /// Verdict maps of other runs.
@@ -120,6 +125,11 @@ pub struct ThreadsArgument {
 }
 
 impl ThreadsArgument {
+    /// The number of threads, if it is given.
+    pub fn given(&self) -> Option<usize> {
+        self.threads.map(usize::from)
+    }
+
     /// The number of threads, by default one for each processor.
     pub fn count(&self) -> usize {
         self.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, std::num::NonZero::get), usize::from)
@@ -147,9 +157,15 @@ pub struct StatusArguments {
     /// Show the progress of one run every second, until it ends
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
-    /// Show a bar for each of the N shards that the run is computed in
-    #[arg(long, value_name = "N", requires = "watch", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    /// The number of shards that the run is computed in [default: what submit --engine noted]; each has a bar with --watch
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub shards: Option<u64>,
+    /// List the shards that are neither done nor at work
+    #[arg(long, conflicts_with_all = ["json", "watch"])]
+    pub missing: bool,
+    /// How to list them
+    #[arg(long, value_enum, default_value_t = ListFormat::Lines, requires = "missing")]
+    pub format: ListFormat,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

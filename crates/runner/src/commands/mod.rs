@@ -4,6 +4,8 @@ mod describe;
 
 mod init;
 
+mod shard_progress;
+
 mod run_progress;
 
 mod watch;
@@ -24,9 +26,12 @@ mod closing;
 
 mod completion;
 
+mod sharing;
+
 mod submit;
 
 mod verify;
+mod engines;
 
 mod motion_report;
 
@@ -49,6 +54,7 @@ pub use check::check;
 pub use compare::compare;
 pub use completion::{FinishedRun, complete_run};
 pub use describe::{completions, man, schema};
+pub use engines::submit_to_engine;
 pub use export::export;
 pub use init::init;
 pub use motion_report::columns;

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use super::shard_progress::ShardProgress;
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::quoted;
-use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::{RunDirectory, SurfaceState};
+use crate::store::sharing::Sharing;
 use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
 
@@ -31,18 +32,19 @@ pub struct RunProgress {
     pub differed: u64,
     /// The mean of the probabilities counted so far, and the number of cells that have one.
     pub probability: Option<(f64, u64)>,
-    /// What is done of each shard, if their number is known.
-    pub shards: Vec<f64>,
+    /// How far its shards are, if their number is known.
+    pub shards: Option<ShardProgress>,
 }
 
 impl RunProgress {
     /// Of a run, from its directory alone.
     pub fn of(directory: &RunDirectory) -> Result<Self, Failure> {
-        Self::of_shards(directory, directory.job()?, 0)
+        let shards = Sharing::read(directory.path()).map(|sharing| sharing.shards);
+        Self::of_shards(directory, directory.job()?, shards)
     }
 
-    /// The same where the job of the run has been read, with what is done of each shard.
-    pub fn of_shards(directory: &RunDirectory, job: Job, shards: u64) -> Result<Self, Failure> {
+    /// The same where the job of the run has been read, computed in this many shards, if that is known.
+    pub fn of_shards(directory: &RunDirectory, job: Job, shards: Option<u64>) -> Result<Self, Failure> {
         let tally = directory.tally(&job)?;
         let parts = Parts::new(&job);
         let in_use = directory.in_use();
@@ -68,7 +70,9 @@ impl RunProgress {
         let Lookups { audited, differed, .. } = Surface::new(&job, &tally).lookups();
         Ok(Self {
             probability: mean_probability(&job, &parts, &tally),
-            shards: Shard::all(shards).map(|shard| share_of(shard, &job, &parts, &tally)).collect(),
+            shards: shards
+                .filter(|_| !job.is_integrated())
+                .map(|count| ShardProgress::of(directory.path(), &job, &parts, &tally, count)),
             undecided: (0..parts.count()).map(|part| tally.counts(part).undecided).sum(),
             failed: (0..parts.count()).map(|part| tally.counts(part).failed).sum(),
             job,
@@ -106,6 +110,7 @@ impl RunProgress {
             "samples_failed": self.failed,
             "samples_audited": self.audited,
             "samples_audit_differed": self.differed,
+            "shards": self.shards.as_ref().map(ShardProgress::json),
             "surface": self.surface.as_ref().map(|surface| surface.display().to_string()),
             "job_hash": self.job.hash(),
         })
@@ -128,8 +133,10 @@ impl RunProgress {
             remarks +=
                 &format!("; {differed} of {audited} audited samples differed: the verdict map is wrong somewhere");
         }
+        let shards = self.shards.as_ref().filter(|_| self.surface.is_none());
+        let shards = shards.map_or(String::new(), |shards| format!("\n{}", shards.text()));
         format!(
-            "{}: {}, {:.1} % ({} of {}{} samples, {} of {} cells complete){remarks}{next}\n",
+            "{}: {}, {:.1} % ({} of {}{} samples, {} of {} cells complete){remarks}{shards}{next}\n",
             self.job.name,
             self.state,
             self.percent(),
@@ -140,13 +147,6 @@ impl RunProgress {
             self.job.cells()
         )
     }
-}
-
-/// What is done of the samples of a shard.
-fn share_of(shard: Shard, job: &Job, parts: &Parts, tally: &Tally) -> f64 {
-    let samples = |tally: &Tally| Plan::new(tally, parts, job.unit_samples(), Some(shard)).samples() as f64;
-    let all = samples(&Tally::new(parts.count()));
-    if all > 0.0 { 1.0 - samples(tally) / all } else { 1.0 }
 }
 
 /// The mean over the cells that have a verdict.

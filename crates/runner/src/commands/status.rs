@@ -6,11 +6,13 @@ use serde_json::{Value, json};
 
 use super::run_progress::RunProgress;
 use super::watch::watch;
-use crate::cli::StatusArguments;
+use crate::cli::{ListFormat, StatusArguments};
+use crate::cluster::task_list::ranges;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::{result, warn};
 use crate::store::directory::RunDirectory;
+use crate::store::sharing::Sharing;
 
 /// `stickslip status`.
 pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
@@ -29,11 +31,36 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
             };
         }
     };
+    let known = Sharing::read(directory.path()).map(|sharing| sharing.shards);
     if arguments.watch {
-        return watch(&directory, path, arguments.shards.unwrap_or(0), &Interrupt::watch()?);
+        // Without being asked, no more bars than a terminal has lines.
+        let shards = arguments.shards.or(known.filter(|&shards| shards <= MOST_BARS));
+        return watch(&directory, path, shards, &Interrupt::watch()?);
     }
-    let progress = RunProgress::of(&directory)?;
+    let progress = RunProgress::of_shards(&directory, directory.job()?, arguments.shards.or(known))?;
+    if arguments.missing {
+        return missing(&progress, arguments.format, path);
+    }
     result(&if arguments.json { format!("{:#}\n", progress.json(path)) } else { progress.text(path) })
+}
+
+/// Lists the shards that are neither done nor at work.
+fn missing(progress: &RunProgress, format: ListFormat, path: &Path) -> Result<(), Failure> {
+    let Some(shards) = &progress.shards else {
+        let message = if progress.job.is_integrated() {
+            format!("--missing: {} integrates its probabilities; it has no shards", path.display())
+        } else {
+            format!(
+                "--missing: in how many shards {} is computed is not known; tell it with --shards N",
+                path.display()
+            )
+        };
+        return Err(Failure::Usage(message));
+    };
+    result(&match format {
+        ListFormat::Slurm => ranges(&shards.missing()) + "\n",
+        ListFormat::Lines => shards.missing().iter().map(|number| format!("{number}\n")).collect(),
+    })
 }
 
 /// One line for each run of a folder. A run that cannot be read does not hide the others.
@@ -64,6 +91,9 @@ fn status_of_all(runs: &[PathBuf], as_json: bool) -> Result<(), Failure> {
     });
     result(&lines.collect::<String>())
 }
+
+/// Largest number of shards that are shown with a bar each where their number is not given.
+const MOST_BARS: u64 = 16;
 
 /// The state of a run whose job or pieces cannot be read.
 const UNREADABLE: &str = "unreadable";

@@ -6,7 +6,10 @@ use std::time::Duration;
 use super::adoption::{RunState, adopt, adopt_as_shard};
 use super::closing::report;
 use super::completion::{Work, compute};
-use crate::cli::{MergeArguments, ResumeArguments, SubmitArguments};
+use super::shard_progress::how_to_submit_missing;
+use super::sharing::units_of_work;
+use crate::cli::{MergeArguments, ResumeArguments, ShardArgument, SubmitArguments};
+use crate::cluster::array_task::ArrayTask;
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -16,25 +19,28 @@ use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::RunDirectory;
 use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::provenance::Session;
+use crate::store::sharing;
+use crate::store::sharing::{AtWork, Sharing};
 use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
 
 /// `stickslip submit`.
 pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let shard = arguments.shard.map(shard_of).transpose()?;
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
     warn(job.warnings());
-    if let (Some(shard), true) = (arguments.shard, job.is_integrated()) {
+    if let (Some(shard), true) = (shard, job.is_integrated()) {
         let message =
             format!("--shard {shard}: method = \"exact\" draws no samples to share; submit the job without --shard");
         return Err(Failure::Usage(message));
     }
-    warn(arguments.shard.and_then(|shard| shards_beyond_work(shard, &job)));
+    warn(shard.and_then(|shard| shards_beyond_work(shard, &job)));
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
     let threads = arguments.threads.count();
-    let (directory, job, state) = match arguments.shard {
+    let (directory, job, state) = match shard {
         Some(_) => adopt_as_shard(&out, &source, &job)?,
         None => {
             let directory = RunDirectory::create(&out, Access::Alone, AN_INSTANT)?;
@@ -43,7 +49,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
         }
     };
     match state {
-        RunState::Finished(tally) if arguments.shard.is_none() && !job.is_integrated() => {
+        RunState::Finished(tally) if shard.is_none() && !job.is_integrated() => {
             note(format_args!("{} is finished already; nothing to do", out.display()));
             // A lost or damaged surface is written again from the pieces.
             if Surface::new(&job, &tally).publish(&directory)? {
@@ -51,7 +57,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             }
             report(&directory, &job, &Surface::new(&job, &tally))
         }
-        RunState::Unfinished(tally) if arguments.shard.is_none() => Err(Failure::CannotCreate(format!(
+        RunState::Unfinished(tally) if shard.is_none() => Err(Failure::CannotCreate(format!(
             "{} holds an unfinished run of this job ({} of {} samples); continue it with `stickslip resume {}`",
             out.display(),
             HumanCount128(tally.counted()),
@@ -59,9 +65,16 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             quoted(&out)
         ))),
         RunState::Finished(tally) | RunState::Unfinished(tally) | RunState::New(tally) => {
-            let work = Work { threads, shard: arguments.shard, maps, command: "submit" };
+            if let (Some(ShardArgument::Slurm), Some(shard)) = (arguments.shard, shard) {
+                keep_number(shard, &directory)?;
+            }
+            let missing =
+                |shard: Shard| Plan::new(&tally, &Parts::new(&job), job.unit_samples(), Some(shard)).samples();
+            let begin = |shard: Shard| AtWork::begin(directory.path(), shard.number(), shard.count(), missing(shard));
+            let _at_work = shard.and_then(begin);
+            let work = Work { threads, shard, maps, command: "submit" };
             let run = compute(directory, job, tally, &work, interrupt)?;
-            match arguments.shard {
+            match shard {
                 None => report(&run.directory, &run.job, &run.surface()),
                 Some(shard) => {
                     note(format_args!(
@@ -89,14 +102,40 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     report(&run.directory, &run.job, &run.surface())
 }
 
+/// The shard that an option names.
+fn shard_of(argument: ShardArgument) -> Result<Shard, Failure> {
+    match argument {
+        ShardArgument::Given(shard) => Ok(shard),
+        ShardArgument::Slurm => {
+            let task = ArrayTask::from_environment(|name| std::env::var(name).ok());
+            let task = task.map_err(|why| Failure::Usage(format!("--shard slurm: {why}")))?;
+            note(format_args!("--shard slurm: shard {}, from {}", task.shard, task.origin));
+            Ok(task.shard)
+        }
+    }
+}
+
+/// Notes the number of shards that the first task of a job array has found. An array with another number of tasks is
+/// one of some shards only.
+fn keep_number(shard: Shard, directory: &RunDirectory) -> Result<(), Failure> {
+    match Sharing::read(directory.path()) {
+        None => Sharing { engine: "slurm".to_owned(), shards: shard.count() }.record(directory.path()),
+        Some(Sharing { shards, .. }) if shards == shard.count() => Ok(()),
+        Some(Sharing { shards, .. }) => Err(Failure::Usage(format!(
+            "--shard slurm: this array has {}, but {} is computed in {shards} shards; write --shard \"$SLURM_ARRAY_TASK_ID/{shards}\"",
+            counted(shard.count().into(), "task", "tasks"),
+            quoted(directory.path())
+        ))),
+    }
+}
+
 /// A warning if a job has less work than shards.
 fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
-    let parts = Parts::new(job);
-    let (work, what) = if parts.are_sequential() {
-        (job.cells(), counted(job.cells().into(), "cell", "cells"))
+    let work = units_of_work(job, &Tally::new(Parts::new(job).count()));
+    let what = if Parts::new(job).are_sequential() {
+        counted(work.into(), "cell", "cells")
     } else {
-        let units = Plan::new(&Tally::new(parts.count()), &parts, job.unit_samples(), None).units();
-        (units, counted(units.into(), "unit of work", "units of work"))
+        counted(work.into(), "unit of work", "units of work")
     };
     (shard.count() > work).then(|| {
         format!(
@@ -107,7 +146,7 @@ fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
 }
 
 /// The directories of the maps of the runs given with `--map`.
-fn map_directories(runs: &[PathBuf], job: &Job) -> Result<Vec<PathBuf>, Failure> {
+pub fn map_directories(runs: &[PathBuf], job: &Job) -> Result<Vec<PathBuf>, Failure> {
     if let (Some(run), false) = (runs.first(), job.uses_maps()) {
         let message = format!(
             "--map {}: this job uses no verdict map. Maps are used with sampling.evaluate = \"boundary\" or method = \"exact\" and a criterion other than \"eigenvalue\"",
@@ -131,6 +170,7 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     // Shards may still be at work: some that finish, or one of which a batch system started a second copy.
     let patience = Duration::from_secs(arguments.wait);
     let directory = RunDirectory::open(&arguments.run, Access::Alone, patience.max(AN_INSTANT))?;
+    sharing::tidy(directory.path());
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
     if job.is_integrated() {
@@ -143,12 +183,13 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let complete = Parts::new(&job).complete_cells(&tally);
     if complete < job.cells() {
         return Err(Failure::Job(format!(
-            "{} is not complete: {} of {} cells, {} of {} samples. Submit the missing shards, or compute what is missing here with `stickslip resume {}`",
+            "{} is not complete: {} of {} cells, {} of {} samples. {}, or compute what is missing here with `stickslip resume {}`",
             arguments.run.display(),
             complete,
             job.cells(),
             HumanCount128(tally.counted()),
             HumanCount128(job.total_samples()),
+            how_to_submit_missing(directory.path(), &job, &tally),
             quoted(&arguments.run)
         )));
     }

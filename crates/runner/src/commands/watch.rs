@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use indicatif::HumanCount;
 
 use super::run_progress::RunProgress;
+use super::shard_progress::ShardProgress;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::{HumanCount128, rate, result};
@@ -24,7 +25,7 @@ const SHARE_OF_READING: u32 = 5;
 const BAR: usize = 40;
 
 /// Shows the progress of a run, and of this many shards of it, until no process works in it.
-pub fn watch(directory: &RunDirectory, path: &Path, shards: u64, interrupt: &Interrupt) -> Result<(), Failure> {
+pub fn watch(directory: &RunDirectory, path: &Path, shards: Option<u64>, interrupt: &Interrupt) -> Result<(), Failure> {
     interrupt.remark("the run itself is not touched");
     let is_terminal = io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb");
     let mut seen = Seen::of(directory)?;
@@ -82,7 +83,7 @@ impl Seen {
         }
         *self = now;
         let job = if is_same_job { before.job } else { directory.job()? };
-        RunProgress::of_shards(directory, job, before.shards.len() as u64)
+        RunProgress::of_shards(directory, job, before.shards.as_ref().map(ShardProgress::count))
     }
 }
 
@@ -125,8 +126,9 @@ fn bar(share: f64) -> String {
 
 /// A bar for each shard.
 fn bars(progress: &RunProgress) -> String {
-    let count = progress.shards.len();
-    (1..).zip(&progress.shards).map(|(shard, share)| format!("{}  shard {shard}/{count}\n", bar(*share))).collect()
+    let Some(shards) = &progress.shards else { return String::new() };
+    let count = shards.count();
+    (1..).zip(&shards.shares).map(|(shard, share)| format!("{}  shard {shard}/{count}\n", bar(*share))).collect()
 }
 
 /// What is shown, in lines of at most 80 columns.

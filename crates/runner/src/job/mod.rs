@@ -24,6 +24,8 @@ mod sampling_spec;
 
 mod axes_spec;
 
+mod engine;
+
 mod spec;
 
 mod syntax;
@@ -62,6 +64,7 @@ mod source;
 
 pub use criterion::Criterion;
 pub use criterion_spec::{OutsidePhysics, StartKind};
+pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SbatchOption, SlurmName, TimeLimit};
 pub use identity::IDENTITY_VERSION;
 pub use keys::unknown_parameter;
 pub use random_input::RandomInput;

@@ -6,6 +6,7 @@ use toml::Spanned;
 
 use super::axes_spec::AxesSpec;
 use super::criterion_spec::CriterionSpec;
+use super::engine::EngineSpec;
 use super::friction::FrictionSpec;
 use super::keys::SECTIONS;
 use super::overrides::{Overrides, section_properties};
@@ -38,6 +39,9 @@ pub struct JobSpec {
     /// How many samples are drawn, and how.
     #[serde(default)]
     pub sampling: SamplingSpec,
+    /// What a cluster is asked for.
+    #[serde(default)]
+    pub engine: EngineSpec,
 }
 
 /// Preset and overrides.

@@ -13,6 +13,7 @@ use stickslip_sampler::grid::{Cell, Grid};
 use super::axes::Brakes;
 use super::criterion::Criterion;
 use super::criterion_spec::OutsidePhysics;
+use super::engine::EngineSettings;
 use super::plausibility;
 use super::random::RandomInputSet;
 use super::random_input::RandomInput;
@@ -44,6 +45,8 @@ pub struct Job {
     pub sampling: Sampling,
     /// Whether the spec itself says how many disc modes are kept.
     pub modes_are_given: bool,
+    /// What a cluster is asked for.
+    pub engine: EngineSettings,
 }
 
 impl Job {

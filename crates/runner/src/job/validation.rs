@@ -10,6 +10,7 @@ use super::axes::{Brakes, CheckedAxes, MOST_CELLS, settle};
 use super::criterion::Criterion;
 use super::criterion_spec::{CriterionSpec, ModesSpec, OutsidePhysics};
 use super::diagnosis::{Complaint, Complaints};
+use super::engine::EngineSettings;
 use super::friction::check_varied;
 use super::model::{contradiction, validate_model};
 use super::random::RandomInputSet;
@@ -58,6 +59,7 @@ pub fn validate(spec: &JobSpec, folder: &Path, complaints: &mut Complaints) -> O
     let sampling = Sampling::validate(&spec.sampling, random.as_ref().zip(criterion.as_ref()), kind, cells, complaints);
     let criterion_spec = spec.criterion.as_ref().map(Spanned::get_ref);
     let outside_physics = complaints.take(validate_outside_physics(criterion_spec, sampling.as_ref()));
+    let engine = EngineSettings::validate(&spec.engine, complaints);
     if complaints.len() > before || complaints.has_unread(&[]) {
         return None;
     }
@@ -72,6 +74,7 @@ pub fn validate(spec: &JobSpec, folder: &Path, complaints: &mut Complaints) -> O
         outside_physics: outside_physics?,
         sampling: sampling?,
         modes_are_given: disc_modes.is_some_and(|modes| matches!(modes.get_ref(), ModesSpec::Given(_))),
+        engine,
     };
     let fitting = fits_a_map(&job, spec).and_then(|()| fits_in_memory(&job));
     complaints.take(fitting).map(|()| job)

@@ -15,3 +15,5 @@ pub mod engine;
 pub mod mapping;
 
 pub mod trial;
+
+pub mod shard_size;

@@ -43,6 +43,11 @@ impl Shard {
     pub fn count(self) -> u64 {
         self.count
     }
+
+    /// The number of this one, from 1 to that of all.
+    pub fn number(self) -> u64 {
+        if self.index == 0 { self.count } else { self.index }
+    }
 }
 
 impl fmt::Display for Shard {
@@ -139,6 +144,38 @@ impl Plan {
         Self { gaps, unit_samples, units_before }
     }
 
+    /// The samples of each of `count` shards that are missing, those of shard 1 first: what [`Plan::samples`] is of
+    /// their plans, found in one pass.
+    pub fn missing_of_shards(tally: &Tally, parts: &Parts, unit_samples: u64, count: u64) -> Vec<u128> {
+        let part_units: Vec<u128> =
+            (0..parts.of_a_cell()).map(|place| u128::from(parts.max_samples(place).div_ceil(unit_samples))).collect();
+        let cell_units: u128 = part_units.iter().sum();
+        let mut missing = vec![0; count as usize];
+        let place_of = |number: u128| ((number + u128::from(count) - 1) % u128::from(count)) as usize;
+        for (part, gap) in tally.gaps(&parts.wanted(tally)) {
+            let (cell, place) = parts.place(part);
+            let whole = Gap::whole(part, gap.clone(), unit_samples);
+            if parts.are_sequential() {
+                missing[place_of(cell.into())] += whole.total(unit_samples);
+                continue;
+            }
+            let before = u128::from(cell) * cell_units + part_units[..place].iter().sum::<u128>();
+            if whole.units <= count {
+                for unit in 0..whole.units {
+                    let samples = whole.unit(unit, unit_samples);
+                    missing[place_of(before + u128::from(whole.first + unit))] +=
+                        u128::from(samples.end - samples.start);
+                }
+            } else {
+                for shard in Shard::all(count) {
+                    let share = Gap::new(part, gap.clone(), unit_samples, before, Some(shard));
+                    missing[shard.number() as usize - 1] += share.total(unit_samples);
+                }
+            }
+        }
+        missing
+    }
+
     /// Largest number of samples in a unit.
     pub fn unit_samples(&self) -> u64 {
         self.unit_samples
@@ -227,6 +264,18 @@ mod tests {
             }
             parts.sort_by_key(|(cell, samples)| (*cell, samples.start));
             assert_eq!(parts, whole, "{count} shards from {first}");
+        }
+    }
+
+    #[test]
+    fn what_shards_miss_is_what_they_plan() {
+        let parts = Parts::plain(7, SAMPLES);
+        for tally in [Tally::new(7), tally_with_holes()] {
+            for count in [1, 2, 3, 4, 5, 16, 100] {
+                let of_shard = |shard: Shard| Plan::new(&tally, &parts, UNIT_SAMPLES, Some(shard)).samples();
+                let planned: Vec<u128> = Shard::all(count).map(of_shard).collect();
+                assert_eq!(Plan::missing_of_shards(&tally, &parts, UNIT_SAMPLES, count), planned, "{count} shards");
+            }
         }
     }
 

@@ -15,3 +15,5 @@ pub mod map_pieces;
 pub mod directory;
 
 pub mod provenance;
+
+pub mod sharing;

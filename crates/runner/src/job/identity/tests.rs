@@ -75,6 +75,15 @@ randomisations = 16
 "#;
 
 #[test]
+fn the_engine_belongs_to_no_identity() {
+    let plain = job(PLAIN);
+    let engine = "[engine]\npartition = \"main\"\nshards = 16\nsbatch = [\"--qos=long\"]\n";
+    let sent = job(&format!("{PLAIN}{engine}"));
+    assert_eq!(sent.engine.shards, Some(16));
+    assert_eq!((sent.hash(), sent.normalised()), (plain.hash(), plain.normalised()));
+}
+
+#[test]
 fn identities_do_not_change_with_the_libraries() {
     // Of verdicts version 4.
     let hashes = [PLAIN, MAPPED, SOBOL].map(|text| job(text).hash());

@@ -1,0 +1,311 @@
+//! `submit --engine`: sharing a job among the machines of a cluster.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::adoption::{RunState, adopt};
+use super::shard_progress::ShardProgress;
+use super::sharing::{WorkToShare, cost_of_maps, cost_of_samples};
+use super::submit::{map_directories, merge};
+use crate::cli::{EngineKind, MergeArguments, SubmitArguments};
+use crate::cluster::gnu_parallel::{Machines, SharedRun};
+use crate::cluster::slurm::{JobArray, array_limit};
+use crate::cluster::task_list::ranges;
+use crate::cluster::{Script, ShardTask, again};
+use crate::evaluate::parts::Parts;
+use crate::failure::Failure;
+use crate::files::publish::publish;
+use crate::interrupt::Interrupt;
+use crate::job::{EngineSettings, Job, JobSource, Overrides};
+use crate::output::{counted, note, quoted, result, warn};
+use crate::schedule::engine::Engine;
+use crate::schedule::shard_size::{MOST_SHARDS, number_of_shards};
+use crate::schedule::time_left;
+use crate::store::directory::{Access, RunDirectory};
+use crate::store::sharing::Sharing;
+use crate::store::tally::Tally;
+
+/// Time between two looks at a program that was started.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// How long the merge waits for shards that are still at work.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// `stickslip submit --engine`.
+pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let Some(kind) = arguments.engine.engine else { return Ok(()) };
+    if let Some(option) = arguments.engine.stranger(kind) {
+        return Err(Failure::Usage(format!("{option} does nothing with --engine {}", kind.name())));
+    }
+    let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
+    let source = JobSource::read(&arguments.job)?.with(overrides)?;
+    let job = source.job()?;
+    warn(job.warnings());
+    if job.is_integrated() {
+        let message = "--engine: method = \"exact\" draws no samples to share; submit the job without --engine";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    map_directories(&arguments.maps.maps, &job)?;
+    let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
+    let request = Request {
+        kind,
+        settings: arguments.engine.settings().or(&job.engine),
+        threads: arguments.threads.given(),
+        machines: machines(arguments, kind)?,
+        maps: &arguments.maps.maps,
+        run: &out,
+    };
+    if RunDirectory::view(&out).is_ok_and(|directory| directory.in_use()) {
+        let message = format!("{} is in use by another stickslip; wait until it ends, or stop it", out.display());
+        return Err(Failure::Busy(message));
+    }
+    if arguments.engine.dry_run {
+        let tally = Tally::new(Parts::new(&job).count());
+        let shards = request.shards(&job, &tally)?;
+        let scripts = request.scripts(&job, shards)?;
+        let text =
+            |script: &Script| format!("# {}\n{}\n", quoted(&out.join(kind.name()).join(script.name)), script.text);
+        return result(&scripts.iter().map(text).collect::<String>());
+    }
+    request.require_program()?;
+    request.most()?;
+    let directory = RunDirectory::create(&out, Access::Shared)?;
+    let (job, state) = adopt(&directory, &source, job)?;
+    let known = Sharing::read(&out).map(|sharing| sharing.shards);
+    let (tally, shards) = match state {
+        RunState::Finished(_) => {
+            drop(directory);
+            note(format_args!("{} has all its samples; nothing to submit", out.display()));
+            return merge(&MergeArguments { run: out });
+        }
+        // The shards of a run that has begun keep their numbers.
+        RunState::Unfinished(tally) => {
+            let known = known.filter(|_| request.settings.shards.is_none());
+            let shards = known.map_or_else(|| request.shards(&job, &tally), Ok)?;
+            (tally, shards)
+        }
+        RunState::New(tally) => {
+            let shards = request.shards(&job, &tally)?;
+            (tally, shards)
+        }
+    };
+    let scripts = request.scripts(&job, shards)?;
+    let folder = out.join(kind.name());
+    fs::create_dir_all(&folder).map_err(|error| Failure::creating(&folder, error))?;
+    for script in &scripts {
+        publish(&folder, script.name, script.text.as_bytes())?;
+    }
+    Sharing { engine: kind.name().to_owned(), shards }.record(&out)?;
+    let missing = ShardProgress::of(&out, &job, &Parts::new(&job), &tally, shards).missing();
+    // The shards lock the directory themselves.
+    drop(directory);
+    request.start(&missing, interrupt)
+}
+
+/// The machines of `--hosts`.
+fn machines(arguments: &SubmitArguments, kind: EngineKind) -> Result<Option<Machines>, Failure> {
+    match (&arguments.engine.hosts, kind) {
+        (Some(file), EngineKind::Parallel) => Machines::read(file).map(Some),
+        (None, EngineKind::Parallel) => Err(Failure::Usage(
+            "--engine parallel needs --hosts FILE: a file with a machine in each line, as ssh knows it".to_owned(),
+        )),
+        (_, EngineKind::Slurm) => Ok(None),
+    }
+}
+
+/// What is asked of an engine.
+struct Request<'a> {
+    kind: EngineKind,
+    settings: EngineSettings,
+    /// `--threads`.
+    threads: Option<usize>,
+    /// With GNU parallel.
+    machines: Option<Machines>,
+    maps: &'a [PathBuf],
+    run: &'a Path,
+}
+
+impl Request<'_> {
+    /// Processors of a task of Slurm.
+    fn cpus(&self) -> u64 {
+        self.settings.cpus_per_task.or(self.threads.map(|threads| threads as u64)).unwrap_or(1)
+    }
+
+    /// Threads of a shard, as far as they are known here.
+    fn threads_of_shard(&self) -> usize {
+        let here = || thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        match self.kind {
+            EngineKind::Slurm => self.cpus() as usize,
+            EngineKind::Parallel => self.threads.unwrap_or_else(here),
+        }
+    }
+
+    /// The largest number of shards. An array of Slurm may have fewer tasks than is usual.
+    fn most(&self) -> Result<u64, Failure> {
+        let limit = if self.kind == EngineKind::Slurm { array_limit() } else { None };
+        if let (Some(shards), Some(limit)) = (self.settings.shards, limit)
+            && shards > limit
+        {
+            return Err(Failure::Usage(format!(
+                "{shards} shards are more than the {limit} tasks that this cluster allows in an array (MaxArraySize); take --shards {limit} or fewer"
+            )));
+        }
+        let most = self.settings.max_shards.unwrap_or(MOST_SHARDS);
+        Ok(limit.map_or(most, |limit| most.min(limit)))
+    }
+
+    /// The number of shards: as given, or by what the missing samples cost.
+    fn shards(&self, job: &Job, tally: &Tally) -> Result<u64, Failure> {
+        let most = self.most()?;
+        if let Some(shards) = self.settings.shards {
+            return Ok(shards);
+        }
+        let threads = self.threads_of_shard();
+        let WorkToShare { seconds, units } = cost_of_samples(job, tally, &measuring()?)?;
+        let mut shards = number_of_shards(seconds, units, threads, most);
+        if let Some(machines) = &self.machines {
+            shards = machines.number_of_shards(shards, seconds, units, threads, most);
+        }
+        note(format_args!(
+            "{} of about {} each on {} (measured now)",
+            counted(shards.into(), "shard", "shards"),
+            time_left::Duration(seconds / (shards as f64 * threads as f64)),
+            counted(threads as u128, "thread", "threads"),
+        ));
+        Ok(shards)
+    }
+
+    /// The number of shards in which verdict maps are resolved first, if the job has some.
+    fn map_shards(&self, job: &Job) -> Result<Option<u64>, Failure> {
+        if !job.uses_maps() {
+            return Ok(None);
+        }
+        let most = self.most()?;
+        let WorkToShare { seconds, units } = cost_of_maps(job, &measuring()?)?;
+        Ok(Some(number_of_shards(seconds, units, self.threads_of_shard(), most)))
+    }
+
+    /// The scripts of a run in this many shards.
+    fn scripts(&self, job: &Job, shards: u64) -> Result<Vec<Script>, Failure> {
+        let task = ShardTask::new(self.run, self.maps, shards)?;
+        let map_shards = self.map_shards(job)?;
+        Ok(match &self.machines {
+            Some(machines) => SharedRun { task, map_shards, machines, threads: self.threads }.scripts(),
+            None => {
+                let settings = self.settings.clone();
+                JobArray { name: &job.name, task, map_shards, settings, cpus: self.cpus() }.scripts()
+            }
+        })
+    }
+
+    /// Refuses to start where the engine is not installed.
+    fn require_program(&self) -> Result<(), Failure> {
+        let (program, sign, remedy) = match self.kind {
+            EngineKind::Slurm => ("sbatch", "slurm", "submit on a machine of the cluster"),
+            EngineKind::Parallel => ("parallel", "GNU parallel", "install GNU parallel"),
+        };
+        let output = Command::new(program).arg("--version").stdin(Stdio::null()).output();
+        match output {
+            Ok(output) if String::from_utf8_lossy(&output.stdout).contains(sign) => Ok(()),
+            Ok(_) => Err(Failure::InputOutput(format!("`{program} --version` does not name {sign}; {remedy}"))),
+            Err(error) => Err(Failure::InputOutput(format!(
+                "cannot run {program}: {error}; {remedy}. --dry-run shows the scripts anywhere"
+            ))),
+        }
+    }
+
+    /// Starts the scripts, for all shards or for those that are missing.
+    fn start(&self, missing: &[u64], interrupt: &Interrupt) -> Result<(), Failure> {
+        match self.kind {
+            EngineKind::Slurm => self.submit_array(missing),
+            EngineKind::Parallel => self.run_shards(missing, interrupt),
+        }
+    }
+
+    /// Submits the array and the merge.
+    fn submit_array(&self, missing: &[u64]) -> Result<(), Failure> {
+        let mut command = Command::new("sh");
+        command.arg(self.run.join("slurm").join("submit.sh")).arg(ranges(missing));
+        let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
+        let output = output.map_err(|error| Failure::InputOutput(format!("cannot run sh: {error}")))?;
+        let jobs = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+        if !output.status.success() || jobs.is_empty() {
+            return Err(Failure::InputOutput(format!(
+                "Slurm did not take the job ({}); the scripts are in {}: change them and run `{}`",
+                output.status,
+                quoted(&self.run.join("slurm")),
+                self.again(missing)
+            )));
+        }
+        note(format_args!(
+            "submitted; `stickslip status {}` tells how far it is, `scancel {jobs}` stops it",
+            quoted(self.run)
+        ));
+        result(&format!("{jobs}\n"))
+    }
+
+    /// Runs the shards over GNU parallel, and merges them.
+    fn run_shards(&self, missing: &[u64], interrupt: &Interrupt) -> Result<(), Failure> {
+        interrupt.remark(&format!(
+            "shards that other machines have begun go on, and what is finished is kept; continue with `{}`",
+            self.again(missing)
+        ));
+        let mut command = Command::new("sh");
+        command.arg(self.run.join("parallel").join("run.sh"));
+        command.args(missing.iter().map(u64::to_string)).stdin(Stdio::null());
+        let cannot = |error: io::Error| Failure::InputOutput(format!("cannot run parallel: {error}"));
+        let status = wait(command.spawn().map_err(cannot)?, interrupt).map_err(cannot)?;
+        if let Some(signal) = interrupt.signal() {
+            let message = format!("what is finished is kept; continue with `{}`", self.again(missing));
+            return Err(Failure::Stopped { signal, message });
+        }
+        if !status.success() {
+            note(format_args!(
+                "not every shard has ended well ({status}); see {}",
+                quoted(&self.run.join("parallel/shard.log"))
+            ));
+        }
+        let started = Instant::now();
+        loop {
+            match merge(&MergeArguments { run: self.run.to_owned() }) {
+                // A machine that was lost from sight is still at work.
+                Err(Failure::Busy(_)) if started.elapsed() < PATIENCE => thread::sleep(10 * PAUSE),
+                ended => return ended,
+            }
+        }
+    }
+
+    /// The command that submits shards again.
+    fn again(&self, missing: &[u64]) -> String {
+        again(self.run, self.kind.name(), missing).unwrap_or_default()
+    }
+}
+
+/// The threads that measure what a job costs.
+fn measuring() -> Result<Engine, Failure> {
+    Engine::new(thread::available_parallelism().map_or(1, std::num::NonZero::get))
+}
+
+/// Waits for a program to end, and ends it after a signal.
+fn wait(mut child: Child, interrupt: &Interrupt) -> io::Result<ExitStatus> {
+    let _working = interrupt.working();
+    let mut is_told = false;
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status);
+        }
+        if interrupt.signal().is_some() && !is_told {
+            is_told = true;
+            // The first asks GNU parallel to start no more, the second to end.
+            for _ in 0..2 {
+                let _ = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+                thread::sleep(PAUSE);
+            }
+        }
+        thread::sleep(PAUSE);
+    }
+}

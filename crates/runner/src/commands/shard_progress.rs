@@ -1,0 +1,112 @@
+//! How far the shards of a run are.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::cluster::again;
+use crate::cluster::task_list::ranges;
+use crate::evaluate::parts::Parts;
+use crate::job::Job;
+use crate::output::rate;
+use crate::schedule::plan::Plan;
+use crate::store::sharing::{Sharing, Worker, now, workers};
+use crate::store::tally::Tally;
+
+/// Time in seconds from which a rate is known.
+const SHORTEST: f64 = 1.0;
+
+/// How far the shards of a run are.
+pub struct ShardProgress {
+    /// The samples of each that are missing.
+    missing: Vec<u128>,
+    /// What is done of each.
+    pub shares: Vec<f64>,
+    /// The processes at work on them.
+    workers: Vec<Worker>,
+}
+
+impl ShardProgress {
+    /// Of a run that is computed in `count` shards.
+    pub fn of(run: &Path, job: &Job, parts: &Parts, tally: &Tally, count: u64) -> Self {
+        let samples = |tally: &Tally| Plan::missing_of_shards(tally, parts, job.unit_samples(), count);
+        let (missing, all) = (samples(tally), samples(&Tally::new(parts.count())));
+        let share = |(missing, all): (&u128, &u128)| if *all > 0 { 1.0 - *missing as f64 / *all as f64 } else { 1.0 };
+        let shares = missing.iter().zip(&all).map(share).collect();
+        let workers = workers(run).into_iter().filter(|worker| worker.shards == count).collect();
+        Self { missing, shares, workers }
+    }
+
+    /// The number of shards.
+    pub fn count(&self) -> u64 {
+        self.missing.len() as u64
+    }
+
+    /// The numbers of the shards that are done, at work, and neither.
+    fn by_state(&self) -> [Vec<u64>; 3] {
+        let mut states = [const { Vec::new() }; 3];
+        for (number, missing) in (1..).zip(&self.missing) {
+            let is_at_work = self.workers.iter().any(|worker| worker.shard == number);
+            states[if *missing == 0 { 0 } else { 2 - usize::from(is_at_work) }].push(number);
+        }
+        states
+    }
+
+    /// The shards that are neither done nor at work.
+    pub fn missing(&self) -> Vec<u64> {
+        let [_, _, missing] = self.by_state();
+        missing
+    }
+
+    /// Samples in a second of all processes at work, if it is known.
+    fn samples_per_second(&self) -> Option<f64> {
+        let rates = self.workers.iter().filter_map(|worker| {
+            let seconds = now() - worker.began;
+            let done = worker.missing - *self.missing.get(usize::try_from(worker.shard).ok()?.checked_sub(1)?)? as f64;
+            (seconds >= SHORTEST).then(|| done.max(0.0) / seconds)
+        });
+        let rates: Vec<f64> = rates.collect();
+        (!rates.is_empty()).then(|| rates.iter().sum())
+    }
+
+    /// In a line.
+    pub fn text(&self) -> String {
+        let [done, at_work, missing] = self.by_state();
+        let mut text = format!("shards: {} of {} done", done.len(), self.count());
+        if !at_work.is_empty() {
+            text += &format!("; at work: {}", ranges(&at_work));
+            if let Some(samples) = self.samples_per_second() {
+                text += &format!(" ({} samples/s)", rate(samples));
+            }
+        }
+        if !missing.is_empty() {
+            text += &format!("; missing: {}", ranges(&missing));
+        }
+        text
+    }
+
+    /// By name.
+    pub fn json(&self) -> Value {
+        let [done, at_work, missing] = self.by_state();
+        json!({
+            "count": self.count(),
+            "done": done,
+            "at_work": at_work,
+            "missing": missing,
+            "samples_per_second": self.samples_per_second(),
+        })
+    }
+}
+
+/// What to do about the shards that a run misses, as the beginning of a sentence.
+pub fn how_to_submit_missing(run: &Path, job: &Job, tally: &Tally) -> String {
+    let Some(Sharing { engine, shards }) = Sharing::read(run) else {
+        return "Submit the missing shards".to_owned();
+    };
+    let missing = ShardProgress::of(run, job, &Parts::new(job), tally, shards).missing();
+    let what = format!("Of {shards} shards, these are missing: {}", ranges(&missing));
+    match again(run, &engine, &missing) {
+        Some(command) => format!("{what}. Submit them with `{command}`"),
+        None => format!("{what}. Submit them"),
+    }
+}

@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# Runs jobs on a cluster of Slurm on this machine: a controller and two nodes, on loopback, in a temporary directory. One
+# run loses a node with its tasks, one only the daemon of a node, so that its tasks run twice, and in one every task
+# reaches its time limit. Each surface must have the bytes of a run by a single process.
+#
+#   tests/engines/slurm.sh PROGRAM
+set -euo pipefail
+. "$(dirname "$0")/common.sh"
+program=$(realpath "$1")
+
+is_root "a cluster of Slurm"
+# The supervisors of tasks are no family of the daemons, and have no environment.
+before_clean_up() { kill -KILL $(tasks_of n1) $(tasks_of n2) 2>/dev/null || true; }
+needs "a cluster of Slurm" slurm-wlm munge -- sbatch slurmctld slurmd munged
+
+host=$(hostname -s)
+port=$((20000 + RANDOM % 10000))
+cat > "$place/slurm.conf" <<EOF
+ClusterName=stickslip
+SlurmctldHost=$host(127.0.0.1)
+SlurmctldPort=$port
+SlurmUser=root
+MailProg=/bin/true
+AuthType=auth/munge
+AuthInfo=socket=$place/munge.sock,cred_expire=5
+CommunicationParameters=NoCtldInAddrAny,NoInAddrAny
+StateSaveLocation=$place/state
+SlurmdSpoolDir=$place/spool.%n
+SlurmctldPidFile=$place/slurmctld.pid
+SlurmdPidFile=$place/slurmd.%n.pid
+ProctrackType=proctrack/pgid
+TaskPlugin=task/none
+MpiDefault=none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+SlurmdTimeout=5
+KillWait=5
+ReturnToService=2
+SchedulerParameters=sched_interval=5,batch_sched_delay=0
+SlurmdParameters=config_overrides
+NodeName=n[1-2] NodeHostname=$host NodeAddr=127.0.0.1 Port=[$((port + 1))-$((port + 2))] CPUs=4 State=UNKNOWN
+PartitionName=main Nodes=ALL Default=YES State=UP
+EOF
+export SLURM_CONF=$place/slurm.conf
+
+# The daemon of a node.
+start_node() { daemon "slurmd.$1" slurmd -D -N "$1"; }
+# The processes of the tasks on a node, and those of Slurm that supervise them.
+tasks_of() {
+    local tasks parents
+    tasks=$(with_variable "SLURMD_NODENAME=$1" $(started_here))
+    if [ -n "$tasks" ]; then
+        parents=$(ps -o ppid= -p "$(echo $tasks | tr ' ' ,)")
+        echo $tasks $(ps -o pid=,comm= -p "$(echo $parents | tr ' ' ,)" | awk '$2 == "slurmstepd" { print $1 }')
+    fi
+}
+
+mkdir "$place/state"
+head -c 1024 /dev/urandom > "$place/munge.key"
+chmod 600 "$place/munge.key"
+daemon munged munged -F --force --key-file="$place/munge.key" --socket="$place/munge.sock" \
+    --pid-file="$place/munged.pid" --log-file="$place/munged.log" --seed-file="$place/munge.seed"
+wait_for 20 "munged" test -S "$place/munge.sock"
+daemon slurmctld slurmctld -D
+start_node n1
+start_node n2
+is_up() { sinfo --noheader --format=%t --Node --nodes="$1" 2>/dev/null | grep -qxE 'idle|mix|alloc'; }
+wait_for 40 "first node" is_up n1
+wait_for 40 "second node" is_up n2
+say "a controller and two nodes are up"
+
+# Job numbers that submitting a run has told, the array first.
+submit() {
+    local run=$1
+    shift
+    "$program" submit "$place/$1.toml" --out "$place/$run" --engine slurm --partition main "${@:2}" 2>>"$place/submit.log"
+}
+restarts() { scontrol show job "$1" | sed -n 's/.* Restarts=\([0-9]*\).*/\1/p' | paste -sd + | bc; }
+running_on() { [ "$(squeue --noheader --states=R --nodelist="$1" --jobs="$2" 2>/dev/null | wc -l)" -ge 2 ]; }
+is_written() { [ -e "$place/$1/surface.parquet" ]; }
+
+job "$place/short.toml" short 24
+job "$place/long.toml" long 64
+say "jobs of 24 and 64 seconds at $samples_per_second samples/s"
+
+# Every task reaches its time limit: Slurm warns half a minute and more before it.
+read -r limited _ < <(submit limited long --shards 2 --time 1 --sbatch=--signal=B:USR1@50 --sbatch=--exclude=n1)
+"$program" submit "$place/short.toml" --out "$place/whole-short" >/dev/null 2>&1 &
+reference=$!
+
+read -r lost _ < <(submit lost short --shards 8)
+wait_for 60 "tasks on n1" running_on n1 "$lost"
+sleep 1
+# All at once, as a power cut does: nothing is left that could tell of the others.
+n1=$(cat "$place/slurmd.n1.daemon"; tasks_of n1)
+kill -STOP $n1
+kill -KILL $n1
+say "n1 is lost with its tasks; $("$program" status "$place/lost" | grep shards)"
+wait_for 120 "surface after the loss of a node" is_written lost
+wait "$reference"
+same "$place/lost" "$place/whole-short"
+[ "$(restarts "$lost")" -ge 1 ] || fail "no task of n1 was started again"
+say "a node was lost: $(restarts "$lost") restarts, the surface is that of a single process"
+
+"$program" submit "$place/long.toml" --out "$place/whole-long" >/dev/null 2>&1 &
+reference=$!
+start_node n1
+wait_for 60 "two nodes" is_up n1
+read -r twice _ < <(submit twice short --shards 8)
+wait_for 60 "tasks on n1" running_on n1 "$twice"
+sleep 1
+kill -KILL "$(cat "$place/slurmd.n1.daemon")"
+scontrol update nodename=n1 state=down reason=lost
+orphans=$(tasks_of n1 | wc -w)
+[ "$orphans" -ge 1 ] || fail "no task of n1 has survived its daemon"
+say "the daemon of n1 is lost, and $orphans processes of its tasks go on"
+wait_for 120 "surface after the loss of a daemon" is_written twice
+same "$place/twice" "$place/whole-short"
+[ "$(restarts "$twice")" -ge 1 ] || fail "no task of n1 was started again"
+say "tasks ran twice: $(restarts "$twice") restarts, the surface is that of a single process"
+
+wait "$reference"
+wait_for 180 "surface after time limits" is_written limited
+same "$place/limited" "$place/whole-long"
+grep -h terminated "$place"/limited/slurm/shard-*.log >/dev/null || fail "no task has reached its time limit"
+[ "$(restarts "$limited")" -ge 1 ] || fail "no task was started again"
+say "time limits: $(restarts "$limited") restarts, the surface is that of a single process"
+say "done"
