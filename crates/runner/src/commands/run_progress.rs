@@ -142,7 +142,7 @@ impl RunProgress {
 /// What is done of the samples of a shard.
 fn share_of(shard: Shard, job: &Job, parts: &Parts, tally: &Tally) -> f64 {
     let samples = |tally: &Tally| Plan::new(tally, parts, job.unit_samples(), Some(shard)).samples() as f64;
-    let all = samples(&Tally::new(parts.count()));
+    let all = samples(&Tally::new(parts));
     if all > 0.0 { 1.0 - samples(tally) / all } else { 1.0 }
 }
 

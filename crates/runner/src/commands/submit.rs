@@ -11,10 +11,9 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::output::{HumanCount128, counted, note, quoted, warn};
-use crate::schedule::plan::{Plan, Shard};
+use crate::schedule::plan::Shard;
 use crate::store::directory::{Access, RunDirectory};
 use crate::store::provenance::Session;
-use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
 
 /// `stickslip submit`.
@@ -88,7 +87,7 @@ fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
     let (work, what) = if parts.are_sequential() {
         (job.cells(), counted(job.cells().into(), "cell", "cells"))
     } else {
-        let units = Plan::new(&Tally::new(parts.count()), &parts, job.unit_samples(), None).units();
+        let units = u64::try_from(parts.all_units()).unwrap_or(u64::MAX);
         (units, counted(units.into(), "unit of work", "units of work"))
     };
     (shard.count() > work).then(|| {

@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::files::publish::{files, is_temporary, publish, publish_first, remove_temporary};
 use crate::job::{Job, JobSource};
 use crate::output::note;
+use crate::store::joining::{self, Refusal};
 use crate::store::piece;
 use crate::store::tally::Tally;
 
@@ -213,43 +214,60 @@ impl RunDirectory {
         let parts = Parts::of_audits(job);
         match self.audits() {
             pieces if pieces.is_dir() => self.tally_of(&pieces, job, &parts, LOOKUPS),
-            _ => Ok(Tally::new(parts.count())),
+            _ => Ok(Tally::new(&parts)),
         }
     }
 
     fn tally_of(&self, pieces: &Path, job: &Job, parts: &Parts, sums: usize) -> Result<Tally, Failure> {
         let is_part = |stored: u64| parts.locate_stored(stored).0 < job.cells();
-        let read = piece::read_all(pieces, &job.experiment_hash(), is_part, sums)?;
-        for complaint in &read.complaints {
+        let experiment = job.experiment_hash();
+        let mut complaints = None;
+        let mut tally = Tally::new(parts);
+        let read = |take: &mut dyn FnMut(FinishedUnit)| {
+            let found = piece::read_all(pieces, &experiment, is_part, sums, &mut |unit| {
+                take(FinishedUnit { part: self.part_of(&unit, job, parts)?, ..unit });
+                Ok(())
+            })?;
+            // Pieces may be read again.
+            complaints.get_or_insert(found);
+            Ok(())
+        };
+        joining::add_all(&mut tally, read).map_err(|refusal| match refusal {
+            Refusal::Unread(failure) => failure,
+            Refusal::Disagreement(part, samples) => {
+                let (cell, place) = parts.place(part);
+                let of =
+                    if parts.of_a_cell() > 1 { format!("part {place} of cell {cell}") } else { format!("cell {cell}") };
+                Failure::InputOutput(format!(
+                    "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move {}/ elsewhere and compute again",
+                    self.path.display(),
+                    samples.start,
+                    samples.end - 1,
+                    pieces.file_name().unwrap_or_default().display()
+                ))
+            }
+        })?;
+        for complaint in complaints.into_iter().flatten() {
             note(format_args!("warning: {complaint}"));
         }
-        let mut units = Vec::with_capacity(read.units.len());
-        for unit in read.units {
-            let (cell, part) = parts.locate_stored(unit.part);
-            let wanted = part.filter(|&part| unit.samples.end <= parts.max_samples(parts.place(part).1));
-            let Some(part) = wanted else {
-                let what = part.map_or("more samples".to_owned(), |_| format!("sample {}", unit.samples.end - 1));
-                return Err(Failure::Job(format!(
-                    "{}: its pieces hold {what} of cell {cell}, but its job.toml has only {} samples; was it edited?",
-                    self.path.display(),
-                    job.sampling.samples
-                )));
-            };
-            units.push(FinishedUnit { part, ..unit });
-        }
-        let mut tally = Tally::new(parts.count());
-        tally.add_all(units).map_err(|(part, samples)| {
-            let (cell, place) = parts.place(part);
-            let of = if parts.of_a_cell() > 1 { format!("part {place} of cell {cell}") } else { format!("cell {cell}") };
-            Failure::InputOutput(format!(
-                "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move {}/ elsewhere and compute again",
-                self.path.display(),
-                samples.start,
-                samples.end - 1,
-                pieces.file_name().unwrap_or_default().display()
-            ))
-        })?;
         Ok(tally)
+    }
+
+    /// The part of a unit of a piece.
+    ///
+    /// # Errors
+    /// Samples that the job does not have.
+    fn part_of(&self, unit: &FinishedUnit, job: &Job, parts: &Parts) -> Result<u64, Failure> {
+        let (cell, part) = parts.locate_stored(unit.part);
+        let wanted = part.filter(|&part| unit.samples.end <= parts.max_samples(parts.place(part).1));
+        wanted.ok_or_else(|| {
+            let what = part.map_or("more samples".to_owned(), |_| format!("sample {}", unit.samples.end - 1));
+            Failure::Job(format!(
+                "{}: its pieces hold {what} of cell {cell}, but its job.toml has only {} samples; was it edited?",
+                self.path.display(),
+                job.sampling.samples
+            ))
+        })
     }
 }
 

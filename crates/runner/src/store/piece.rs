@@ -48,26 +48,21 @@ pub fn write(directory: &Path, experiment: &str, units: &[FinishedUnit]) -> Resu
     publish(directory, &name, &bytes)
 }
 
-/// The units in the pieces of a directory, and the complaints about pieces that were left out.
-#[derive(Debug, Default)]
-pub struct Pieces {
-    /// The units of all pieces that are in order.
-    pub units: Vec<FinishedUnit>,
-    /// One line for each piece that is not.
-    pub complaints: Vec<String>,
-}
-
-/// Reads every piece in `directory`. `is_part` says which numbers parts may have, and `sums` is the number of sums.
+/// Reads every piece in `directory`, one after the other, and passes the units of those that are in order to `take`.
+/// `is_part` says which numbers parts may have, and `sums` is the number of sums. Returns one line for each piece that is
+/// not in order.
 ///
 /// # Errors
-/// A directory that cannot be read, or an undamaged piece of another experiment: the two must not be mixed.
+/// A directory that cannot be read, an undamaged piece of another experiment, as the two must not be mixed, and what
+/// `take` refuses.
 pub fn read_all(
     directory: &Path,
     experiment: &str,
     is_part: impl Fn(u64) -> bool,
     sums: usize,
-) -> Result<Pieces, Failure> {
-    let mut pieces = Pieces::default();
+    take: &mut dyn FnMut(FinishedUnit) -> Result<(), Failure>,
+) -> Result<Vec<String>, Failure> {
+    let mut complaints = Vec::new();
     for path in files(directory)? {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         // Other files, such as .DS_Store, are left alone.
@@ -78,24 +73,24 @@ pub fn read_all(
         let bytes = match fs::read(&path) {
             Ok(bytes) => bytes,
             Err(error) => {
-                pieces.complaints.push(damaged(&error.to_string()));
+                complaints.push(damaged(&error.to_string()));
                 continue;
             }
         };
         if name != format!("{}.parquet", digest(&bytes)) {
-            pieces.complaints.push(damaged("its content does not match the checksum in its name"));
+            complaints.push(damaged("its content does not match the checksum in its name"));
             continue;
         }
         match decode(bytes) {
             Ok((owner, _)) if owner.experiment != experiment => return Err(owner.refused(&path)),
             Ok((_, units)) if units.iter().all(|s| is_part(s.part) && s.sums.len() == sums && s.is_consistent()) => {
-                pieces.units.extend(units);
+                units.into_iter().try_for_each(&mut *take)?;
             }
-            Ok(_) => pieces.complaints.push(damaged("its counts do not add up")),
-            Err(error) => pieces.complaints.push(damaged(&error)),
+            Ok(_) => complaints.push(damaged("its counts do not add up")),
+            Err(error) => complaints.push(damaged(&error)),
         }
     }
-    Ok(pieces)
+    Ok(complaints)
 }
 
 /// The run that a piece belongs to, as named in its footer.
@@ -278,12 +273,22 @@ mod tests {
         (directory, piece)
     }
 
+    /// The units of all pieces, and the complaints.
+    fn read(directory: &Path, experiment: &str) -> Result<(Vec<FinishedUnit>, Vec<String>), Failure> {
+        let mut units = Vec::new();
+        let complaints = read_all(directory, experiment, |part| part < 50, 2, &mut |unit| {
+            units.push(unit);
+            Ok(())
+        })?;
+        Ok((units, complaints))
+    }
+
     #[test]
     fn a_piece_reads_back_as_written() {
         let (directory, _) = written();
-        let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
-        assert_eq!(pieces.units, some_units());
-        assert!(pieces.complaints.is_empty());
+        let (units, complaints) = read(directory.path(), "experiment").unwrap();
+        assert_eq!(units, some_units());
+        assert!(complaints.is_empty());
     }
 
     #[test]
@@ -294,30 +299,30 @@ mod tests {
             let mut bytes = sound.clone();
             bytes[position] ^= 0x10;
             fs::write(&piece, &bytes).unwrap();
-            let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
-            assert!(pieces.units.is_empty() && pieces.complaints.len() == 1, "byte {position}");
+            let (units, complaints) = read(directory.path(), "experiment").unwrap();
+            assert!(units.is_empty() && complaints.len() == 1, "byte {position}");
         }
         for length in [0, 1, sound.len() / 2, sound.len() - 1] {
             fs::write(&piece, &sound[..length]).unwrap();
-            let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
-            assert!(pieces.units.is_empty() && pieces.complaints.len() == 1, "length {length}");
+            let (units, complaints) = read(directory.path(), "experiment").unwrap();
+            assert!(units.is_empty() && complaints.len() == 1, "length {length}");
         }
     }
 
     #[test]
     fn counts_that_do_not_add_up_are_refused_even_with_a_good_checksum() {
         let directory = tempfile::tempdir().unwrap();
-        let mut units = some_units();
-        units[7].counts.stable += 1;
-        write(directory.path(), "experiment", &units).unwrap();
-        let pieces = read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap();
-        assert!(pieces.units.is_empty() && pieces.complaints[0].contains("do not add up"));
+        let mut wrong = some_units();
+        wrong[7].counts.stable += 1;
+        write(directory.path(), "experiment", &wrong).unwrap();
+        let (units, complaints) = read(directory.path(), "experiment").unwrap();
+        assert!(units.is_empty() && complaints[0].contains("do not add up"));
     }
 
     #[test]
     fn a_piece_of_another_job_is_an_error() {
         let (directory, _) = written();
-        assert!(matches!(read_all(directory.path(), "other", |part| part < 50, 2), Err(Failure::Job(_))));
+        assert!(matches!(read(directory.path(), "other"), Err(Failure::Job(_))));
     }
 
     #[test]
@@ -341,7 +346,7 @@ mod tests {
     fn unfinished_files_are_not_read() {
         let (directory, _) = written();
         fs::write(directory.path().join(".unfinished-123-x.parquet"), "half").unwrap();
-        assert_eq!(read_all(directory.path(), "experiment", |part| part < 50, 2).unwrap().units.len(), 50);
+        assert_eq!(read(directory.path(), "experiment").unwrap().0.len(), 50);
         crate::files::publish::remove_temporary(directory.path()).unwrap();
         assert_eq!(files(directory.path()).unwrap().len(), 1);
     }

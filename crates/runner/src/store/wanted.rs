@@ -1,5 +1,7 @@
 //! The samples of a job that are still wanted, and the estimates of cells that stop by precision.
 
+use std::ops::Range;
+
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::interval::Estimate;
 
@@ -31,13 +33,14 @@ impl Parts {
         (self.of_a_cell(), complete)
     }
 
-    /// The number of samples of each part that are wanted now.
-    pub fn wanted(&self, tally: &Tally) -> Vec<u64> {
-        let of_cell = |cell: u64| {
+    /// The samples that are wanted now and missing, by part.
+    pub fn missing<'a>(&'a self, tally: &'a Tally) -> impl Iterator<Item = (u64, Range<u64>)> + 'a {
+        let of_part = |part, samples| tally.gaps(part, samples).into_iter().map(move |gap| (part, gap));
+        let of_cell = move |cell: u64| {
             let (wanted, _) = self.progress(tally, cell);
-            (0..self.of_a_cell()).map(move |place| if place < wanted { self.max_samples(place) } else { 0 })
+            self.of(cell).take(wanted).enumerate().flat_map(move |(place, part)| of_part(part, self.max_samples(place)))
         };
-        (0..self.cells()).flat_map(of_cell).collect()
+        (0..self.cells()).flat_map(of_cell)
     }
 
     /// The number of samples that are expected to be still missing with looks, from the counts so far. `None` without

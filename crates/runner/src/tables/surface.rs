@@ -75,8 +75,8 @@ impl<'a> Surface<'a> {
         let mut amplitudes = Distribution::default();
         let mut sums = Vec::new();
         for part in self.parts.of(cell) {
-            amplitudes.add_all(self.tally.amplitudes(part));
-            add_sums(&mut sums, self.tally.sums(part));
+            self.tally.amplitudes(part).into_iter().for_each(|of_part| amplitudes.add_all(of_part));
+            add_sums(&mut sums, &self.tally.sums(part));
         }
         let integrated = self.integrated.get(cell as usize).copied();
         let lookups = integrated.map_or_else(|| self.layout.read_lookups(&sums), |integrated| integrated.lookups);
@@ -127,7 +127,7 @@ impl<'a> Surface<'a> {
     pub fn lookups(&self) -> Lookups {
         let mut lookups = Lookups::default();
         for part in 0..self.parts.count() {
-            lookups.add(self.layout.read_lookups(self.tally.sums(part)));
+            lookups.add(self.layout.read_lookups(&self.tally.sums(part)));
         }
         self.integrated.iter().for_each(|cell| lookups.add(cell.lookups));
         lookups
