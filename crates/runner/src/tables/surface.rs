@@ -146,12 +146,12 @@ impl<'a> Surface<'a> {
         let present = hash_of_file(&target).map_err(|error| Failure::reading(&target, error))?;
         let written = || -> Result<bool, ParquetError> {
             if let Some(present) = present
-                && present == self.encode(blake3::Hasher::new())?.finalize()
+                && present == self.encode(blake3::Hasher::new(), self.job.cells())?.finalize()
             {
                 return Ok(false);
             }
             publish_with(directory, "surface.parquet", |file| -> Result<(), ParquetError> {
-                self.encode(BufWriter::new(file))?.flush()?;
+                self.encode(BufWriter::new(file), self.job.cells())?.flush()?;
                 Ok(())
             })?;
             Ok(true)
@@ -159,11 +159,16 @@ impl<'a> Surface<'a> {
         written().map_err(|error| Failure::writing(&target, error))
     }
 
-    fn encode<W: Write + Send>(&self, out: W) -> Result<W, ParquetError> {
+    /// Makes the first rows as they are made for the file, and writes them nowhere: to measure what they cost.
+    pub fn try_rows(&self, cells: u64) -> Result<(), Failure> {
+        let written = self.encode(io::sink(), cells.min(self.job.cells()));
+        written.map(|_| ()).map_err(|error| Failure::InputOutput(error.to_string()))
+    }
+
+    fn encode<W: Write + Send>(&self, out: W, cells: u64) -> Result<W, ParquetError> {
         let columns = columns::of(self.job, self.layout);
         let schema = Arc::new(Schema::new(columns.iter().map(Column::field).collect::<Vec<_>>()));
         let mut writer = ArrowWriter::try_new(out, schema.clone(), Some(self.properties()))?;
-        let cells = self.job.cells();
         let mut first = 0;
         while first < cells {
             let end = cells.min(first + BATCH_ROWS);
