@@ -33,6 +33,9 @@ const TRIES: u64 = 3;
 const MOST_ROWS: u64 = 4096;
 const MOST_UNITS: u64 = 1000;
 
+/// About so many units are planned as a trial.
+const MOST_PLANNED: u64 = 4096;
+
 /// The predicted times of a job on several machines.
 pub struct ClusterPrediction {
     on: Nodes,
@@ -100,9 +103,11 @@ impl ClusterPrediction {
 /// What the steps of a run of the job take here.
 fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
     let mut tally = Tally::new(parts);
-    let shard = Shard::all(parts.cells().min(1000)).next();
-    let plan = quickest(1, || {
-        Plan::new(&Tally::new(parts), parts, parts.unit_samples(), shard);
+    // The plan of a shard of some units.
+    let shards = u64::try_from(parts.all_units() / u128::from(MOST_PLANNED)).unwrap_or(u64::MAX).clamp(1, 1_000_000);
+    let mut planned = 0;
+    let plan = quickest(TRIES, || {
+        planned = Plan::new(&tally, parts, parts.unit_samples(), Shard::all(shards).next()).units();
         Ok(())
     })?;
     // Units of several cells, as those of a shard are.
@@ -145,7 +150,7 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
     }
     // A row is made for the file, and again for what is said of all cells.
     let surface = Surface::new(job, &tally);
-    let row = quickest(1, || {
+    let row = quickest(TRIES, || {
         surface.try_rows(rows)?;
         (0..rows).for_each(|cell| drop(surface.row(cell)));
         Ok(())
@@ -154,8 +159,8 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
         started();
         Ok(())
     })?;
-    let (plan_of_a_cell, row) = (plan / parts.cells() as f64, row / rows as f64);
-    Ok(Rates { task: TASK, sample, start, plan_of_a_cell, piece_written, piece_read, unit_read, row })
+    let (unit_planned, row) = (plan / planned.max(1) as f64, row / rows as f64);
+    Ok(Rates { task: TASK, sample, start, unit_planned, piece_written, piece_read, unit_read, row })
 }
 
 /// The least of the times that a step takes, in seconds.

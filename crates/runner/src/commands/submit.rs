@@ -72,7 +72,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let directory = RunDirectory::open(&arguments.run, Access::Alone)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
-    if !job.is_integrated() && Parts::new(&job).complete_cells(&tally) == job.cells() {
+    if !job.is_integrated() && Parts::new(&job).are_complete(&tally) {
         note(format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;

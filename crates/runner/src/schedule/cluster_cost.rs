@@ -16,6 +16,9 @@ pub const TASK: f64 = 0.2;
 /// Share of the time of a computation after which it writes a piece.
 const PIECE_SHARE: f64 = 0.1;
 
+/// Share of the time below which more shards are worth it.
+const WORTH_MORE: f64 = 0.8;
+
 /// What the steps of a run take, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rates {
@@ -25,8 +28,8 @@ pub struct Rates {
     pub sample: f64,
     /// Starting the program.
     pub start: f64,
-    /// Finding out what a shard has to compute, for each cell of the job.
-    pub plan_of_a_cell: f64,
+    /// Planning a unit.
+    pub unit_planned: f64,
     /// Writing a piece, until it is on disk.
     pub piece_written: f64,
     /// Reading a piece, without its units.
@@ -124,22 +127,23 @@ impl Load {
         let shared = self.shared.div_ceil(shards);
         let of_one = self.samples * rates.sample / self.shared.max(1) as f64;
         let computing = shared.div_ceil(on.threads) as f64 * of_one;
+        let planning = shared as f64 * rates.unit_planned;
         let units = self.units as f64 / shards as f64;
+        let starting = rates.task + rates.start;
         let pieces = pieces_of(computing).min(units.ceil());
-        let starting = rates.task + rates.start + self.cells as f64 * rates.plan_of_a_cell;
         // A shard reads what those of the rounds before have written.
         let reading_of_one = pieces * rates.piece_read + units * rates.unit_read;
         let rounds_before = rounds as f64 * (rounds - 1) as f64 / 2.0;
         let reading = rounds_before * on.nodes as f64 * reading_of_one;
         let before = self.before / on.threads as f64;
         let rounds = rounds as f64;
-        let all = before + rounds * (starting + computing + rates.piece_written) + reading;
+        let all = before + rounds * (starting + planning + computing + rates.piece_written) + reading;
         let merge = starting + shards as f64 * reading_of_one + self.cells as f64 * rates.row + rates.piece_written;
         let (total, least) = (all + merge, self.samples * rates.sample / (on.nodes * on.threads) as f64);
         let parts = [
             (least, Limit::Computing),
             (before + rounds * computing - least, Limit::Idling),
-            (rounds * starting, Limit::Starting),
+            (rounds * (starting + planning), Limit::Starting),
             (reading, Limit::Reading),
             (rounds * rates.piece_written, Limit::Writing),
             (merge, Limit::Merging),
@@ -147,7 +151,7 @@ impl Load {
         let limit = parts.into_iter().max_by(|(a, _), (b, _)| a.total_cmp(b)).map_or(Limit::Computing, |(_, of)| of);
         ClusterCost {
             shards,
-            shard: starting + computing + rates.piece_written + reading / rounds,
+            shard: starting + planning + computing + rates.piece_written + reading / rounds,
             computing,
             all,
             merge,
@@ -159,14 +163,14 @@ impl Load {
     }
 
     /// The cost in a sensible number of shards: as many as their size makes, or somewhat more, such that every node has as
-    /// many, if that takes less time.
+    /// many, if that takes clearly less time.
     pub fn best(&self, rates: &Rates, on: Nodes) -> ClusterCost {
         let seconds = self.samples * rates.sample;
         let by_size = number_of_shards(seconds, self.shared, on.threads as usize, MOST_SHARDS);
         let most = MOST_SHARDS.min(self.shared.max(1));
         let numbers = [by_size, by_size.next_multiple_of(on.nodes)];
         let [by_size, even] = numbers.map(|shards| self.cost(rates, on, shards.min(most)));
-        if even.total < by_size.total { even } else { by_size }
+        if even.total < WORTH_MORE * by_size.total { even } else { by_size }
     }
 }
 
@@ -190,7 +194,7 @@ mod tests {
         task: TASK,
         sample: 1e-3,
         start: 0.3,
-        plan_of_a_cell: 1e-3,
+        unit_planned: 1e-3,
         piece_written: 0.5,
         piece_read: 0.01,
         unit_read: 1e-4,
@@ -209,10 +213,9 @@ mod tests {
         let cost = LOAD.cost(&RATES, Nodes { nodes: 1, threads: 1 }, 1);
         // 100 s of computing: 10 pieces in the first second, 41 until 50 s, 10 afterwards, and one at the end.
         assert_eq!((cost.pieces, cost.limit), (62, Limit::Computing));
-        let starting = 0.2 + 0.3 + 0.1;
-        close(cost.shard, starting + 100.0 + 0.5);
+        close(cost.shard, 0.2 + 0.3 + 0.1 + 100.0 + 0.5);
         close(cost.all, cost.shard);
-        close(cost.merge, starting + 62.0 * 0.01 + 100.0 * 1e-4 + 100.0 * 2e-3 + 0.5);
+        close(cost.merge, 0.2 + 0.3 + 62.0 * 0.01 + 100.0 * 1e-4 + 100.0 * 2e-3 + 0.5);
         close(cost.total, cost.all + cost.merge);
         close(cost.efficiency, 100.0 / cost.total);
     }
@@ -225,8 +228,8 @@ mod tests {
         assert_eq!(cost.pieces, 100);
         // The second round reads four shards, the third eight.
         let reading = 12.0 * (10.0 * 0.01 + 10.0 * 1e-4);
-        close(cost.all, 3.0 * (0.6 + 10.0 + 0.5) + reading);
-        close(cost.shard, 0.6 + 10.0 + 0.5 + reading / 3.0);
+        close(cost.all, 3.0 * (0.51 + 10.0 + 0.5) + reading);
+        close(cost.shard, 0.51 + 10.0 + 0.5 + reading / 3.0);
     }
 
     #[test]

@@ -54,33 +54,55 @@ impl fmt::Display for Shard {
 /// The units of work of one process. They are not listed, so that 10^10 samples take no more memory than 10^4.
 #[derive(Debug)]
 pub struct Plan {
-    /// The gaps with units of this process, and nothing for the others: a shard does not hold all cells.
     gaps: Vec<Gap>,
     /// Largest number of samples in a unit. Units start at multiples of it, whatever is counted already, so that shards
     /// agree on them.
     unit_samples: u64,
-    /// The distance of the units of this process in a gap.
-    step: u64,
-    /// The number of all units.
-    units: u64,
+    /// The number of units before each gap, and at the end the number of all units.
+    units_before: Vec<u64>,
 }
 
-/// Missing samples of one part, among them units that this process computes.
+/// Missing samples of one part, and the units among them that this process computes.
 #[derive(Debug)]
 struct Gap {
     part: u64,
     samples: Range<u64>,
-    /// Number of the first unit in the part.
+    /// Number of the first unit in the part, and the distance to the next.
     first: u64,
-    /// The number of units in the gaps before this one.
-    units_before: u64,
+    step: u64,
+    units: u64,
 }
 
 impl Gap {
+    /// The units of a gap that a shard computes. The parts before this one have `units_before` units.
+    fn new(part: u64, samples: Range<u64>, unit: u64, units_before: u128, shard: Option<Shard>) -> Self {
+        let Shard { index, count, .. } = shard.unwrap_or(Shard { index: 0, count: 1, typed: 1 });
+        let (from, to) = (samples.start / unit, samples.end.div_ceil(unit));
+        let number = (units_before + u128::from(from)) % u128::from(count);
+        let first = from + (index + count - number as u64) % count;
+        Self { part, samples, first, step: count, units: to.saturating_sub(first).div_ceil(count) }
+    }
+
+    /// All units of a gap.
+    fn whole(part: u64, samples: Range<u64>, unit: u64) -> Self {
+        let (first, to) = (samples.start / unit, samples.end.div_ceil(unit));
+        Self { part, samples, first, step: 1, units: to - first }
+    }
+
     /// The samples of unit `i`.
-    fn unit(&self, i: u64, step: u64, unit_samples: u64) -> Range<u64> {
-        let start = (self.first + i * step) * unit_samples;
+    fn unit(&self, i: u64, unit_samples: u64) -> Range<u64> {
+        let start = (self.first + i * self.step) * unit_samples;
         self.samples.start.max(start)..self.samples.end.min(start + unit_samples)
+    }
+
+    /// The number of samples in all units. Only the first and the last unit may be shorter than the others.
+    fn total(&self, unit_samples: u64) -> u128 {
+        let length = |i: u64| u128::from(self.unit(i, unit_samples).end - self.unit(i, unit_samples).start);
+        match self.units {
+            0 => 0,
+            1 => length(0),
+            units => length(0) + length(units - 1) + u128::from(units - 2) * u128::from(unit_samples),
+        }
     }
 }
 
@@ -93,25 +115,29 @@ impl Plan {
         let part_units: Vec<u128> =
             (0..parts.of_a_cell()).map(|place| u128::from(parts.max_samples(place).div_ceil(unit_samples))).collect();
         let cell_units: u128 = part_units.iter().sum();
-        let Shard { index, count, .. } = shard.unwrap_or(Shard { index: 0, count: 1, typed: 1 });
-        let step = if parts.are_sequential() { 1 } else { count };
-        let (mut gaps, mut units) = (Vec::new(), 0);
-        for (part, samples) in parts.missing(tally) {
+        let cells = cells_with_units(parts, cell_units, shard);
+        let missing = cells.flat_map(|cell| parts.missing_of(tally, cell));
+        let gaps = missing.filter_map(|(part, gap)| {
             let (cell, place) = parts.place(part);
-            let (from, to) = (samples.start / unit_samples, samples.end.div_ceil(unit_samples));
-            let first = if parts.are_sequential() {
-                if cell % count == index { from } else { to }
-            } else {
-                let before = u128::from(cell) * cell_units + part_units[..place].iter().sum::<u128>();
-                let number = (before + u128::from(from)) % u128::from(count);
-                from + (index + count - number as u64) % count
-            };
-            if first < to {
-                gaps.push(Gap { part, samples, first, units_before: units });
-                units += (to - first).div_ceil(step);
+            match shard {
+                Some(Shard { index, count, .. }) if parts.are_sequential() => {
+                    (cell % count == index).then(|| Gap::whole(part, gap, unit_samples))
+                }
+                _ => {
+                    let before = u128::from(cell) * cell_units + part_units[..place].iter().sum::<u128>();
+                    Some(Gap::new(part, gap, unit_samples, before, shard))
+                }
             }
+        });
+        let gaps: Vec<Gap> = gaps.filter(|gap| gap.units > 0).collect();
+        let mut units_before = Vec::with_capacity(gaps.len() + 1);
+        let mut units = 0;
+        for gap in &gaps {
+            units_before.push(units);
+            units += gap.units;
         }
-        Self { gaps, unit_samples, step, units }
+        units_before.push(units);
+        Self { gaps, unit_samples, units_before }
     }
 
     /// Largest number of samples in a unit.
@@ -121,35 +147,34 @@ impl Plan {
 
     /// The number of units.
     pub fn units(&self) -> u64 {
-        self.units
+        self.units_before[self.gaps.len()]
     }
 
     /// The number of samples in all units.
     pub fn samples(&self) -> u128 {
-        (0..self.gaps.len()).map(|position| self.samples_of(position)).sum()
-    }
-
-    /// The number of samples in the units of one gap. Only the first and the last unit may be shorter than the others.
-    fn samples_of(&self, position: usize) -> u128 {
-        let gap = &self.gaps[position];
-        let end = self.gaps.get(position + 1).map_or(self.units, |next| next.units_before);
-        let length = |i: u64| {
-            let unit = gap.unit(i, self.step, self.unit_samples);
-            u128::from(unit.end - unit.start)
-        };
-        match end - gap.units_before {
-            0 => 0,
-            1 => length(0),
-            units => length(0) + length(units - 1) + u128::from(units - 2) * u128::from(self.unit_samples),
-        }
+        self.gaps.iter().map(|gap| gap.total(self.unit_samples)).sum()
     }
 
     /// The unit at `index`: its part and samples.
     pub fn unit(&self, index: u64) -> (u64, Range<u64>) {
-        let position = self.gaps.partition_point(|gap| gap.units_before <= index) - 1;
+        let position = self.units_before.partition_point(|&before| before <= index) - 1;
         let gap = &self.gaps[position];
-        (gap.part, gap.unit(index - gap.units_before, self.step, self.unit_samples))
+        (gap.part, gap.unit(index - self.units_before[position], self.unit_samples))
     }
+}
+
+/// The cells of which a process computes units, and perhaps others: those between the units of a shard, most of the cells
+/// of a large job, need not be looked at.
+fn cells_with_units(parts: &Parts, cell_units: u128, shard: Option<Shard>) -> impl Iterator<Item = u64> {
+    let (first, step, of_a_cell) = match shard {
+        Some(Shard { index, count, .. }) if parts.are_sequential() => (index.into(), count.into(), 1),
+        Some(Shard { index, count, .. }) if cell_units > 0 && u128::from(count) >= cell_units => {
+            (u128::from(index), u128::from(count), cell_units)
+        }
+        _ => (0, 1, 1),
+    };
+    let cells = parts.cells();
+    (0..).map(move |turn: u128| ((first + turn * step) / of_a_cell) as u64).take_while(move |&cell| cell < cells)
 }
 
 #[cfg(test)]

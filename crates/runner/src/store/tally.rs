@@ -20,6 +20,8 @@ pub struct Tally {
     /// For each part, how many of its samples are stable, unstable, undecided and failed.
     counts: Vec<[u64; 4]>,
     covered: Covered,
+    /// The number of samples that are counted, over all parts.
+    counted: u128,
     /// The number of sums of each part; 0 before any are added.
     sums_of_a_part: usize,
     /// The sums of all parts.
@@ -38,6 +40,7 @@ impl Tally {
             parts: parts.clone(),
             counts: vec![[0; 4]; count],
             covered: Covered::none_of(count, parts.unit_samples()),
+            counted: 0,
             sums_of_a_part: 0,
             sums: Vec::new(),
             beyond: BTreeMap::new(),
@@ -58,6 +61,7 @@ impl Tally {
         if !self.covered.cover(index, most, &unit.samples) {
             return false;
         }
+        self.counted += u128::from(unit.counts.total());
         let VerdictCounts { stable, unstable, undecided, failed } = unit.counts;
         for (total, count) in self.counts[index].iter_mut().zip([stable, unstable, undecided, failed]) {
             *total += count;
@@ -92,6 +96,7 @@ impl Tally {
     /// Takes away what is counted of a part.
     pub fn clear(&mut self, part: u64) {
         let (index, _) = self.locate(part);
+        self.counted -= self.counts[index].iter().map(|&count| u128::from(count)).sum::<u128>();
         self.counts[index] = [0; 4];
         self.covered.clear(index);
         self.amplitudes.remove(&index);
@@ -125,7 +130,7 @@ impl Tally {
 
     /// The number of samples that are counted, over all parts.
     pub fn counted(&self) -> u128 {
-        self.counts.iter().flatten().map(|&count| u128::from(count)).sum()
+        self.counted
     }
 
     /// Whether the first `samples` samples of a part are all counted.
