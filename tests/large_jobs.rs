@@ -8,32 +8,24 @@ use std::process::Command;
 use common::{Place, surface_job};
 use serde_json::Value;
 
-/// A job of as many cells as there may be.
-#[cfg(target_os = "linux")]
-fn million_cells() -> Place {
-    let place = Place::new();
-    place.write("job.toml", &surface_job("large", 1000, 2, 1));
-    place
-}
-
-/// Runs a command with so many KiB of memory for its data, and asserts its exit code.
-#[cfg(target_os = "linux")]
-#[track_caller]
-fn with_memory(place: &Place, kib: u32, words: &str, code: i32) {
-    let mut command = Command::new("sh");
-    command.args(["-c", &format!("ulimit -d {kib} && exec {} {words}", env!("CARGO_BIN_EXE_stickslip"))]);
-    let output = command.current_dir(place.path("")).output().unwrap();
-    assert_eq!(output.status.code(), Some(code), "{words}: {}", String::from_utf8_lossy(&output.stderr));
-}
-
 #[test]
 #[cfg(target_os = "linux")]
 fn a_shard_of_a_million_cells_takes_little_memory() {
-    let place = million_cells();
-    with_memory(&place, 98_304, "submit job.toml --out run --threads 1 --shard 1/1000", 0);
+    let place = Place::new();
+    // As many cells as there may be.
+    place.write("job.toml", &surface_job("large", 1000, 2, 1));
+    // In so many KiB for its data.
+    let run = |words: &str| {
+        let mut command = Command::new("sh");
+        command.args(["-c", &format!("ulimit -d 98304 && exec {} {words}", env!("CARGO_BIN_EXE_stickslip"))]);
+        let output = command.current_dir(place.path("")).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, message) = run("submit job.toml --out run --threads 1 --shard 1/1000");
+    assert_eq!(code, Some(0), "{message}");
     // What is there is read, also if it is not complete.
-    with_memory(&place, 98_304, "merge run", 65);
-    place.run("merge run").refused(65, &["1000 of 1000000 cells"]);
+    let (code, message) = run("merge run");
+    assert!(code == Some(65) && message.contains("1000 of 1000000 cells"), "{code:?} {message}");
 }
 
 #[test]
@@ -55,12 +47,14 @@ fn check_predicts_the_times_of_shards_and_merge() {
         assert!((all + merge - total).abs() < 1e-9 * total, "{cost:#}");
         assert!((0.0..1.0).contains(&cost["efficiency"].as_f64().unwrap()), "{cost:#}");
     }
-    assert_eq!(cluster["best"]["shards"], 1, "a second of work is not worth more: {cluster:#}");
+    // Little work makes one shard, or one for each node where that is clearly quicker.
+    let best = &cluster["best"];
+    assert!(best["shards"] == 1 || best["shards"] == 4, "{cluster:#}");
+    assert!(best["total"].as_f64().unwrap() <= shards[0]["total"].as_f64().unwrap(), "{cluster:#}");
 
     let text = place.run("check job.toml --nodes 4 --threads 2").done().stdout;
-    for part in ["# on 4 nodes with 2 threads each, in 1 shard: about", "# 1000  ", "merge"] {
-        let part = part.replace("# 1000", "#     1000");
-        assert!(text.contains(&part), "{part:?} is not in {text}");
+    for part in ["\n# on 4 nodes with 2 threads each, in ", "\n#     1000  ", "merge"] {
+        assert!(text.contains(part), "{part:?} is not in {text}");
     }
     assert!(!place.run("check job.toml").done().stdout.contains("nodes"));
     place.run("check job.toml --nodes 0").refused(64, &["--nodes"]);

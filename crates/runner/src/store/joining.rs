@@ -99,6 +99,7 @@ fn add_in_order(tally: &mut Tally, mut units: Vec<FinishedUnit>) -> Result<(), (
 mod tests {
     use super::*;
     use crate::evaluate::parts::Parts;
+    use std::slice::from_ref;
     use stickslip_core::verdict::VerdictCounts;
     use stickslip_sampler::estimate::distribution::Distribution;
 
@@ -128,7 +129,7 @@ mod tests {
                 units.reverse();
                 let tally = joined(&parts, &units).unwrap();
                 assert_eq!((tally.counts(0).unstable, tally.counts(1).unstable), (20, 25), "{turn}");
-                assert_eq!(tally.gaps(0, 25), [20..25]);
+                assert_eq!(tally.gaps(0, 25), from_ref(&(20..25)));
                 assert_eq!((tally.sums(0), tally.sums(1)), (vec![190], vec![300]));
             }
         }
