@@ -9,7 +9,7 @@ MDBOOK_VERSION = 0.5.4
 MDBOOK_ROOT = target/mdbook-$(MDBOOK_VERSION)
 MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 
-.PHONY: run test test-slurm test-parallel program check docs docs-pictures bench bench-peers validity coverage clean
+.PHONY: run test test-slurm test-parallel program check docs docs-pictures bench bench-cluster bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -101,6 +101,11 @@ picture = $(STICKSLIP) submit jobs/$(1).toml --out target/pictures/$(1) >/dev/nu
 # One line for each figure: name, value, unit.
 bench:
 	$(CARGO) bench --locked -p stickslip --bench figures --bench methods --bench inputs
+
+# The table of docs/cluster-costs.md: predicted and measured times of shards and merge, and the memory of the merge.
+bench-cluster:
+	$(CARGO) build --locked --release
+	$(PYTHON) benches/cluster.py $(STICKSLIP)
 
 # The tables of the range of validity (docs of `stickslip_core::criterion::validity`): verdicts against references, case by case.
 validity:

@@ -179,6 +179,12 @@ pub struct CheckArguments {
     pub job: PathBuf,
     #[command(flatten)]
     pub threads: ThreadsArgument,
+    /// Predict the times of shards and merge on so many machines, each with the threads of --threads
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub nodes: Option<u32>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `parameters`.

@@ -68,7 +68,7 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
         )));
     }
     let tally = directory.tally(&existing)?;
-    let finished = Parts::new(&existing).complete_cells(&tally) == existing.cells();
+    let finished = Parts::new(&existing).are_complete(&tally);
     if wanted == there {
         return Ok((existing, if finished { RunState::Finished(tally) } else { RunState::Unfinished(tally) }));
     }

@@ -1,18 +1,33 @@
 //! `check`: validates a job and estimates its cost.
 
 use indicatif::HumanCount;
+use serde_json::{Value, json};
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
+use super::cluster_prediction::ClusterPrediction;
 use crate::cli::CheckArguments;
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::{counted, rate, result, warn};
+use crate::schedule::cluster_cost::{Load, Nodes};
 use crate::schedule::engine::Engine;
 use crate::schedule::time_left::Prediction;
 use crate::schedule::trial::{SampleTrial, UntilStop};
 use crate::units::force;
+
+/// The measured cost of a job.
+struct Cost {
+    /// What it is, as comments.
+    text: String,
+    /// Seconds that a sample takes on one thread, and the relative standard error.
+    sample: f64,
+    error: f64,
+    /// What shards would have to do; `None` if no samples are drawn.
+    load: Option<Load>,
+}
 
 /// `stickslip check`.
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
@@ -20,19 +35,50 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let job = source.job()?;
     warn(job.warnings());
     let threads = arguments.threads.count();
+    // The threads of other machines cannot be tried on fewer processors.
+    let here = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let engine = Engine::new(if arguments.nodes.is_some() { threads.min(here) } else { threads })?;
+    let mut evaluator = Evaluator::new(&job)?;
+    let cost = match (job.uses_maps(), job.is_integrated()) {
+        (true, _) => cost_of_maps(&mut evaluator, &engine, threads)?,
+        (false, true) => {
+            let text = "# no samples: the boundary is known in closed form\n".to_owned();
+            Cost { text, sample: 0.0, error: 0.0, load: None }
+        }
+        (false, false) => {
+            let trial = engine.try_samples(&evaluator)?;
+            let load = load_of(&job, evaluator.parts(), &trial);
+            Cost {
+                text: cost_of_samples(&job, &trial, threads),
+                sample: trial.cost,
+                error: trial.error,
+                load: Some(load),
+            }
+        }
+    };
+    let prediction = match (arguments.nodes, &cost.load) {
+        (Some(nodes), Some(load)) => {
+            let on = Nodes { nodes: nodes.into(), threads: threads as u64 };
+            Some(ClusterPrediction::of(&job, evaluator.parts(), *load, cost.sample, cost.error, on)?)
+        }
+        _ => None,
+    };
+    if arguments.json {
+        return result(&format!("{:#}\n", as_json(&job, threads, &cost, prediction.as_ref())));
+    }
+    let cluster = match (arguments.nodes, &prediction) {
+        (None, _) => String::new(),
+        (Some(_), Some(prediction)) => prediction.text(),
+        (Some(_), None) => {
+            "# method = \"exact\" draws no samples that nodes could share; one node computes it\n".to_owned()
+        }
+    };
     let lengths = job.grid.lengths();
     let usual = lengths.len() - 4;
     let further: String =
         job.grid.further().zip(&lengths).map(|(further, length)| format!("{length} {} x ", further.name)).collect();
-    let engine = Engine::new(threads)?;
-    let mut evaluator = Evaluator::new(&job)?;
-    let work = match (job.uses_maps(), job.is_integrated()) {
-        (true, _) => cost_of_maps(&mut evaluator, &engine)?,
-        (false, true) => "# no samples: the boundary is known in closed form\n".to_owned(),
-        (false, false) => cost_of_samples(&job, &engine.try_samples(&evaluator)?, threads),
-    };
     result(&format!(
-        "{}\n# {} is valid.\n# {}: {further}{} x {} x {} x {}\n{}{work}",
+        "{}\n# {} is valid.\n# {}: {further}{} x {} x {} x {}\n{}{}{cluster}",
         job.normalised(),
         source.path.display(),
         counted(job.cells().into(), "cell", "cells"),
@@ -41,7 +87,37 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         counted(lengths[usual + 2].into(), "preload", "preloads"),
         counted(lengths[usual + 3].into(), "static friction coefficient", "static friction coefficients"),
         contact_forces(&job),
+        cost.text,
     ))
+}
+
+/// Everything by name.
+fn as_json(job: &Job, threads: usize, cost: &Cost, prediction: Option<&ClusterPrediction>) -> Value {
+    json!({
+        "name": job.name,
+        "job": job.normalised(),
+        "cells": job.cells(),
+        "samples_at_most": u64::try_from(job.total_samples()).unwrap_or(u64::MAX),
+        "threads": threads,
+        "load": cost.load,
+        "seconds_of_a_sample": cost.load.map(|_| cost.sample),
+        "relative_error": cost.load.map(|_| cost.error),
+        "cluster": prediction.map(ClusterPrediction::json),
+    })
+}
+
+/// What the shards of a job without verdict maps have to do.
+fn load_of(job: &Job, parts: &Parts, trial: &SampleTrial) -> Load {
+    let cells = job.cells();
+    let units = u64::try_from(parts.all_units()).unwrap_or(u64::MAX);
+    match trial.until_stop {
+        None => Load { samples: job.total_samples() as f64, units, shared: units, cells, before: 0.0 },
+        Some(UntilStop { samples_by_cost, .. }) => {
+            let samples = samples_by_cost * cells as f64;
+            let units = ((samples / parts.unit_samples() as f64) as u64).clamp(cells, units.max(cells));
+            Load { samples, units, shared: cells, cells, before: 0.0 }
+        }
+    }
 }
 
 /// The contact forces of the expected preloads, which say more than these.
@@ -81,9 +157,8 @@ fn cost_of_samples(job: &Job, trial: &SampleTrial, threads: usize) -> String {
 }
 
 /// The cost of verdict maps, estimated from some of their tiles, and whether a run will use them.
-fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine) -> Result<String, Failure> {
+fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine, threads: usize) -> Result<Cost, Failure> {
     let job = evaluator.job();
-    let threads = engine.threads();
     evaluator.limit_maps();
     let tiles = evaluator.maps().needed() as u64;
     let trial = engine.try_maps(evaluator)?;
@@ -106,11 +181,12 @@ fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine) -> Result<String
         counted(threads as u128, "thread", "threads"),
     );
     let samples = engine.try_samples(&Evaluator::new(job)?)?;
-    let audit = job.audited_samples();
-    let audit_time = samples.time(audit as f64, BLOCK_SAMPLES, threads);
-    let audit = format!("{} for its audit, {audit_time}", counted(audit, "simulation", "simulations"));
+    let audit_samples = job.audited_samples();
+    let audit_time = samples.time(audit_samples as f64, BLOCK_SAMPLES, threads);
+    let audit = format!("{} for its audit, {audit_time}", counted(audit_samples, "simulation", "simulations"));
     if job.is_integrated() {
-        return Ok(format!("# no samples; {map}\n# {audit}\n"));
+        let text = format!("# no samples; {map}\n# {audit}\n");
+        return Ok(Cost { text, sample: samples.cost, error: samples.error, load: None });
     }
     let each = cost_of_samples(job, &samples, threads);
     let is_given_up = evaluator.maps().are_too_costly(cost);
@@ -128,9 +204,15 @@ fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine) -> Result<String
     } else {
         ""
     };
-    Ok(format!(
+    let text = format!(
         "# {map}\n# {audit}\n# if each is simulated: {}# simulating each sample takes {}; {what_it_does}{hint}\n",
         each.trim_start_matches("# "),
         counted(job.verdicts_of_samples(), "simulation", "simulations"),
-    ))
+    );
+    let mut load = load_of(job, evaluator.parts(), &samples);
+    if !is_given_up {
+        // Looking samples up takes little. Every node of the first round makes the map, or waits for it.
+        load = Load { samples: load.samples.min(audit_samples as f64), before: trial.seconds * share, ..load };
+    }
+    Ok(Cost { text, sample: samples.cost, error: samples.error.max(trial.error), load: Some(load) })
 }

@@ -20,11 +20,11 @@ use crate::tables::surface::Surface;
 /// # Errors
 /// An audit that found wrong verdicts in the verdict map.
 pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Result<(), Failure> {
-    let line = closing_line(&directory.surface(), job, surface);
-    let notes = [outside_physics(job, surface), without_verdict(surface), looked_up(job, surface)].concat();
-    let estimates: Vec<Estimate> = surface.rows().map(|row| row.estimate).collect();
-    result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &estimates))))?;
-    let Lookups { audited, differed, .. } = surface.lookups();
+    let summary = Summary::of(surface);
+    let line = closing_line(&directory.surface(), job, &summary);
+    let notes = [outside_physics(job, &summary), without_verdict(&summary), looked_up(job, &summary)].concat();
+    result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &summary.estimates))))?;
+    let Lookups { audited, differed, .. } = summary.lookups;
     if differed == 0 {
         return Ok(());
     }
@@ -41,14 +41,62 @@ pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Res
     )))
 }
 
+/// What the report says of all cells together. Making their rows takes long in large jobs, so that it is done once.
+struct Summary {
+    estimates: Vec<Estimate>,
+    lookups: Lookups,
+    /// Samples, and those of them that are undecided, failed and outside physics.
+    counted: u128,
+    undecided: u64,
+    failed: u64,
+    outside_physics: u64,
+    /// The largest share of a cell's samples that is outside physics.
+    outside_of_a_cell: f64,
+    /// The largest share of wrong looked-up verdicts of a cell that its audit does not exclude.
+    unaudited: f64,
+    /// The largest error of an integral.
+    error: f64,
+    /// The largest probability that a sample is undecided, where probabilities are integrated.
+    undecided_of_a_cell: f64,
+}
+
+impl Summary {
+    fn of(surface: &Surface<'_>) -> Self {
+        let mut summary = Self {
+            estimates: Vec::with_capacity(surface.job().cells() as usize),
+            lookups: surface.lookups(),
+            counted: 0,
+            undecided: 0,
+            failed: 0,
+            outside_physics: 0,
+            outside_of_a_cell: 0.0,
+            unaudited: 0.0,
+            error: 0.0,
+            undecided_of_a_cell: surface.largest_undecided(),
+        };
+        for SurfaceRow { counts, estimate, unaudited, outside_physics, .. } in surface.rows() {
+            summary.counted += u128::from(counts.total());
+            summary.undecided += counts.undecided;
+            summary.failed += counts.failed;
+            summary.outside_physics += outside_physics;
+            let outside = outside_physics as f64 / counts.total().max(1) as f64;
+            summary.outside_of_a_cell = summary.outside_of_a_cell.max(outside);
+            summary.unaudited = summary.unaudited.max(unaudited.unwrap_or(0.0));
+            let error = 0.5 * (estimate.high - estimate.low) - unaudited.unwrap_or(0.0);
+            summary.error = summary.error.max(error);
+            summary.estimates.push(estimate);
+        }
+        summary
+    }
+}
+
 /// A line on samples that were looked up in a verdict map, with the result of the audit.
-fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
-    let Lookups { simulated, audited, differed } = surface.lookups();
+fn looked_up(job: &Job, summary: &Summary) -> String {
+    let Lookups { simulated, audited, differed } = summary.lookups;
     if !job.uses_maps() {
         return String::new();
     }
-    let counted: u128 = surface.rows().map(|row| u128::from(row.counts.total())).sum();
-    if !job.is_integrated() && u128::from(simulated) == counted {
+    if !job.is_integrated() && u128::from(simulated) == summary.counted {
         return "every sample was simulated, none looked up in a verdict map\n".to_owned();
     }
     let mut text = if job.is_integrated() {
@@ -57,7 +105,7 @@ fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
         format!("looked up in a verdict map, {} simulated within its resolution; ", HumanCount(simulated))
     };
     text += &if job.sampling.is_audited {
-        let widest = surface.rows().filter_map(|row| row.unaudited).fold(0.0, f64::max);
+        let widest = summary.unaudited;
         format!(
             "audit: {} of {} differed, so up to {widest:.1e} of a cell's samples may have a wrong verdict (p_audit)",
             HumanCount(differed),
@@ -70,14 +118,8 @@ fn looked_up(job: &Job, surface: &Surface<'_>) -> String {
 }
 
 /// A line on samples outside physics, if there are any.
-fn outside_physics(job: &Job, surface: &Surface<'_>) -> String {
-    let (mut outside, mut counted) = (0, 0_u128);
-    let mut largest = 0.0_f64;
-    for row in surface.rows() {
-        outside += row.outside_physics;
-        counted += u128::from(row.counts.total());
-        largest = largest.max(row.outside_physics as f64 / row.counts.total().max(1) as f64);
-    }
+fn outside_physics(job: &Job, summary: &Summary) -> String {
+    let outside = summary.outside_physics;
     if outside == 0 {
         return String::new();
     }
@@ -85,8 +127,8 @@ fn outside_physics(job: &Job, surface: &Surface<'_>) -> String {
     format!(
         "{} samples ({}, in one cell up to {}) have no preload or friction that rises with speed (f_s < f_c); {}\n",
         HumanCount(outside),
-        share(outside as f64 / counted as f64),
-        share(largest),
+        share(outside as f64 / summary.counted as f64),
+        share(summary.outside_of_a_cell),
         match job.outside_physics {
             OutsidePhysics::Stable if job.has_flexible_disc() => {
                 "they are decided as they are, see criterion.outside_physics"
@@ -99,12 +141,8 @@ fn outside_physics(job: &Job, surface: &Surface<'_>) -> String {
 }
 
 /// A line on undecided and failed samples, if there are any.
-fn without_verdict(surface: &Surface<'_>) -> String {
-    let (mut undecided, mut failed) = (0, 0);
-    for row in surface.rows() {
-        undecided += row.counts.undecided;
-        failed += row.counts.failed;
-    }
+fn without_verdict(summary: &Summary) -> String {
+    let Summary { undecided, failed, .. } = *summary;
     match (undecided, failed) {
         (0, 0) => String::new(),
         _ => format!(
@@ -119,22 +157,19 @@ fn count_of_samples(count: u128) -> String {
     counted(count, "sample", "samples")
 }
 
-fn closing_line(path: &Path, job: &Job, surface: &Surface<'_>) -> String {
+fn closing_line(path: &Path, job: &Job, summary: &Summary) -> String {
     let cells = counted(job.cells().into(), "cell", "cells");
     if job.is_integrated() {
-        let error = |row: SurfaceRow| 0.5 * (row.estimate.high - row.estimate.low) - row.unaudited.unwrap_or(0.0);
-        let widest = surface.rows().map(error).fold(0.0, f64::max);
-        let undecided = surface.largest_undecided();
+        let Summary { error, undecided_of_a_cell: undecided, .. } = *summary;
         let undecided = if undecided > 0.0 {
             format!("; up to {undecided:.1e} of a cell's samples would be undecided, see p_undecided")
         } else {
             String::new()
         };
-        return format!("{}: {cells}, integrated, error at most {widest:.1e}{undecided}\n", path.display());
+        return format!("{}: {cells}, integrated, error at most {error:.1e}{undecided}\n", path.display());
     }
     let samples = if job.stops_by_precision() {
-        let drawn: u128 = surface.rows().map(|row| u128::from(row.counts.total())).sum();
-        format!("{} in all, at most {} each", count_of_samples(drawn), HumanCount(job.sampling.samples))
+        format!("{} in all, at most {} each", count_of_samples(summary.counted), HumanCount(job.sampling.samples))
     } else {
         format!("{} each", count_of_samples(job.sampling.samples.into()))
     };

@@ -277,6 +277,10 @@ fn count(
         }
         let samples = Samples { plan: &plan, parts, pieces: Some(pieces), are_audits: false };
         outcome = engine.run(evaluator, samples, tally, &mut progress, interrupt);
+        // Only looks ask for more.
+        if !parts.are_sequential() {
+            break;
+        }
     }
     progress.finish();
     outcome

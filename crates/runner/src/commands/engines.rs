@@ -64,7 +64,7 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
         return Err(Failure::Busy(message));
     }
     if arguments.engine.dry_run {
-        let tally = Tally::new(Parts::new(&job).count());
+        let tally = Tally::new(&Parts::new(&job));
         let shards = request.shards(&job, &tally)?;
         let scripts = request.scripts(&job, shards)?;
         let text =

@@ -12,6 +12,8 @@ mod watch;
 
 mod status;
 
+mod cluster_prediction;
+
 mod check;
 
 mod one_brake;

@@ -30,7 +30,7 @@ impl ShardProgress {
     /// Of a run that is computed in `count` shards.
     pub fn of(run: &Path, job: &Job, parts: &Parts, tally: &Tally, count: u64) -> Self {
         let samples = |tally: &Tally| Plan::missing_of_shards(tally, parts, job.unit_samples(), count);
-        let (missing, all) = (samples(tally), samples(&Tally::new(parts.count())));
+        let (missing, all) = (samples(tally), samples(&Tally::new(parts)));
         let share = |(missing, all): (&u128, &u128)| if *all > 0 { 1.0 - *missing as f64 / *all as f64 } else { 1.0 };
         let shares = missing.iter().zip(&all).map(share).collect();
         let workers = workers(run).into_iter().filter(|worker| worker.shards == count).collect();

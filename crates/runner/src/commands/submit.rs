@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::output::{HumanCount128, counted, note, quoted, warn};
-use crate::schedule::plan::{Plan, Shard};
+use crate::schedule::plan::Shard;
 use crate::store::directory::RunDirectory;
 use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::provenance::Session;
@@ -93,7 +93,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let directory = RunDirectory::open(&arguments.run, Access::Alone, AN_INSTANT)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
-    if !job.is_integrated() && Parts::new(&job).complete_cells(&tally) == job.cells() {
+    if !job.is_integrated() && Parts::new(&job).are_complete(&tally) {
         note(format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;
@@ -131,7 +131,7 @@ fn keep_number(shard: Shard, directory: &RunDirectory) -> Result<(), Failure> {
 
 /// A warning if a job has less work than shards.
 fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
-    let work = units_of_work(job, &Tally::new(Parts::new(job).count()));
+    let work = units_of_work(job, &Tally::new(&Parts::new(job)));
     let what = if Parts::new(job).are_sequential() {
         counted(work.into(), "cell", "cells")
     } else {

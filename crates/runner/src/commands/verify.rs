@@ -10,11 +10,11 @@ use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::files::folder::Folder;
 use crate::job::Job;
-use crate::output::{counted, quoted, result};
+use crate::output::{counted, note, quoted, result};
 use crate::store::digests::{DIGESTS, Digests, Known, digest_of_file};
 use crate::store::directory::{AUDITS, JOB, MAPS, RunDirectory, SHARDS, SURFACE, SurfaceState};
 use crate::store::lock::Access;
-use crate::store::piece::{is_piece_name, read_checked};
+use crate::store::piece::{Defect, is_piece_name, read_checked};
 use crate::store::provenance::{RECORD, is_record};
 use crate::tables::surface::Surface;
 
@@ -157,11 +157,14 @@ impl Check<'_> {
             Ok(names) => names.into_iter().filter(|name| is_piece_name(name)).collect(),
             Err(error) => return self.find(name, State::Broken, error.to_string()),
         };
-        let damaged: Vec<(&OsStr, String)> =
+        let damaged: Vec<(&OsStr, Defect)> =
             names.iter().filter_map(|name| Some((&**name, read_checked(folder, name).err()?))).collect();
-        for (name, why) in &damaged {
-            if self.can_mend {
-                self.directory.set_aside(folder, name, why);
+        for (name, defect) in &damaged {
+            match defect {
+                Defect::Damaged(why) if self.can_mend => self.directory.set_aside(folder, name, why),
+                Defect::Damaged(why) | Defect::Unread(why) => {
+                    note(format_args!("warning: {}: {why}", folder.path().join(name).display()));
+                }
             }
         }
         let count = counted(names.len() as u128, "piece", "pieces");

@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use stickslip_sampler::estimate::looks::Looks;
 
 use crate::job::{Audit, Effort, Job};
@@ -20,6 +21,8 @@ pub struct Parts {
     cells: u64,
     /// Largest number of samples in each part of a cell.
     samples: Vec<u64>,
+    /// Largest number of samples in a unit of work.
+    unit_samples: u64,
     looks: Option<Looks>,
 }
 
@@ -30,7 +33,7 @@ impl Parts {
             Effort::Until(looks) => Some(looks.clone()),
             _ => None,
         };
-        Self { cells: job.cells(), samples: job.sampling.parts(), looks }
+        Self { cells: job.cells(), samples: job.sampling.parts(), unit_samples: job.unit_samples(), looks }
     }
 
     /// The audits of a job that integrates: one part in each cell, of the samples that check the cell's integral.
@@ -39,13 +42,13 @@ impl Parts {
             Audit::Samples(samples) if job.is_integrated() && job.uses_maps() => samples,
             _ => 0,
         };
-        Self { cells: job.cells(), samples: vec![samples], looks: None }
+        Self { cells: job.cells(), samples: vec![samples], unit_samples: BLOCK_SAMPLES, looks: None }
     }
 
     /// The parts of a job that has one in each cell.
     #[cfg(test)]
     pub fn plain(cells: u64, samples: u64) -> Self {
-        Self { cells, samples: vec![samples], looks: None }
+        Self { cells, samples: vec![samples], unit_samples: BLOCK_SAMPLES, looks: None }
     }
 
     /// The number of parts, over all cells.
@@ -106,6 +109,22 @@ impl Parts {
     /// The largest number of samples in the part at `place` in its cell.
     pub fn max_samples(&self, place: usize) -> u64 {
         self.samples[place]
+    }
+
+    /// Largest number of samples in a unit of work. Units start at multiples of it.
+    pub fn unit_samples(&self) -> u64 {
+        self.unit_samples
+    }
+
+    /// The number of units of the part at `place` in its cell.
+    pub fn units(&self, place: usize) -> u64 {
+        self.samples[place].div_ceil(self.unit_samples)
+    }
+
+    /// The number of units, over all cells.
+    pub fn all_units(&self) -> u128 {
+        let of_a_cell: u128 = (0..self.of_a_cell()).map(|place| u128::from(self.units(place))).sum();
+        u128::from(self.cells) * of_a_cell
     }
 
     /// The number of the first sample of the part at `place` in its cell, by which it is drawn. With looks, samples are

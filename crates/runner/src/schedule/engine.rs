@@ -124,7 +124,7 @@ impl Engine {
         let job = evaluator.job();
         let regions = evaluator.regions();
         let integrate = |index: u64| {
-            let lookups = Lookups::from_sums(audits.sums(index));
+            let lookups = Lookups::from_sums(&audits.sums(index));
             (index, evaluator.integrate(&job.grid.cell(index), &regions, lookups))
         };
         let mut cells = vec![IntegratedCell::unknown(); job.cells() as usize];

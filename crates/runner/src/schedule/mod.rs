@@ -17,3 +17,5 @@ pub mod mapping;
 pub mod trial;
 
 pub mod shard_size;
+
+pub mod cluster_cost;

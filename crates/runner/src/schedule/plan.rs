@@ -120,7 +120,8 @@ impl Plan {
         let part_units: Vec<u128> =
             (0..parts.of_a_cell()).map(|place| u128::from(parts.max_samples(place).div_ceil(unit_samples))).collect();
         let cell_units: u128 = part_units.iter().sum();
-        let missing = tally.gaps(&parts.wanted(tally)).into_iter();
+        let cells = cells_with_units(parts, cell_units, shard);
+        let missing = cells.flat_map(|cell| parts.missing_of(tally, cell));
         let gaps = missing.filter_map(|(part, gap)| {
             let (cell, place) = parts.place(part);
             match shard {
@@ -199,6 +200,20 @@ impl Plan {
     }
 }
 
+/// The cells of which a process computes units, and perhaps others: those between the units of a shard, most of the cells
+/// of a large job, need not be looked at.
+fn cells_with_units(parts: &Parts, cell_units: u128, shard: Option<Shard>) -> impl Iterator<Item = u64> {
+    let (first, step, of_a_cell) = match shard {
+        Some(Shard { index, count, .. }) if parts.are_sequential() => (index.into(), count.into(), 1),
+        Some(Shard { index, count, .. }) if cell_units > 0 && u128::from(count) >= cell_units => {
+            (u128::from(index), u128::from(count), cell_units)
+        }
+        _ => (0, 1, 1),
+    };
+    let cells = parts.cells();
+    (0..).map(move |turn: u128| ((first + turn * step) / of_a_cell) as u64).take_while(move |&cell| cell < cells)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -211,7 +226,7 @@ mod tests {
     const UNIT_SAMPLES: u64 = 1_000_000;
 
     fn tally_with_holes() -> Tally {
-        let mut tally = Tally::new(7);
+        let mut tally = Tally::new(&Parts::plain(7, SAMPLES));
         for (cell, samples) in [(0, 0..3_500_000), (2, 1_000_000..1_000_001), (3, 0..10_000), (6, 999_999..2_000_000)] {
             let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
             tally.add(&FinishedUnit {
@@ -249,7 +264,7 @@ mod tests {
             });
             assert_eq!(tally.counted() - before, u128::from(counts.total()), "no overlap");
         }
-        assert!(tally.gaps(&[SAMPLES; 7]).is_empty());
+        assert!((0..7).all(|part| tally.gaps(part, SAMPLES).is_empty()));
     }
 
     #[test]
@@ -270,7 +285,7 @@ mod tests {
     #[test]
     fn what_shards_miss_is_what_they_plan() {
         let parts = Parts::plain(7, SAMPLES);
-        for tally in [Tally::new(7), tally_with_holes()] {
+        for tally in [Tally::new(&Parts::plain(7, SAMPLES)), tally_with_holes()] {
             for count in [1, 2, 3, 4, 5, 16, 100] {
                 let of_shard = |shard: Shard| Plan::new(&tally, &parts, UNIT_SAMPLES, Some(shard)).samples();
                 let planned: Vec<u128> = Shard::all(count).map(of_shard).collect();
@@ -282,7 +297,7 @@ mod tests {
     #[test]
     fn a_shard_does_not_depend_on_finished_work() {
         let shard: Shard = "2/3".parse().unwrap();
-        let fresh = units(&Tally::new(7), Some(shard));
+        let fresh = units(&Tally::new(&Parts::plain(7, SAMPLES)), Some(shard));
         for (cell, samples) in units(&tally_with_holes(), Some(shard)) {
             let inside = |(c, s): &(u64, Range<u64>)| *c == cell && s.start <= samples.start && samples.end <= s.end;
             assert!(fresh.iter().any(inside), "{cell} {samples:?}");

@@ -123,7 +123,12 @@ mod tests {
     }
 
     fn written(directory: &Folder) -> Vec<FinishedUnit> {
-        let mut units = piece::read_all(directory, "experiment", |_| true, 0).unwrap().units;
+        let mut units = Vec::new();
+        piece::read_all(directory, "experiment", |_| true, 0, &mut |unit| {
+            units.push(unit);
+            Ok(())
+        })
+        .unwrap();
         units.sort_by_key(|unit| (unit.part, unit.samples.start));
         units
     }

@@ -18,8 +18,9 @@ use crate::files::publish::{files, is_temporary};
 use crate::job::{Job, JobSource};
 use crate::output::{note, quoted};
 use crate::store::digests::{DIGESTS, Fit, Known, digest_of_bytes, digest_of_file};
+use crate::store::joining::{self, Refusal};
 use crate::store::lock::{AN_INSTANT, Access, LOCK, Lock, is_held};
-use crate::store::piece;
+use crate::store::piece::{self, Complaint, Defect};
 use crate::store::tally::Tally;
 
 /// The footer key of a surface for the hash of its job.
@@ -151,6 +152,11 @@ impl RunDirectory {
         let Self { root, shards, lock } = self;
         let lock = lock.map(|lock| lock.share(&root)).transpose()?.flatten();
         Ok(Self { root, shards, lock })
+    }
+
+    /// Whether it is certain that no other process works here.
+    fn is_alone(&self) -> bool {
+        self.lock.as_ref().is_some_and(Lock::is_alone)
     }
 
     /// Whether another process is working in this run.
@@ -335,7 +341,7 @@ impl RunDirectory {
 
     /// Removes the unfinished files of killed processes, if no other process can be at work here.
     pub fn tidy(&self) -> Result<(), Failure> {
-        if !self.lock.as_ref().is_some_and(Lock::is_certain) {
+        if !self.is_alone() {
             return Ok(());
         }
         self.root.remove_unfinished()?;
@@ -367,43 +373,66 @@ impl RunDirectory {
         let parts = Parts::of_audits(job);
         match self.audits()? {
             Some(pieces) => self.tally_of(&pieces, job, &parts, LOOKUPS),
-            None => Ok(Tally::new(parts.count())),
+            None => Ok(Tally::new(&parts)),
         }
     }
 
     fn tally_of(&self, pieces: &Folder, job: &Job, parts: &Parts, sums: usize) -> Result<Tally, Failure> {
         let is_part = |stored: u64| parts.locate_stored(stored).0 < job.cells();
-        let read = piece::read_all(pieces, &job.experiment_hash(), is_part, sums)?;
-        for complaint in &read.complaints {
-            note(format_args!("warning: {complaint}"));
-        }
-        let mut units = Vec::with_capacity(read.units.len());
-        for unit in read.units {
-            let (cell, part) = parts.locate_stored(unit.part);
-            let wanted = part.filter(|&part| unit.samples.end <= parts.max_samples(parts.place(part).1));
-            let Some(part) = wanted else {
-                let what = part.map_or("more samples".to_owned(), |_| format!("sample {}", unit.samples.end - 1));
-                return Err(Failure::Job(format!(
-                    "{}: its pieces hold {what} of cell {cell}, but its job.toml has only {} samples; was it edited?",
+        let experiment = job.experiment_hash();
+        let mut complaints = None;
+        let mut tally = Tally::new(parts);
+        let read = |take: &mut dyn FnMut(FinishedUnit)| {
+            let found = piece::read_all(pieces, &experiment, is_part, sums, &mut |unit| {
+                take(FinishedUnit { part: self.part_of(&unit, job, parts)?, ..unit });
+                Ok(())
+            })?;
+            // Pieces may be read again.
+            complaints.get_or_insert(found);
+            Ok(())
+        };
+        joining::add_all(&mut tally, read).map_err(|refusal| match refusal {
+            Refusal::Unread(failure) => failure,
+            Refusal::Disagreement(part, samples) => {
+                let (cell, place) = parts.place(part);
+                let of =
+                    if parts.of_a_cell() > 1 { format!("part {place} of cell {cell}") } else { format!("cell {cell}") };
+                Failure::InputOutput(format!(
+                    "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move {}/ elsewhere and compute again",
                     self.path().display(),
-                    job.sampling.samples
-                )));
-            };
-            units.push(FinishedUnit { part, ..unit });
-        }
-        let mut tally = Tally::new(parts.count());
-        tally.add_all(units).map_err(|(part, samples)| {
-            let (cell, place) = parts.place(part);
-            let of = if parts.of_a_cell() > 1 { format!("part {place} of cell {cell}") } else { format!("cell {cell}") };
-            Failure::InputOutput(format!(
-                "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move {}/ elsewhere and compute again",
-                self.path().display(),
-                samples.start,
-                samples.end - 1,
-                pieces.path().file_name().unwrap_or_default().display()
-            ))
+                    samples.start,
+                    samples.end - 1,
+                    pieces.path().file_name().unwrap_or_default().display()
+                ))
+            }
         })?;
+        for Complaint { name, defect } in complaints.into_iter().flatten() {
+            match defect {
+                Defect::Damaged(why) if self.is_alone() => self.set_aside(pieces, &name, &why),
+                Defect::Damaged(why) | Defect::Unread(why) => {
+                    let path = pieces.path().join(name);
+                    note(format_args!("warning: {} is ignored: {why}", path.display()));
+                }
+            }
+        }
         Ok(tally)
+    }
+
+    /// The part of a unit of a piece.
+    ///
+    /// # Errors
+    /// Samples that the job does not have.
+    fn part_of(&self, unit: &FinishedUnit, job: &Job, parts: &Parts) -> Result<u64, Failure> {
+        let (cell, part) = parts.locate_stored(unit.part);
+        let wanted = part.filter(|&part| unit.samples.end <= parts.max_samples(parts.place(part).1));
+        wanted.ok_or_else(|| {
+            let what = part.map_or("more samples".to_owned(), |_| format!("sample {}", unit.samples.end - 1));
+            Failure::Job(format!(
+                "{}: its pieces hold {what} of cell {cell}, but its job.toml has only {} samples; was it edited?",
+                self.path().display(),
+                job.sampling.samples
+            ))
+        })
     }
 }
 

@@ -49,6 +49,7 @@ pub enum Access {
 #[derive(Debug)]
 pub struct Lock {
     file: File,
+    access: Access,
     /// Whether it is certain to keep others out, those on other machines included.
     is_certain: bool,
 }
@@ -70,7 +71,7 @@ impl Lock {
             };
             match tried {
                 Ok(()) if is_the_file(folder, &file) => {
-                    let lock = Self { is_certain: is_certain(folder), file };
+                    let lock = Self { is_certain: is_certain(folder), access, file };
                     lock.sign(access);
                     return Ok(Some(lock));
                 }
@@ -111,9 +112,9 @@ impl Lock {
         Self::acquire(folder, Access::Shared, Duration::from_secs(60))
     }
 
-    /// Whether it is certain to keep others out.
-    pub fn is_certain(&self) -> bool {
-        self.is_certain
+    /// Whether it is certain to keep all others out.
+    pub fn is_alone(&self) -> bool {
+        self.is_certain && self.access == Access::Alone
     }
 
     /// Writes who holds it. Nothing depends on it but messages.
@@ -262,7 +263,7 @@ mod tests {
         let (_directory, folder) = folder();
         assert!(!is_held(&folder));
         let alone = Lock::acquire(&folder, Access::Alone, AN_INSTANT).unwrap().unwrap();
-        assert!(is_held(&folder) && alone.is_certain());
+        assert!(is_held(&folder) && alone.is_alone());
         for access in [Access::Alone, Access::Shared, Access::Reading] {
             let refused = Lock::acquire(&folder, access, AN_INSTANT).unwrap_err();
             let holder = format!("is in use by process {} on ", process::id());

@@ -23,7 +23,7 @@ use crate::failure::Failure;
 use crate::files::folder::Folder;
 use crate::files::table::described_field;
 use crate::output::note;
-use crate::store::piece::{digest, is_piece_name, read_checked};
+use crate::store::piece::{Defect, digest, is_piece_name, read_checked};
 
 const KEY: &str = "stickslip:verdict_map";
 
@@ -40,7 +40,7 @@ pub fn load(maps: &mut Maps, folder: &Folder) -> Result<usize, Failure> {
             |why: &str| note(format_args!("warning: {} is ignored: {why}", folder.path().join(name).display()));
         let bytes = match read_checked(folder, name) {
             Ok(bytes) => bytes,
-            Err(why) => {
+            Err(Defect::Unread(why) | Defect::Damaged(why)) => {
                 ignored(&why);
                 continue;
             }

@@ -1,6 +1,10 @@
 //! The run directory: pieces of finished work, verdict maps, provenance.
 
+mod covered;
+
 pub mod tally;
+
+mod joining;
 
 pub mod wanted;
 

@@ -3,7 +3,7 @@
 //! A piece is a small Parquet file, named by the hash of its content. It is written under a temporary name and renamed
 //! when it is on disk. A piece that is incomplete, altered or from another job is never used.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,6 +20,7 @@ use stickslip_sampler::estimate::distribution::Distribution;
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::files::folder::Folder;
+use crate::files::publish::is_temporary;
 use crate::job::IDENTITY_VERSION;
 
 const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
@@ -57,63 +58,77 @@ pub fn is_piece_name(name: &OsStr) -> bool {
     stem.is_some_and(|stem| stem.len() == DIGITS && stem.bytes().all(|byte| byte.is_ascii_hexdigit()))
 }
 
+/// Why a piece is not used.
+#[derive(Debug)]
+pub enum Defect {
+    /// It is there and was not or could not be read; it may be later.
+    Unread(String),
+    /// It does not hold what was written.
+    Damaged(String),
+}
+
+/// What becomes of the content of a piece that is not used.
+const AGAIN: &str = "what was in it will be computed again";
+
 /// The bytes of a piece in `folder`, or why they are not what they were.
-pub fn read_checked(folder: &Folder, name: &OsStr) -> Result<Vec<u8>, String> {
-    let bytes = folder.read(name, MOST_BYTES).map_err(|error| error.to_string())?;
+pub fn read_checked(folder: &Folder, name: &OsStr) -> Result<Vec<u8>, Defect> {
+    let bytes = folder.read(name, MOST_BYTES).map_err(|error| Defect::Unread(format!("{error}; {AGAIN}")))?;
     if *name == *format!("{}.parquet", digest(&bytes)) {
         Ok(bytes)
     } else {
-        Err("its content does not match the checksum in its name".to_owned())
+        Err(Defect::Damaged(format!("its content does not match the checksum in its name; {AGAIN}")))
     }
 }
 
-/// The units in the pieces of a directory, and the complaints about pieces that were left out.
-#[derive(Debug, Default)]
-pub struct Pieces {
-    /// The units of all pieces that are in order.
-    pub units: Vec<FinishedUnit>,
-    /// One line for each piece that is not.
-    pub complaints: Vec<String>,
+/// A file that is left out, and why.
+#[derive(Debug)]
+pub struct Complaint {
+    /// Its name.
+    pub name: OsString,
+    /// What is wrong.
+    pub defect: Defect,
 }
 
-/// Reads every piece in `folder`. `is_part` says which numbers parts may have, and `sums` is the number of sums.
+/// Reads every piece in `folder`, one after the other, and passes the units of those that are in order to `take`.
+/// `is_part` says which numbers parts may have, and `sums` is the number of sums. Returns what is not in order.
 ///
 /// # Errors
-/// A directory that cannot be read, or an undamaged piece of another experiment: the two must not be mixed.
+/// A directory that cannot be read, an undamaged piece of another experiment, as the two must not be mixed, and what
+/// `take` refuses.
 pub fn read_all(
     folder: &Folder,
     experiment: &str,
     is_part: impl Fn(u64) -> bool,
     sums: usize,
-) -> Result<Pieces, Failure> {
-    let mut pieces = Pieces::default();
+    take: &mut dyn FnMut(FinishedUnit) -> Result<(), Failure>,
+) -> Result<Vec<Complaint>, Failure> {
+    let mut complaints = Vec::new();
     let names = folder.names().map_err(|error| Failure::reading(folder.path(), error))?;
     // Other files, such as .DS_Store, are left alone.
-    for name in names.iter().filter(|name| Path::new(name).extension().is_some_and(|extension| extension == "parquet"))
-    {
-        let path = folder.path().join(name);
+    let is_parquet = |name: &&OsString| Path::new(name).extension().is_some_and(|extension| extension == "parquet");
+    for name in names.iter().filter(is_parquet).filter(|name| !is_temporary(Path::new(name))) {
+        let mut complain = |defect: Defect| complaints.push(Complaint { name: name.clone(), defect });
         if !is_piece_name(name) {
-            pieces.complaints.push(format!("{} is ignored: it does not have the name of a piece", path.display()));
+            complain(Defect::Unread("it does not have the name of a piece".to_owned()));
             continue;
         }
-        let damaged = |why: &str| format!("{} is ignored, its samples will be computed again: {why}", path.display());
         let bytes = match read_checked(folder, name) {
             Ok(bytes) => bytes,
-            Err(why) => {
-                pieces.complaints.push(damaged(&why));
+            Err(defect) => {
+                complain(defect);
                 continue;
             }
         };
         match decode(bytes) {
-            Ok((owner, _)) if owner.experiment != experiment => return Err(owner.refused(&path)),
+            Ok((owner, _)) if owner.experiment != experiment => return Err(owner.refused(&folder.path().join(name))),
             Ok((_, units)) if units.iter().all(|s| is_part(s.part) && s.sums.len() == sums && s.is_consistent()) => {
-                pieces.units.extend(units);
+                units.into_iter().try_for_each(&mut *take)?;
             }
-            Ok(_) => pieces.complaints.push(damaged("its counts do not add up")),
-            Err(error) => pieces.complaints.push(damaged(&error)),
+            Ok(_) => complain(Defect::Damaged(format!("its counts do not add up; {AGAIN}"))),
+            Err(why) => complain(Defect::Damaged(format!("{why}; {AGAIN}"))),
         }
     }
-    Ok(pieces)
+    Ok(complaints)
 }
 
 /// The run that a piece belongs to, as named in its footer.
@@ -306,12 +321,22 @@ mod tests {
         (directory, piece)
     }
 
+    /// The units of all pieces, and the complaints.
+    fn read(folder: &Folder, experiment: &str) -> Result<(Vec<FinishedUnit>, Vec<Complaint>), Failure> {
+        let mut units = Vec::new();
+        let complaints = read_all(folder, experiment, |part| part < 50, 2, &mut |unit| {
+            units.push(unit);
+            Ok(())
+        })?;
+        Ok((units, complaints))
+    }
+
     #[test]
     fn a_piece_reads_back_as_written() {
         let (directory, _) = written();
-        let pieces = read_all(&folder(&directory), "experiment", |part| part < 50, 2).unwrap();
-        assert_eq!(pieces.units, some_units());
-        assert!(pieces.complaints.is_empty());
+        let (units, complaints) = read(&folder(&directory), "experiment").unwrap();
+        assert_eq!(units, some_units());
+        assert!(complaints.is_empty());
     }
 
     #[test]
@@ -322,30 +347,30 @@ mod tests {
             let mut bytes = sound.clone();
             bytes[position] ^= 0x10;
             fs::write(&piece, &bytes).unwrap();
-            let pieces = read_all(&folder(&directory), "experiment", |part| part < 50, 2).unwrap();
-            assert!(pieces.units.is_empty() && pieces.complaints.len() == 1, "byte {position}");
+            let (units, complaints) = read(&folder(&directory), "experiment").unwrap();
+            assert!(units.is_empty() && complaints.len() == 1, "byte {position}");
         }
         for length in [0, 1, sound.len() / 2, sound.len() - 1] {
             fs::write(&piece, &sound[..length]).unwrap();
-            let pieces = read_all(&folder(&directory), "experiment", |part| part < 50, 2).unwrap();
-            assert!(pieces.units.is_empty() && pieces.complaints.len() == 1, "length {length}");
+            let (units, complaints) = read(&folder(&directory), "experiment").unwrap();
+            assert!(units.is_empty() && complaints.len() == 1, "length {length}");
         }
     }
 
     #[test]
     fn counts_that_do_not_add_up_are_refused_even_with_a_good_checksum() {
         let directory = tempfile::tempdir().unwrap();
-        let mut units = some_units();
-        units[7].counts.stable += 1;
-        write(&folder(&directory), "experiment", &units).unwrap();
-        let pieces = read_all(&folder(&directory), "experiment", |part| part < 50, 2).unwrap();
-        assert!(pieces.units.is_empty() && pieces.complaints[0].contains("do not add up"));
+        let mut wrong = some_units();
+        wrong[7].counts.stable += 1;
+        write(&folder(&directory), "experiment", &wrong).unwrap();
+        let (units, complaints) = read(&folder(&directory), "experiment").unwrap();
+        assert!(units.is_empty() && format!("{:?}", complaints[0]).contains("do not add up"));
     }
 
     #[test]
     fn a_piece_of_another_job_is_an_error() {
         let (directory, _) = written();
-        assert!(matches!(read_all(&folder(&directory), "other", |part| part < 50, 2), Err(Failure::Job(_))));
+        assert!(matches!(read(&folder(&directory), "other"), Err(Failure::Job(_))));
     }
 
     #[test]
@@ -369,7 +394,7 @@ mod tests {
     fn unfinished_files_are_not_read() {
         let (directory, _) = written();
         fs::write(directory.path().join(".unfinished-123-x.parquet"), "half").unwrap();
-        assert_eq!(read_all(&folder(&directory), "experiment", |part| part < 50, 2).unwrap().units.len(), 50);
+        assert_eq!(read(&folder(&directory), "experiment").unwrap().0.len(), 50);
         folder(&directory).remove_unfinished().unwrap();
         assert_eq!(files(directory.path()).unwrap().len(), 1);
     }

@@ -1,5 +1,7 @@
 //! The samples of a job that are still wanted, and the estimates of cells that stop by precision.
 
+use std::ops::Range;
+
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::interval::Estimate;
 
@@ -31,13 +33,13 @@ impl Parts {
         (self.of_a_cell(), complete)
     }
 
-    /// The number of samples of each part that are wanted now.
-    pub fn wanted(&self, tally: &Tally) -> Vec<u64> {
-        let of_cell = |cell: u64| {
-            let (wanted, _) = self.progress(tally, cell);
-            (0..self.of_a_cell()).map(move |place| if place < wanted { self.max_samples(place) } else { 0 })
-        };
-        (0..self.cells()).flat_map(of_cell).collect()
+    /// The samples of a cell that are wanted now and missing, by part.
+    pub fn missing_of<'a>(&'a self, tally: &'a Tally, cell: u64) -> impl Iterator<Item = (u64, Range<u64>)> + 'a {
+        let (wanted, _) = self.progress(tally, cell);
+        self.of(cell)
+            .take(wanted)
+            .enumerate()
+            .flat_map(|(place, part)| tally.gaps(part, self.max_samples(place)).into_iter().map(move |gap| (part, gap)))
     }
 
     /// The number of samples that are expected to be still missing with looks, from the counts so far. `None` without
@@ -63,6 +65,11 @@ impl Parts {
     pub fn is_complete(&self, tally: &Tally, cell: u64) -> bool {
         let (wanted, _) = self.progress(tally, cell);
         self.of(cell).take(wanted).enumerate().all(|(place, part)| tally.is_complete(part, self.max_samples(place)))
+    }
+
+    /// Whether every cell has all its samples.
+    pub fn are_complete(&self, tally: &Tally) -> bool {
+        (0..self.cells()).all(|cell| self.is_complete(tally, cell))
     }
 
     /// The number of cells that have all their samples.

@@ -74,8 +74,8 @@ impl<'a> Surface<'a> {
         let mut amplitudes = Distribution::default();
         let mut sums = Vec::new();
         for part in self.parts.of(cell) {
-            amplitudes.add_all(self.tally.amplitudes(part));
-            add_sums(&mut sums, self.tally.sums(part));
+            self.tally.amplitudes(part).into_iter().for_each(|of_part| amplitudes.add_all(of_part));
+            add_sums(&mut sums, &self.tally.sums(part));
         }
         let integrated = self.integrated.get(cell as usize).copied();
         let lookups = integrated.map_or_else(|| self.layout.read_lookups(&sums), |integrated| integrated.lookups);
@@ -126,7 +126,7 @@ impl<'a> Surface<'a> {
     pub fn lookups(&self) -> Lookups {
         let mut lookups = Lookups::default();
         for part in 0..self.parts.count() {
-            lookups.add(self.layout.read_lookups(self.tally.sums(part)));
+            lookups.add(self.layout.read_lookups(&self.tally.sums(part)));
         }
         self.integrated.iter().for_each(|cell| lookups.add(cell.lookups));
         lookups
@@ -142,7 +142,7 @@ impl<'a> Surface<'a> {
         // A hash compares the bytes without holding them in memory.
         let present = directory.open_surface().ok().flatten().and_then(|file| digest_of_file(file).ok());
         let Some(present) = present else { return Ok(false) };
-        let hasher = self.encode(blake3::Hasher::new());
+        let hasher = self.encode(blake3::Hasher::new(), self.job.cells());
         let hasher = hasher.map_err(|error| Failure::writing(&directory.surface(), error))?;
         Ok(hasher.finalize().to_hex().as_str() == present)
     }
@@ -160,7 +160,7 @@ impl<'a> Surface<'a> {
         let failed = |error: &dyn fmt::Display| Failure::writing(&directory.surface(), error);
         let mut file = directory.root().begin().map_err(|error| failed(&error))?;
         let out = Hashed { out: BufWriter::new(&mut file), hasher: blake3::Hasher::new() };
-        let mut written = self.encode(out).map_err(|error| failed(&error))?;
+        let mut written = self.encode(out, self.job.cells()).map_err(|error| failed(&error))?;
         written.flush().map_err(|error| failed(&error))?;
         let digest = written.hasher.finalize().to_hex();
         drop(written);
@@ -168,11 +168,16 @@ impl<'a> Surface<'a> {
         Ok(true)
     }
 
-    fn encode<W: Write + Send>(&self, out: W) -> Result<W, ParquetError> {
+    /// Makes the first rows as they are made for the file, and writes them nowhere: to measure what they cost.
+    pub fn try_rows(&self, cells: u64) -> Result<(), Failure> {
+        let written = self.encode(io::sink(), cells.min(self.job.cells()));
+        written.map(|_| ()).map_err(|error| Failure::InputOutput(error.to_string()))
+    }
+
+    fn encode<W: Write + Send>(&self, out: W, cells: u64) -> Result<W, ParquetError> {
         let columns = columns::of(self.job, self.layout);
         let schema = Arc::new(Schema::new(columns.iter().map(Column::field).collect::<Vec<_>>()));
         let mut writer = ArrowWriter::try_new(out, schema.clone(), Some(self.properties()))?;
-        let cells = self.job.cells();
         let mut first = 0;
         while first < cells {
             let end = cells.min(first + BATCH_ROWS);

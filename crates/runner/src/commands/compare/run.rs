@@ -77,7 +77,7 @@ impl Run {
     pub fn lookups(&self, cell: u64) -> Lookups {
         let mut lookups = Lookups::default();
         for part in self.parts.of(cell) {
-            lookups.add(self.audited.map(|layout| layout.read_lookups(self.tally.sums(part))).unwrap_or_default());
+            lookups.add(self.audited.map(|layout| layout.read_lookups(&self.tally.sums(part))).unwrap_or_default());
         }
         lookups
     }

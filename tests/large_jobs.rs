@@ -1,0 +1,72 @@
+//! Large jobs: the memory that their cells take, and what many shards of them are predicted to cost.
+
+mod common;
+
+#[cfg(target_os = "linux")]
+use std::process::Command;
+
+use common::{Place, surface_job};
+use serde_json::Value;
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_shard_of_a_million_cells_takes_little_memory() {
+    let place = Place::new();
+    // As many cells as there may be.
+    place.write("job.toml", &surface_job("large", 1000, 2, 1));
+    // In so many KiB for its data.
+    let run = |words: &str| {
+        let mut command = Command::new("sh");
+        command.args(["-c", &format!("ulimit -d 98304 && exec {} {words}", env!("CARGO_BIN_EXE_stickslip"))]);
+        let output = command.current_dir(place.path("")).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, message) = run("submit job.toml --out run --threads 1 --shard 1/1000");
+    assert_eq!(code, Some(0), "{message}");
+    // What is there is read, also if it is not complete.
+    let (code, message) = run("merge run");
+    assert!(code == Some(65) && message.contains("1000 of 1000000 cells"), "{code:?} {message}");
+}
+
+#[test]
+fn check_predicts_the_times_of_shards_and_merge() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("job", 20, 3000, 1));
+    let checked = place.run("check job.toml --nodes 4 --threads 2 --json").done();
+    let told: Value = serde_json::from_str(&checked.stdout).unwrap();
+    assert_eq!((&told["cells"], &told["samples_at_most"]), (&Value::from(400), &Value::from(1_200_000)));
+    let cluster = &told["cluster"];
+    assert_eq!((&cluster["nodes"], &cluster["threads"]), (&Value::from(4), &Value::from(2)));
+    for step in ["sample", "start", "piece_written", "piece_read", "row"] {
+        assert!(cluster["seconds"][step].as_f64().unwrap() > 0.0, "{step}: {cluster:#}");
+    }
+    let shards = cluster["shards"].as_array().unwrap();
+    assert_eq!(shards.iter().map(|cost| cost["shards"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 10, 100, 1000]);
+    for cost in shards {
+        let [all, merge, total] = ["all", "merge", "total"].map(|key| cost[key].as_f64().unwrap());
+        assert!((all + merge - total).abs() < 1e-9 * total, "{cost:#}");
+        assert!((0.0..1.0).contains(&cost["efficiency"].as_f64().unwrap()), "{cost:#}");
+    }
+    // Little work makes one shard, or one for each node where that is clearly quicker.
+    let best = &cluster["best"];
+    assert!(best["shards"] == 1 || best["shards"] == 4, "{cluster:#}");
+    assert!(best["total"].as_f64().unwrap() <= shards[0]["total"].as_f64().unwrap(), "{cluster:#}");
+
+    let text = place.run("check job.toml --nodes 4 --threads 2").done().stdout;
+    for part in ["\n# on 4 nodes with 2 threads each, in ", "\n#     1000  ", "merge"] {
+        assert!(text.contains(part), "{part:?} is not in {text}");
+    }
+    assert!(!place.run("check job.toml").done().stdout.contains("nodes"));
+    place.run("check job.toml --nodes 0").refused(64, &["--nodes"]);
+}
+
+#[test]
+fn integrals_are_not_shared_among_nodes() {
+    let place = Place::new();
+    let job = surface_job("job", 3, 10, 1).replace("samples = 10", "method = \"exact\"");
+    place.write("job.toml", &job);
+    let text = place.run("check job.toml --nodes 4").done().stdout;
+    assert!(text.contains("method = \"exact\" draws no samples that nodes could share"), "{text}");
+    let told: Value = serde_json::from_str(&place.run("check job.toml --nodes 4 --json").done().stdout).unwrap();
+    assert!(told["cluster"].is_null() && told["load"].is_null(), "{told:#}");
+}
