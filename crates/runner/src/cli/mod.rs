@@ -97,6 +97,9 @@ pub struct SubmitArguments {
     /// Compute only one of N shards, to be merged later; I counts from 1 to N or from 0 to N-1
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
+    /// Resolve the verdict map, or the share of the shard in it, and compute no samples yet
+    #[arg(long)]
+    pub map_only: bool,
     #[command(flatten)]
     pub maps: MapsArgument,
 }

@@ -84,7 +84,7 @@ fn cost_of_samples(job: &Job, trial: &SampleTrial, threads: usize) -> String {
 fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine) -> Result<String, Failure> {
     let job = evaluator.job();
     let threads = engine.threads();
-    evaluator.limit_maps();
+    engine.limit_maps(evaluator)?;
     let tiles = evaluator.maps().needed() as u64;
     let trial = engine.try_maps(evaluator)?;
     let share = tiles as f64 / trial.tiles.max(1) as f64;

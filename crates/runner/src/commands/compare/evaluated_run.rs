@@ -17,6 +17,7 @@ use crate::interrupt::Interrupt;
 use crate::job::Effort;
 use crate::output::note;
 use crate::schedule::engine::{Engine, Outcome};
+use crate::schedule::mapping::Mapping;
 use crate::store::map_pieces;
 use crate::tables::row::unaudited;
 
@@ -116,7 +117,8 @@ fn complete_maps(
     for other in maps.iter().filter(|other| **other != own) {
         borrowed |= map_pieces::load(evaluator.maps_mut(), other)? > 0;
     }
-    let completed = engine.complete_maps(evaluator, is_writable.then_some(own.as_path()), borrowed, interrupt)?;
+    let keep = is_writable.then_some(own.as_path());
+    let completed = engine.complete_maps(evaluator, Mapping { keep, borrowed, ..Mapping::default() }, interrupt)?;
     if let Outcome::Stopped(signal) = completed.outcome {
         return Err(stopped(signal));
     }
