@@ -13,11 +13,19 @@ pub(crate) struct CriticalProducts {
 type Corners = HashMap<(i64, i64), Option<f64>>;
 
 impl CriticalProducts {
-    pub fn at(&self, corner: (i64, i64), find: impl FnOnce() -> Option<f64>) -> Option<f64> {
+    /// The critical product at a corner, which `find` finds unless it `is_stopped`. What it returns then is not kept.
+    pub fn at(
+        &self,
+        corner: (i64, i64),
+        find: impl FnOnce() -> Option<f64>,
+        is_stopped: &dyn Fn() -> bool,
+    ) -> Option<f64> {
         let known = self.corners.read().unwrap_or_else(PoisonError::into_inner).get(&corner).copied();
         known.unwrap_or_else(|| {
-            let found = find();
-            self.corners.write().unwrap_or_else(PoisonError::into_inner).insert(corner, found);
+            let found = find().filter(|_| !is_stopped());
+            if !is_stopped() {
+                self.corners.write().unwrap_or_else(PoisonError::into_inner).insert(corner, found);
+            }
             found
         })
     }

@@ -112,7 +112,9 @@ impl FlexibleBrake {
         Linearisation { stiffness, damping, damping_by_slope }
     }
 
-    pub(crate) fn by_lattice(&self, inputs: RandomInputs) -> Option<LinearStability> {
+    /// By the critical products of the sample's box; `None` if they leave it open, or if it is stopped while they are
+    /// sought.
+    pub(crate) fn by_lattice(&self, inputs: RandomInputs, is_stopped: &dyn Fn() -> bool) -> Option<LinearStability> {
         let RandomInputs { preload, static_friction } = inputs;
         if !(preload > 0.0 && static_friction.is_finite()) {
             return None;
@@ -127,7 +129,8 @@ impl FlexibleBrake {
         let row = row as i64;
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for corner in [(column, row), (column + 1, row), (column, row + 1), (column + 1, row + 1)] {
-            let critical = self.critical_products.at(corner, || self.critical_product(corner))?;
+            let find = || self.critical_product(corner, is_stopped);
+            let critical = self.critical_products.at(corner, find, is_stopped)?;
             least = least.min(critical);
             most = most.max(critical);
         }
@@ -150,13 +153,13 @@ impl FlexibleBrake {
         q.iter().all(|q| q.is_finite()).then_some(q)
     }
 
-    /// The critical product at a corner of the lattice, if it has a single one.
-    fn critical_product(&self, (column, row): (i64, i64)) -> Option<f64> {
+    /// The critical product at a corner of the lattice, if it has a single one and the search is not stopped.
+    fn critical_product(&self, (column, row): (i64, i64), is_stopped: &dyn Fn() -> bool) -> Option<f64> {
         let preload = libm::exp(PRELOAD_SPACING * column as f64);
         let mu = self.equations.pad.kinetic_friction + FRICTION_SPACING * row as f64;
         let q = self.sliding_equilibrium_with(preload, mu)?;
         let linearisation = self.linearisation(&q, mu);
-        let growth_rate = |slope: f64| linearisation.growth_rate(slope).ok();
+        let growth_rate = |slope: f64| if is_stopped() { None } else { linearisation.growth_rate(slope).ok() };
         let at_rest = growth_rate(0.0)?;
         let by_slope = linearisation.damping_by_slope[(0, 0)];
         if at_rest >= 0.0 || by_slope <= 0.0 {

@@ -35,7 +35,24 @@ impl TimeDomain {
     #[must_use]
     #[doc(hidden)]
     pub fn decide_all_with(&self, inputs: &[RandomInputs], set: InstructionSet) -> Vec<Decision> {
-        let mut list = List { criterion: self, inputs, next: 0, decisions: vec![Decision::FAILED; inputs.len()] };
+        let decisions = self.decide_until_with(inputs, &|| false, set);
+        decisions.into_iter().map(|decision| decision.unwrap_or(Decision::FAILED)).collect()
+    }
+
+    /// [`TimeDomain::decide_all`] until `is_stopped`, which is asked about once a millisecond. Samples whose motion is
+    /// cut short, or does not begin, have no decision.
+    #[must_use]
+    pub fn decide_until(&self, inputs: &[RandomInputs], is_stopped: &dyn Fn() -> bool) -> Vec<Option<Decision>> {
+        self.decide_until_with(inputs, is_stopped, InstructionSet::widest())
+    }
+
+    fn decide_until_with(
+        &self,
+        inputs: &[RandomInputs],
+        is_stopped: &dyn Fn() -> bool,
+        set: InstructionSet,
+    ) -> Vec<Option<Decision>> {
+        let mut list = List { criterion: self, inputs, is_stopped, next: 0, decisions: vec![None; inputs.len()] };
         decide_queue_with(&mut list, set);
         list.decisions
     }
@@ -128,13 +145,14 @@ pub fn decide_queue_with<'q>(queue: &mut (impl SampleQueue<'q> + ?Sized), set: I
 struct List<'q> {
     criterion: &'q TimeDomain,
     inputs: &'q [RandomInputs],
+    is_stopped: &'q dyn Fn() -> bool,
     next: usize,
-    decisions: Vec<Decision>,
+    decisions: Vec<Option<Decision>>,
 }
 
 impl<'q> SampleQueue<'q> for List<'q> {
     fn next(&mut self) -> Option<QueuedSample<'q>> {
-        let &inputs = self.inputs.get(self.next)?;
+        let &inputs = self.inputs.get(self.next).filter(|_| !self.is_stopped())?;
         let ticket = self.next as u64;
         self.next += 1;
         Some(QueuedSample::new(ticket, self.criterion, inputs))
@@ -142,8 +160,12 @@ impl<'q> SampleQueue<'q> for List<'q> {
 
     fn decided(&mut self, ticket: u64, decision: Decision) {
         if let Some(place) = self.decisions.get_mut(ticket as usize) {
-            *place = decision;
+            *place = Some(decision);
         }
+    }
+
+    fn is_stopped(&self) -> bool {
+        (self.is_stopped)()
     }
 }
 

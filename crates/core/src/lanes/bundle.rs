@@ -37,11 +37,13 @@ pub(super) trait Bundle<'q> {
     fn examine(&self, samples: &[QueuedSample<'q>]) -> Vec<Self::Known>;
 
     /// Gives a lane the equations of a sample; or decides the sample if it needs no simulation, or none in this bundle.
+    /// It takes a shorter way to the same as soon as it `is_stopped`, if there is one.
     fn begin(
         &mut self,
         lane: usize,
         sample: QueuedSample<'q>,
         known: Self::Known,
+        is_stopped: &dyn Fn() -> bool,
     ) -> Result<Begun<Self::State, Self::Monitor>, Decision>;
 
     /// Gives a lane the equations of a sample, decided or not. Returns the motion at its beginning and the length of

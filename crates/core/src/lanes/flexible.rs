@@ -186,6 +186,7 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
         lane: usize,
         sample: QueuedSample<'q>,
         known: Self::Known,
+        is_stopped: &dyn Fn() -> bool,
     ) -> Result<Begun<FlexibleState, FlexibleMonitor>, Decision> {
         // Before anything is prepared for it.
         if sample.inputs.preload <= 0.0 {
@@ -194,7 +195,7 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
         let placed = self.equations_of(&sample)?;
         let stability = |brake: &FlexibleBrake, inputs: RandomInputs| match &known {
             Some(known) => known.clone(),
-            None => brake.linear_stability(inputs),
+            None => brake.linear_stability_until(inputs, is_stopped),
         };
         let start = sample.scaled_start();
         let (motion, monitor) = sample.criterion.start_flexible(&placed.equations(), start, stability)?;

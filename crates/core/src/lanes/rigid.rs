@@ -59,6 +59,7 @@ impl<'q> Bundle<'q> for RigidBundle {
         lane: usize,
         sample: QueuedSample<'q>,
         (): (),
+        _: &dyn Fn() -> bool,
     ) -> Result<Begun<RigidState, RigidMonitor>, Decision> {
         let equations = equations_of(&sample)?;
         if equations.brake.law.shape != self.shape {

@@ -19,6 +19,9 @@ const SCALAR_FINISH_DIVISOR: usize = 16;
 /// Trial steps of one lane between two questions whether to stop: less than a millisecond.
 const STEPS_BETWEEN_QUESTIONS: usize = 4096;
 
+/// Steps of the scalar code between two such questions.
+const SCALAR_STEPS_BETWEEN_QUESTIONS: u64 = 256;
+
 /// A sample in a lane.
 struct Running<'q, S, M> {
     ticket: u64,
@@ -42,6 +45,8 @@ struct Flow<'q, 'b, B: Bundle<'q>, Q> {
     running: Vec<Option<Running<'q, B::State, B::Monitor>>>,
     busy: usize,
     is_exhausted: bool,
+    /// Whether the queue stopped before a motion began, or while the scalar code was at work.
+    is_stopped: bool,
 }
 
 /// Runs the samples of a queue, from a `first` one on, through a bundle until they are decided or the queue stops.
@@ -53,12 +58,20 @@ pub(super) fn run<'q, B: Bundle<'q>, Q: SampleQueue<'q> + ?Sized>(
 ) {
     let running = (0..B::LANES).map(|_| None).collect();
     let mut queue = Preceded { first: Some(first), queue };
-    let mut flow = Flow { bundle, queue: &mut queue, waiting: Vec::new(), running, busy: 0, is_exhausted: false };
+    let mut flow = Flow {
+        bundle,
+        queue: &mut queue,
+        waiting: Vec::new(),
+        running,
+        busy: 0,
+        is_exhausted: false,
+        is_stopped: false,
+    };
     for lane in 0..B::LANES {
         flow.refill(lane);
     }
     let mut steps = 0;
-    while flow.busy > 0 {
+    while flow.busy > 0 && !flow.is_stopped {
         if flow.is_exhausted && flow.busy * SCALAR_FINISH_DIVISOR <= B::LANES {
             return flow.finish();
         }
@@ -107,8 +120,14 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
     /// Puts the next sample that needs simulation into a lane.
     fn refill(&mut self, lane: usize) {
         while let Some((sample, known)) = self.take() {
+            // To find its linear stability may take longer than its motion.
+            if self.queue.is_stopped() {
+                self.is_stopped = true;
+                return;
+            }
             let (ticket, criterion) = (sample.ticket, sample.criterion);
-            match self.bundle.begin(lane, sample, known) {
+            let queue = &*self.queue;
+            match self.bundle.begin(lane, sample, known, &|| queue.is_stopped()) {
                 Err(decision) => self.queue.decided(ticket, decision),
                 Ok(Begun { motion, monitor, step }) => {
                     self.busy += usize::from(self.running[lane].is_none());
@@ -217,7 +236,7 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
     }
 
     /// Judges the trial step of a lane by the scalar code, and goes on by scalar steps as long as lanes cannot, or
-    /// `to_the_end`.
+    /// `to_the_end`. If the queue stops meanwhile, the lane is left as it is.
     fn judge(
         &mut self,
         lane: usize,
@@ -242,7 +261,11 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
             StepInProgress { attempt, h, done, longest, substeps, changes }
         };
         let mut motion = Motion { state, contact: running.contact };
-        loop {
+        for taken in 1_u64.. {
+            if taken.is_multiple_of(SCALAR_STEPS_BETWEEN_QUESTIONS) && self.queue.is_stopped() {
+                self.is_stopped = true;
+                return None;
+            }
             let time = steps * h;
             let step = match trial.take() {
                 Some(step) => step,
@@ -273,9 +296,12 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
         None
     }
 
-    /// Simulates the samples of all lanes to their end by the scalar code.
+    /// Simulates the samples of all lanes to their end by the scalar code, or until the queue stops.
     fn finish(&mut self) {
         for lane in 0..B::LANES {
+            if self.is_stopped {
+                return;
+            }
             let state = self.bundle.next(lane);
             if let Some(decision) = self.judge(lane, state, None, true)
                 && let Some(running) = &self.running[lane]

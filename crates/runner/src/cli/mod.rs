@@ -102,6 +102,9 @@ pub struct SubmitArguments {
     /// environment of a task of a job array
     #[arg(long, value_name = "I/N|slurm")]
     pub shard: Option<ShardArgument>,
+    /// Resolve the verdict map, or the share of the shard in it, and compute no samples yet
+    #[arg(long)]
+    pub map_only: bool,
     #[command(flatten)]
     pub maps: MapsArgument,
     #[command(flatten)]

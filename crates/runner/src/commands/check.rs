@@ -159,7 +159,7 @@ fn cost_of_samples(job: &Job, trial: &SampleTrial, threads: usize) -> String {
 /// The cost of verdict maps, estimated from some of their tiles, and whether a run will use them.
 fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine, threads: usize) -> Result<Cost, Failure> {
     let job = evaluator.job();
-    evaluator.limit_maps();
+    engine.limit_maps(evaluator)?;
     let tiles = evaluator.maps().needed() as u64;
     let trial = engine.try_maps(evaluator)?;
     let share = tiles as f64 / trial.tiles.max(1) as f64;

@@ -14,6 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
 use crate::output::{HumanCount128, counted, note, quoted, rate};
 use crate::schedule::engine::{Engine, Outcome, Samples};
+use crate::schedule::mapping::{CompletedMaps, Mapping};
 use crate::schedule::plan::{Plan, Shard};
 use crate::schedule::progress::{Progress, Total};
 use crate::store::directory::{AUDITS, MAPS, RunDirectory};
@@ -50,6 +51,8 @@ pub struct Work<'a> {
     pub shard: Option<Shard>,
     /// Directories of verdict maps of other runs that may be used.
     pub maps: Vec<PathBuf>,
+    /// Whether only the verdict maps are resolved, of which a shard has a share.
+    pub is_map_only: bool,
     /// The command, for the record of the session.
     pub command: &'a str,
 }
@@ -62,7 +65,7 @@ pub fn complete_run(
     interrupt: &Interrupt,
 ) -> Result<FinishedRun, Failure> {
     let job = source.job()?;
-    let work = Work { threads, shard: None, maps: Vec::new(), command: "reproduce" };
+    let work = Work { threads, shard: None, maps: Vec::new(), is_map_only: false, command: "reproduce" };
     let directory = RunDirectory::create(out, Access::Alone, AN_INSTANT)?;
     // A run that was extended has the samples of this job and more.
     if let Some(existing) = directory.job_source()?.map(|frozen| frozen.job()).transpose()?
@@ -185,21 +188,7 @@ fn prepare_maps(
     if !job.uses_maps() || !(job.is_integrated() || is_incomplete()) {
         return Ok(Outcome::Finished);
     }
-    let own = directory.create_folder(MAPS)?;
-    map_pieces::load(evaluator.maps_mut(), &own)?;
-    let mut borrowed = false;
-    for other in &work.maps {
-        let folder = Folder::open(other).map_err(|error| Failure::reading(other, error))?;
-        let loaded = map_pieces::load(evaluator.maps_mut(), &folder)?;
-        borrowed |= loaded > 0;
-        if loaded == 0 && !evaluator.maps().missing().is_empty() {
-            note(format_args!(
-                "{}: it has no tile of this model, speed and criterion that this job needs",
-                other.display()
-            ));
-        }
-    }
-    let completed = engine.complete_maps(evaluator, Some(&own), borrowed, interrupt)?;
+    let completed = complete_maps(engine, evaluator, directory, work, interrupt)?;
     if completed.outcome == Outcome::Finished {
         session.maps(completed.tiles, completed.simulations, completed.given_up.is_some());
     }
@@ -215,6 +204,84 @@ fn prepare_maps(
         ));
     }
     Ok(completed.outcome)
+}
+
+/// Completes the verdict maps of a run, with its own tiles and those of other runs.
+fn complete_maps(
+    engine: &Engine,
+    evaluator: &mut Evaluator<'_>,
+    directory: &RunDirectory,
+    work: &Work<'_>,
+    interrupt: &Interrupt,
+) -> Result<CompletedMaps, Failure> {
+    let own = directory.create_folder(MAPS)?;
+    map_pieces::load(evaluator.maps_mut(), &own)?;
+    let mut borrowed = false;
+    for other in &work.maps {
+        let folder = Folder::open(other).map_err(|error| Failure::reading(other, error))?;
+        let loaded = map_pieces::load(evaluator.maps_mut(), &folder)?;
+        borrowed |= loaded > 0;
+        if loaded == 0 && !evaluator.maps().missing().is_empty() {
+            note(format_args!(
+                "{}: it has no tile of this model, speed and criterion that this job needs",
+                other.display()
+            ));
+        }
+    }
+    let share = work.shard.filter(|_| work.is_map_only);
+    let mapping = Mapping { keep: Some(&own), borrowed, is_all: work.is_map_only, share };
+    engine.complete_maps(evaluator, mapping, interrupt)
+}
+
+/// Resolves the verdict maps of a job, or the share of a shard, and tells how to go on.
+pub fn map_only(
+    directory: &RunDirectory,
+    job: &Job,
+    tally: &Tally,
+    work: &Work<'_>,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    let started = Instant::now();
+    let path = quoted(directory.path());
+    let submit = format!("stickslip submit {path}/job.toml --out {path}");
+    let share = work.shard.map_or(String::new(), |shard| format!(" --shard {shard}"));
+    let again = format!("{submit} --map-only{share}");
+    interrupt.remark(&format!("finished tiles of the verdict map are kept; continue with `{again}`"));
+    let next = match job.is_integrated() {
+        true => format!("`stickslip resume {path}`"),
+        false => format!("`stickslip resume {path}`, or shard by shard with `{submit} --shard I/N`"),
+    };
+    if job.sampling.is_audited && was_counted_without_map(job, tally) {
+        note(format_args!(
+            "{path}: its samples are simulated, as a verdict map would have cost more; go on with {next}"
+        ));
+        return Ok(());
+    }
+    let engine = Engine::new(work.threads)?;
+    let mut evaluator = Evaluator::new(job)?;
+    let completed = complete_maps(&engine, &mut evaluator, directory, work, interrupt)
+        .map_err(|failure| failure.with_remedy(&format!("finished tiles are kept; continue with `{again}`")))?;
+    let needed = HumanCount(evaluator.maps().needed() as u64);
+    if let Outcome::Stopped(signal) = completed.outcome {
+        let tiles = HumanCount(completed.tiles);
+        let message = format!("{tiles} of {needed} tiles of the verdict map are kept; continue with `{again}`");
+        return Err(Failure::Stopped { signal, message });
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    let new = HumanCount(completed.simulations);
+    if let Some(why) = completed.why_given_up(job) {
+        note(format_args!("{why} ({seconds:.2} s); go on with {next}"));
+    } else if evaluator.maps().missing().is_empty() {
+        note(format_args!(
+            "the verdict map is complete: {needed} tiles, {new} simulations now ({seconds:.2} s); go on with {next}"
+        ));
+    } else {
+        note(format_args!(
+            "the verdict map has {} of its {needed} tiles, {new} simulations now ({seconds:.2} s); when every other shard has run `{submit} --map-only --shard I/N`, go on with {next}",
+            HumanCount(completed.tiles)
+        ));
+    }
+    Ok(())
 }
 
 /// Whether every sample that is counted was simulated because the verdict map was given up.

@@ -14,6 +14,7 @@ use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use super::completion::evaluator_again;
 use super::motion_report::name;
 use crate::cli::SamplesArguments;
+use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::samples::Samples;
 use crate::failure::Failure;
@@ -124,10 +125,10 @@ fn draw(
     let mut drawn: Vec<DrawnSamples> = Vec::new();
     drawn.resize_with(units.len(), DrawnSamples::default);
     let mut progress = Progress::new(evaluator.parts().counts(tally, arguments.cell).total().into(), "samples");
-    let evaluate = |index: u64| {
+    let evaluate = |index: u64, is_stopped: IsStopped<'_>| {
         let (part, samples) = units[index as usize].clone();
         let mut unit = DrawnSamples::default();
-        evaluator.each_decided(part, samples, |chunk, decisions| unit.add(chunk, decisions));
+        evaluator.each_decided(part, samples, is_stopped, |chunk, decisions| unit.add(chunk, decisions));
         (index as usize, unit)
     };
     let engine = Engine::new(arguments.threads.count())?;

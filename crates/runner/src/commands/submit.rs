@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::adoption::{RunState, adopt, adopt_as_shard};
 use super::closing::report;
-use super::completion::{Work, compute};
+use super::completion::{Work, compute, map_only};
 use super::shard_progress::how_to_submit_missing;
 use super::sharing::units_of_work;
 use crate::cli::{MergeArguments, ResumeArguments, ShardArgument, SubmitArguments};
@@ -31,12 +31,15 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
     warn(job.warnings());
-    if let (Some(shard), true) = (shard, job.is_integrated()) {
+    if arguments.map_only && !job.uses_maps() {
+        return Err(Failure::Usage(format!("--map-only: {WITHOUT_MAP}")));
+    }
+    if let (Some(shard), true) = (shard, job.is_integrated() && !arguments.map_only) {
         let message =
             format!("--shard {shard}: method = \"exact\" draws no samples to share; submit the job without --shard");
         return Err(Failure::Usage(message));
     }
-    warn(shard.and_then(|shard| shards_beyond_work(shard, &job)));
+    warn(shard.filter(|_| !arguments.map_only).and_then(|shard| shards_beyond_work(shard, &job)));
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
     let threads = arguments.threads.count();
@@ -48,6 +51,11 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             (directory, job, state)
         }
     };
+    let is_map_only = arguments.map_only;
+    let work = Work { threads, shard, maps, is_map_only, command: "submit" };
+    if is_map_only {
+        return map_only(&directory, &job, &state.into_tally(), &work, interrupt);
+    }
     match state {
         RunState::Finished(tally) if shard.is_none() && !job.is_integrated() => {
             note(format_args!("{} is finished already; nothing to do", out.display()));
@@ -72,7 +80,6 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
                 |shard: Shard| Plan::new(&tally, &Parts::new(&job), job.unit_samples(), Some(shard)).samples();
             let begin = |shard: Shard| AtWork::begin(directory.path(), shard.number(), shard.count(), missing(shard));
             let _at_work = shard.and_then(begin);
-            let work = Work { threads, shard, maps, command: "submit" };
             let run = compute(directory, job, tally, &work, interrupt)?;
             match shard {
                 None => report(&run.directory, &run.job, &run.surface()),
@@ -97,7 +104,8 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
         note(format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;
-    let work = Work { threads: arguments.threads.count(), shard: None, maps, command: "resume" };
+    let threads = arguments.threads.count();
+    let work = Work { threads, shard: None, maps, is_map_only: false, command: "resume" };
     let run = compute(directory, job, tally, &work, interrupt)?;
     report(&run.directory, &run.job, &run.surface())
 }
@@ -145,14 +153,13 @@ fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
     })
 }
 
+/// Why an option for verdict maps is refused.
+const WITHOUT_MAP: &str = "this job uses no verdict map. Maps are used with sampling.evaluate = \"boundary\" or method = \"exact\" and a criterion other than \"eigenvalue\"";
+
 /// The directories of the maps of the runs given with `--map`.
 pub fn map_directories(runs: &[PathBuf], job: &Job) -> Result<Vec<PathBuf>, Failure> {
     if let (Some(run), false) = (runs.first(), job.uses_maps()) {
-        let message = format!(
-            "--map {}: this job uses no verdict map. Maps are used with sampling.evaluate = \"boundary\" or method = \"exact\" and a criterion other than \"eigenvalue\"",
-            run.display()
-        );
-        return Err(Failure::Usage(message));
+        return Err(Failure::Usage(format!("--map {}: {WITHOUT_MAP}", run.display())));
     }
     let map = |run: &PathBuf| {
         let directory = run.join("map");

@@ -18,6 +18,7 @@ use stickslip_core::rigid_disc::varying_brake::VaryingBrake;
 use stickslip_core::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::grid::Cell;
 
+use crate::evaluate::control::IsStopped;
 use crate::evaluate::samples::Samples;
 use crate::job::{Criterion, Job, StartValue};
 
@@ -94,18 +95,23 @@ impl ReadyCriterion {
         }
     }
 
-    /// Decides samples of one brake. Where every sample has a brake of its own, they fail.
-    pub fn decide(&self, inputs: &[RandomInputs]) -> Vec<Decision> {
+    /// Decides samples of one brake, until `is_stopped`: those after it have no decision. Where every sample has a
+    /// brake of its own, they fail.
+    pub fn decide(&self, inputs: &[RandomInputs], is_stopped: IsStopped<'_>) -> Vec<Option<Decision>> {
         match self {
             Self::Eigenvalue(boundary) => {
-                inputs.iter().map(|inputs| boundary.verdict(inputs.preload, inputs.static_friction).into()).collect()
+                let verdict = |inputs: &RandomInputs| boundary.verdict(inputs.preload, inputs.static_friction);
+                inputs.iter().map(|inputs| Some(verdict(inputs).into())).collect()
             }
             Self::CoupledEigenvalue { brake, varying: None } => {
-                inputs.iter().map(|&inputs| brake.decide_with(inputs, FlexibleBrake::linear_stability)).collect()
+                let stability =
+                    |brake: &FlexibleBrake, inputs: RandomInputs| brake.linear_stability_until(inputs, is_stopped);
+                let decide = |&inputs: &RandomInputs| brake.decide_with(inputs, stability);
+                inputs.iter().map(|inputs| (!is_stopped()).then(|| decide(inputs))).collect()
             }
-            Self::TimeDomain { criterion, varying: None } => criterion.decide_all(inputs),
+            Self::TimeDomain { criterion, varying: None } => criterion.decide_until(inputs, is_stopped),
             Self::VaryingEigenvalue(_) | Self::CoupledEigenvalue { .. } | Self::TimeDomain { .. } => {
-                vec![Verdict::Failed.into(); inputs.len()]
+                vec![Some(Verdict::Failed.into()); inputs.len()]
             }
         }
     }
@@ -213,20 +219,28 @@ impl Criteria {
         self.others.iter().map(|&input| samples.values_of(input)).collect()
     }
 
-    /// Decides some of the samples of a cell.
-    pub fn decide(&self, job: &Job, cell: &Cell, samples: &Samples, wanted: &[usize]) -> Vec<Decision> {
-        let failed = || vec![Verdict::Failed.into(); wanted.len()];
+    /// Decides some of the samples of a cell; `None` if it is stopped before.
+    pub fn decide(
+        &self,
+        job: &Job,
+        cell: &Cell,
+        samples: &Samples,
+        wanted: &[usize],
+        is_stopped: IsStopped<'_>,
+    ) -> Option<Vec<Decision>> {
+        let failed = || Some(vec![Verdict::Failed.into(); wanted.len()]);
         if let ReadyCriterion::TimeDomain { .. } = *self.first {
             let Some(motions) = self.motions(job, cell) else { return failed() };
             let wanted = wanted.iter().enumerate();
-            return decide_all(wanted.map(|(ticket, &sample)| self.queued(&motions, samples, sample, ticket as u64)));
+            let queued = wanted.map(|(ticket, &sample)| self.queued(&motions, samples, sample, ticket as u64));
+            return decide_all(queued, is_stopped);
         }
         let Some(ready) = self.for_brake(job, job.grid.brake_index(cell.index)) else { return failed() };
         match &*ready {
             ReadyCriterion::VaryingEigenvalue(form) => {
                 let mut verdicts = Vec::with_capacity(samples.len());
                 form.decide(samples.preloads(), samples.static_frictions(), &self.columns(samples), &mut verdicts);
-                wanted.iter().map(|&sample| verdicts[sample].into()).collect()
+                Some(wanted.iter().map(|&sample| verdicts[sample].into()).collect())
             }
             ReadyCriterion::CoupledEigenvalue { brake, varying: Some(varying) } => {
                 let own_brake = |&sample: &usize| {
@@ -236,11 +250,11 @@ impl Criteria {
                 let own: Vec<Option<OwnBrake>> = wanted.iter().map(own_brake).collect();
                 let mut decided = brake.decide_own(&own.iter().flatten().cloned().collect::<Vec<_>>()).into_iter();
                 let decision = |own: &Option<OwnBrake>| own.as_ref().and_then(|_| decided.next());
-                own.iter().map(decision).map(|decision| decision.unwrap_or(Verdict::Failed.into())).collect()
+                Some(own.iter().map(decision).map(|decision| decision.unwrap_or(Verdict::Failed.into())).collect())
             }
             one_brake => {
                 let inputs: Vec<RandomInputs> = wanted.iter().map(|&sample| samples.pair(sample)).collect();
-                one_brake.decide(&inputs)
+                one_brake.decide(&inputs, is_stopped).into_iter().collect()
             }
         }
     }
@@ -316,37 +330,51 @@ impl Criteria {
     }
 }
 
-/// Decides samples, some of which are decided already, in their order.
-fn decide_all<'q>(samples: impl Iterator<Item = Result<QueuedSample<'q>, Decision>>) -> Vec<Decision> {
-    let mut list = List { samples, decisions: Vec::new() };
+/// Decides samples, some of which are decided already, in their order; `None` if it is stopped before.
+fn decide_all<'q>(
+    samples: impl Iterator<Item = Result<QueuedSample<'q>, Decision>>,
+    is_stopped: IsStopped<'_>,
+) -> Option<Vec<Decision>> {
+    let mut list = List { samples, is_stopped, decisions: Vec::new() };
     decide_queue(&mut list);
-    list.decisions
+    if list.is_cut_short() { None } else { list.decisions.into_iter().collect() }
 }
 
 /// Samples whose tickets are their places in a list.
-struct List<I> {
+struct List<'s, I> {
     samples: I,
-    decisions: Vec<Decision>,
+    is_stopped: IsStopped<'s>,
+    decisions: Vec<Option<Decision>>,
 }
 
-impl<'q, I: Iterator<Item = Result<QueuedSample<'q>, Decision>>> SampleQueue<'q> for List<I> {
+impl<I: Iterator> List<'_, I> {
+    /// Whether samples were left when it was stopped.
+    fn is_cut_short(&mut self) -> bool {
+        self.samples.next().is_some()
+    }
+}
+
+impl<'q, I: Iterator<Item = Result<QueuedSample<'q>, Decision>>> SampleQueue<'q> for List<'_, I> {
     fn next(&mut self) -> Option<QueuedSample<'q>> {
-        loop {
-            let sample = self.samples.next()?;
-            let (known, queued) = match sample {
-                Ok(queued) => (Verdict::Failed.into(), Some(queued)),
-                Err(decision) => (decision, None),
-            };
-            self.decisions.push(known);
-            if queued.is_some() {
-                return queued;
+        while !self.is_stopped() {
+            match self.samples.next()? {
+                Ok(queued) => {
+                    self.decisions.push(None);
+                    return Some(queued);
+                }
+                Err(decision) => self.decisions.push(Some(decision)),
             }
         }
+        None
     }
 
     fn decided(&mut self, ticket: u64, decision: Decision) {
         if let Some(place) = self.decisions.get_mut(ticket as usize) {
-            *place = decision;
+            *place = Some(decision);
         }
+    }
+
+    fn is_stopped(&self) -> bool {
+        (self.is_stopped)()
     }
 }

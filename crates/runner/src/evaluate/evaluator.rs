@@ -17,6 +17,7 @@ use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::grid::Cell;
 
+use crate::evaluate::control::IsStopped;
 use crate::evaluate::criteria::Criteria;
 use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
@@ -95,8 +96,9 @@ impl<'a> Evaluator<'a> {
         &mut self.maps
     }
 
-    /// Evaluates one unit of work, consecutive samples of a part, and counts what the job records.
-    pub fn count(&self, part: u64, samples: Range<u64>) -> FinishedUnit {
+    /// Evaluates one unit of work, consecutive samples of a part, and counts what the job records; `None` if it is
+    /// stopped before.
+    pub fn count(&self, part: u64, samples: Range<u64>, is_stopped: IsStopped<'_>) -> Option<FinishedUnit> {
         let (cell, place) = self.parts.place(part);
         let cell = self.job.grid.cell(cell);
         let brake = self.job.grid.brake_index(cell.index);
@@ -118,16 +120,19 @@ impl<'a> Evaluator<'a> {
                 unit.counts += counted;
                 continue;
             }
-            let mut sets = vec![self.decide(&cell, chunk, &self.audited(part, chunk.numbers()), &mut lookups)];
+            let audited = self.audited(part, chunk.numbers());
+            let mut sets = vec![self.decide(&cell, chunk, &audited, &mut lookups, is_stopped)?];
             if let Some(second) = second.as_mut().and_then(|second| second.next_chunk(self.chunk)) {
-                let decide = |samples: &Samples| self.decide(&cell, samples, &[], &mut Lookups::default());
-                sets.push(decide(second));
-                sets.extend(self.mixed(chunk, second).iter().map(decide));
+                let decide = |samples: &Samples| self.decide(&cell, samples, &[], &mut Lookups::default(), is_stopped);
+                sets.push(decide(second)?);
+                for mixed in self.mixed(chunk, second) {
+                    sets.push(decide(&mixed)?);
+                }
             }
             self.record(&mut unit, &cell, chunk, &sets);
         }
         self.record_lookups(&mut unit, lookups);
-        unit
+        Some(unit)
     }
 
     /// A unit of which nothing is counted yet.
@@ -178,9 +183,15 @@ impl<'a> Evaluator<'a> {
         self.layout.add_lookups(&mut unit.sums, lookups);
     }
 
-    /// The verdicts that a run counts for consecutive samples of a cell. With Sobol points, these are samples of one
-    /// randomisation; otherwise `randomisation` is 0.
-    pub fn verdicts(&self, cell: u64, randomisation: usize, samples: Range<u64>) -> Vec<Verdict> {
+    /// The verdicts that a run counts for consecutive samples of a cell, up to where it is stopped. With Sobol points,
+    /// these are samples of one randomisation; otherwise `randomisation` is 0.
+    pub fn verdicts(
+        &self,
+        cell: u64,
+        randomisation: usize,
+        samples: Range<u64>,
+        is_stopped: IsStopped<'_>,
+    ) -> Vec<Verdict> {
         // With looks, samples are numbered over all parts of the cell; with randomisations, within each.
         let places = match self.parts.are_sequential() {
             true => 0..self.parts.of_a_cell(),
@@ -194,21 +205,29 @@ impl<'a> Evaluator<'a> {
                 continue;
             }
             let of_part = drawn.start - first..drawn.end - first;
-            self.each_decided(self.parts.of(cell).start + part as u64, of_part, |_, decisions| {
-                verdicts.extend(verdicts_of(decisions));
-            });
+            let part = self.parts.of(cell).start + part as u64;
+            self.each_decided(part, of_part, is_stopped, |_, decisions| verdicts.extend(verdicts_of(decisions)));
         }
         verdicts
     }
 
-    /// Passes samples of a part, numbered within it, to `visit` chunk by chunk, with what a run counts of them.
-    pub fn each_decided(&self, part: u64, samples: Range<u64>, mut visit: impl FnMut(&Samples, &[Decision])) {
+    /// Passes samples of a part, numbered within it, to `visit` chunk by chunk, with what a run counts of them, up to
+    /// where it is stopped.
+    pub fn each_decided(
+        &self,
+        part: u64,
+        samples: Range<u64>,
+        is_stopped: IsStopped<'_>,
+        mut visit: impl FnMut(&Samples, &[Decision]),
+    ) {
         let (cell, place) = self.parts.place(part);
         let cell = self.job.grid.cell(cell);
         let mut drawing = self.draw(&cell, place, &samples, self.job.points());
         while let Some(chunk) = drawing.next_chunk(self.chunk) {
             let audited = self.audited(part, chunk.numbers());
-            visit(chunk, &self.decide(&cell, chunk, &audited, &mut Lookups::default()));
+            let decided = self.decide(&cell, chunk, &audited, &mut Lookups::default(), is_stopped);
+            let Some(decisions) = decided else { return };
+            visit(chunk, &decisions);
         }
     }
 
@@ -220,7 +239,7 @@ impl<'a> Evaluator<'a> {
         let mut drawing = Drawing::new(self.job, &place, part, number..number + 1, self.job.points());
         let samples = drawing.next_chunk(1)?;
         // As in an audit, the sample is simulated even if a map has its verdict.
-        let decision = self.decide(&place, samples, &[true], &mut Lookups::default()).pop()?;
+        let decision = self.decide(&place, samples, &[true], &mut Lookups::default(), &|| false)?.pop()?;
         let is_audited = self.audited(self.parts.of(cell).start + part as u64, samples.numbers());
         let fails = self.fails(samples, 0);
         let map = self.maps.get(self.job.grid.brake_index(cell)).filter(|_| !is_audited.contains(&true) && !fails);
@@ -237,17 +256,19 @@ impl<'a> Evaluator<'a> {
         })
     }
 
-    /// The audit of an integral: looks samples of a cell up in its verdict map and simulates them as well.
-    pub fn audit_integral(&self, cell: u64, samples: Range<u64>) -> FinishedUnit {
+    /// The audit of an integral: looks samples of a cell up in its verdict map and simulates them as well. `None` if it
+    /// is stopped before.
+    pub fn audit_integral(&self, cell: u64, samples: Range<u64>, is_stopped: IsStopped<'_>) -> Option<FinishedUnit> {
         let place = self.job.grid.cell(cell);
         let mut counts = VerdictCounts::default();
         let mut lookups = Lookups::default();
         let mut drawing = Drawing::new(self.job, &place, 0, samples.clone(), Points::Random);
         while let Some(chunk) = drawing.next_chunk(self.chunk) {
-            let decisions = self.decide(&place, chunk, &vec![true; chunk.len()], &mut lookups);
+            let decisions = self.decide(&place, chunk, &vec![true; chunk.len()], &mut lookups, is_stopped)?;
             decisions.iter().for_each(|decision| counts += decision.verdict.into());
         }
-        FinishedUnit { part: cell, samples, counts, amplitudes: Distribution::default(), sums: lookups.sums().to_vec() }
+        let (amplitudes, sums) = (Distribution::default(), lookups.sums().to_vec());
+        Some(FinishedUnit { part: cell, samples, counts, amplitudes, sums })
     }
 
     /// Simulates the first samples of a cell.
@@ -256,18 +277,25 @@ impl<'a> Evaluator<'a> {
         let mut drawing = Drawing::new(self.job, &place, 0, 0..samples, self.job.points());
         let Some(chunk) = drawing.next_chunk(SIMULATED_CHUNK) else { return Vec::new() };
         let all: Vec<usize> = (0..chunk.len()).collect();
-        self.criteria.decide(self.job, &place, chunk, &all)
+        self.criteria.decide(self.job, &place, chunk, &all, &|| false).unwrap_or_default()
     }
 
-    /// Decides samples, those outside physics as the job specifies.
-    fn decide(&self, cell: &Cell, samples: &Samples, audited: &[bool], lookups: &mut Lookups) -> Vec<Decision> {
-        let mut decisions = self.decide_all(cell, &self.within_physics(samples), audited, lookups);
+    /// Decides samples, those outside physics as the job specifies; `None` if it is stopped before.
+    fn decide(
+        &self,
+        cell: &Cell,
+        samples: &Samples,
+        audited: &[bool],
+        lookups: &mut Lookups,
+        is_stopped: IsStopped<'_>,
+    ) -> Option<Vec<Decision>> {
+        let mut decisions = self.decide_all(cell, &self.within_physics(samples), audited, lookups, is_stopped)?;
         for (sample, decision) in decisions.iter_mut().enumerate() {
             if self.fails(samples, sample) {
                 *decision = Verdict::Failed.into();
             }
         }
-        decisions
+        Some(decisions)
     }
 
     /// The samples that are decided: those outside physics are clamped if the job says so.
@@ -287,12 +315,19 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Decides samples. Those that a map has a verdict for are looked up; the others, and those that are audited, are
-    /// simulated.
-    fn decide_all(&self, cell: &Cell, samples: &Samples, audited: &[bool], lookups: &mut Lookups) -> Vec<Decision> {
+    /// simulated. `None` if it is stopped before.
+    fn decide_all(
+        &self,
+        cell: &Cell,
+        samples: &Samples,
+        audited: &[bool],
+        lookups: &mut Lookups,
+        is_stopped: IsStopped<'_>,
+    ) -> Option<Vec<Decision>> {
         let Some(map) = self.maps.get(self.job.grid.brake_index(cell.index)) else {
             lookups.simulated += samples.len() as u64;
             let all: Vec<usize> = (0..samples.len()).collect();
-            return self.criteria.decide(self.job, cell, samples, &all);
+            return self.criteria.decide(self.job, cell, samples, &all, is_stopped);
         };
         let look_up = |sample: usize| {
             let RandomInputs { preload, static_friction } = samples.pair(sample);
@@ -301,7 +336,7 @@ impl<'a> Evaluator<'a> {
         let looked_up: Vec<Option<Verdict>> = (0..samples.len()).map(look_up).collect();
         let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
         let simulated: Vec<usize> = (0..samples.len()).filter(|&i| looked_up[i].is_none() || is_audited(i)).collect();
-        let decisions = self.criteria.decide(self.job, cell, samples, &simulated);
+        let decisions = self.criteria.decide(self.job, cell, samples, &simulated, is_stopped)?;
         let mut all: Vec<Decision> =
             looked_up.iter().map(|verdict| verdict.unwrap_or(Verdict::Failed).into()).collect();
         for (&sample, decision) in simulated.iter().zip(decisions) {
@@ -314,7 +349,7 @@ impl<'a> Evaluator<'a> {
             }
             all[sample] = decision;
         }
-        all
+        Some(all)
     }
 
     /// Which samples of a part are audited, by their numbers in the cell, with Sobol points in the randomisation.

@@ -68,10 +68,15 @@ impl Maps {
 
     /// The needed tiles that are not there yet.
     pub fn missing(&self) -> Vec<(usize, TileIndex)> {
-        let missing = |(brake, tiles): (usize, &Vec<TileIndex>)| -> Vec<(usize, TileIndex)> {
-            tiles.iter().filter(|index| self.maps[brake].tile(**index).is_none()).map(|index| (brake, *index)).collect()
-        };
-        self.needed.iter().enumerate().flat_map(missing).collect()
+        self.missing_of(|_| true)
+    }
+
+    /// The same of a share of the needed tiles: `is_wanted` tells by the number of a tile among all of them.
+    pub fn missing_of(&self, is_wanted: impl Fn(u64) -> bool) -> Vec<(usize, TileIndex)> {
+        let needed = self.needed.iter().enumerate();
+        let needed = needed.flat_map(|(brake, tiles)| tiles.iter().map(move |&index| (brake, index)));
+        let wanted = (0..).zip(needed).filter(|(number, _)| is_wanted(*number)).map(|(_, tile)| tile);
+        wanted.filter(|&(brake, index)| self.maps[brake].tile(index).is_none()).collect()
     }
 
     /// The number of tiles that the job needs.

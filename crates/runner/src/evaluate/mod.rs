@@ -1,6 +1,8 @@
 //! Evaluation of samples: drawing their inputs, and finding their verdicts in closed form, by looking up or by
 //! simulation.
 
+pub mod control;
+
 pub mod parts;
 
 pub mod samples;
@@ -12,8 +14,6 @@ pub mod maps;
 pub mod sums;
 
 pub mod unit;
-
-pub mod control;
 
 pub mod evaluator;
 

@@ -6,12 +6,13 @@ use stickslip_core::criterion::decision::Decision;
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_sampler::verdict_map::tile::{Tile, TileIndex};
 
+use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
 
-/// Simulations of a tile before the first check for a signal.
+/// Simulations of a tile that are counted first.
 const FIRST_BATCH: usize = 64;
 
-/// Time between two checks, by the cost of the simulations before.
+/// Time between two counts, by the cost of the simulations before.
 const BATCH_TIME: Duration = Duration::from_millis(200);
 
 /// Number of cells, and of samples in each, from which the cost of simulating all samples of a job is estimated.
@@ -36,32 +37,44 @@ pub struct MapTrial {
 }
 
 impl Evaluator<'_> {
-    /// Limits the cost of the verdict maps to that of simulating all samples but the audited ones. It is estimated from
-    /// the first samples of some cells, and so depends on the job alone.
-    pub fn limit_maps(&mut self) {
+    /// The cells whose first samples tell what simulating all samples costs; none where that is not asked.
+    pub fn limiting_cells(&self) -> Vec<u64> {
         if self.job.is_integrated() || !self.job.uses_maps() {
-            return;
+            return Vec::new();
         }
         let cells = self.job.cells();
-        let trial = cells.min(TRIAL_CELLS);
-        let samples = self.parts.max_samples(0).min(TRIAL_SAMPLES);
-        let mut cost = 0;
-        for turn in 0..trial {
-            let cell = (u128::from(turn) * u128::from(cells) / u128::from(trial)) as u64;
-            cost += cost_of(&self.simulate_first(cell, samples));
-        }
-        let others = self.job.verdicts_of_samples().saturating_sub(self.job.audited_samples());
-        self.maps.limit(others.saturating_mul(u128::from(cost)) / u128::from((trial * samples).max(1)));
+        let tried = cells.min(TRIAL_CELLS);
+        (0..tried).map(|turn| (u128::from(turn) * u128::from(cells) / u128::from(tried)) as u64).collect()
     }
 
-    /// Resolves one tile. `keep_going` is called with the decisions of each batch; if it returns false, the search ends
-    /// and the result is `None`.
-    pub fn resolve(&self, brake: usize, index: TileIndex, keep_going: impl Fn(&[Decision]) -> bool) -> Option<Tile> {
+    /// The cost of the first samples of a cell.
+    pub fn limiting_cost(&self, cell: u64) -> u64 {
+        cost_of(&self.simulate_first(cell, self.limiting_samples()))
+    }
+
+    fn limiting_samples(&self) -> u64 {
+        self.parts.max_samples(0).min(TRIAL_SAMPLES)
+    }
+
+    /// Limits the cost of the verdict maps to that of simulating all samples but the audited ones. It is estimated from
+    /// the `cost` of the first samples of this many `cells`, and so depends on the job alone.
+    pub fn limit_maps(&mut self, cells: usize, cost: u64) {
+        let others = self.job.verdicts_of_samples().saturating_sub(self.job.audited_samples());
+        let tried = (cells as u64 * self.limiting_samples()).max(1);
+        self.maps.limit(others.saturating_mul(u128::from(cost)) / u128::from(tried));
+    }
+
+    /// Resolves one tile. `count` is called with the decisions of each batch. The search ends as soon as it
+    /// `is_stopped`, also in the middle of a batch, and the result is `None`.
+    pub fn resolve(
+        &self,
+        brake: usize,
+        index: TileIndex,
+        count: impl Fn(&[Decision]),
+        is_stopped: IsStopped<'_>,
+    ) -> Option<Tile> {
         let map = self.maps.get(brake)?;
         let criterion = self.criteria.for_brake(self.job, brake)?;
-        if !keep_going(&[]) {
-            return None;
-        }
         let mut cost = 0;
         let mut at_once = FIRST_BATCH;
         let mut tile = Tile::resolve(index, |points| {
@@ -74,14 +87,16 @@ impl Evaluator<'_> {
                 };
                 let inputs: Vec<RandomInputs> = batch.map(inputs_at).collect();
                 let begun = Instant::now();
-                let decisions = criterion.decide(&inputs);
+                let answers = criterion.decide(&inputs, is_stopped);
+                let decisions: Vec<Decision> = answers.into_iter().flatten().collect();
+                count(&decisions);
+                if decisions.len() < inputs.len() || is_stopped() {
+                    return None;
+                }
                 let affordable = BATCH_TIME.as_secs_f64() / begun.elapsed().as_secs_f64().max(1e-9);
                 at_once = ((inputs.len() as f64 * affordable) as usize).clamp(1, 4 * at_once);
                 verdicts.extend(decisions.iter().map(|decision| decision.verdict));
                 cost += cost_of(&decisions);
-                if !keep_going(&decisions) {
-                    return None;
-                }
             }
             Some(verdicts)
         })?;

@@ -1,10 +1,11 @@
 //! One thread's work on units: it evaluates their samples a few at a time, so that it can stop soon, and hands over
 //! what is finished.
 
+use std::cell::Cell;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use crate::evaluate::control::Control;
+use crate::evaluate::control::{Control, IsStopped};
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::stream;
 use crate::evaluate::unit::FinishedUnit;
@@ -33,7 +34,7 @@ impl Evaluator<'_> {
         if matches!(self.job.criterion, Criterion::TimeDomain { .. }) {
             stream::work(self, next, emit, control);
         } else {
-            work(&|part, samples| self.count(part, samples), next, emit, control);
+            work(&|part, samples, is_stopped| self.count(part, samples, is_stopped), next, emit, control);
         }
     }
 
@@ -44,17 +45,28 @@ impl Evaluator<'_> {
         emit: &mut dyn FnMut(FinishedUnit),
         control: &dyn Fn() -> Control,
     ) {
-        work(&|cell, samples| self.audit_integral(cell, samples), next, emit, control);
+        work(&|cell, samples, is_stopped| self.audit_integral(cell, samples, is_stopped), next, emit, control);
     }
 }
 
+/// Evaluates some samples of a part, unless it is stopped before.
+type Count<'a> = dyn Fn(u64, Range<u64>, IsStopped<'_>) -> Option<FinishedUnit> + 'a;
+
 /// See [`Evaluator::work`]; `count` evaluates some samples of a part.
 fn work(
-    count: &dyn Fn(u64, Range<u64>) -> FinishedUnit,
+    count: &Count<'_>,
     next: &dyn Fn() -> Option<(u64, Range<u64>)>,
     emit: &mut dyn FnMut(FinishedUnit),
     control: &dyn Fn() -> Control,
 ) {
+    let asked = Cell::new(Control::Continue);
+    // A motion may take many seconds, so that it is asked for a stop in its middle, too.
+    let is_stopped = || {
+        if asked.get() == Control::Continue {
+            asked.set(control());
+        }
+        asked.get() == Control::Stop
+    };
     let mut pace = Pace::default();
     while let Some((part, samples)) = next() {
         pace.begin(samples.end - samples.start);
@@ -63,18 +75,21 @@ fn work(
         while first < samples.end {
             let end = samples.end.min(first.saturating_add(pace.at_once));
             let begun = Instant::now();
-            let counted = count(part, first..end);
+            let Some(counted) = count(part, first..end, &is_stopped) else {
+                finished.into_iter().for_each(&mut *emit);
+                return;
+            };
             pace.learn(end - first, begun.elapsed());
             match &mut finished {
                 Some(finished) => finished.append(&counted),
                 None => finished = Some(counted),
             }
             first = end;
-            let control = control();
-            if control != Control::Continue {
+            let must_stop = is_stopped();
+            if asked.replace(Control::Continue) != Control::Continue {
                 finished.take().into_iter().for_each(&mut *emit);
             }
-            if control == Control::Stop {
+            if must_stop {
                 return;
             }
         }
@@ -120,7 +135,6 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::cell::Cell;
     use std::thread;
     use stickslip_core::verdict::VerdictCounts;
     use stickslip_sampler::estimate::distribution::Distribution;
@@ -139,9 +153,9 @@ mod tests {
             given.set(given.get() + 1);
             units.get(given.get() - 1).cloned()
         };
-        let count = |part: u64, samples: Range<u64>| {
+        let count = |part: u64, samples: Range<u64>, _: IsStopped<'_>| {
             thread::sleep(cost * (samples.end - samples.start) as u32);
-            counted(part, samples)
+            Some(counted(part, samples))
         };
         let mut emitted = Vec::new();
         work(&count, &next, &mut |unit| emitted.push(unit), &|| {

@@ -11,7 +11,7 @@ use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, Paral
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
-use crate::evaluate::control::Control;
+use crate::evaluate::control::{Control, IsStopped};
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;
@@ -123,7 +123,7 @@ impl Engine {
     ) -> Result<(Outcome, Vec<IntegratedCell>), Failure> {
         let job = evaluator.job();
         let regions = evaluator.regions();
-        let integrate = |index: u64| {
+        let integrate = |index: u64, _: IsStopped<'_>| {
             let lookups = Lookups::from_sums(&audits.sums(index));
             (index, evaluator.integrate(&job.grid.cell(index), &regions, lookups))
         };
@@ -204,12 +204,13 @@ impl Engine {
         })
     }
 
-    /// Does `units` units of work on all threads, and passes the results, in any order, to `take` on this thread.
+    /// Does `units` units of work on all threads, each until it is stopped, and passes the results, in any order, to
+    /// `take` on this thread.
     pub fn for_each_in_parallel<T: Send>(
         &self,
         units: u64,
         interrupt: &Interrupt,
-        work: impl Fn(u64) -> T + Sync + Send,
+        work: impl Fn(u64, IsStopped<'_>) -> T + Sync + Send,
         mut take: impl FnMut(T),
     ) -> Result<Outcome, Failure> {
         self.in_parallel(units, interrupt, work, |event| {
@@ -220,17 +221,17 @@ impl Engine {
         })
     }
 
-    /// Does `units` units of work on all threads, and passes events to `take` on this thread.
+    /// Does `units` units of work on all threads, each until it is stopped, and passes events to `take` on this thread.
     pub(super) fn in_parallel<T: Send>(
         &self,
         units: u64,
         interrupt: &Interrupt,
-        work: impl Fn(u64) -> T + Sync + Send,
+        work: impl Fn(u64, IsStopped<'_>) -> T + Sync + Send,
         take: impl FnMut(Event<T>) -> Result<(), Failure>,
     ) -> Result<Outcome, Failure> {
         let each = |link: &Link<'_, T>| {
             while let Some(unit) = link.next() {
-                link.send(work(unit));
+                link.send(work(unit, &|| link.is_stopped()));
             }
         };
         self.on_every_thread(units, interrupt, each, take)

@@ -39,6 +39,11 @@ impl Shard {
         (1..=count).map(move |typed| Self { index: typed % count, count, typed })
     }
 
+    /// Whether a thing of this number belongs to it, where consecutive ones go to different shards.
+    pub fn has(self, number: u64) -> bool {
+        number % self.count == self.index
+    }
+
     /// The number of shards.
     pub fn count(self) -> u64 {
         self.count

@@ -4,10 +4,11 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use stickslip_core::criterion::decision::Decision;
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
-use crate::evaluate::control::Control;
+use crate::evaluate::control::{Control, IsStopped};
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::tiles::{MapTrial, cost_of};
 use crate::failure::Failure;
@@ -79,7 +80,8 @@ impl Engine {
     pub fn try_samples(&self, evaluator: &Evaluator<'_>) -> Result<SampleTrial, Failure> {
         let places = Places::of(evaluator);
         // Some criteria compute tables when they are first used, which a whole run does once.
-        places.count(evaluator, 0, 1);
+        let begun = Instant::now();
+        places.count(evaluator, 0, 1, &|| begun.elapsed() >= LONGEST);
         let is_simulated = matches!(evaluator.job().criterion, Criterion::TimeDomain { .. });
         let mut trial = SampleTrial::default();
         if !is_simulated || evaluator.parts().looks().is_some() {
@@ -102,7 +104,8 @@ impl Engine {
         let turn = AtomicU64::new(0);
         let work = |link: &Link<'_, Batch>| {
             while !is_enough.load(Ordering::Relaxed) && started.elapsed() < LONGEST {
-                link.send(places.count(evaluator, turn.fetch_add(1, Ordering::Relaxed), samples));
+                let batch = places.count(evaluator, turn.fetch_add(1, Ordering::Relaxed), samples, &|| false);
+                batch.into_iter().for_each(|batch| link.send(batch));
             }
         };
         let (mut costs, mut ends, mut costs_to_stop) = (Mean::default(), Mean::default(), Mean::default());
@@ -174,19 +177,19 @@ impl Engine {
         let missing = evaluator.maps().missing();
         let started = Instant::now();
         let is_enough = AtomicBool::new(false);
-        let work = |turn: u64| {
-            let is_over = || is_enough.load(Ordering::Relaxed) || started.elapsed() >= LONGEST;
-            if is_over() {
+        let is_over = || started.elapsed() >= LONGEST;
+        let work = |turn: u64, _: IsStopped<'_>| {
+            if is_enough.load(Ordering::Relaxed) || is_over() {
                 return None;
             }
             let (speed, index) = missing[turn as usize];
             let begun = Instant::now();
             let (simulations, cost) = (AtomicU64::new(0), AtomicU64::new(0));
-            let tile = evaluator.resolve(speed, index, |decisions| {
+            let count = |decisions: &[Decision]| {
                 simulations.fetch_add(decisions.len() as u64, Ordering::Relaxed);
                 cost.fetch_add(cost_of(decisions), Ordering::Relaxed);
-                started.elapsed() < LONGEST
-            });
+            };
+            let tile = evaluator.resolve(speed, index, count, &is_over);
             Some((simulations.into_inner(), cost.into_inner(), begun.elapsed().as_secs_f64(), tile.is_some()))
         };
         let mut trial = MapTrial::default();
@@ -241,12 +244,12 @@ impl Places {
         (part, first..first + samples)
     }
 
-    /// Evaluates the samples of one turn.
-    fn count(&self, evaluator: &Evaluator<'_>, turn: u64, samples: u64) -> Batch {
+    /// Evaluates the samples of one turn; `None` if it is stopped before.
+    fn count(&self, evaluator: &Evaluator<'_>, turn: u64, samples: u64, is_stopped: IsStopped<'_>) -> Option<Batch> {
         let (part, samples) = self.at(evaluator, turn, samples);
         let begun = Instant::now();
-        let unit = evaluator.count(part, samples);
-        Batch { seconds: begun.elapsed().as_secs_f64(), counts: unit.counts }
+        let unit = evaluator.count(part, samples, is_stopped)?;
+        Some(Batch { seconds: begun.elapsed().as_secs_f64(), counts: unit.counts })
     }
 
     /// How many samples take the time of a batch.
@@ -255,7 +258,8 @@ impl Places {
         let started = Instant::now();
         for turn in 0.. {
             // A single sample may cost far more than most.
-            let tried = (0..3).map(|i| self.count(evaluator, 3 * turn + i, samples).seconds);
+            let tried = (0..3).filter_map(|i| self.count(evaluator, 3 * turn + i, samples, &|| false));
+            let tried = tried.map(|batch| batch.seconds);
             let seconds = tried.fold(f64::INFINITY, f64::min);
             let affordable = samples as f64 * BATCH.as_secs_f64() / seconds.max(1e-9);
             let next = self.most.min(affordable.min(4.0 * samples as f64) as u64).max(1);

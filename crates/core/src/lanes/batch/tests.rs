@@ -298,3 +298,28 @@ fn a_queue_that_stops_drops_what_is_not_decided() {
     let decided = queue.decisions.iter().flatten().count();
     assert!((300..2000).contains(&decided), "{decided}");
 }
+
+#[test]
+fn what_is_stopped_has_no_decision_or_the_right_one() {
+    for (disc, count, questions) in [(DiscModel::Rigid, 300, 310), (DiscModel::Flexible { modes: 5 }, 40, 60)] {
+        let settings = TimeDomainSettings { start: Start::Rest, ..Default::default() };
+        let criterion = criterion(&disc, settings, &[("operating_point.rotating_speed", 15.0)]);
+        let inputs = inputs(count);
+        let expected = criterion.decide_all(&inputs);
+        for questions in [0, 1, questions / 2, questions] {
+            let asked = Cell::new(0);
+            let found = criterion.decide_until(&inputs, &|| {
+                asked.set(asked.get() + 1);
+                asked.get() > questions
+            });
+            assert_eq!(found.len(), count);
+            let missing = found.iter().filter(|decision| decision.is_none()).count();
+            assert!(missing > 0 && (questions > 1 || missing == count), "{questions} questions: {missing} missing");
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!(found.is_none_or(|found| found == *expected), "{found:?} {expected:?}");
+            }
+        }
+        let all = criterion.decide_until(&inputs, &|| false);
+        assert!(all.iter().zip(&expected).all(|(found, expected)| *found == Some(*expected)));
+    }
+}

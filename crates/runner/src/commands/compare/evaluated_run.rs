@@ -17,6 +17,7 @@ use crate::interrupt::Interrupt;
 use crate::job::Effort;
 use crate::output::note;
 use crate::schedule::engine::{Engine, Outcome};
+use crate::schedule::mapping::Mapping;
 use crate::store::directory::MAPS;
 use crate::store::map_pieces;
 use crate::tables::row::unaudited;
@@ -122,7 +123,7 @@ fn complete_maps(
             borrowed |= map_pieces::load(evaluator.maps_mut(), &other)? > 0;
         }
     }
-    let completed = engine.complete_maps(evaluator, keep, borrowed, interrupt)?;
+    let completed = engine.complete_maps(evaluator, Mapping { keep, borrowed, ..Mapping::default() }, interrupt)?;
     if let Outcome::Stopped(signal) = completed.outcome {
         return Err(stopped(signal));
     }

@@ -8,6 +8,7 @@ use stickslip_sampler::estimate::difference::{Difference, PairedCounts, paired_d
 
 use super::evaluated_run::{EvaluatedRun, stopped};
 use super::matching::{Dependence, Matching};
+use crate::evaluate::control::IsStopped;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::schedule::engine::{Engine, Outcome};
@@ -120,13 +121,16 @@ pub fn count_pairs(
     }
     let mut joints = vec![JointCounts::default(); matching.cells.len()];
     let mut progress = Progress::new(total, "samples");
-    let evaluate = |i: u64| {
+    let evaluate = |i: u64, is_stopped: IsStopped<'_>| {
         let unit = &units[i as usize];
         let cell = matching.cells[unit.matched];
         let verdicts = |run: &EvaluatedRun<'_>, cell: u64| {
             let end = unit.samples.end.min(run.run.lengths(cell)[unit.randomisation]);
             let samples = unit.samples.start..end;
-            if samples.is_empty() { Vec::new() } else { run.evaluator.verdicts(cell, unit.randomisation, samples) }
+            match samples.is_empty() {
+                true => Vec::new(),
+                false => run.evaluator.verdicts(cell, unit.randomisation, samples, is_stopped),
+            }
         };
         let joint = JointCounts::of(&verdicts(first, cell.first), &verdicts(second, cell.second));
         (unit.matched, unit.samples.end - unit.samples.start, joint)

@@ -63,7 +63,7 @@ fn a_stream_counts_what_each_unit_counts_by_itself() {
     for job in jobs() {
         let evaluator = Evaluator::new(&job).unwrap();
         let expected: Vec<FinishedUnit> =
-            UNITS.into_iter().map(|(part, samples)| evaluator.count(part, samples)).collect();
+            UNITS.into_iter().map(|(part, samples)| evaluator.count(part, samples, &|| false).unwrap()).collect();
         assert!(expected.iter().any(|unit| unit.counts.unstable > 0 && unit.counts.stable > 0));
         assert_eq!(emitted(&evaluator, |_| Control::Continue), expected);
         let flushed = emitted(&evaluator, |turn| if turn % 3 == 0 { Control::Flush } else { Control::Continue });
@@ -79,7 +79,7 @@ fn a_stopped_stream_hands_over_the_first_samples_of_its_units() {
             for unit in emitted(&evaluator, |turn| if turn < stop { Control::Continue } else { Control::Stop }) {
                 let (_, whole) = UNITS.iter().find(|(part, _)| *part == unit.part).unwrap();
                 assert_eq!(unit.samples.start, whole.start);
-                assert_eq!(evaluator.count(unit.part, unit.samples.clone()), unit);
+                assert_eq!(evaluator.count(unit.part, unit.samples.clone(), &|| false).unwrap(), unit);
             }
         }
     }
