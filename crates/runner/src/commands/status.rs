@@ -13,7 +13,7 @@ use crate::output::{result, warn};
 use crate::store::directory::RunDirectory;
 
 /// `stickslip status`.
-pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
+pub fn status(arguments: &StatusArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let path = &arguments.run;
     let directory = match RunDirectory::view(path) {
         Ok(directory) => directory,
@@ -30,7 +30,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
         }
     };
     if arguments.watch {
-        return watch(&directory, path, arguments.shards.unwrap_or(0), &Interrupt::watch()?);
+        return watch(&directory, path, arguments.shards.unwrap_or(0), interrupt);
     }
     let progress = RunProgress::of(&directory)?;
     result(&if arguments.json { format!("{:#}\n", progress.json(path)) } else { progress.text(path) })

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
+use crate::unfinished::{self, Unfinished};
 
 /// Prefix of the names of unfinished files. A killed process leaves them behind.
 const PREFIX: &str = ".unfinished-";
@@ -20,7 +21,7 @@ pub fn publish(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure
 /// Writes `bytes` as the file `name` in `directory`, unless there is one of that name; returns false then.
 pub fn publish_first(directory: &Path, name: &str, bytes: &[u8]) -> Result<bool, Failure> {
     let written = (|| {
-        let mut temporary = temporary(directory)?;
+        let (_unfinished, mut temporary) = temporary(directory)?;
         temporary.write_all(bytes)?;
         temporary.as_file().sync_all()?;
         match temporary.persist_noclobber(directory.join(name)) {
@@ -38,15 +39,20 @@ pub fn publish_with<E: From<io::Error>>(
     name: &str,
     write: impl FnOnce(&mut File) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut temporary = temporary(directory)?;
+    let (_unfinished, mut temporary) = temporary(directory)?;
     write(temporary.as_file_mut())?;
     temporary.as_file().sync_all()?;
     temporary.persist(directory.join(name)).map_err(|error| error.error)?;
     Ok(sync(directory)?)
 }
 
-fn temporary(directory: &Path) -> io::Result<NamedTempFile> {
-    let temporary = tempfile::Builder::new().prefix(PREFIX).tempfile_in(directory)?;
+/// A temporary file, which a signal removes.
+fn temporary(directory: &Path) -> io::Result<(Unfinished, NamedTempFile)> {
+    let (unfinished, temporary) = unfinished::create(|| {
+        let temporary = tempfile::Builder::new().prefix(PREFIX).tempfile_in(directory)?;
+        let path = temporary.path().to_owned();
+        Ok((temporary, path))
+    })?;
     // Temporary files are private by default. Whoever may read the directory may read this file, too.
     #[cfg(unix)]
     {
@@ -54,7 +60,7 @@ fn temporary(directory: &Path) -> io::Result<NamedTempFile> {
         let mode = fs::metadata(directory)?.permissions().mode() & 0o666;
         temporary.as_file().set_permissions(fs::Permissions::from_mode(mode))?;
     }
-    Ok(temporary)
+    Ok((unfinished, temporary))
 }
 
 /// Syncs a directory, so that a rename survives a power cut.

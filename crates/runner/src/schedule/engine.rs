@@ -106,7 +106,7 @@ impl Engine {
         let pool = ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
-            .map_err(|error| Failure::InputOutput(format!("cannot start {threads} threads: {error}")))?;
+            .map_err(|error| Failure::InputOutput(format!("cannot start {threads} threads: {error}; give fewer with --threads")))?;
         Ok(Self { pool })
     }
 
@@ -254,13 +254,15 @@ impl Engine {
         let link = Link { sender, interrupt, turn: AtomicU64::new(0), order, is_closed: AtomicBool::new(false) };
         let _working = interrupt.working();
         thread::scope(|scope| {
-            let workers = scope.spawn(move || {
+            let workers = thread::Builder::new().spawn_scoped(scope, move || {
                 // Each thread takes units until there are none. In which order they are done, and by which thread,
                 // makes no difference to the results.
                 self.pool.install(|| {
                     (0..self.threads()).into_par_iter().with_max_len(1).for_each(|_| work(&link));
                 });
             });
+            let workers =
+                workers.map_err(|error| Failure::InputOutput(format!("cannot start one more thread: {error}")))?;
             let collected = collect(&receiver, &mut take);
             drop(receiver);
             let panicked = workers.join().is_err();

@@ -2,13 +2,16 @@
 
 use std::fs;
 use std::path::Path;
-use std::time::{Instant, SystemTime};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::files::publish::publish;
+
+/// Time from 1970 to the year 10000, which has too many digits.
+const YEAR_10000: Duration = Duration::from_secs(253_402_300_800);
 
 /// One session of work on a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -46,12 +49,21 @@ struct Record {
     sessions: Vec<Session>,
 }
 
+/// A time in words. A clock that was never set may be before 1970, or far in the future.
+fn in_words(time: SystemTime) -> String {
+    match time.duration_since(UNIX_EPOCH) {
+        Ok(since) if since < YEAR_10000 => humantime::format_rfc3339_seconds(time).to_string(),
+        Ok(_) => "unknown, the clock is after the year 9999".to_owned(),
+        Err(_) => "unknown, the clock is before 1970".to_owned(),
+    }
+}
+
 impl Session {
     /// Starts a session.
     pub fn start(command: &str, threads: usize) -> Self {
         Self {
             command: command.to_owned(),
-            started: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
+            started: in_words(SystemTime::now()),
             seconds: 0.0,
             outcome: String::new(),
             samples_computed: 0,
@@ -91,5 +103,18 @@ impl Session {
         record.sessions.push(self);
         let text = serde_json::to_string_pretty(&record).map_err(|error| Failure::writing(&path, error))?;
         publish(directory, "run.json", (text + "\n").as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clock_that_is_wrong_is_said_in_words() {
+        assert_eq!(in_words(UNIX_EPOCH), "1970-01-01T00:00:00Z");
+        assert_eq!(in_words(UNIX_EPOCH + YEAR_10000 - Duration::from_secs(1)), "9999-12-31T23:59:59Z");
+        assert_eq!(in_words(UNIX_EPOCH + YEAR_10000), "unknown, the clock is after the year 9999");
+        assert_eq!(in_words(UNIX_EPOCH - Duration::from_secs(1)), "unknown, the clock is before 1970");
     }
 }
