@@ -5,13 +5,11 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-use parquet::file::reader::FileReader as _;
-use parquet::file::serialized_reader::SerializedFileReader;
-
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{LOOKUPS, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
+use crate::files::foreign::text_of_key;
 use crate::files::publish::{files, is_temporary, publish, publish_first, remove_temporary};
 use crate::job::{Job, JobSource};
 use crate::output::note;
@@ -153,7 +151,7 @@ impl RunDirectory {
 
     /// Whether there is a result that belongs to this job.
     pub fn has_surface_of(&self, job: &Job) -> bool {
-        job_hash_of_file(&self.surface()) == Some(job.hash())
+        text_of_key(&self.surface(), JOB_HASH_KEY) == Some(job.hash())
     }
 
     /// The number of complete cells of a job. An integrated surface is complete as a whole or not at all.
@@ -251,13 +249,6 @@ impl RunDirectory {
         })?;
         Ok(tally)
     }
-}
-
-/// The hash of the job in the footer of a surface; `None` if there is no surface that can be read.
-fn job_hash_of_file(path: &Path) -> Option<String> {
-    let reader = SerializedFileReader::new(File::open(path).ok()?).ok()?;
-    let pairs = reader.metadata().file_metadata().key_value_metadata()?;
-    pairs.iter().find(|pair| pair.key == JOB_HASH_KEY)?.value.clone()
 }
 
 fn looks_empty(path: &Path) -> Result<bool, Failure> {
