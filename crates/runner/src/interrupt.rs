@@ -177,7 +177,8 @@ fn ending() -> impl Iterator<Item = i32> {
     let others = {
         /// SIGSTKFLT, SIGIO and SIGPWR where they have these numbers, and the signals without a name, of which the C
         /// library keeps the first two to itself.
-        const OTHERS: [i32; 3] = if cfg!(any(target_arch = "x86_64", target_arch = "aarch64")) { [16, 29, 30] } else { [34; 3] };
+        const OTHERS: [i32; 3] =
+            if cfg!(any(target_arch = "x86_64", target_arch = "aarch64")) { [16, 29, 30] } else { [34; 3] };
         OTHERS.into_iter().chain(34..=64)
     };
     #[cfg(not(target_os = "linux"))]

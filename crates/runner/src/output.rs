@@ -11,8 +11,8 @@ use anstream::adapter::strip_str;
 use indicatif::HumanCount;
 
 use crate::failure::Failure;
-pub use crate::shell::{quoted, shown};
 use crate::shell::without_controls;
+pub use crate::shell::{quoted, shown};
 
 /// Writes a result to standard output. Its colours are left out where that is no terminal, and at one that has none or
 /// is asked to show none (`NO_COLOR`, `TERM=dumb`). A terminal that cannot show the characters of drawings gets others.

@@ -11,7 +11,9 @@ pub fn quoted(path: &Path) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "._-/+=:@".contains(c);
     match path.to_str() {
         // Zsh takes a word that begins with = for the place of a command.
-        Some(text) if !text.is_empty() && !text.starts_with('=') && text.chars().all(is_plain) => format!("{dot}{text}"),
+        Some(text) if !text.is_empty() && !text.starts_with('=') && text.chars().all(is_plain) => {
+            format!("{dot}{text}")
+        }
         Some(text) if !text.contains(is_hidden) => format!("'{dot}{}'", text.replace('\'', "'\\''")),
         _ => format!("$'{dot}{}'", escaped(bytes)),
     }
@@ -41,7 +43,8 @@ pub fn without_controls(text: &str) -> String {
 /// Whether a character is not seen, or changes how others are: control characters, ends of lines of any kind, and marks
 /// that turn the direction of writing.
 fn is_hidden(c: char) -> bool {
-    c.is_control() || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+    c.is_control()
+        || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
 /// The inside of a `$'...'` of bash and zsh.

@@ -152,8 +152,7 @@ fn check<R: ChunkReader>(file: &R, known: Known, wanted: &impl Fn(&str) -> bool)
     if all_values > most_values {
         return Err(format!("it has {all_values} values; the limit is {most_values}"));
     }
-    let mut places: Vec<usize> =
-        leaves.iter().filter(|leaf| wanted(leaf.root_name)).map(|leaf| leaf.root).collect();
+    let mut places: Vec<usize> = leaves.iter().filter(|leaf| wanted(leaf.root_name)).map(|leaf| leaf.root).collect();
     places.dedup();
     Ok(places)
 }
@@ -195,12 +194,7 @@ fn leaves<'a>(elements: &'a [Value<'a>]) -> Option<Vec<Leaf<'a>>> {
             next += 1;
         }
         match element.number(5).unwrap_or(0) {
-            0 => leaves.push(Leaf {
-                root: outermost.0,
-                root_name: outermost.1,
-                kind: element.number(1)?,
-                is_repeated,
-            }),
+            0 => leaves.push(Leaf { root: outermost.0, root_name: outermost.1, kind: element.number(1)?, is_repeated }),
             members if members > 0 && depth < DEEPEST => around.push_back((members, is_repeated)),
             _ => return None,
         }

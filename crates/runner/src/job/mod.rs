@@ -60,6 +60,9 @@ mod identity;
 
 mod source;
 
+#[cfg(test)]
+mod mutations;
+
 pub use criterion::Criterion;
 pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use identity::IDENTITY_VERSION;

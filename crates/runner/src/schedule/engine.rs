@@ -103,10 +103,9 @@ impl<T> Link<'_, T> {
 impl Engine {
     /// Starts `threads` threads.
     pub fn new(threads: usize) -> Result<Self, Failure> {
-        let pool = ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|error| Failure::InputOutput(format!("cannot start {threads} threads: {error}; give fewer with --threads")))?;
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| {
+            Failure::InputOutput(format!("cannot start {threads} threads: {error}; give fewer with --threads"))
+        })?;
         Ok(Self { pool })
     }
 

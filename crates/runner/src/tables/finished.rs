@@ -100,11 +100,7 @@ pub fn read_numbers<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Ve
     numbers_of(read_columns(path, None, |name| names.contains(&name))?, names)
 }
 
-fn read_columns(
-    path: &Path,
-    rows: Option<u64>,
-    wanted: impl Fn(&str) -> bool,
-) -> Result<Vec<FinishedColumn>, String> {
+fn read_columns(path: &Path, rows: Option<u64>, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, String> {
     let file = File::open(path).map_err(|error| error.to_string())?;
     foreign::read(file, Known::Table(rows), wanted, columns_of)
 }
