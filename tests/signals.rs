@@ -159,7 +159,7 @@ fn a_result_that_cannot_be_written_is_named_with_a_remedy() {
             place.write("run/job.toml", &fs::read_to_string(place.path("job.toml")).unwrap());
         }
         fs::create_dir(place.path("run").join(name)).unwrap();
-        let then = format!("free space, or mend what else hinders writing, then `stickslip {again} run`");
+        let then = format!("mend that, or where a disk is full free space, then `stickslip {again} run`");
         place.run(&format!("{again} run")).refused(74, &[&format!("cannot write run/{name}"), &then]);
         fs::remove_dir(place.path("run").join(name)).unwrap();
         place.run(&format!("{again} run")).done();

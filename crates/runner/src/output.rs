@@ -106,8 +106,9 @@ pub fn broken(line: &str, width: usize) -> Vec<String> {
     done
 }
 
-/// What to do about a file of a run that could not be written, before the command that goes on.
-pub const FREE_SPACE: &str = "free space, or mend what else hinders writing, then";
+/// What to do about a file of a run that could not be written, or threads that could not be started, before the command
+/// that goes on.
+pub const FREE_SPACE: &str = "mend that, or where a disk is full free space, then";
 
 /// Writes a message to standard error. Errors are ignored, as there is no other place to report them.
 pub fn note(text: fmt::Arguments<'_>) {

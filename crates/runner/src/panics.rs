@@ -19,7 +19,7 @@ thread_local! {
     static IS_CAUGHT: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Lets every panic be said in one line. `RUST_BACKTRACE` adds where it came from.
+/// Lets every panic be said in one line. `RUST_BACKTRACE=full` adds where it came from.
 pub fn say_in_a_line() {
     panic::set_hook(Box::new(|panic| {
         // The value may be gone at the end of a thread.
@@ -32,7 +32,7 @@ pub fn say_in_a_line() {
 fn say(panic: &PanicHookInfo<'_>) {
     let what = text(panic.payload());
     let place = panic.location().map(|place| format!(" ({}:{})", place.file(), place.line())).unwrap_or_default();
-    let wants_trace = env::var_os("RUST_BACKTRACE").is_some_and(|value| value != "0");
+    let wants_trace = env::var_os("RUST_BACKTRACE").is_some_and(|value| value == "full");
     let trace = if wants_trace { format!("\n{}", Backtrace::force_capture()) } else { String::new() };
     note_over_bar(format_args!(
         "internal error: {what}{place}; please report it. Finished work that is on disk is kept{trace}"
