@@ -4,33 +4,31 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::low_level::signal_name;
 use thiserror::Error;
 
-/// The signal that ended a run early.
+use crate::shell::shown;
+
+/// The signal that ended a command early, by its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    /// SIGINT, from Ctrl-C.
-    Interrupt,
-    /// SIGTERM, from `kill` or a batch system at its time limit.
-    Terminate,
-}
+pub struct Signal(pub u8);
 
 impl Signal {
     /// The exit code of a process that the signal ended.
     pub fn exit_code(self) -> u8 {
-        match self {
-            Self::Interrupt => 130,
-            Self::Terminate => 143,
-        }
+        self.0.saturating_add(128)
     }
 }
 
 impl fmt::Display for Signal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Interrupt => "interrupted",
-            Self::Terminate => "terminated",
-        })
+        match (self.0.into(), signal_name(self.0.into())) {
+            (SIGINT, _) => f.write_str("interrupted"),
+            (SIGTERM, _) => f.write_str("terminated"),
+            (_, Some(name)) => write!(f, "ended by {name}"),
+            (number, None) => write!(f, "ended by signal {number}"),
+        }
     }
 }
 
@@ -89,17 +87,17 @@ impl Failure {
 
     /// A file could not be read.
     pub fn reading(path: &Path, error: impl fmt::Display) -> Self {
-        Self::InputOutput(format!("cannot read {}: {error}", path.display()))
+        Self::InputOutput(format!("cannot read {}: {error}", shown(path)))
     }
 
     /// A file could not be written.
     pub fn writing(path: &Path, error: impl fmt::Display) -> Self {
-        Self::InputOutput(format!("cannot write {}: {error}", path.display()))
+        Self::InputOutput(format!("cannot write {}: {error}", shown(path)))
     }
 
     /// A file or directory could not be created.
     pub fn creating(path: &Path, error: impl fmt::Display) -> Self {
-        Self::CannotCreate(format!("cannot create {}: {error}", path.display()))
+        Self::CannotCreate(format!("cannot create {}: {error}", shown(path)))
     }
 
     /// A result could not be written to standard output.

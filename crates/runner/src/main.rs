@@ -3,13 +3,19 @@
 //!
 //! Modules are declared in reading order; physics is in `stickslip-core`, statistics in `stickslip-sampler`.
 
+mod shell;
+
 mod failure;
 
 mod output;
 
+mod panics;
+
 mod units;
 
 mod spectrum;
+
+mod unfinished;
 
 mod interrupt;
 
@@ -43,6 +49,7 @@ mod commands;
 
 mod reproduce;
 
+use std::panic;
 use std::process::ExitCode;
 
 use clap::Parser as _;
@@ -53,6 +60,11 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 
 fn main() -> ExitCode {
+    panics::say_in_a_line();
+    panic::catch_unwind(run).unwrap_or(ExitCode::from(panics::EXIT_CODE))
+}
+
+fn run() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -64,32 +76,32 @@ fn main() -> ExitCode {
             };
         }
     };
-    match dispatch(cli.command) {
+    match Interrupt::watch().and_then(|interrupt| dispatch(cli.command, &interrupt)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => fail(&failure),
     }
 }
 
-fn dispatch(command: Command) -> Result<(), Failure> {
+fn dispatch(command: Command, interrupt: &Interrupt) -> Result<(), Failure> {
     match command {
         Command::Init(arguments) => commands::init(&arguments),
         Command::Submit(arguments) if arguments.engine.engine.is_some() => {
-            commands::submit_to_engine(&arguments, &Interrupt::watch()?)
+            commands::submit_to_engine(&arguments, interrupt)
         }
-        Command::Submit(arguments) => commands::submit(&arguments, &Interrupt::watch()?),
-        Command::Resume(arguments) => commands::resume(&arguments, &Interrupt::watch()?),
-        Command::Status(arguments) => commands::status(&arguments),
+        Command::Submit(arguments) => commands::submit(&arguments, interrupt),
+        Command::Resume(arguments) => commands::resume(&arguments, interrupt),
+        Command::Status(arguments) => commands::status(&arguments, interrupt),
         Command::Check(arguments) => commands::check(&arguments),
         Command::Parameters(arguments) => commands::parameters(&arguments),
         Command::Analyse(arguments) => commands::analyse(&arguments),
         Command::Trajectory(arguments) => commands::trajectory(&arguments),
         Command::Replay(arguments) => commands::replay(&arguments),
-        Command::Samples(arguments) => commands::samples(&arguments, &Interrupt::watch()?),
-        Command::Compare(arguments) => commands::compare(&arguments, &Interrupt::watch()?),
-        Command::Plot(arguments) => commands::plot(&arguments),
-        Command::Report(arguments) => commands::report(&arguments, &Interrupt::watch()?),
+        Command::Samples(arguments) => commands::samples(&arguments, interrupt),
+        Command::Compare(arguments) => commands::compare(&arguments, interrupt),
+        Command::Plot(arguments) => commands::plot(&arguments, interrupt),
+        Command::Report(arguments) => commands::report(&arguments, interrupt),
         Command::Export(arguments) => commands::export(&arguments),
-        Command::Reproduce(arguments) => reproduce::reproduce(&arguments, &Interrupt::watch()?),
+        Command::Reproduce(arguments) => reproduce::reproduce(&arguments, interrupt),
         Command::Merge(arguments) => commands::merge(&arguments),
         Command::Verify(arguments) => commands::verify(&arguments),
         Command::Schema => commands::schema(),

@@ -11,6 +11,8 @@ use anstream::adapter::strip_str;
 use indicatif::HumanCount;
 
 use crate::failure::Failure;
+use crate::shell::without_controls;
+pub use crate::shell::{quoted, shown};
 
 /// Writes a result to standard output. Its colours are left out where that is no terminal, and at one that has none or
 /// is asked to show none (`NO_COLOR`, `TERM=dumb`). A terminal that cannot show the characters of drawings gets others.
@@ -104,28 +106,30 @@ pub fn broken(line: &str, width: usize) -> Vec<String> {
     done
 }
 
+/// What to do about a file of a run that could not be written, or threads that could not be started, before the command
+/// that goes on.
+pub const FREE_SPACE: &str = "mend that, or where a disk is full free space, then";
+
 /// Writes a message to standard error. Errors are ignored, as there is no other place to report them.
 pub fn note(text: fmt::Arguments<'_>) {
-    let _ = writeln!(io::stderr().lock(), "stickslip: {text}");
+    write_message("", text);
 }
 
 /// Writes a message to standard error where a progress bar may be.
 pub fn note_over_bar(text: fmt::Arguments<'_>) {
-    let mut out = io::stderr().lock();
-    let over = if out.is_terminal() { "\r\x1b[2K" } else { "" };
-    let _ = writeln!(out, "{over}stickslip: {text}");
+    write_message(if io::stderr().is_terminal() { "\r\x1b[2K" } else { "" }, text);
+}
+
+/// Writes a message as a whole, so that those of several processes do not mix. What would move the cursor or change
+/// colours, such as in the name of a file, is shown as text.
+fn write_message(before: &str, text: fmt::Arguments<'_>) {
+    let message = format!("{before}stickslip: {}\n", without_controls(&text.to_string()));
+    let _ = io::stderr().lock().write_all(message.as_bytes());
 }
 
 /// Writes warnings to standard error.
 pub fn warn(warnings: impl IntoIterator<Item = String>) {
     warnings.into_iter().for_each(|warning| note(format_args!("warning: {warning}")));
-}
-
-/// A path quoted for a shell, for commands that a message suggests.
-pub fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    let is_plain = |c: char| c.is_alphanumeric() || "._-/+=:@".contains(c);
-    if !text.is_empty() && text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }
 
 /// The directory and name of the file of `--out`, if it can be written.
@@ -135,16 +139,16 @@ pub fn output_file(out: &Path) -> Result<(PathBuf, String), Failure> {
         _ => PathBuf::from("."),
     };
     let name = out.file_name().and_then(|name| name.to_str());
-    let name = name.ok_or_else(|| Failure::CannotCreate(format!("{} is not the name of a file", out.display())))?;
+    let name = name.ok_or_else(|| Failure::CannotCreate(format!("{} is not the name of a file", shown(out))))?;
     // Writing would replace a device, a pipe or a link by a file.
     if out.symlink_metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
-        return Err(Failure::CannotCreate(format!("{} is not an ordinary file; name one", out.display())));
+        return Err(Failure::CannotCreate(format!("{} is not an ordinary file; name one", shown(out))));
     }
     if out.is_dir() {
-        return Err(Failure::CannotCreate(format!("{} is a directory; name a file in it", out.display())));
+        return Err(Failure::CannotCreate(format!("{} is a directory; name a file in it", shown(out))));
     }
     if !directory.is_dir() {
-        let message = format!("cannot create {}: there is no directory {}", out.display(), directory.display());
+        let message = format!("cannot create {}: there is no directory {}", shown(out), shown(&directory));
         return Err(Failure::CannotCreate(message));
     }
     Ok((directory, name.to_owned()))

@@ -20,8 +20,8 @@ use crate::target::Target;
 #[derive(Debug, Parser)]
 #[command(name = "stickslip", version, about, max_term_width = 110)]
 #[command(after_help = "Exit codes: 0 done; 64 usage; 65 bad job spec, or a job that differs from the run's; \
-    70 an audit found that the verdict map is wrong somewhere (the result is written); 73 cannot create output; 74 I/O error; 75 the run directory is in use; 130 and 143 interrupted (finished \
-    work is kept).")]
+    70 an audit found that the verdict map is wrong somewhere (the result is written), or an internal error; 73 cannot create output; 74 I/O error; 75 the run directory is in use; 128 + number ended by \
+    a signal, such as 130 by Ctrl-C (finished work is kept).")]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]

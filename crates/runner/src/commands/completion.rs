@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
-use crate::output::{HumanCount128, counted, note, quoted, rate};
+use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, rate, warn};
 use crate::schedule::engine::{Engine, Outcome, Samples};
 use crate::schedule::mapping::{CompletedMaps, Mapping};
 use crate::schedule::plan::{Plan, Shard};
@@ -101,7 +101,7 @@ pub fn compute(
     };
     interrupt.remark(&format!("what is finished is kept; continue with `{how}`"));
     let kept = |failure: Failure| match directory.root().require_in_place() {
-        Ok(()) => failure.with_remedy(&format!("what is on disk already is kept; continue with `{how}`")),
+        Ok(()) => failure.with_remedy(&format!("what is on disk already is kept; {FREE_SPACE} `{how}`")),
         Err(_) => failure.with_remedy("resume the run where it is now"),
     };
     let engine = Engine::new(threads)?;
@@ -131,7 +131,8 @@ pub fn compute(
     }
     if let Outcome::Stopped(signal) = outcome {
         if shard.is_none() {
-            session.record(&directory, &signal.to_string(), computed)?;
+            // The samples are what counts, and how to continue.
+            warn(session.record(&directory, &signal.to_string(), computed).err().map(|error| error.to_string()));
         }
         let message = if job.is_integrated() {
             format!("finished tiles of the verdict map and finished audits are kept; continue with `{how}`")
@@ -149,13 +150,13 @@ pub fn compute(
     let run = FinishedRun { directory, job, tally, integrated };
     if shard.is_none() {
         let surface = run.surface();
-        let is_new = surface.publish(&run.directory)?;
+        let is_new = surface.publish(&run.directory).map_err(kept)?;
         if run.job.is_integrated() && !is_new {
             note(format_args!("{} is finished already; its surface is unchanged", run.directory.path().display()));
         }
         if computed > 0 || is_new {
             session.lookups(surface.lookups());
-            session.record(&run.directory, "finished", computed)?;
+            session.record(&run.directory, "finished", computed).map_err(kept)?;
         }
     }
     Ok(run)

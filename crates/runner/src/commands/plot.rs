@@ -26,13 +26,13 @@ use crate::tables::finished::FinishedSurface;
 const WIDTHS: [f64; 2] = [84.0 / 25.4 * 96.0, 174.0 / 25.4 * 96.0];
 
 /// `stickslip plot`.
-pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
+pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let width = WIDTHS[usize::from(arguments.columns.clamp(1, 2)) - 1];
     check(arguments)?;
     let (canvas, beside) = if arguments.run.is_file() {
         (motion::figure(&arguments.run, width)?, arguments.run.clone())
     } else {
-        of_run(arguments, width)?
+        of_run(arguments, width, interrupt)?
     };
     let files = match &arguments.out {
         Some(out) => vec![out.clone()],
@@ -73,10 +73,10 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
 }
 
 /// The figure of a run, and where it is written if no file is given, without an extension.
-fn of_run(arguments: &PlotArguments, width: f64) -> Result<(Canvas, PathBuf), Failure> {
+fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Result<(Canvas, PathBuf), Failure> {
     let run = &arguments.run;
     if let Some(against) = &arguments.against {
-        let difference = difference(run, against, arguments.threads.count())?;
+        let difference = difference(run, against, arguments.threads.count(), interrupt)?;
         let canvas = difference.figure(width).ok_or_else(|| {
             let value = [difference.values[0], Some(difference.low[0]), Some(difference.high[0])];
             single_cell(run, "the difference of its probabilities", value)
@@ -130,15 +130,15 @@ fn single_cell(run: &Path, what: &str, value: [Option<f64>; 3]) -> Failure {
 }
 
 /// The difference of a run and another with the same axes, as `compare` finds it.
-fn difference(run: &Path, against: &Path, threads: usize) -> Result<Difference, Failure> {
+fn difference(run: &Path, against: &Path, threads: usize, interrupt: &Interrupt) -> Result<Difference, Failure> {
     let jobs = [run, against].map(|run| FinishedSurface::open(run).map(|surface| surface.job));
     let [job, other] = jobs;
     let (job, other) = (job?, other?);
     require_same_axes([run, against], [&job, &other])?;
     note_panels(GridView::new(&job).slices());
-    let (engine, interrupt) = (Engine::new(threads)?, Interrupt::watch()?);
+    let engine = Engine::new(threads)?;
     let runs = [Run::open(against)?, Run::open(run)?];
-    let compared = differences_of(&runs, CONFIDENCE, false, &engine, &interrupt)?;
+    let compared = differences_of(&runs, CONFIDENCE, false, &engine, interrupt)?;
     let rows = compared.first().map_or(&[][..], |differences| &differences.rows);
     let is_matched = |(cell, row): (u64, &Row)| row.cell.index == cell && row.second_cell == cell;
     if rows.len() as u64 != job.cells() || !(0..).zip(rows).all(is_matched) {

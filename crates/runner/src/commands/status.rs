@@ -15,7 +15,7 @@ use crate::store::directory::RunDirectory;
 use crate::store::sharing::Sharing;
 
 /// `stickslip status`.
-pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
+pub fn status(arguments: &StatusArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let path = &arguments.run;
     let directory = match RunDirectory::view(path) {
         Ok(directory) => directory,
@@ -35,7 +35,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     if arguments.watch {
         // Without being asked, no more bars than a terminal has lines.
         let shards = arguments.shards.or(known.filter(|&shards| shards <= MOST_BARS));
-        return watch(&directory, path, shards, &Interrupt::watch()?);
+        return watch(&directory, path, shards, interrupt);
     }
     let progress = RunProgress::of_shards(&directory, directory.job()?, arguments.shards.or(known))?;
     if arguments.missing {

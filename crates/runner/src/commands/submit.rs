@@ -14,7 +14,7 @@ use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
-use crate::output::{HumanCount128, counted, note, quoted, warn};
+use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, warn};
 use crate::schedule::plan::Shard;
 use crate::store::directory::RunDirectory;
 use crate::store::lock::{AN_INSTANT, Access};
@@ -60,7 +60,9 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
         RunState::Finished(tally) if shard.is_none() && !job.is_integrated() => {
             note(format_args!("{} is finished already; nothing to do", out.display()));
             // A lost or damaged surface is written again from the pieces.
-            if Surface::new(&job, &tally).publish(&directory)? {
+            let resumed = format!("all samples are kept; {FREE_SPACE} `stickslip resume {}`", quoted(&out));
+            let kept = |failure: Failure| failure.with_remedy(&resumed);
+            if Surface::new(&job, &tally).publish(&directory).map_err(kept)? {
                 note(format_args!("{} was missing or differed; it is written again", directory.surface().display()));
             }
             report(&directory, &job, &Surface::new(&job, &tally))
@@ -203,7 +205,10 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     directory.tidy()?;
     let session = Session::start("merge", 1);
     let surface = Surface::new(&job, &tally);
-    surface.publish(&directory)?;
-    session.record(&directory, "finished", 0)?;
+    let kept = |failure: Failure| {
+        failure.with_remedy(&format!("all samples are kept; {FREE_SPACE} `stickslip merge {}`", quoted(&arguments.run)))
+    };
+    surface.publish(&directory).map_err(kept)?;
+    session.record(&directory, "finished", 0).map_err(kept)?;
     report(&directory, &job, &surface)
 }

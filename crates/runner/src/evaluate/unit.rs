@@ -42,7 +42,8 @@ impl FinishedUnit {
 
     /// Whether the counts can belong to the samples.
     pub fn is_consistent(&self) -> bool {
-        let amplitudes = self.amplitudes.count();
-        self.samples.start < self.samples.end && self.counts.total() == self.len() && amplitudes <= self.counts.unstable
+        let VerdictCounts { stable, unstable, undecided, failed } = self.counts;
+        let total = [stable, unstable, undecided, failed].into_iter().try_fold(0_u64, u64::checked_add);
+        self.samples.start < self.samples.end && total == Some(self.len()) && self.amplitudes.count() <= unstable
     }
 }

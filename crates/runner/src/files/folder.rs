@@ -19,6 +19,7 @@ use rustix::io::Errno;
 
 use crate::failure::Failure;
 use crate::files::publish::{PREFIX, is_temporary};
+use crate::unfinished;
 
 /// Largest number of bytes of a small file, such as a job spec.
 pub const SMALL_FILE: u64 = 64 << 20;
@@ -41,6 +42,8 @@ pub struct Unfinished<'f> {
     file: File,
     name: String,
     is_named: bool,
+    /// Lets a signal remove it.
+    _entry: unfinished::Unfinished,
 }
 
 impl Folder {
@@ -179,11 +182,17 @@ impl Folder {
         loop {
             let number = FILES.fetch_add(1, Ordering::Relaxed);
             let name = format!("{PREFIX}{}-{}-{number}", &host[..8], process::id());
-            match rustix::fs::openat(&self.handle, &name, flags, mode) {
-                Ok(file) => return Ok(Unfinished { folder: self, file: File::from(file), name, is_named: false }),
+            let created = unfinished::create(|| {
+                let file = rustix::fs::openat(&self.handle, &name, flags, mode)?;
+                Ok((File::from(file), self.path.join(&name)))
+            });
+            match created {
+                Ok((entry, file)) => {
+                    return Ok(Unfinished { folder: self, file, name, is_named: false, _entry: entry });
+                }
                 // Left behind by a killed process of the same number.
-                Err(Errno::EXIST) => {}
-                Err(error) => return Err(error.into()),
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
             }
         }
     }

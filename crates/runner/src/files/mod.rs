@@ -1,4 +1,14 @@
-//! Writing files, whole or not at all, and Parquet tables whose columns carry unit and meaning.
+//! Writing files, whole or not at all, and Parquet tables whose columns carry unit and meaning; reading files that others
+//! may have written.
+
+mod thrift;
+
+pub mod bounded;
+
+pub mod foreign;
+
+#[cfg(test)]
+pub mod forging;
 
 pub mod publish;
 

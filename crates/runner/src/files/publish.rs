@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
+use crate::unfinished::{self, Unfinished};
 
 /// Prefix of the names of unfinished files. A killed process leaves them behind.
 pub const PREFIX: &str = ".unfinished-";
@@ -21,7 +22,7 @@ pub fn publish(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure
 /// Writes `bytes` as the file `name` in `directory`, unless there is one of that name; returns false then.
 pub fn publish_first(directory: &Path, name: &str, bytes: &[u8]) -> Result<bool, Failure> {
     let written = (|| {
-        let mut temporary = temporary(directory)?;
+        let (_unfinished, mut temporary) = temporary(directory)?;
         temporary.write_all(bytes)?;
         temporary.as_file().sync_all()?;
         match temporary.persist_noclobber(directory.join(name)) {
@@ -39,17 +40,22 @@ pub fn publish_with<E: From<io::Error>>(
     name: &str,
     write: impl FnOnce(&mut File) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut temporary = temporary(directory)?;
+    let (_unfinished, mut temporary) = temporary(directory)?;
     write(temporary.as_file_mut())?;
     temporary.as_file().sync_all()?;
     temporary.persist(directory.join(name)).map_err(|error| error.error)?;
     Ok(sync(directory)?)
 }
 
-fn temporary(directory: &Path) -> io::Result<NamedTempFile> {
-    // Temporary files are private by default. The umask takes from these rights what the user wants to be taken.
-    let rights = fs::Permissions::from_mode(0o666);
-    tempfile::Builder::new().prefix(PREFIX).permissions(rights).tempfile_in(directory)
+/// A temporary file, which a signal removes.
+fn temporary(directory: &Path) -> io::Result<(Unfinished, NamedTempFile)> {
+    unfinished::create(|| {
+        // Temporary files are private by default. The umask takes from these rights what the user wants to be taken.
+        let rights = fs::Permissions::from_mode(0o666);
+        let temporary = tempfile::Builder::new().prefix(PREFIX).permissions(rights).tempfile_in(directory)?;
+        let path = temporary.path().to_owned();
+        Ok((temporary, path))
+    })
 }
 
 /// Syncs a directory, so that a rename survives a power cut.

@@ -4,6 +4,17 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::keys::nearest;
+use crate::shell::shown;
+
+/// Largest number of complaints that are shown. What follows from a slip at the top has no end otherwise.
+pub const MOST_SHOWN: usize = 50;
+
+/// Longest message, in characters. A value of a job may have millions.
+const LONGEST_MESSAGE: usize = 2000;
+
+/// Characters of a line that are shown, and how many of them before the place that is marked.
+const SHOWN_WIDTH: usize = 160;
+const SHOWN_BEFORE: usize = 60;
 
 /// A complaint about a place in the spec's text.
 #[derive(Debug)]
@@ -41,14 +52,17 @@ impl Complaint {
 
     /// The full message: position, words, and the line itself with the place marked.
     fn render(&self, path: &Path, text: &str) -> String {
-        let Some(place) = self.span.clone().and_then(|span| Place::of(span, text)) else {
-            return format!("{}: {}", path.display(), self.message);
+        let path = shown(path);
+        let message = match self.message.char_indices().nth(LONGEST_MESSAGE) {
+            Some((end, _)) => format!("{} ...", &self.message[..end]),
+            None => self.message.clone(),
         };
-        let mut rendered =
-            format!("{}:{}:{}: {}{}", path.display(), place.line, place.column + 1, self.message, place.excerpt());
+        let Some(place) = self.span.clone().and_then(|span| Place::of(span, text)) else {
+            return format!("{path}: {message}");
+        };
+        let mut rendered = format!("{path}:{}:{}: {message}{}", place.line, place.column + 1, place.excerpt());
         if let Some(other) = self.other.clone().and_then(|span| Place::of(span, text)) {
-            rendered +=
-                &format!("\n{}:{}:{}: and here{}", path.display(), other.line, other.column + 1, other.excerpt());
+            rendered += &format!("\n{path}:{}:{}: and here{}", other.line, other.column + 1, other.excerpt());
         }
         rendered
     }
@@ -82,12 +96,22 @@ impl<'a> Place<'a> {
         })
     }
 
-    /// The line with the place marked, on lines of its own.
+    /// The line with the place marked, on lines of its own. Of a long line, the part around the place.
     fn excerpt(&self) -> String {
         let gutter = self.line.to_string();
         let margin = " ".repeat(gutter.len());
-        let (gap, mark) = (" ".repeat(self.column), "^".repeat(self.width));
-        format!("\n  {margin} |\n  {gutter} | {}\n  {margin} | {gap}{mark}", self.text)
+        let is_long = self.text.chars().nth(SHOWN_WIDTH).is_some();
+        let left_out = if is_long { self.column.saturating_sub(SHOWN_BEFORE) } else { 0 };
+        let mut line: String = self.text.chars().skip(left_out).take(SHOWN_WIDTH).collect();
+        if left_out > 0 {
+            line.insert_str(0, "... ");
+        }
+        if self.text.chars().nth(left_out + SHOWN_WIDTH).is_some() {
+            line += " ...";
+        }
+        let column = self.column - left_out + if left_out > 0 { 4 } else { 0 };
+        let (gap, mark) = (" ".repeat(column), "^".repeat(self.width.min(SHOWN_WIDTH)));
+        format!("\n  {margin} |\n  {gutter} | {line}\n  {margin} | {gap}{mark}")
     }
 }
 
@@ -147,7 +171,11 @@ impl Complaints {
     /// All of them, in the order of the text.
     pub fn render(mut self, path: &Path, text: &str) -> String {
         self.list.sort_by_key(|complaint| complaint.span.as_ref().map_or(usize::MAX, |span| span.start));
-        let rendered: Vec<String> = self.list.iter().map(|complaint| complaint.render(path, text)).collect();
+        let first = self.list.iter().take(MOST_SHOWN);
+        let mut rendered: Vec<String> = first.map(|complaint| complaint.render(path, text)).collect();
+        if self.list.len() > MOST_SHOWN {
+            rendered.push(format!("... and {} more", self.list.len() - MOST_SHOWN));
+        }
         rendered.join("\n")
     }
 }

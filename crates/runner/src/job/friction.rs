@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::fmt;
-use std::fs;
 use std::path::Path;
 
 use csv::{ReaderBuilder, Trim};
@@ -18,7 +17,7 @@ use toml::Spanned;
 
 use super::diagnosis::{Complaint, Complaints};
 use super::keys::nearest;
-use super::measured::unreadable;
+use super::measured::{MOST_VALUES, read_csv, unreadable};
 use super::overrides::{Overrides, section_properties};
 
 /// Names of friction laws.
@@ -288,7 +287,7 @@ pub fn check_varied(place: &str, input: &str, friction: &Friction) -> Result<(),
 /// cannot be read.
 pub fn read_curve(path: &Path) -> Result<SharedCurve, String> {
     let shown = path.display();
-    let bytes = fs::read(path).map_err(|error| format!("cannot read {shown}: {error}"))?;
+    let bytes = read_csv(path)?;
     let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(&bytes[..]);
     let names = reader.headers().map_err(|error| unreadable(path, &error))?.clone();
     let place = |column: &str| names.iter().position(|name| name == column);
@@ -318,6 +317,9 @@ pub fn read_curve(path: &Path) -> Result<SharedCurve, String> {
             position.line() + empty as u64
         });
         lines.push(line);
+        if lines.len() > MOST_VALUES {
+            return Err(format!("{shown}:{line}: a curve has at most {MOST_VALUES} rows; thin it out"));
+        }
         for ((values, place), column) in columns.iter_mut().zip(places).zip(COLUMNS) {
             let Some(place) = place else { continue };
             let text = record.get(place).unwrap_or_default();

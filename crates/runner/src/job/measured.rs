@@ -1,15 +1,23 @@
 //! Measured values from CSV files.
 
-use std::fs::File;
 use std::path::Path;
 
 use csv::{ErrorKind, ReaderBuilder, Trim};
 use stickslip_sampler::inputs::{Empirical, EmpiricalError};
 
 use super::keys::nearest;
+use crate::files::bounded::read_file;
 
 /// Largest number of values. All of them stand in the frozen job and in the footer of its result.
-const MOST_VALUES: usize = 100_000;
+pub const MOST_VALUES: usize = 100_000;
+
+/// Largest CSV file, in bytes. It may have many columns of which one is read.
+const LARGEST: u64 = 64 << 20;
+
+/// The bytes of a CSV file.
+pub fn read_csv(path: &Path) -> Result<Vec<u8>, String> {
+    read_file(path, LARGEST).map_err(|error| format!("cannot read {}: {error}", path.display()))
+}
 
 /// The distribution of a list of values.
 pub fn from_values(values: &[f64]) -> Result<Empirical, String> {
@@ -23,8 +31,8 @@ pub fn from_values(values: &[f64]) -> Result<Empirical, String> {
 /// value where it cannot be read.
 pub fn from_csv(path: &Path, column: &str) -> Result<Empirical, String> {
     let shown = path.display();
-    let file = File::open(path).map_err(|error| format!("cannot read {shown}: {error}"))?;
-    let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(file);
+    let bytes = read_csv(path)?;
+    let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(&bytes[..]);
     let names = reader.headers().map_err(|error| unreadable(path, &error))?.clone();
     let Some(place) = names.iter().position(|name| name == column) else {
         let hint = nearest(column, &names).map_or(String::new(), |name| format!("; did you mean \"{name}\"?"));

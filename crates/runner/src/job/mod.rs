@@ -62,6 +62,9 @@ mod identity;
 
 mod source;
 
+#[cfg(test)]
+mod mutations;
+
 pub use criterion::Criterion;
 pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SbatchOption, SlurmName, TimeLimit};

@@ -6,10 +6,13 @@ use serde::Deserialize as _;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, Error};
 
-use super::diagnosis::{Complaint, Complaints};
+use super::diagnosis::{Complaint, Complaints, MOST_SHOWN};
 use super::keys::{AXIS_NAMES, nearest, suggestion};
 use super::spec::JobSpec;
 use super::syntax;
+
+/// Bytes of text that are looked at again for entries that cannot be read.
+const LOOKED_AT: usize = 1 << 22;
 
 /// Reads a job spec. An entry that cannot be read is complained about and left out, so that the others are read too;
 /// `None` if nothing can be read.
@@ -19,7 +22,12 @@ pub fn read(text: &str, complaints: &mut Complaints) -> Option<JobSpec> {
         syntax::errors(text, errors).into_iter().for_each(|complaint| complaints.push(complaint));
         return None;
     }
+    // Each entry that cannot be read takes a look at the whole text again.
+    let most = (LOOKED_AT / text.len().max(1)).clamp(1, MOST_SHOWN);
     loop {
+        if complaints.len() >= most {
+            return None;
+        }
         let error = match JobSpec::deserialize(Deserializer::from(document.clone())) {
             Ok(spec) => return Some(spec),
             Err(error) => error,

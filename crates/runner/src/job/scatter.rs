@@ -1,5 +1,7 @@
 //! How much the random inputs scatter: `random.relative_std`.
 
+use std::collections::HashSet;
+
 use stickslip_sampler::inputs::Marginal;
 use toml::Spanned;
 
@@ -90,7 +92,7 @@ pub fn validate_stds(
             "random.relative_std is given, but random.inputs names no input that scatters".to_owned(),
         ));
     }
-    let mut all: Vec<Vec<f64>> = Vec::new();
+    let (mut all, mut seen): (Vec<Vec<f64>>, HashSet<Vec<u64>>) = Default::default();
     for entry in &spec.get_ref().0 {
         let stds = stds_of(entry, inputs, &own).map_err(complain)?;
         let relative = stds.iter().zip(&own).filter(|(_, own)| !matches!(own, Some(Given::Absolute(_))));
@@ -99,7 +101,8 @@ pub fn validate_stds(
                 "random.relative_std = {std} is out of range: it must be at least 0 and at most {LARGEST_STD} (standard deviation over expected value, not per cent)"
             )));
         }
-        if all.contains(&stds) {
+        // The sum takes the sign from a zero.
+        if !seen.insert(stds.iter().map(|std| (std + 0.0).to_bits()).collect()) {
             return Err(complain("random.relative_std lists the same value twice".to_owned()));
         }
         all.push(stds);

@@ -1,6 +1,5 @@
 //! The text of a job spec: where it came from, and what the command line changes in it.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -9,10 +8,18 @@ use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
 
 use super::diagnosis::Complaints;
 use super::friction::CurveColumns;
-use super::reading::read;
+use super::reading;
 use super::validated::Job;
 use super::validation::validate;
 use crate::failure::Failure;
+use crate::files::bounded::{read, read_file};
+
+/// Largest job spec, in bytes: more than the measured values of all random inputs take.
+const LARGEST: u64 = 64 << 20;
+
+/// Largest number of values in a job spec, counted by what stands before them. They are read as a whole, which takes some
+/// hundred bytes each.
+const MOST_VALUES: usize = 3_000_000;
 
 /// The text of a job spec and where it came from.
 #[derive(Debug, Clone)]
@@ -35,13 +42,21 @@ pub struct Overrides {
 impl JobSource {
     /// Reads a job spec from a file, or from standard input where the path is `-`.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        if path == Path::new("-") {
-            let path = PathBuf::from("standard input");
-            let text = io::read_to_string(io::stdin()).map_err(|error| Failure::reading(&path, error))?;
-            return Ok(Self { path, text });
+        let is_input = path == Path::new("-");
+        let path = if is_input { PathBuf::from("standard input") } else { path.to_owned() };
+        let bytes = if is_input { read(&mut io::stdin().lock(), LARGEST) } else { read_file(&path, LARGEST) };
+        let bytes = bytes.map_err(|error| Failure::reading(&path, error))?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let place = error.utf8_error().valid_up_to();
+            let line = error.as_bytes()[..place].iter().filter(|byte| **byte == b'\n').count() + 1;
+            Failure::reading(&path, format_args!("line {line} is not text in UTF-8"))
+        })?;
+        let values = text.bytes().filter(|byte| b",=[{".contains(byte)).count();
+        if values > MOST_VALUES {
+            let why = format!("it has about {values} values; the limit is {MOST_VALUES}");
+            return Err(Failure::reading(&path, why));
         }
-        let text = fs::read_to_string(path).map_err(|error| Failure::reading(path, error))?;
-        Ok(Self { path: path.to_owned(), text })
+        Ok(Self { path, text })
     }
 
     /// Writes the command line's changes into the text, comments and layout kept.
@@ -95,7 +110,7 @@ impl JobSource {
     pub fn job(&self) -> Result<Job, Failure> {
         let mut complaints = Complaints::default();
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        let job = read(&self.text, &mut complaints).and_then(|spec| validate(&spec, folder, &mut complaints));
+        let job = reading::read(&self.text, &mut complaints).and_then(|spec| validate(&spec, folder, &mut complaints));
         job.ok_or_else(|| Failure::Job(complaints.render(&self.path, &self.text)))
     }
 

@@ -12,9 +12,12 @@ pub fn errors(text: &str, mut errors: Vec<Error>) -> Vec<Complaint> {
     errors.sort_by_key(start_of);
     let mut complaints = Vec::new();
     let mut last = None;
+    // A line may be long, and have many errors: the start of its line is sought from the one before.
+    let (mut line_start, mut searched) = (0, 0);
     for error in &errors {
-        let newline = text.as_bytes()[..start_of(error)].iter().rposition(|&byte| byte == b'\n');
-        let line_start = newline.map_or(0, |newline| newline + 1);
+        let newline = text.as_bytes()[searched..start_of(error)].iter().rposition(|&byte| byte == b'\n');
+        line_start = newline.map_or(line_start, |newline| searched + newline + 1);
+        searched = start_of(error);
         // Further errors of a line mostly follow from the first.
         if last.replace(line_start) == Some(line_start) {
             continue;

@@ -102,10 +102,9 @@ impl<T> Link<'_, T> {
 impl Engine {
     /// Starts `threads` threads.
     pub fn new(threads: usize) -> Result<Self, Failure> {
-        let pool = ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|error| Failure::InputOutput(format!("cannot start {threads} threads: {error}")))?;
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| {
+            Failure::InputOutput(format!("cannot start {threads} threads: {error}; give fewer with --threads"))
+        })?;
         Ok(Self { pool })
     }
 
@@ -251,13 +250,15 @@ impl Engine {
         let link = Link { sender, interrupt, turn: AtomicU64::new(0), order, is_closed: AtomicBool::new(false) };
         let _working = interrupt.working();
         thread::scope(|scope| {
-            let workers = scope.spawn(move || {
+            let workers = thread::Builder::new().spawn_scoped(scope, move || {
                 // Each thread takes units until there are none. In which order they are done, and by which thread,
                 // makes no difference to the results.
                 self.pool.install(|| {
                     (0..self.threads()).into_par_iter().with_max_len(1).for_each(|_| work(&link));
                 });
             });
+            let workers =
+                workers.map_err(|error| Failure::InputOutput(format!("cannot start one more thread: {error}")))?;
             let collected = collect(&receiver, &mut take);
             drop(receiver);
             let panicked = workers.join().is_err();
@@ -278,5 +279,20 @@ fn collect<T>(receiver: &Receiver<T>, take: &mut impl FnMut(Event<T>) -> Result<
             Err(RecvTimeoutError::Timeout) => take(Event::Idle)?,
             Err(RecvTimeoutError::Disconnected) => return take(Event::Done),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_in_a_thread_is_an_error_and_the_others_go_on() {
+        let (engine, mut done) = (Engine::new(2).unwrap(), Vec::new());
+        let work = |unit| if unit == 3 { panic!("unit {unit}") } else { unit };
+        let result = engine.for_each_in_parallel(50, &Interrupt::unwatched(), work, |unit| done.push(unit));
+        assert!(result.unwrap_err().to_string().contains("a worker thread failed"));
+        done.sort_unstable();
+        assert_eq!(done, (0..50).filter(|unit| *unit != 3).collect::<Vec<_>>());
     }
 }

@@ -6,14 +6,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use parquet::file::reader::FileReader as _;
-use parquet::file::serialized_reader::SerializedFileReader;
-
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{LOOKUPS, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::files::folder::{Folder, SMALL_FILE, Unfinished};
+use crate::files::foreign::text_of_key;
 use crate::files::publish::{files, is_temporary};
 use crate::job::{Job, JobSource};
 use crate::output::{note, quoted};
@@ -222,7 +220,7 @@ impl RunDirectory {
         if Known::read(&self.root)?.fit(SURFACE, &digest) == Fit::Differs {
             return Ok(SurfaceState::Damaged(NOT_AS_WRITTEN.to_owned()));
         }
-        Ok(match footer_of(file, JOB_HASH_KEY) {
+        Ok(match text_of_key(file, JOB_HASH_KEY) {
             None => SurfaceState::Damaged("it is not the surface of a run".to_owned()),
             Some(hash) if hash == job.hash() => SurfaceState::Sound,
             Some(_) => SurfaceState::OfAnotherJob,
@@ -313,10 +311,10 @@ impl RunDirectory {
         if Known::read(&self.root).ok()?.fit(SURFACE, &digest) == Fit::Differs {
             return None;
         }
-        let text = footer_of(self.root.open_file(SURFACE).ok()?, JOB_KEY)?;
+        let text = text_of_key(self.root.open_file(SURFACE).ok()?, JOB_KEY)?;
         let source = JobSource { path: self.surface(), text };
         let job = source.job().ok()?;
-        let is_whole = footer_of(self.root.open_file(SURFACE).ok()?, JOB_HASH_KEY)? == job.hash();
+        let is_whole = text_of_key(self.root.open_file(SURFACE).ok()?, JOB_HASH_KEY)? == job.hash();
         is_whole.then_some((source, job))
     }
 
@@ -434,13 +432,6 @@ impl RunDirectory {
             ))
         })
     }
-}
-
-/// What the footer of a surface says under a key; `None` if the file is none.
-fn footer_of(file: File, key: &str) -> Option<String> {
-    let reader = SerializedFileReader::new(file).ok()?;
-    let pairs = reader.metadata().file_metadata().key_value_metadata()?;
-    pairs.iter().find(|pair| pair.key == key)?.value.clone()
 }
 
 fn looks_empty(path: &Path) -> Result<bool, Failure> {

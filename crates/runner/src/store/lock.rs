@@ -18,6 +18,7 @@ use rustix::io::Errno;
 use crate::failure::Failure;
 use crate::files::folder::Folder;
 use crate::output::note;
+use crate::store::clock::in_words;
 
 /// The name of the file.
 pub const LOCK: &str = "run.lock";
@@ -122,7 +123,7 @@ impl Lock {
         if access == Access::Reading {
             return;
         }
-        let since = humantime::format_rfc3339_seconds(SystemTime::now().max(SystemTime::UNIX_EPOCH));
+        let since = in_words(SystemTime::now());
         let call = call();
         let line = format!("{} {} {since} {call}\n", process::id(), gethostname::gethostname().to_string_lossy());
         if access == Access::Alone {

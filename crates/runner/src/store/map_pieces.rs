@@ -10,6 +10,7 @@ use arrow::array::{
     Array as _, ArrayRef, Float64Array, Float64Builder, Int64Array, ListArray, ListBuilder, RecordBatch,
 };
 use arrow::datatypes::{DataType, Schema};
+use bytes::Bytes;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::metadata::KeyValue;
@@ -21,6 +22,7 @@ use stickslip_sampler::verdict_map::tile::{Node, TILES, Tile, TileIndex};
 use crate::evaluate::maps::Maps;
 use crate::failure::Failure;
 use crate::files::folder::Folder;
+use crate::files::foreign::{self, Known};
 use crate::files::table::described_field;
 use crate::output::note;
 use crate::store::piece::{Defect, digest, is_piece_name, read_checked};
@@ -96,6 +98,9 @@ const INTEGERS: [(&str, &str); 9] = [
     ("cut", "how often the tile was divided to get this box"),
     ("cost", "cost of the simulations that the tile took, in units of scaled time"),
 ];
+
+/// Largest count, so that the sums over all tiles fit 64 bits.
+const MOST_COUNTED: u64 = 1 << 42;
 
 const GUARD: &str = "guard";
 const CURVES: [&str; 2] = ["lower", "upper"];
@@ -186,9 +191,18 @@ fn encode(key: &str, tiles: &[&(usize, TileIndex, Tile)]) -> Result<Vec<u8>, par
     writer.into_inner()
 }
 
-fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
+/// The tiles of a map, and the key of the map.
+type OwnTiles = (String, Vec<(TileIndex, Tile)>);
+
+/// Reads a piece. Its checksum does not say who wrote it, so it may hold anything.
+fn decode(bytes: Vec<u8>) -> Result<OwnTiles, String> {
+    let is_wanted =
+        |name: &str| name == GUARD || CURVES.contains(&name) || INTEGERS.iter().any(|(integer, _)| *integer == name);
+    foreign::read(Bytes::from(bytes), Known::Piece, is_wanted, decode_tiles)
+}
+
+fn decode_tiles(builder: ParquetRecordBatchReaderBuilder<Bytes>) -> Result<OwnTiles, String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
-    let builder = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes)).map_err(|e| text(&e))?;
     let metadata = builder.metadata().file_metadata().key_value_metadata();
     let key = metadata.and_then(|pairs| pairs.iter().find(|pair| pair.key == KEY));
     let key = key.and_then(|pair| pair.value.clone()).ok_or("it is not a piece of a verdict map")?;
@@ -199,9 +213,13 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
         let mut integers = Vec::new();
         for (name, _) in INTEGERS {
             let values = column(name)?.as_any().downcast_ref::<Int64Array>();
+            let values = values.filter(|values| values.null_count() == 0);
             integers.push(values.ok_or_else(|| format!("column {name} is not of integers"))?);
         }
         let guards = column(GUARD)?.as_any().downcast_ref::<Float64Array>().ok_or("guards are not numbers")?;
+        if guards.null_count() > 0 {
+            return Err("a guard is missing".to_owned());
+        }
         for row in 0..batch.num_rows() {
             let value = |column: usize| integers[column].value(row);
             let place = |column: usize| {
@@ -211,7 +229,8 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
             let coefficients = |name: &str| -> Result<[f64; NODES], String> {
                 let lists = column(name)?.as_any().downcast_ref::<ListArray>().ok_or("curves are not lists")?;
                 let list = lists.value(row);
-                let list = list.as_any().downcast_ref::<Float64Array>().ok_or("curves are not numbers")?;
+                let list = list.as_any().downcast_ref::<Float64Array>().filter(|list| list.null_count() == 0);
+                let list = list.ok_or("curves are not numbers")?;
                 list.values().to_vec().try_into().map_err(|_| "a curve has too few coefficients".to_owned())
             };
             let node = match value(3) {
@@ -228,7 +247,10 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
                 4 => Node::Unresolved,
                 kind => return Err(format!("{kind} is not a kind of box")),
             };
-            let count = |column: usize| u64::try_from(value(column)).map_err(|_| "a count is negative");
+            let count = |column: usize| {
+                let count = u64::try_from(value(column)).ok().filter(|&count| count <= MOST_COUNTED);
+                count.ok_or_else(|| format!("{} is no number of simulations, nor their cost", value(column)))
+            };
             let counts = [count(2)?, count(8)?];
             let tile = tiles.entry(index).or_insert_with(|| (Vec::new(), counts));
             tile.0.push(node);
@@ -245,6 +267,7 @@ fn decode(bytes: Vec<u8>) -> Result<(String, Vec<(TileIndex, Tile)>), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::forging::assert_bounded;
 
     /// A tile with boxes of every kind.
     fn tile(index: TileIndex) -> Tile {
@@ -271,5 +294,13 @@ mod tests {
         let mut written: Vec<_> = tiles.into_iter().map(|(_, index, tile)| (index, tile)).collect();
         written.sort_by_key(|(index, _)| *index);
         assert!(read == written);
+    }
+    #[test]
+    fn forged_pieces_are_read_or_refused() {
+        let tile = tile(TileIndex { column: 1, row: 1 });
+        let sound = [encode("key", &[&(0, TileIndex { column: 1, row: 1 }, tile)]).unwrap()];
+        assert_bounded("store::map_pieces::tests::forged_pieces_are_read_or_refused", &sound, 1500, |bytes| {
+            decode(bytes).map(drop)
+        });
     }
 }

@@ -8,6 +8,8 @@ mod joining;
 
 pub mod wanted;
 
+mod clock;
+
 pub mod lock;
 
 pub mod digests;

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use arrow::array::{Array as _, ArrayRef, Int64Array, Int64Builder, ListArray, ListBuilder, RecordBatch};
 use arrow::datatypes::{DataType, Field, Schema};
+use bytes::Bytes;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::metadata::KeyValue;
@@ -20,6 +21,7 @@ use stickslip_sampler::estimate::distribution::Distribution;
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::files::folder::Folder;
+use crate::files::foreign::{self, Known};
 use crate::files::publish::is_temporary;
 use crate::job::IDENTITY_VERSION;
 
@@ -44,6 +46,10 @@ const UNNAMED_VERDICTS: u32 = 2;
 
 /// Largest number of bytes of a piece.
 const MOST_BYTES: u64 = 1 << 30;
+
+/// Largest count in a piece, and largest number of a part or sample. Jobs have at most a tenth of that many samples in a
+/// cell, and sums of such counts fit 64 bits.
+const MOST_COUNTED: u64 = 1 << 53;
 
 /// Writes units as a new piece in `folder`.
 pub fn write(folder: &Folder, experiment: &str, units: &[FinishedUnit]) -> Result<(), Failure> {
@@ -220,9 +226,14 @@ fn encode(experiment: &str, units: &[FinishedUnit]) -> Result<Vec<u8>, parquet::
     writer.into_inner()
 }
 
+/// Reads a piece. Its checksum does not say who wrote it, so it may hold anything.
 fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<FinishedUnit>), String> {
+    let is_wanted = |name: &str| COLUMNS.contains(&name) || [AMPLITUDE_SUM, AMPLITUDE_BINS, SUMS].contains(&name);
+    foreign::read(Bytes::from(bytes), Known::Piece, is_wanted, decode_units)
+}
+
+fn decode_units(builder: ParquetRecordBatchReaderBuilder<Bytes>) -> Result<(Owner, Vec<FinishedUnit>), String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
-    let builder = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes)).map_err(|e| text(&e))?;
     let metadata = builder.metadata().file_metadata().key_value_metadata();
     let value_of = |key: &str| metadata?.iter().find(|pair| pair.key == key)?.value.clone();
     let version_of = |key: &str| value_of(key)?.parse::<u32>().ok();
@@ -237,10 +248,11 @@ fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<FinishedUnit>), String> {
         let mut columns = Vec::new();
         for name in COLUMNS {
             let column = batch.column_by_name(name).and_then(|column| column.as_any().downcast_ref::<Int64Array>());
-            columns.push(column.ok_or_else(|| format!("column {name} is missing"))?);
+            let column = column.ok_or_else(|| format!("column {name} is missing"))?;
+            columns.push(without_gaps(column)?);
         }
         for row in 0..batch.num_rows() {
-            let value = |column: usize| u64::try_from(columns[column].value(row)).map_err(|_| "a count is negative");
+            let value = |column: usize| count(columns[column].value(row));
             let start = value(1)?;
             let end = start.checked_add(value(2)?).ok_or("a range of samples overflows")?;
             let counts =
@@ -256,12 +268,23 @@ fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<FinishedUnit>), String> {
     Ok((owner, units))
 }
 
+/// A count as it is stored, if it is possible.
+fn count(stored: i64) -> Result<u64, String> {
+    let count = u64::try_from(stored).map_err(|_| "a count is negative")?;
+    if count <= MOST_COUNTED { Ok(count) } else { Err(format!("a count is above {MOST_COUNTED}")) }
+}
+
+/// A column of integers, if it has a value in every row.
+fn without_gaps(column: &Int64Array) -> Result<&Int64Array, String> {
+    if column.null_count() == 0 { Ok(column) } else { Err("a value is missing".to_owned()) }
+}
+
 /// The settled amplitudes in one row; empty if the piece holds none.
 fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, String> {
     let (Some(sums), Some(bins)) = (batch.column_by_name(AMPLITUDE_SUM), batch.column_by_name(AMPLITUDE_BINS)) else {
         return Ok(Distribution::default());
     };
-    let sums = sums.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not integers")?;
+    let sums = without_gaps(sums.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not integers")?)?;
     let bins = integers(bins, row)?;
     let mut pairs = Vec::with_capacity(bins.len() / 2);
     for pair in bins.chunks_exact(2) {
@@ -270,7 +293,7 @@ fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, St
         if pairs.last().is_some_and(|(before, _)| *before >= bin) {
             return Err("the bins of amplitudes are not in order".to_owned());
         }
-        pairs.push((bin, u64::try_from(pair[1]).map_err(|_| "a count is negative")?));
+        pairs.push((bin, count(pair[1])?));
     }
     Ok(Distribution::from_parts(sums.value(row).cast_unsigned(), pairs))
 }
@@ -280,13 +303,14 @@ fn integers(column: &ArrayRef, row: usize) -> Result<Vec<i64>, String> {
     let lists = column.as_any().downcast_ref::<ListArray>().ok_or("a column of lists of integers is not one")?;
     let list = lists.value(row);
     let list = list.as_any().downcast_ref::<Int64Array>().ok_or("a column of lists of integers is not one")?;
-    Ok(list.values().to_vec())
+    Ok(without_gaps(list)?.values().to_vec())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::fs;
+    use crate::files::forging::assert_bounded;
     use std::path::PathBuf;
 
     use crate::files::publish::files;
@@ -365,6 +389,49 @@ mod tests {
         write(&folder(&directory), "experiment", &wrong).unwrap();
         let (units, complaints) = read(&folder(&directory), "experiment").unwrap();
         assert!(units.is_empty() && format!("{:?}", complaints[0]).contains("do not add up"));
+    }
+
+    #[test]
+    fn counts_that_wrap_are_refused() {
+        for change in [
+            |unit: &mut FinishedUnit| unit.counts.stable = 1 << 63,
+            |unit: &mut FinishedUnit| {
+                // Their sum is that of the samples modulo 2^64.
+                unit.counts.stable = 1 << 62;
+                unit.counts.unstable = 1 << 62;
+                unit.counts.undecided = 1 << 62;
+                unit.counts.failed = (1 << 62) + 10;
+            },
+            |unit: &mut FinishedUnit| unit.samples = (1 << 63) - 1..(1 << 63) + 9,
+            |unit: &mut FinishedUnit| unit.part = 1 << 54,
+        ] {
+            let directory = tempfile::tempdir().unwrap();
+            let mut units = some_units();
+            change(&mut units[7]);
+            let folder = folder(&directory);
+            write(&folder, "experiment", &units).unwrap();
+            let mut taken = 0;
+            let complaints = read_all(&folder, "experiment", |_| true, 2, &mut |_| {
+                taken += 1;
+                Ok(())
+            });
+            let complaints = complaints.unwrap();
+            assert!(taken == 0 && complaints.len() == 1, "{complaints:?}");
+        }
+    }
+
+    #[test]
+    fn forged_pieces_are_read_or_refused() {
+        let mut plain = some_units();
+        plain.iter_mut().for_each(|unit| {
+            unit.amplitudes = Distribution::default();
+            unit.sums.clear();
+        });
+        let sound = [some_units(), plain].map(|units| encode("experiment", &units).unwrap());
+        assert_bounded("store::piece::tests::forged_pieces_are_read_or_refused", &sound, 3000, |bytes| {
+            let (_, units) = decode(bytes)?;
+            units.iter().all(FinishedUnit::is_consistent).then_some(()).ok_or_else(|| "inconsistent".to_owned())
+        });
     }
 
     #[test]

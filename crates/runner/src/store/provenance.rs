@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
+use crate::store::clock::in_words;
 use crate::store::directory::RunDirectory;
 
 /// One session of work on a run.
@@ -49,7 +50,7 @@ impl Session {
     pub fn start(command: &str, threads: usize) -> Self {
         Self {
             command: command.to_owned(),
-            started: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
+            started: in_words(SystemTime::now()),
             seconds: 0.0,
             outcome: String::new(),
             samples_computed: 0,

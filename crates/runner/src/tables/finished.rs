@@ -5,12 +5,13 @@ use std::fs::File;
 use std::mem;
 use std::path::Path;
 
-use arrow::array::{Array, Float64Array, Int64Array};
+use arrow::array::{Array, Float64Array, Int64Array, RecordBatchReader as _};
 use arrow::datatypes::{DataType, Field};
-use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::reader::ChunkReader;
 
 use crate::failure::Failure;
+use crate::files::foreign::{self, Known};
 use crate::job::Job;
 use crate::output::quoted;
 use crate::store::directory::{RunDirectory, SurfaceState};
@@ -71,7 +72,7 @@ impl FinishedSurface {
     /// A file that cannot be read or is not the surface of the job, and columns that hold no numbers.
     pub fn columns(&self, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, Failure> {
         let file = self.directory.open_surface()?.ok_or_else(|| self.broken("it is gone"))?;
-        let columns = read_columns(file, wanted).map_err(|why| self.broken(why))?;
+        let columns = read_columns(file, Some(self.job.cells()), wanted).map_err(|why| self.broken(why))?;
         let wrong = columns.iter().map(|column| column.values.len()).find(|rows| *rows as u64 != self.job.cells());
         match wrong {
             None => Ok(columns),
@@ -103,20 +104,22 @@ impl FinishedSurface {
 /// A file that is no Parquet file, and a column that is missing or holds no numbers.
 pub fn read_numbers<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Vec<Option<f64>>; N], String> {
     let file = File::open(path).map_err(|error| error.to_string())?;
-    numbers_of(read_columns(file, |name| names.contains(&name))?, names)
+    numbers_of(read_columns(file, None, |name| names.contains(&name))?, names)
 }
 
-fn read_columns(file: File, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, String> {
-    let text = |error: &dyn fmt::Display| error.to_string();
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| text(&error))?;
-    let fields = builder.schema().fields().clone();
-    let (places, fields): (Vec<usize>, Vec<_>) =
-        fields.iter().enumerate().filter(|(_, field)| wanted(field.name())).unzip();
+fn read_columns(file: File, rows: Option<u64>, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, String> {
+    foreign::read(file, Known::Table(rows), wanted, columns_of)
+}
+
+/// All columns that are to be read.
+fn columns_of<R: ChunkReader + 'static>(
+    builder: ParquetRecordBatchReaderBuilder<R>,
+) -> Result<Vec<FinishedColumn>, String> {
+    let reader = builder.build().map_err(|error| error.to_string())?;
     let mut columns: Vec<FinishedColumn> =
-        fields.into_iter().map(|field| FinishedColumn::empty(field)).collect::<Result<_, _>>()?;
-    let mask = ProjectionMask::roots(builder.parquet_schema(), places);
-    for batch in builder.with_projection(mask).build().map_err(|error| text(&error))? {
-        let batch = batch.map_err(|error| text(&error))?;
+        reader.schema().fields().iter().map(|field| FinishedColumn::empty(field)).collect::<Result<_, _>>()?;
+    for batch in reader {
+        let batch = batch.map_err(|error| error.to_string())?;
         for (column, array) in columns.iter_mut().zip(batch.columns()) {
             column.extend(array.as_ref())?;
         }
@@ -171,5 +174,34 @@ impl FinishedColumn {
             FinishedValues::Real(values) => array.downcast_ref::<Float64Array>().map(|array| values.extend(array)),
         }
         .ok_or_else(|| format!("its column {} changes its type", self.name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bytes::Bytes;
+
+    use super::*;
+    use crate::files::forging::assert_bounded;
+    use crate::files::table::{DescribedColumn, write_columns};
+
+    #[test]
+    fn forged_tables_are_read_or_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        let column = |name, values: &dyn Fn(f64) -> f64| DescribedColumn {
+            name,
+            unit: "1",
+            long_name: name,
+            values: (0..300).map(|i| values(f64::from(i))).collect(),
+        };
+        let columns = [column("time", &|i| 0.1 * i), column("level", &|i| (i / 100.0).floor())];
+        write_columns(directory.path(), "motion.parquet", &columns).unwrap();
+        let path = directory.path().join("motion.parquet");
+        let [time, level] = read_numbers(&path, ["time", "level"]).unwrap();
+        assert_eq!((time.len(), time[3], level[299]), (300, Some(0.1 * 3.0), Some(2.0)));
+        let sound = [std::fs::read(path).unwrap()];
+        assert_bounded("tables::finished::tests::forged_tables_are_read_or_refused", &sound, 1500, |bytes| {
+            foreign::read(Bytes::from(bytes), Known::Table(None), |_| true, columns_of).map(drop)
+        });
     }
 }
