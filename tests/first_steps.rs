@@ -201,7 +201,10 @@ fn a_folder_of_runs_is_one_line_a_run() {
     assert!(told.stderr.contains("warning: runs/first/job.toml was damaged or edited"), "{}", told.stderr);
     fs::remove_file(place.path("runs/first/job.toml")).unwrap();
     let told = json(&place.run("status runs --json").done().stdout);
-    assert!(told[0]["state"] == "unreadable" && told[0]["message"].to_string().contains("its job.toml is lost"), "{told}");
+    assert!(
+        told[0]["state"] == "unreadable" && told[0]["message"].to_string().contains("its job.toml is lost"),
+        "{told}"
+    );
     place.run("status runs/pictures").refused(74, &["runs/pictures is not a run directory: it has no job.toml"]);
     place.run("status .").refused(74, &["is not a run directory"]);
 }

@@ -125,7 +125,9 @@ fn verify_names_what_is_damaged_and_resume_computes_it_again() {
     let place = finished();
     let sound = place.surface("run");
     let verified = place.run("verify run").done();
-    for line in ["job.toml: sound", "all sound", "surface.parquet: sound, the same bytes as the pieces give", "run.json: sound"] {
+    for line in
+        ["job.toml: sound", "all sound", "surface.parquet: sound, the same bytes as the pieces give", "run.json: sound"]
+    {
         assert!(verified.stdout.contains(line), "{line}: {}", verified.stdout);
     }
     let piece = files(&place.path("run/shards"), "parquet").remove(0);
@@ -213,7 +215,12 @@ fn foreign_files_are_left_alone_and_unread() {
 
 /// A job that takes some seconds on one thread and saves pieces all along.
 fn slow(name: &str, seed: u64) -> String {
-    job(name, "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"", BOTH, &format!("samples = 40000\nseed = {seed}"))
+    job(
+        name,
+        "kind = \"time-domain\"\ndisc = \"rigid\"\nstart = \"rest\"",
+        BOTH,
+        &format!("samples = 40000\nseed = {seed}"),
+    )
 }
 
 fn started(place: &Place, words: &str) -> Child {
@@ -334,7 +341,8 @@ fn results_have_the_rights_that_the_umask_leaves() {
         command
     };
     common::assert_succeeds(&mut shell);
-    for name in ["run/job.toml", "run/surface.parquet", "run/run.json", "run/run.lock", "run/digests.json", "plot.svg"] {
+    for name in ["run/job.toml", "run/surface.parquet", "run/run.json", "run/run.lock", "run/digests.json", "plot.svg"]
+    {
         let mode = fs::metadata(place.path("shared").join(name)).unwrap().permissions().mode();
         assert_eq!(mode & 0o777, 0o644, "{name}");
     }

@@ -430,6 +430,9 @@ pub struct ReproduceArguments {
     pub threads: ThreadsArgument,
 }
 
+/// Seconds that `merge` waits for shards.
+pub const WAIT: u64 = 600;
+
 /// Arguments of `merge`.
 #[derive(Debug, Args)]
 pub struct MergeArguments {
@@ -437,7 +440,7 @@ pub struct MergeArguments {
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
     /// How long to wait for shards that are still at work
-    #[arg(long, value_name = "SECONDS", default_value_t = 600)]
+    #[arg(long, value_name = "SECONDS", default_value_t = WAIT)]
     pub wait: u64,
 }
 

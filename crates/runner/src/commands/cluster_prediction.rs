@@ -1,7 +1,7 @@
 //! The predicted times of a job on several machines, from what its steps take on this one.
 
 use std::env;
-use std::path::Path;
+
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
@@ -14,6 +14,7 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::SumLayout;
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
+use crate::files::folder::Folder;
 use crate::job::Job;
 use crate::output::counted;
 use crate::schedule::cluster_cost::{ClusterCost, Load, Nodes, Rates, TASK};
@@ -120,19 +121,22 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
     };
     let units: Vec<FinishedUnit> = (0..parts.cells().min(MOST_UNITS)).map(unit).collect();
     let experiment = job.experiment_hash();
-    let (few, many) = (scratch()?, scratch()?);
+    let scratch = [scratch()?, scratch()?];
+    let open =
+        |directory: &TempDir| Folder::open(directory.path()).map_err(|error| Failure::reading(directory.path(), error));
+    let (few, many) = (open(&scratch[0])?, open(&scratch[1])?);
     let mut turn = 0;
     let piece_written = quickest(TRIES, || {
         // Pieces of the same content would be one file.
         turn += 1;
         let samples = turn..turn + 1;
         let counts = VerdictCounts { stable: 1, ..Default::default() };
-        piece::write(few.path(), &experiment, &[FinishedUnit { samples, counts, ..unit(0) }])
+        piece::write(&few, &experiment, &[FinishedUnit { samples, counts, ..unit(0) }])
     })?;
-    piece::write(many.path(), &experiment, &units)?;
-    let mut read = |directory: &Path| {
+    piece::write(&many, &experiment, &units)?;
+    let mut read = |folder: &Folder| {
         quickest(TRIES, || {
-            piece::read_all(directory, &experiment, |_| true, layout.count(), &mut |unit| {
+            piece::read_all(folder, &experiment, |_| true, layout.count(), &mut |unit| {
                 tally.clear(unit.part);
                 tally.add(&unit);
                 Ok(())
@@ -140,8 +144,8 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
             Ok(())
         })
     };
-    let piece_read = read(few.path())? / TRIES as f64;
-    let unit_read = (read(many.path())? - piece_read).max(0.0) / units.len() as f64;
+    let piece_read = read(&few)? / TRIES as f64;
+    let unit_read = (read(&many)? - piece_read).max(0.0) / units.len() as f64;
     let rows = parts.cells().min(MOST_ROWS);
     for cell in 0..rows {
         let unit = unit(cell);

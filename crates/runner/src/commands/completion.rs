@@ -100,24 +100,28 @@ pub fn compute(
         Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
     };
     interrupt.remark(&format!("what is finished is kept; continue with `{how}`"));
-    let kept = |failure: Failure| match directory.root().require_in_place() {
-        Ok(()) => failure.with_remedy(&format!("what is on disk already is kept; {FREE_SPACE} `{how}`")),
+    let resumed = format!("what is on disk already is kept; {FREE_SPACE} `{how}`");
+    let kept = |failure: Failure, directory: &RunDirectory| match directory.root().require_in_place() {
+        Ok(()) => failure.with_remedy(&resumed),
         Err(_) => failure.with_remedy("resume the run where it is now"),
     };
     let engine = Engine::new(threads)?;
     let mut evaluator = Evaluator::new(&job)?;
     let mut integrated = Vec::new();
-    let mut outcome =
-        prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt).map_err(kept)?;
+    let mut outcome = prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt)
+        .map_err(|failure| kept(failure, &directory))?;
     if outcome == Outcome::Finished && job.is_integrated() {
         let mut audits = directory.audits_done(&job)?;
         let keep = directory.create_folder(AUDITS)?;
-        outcome = engine.audit(&evaluator, &mut audits, Some(&keep), interrupt).map_err(kept)?;
+        outcome = engine
+            .audit(&evaluator, &mut audits, Some(&keep), interrupt)
+            .map_err(|failure| kept(failure, &directory))?;
         if outcome == Outcome::Finished {
             (outcome, integrated) = engine.integrate(&evaluator, &audits, interrupt)?;
         }
     } else if outcome == Outcome::Finished {
-        outcome = count(&engine, &evaluator, &directory, &mut tally, shard, interrupt).map_err(kept)?;
+        outcome = count(&engine, &evaluator, &directory, &mut tally, shard, interrupt)
+            .map_err(|failure| kept(failure, &directory))?;
     }
     let computed = u64::try_from(tally.counted() - before).unwrap_or(u64::MAX);
     let seconds = started.elapsed().as_secs_f64();
@@ -150,13 +154,13 @@ pub fn compute(
     let run = FinishedRun { directory, job, tally, integrated };
     if shard.is_none() {
         let surface = run.surface();
-        let is_new = surface.publish(&run.directory).map_err(kept)?;
+        let is_new = surface.publish(&run.directory).map_err(|failure| kept(failure, &run.directory))?;
         if run.job.is_integrated() && !is_new {
             note(format_args!("{} is finished already; its surface is unchanged", run.directory.path().display()));
         }
         if computed > 0 || is_new {
             session.lookups(surface.lookups());
-            session.record(&run.directory, "finished", computed).map_err(kept)?;
+            session.record(&run.directory, "finished", computed).map_err(|failure| kept(failure, &run.directory))?;
         }
     }
     Ok(run)

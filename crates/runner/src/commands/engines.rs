@@ -7,11 +7,11 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::adoption::{RunState, adopt};
+use super::adoption::{RunState, adopt_as_shard};
 use super::shard_progress::ShardProgress;
 use super::sharing::{WorkToShare, cost_of_maps, cost_of_samples};
 use super::submit::{map_directories, merge};
-use crate::cli::{EngineKind, MergeArguments, SubmitArguments};
+use crate::cli::{EngineKind, MergeArguments, SubmitArguments, WAIT};
 use crate::cluster::gnu_parallel::{Machines, SharedRun};
 use crate::cluster::slurm::{JobArray, array_limit};
 use crate::cluster::task_list::ranges;
@@ -25,7 +25,7 @@ use crate::output::{counted, note, quoted, result, warn};
 use crate::schedule::engine::Engine;
 use crate::schedule::shard_size::{MOST_SHARDS, number_of_shards};
 use crate::schedule::time_left;
-use crate::store::directory::{Access, RunDirectory};
+use crate::store::directory::RunDirectory;
 use crate::store::sharing::Sharing;
 use crate::store::tally::Tally;
 
@@ -73,14 +73,13 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
     }
     request.require_program()?;
     request.most()?;
-    let directory = RunDirectory::create(&out, Access::Shared)?;
-    let (job, state) = adopt(&directory, &source, job)?;
+    let (directory, job, state) = adopt_as_shard(&out, &source, &job)?;
     let known = Sharing::read(&out).map(|sharing| sharing.shards);
     let (tally, shards) = match state {
         RunState::Finished(_) => {
             drop(directory);
             note(format_args!("{} has all its samples; nothing to submit", out.display()));
-            return merge(&MergeArguments { run: out });
+            return merge(&MergeArguments { run: out, wait: WAIT });
         }
         // The shards of a run that has begun keep their numbers.
         RunState::Unfinished(tally) => {
@@ -271,7 +270,7 @@ impl Request<'_> {
         }
         let started = Instant::now();
         loop {
-            match merge(&MergeArguments { run: self.run.to_owned() }) {
+            match merge(&MergeArguments { run: self.run.to_owned(), wait: WAIT }) {
                 // A machine that was lost from sight is still at work.
                 Err(Failure::Busy(_)) if started.elapsed() < PATIENCE => thread::sleep(10 * PAUSE),
                 ended => return ended,

@@ -32,8 +32,8 @@ mod sharing;
 
 mod submit;
 
-mod verify;
 mod engines;
+mod verify;
 
 mod motion_report;
 
@@ -67,5 +67,5 @@ pub use report::report;
 pub use samples::samples;
 pub use status::status;
 pub use submit::{merge, resume, submit};
-pub use verify::verify;
 pub use trajectory::{simulate, trajectory};
+pub use verify::verify;

@@ -54,7 +54,7 @@ fn seconds_of(trial: &SampleTrial, job: &Job, missing: f64) -> f64 {
 /// What the verdict maps of a job cost, measured on some of their tiles.
 pub fn cost_of_maps(job: &Job, engine: &Engine) -> Result<WorkToShare, Failure> {
     let mut evaluator = Evaluator::new(job)?;
-    evaluator.limit_maps();
+    engine.limit_maps(&mut evaluator)?;
     let trial = engine.try_maps(&evaluator)?;
     let tiles = evaluator.maps().needed() as u64;
     Ok(WorkToShare { seconds: trial.seconds * tiles as f64 / trial.tiles.max(1) as f64, units: tiles })

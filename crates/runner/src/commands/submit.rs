@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, warn};
-use crate::schedule::plan::Shard;
+use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::RunDirectory;
 use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::provenance::Session;

@@ -31,9 +31,9 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
     let worst = findings.iter().map(|finding| finding.state).max().unwrap_or(State::Sound);
     let run = arguments.run.display();
     result(&if arguments.json {
-        let files = findings.iter().map(|finding| {
-            json!({ "file": finding.file, "state": finding.state.name(), "remark": finding.remark })
-        });
+        let files = findings
+            .iter()
+            .map(|finding| json!({ "file": finding.file, "state": finding.state.name(), "remark": finding.remark }));
         format!("{:#}\n", json!({ "run": run.to_string(), "state": worst.name(), "files": files.collect::<Vec<_>>() }))
     } else {
         let lines = findings.iter().map(|finding| {
@@ -171,7 +171,9 @@ impl Check<'_> {
         let name = format!("{name}/");
         match damaged.len() {
             0 => self.find(&name, State::Sound, format!("{count}, all sound")),
-            damaged => self.find(&name, State::Broken, format!("{count}, {} of them damaged", HumanCount(damaged as u64))),
+            damaged => {
+                self.find(&name, State::Broken, format!("{count}, {} of them damaged", HumanCount(damaged as u64)))
+            }
         }
     }
 
@@ -207,7 +209,8 @@ impl Check<'_> {
                 self.find(SURFACE, State::Sound, format!("as it was written, but of its pieces only {progress}"));
             }
             SurfaceState::Absent | SurfaceState::OfAnotherJob => {
-                let remark = if job.is_integrated() { "not written yet".to_owned() } else { format!("none yet: {progress}") };
+                let remark =
+                    if job.is_integrated() { "not written yet".to_owned() } else { format!("none yet: {progress}") };
                 self.find(SURFACE, State::Sound, remark);
             }
             SurfaceState::Damaged(why) => {

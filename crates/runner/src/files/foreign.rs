@@ -5,7 +5,6 @@
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::path::Path;
 
 use bytes::Bytes;
 use parquet::arrow::ProjectionMask;

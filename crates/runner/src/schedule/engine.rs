@@ -289,7 +289,7 @@ mod tests {
     #[test]
     fn a_panic_in_a_thread_is_an_error_and_the_others_go_on() {
         let (engine, mut done) = (Engine::new(2).unwrap(), Vec::new());
-        let work = |unit| if unit == 3 { panic!("unit {unit}") } else { unit };
+        let work = |unit, _: IsStopped<'_>| if unit == 3 { panic!("unit {unit}") } else { unit };
         let result = engine.for_each_in_parallel(50, &Interrupt::unwatched(), work, |unit| done.push(unit));
         assert!(result.unwrap_err().to_string().contains("a worker thread failed"));
         done.sort_unstable();

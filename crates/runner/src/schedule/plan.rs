@@ -158,7 +158,7 @@ impl Plan {
         let cell_units: u128 = part_units.iter().sum();
         let mut missing = vec![0; count as usize];
         let place_of = |number: u128| ((number + u128::from(count) - 1) % u128::from(count)) as usize;
-        for (part, gap) in tally.gaps(&parts.wanted(tally)) {
+        for (part, gap) in (0..parts.cells()).flat_map(|cell| parts.missing_of(tally, cell)) {
             let (cell, place) = parts.place(part);
             let whole = Gap::whole(part, gap.clone(), unit_samples);
             if parts.are_sequential() {

@@ -309,8 +309,8 @@ fn integers(column: &ArrayRef, row: usize) -> Result<Vec<i64>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs;
     use crate::files::forging::assert_bounded;
+    use std::fs;
     use std::path::PathBuf;
 
     use crate::files::publish::files;
