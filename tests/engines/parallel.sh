@@ -59,7 +59,7 @@ some_are_done() { "$program" status "$run" 2>/dev/null | grep -qE 'shards: [1-6]
 wait_for 60 "shard" some_are_done
 # The daemon, the sessions, and what runs in them.
 kill -KILL $(family "$(cat "$place/sshd.127.0.0.2.daemon")") 2>/dev/null || true
-say "the second machine is lost; $("$program" status "$run" | grep shards)"
+say "the second machine is lost; $("$program" status "$run" | grep "^shards")"
 wait "$submitted" || fail "submit has ended with $?"
 same "$run" "$place/whole"
 hosts_of() { awk -F '\t' -v host="$1" 'NR > 1 && index($2, host)' "$run/parallel/shard.log" | wc -l; }

@@ -95,7 +95,7 @@ sleep 1
 n1=$(cat "$place/slurmd.n1.daemon"; tasks_of n1)
 kill -STOP $n1 2>/dev/null || true
 kill -KILL $n1 2>/dev/null || true
-say "n1 is lost with its tasks; $("$program" status "$place/lost" | grep shards)"
+say "n1 is lost with its tasks; $("$program" status "$place/lost" | grep "^shards")"
 wait_for 120 "surface after the loss of a node" is_written lost
 wait "$reference"
 same "$place/lost" "$place/whole-short"
