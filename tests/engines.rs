@@ -172,7 +172,7 @@ fn a_run_through_the_scripts_is_that_of_one_process_whatever_its_path() {
     }
     // A run that is finished gets its surface again, and no jobs.
     fs::remove_file(place.path("plain/surface.parquet")).unwrap();
-    place.run("submit job.toml --engine slurm --out plain").done();
+    place.run("submit job.toml --engine slurm --shards 3 --out plain").done();
     assert!(place.surface("plain") == place.surface("whole"));
     assert_eq!(record(&place).len(), 2);
 }

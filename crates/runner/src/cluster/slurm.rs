@@ -14,6 +14,9 @@ use crate::job::EngineSettings;
 const LONGEST_LEAD: u64 = 60;
 const SHORTEST_LEAD: u64 = 5;
 
+/// How often a task is started again: a sample that takes longer than the time limit would never be finished.
+const RESTARTS: u64 = 100;
+
 /// How often the merge submits what is missing.
 const ROUNDS: u64 = 3;
 
@@ -125,7 +128,7 @@ while kill -0 \"$program\" 2>/dev/null; do
     wait \"$program\"
     code=$?
 done
-if [ \"$at_limit\" = yes ] && [ \"$code\" -eq 143 ]; then
+if [ \"$at_limit\" = yes ] && [ \"$code\" -eq 143 ] && [ \"${{SLURM_RESTART_COUNT:-0}}\" -lt {RESTARTS} ]; then
     # What is finished is saved, and the task goes on from there.
     scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID\"
 fi

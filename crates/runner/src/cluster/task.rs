@@ -66,6 +66,10 @@ pub fn again(run: &Path, engine: &str, shards: &[u64]) -> Option<String> {
         "parallel" => ("run.sh", shards.iter().map(u64::to_string).collect::<Vec<_>>().join(" ")),
         _ => return None,
     };
+    // Without a list, the scripts take all.
+    if shards.is_empty() {
+        return None;
+    }
     let path = run.join(engine).join(script);
     let path = absolute_text(&path).ok().filter(|_| path.is_file())?;
     Some(format!("sh {} {list}", quoted(&path)))

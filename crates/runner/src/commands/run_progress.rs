@@ -119,7 +119,13 @@ impl RunProgress {
     /// In a line, with what to do next.
     pub fn text(&self, run: &Path) -> String {
         let next = match self.state {
-            "unfinished" => format!("\ncontinue with `stickslip resume {}`", quoted(run)),
+            "unfinished" => match self.shards.as_ref().and_then(|shards| shards.again(run)) {
+                Some(again) => format!(
+                    "\nif no queue has them: submit the missing shards with `{again}`, or continue here with `stickslip resume {}`",
+                    quoted(run)
+                ),
+                None => format!("\ncontinue with `stickslip resume {}`", quoted(run)),
+            },
             "surface damaged" => format!("\nwrite the surface again with `stickslip verify {}`", quoted(run)),
             "complete, not merged" => format!("\nwrite the surface with `stickslip merge {}`", quoted(run)),
             _ => String::new(),

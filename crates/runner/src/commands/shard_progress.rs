@@ -58,6 +58,12 @@ impl ShardProgress {
         missing
     }
 
+    /// The command that submits what is missing, if an engine has left its scripts in the run.
+    pub fn again(&self, run: &Path) -> Option<String> {
+        let engine = Sharing::read(run).filter(|sharing| sharing.shards == self.count())?.engine;
+        again(run, &engine, &self.missing())
+    }
+
     /// Samples in a second of all processes at work, if it is known.
     fn samples_per_second(&self) -> Option<f64> {
         let rates = self.workers.iter().filter_map(|worker| {
@@ -100,12 +106,12 @@ impl ShardProgress {
 
 /// What to do about the shards that a run misses, as the beginning of a sentence.
 pub fn how_to_submit_missing(run: &Path, job: &Job, tally: &Tally) -> String {
-    let Some(Sharing { engine, shards }) = Sharing::read(run) else {
+    let Some(Sharing { shards, .. }) = Sharing::read(run) else {
         return "Submit the missing shards".to_owned();
     };
-    let missing = ShardProgress::of(run, job, &Parts::new(job), tally, shards).missing();
-    let what = format!("Of {shards} shards, these are missing: {}", ranges(&missing));
-    match again(run, &engine, &missing) {
+    let progress = ShardProgress::of(run, job, &Parts::new(job), tally, shards);
+    let what = format!("Of {shards} shards, these are missing: {}", ranges(&progress.missing()));
+    match progress.again(run) {
         Some(command) => format!("{what}. Submit them with `{command}`"),
         None => format!("{what}. Submit them"),
     }
