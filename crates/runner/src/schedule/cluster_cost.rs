@@ -20,9 +20,6 @@ pub const UNIT_HANDLED: f64 = 3.4e-6;
 /// Share of the time of a computation after which it writes a piece.
 const PIECE_SHARE: f64 = 0.1;
 
-/// Share of the time below which more shards are worth it.
-const WORTH_MORE: f64 = 0.8;
-
 /// What the steps of a run take, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rates {
@@ -173,14 +170,15 @@ impl Load {
     }
 
     /// The cost in a sensible number of shards: as many as their size makes, or somewhat more, such that every node has as
-    /// many, if that takes clearly less time.
+    /// many, if that saves more time of the nodes than the further tasks take.
     pub fn best(&self, rates: &Rates, on: Nodes) -> ClusterCost {
         let seconds = self.samples * rates.sample;
         let by_size = number_of_shards(seconds, self.shared, on.threads as usize, MOST_SHARDS);
         let most = MOST_SHARDS.min(self.shared.max(1));
         let numbers = [by_size, by_size.next_multiple_of(on.nodes)];
         let [by_size, even] = numbers.map(|shards| self.cost(rates, on, shards.min(most)));
-        if even.total < WORTH_MORE * by_size.total { even } else { by_size }
+        let (saved, further) = (by_size.total - even.total, even.shards.saturating_sub(by_size.shards));
+        if saved * on.nodes as f64 > further as f64 * rates.task { even } else { by_size }
     }
 }
 
