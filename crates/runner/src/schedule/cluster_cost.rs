@@ -132,7 +132,9 @@ impl Load {
         // The largest shard.
         let shared = self.shared.div_ceil(shards);
         let of_one = self.samples * rates.sample / self.shared.max(1) as f64;
-        let units = self.units as f64 / shards as f64;
+        // Shards without work write nothing.
+        let working = shards.min(self.shared.max(1)) as f64;
+        let units = self.units as f64 / working;
         let computing = shared.div_ceil(on.threads) as f64 * of_one;
         let handling = units * (rates.unit_planned + rates.unit_handled);
         let starting = rates.task + rates.start;
@@ -140,11 +142,11 @@ impl Load {
         // A shard reads what those of the rounds before have written.
         let reading_of_one = pieces * rates.piece_read + units * rates.unit_read;
         let rounds_before = rounds as f64 * (rounds - 1) as f64 / 2.0;
-        let reading = rounds_before * on.nodes as f64 * reading_of_one;
+        let reading = rounds_before * on.nodes as f64 * reading_of_one * working / shards as f64;
         let before = self.before / on.threads as f64;
         let rounds = rounds as f64;
         let all = before + rounds * (starting + handling + computing + rates.piece_written) + reading;
-        let merge = starting + shards as f64 * reading_of_one + self.cells as f64 * rates.row + rates.piece_written;
+        let merge = starting + working * reading_of_one + self.cells as f64 * rates.row + rates.piece_written;
         let (total, least) = (all + merge, self.samples * rates.sample / (on.nodes * on.threads) as f64);
         let parts = [
             (least, Limit::Computing),
@@ -165,7 +167,7 @@ impl Load {
             total,
             efficiency: least / total,
             limit,
-            pieces: (shards as f64 * pieces) as u64,
+            pieces: (working * pieces) as u64,
         }
     }
 
@@ -250,6 +252,13 @@ mod tests {
         close(LOAD.cost(&RATES, on(1, 64), 1).computing, 2.0);
         let by_cells = Load { shared: 3, ..LOAD };
         close(by_cells.cost(&RATES, on(2, 1), 2).computing, 200.0 / 3.0);
+    }
+
+    #[test]
+    fn shards_without_work_write_nothing() {
+        let cost = |shards| LOAD.cost(&RATES, Nodes { nodes: 1000, threads: 1 }, shards);
+        assert_eq!([10, 100, 1000].map(|shards| cost(shards).pieces), [100, 100, 100]);
+        close(cost(1000).merge, cost(100).merge);
     }
 
     #[test]
