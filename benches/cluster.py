@@ -1,8 +1,8 @@
 """Compares predicted with measured times of shards and merge, two processes with one thread each at a time, as on two
 nodes with one processor. Started by `make bench-cluster`; needs two processors, Python alone, and some minutes.
 
-One line each: what, number of shards, predicted seconds, measured seconds, measured over predicted. Then the peak memory
-of a shard and of the merge. A batch system takes part in the prediction, but not here, so that its time is left out.
+One line each: what, number of shards, predicted seconds, measured seconds, measured over predicted, and the measured time
+on processors, which other programs disturb less. Then the peak memory of a shard and of the merge. A batch system takes part in the prediction, but not here, so that its time is left out.
 """
 
 import json
@@ -52,7 +52,7 @@ seed = 1
 
 
 def run(*arguments):
-    """Runs the program; returns its wall time in seconds, and its peak memory in MiB."""
+    """Runs the program; returns its wall time and its time on processors in seconds, and its peak memory in MiB."""
     begun = time.monotonic()
     command = [str(argument) for argument in arguments]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
@@ -62,7 +62,7 @@ def run(*arguments):
     if process.returncode != 0:
         sys.exit(f"{' '.join(command)} ended with {process.returncode}: {message}")
     # Kilobytes, but bytes on macOS.
-    return time.monotonic() - begun, usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
+    return time.monotonic() - begun, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
 
 
 def compare(program, folder, name, job, numbers):
@@ -90,19 +90,23 @@ def compare(program, folder, name, job, numbers):
         with ThreadPoolExecutor(NODES) as nodes:
             each = list(nodes.map(shard, range(1, shards + 1)))
         everything = time.monotonic() - begun
-        merge, memory = run(program, "merge", out)
+        merge, merge_busy, memory = run(program, "merge", out)
         rounds = -(-shards // NODES)
-        for what, before, took in [
-            ("a shard", predicted["shard"] - task, sum(seconds for seconds, _ in each) / shards),
-            ("all shards", predicted["all"] - rounds * task, everything),
-            ("merge", predicted["merge"] - task, merge),
+        busy = sum(seconds for _, seconds, _ in each)
+        for what, before, took, on_processors in [
+            ("a shard", predicted["shard"] - task, sum(seconds for seconds, _, _ in each) / shards, busy / shards),
+            ("all shards", predicted["all"] - rounds * task, everything, busy),
+            ("merge", predicted["merge"] - task, merge, merge_busy),
         ]:
-            print(f"{name:6} {what:10} {shards:5} shards  {before:8.2f} s predicted  {took:8.2f} s measured  {took / before:5.2f}")
+            print(
+                f"{name:6} {what:10} {shards:5} shards  {before:8.2f} s predicted  {took:8.2f} s measured"
+                f"  {took / before:5.2f}  ({on_processors:.2f} s on processors)"
+            )
         pieces = list((out / "shards").iterdir())
         size = sum(piece.stat().st_size for piece in pieces) / 2**20
         print(
             f"{name:6} {shards:5} shards: {len(pieces)} pieces ({predicted['pieces']} predicted), {size:.1f} MiB;"
-            f" peak memory {max(memory for _, memory in each):.0f} MiB of a shard, {memory:.0f} MiB of the merge",
+            f" peak memory {max(memory for _, _, memory in each):.0f} MiB of a shard, {memory:.0f} MiB of the merge",
             flush=True,
         )
         surfaces.add((out / "surface.parquet").read_bytes())

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::files::folder::Folder;
 use crate::job::Job;
 use crate::output::counted;
-use crate::schedule::cluster_cost::{ClusterCost, Load, Nodes, Rates, TASK};
+use crate::schedule::cluster_cost::{ClusterCost, Load, Nodes, Rates, TASK, UNIT_HANDLED};
 use crate::schedule::plan::{Plan, Shard};
 use crate::schedule::time_left::{Duration, Prediction};
 use crate::store::piece;
@@ -164,7 +164,17 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
         Ok(())
     })?;
     let (unit_planned, row) = (plan / planned.max(1) as f64, row / rows as f64);
-    Ok(Rates { task: TASK, sample, start, unit_planned, piece_written, piece_read, unit_read, row })
+    Ok(Rates {
+        task: TASK,
+        sample,
+        start,
+        unit_planned,
+        unit_handled: UNIT_HANDLED,
+        piece_written,
+        piece_read,
+        unit_read,
+        row,
+    })
 }
 
 /// The least of the times that a step takes, in seconds.

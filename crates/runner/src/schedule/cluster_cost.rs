@@ -13,11 +13,12 @@ use crate::schedule::shard_size::{MOST_SHARDS, number_of_shards};
 /// (docs/cluster-costs.md). A busy cluster takes longer.
 pub const TASK: f64 = 0.2;
 
+/// Seconds that it takes to hand a unit to a thread, to collect its result and to encode it: a run of 10^6 units of 20
+/// samples took 6.3 s on the processors, 3.4 s more than its other steps (docs/cluster-costs.md).
+pub const UNIT_HANDLED: f64 = 3.4e-6;
+
 /// Share of the time of a computation after which it writes a piece.
 const PIECE_SHARE: f64 = 0.1;
-
-/// Share of the time below which more shards are worth it.
-const WORTH_MORE: f64 = 0.8;
 
 /// What the steps of a run take, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -30,6 +31,8 @@ pub struct Rates {
     pub start: f64,
     /// Planning a unit.
     pub unit_planned: f64,
+    /// Handing a unit to a thread, collecting its result and encoding it.
+    pub unit_handled: f64,
     /// Writing a piece, until it is on disk.
     pub piece_written: f64,
     /// Reading a piece, without its units.
@@ -97,6 +100,8 @@ pub enum Limit {
     Idling,
     /// Starting tasks.
     Starting,
+    /// Planning, handing out and collecting units, which are small.
+    Handling,
     /// Shards that read the pieces of others.
     Reading,
     /// Writing the last piece of a shard.
@@ -112,6 +117,7 @@ impl Limit {
             Self::Computing => "computing",
             Self::Idling => "idle nodes",
             Self::Starting => "starting",
+            Self::Handling => "small units",
             Self::Reading => "reading pieces",
             Self::Writing => "writing",
             Self::Merging => "the merge",
@@ -126,24 +132,27 @@ impl Load {
         // The largest shard.
         let shared = self.shared.div_ceil(shards);
         let of_one = self.samples * rates.sample / self.shared.max(1) as f64;
+        // Shards without work write nothing.
+        let working = shards.min(self.shared.max(1)) as f64;
+        let units = self.units as f64 / working;
         let computing = shared.div_ceil(on.threads) as f64 * of_one;
-        let planning = shared as f64 * rates.unit_planned;
-        let units = self.units as f64 / shards as f64;
+        let handling = units * (rates.unit_planned + rates.unit_handled);
         let starting = rates.task + rates.start;
         let pieces = pieces_of(computing).min(units.ceil());
         // A shard reads what those of the rounds before have written.
         let reading_of_one = pieces * rates.piece_read + units * rates.unit_read;
         let rounds_before = rounds as f64 * (rounds - 1) as f64 / 2.0;
-        let reading = rounds_before * on.nodes as f64 * reading_of_one;
+        let reading = rounds_before * on.nodes as f64 * reading_of_one * working / shards as f64;
         let before = self.before / on.threads as f64;
         let rounds = rounds as f64;
-        let all = before + rounds * (starting + planning + computing + rates.piece_written) + reading;
-        let merge = starting + shards as f64 * reading_of_one + self.cells as f64 * rates.row + rates.piece_written;
+        let all = before + rounds * (starting + handling + computing + rates.piece_written) + reading;
+        let merge = starting + working * reading_of_one + self.cells as f64 * rates.row + rates.piece_written;
         let (total, least) = (all + merge, self.samples * rates.sample / (on.nodes * on.threads) as f64);
         let parts = [
             (least, Limit::Computing),
             (before + rounds * computing - least, Limit::Idling),
-            (rounds * (starting + planning), Limit::Starting),
+            (rounds * starting, Limit::Starting),
+            (rounds * handling, Limit::Handling),
             (reading, Limit::Reading),
             (rounds * rates.piece_written, Limit::Writing),
             (merge, Limit::Merging),
@@ -151,26 +160,27 @@ impl Load {
         let limit = parts.into_iter().max_by(|(a, _), (b, _)| a.total_cmp(b)).map_or(Limit::Computing, |(_, of)| of);
         ClusterCost {
             shards,
-            shard: starting + planning + computing + rates.piece_written + reading / rounds,
+            shard: starting + handling + computing + rates.piece_written + reading / rounds,
             computing,
             all,
             merge,
             total,
             efficiency: least / total,
             limit,
-            pieces: (shards as f64 * pieces) as u64,
+            pieces: (working * pieces) as u64,
         }
     }
 
     /// The cost in a sensible number of shards: as many as their size makes, or somewhat more, such that every node has as
-    /// many, if that takes clearly less time.
+    /// many, if that saves more time of the nodes than the further tasks take.
     pub fn best(&self, rates: &Rates, on: Nodes) -> ClusterCost {
         let seconds = self.samples * rates.sample;
         let by_size = number_of_shards(seconds, self.shared, on.threads as usize, MOST_SHARDS);
         let most = MOST_SHARDS.min(self.shared.max(1));
         let numbers = [by_size, by_size.next_multiple_of(on.nodes)];
         let [by_size, even] = numbers.map(|shards| self.cost(rates, on, shards.min(most)));
-        if even.total < WORTH_MORE * by_size.total { even } else { by_size }
+        let (saved, further) = (by_size.total - even.total, even.shards.saturating_sub(by_size.shards));
+        if saved * on.nodes as f64 > further as f64 * rates.task { even } else { by_size }
     }
 }
 
@@ -194,7 +204,8 @@ mod tests {
         task: TASK,
         sample: 1e-3,
         start: 0.3,
-        unit_planned: 1e-3,
+        unit_planned: 4e-4,
+        unit_handled: 6e-4,
         piece_written: 0.5,
         piece_read: 0.01,
         unit_read: 1e-4,
@@ -244,12 +255,20 @@ mod tests {
     }
 
     #[test]
+    fn shards_without_work_write_nothing() {
+        let cost = |shards| LOAD.cost(&RATES, Nodes { nodes: 1000, threads: 1 }, shards);
+        assert_eq!([10, 100, 1000].map(|shards| cost(shards).pieces), [100, 100, 100]);
+        close(cost(1000).merge, cost(100).merge);
+    }
+
+    #[test]
     fn what_takes_most_is_the_limit() {
         let on = Nodes { nodes: 100, threads: 1 };
         let limit = |rates: Rates, load: Load| load.cost(&rates, on, 1000).limit;
         let quick = Rates { sample: 1e-9, ..RATES };
         let many = Load { units: 100_000, shared: 100_000, ..LOAD };
         assert_eq!(limit(Rates { start: 60.0, ..quick }, many), Limit::Starting);
+        assert_eq!(limit(Rates { unit_handled: 60.0, ..quick }, many), Limit::Handling);
         assert_eq!(limit(Rates { piece_written: 60.0, ..quick }, many), Limit::Writing);
         assert_eq!(limit(Rates { piece_read: 60.0, ..quick }, many), Limit::Reading);
         assert_eq!(limit(Rates { row: 60.0, ..quick }, many), Limit::Merging);
