@@ -1,0 +1,193 @@
+"""Limits: a full disk, and the sizes of files, memory, threads and open files that a system allows."""
+
+import contextlib
+import os
+import signal
+import subprocess
+import time
+from typing import Iterator
+
+from common import (
+    CANNOT_CREATE,
+    DONE,
+    INPUT_OUTPUT,
+    KINDS,
+    STATED,
+    Ended,
+    Missed,
+    Place,
+    Row,
+    Skipped,
+    Suite,
+    Try,
+    check,
+    need,
+    need_root,
+)
+
+# Codes of a run that a limit stops.
+STOPPED = (CANNOT_CREATE, INPUT_OUTPUT)
+
+PAGE = 4096
+
+# A user who has no other process.
+OTHER = 61234
+
+
+class SmallDisk:
+    """A file system in memory, mounted where the run of a try lies."""
+
+    def __init__(self, place: Place, options: str) -> None:
+        self.place, self.path = place, place.path / "disk"
+        self.path.mkdir()
+        self.mount("-t", "tmpfs", "-o", options, "none", self.path)
+        place.run = self.path / "run"
+
+    def mount(self, *words: object) -> None:
+        done = subprocess.run(["mount", *map(str, words)], capture_output=True)
+        if done.returncode != 0:
+            raise Skipped(f"mount does not work here: {done.stderr.decode(errors='replace').strip()}")
+
+    def remount(self, options: str) -> None:
+        self.mount("-o", f"remount,{options}", self.path)
+
+    def __enter__(self) -> "SmallDisk":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        subprocess.run(["umount", "-l", str(self.path)], check=True)
+
+
+def on_disk(place: Place) -> Ended:
+    """Runs the job on the small disk."""
+    return place.start("submit", "job.toml", "--out", "disk/run", "--threads", place.threads()).ended()
+
+
+def stopped_or_done(place: Place, ended: Ended, where: str) -> bool:
+    """Whether a limit stopped a run, which then has said where."""
+    if ended.code == DONE:
+        place.same_bytes()
+        return False
+    check(ended.code in STOPPED, f"it ends with {ended.code}, not 73 or 74: {ended.stderr.strip()!r}")
+    ended.says("cannot ", where)
+    return True
+
+
+def finish_on_disk(place: Place) -> str:
+    """Resumes a run where it is, on the small disk."""
+    os.symlink(place.run, place.path / "run")
+    return place.finish(STATED)
+
+
+def disk_full(suite: Suite) -> Iterator[Try]:
+    need("mount", "umount")
+    need_root()
+    for kind in KINDS:
+        survived: list = []
+
+        def act(place: Place) -> str:
+            with SmallDisk(place, f"size={pages * PAGE}") as disk:
+                ended = on_disk(place)
+                if stopped_or_done(place, ended, "disk/run"):
+                    disk.remount("size=64m")
+                    return finish_on_disk(place)
+                survived.append(pages)
+                return place.same_bytes()
+
+        stride = suite.many(5, 1)
+        for pages in range(suite.chance("pages", kind).randint(1, stride), 1000, stride):
+            yield Try(kind, f"{pages} pages", act)
+            if survived:
+                break
+        for number in range(suite.many(2, 20)):
+            yield Try(kind, f"filled {number}", filled)
+
+
+def filled(place: Place) -> str:
+    """Another program fills the disk in mid-run."""
+    with SmallDisk(place, "size=4m"):
+        running = place.start("submit", "job.toml", "--out", "disk/run", "--threads", place.threads())
+        place.wait_for((place.run / "job.toml").exists, running, "the job")
+        time.sleep(place.random.uniform(0, place.reference.seconds))
+        filler = place.path / "disk" / "filler"
+        with contextlib.suppress(OSError), filler.open("wb", buffering=0) as file:
+            while True:
+                file.write(bytes(PAGE))
+        ended = running.ended()
+        filler.unlink()
+        if stopped_or_done(place, ended, "disk/run"):
+            return finish_on_disk(place)
+        return place.same_bytes()
+
+
+def file_size(suite: Suite) -> Iterator[Try]:
+    need("prlimit")
+    for kind in KINDS:
+        whole = suite.reference(kind, True).whole
+        largest = (whole / "surface.parquet").stat().st_size
+        near = [path.stat().st_size - less for path in whole.rglob("*") if path.is_file() for less in (0, 1)]
+        sizes = sorted({0, 1, PAGE, *near, *range(0, largest + 1, suite.many(4000, 200))})
+
+        def act(place: Place) -> str:
+            before = ["prlimit", f"--fsize={size}"]
+            ended = place.start("submit", "job.toml", "--out", "run", "--threads", 1, before=before).ended()
+            if stopped_or_done(place, ended, "run"):
+                return place.finish(STATED)
+            return place.same_bytes()
+
+        for size in sizes:
+            yield Try(kind, f"{size} bytes", act, small=True)
+
+
+def until_it_runs(suite: Suite, values: list, words: str, prefix: list) -> Iterator[Try]:
+    """Runs with a growing limit, up to one with which it comes to its end."""
+    for kind in KINDS:
+        survived: list = []
+
+        def act(place: Place) -> str:
+            before = [*prefix, "prlimit", words.format(value)]
+            line = ["submit", "job.toml", "--out", "run", "--threads", 4]
+            ended = place.start(*line, before=before).ended()
+            is_loading = "while loading shared" in ended.stderr or "prlimit" in ended.stderr or "setpriv" in ended.stderr
+            # The system ends a program that it cannot load.
+            if is_loading or ended.code in (-signal.SIGSEGV, -signal.SIGKILL, 127) and not ended.stderr:
+                raise Missed("the program was not loaded")
+            if ended.code == DONE:
+                survived.append(value)
+                return place.same_bytes()
+            check(ended.code in STOPPED, f"it ends with {ended.code}, not 73 or 74: {ended.stderr.strip()!r}")
+            check(ended.stderr.strip(), "it says nothing")
+            return place.finish(STATED)
+
+        for value in values:
+            yield Try(kind, words.format(value), act, small=True)
+            if survived:
+                break
+
+
+def memory(suite: Suite) -> Iterator[Try]:
+    need("prlimit")
+    growth = 1.15 if not suite.is_full else 1.02
+    values = [int(16e6 * growth**step) for step in range(400) if 16e6 * growth**step < 8e9]
+    yield from until_it_runs(suite, values, "--as={}", [])
+
+
+def descriptors(suite: Suite) -> Iterator[Try]:
+    need("prlimit")
+    yield from until_it_runs(suite, list(range(3, 64)), "--nofile={}", [])
+
+
+def threads(suite: Suite) -> Iterator[Try]:
+    need("prlimit", "setpriv")
+    need_root()
+    prefix = ["setpriv", f"--reuid={OTHER}", f"--regid={OTHER}", "--clear-groups"]
+    yield from until_it_runs(suite, list(range(1, 16)), "--nproc={}", prefix)
+
+
+ROWS = [
+    Row("disk-full", "the disk is full", disk_full),
+    Row("file-size", "limit on the size of files", file_size),
+    Row("memory", "limit on memory", memory),
+    Row("descriptors", "limit on open files", descriptors),
+    Row("threads", "limit on threads", threads),
+]
