@@ -7,7 +7,9 @@ finished is still there, and the run can be resumed to the same bytes. docs/faul
 """
 
 import argparse
+import os
 import shlex
+import signal
 import sys
 import tempfile
 import time
@@ -107,11 +109,14 @@ def main() -> int:
     parser.add_argument("--try", metavar="LABEL", help="only the try of this name, as a failure shows it")
     parser.add_argument("--seed", type=int, default=1, help="of everything that is chosen at random")
     parser.add_argument("--seconds", type=float, help="begin no row later than this")
+    parser.add_argument("--limit", type=float, default=60, help="seconds after which a command counts as hanging")
     options = parser.parse_args()
+    # What was started is ended, too.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     begun = time.monotonic()
     lines, failed = [], 0
     with tempfile.TemporaryDirectory(prefix="stickslip-faults-") as scratch:
-        suite = Suite(options.program, Path(scratch), options.seed, options.all)
+        suite = Suite(options.program, Path(scratch), options.seed, options.all, options.limit)
         for row in ROWS:
             if options.only and row.name not in options.only:
                 continue
@@ -125,7 +130,9 @@ def main() -> int:
     print("| fault | kind of run | tries | same bytes | stated error | failed | seconds |")
     print("|---|---|---|---|---|---|---|")
     print("\n".join(lines))
-    print(f"seed {options.seed}, {time.monotonic() - begun:.0f} s, {failed} failed")
+    used = os.times()
+    seconds = f"{time.monotonic() - begun:.0f} s, {used.children_user + used.children_system:.0f} s of processors"
+    print(f"seed {options.seed}, {seconds}, {failed} failed")
     return 1 if failed else 0
 
 

@@ -11,9 +11,6 @@ import time
 from pathlib import Path
 from typing import Callable, Iterable, NamedTuple, Optional
 
-# Seconds after which a command counts as hanging. The jobs take less than one on an idle machine.
-LIMIT = 120.0
-
 # Exit codes, as docs/reference/command-line.md lists them.
 DONE, USAGE, JOB, CANNOT_CREATE, INPUT_OUTPUT, BUSY = 0, 64, 65, 73, 74, 75
 
@@ -128,13 +125,14 @@ class Running:
         if self.is_alive():
             self.process.send_signal(number)
 
-    def ended(self, expect: Optional[Iterable] = None, seconds: float = LIMIT) -> Ended:
+    def ended(self, expect: Optional[Iterable] = None) -> Ended:
         """Waits for the end, and checks the exit code if `expect` has some."""
+        limit = self.place.suite.limit
         try:
-            output = self.process.communicate(timeout=seconds)
+            output = self.process.communicate(timeout=limit)
         except subprocess.TimeoutExpired:
             end_group(self.process)
-            raise Failed(f"`{self.shown}` does not end within {seconds:.0f} s") from None
+            raise Failed(f"`{self.shown}` does not end within {limit:.0f} s") from None
         stdout, stderr = (text.decode("utf-8", "replace") for text in output)
         ended = Ended(self.process.returncode, stdout, stderr, time.monotonic() - self.begun)
         self.place.history.append(f"{self.shown}  -> {ended.code}\n{stderr.rstrip()}".rstrip())
@@ -165,8 +163,12 @@ class Reference(NamedTuple):
 class Place:
     """A directory of its own for one try, with the job of a kind of run."""
 
-    def __init__(self, suite: "Suite", path: Path, kind: str, small: bool, chance: random.Random) -> None:
-        self.suite, self.path, self.kind, self.small, self.random = suite, path, kind, small, chance
+    def __init__(
+        self, suite: "Suite", path: Path, kind: str, small: bool, chance: random.Random, attempt: int = 0
+    ) -> None:
+        self.suite, self.path, self.kind, self.small, self.random, self.attempt = (
+            suite, path, kind, small, chance, attempt
+        )
         self.run = path / "run"
         self.history: list = []
         self.running: list = []
@@ -202,6 +204,10 @@ class Place:
         """Runs a line of the shell in which $S is stickslip."""
         environment = dict(os.environ, S=str(self.suite.program))
         return Running(self, ["sh", "-c", line], environment, f"sh -c {line!r}").ended(expect)
+
+    def wait(self, part: float = 1.0) -> None:
+        """Waits for a random moment in (this part of) the time that the job takes, earlier if that was too late."""
+        time.sleep(self.random.uniform(0, part * self.reference.seconds * 0.6**self.attempt))
 
     def threads(self) -> int:
         return self.random.randint(1, 3)
@@ -250,7 +256,7 @@ class Place:
         while not condition():
             if not running.is_alive():
                 raise Missed(f"the run ended before {what}")
-            check(time.monotonic() - begun < LIMIT, f"{what} does not come")
+            check(time.monotonic() - begun < self.suite.limit, f"{what} does not come")
             time.sleep(0.001)
 
     def end(self) -> None:
@@ -283,8 +289,10 @@ class Row(NamedTuple):
 class Suite:
     """What all tries share."""
 
-    def __init__(self, program: Path, scratch: Path, seed: int, is_full: bool) -> None:
+    def __init__(self, program: Path, scratch: Path, seed: int, is_full: bool, limit: float) -> None:
         self.seed, self.scratch, self.is_full = seed, scratch, is_full
+        # Seconds after which a command counts as hanging.
+        self.limit = limit
         scratch.chmod(0o755)
         # A copy, as the program may be built again meanwhile, and for users who cannot read the folder of the build.
         self.program = scratch / "stickslip"
@@ -309,7 +317,7 @@ class Suite:
     def place(self, row: str, chosen: Try, attempt: int) -> Place:
         self.count += 1
         chance = self.chance(row, chosen.kind, chosen.label, attempt)
-        return Place(self, self.scratch / f"try-{self.count}", chosen.kind, chosen.small, chance)
+        return Place(self, self.scratch / f"try-{self.count}", chosen.kind, chosen.small, chance, attempt)
 
     def reference(self, kind: str, small: bool = False) -> Reference:
         """The undisturbed run of a kind."""

@@ -26,7 +26,7 @@ def at_random_moments(suite: Suite) -> Iterator[Try]:
         # Most are killed once, some again while they are resumed.
         for _ in range(place.random.choice([1, 1, 2, 3])):
             running = begun(place)
-            time.sleep(place.random.uniform(0, place.reference.seconds))
+            place.wait()
             running.send(signal.SIGKILL)
             if running.ended({DONE, KILLED}).code == DONE:
                 break

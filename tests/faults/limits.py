@@ -108,7 +108,7 @@ def filled(place: Place) -> str:
     with SmallDisk(place, "size=4m"):
         running = place.start("submit", "job.toml", "--out", "disk/run", "--threads", place.threads())
         place.wait_for((place.run / "job.toml").exists, running, "the job")
-        time.sleep(place.random.uniform(0, place.reference.seconds))
+        place.wait()
         filler = place.path / "disk" / "filler"
         with contextlib.suppress(OSError), filler.open("wb", buffering=0) as file:
             while True:

@@ -46,7 +46,7 @@ def stale_locks(suite: Suite) -> Iterator[Try]:
     def act(place: Place) -> str:
         first = place.start("submit", "job.toml", "--out", "run", "--threads", 1)
         place.wait_for((place.run / "job.toml").exists, first, "the job")
-        time.sleep(place.random.uniform(0, place.reference.seconds / 2))
+        place.wait(0.5)
         first.send(signal.SIGKILL)
         if first.ended({DONE, -signal.SIGKILL}).code == DONE:
             raise Missed("it had ended before")
@@ -68,7 +68,7 @@ def disturbed(place: Place, what: str) -> str:
     """Moves, removes or replaces the directory of a run at work."""
     running = place.start("submit", "job.toml", "--out", "run", "--threads", place.threads())
     place.wait_for((place.run / "job.toml").exists, running, "the job")
-    time.sleep(place.random.uniform(0, place.reference.seconds))
+    place.wait()
     moved = place.path / "moved"
     if what == "removed":
         # A file may be written meanwhile.

@@ -57,7 +57,7 @@ def at_work(place: Place) -> Running:
     """A run that has begun, at a random moment."""
     running = place.start("submit", "job.toml", "--out", "run", "--threads", place.threads())
     place.wait_for((place.run / "job.toml").exists, running, "the job")
-    time.sleep(place.random.uniform(0, place.reference.seconds / 2))
+    place.wait(0.5)
     return running
 
 

@@ -35,7 +35,7 @@ def interrupted(place: Place, environment: dict, before: list, number: int) -> b
     words = ["resume", "run"] if (place.run / "job.toml").exists() else ["submit", "job.toml", "--out", "run"]
     threads = place.random.choice([1, 2, 3, 5, 8])
     running = place.start(*words, "--threads", threads, before=before, environment=environment)
-    time.sleep(place.random.uniform(0, place.reference.seconds))
+    place.wait()
     running.send(number)
     # What starts the program may end by the signal itself.
     return running.ended({DONE, 128 + number, -number}).code != DONE
