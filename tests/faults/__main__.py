@@ -96,6 +96,9 @@ def make(suite: Suite, row: Row, options: argparse.Namespace) -> dict:
     except Skipped as reason:
         counts.setdefault("all", Count()).skipped = str(reason)
         print(f"skipped: {row.name}: {reason}", file=sys.stderr)
+    except Failed as reason:
+        counts.setdefault("all", Count()).failed += 1
+        print(f"FAILED {row.name}: {reason}", file=sys.stderr)
     return counts
 
 

@@ -4,7 +4,7 @@ import random
 from pathlib import Path
 from typing import Iterator
 
-from common import DONE, INPUT_OUTPUT, JOB, KINDS, SAME, STATED, Place, Row, Suite, Try, check
+from common import CANNOT_CREATE, DONE, INPUT_OUTPUT, JOB, KINDS, SAME, STATED, Place, Row, Suite, Try, check
 
 SMALL = ("job.toml", "run.json", "digests.json", "run.lock")
 
@@ -68,22 +68,19 @@ def mended(place: Place, run: Path, file: Path, what: str) -> str:
     verified = place.stickslip("verify", "run", expect={DONE, INPUT_OUTPUT})
     said = resumed.stderr + verified.stdout + verified.stderr
     is_lock = file.name == "run.lock"
-    check(is_lock or file.name in said or is_the_same(place, file, sound), f"the damage to {file} is not said: {said!r}")
+    is_said = file.name in said or is_the_same(place, file, sound)
+    check(is_lock or is_said, f"the damage to {file} is not said: {said!r}")
     if resumed.code != DONE:
         check(file.name in resumed.stderr, f"it is refused without the name of the file: {resumed.stderr!r}")
     if verified.code != DONE or resumed.code != DONE:
-        # What verify cannot mend, the same job does.
+        # What verify cannot mend, the same job does. If the run is there and not finished, resume goes on with it.
         line = ["submit", "job.toml", "--out", "run", "--threads", 1]
-        submitted = place.stickslip(*line, expect={DONE, CANNOT_START})
+        submitted = place.stickslip(*line, expect={DONE, CANNOT_CREATE})
         if submitted.code != DONE:
             place.stickslip("resume", "run", "--threads", 1)
     check(others <= place.pieces(), "sound pieces are gone")
     place.finish()
     return SAME if resumed.code == DONE else STATED
-
-
-# A run that is there and not finished: submit says that resume goes on with it.
-CANNOT_START = 73
 
 
 def is_the_same(place: Place, file: Path, sound: bytes) -> bool:

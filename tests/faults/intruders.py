@@ -147,7 +147,8 @@ def foreign(place: Place, state: str, other: str, seed: int) -> str:
             (place.run / folder).mkdir(exist_ok=True)
             put.append(place.run / folder / piece.name)
             shutil.copy(piece, put[-1])
-    put = [path for path in put if path.name not in {p.name for p in getattr(place.reference, state).rglob("*.parquet")}]
+    own = {path.name for path in getattr(place.reference, state).rglob("*.parquet")}
+    put = [path for path in put if path.name not in own]
     check(any(path.parent.name == "shards" for path in put), "there is nothing foreign")
     for words in ("status run", "resume run"):
         ended = place.stickslip(*words.split(), expect={JOB})

@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 import time
-from typing import Iterator
+from typing import Iterable, Iterator
 
 from common import (
     CANNOT_CREATE,
@@ -139,49 +139,59 @@ def file_size(suite: Suite) -> Iterator[Try]:
             yield Try(kind, f"{size} bytes", act, small=True)
 
 
-def until_it_runs(suite: Suite, values: list, words: str, prefix: list) -> Iterator[Try]:
+def limited(place: Place, before: list, survived: list) -> str:
+    """Runs with a limit. Whether it came to its end is noted."""
+    ended = place.start("submit", "job.toml", "--out", "run", "--threads", 4, before=before).ended()
+    said = ended.stderr.strip()
+    # The system ends a program that it cannot load, without a word or with one of those that load it.
+    is_loaded = not any(word in said for word in ("while loading shared", "prlimit:", "setpriv:"))
+    if not is_loaded or ended.code in (-signal.SIGSEGV, -signal.SIGKILL, 127) and not said:
+        raise Missed("the program was not loaded")
+    if ended.code == DONE:
+        survived.append(before)
+        return place.same_bytes()
+    check(ended.code in STOPPED, f"it ends with {ended.code}, not 73 or 74: {said!r}")
+    check(said, "it says nothing")
+    return place.finish(STATED)
+
+
+def until_it_runs(values: Iterable, words: str, prefix: list) -> Iterator[Try]:
     """Runs with a growing limit, up to one with which it comes to its end."""
     for kind in KINDS:
         survived: list = []
-
-        def act(place: Place) -> str:
-            before = [*prefix, "prlimit", words.format(value)]
-            line = ["submit", "job.toml", "--out", "run", "--threads", 4]
-            ended = place.start(*line, before=before).ended()
-            is_loading = "while loading shared" in ended.stderr or "prlimit" in ended.stderr or "setpriv" in ended.stderr
-            # The system ends a program that it cannot load.
-            if is_loading or ended.code in (-signal.SIGSEGV, -signal.SIGKILL, 127) and not ended.stderr:
-                raise Missed("the program was not loaded")
-            if ended.code == DONE:
-                survived.append(value)
-                return place.same_bytes()
-            check(ended.code in STOPPED, f"it ends with {ended.code}, not 73 or 74: {ended.stderr.strip()!r}")
-            check(ended.stderr.strip(), "it says nothing")
-            return place.finish(STATED)
-
         for value in values:
-            yield Try(kind, words.format(value), act, small=True)
+            before = [*prefix, "prlimit", words.format(value)]
+            yield Try(kind, words.format(value), lambda place: limited(place, before, survived), small=True)
             if survived:
                 break
 
 
 def memory(suite: Suite) -> Iterator[Try]:
     need("prlimit")
-    growth = 1.15 if not suite.is_full else 1.02
-    values = [int(16e6 * growth**step) for step in range(400) if 16e6 * growth**step < 8e9]
-    yield from until_it_runs(suite, values, "--as={}", [])
+    # The least with which the program is loaded; then somewhat more, where one attempt works and the next does not.
+    sizes = (int(8e6 * 1.02**step) for step in range(400))
+    asked = (
+        (size, subprocess.run(["prlimit", f"--as={size}", suite.program, "--version"], capture_output=True))
+        for size in sizes
+    )
+    least = next(size for size, answer in asked if answer.returncode == 0)
+    for kind in KINDS:
+        for step in range(suite.many(16, 160)):
+            size = int(least * (1 + step / suite.many(20, 200)))
+            before = ["prlimit", f"--as={size}"]
+            yield Try(kind, f"{size} bytes", lambda place: limited(place, before, []), small=True)
 
 
 def descriptors(suite: Suite) -> Iterator[Try]:
     need("prlimit")
-    yield from until_it_runs(suite, list(range(3, 64)), "--nofile={}", [])
+    yield from until_it_runs(range(3, 64), "--nofile={}", [])
 
 
 def threads(suite: Suite) -> Iterator[Try]:
     need("prlimit", "setpriv")
     need_root()
     prefix = ["setpriv", f"--reuid={OTHER}", f"--regid={OTHER}", "--clear-groups"]
-    yield from until_it_runs(suite, list(range(1, 16)), "--nproc={}", prefix)
+    yield from until_it_runs(range(1, 16), "--nproc={}", prefix)
 
 
 ROWS = [

@@ -105,7 +105,7 @@ def unreadable_pieces(place: Place) -> str:
 def masked(place: Place, mask: int) -> str:
     """A umask takes rights from the files, of the user too."""
     place.path.chmod(0o777)
-    line = f"umask {mask:03o}; exec setpriv --reuid={OTHER} --regid={OTHER} --clear-groups \"$S\" " + " ".join(map(str, SUBMIT))
+    line = f"umask {mask:03o}; exec {' '.join(AS_OTHER)} \"$S\" {' '.join(map(str, SUBMIT))}"
     ended = place.shell(line, expect={DONE, CANNOT_CREATE, INPUT_OUTPUT})
     if ended.code == DONE:
         place.same_bytes()
