@@ -71,7 +71,8 @@ def failed_at(place: Place, words: str, call: str, error: str, number: int, surv
         place.finish()
         return outcome
     ended.says("cannot ")
-    check("run" in ended.stderr or "standard output" in ended.stderr, f"it does not say where: {ended.stderr!r}")
+    where = ("run", "job.toml", "standard output", "signals")
+    check(any(word in ended.stderr for word in where), f"it does not say where: {ended.stderr!r}")
     return place.finish(STATED)
 
 

@@ -1,7 +1,6 @@
 """Kills: at random moments, and before every call that changes a file."""
 
 import signal
-import time
 from typing import Iterator
 
 from common import DONE, KINDS, SAME, Missed, Place, Row, Suite, Try

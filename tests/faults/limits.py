@@ -4,7 +4,7 @@ import contextlib
 import os
 import signal
 import subprocess
-import time
+from pathlib import Path
 from typing import Iterable, Iterator
 
 from common import (
@@ -101,6 +101,30 @@ def disk_full(suite: Suite) -> Iterator[Try]:
                 break
         for number in range(suite.many(2, 20)):
             yield Try(kind, f"filled {number}", filled)
+        for left in range(0, 7, suite.many(2, 1)):
+            yield Try(kind, f"merge with {left} pages", lambda place: full_at_the_merge(place, left), small=True)
+
+
+def fill(path: Path) -> None:
+    """Fills the disk with a file."""
+    with contextlib.suppress(OSError), path.open("wb", buffering=0) as file:
+        while True:
+            file.write(bytes(PAGE))
+
+
+def full_at_the_merge(place: Place, pages: int) -> str:
+    """All shards have finished, and there is room for some pages."""
+    with SmallDisk(place, "size=4m"):
+        for shard in ("1/2", "2/2"):
+            place.stickslip("submit", "job.toml", "--out", "disk/run", "--threads", 1, "--shard", shard)
+        filler = place.path / "disk" / "filler"
+        fill(filler)
+        os.truncate(filler, filler.stat().st_size - pages * PAGE)
+        ended = place.start("merge", "disk/run").ended()
+        filler.unlink()
+        if stopped_or_done(place, ended, "disk/run"):
+            return finish_on_disk(place)
+        return place.same_bytes()
 
 
 def filled(place: Place) -> str:
@@ -110,9 +134,7 @@ def filled(place: Place) -> str:
         place.wait_for((place.run / "job.toml").exists, running, "the job")
         place.wait()
         filler = place.path / "disk" / "filler"
-        with contextlib.suppress(OSError), filler.open("wb", buffering=0) as file:
-            while True:
-                file.write(bytes(PAGE))
+        fill(filler)
         ended = running.ended()
         filler.unlink()
         if stopped_or_done(place, ended, "disk/run"):

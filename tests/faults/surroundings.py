@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import time
-from pathlib import Path
 from typing import Iterator
 
 from common import DONE, KINDS, SAME, Place, Row, Skipped, Suite, Try, need
