@@ -136,7 +136,8 @@ class Running:
         stdout, stderr = (text.decode("utf-8", "replace") for text in output)
         ended = Ended(self.process.returncode, stdout, stderr, time.monotonic() - self.begun)
         self.place.history.append(f"{self.shown}  -> {ended.code}\n{stderr.rstrip()}".rstrip())
-        check("panicked" not in stderr, f"a panic in `{self.shown}`: {stderr.strip()!r}")
+        for word in ("panicked", "internal error"):
+            check(word not in stderr, f"a panic in `{self.shown}`: {stderr.strip()!r}")
         if expect is not None:
             codes = sorted(expect)
             check(ended.code in codes, f"`{self.shown}` ends with {ended.code}, not {codes}: {stderr.strip()!r}")
@@ -244,6 +245,11 @@ class Place:
             check(done + new == total, f"{done} samples were finished, {new} were computed, there are {total}")
         self.sound()
         return outcome
+
+    def tidy(self) -> None:
+        """No unfinished files are left."""
+        left = sorted(path.name for path in self.path.rglob(".unfinished-*"))
+        check(not left, f"unfinished files are left: {left}")
 
     def sound(self) -> None:
         """`verify` finds nothing to mend."""

@@ -70,6 +70,7 @@ def once(place: Place, number: int) -> str:
         raise Missed("it had ended before")
     check(time.monotonic() - sent < SOON, "it is not obeyed within two seconds")
     ended.says(RESUME)
+    place.tidy()
     return place.finish(STATED)
 
 
@@ -83,6 +84,7 @@ def twice(place: Place, first: int, second: int) -> str:
     if ended.code == DONE:
         raise Missed("it had ended before")
     ended.says(RESUME)
+    place.tidy()
     return place.finish(STATED)
 
 
@@ -101,8 +103,7 @@ def twice_while_slow(place: Place, number: int) -> str:
     took = time.monotonic() - again
     check(took < 1.1, f"it ended {took:.1f} s after the second signal")
     ended.says("continue with `stickslip resume slow`")
-    unfinished = sorted((place.path / "slow").rglob(".unfinished-*"))
-    check(not unfinished, f"temporary files are left: {unfinished}")
+    place.tidy()
     return STATED
 
 
@@ -137,6 +138,7 @@ def stopped_and_ended(place: Place) -> str:
     if ended.code == DONE:
         raise Missed("it had ended before")
     ended.says(RESUME)
+    place.tidy()
     return place.finish(STATED)
 
 
