@@ -19,13 +19,13 @@ def files(run: Path) -> list:
 
 def damages(suite: Suite, size: int, is_small: bool, chance: random.Random) -> Iterator[str]:
     """The names of damages: every length and bit of a small file, every length and a bit of every byte of others."""
-    for length in suite.steps(size, 4, chance):
+    for length in suite.steps(size, 3, chance):
         yield f"cut to {length}"
     if is_small:
-        for bit in suite.steps(8 * size, 8, chance):
+        for bit in suite.steps(8 * size, 5, chance):
             yield f"bit {bit}"
     else:
-        for byte in suite.steps(size, 8, chance):
+        for byte in suite.steps(size, 5, chance):
             yield f"bit {8 * byte + chance.randrange(8)}"
 
 

@@ -126,13 +126,14 @@ def put_in_place(place: Place, run: Path, name: Path, thing: object) -> str:
 
 def foreign_pieces(suite: Suite) -> Iterator[Try]:
     for kind in KINDS:
+        others = [(other, seed) for other in KINDS for seed in (3, 4) if (other, seed) != (kind, 3)]
         for state in ("whole", "half"):
-            for other in KINDS:
-                for seed in (3, 4):
-                    if other != kind or seed != 3:
-                        label = f"{state}, pieces of {other} with seed {seed}"
-                        yield Try(kind, label, lambda place: foreign(place, state, other, seed), small=True)
-            for trick in TRICKS:
+            for number in suite.steps(len(others), 3, suite.chance("foreign", kind, state)):
+                other, seed = others[number]
+                label = f"{state}, pieces of {other} with seed {seed}"
+                yield Try(kind, label, lambda place: foreign(place, state, other, seed), small=True)
+            for number in suite.steps(len(TRICKS), 3, suite.chance("tricks", kind, state)):
+                trick = TRICKS[number]
                 yield Try(kind, f"{state}, {trick.__name__}", lambda place: tricked(place, state, trick), small=True)
 
 
