@@ -9,7 +9,7 @@ MDBOOK_VERSION = 0.5.4
 MDBOOK_ROOT = target/mdbook-$(MDBOOK_VERSION)
 MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 
-.PHONY: run test test-slurm test-parallel program check docs docs-pictures bench bench-cluster bench-peers validity coverage clean
+.PHONY: run test test-faults test-slurm test-parallel program check docs docs-pictures bench bench-cluster bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -33,6 +33,12 @@ test: target/readers/ready
 	    echo "note: no Chromium, the test of the report in a browser is left out" >&2; \
 	fi; \
 	$(CARGO) test --locked --release --workspace
+
+# What becomes of runs that are killed, starved, damaged or disturbed, see docs/faults.md. `make test-faults FAULTS=all` makes
+# the full number of tries, which takes hours.
+test-faults:
+	$(CARGO) build --locked --release
+	$(PYTHON) -B tests/faults $(STICKSLIP) $(if $(filter all,$(FAULTS)),--all)
 
 target/readers/ready: tests/requirements.txt
 	mkdir -p target/readers

@@ -1,0 +1,109 @@
+"""Two runners in one directory, and a directory that is moved or removed under a run."""
+
+import re
+import shutil
+import signal
+import time
+from typing import Iterator
+
+from common import BUSY, DONE, INPUT_OUTPUT, KINDS, SAME, STATED, Missed, Place, Row, Suite, Try, check, job
+
+# What the second runner does, beside a first one that submits or resumes.
+SECONDS = ["submit job.toml --out run", "resume run", "merge run --wait 0", "verify run"]
+
+
+def two_runners(suite: Suite) -> Iterator[Try]:
+    def act(place: Place) -> str:
+        if words.startswith("submit") and place.random.random() < 0.5:
+            first = place.start("submit", "job.toml", "--out", "run", "--threads", 1)
+            time.sleep(place.random.uniform(0, 0.05))
+        else:
+            first = place.start("submit", "job.toml", "--out", "run", "--threads", 1)
+            place.wait_for((place.run / "job.toml").exists, first, "the job")
+        second = place.start(*words.split())
+        runs = {first: first.ended({DONE, BUSY}), second: second.ended({DONE, BUSY, INPUT_OUTPUT})}
+        busy = [run for run, ended in runs.items() if ended.code == BUSY]
+        check(any(ended.code == DONE for ended in runs.values()), "nobody works")
+        if not busy:
+            raise Missed("the first had ended before the second began")
+        check(len(busy) == 1, "both were refused")
+        worker = next(run for run in runs if run not in busy)
+        said = runs[busy[0]].stderr
+        check(f"in use by process {worker.process.pid} on " in said, f"the holder is not named: {said!r}")
+        if worker is second and not words.startswith(("submit", "resume")):
+            return place.finish(STATED)
+        place.same_bytes()
+        place.finish()
+        return STATED
+
+    for kind in KINDS:
+        for number in range(suite.many(6, 50)):
+            words = SECONDS[number % len(SECONDS)]
+            yield Try(kind, f"{number} {words.split()[0]}", act)
+
+
+def stale_locks(suite: Suite) -> Iterator[Try]:
+    def act(place: Place) -> str:
+        first = place.start("submit", "job.toml", "--out", "run", "--threads", 1)
+        place.wait_for((place.run / "job.toml").exists, first, "the job")
+        place.wait(0.5)
+        first.send(signal.SIGKILL)
+        if first.ended({DONE, -signal.SIGKILL}).code == DONE:
+            raise Missed("it had ended before")
+        return place.finish(SAME)
+
+    for kind in KINDS:
+        for number in range(suite.many(4, 50)):
+            yield Try(kind, f"{number}", act)
+
+
+def moved_or_removed(suite: Suite) -> Iterator[Try]:
+    for kind in KINDS:
+        for number in range(suite.many(6, 50)):
+            what = ("moved", "removed", "replaced")[number % 3]
+            yield Try(kind, f"{number} {what}", lambda place: disturbed(place, what))
+
+
+def disturbed(place: Place, what: str) -> str:
+    """Moves, removes or replaces the directory of a run at work."""
+    running = place.start("submit", "job.toml", "--out", "run", "--threads", place.threads())
+    place.wait_for((place.run / "job.toml").exists, running, "the job")
+    place.wait()
+    moved = place.path / "moved"
+    if what == "removed":
+        # A file may be written meanwhile.
+        while place.run.exists():
+            shutil.rmtree(place.run, ignore_errors=True)
+    else:
+        place.run.rename(moved)
+    if what == "replaced":
+        (place.path / "other.toml").write_text(job("eigenvalue", True, 9))
+        place.stickslip("submit", "other.toml", "--out", "run")
+        replaced = sorted((path, path.stat().st_mtime_ns) for path in place.run.rglob("*"))
+    ended = running.ended({DONE, INPUT_OUTPUT})
+    if ended.code == INPUT_OUTPUT:
+        check(
+            re.search("run was moved, removed or replaced|cannot write run|cannot read run", ended.stderr),
+            f"it does not say what happened: {ended.stderr!r}",
+        )
+    if what == "replaced":
+        now = sorted((path, path.stat().st_mtime_ns) for path in place.run.rglob("*"))
+        check(now == replaced, "something was written in the run that took the place")
+        shutil.rmtree(place.run)
+    check(not place.run.exists(), "something was written under the old path")
+    if what == "removed":
+        if ended.code == DONE:
+            raise Missed("it had ended before")
+        return place.finish(STATED)
+    moved.rename(place.run)
+    if ended.code == DONE:
+        place.same_bytes()
+        raise Missed("it had ended before")
+    return place.finish(STATED)
+
+
+ROWS = [
+    Row("two-runners", "two runners at once", two_runners, is_timed=True),
+    Row("stale-lock", "a killed runner leaves no lock", stale_locks, is_timed=True),
+    Row("moved", "the directory is moved, removed, replaced", moved_or_removed, is_timed=True),
+]
