@@ -247,7 +247,7 @@ fn what_takes_too_long_is_given_up() {
 #[test]
 fn a_sample_is_given_up_in_the_middle_of_its_motion() {
     let place = Place::new();
-    let said = running_very_slow_job(&place, "preload", 5, "samples = 3").stop("TERM");
+    let said = running_very_slow_job(&place, "preload", 24, "samples = 3").stop("TERM");
     assert!(said.contains("continue with `stickslip resume run`") && !said.contains("given up"), "{said}");
 }
 
@@ -255,7 +255,7 @@ fn a_sample_is_given_up_in_the_middle_of_its_motion() {
 fn the_search_of_a_verdict_map_ends_in_the_middle_of_its_motions() {
     let place = Place::new();
     for signal in ["TERM", "INT"] {
-        let said = running_very_slow_job(&place, "preload", 5, "method = \"exact\"").stop(signal);
+        let said = running_very_slow_job(&place, "preload", 24, "method = \"exact\"").stop(signal);
         assert!(said.contains("continue with `stickslip resume run`") && !said.contains("given up"), "{said}");
         assert_eq!(fs::read_dir(place.path("run/map")).map_or(0, Iterator::count), 0, "a tile was cut short");
         fs::remove_dir_all(place.path("run")).unwrap();

@@ -369,5 +369,5 @@ fn what_cannot_be_drawn_is_said() {
     fs::remove_file(place.path("plane/surface.parquet")).unwrap();
     place.run("plot plane").refused(65, &["has no surface yet", "stickslip resume plane"]);
     fs::write(place.path("plane/surface.parquet"), "no Parquet").unwrap();
-    place.run("plot plane").refused(65, &["has no surface yet"]);
+    place.run("plot plane").refused(74, &["plane/surface.parquet is damaged", "stickslip verify plane"]);
 }

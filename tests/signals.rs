@@ -13,12 +13,12 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use common::{Place, surface_job};
+use common::{Place, surface_job, with_default_signals};
 
 /// Starts a command of a shell, in which `stickslip` stands for the program.
 fn start(place: &Place, script: &str) -> Child {
     let script = script.replace("stickslip", env!("CARGO_BIN_EXE_stickslip"));
-    let mut shell = Command::new("sh");
+    let mut shell = with_default_signals("sh");
     shell.args(["-c", &script]).current_dir(place.path("")).stdin(Stdio::null());
     shell.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }

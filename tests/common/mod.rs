@@ -78,6 +78,18 @@ impl Outcome {
     }
 }
 
+/// A command that obeys signals even where the tests were started with some of them ignored, as by `nohup` or in the
+/// background of a script.
+pub fn with_default_signals(program: impl AsRef<OsStr>) -> Command {
+    if cfg!(target_os = "linux") {
+        let mut command = Command::new("env");
+        command.arg("--default-signal").arg(program);
+        command
+    } else {
+        Command::new(program)
+    }
+}
+
 impl Place {
     pub fn new() -> Self {
         Self {
@@ -111,7 +123,7 @@ impl Place {
 
     /// A command that has not run yet; words separated by spaces.
     pub fn command(&self, words: &str) -> Command {
-        let mut command = Command::new(&self.program);
+        let mut command = with_default_signals(&self.program);
         command.args(words.split_whitespace()).current_dir(self.directory.path()).stdin(Stdio::null());
         command.envs(self.environment.iter().map(|(key, value)| (key, value)));
         command

@@ -102,6 +102,14 @@ def make(suite: Suite, row: Row, options: argparse.Namespace) -> dict:
     return counts
 
 
+def obey_signals() -> None:
+    """Undoes that signals are ignored, as by `nohup` or in the background of a script: programs inherit it."""
+    # Python ignores these itself, but not in the programs that it starts.
+    for number in signal.valid_signals() - {signal.SIGPIPE, signal.SIGXFSZ}:
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, signal.SIG_DFL)
+
+
 def main() -> int:
     names = [row.name for row in ROWS]
     parser = argparse.ArgumentParser(prog="python3 tests/faults", description=__doc__.splitlines()[0])
@@ -114,6 +122,7 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, help="begin no row later than this")
     parser.add_argument("--limit", type=float, default=60, help="seconds after which a command counts as hanging")
     options = parser.parse_args()
+    obey_signals()
     # What was started is ended, too.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     begun = time.monotonic()

@@ -7,7 +7,7 @@ use super::adoption::{RunState, adopt, adopt_as_shard};
 use super::closing::report;
 use super::completion::{Work, compute, map_only};
 use super::shard_progress::how_to_submit_missing;
-use super::sharing::units_of_work;
+use super::sharing::all_units_of_work;
 use crate::cli::{MergeArguments, ResumeArguments, ShardArgument, SubmitArguments};
 use crate::cluster::array_task::ArrayTask;
 use crate::evaluate::parts::Parts;
@@ -21,7 +21,6 @@ use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::provenance::Session;
 use crate::store::sharing;
 use crate::store::sharing::{AtWork, Sharing};
-use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
 
 /// `stickslip submit`.
@@ -141,7 +140,7 @@ fn keep_number(shard: Shard, directory: &RunDirectory) -> Result<(), Failure> {
 
 /// A warning if a job has less work than shards.
 fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
-    let work = units_of_work(job, &Tally::new(&Parts::new(job)));
+    let work = all_units_of_work(job);
     let what = if Parts::new(job).are_sequential() {
         counted(work.into(), "cell", "cells")
     } else {

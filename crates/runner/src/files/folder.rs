@@ -192,8 +192,16 @@ impl Folder {
                 }
                 // Left behind by a killed process of the same number.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(error),
+                Err(error) => return Err(self.removed_or(error)),
             }
+        }
+    }
+
+    /// That the directory was removed or moved, if this is why a file is not found in it.
+    fn removed_or(&self, error: io::Error) -> io::Error {
+        match error.kind() {
+            io::ErrorKind::NotFound => self.require_in_place().err().unwrap_or(error),
+            _ => error,
         }
     }
 
@@ -236,7 +244,8 @@ impl Unfinished<'_> {
     pub fn publish(mut self, name: &str) -> io::Result<()> {
         self.file.sync_all()?;
         self.folder.require_in_place()?;
-        rustix::fs::renameat(&self.folder.handle, &self.name, &self.folder.handle, name)?;
+        let renamed = rustix::fs::renameat(&self.folder.handle, &self.name, &self.folder.handle, name);
+        renamed.map_err(|error| self.folder.removed_or(error.into()))?;
         self.is_named = true;
         self.folder.handle.sync_all()
     }
