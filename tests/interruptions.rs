@@ -4,6 +4,7 @@
 
 mod common;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -254,12 +255,18 @@ fn a_sample_is_given_up_in_the_middle_of_its_motion() {
 #[test]
 fn the_search_of_a_verdict_map_ends_in_the_middle_of_its_motions() {
     let place = Place::new();
-    for signal in ["TERM", "INT"] {
-        let said = running_very_slow_job(&place, "preload", 24, "method = \"exact\"").stop(signal);
+    let mut tiles = BTreeSet::new();
+    for (signal, later) in [("TERM", 0), ("INT", 700)] {
+        let running = running_very_slow_job(&place, "preload", 24, "method = \"exact\"");
+        thread::sleep(Duration::from_millis(later));
+        let said = running.stop(signal);
         assert!(said.contains("continue with `stickslip resume run`") && !said.contains("given up"), "{said}");
-        assert_eq!(fs::read_dir(place.path("run/map")).map_or(0, Iterator::count), 0, "a tile was cut short");
+        let files = fs::read_dir(place.path("run/map")).into_iter().flatten();
+        tiles.extend(files.map(|file| file.unwrap().file_name()));
         fs::remove_dir_all(place.path("run")).unwrap();
     }
+    // Tiles are named by their content. One may be finished in time; the other takes a minute.
+    assert!(tiles.len() <= 1, "a tile was cut short: {tiles:?}");
 }
 
 #[test]

@@ -134,13 +134,19 @@ fn a_file_beyond_the_size_limit_is_an_error_of_its_write() {
     assert!(unfinished(&place, "") == 0 && !place.path("motion.parquet").exists());
 }
 
+/// Puts a directory in place of a file, and one that is not empty where it would be set aside.
+fn obstruct(place: &Place, name: &str) {
+    fs::create_dir(place.path(name)).unwrap();
+    fs::create_dir_all(place.path(&format!("{name}.damaged/something"))).unwrap();
+}
+
 #[test]
 fn a_signal_says_how_to_go_on_though_the_record_cannot_be_written() {
     let place = Place::new();
     long_job(&place);
     let mut child = start(&place, "exec stickslip submit job.toml --out run");
     wait_for(&mut child, || files(&place, "run/shards") > 0);
-    fs::create_dir(place.path("run/run.json")).unwrap();
+    obstruct(&place, "run/run.json");
     send(&child, "TERM");
     let said = ended(child, 143, &["terminated", "warning: cannot write run/run.json", "`stickslip resume run`"]);
     assert!(said.lines().last().unwrap().contains("samples are kept; continue with"), "{said}");
@@ -158,10 +164,11 @@ fn a_result_that_cannot_be_written_is_named_with_a_remedy() {
         } else {
             place.write("run/job.toml", &fs::read_to_string(place.path("job.toml")).unwrap());
         }
-        fs::create_dir(place.path("run").join(name)).unwrap();
+        let obstacle = format!("run/{name}");
+        obstruct(&place, &obstacle);
         let then = format!("mend that, or where a disk is full free space, then `stickslip {again} run`");
         place.run(&format!("{again} run")).refused(74, &[&format!("cannot write run/{name}"), &then]);
-        fs::remove_dir(place.path("run").join(name)).unwrap();
+        fs::remove_dir(place.path(&obstacle)).unwrap();
         place.run(&format!("{again} run")).done();
     }
 }

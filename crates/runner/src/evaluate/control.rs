@@ -1,7 +1,7 @@
 //! What a thread at work is asked to do.
 
-/// What a thread should do next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What a thread should do next, what is more urgent last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Control {
     /// Go on.
     Continue,

@@ -196,9 +196,7 @@ const SAMPLES_BETWEEN_QUESTIONS: u32 = 64;
 impl Stream<'_, '_> {
     /// Asks what to do next.
     fn ask(&self) {
-        if self.state.get() == Control::Continue {
-            self.state.set((self.control)());
-        }
+        self.state.set(self.state.get().max((self.control)()));
     }
 
     /// Hands over what is finished, if that was asked for.

@@ -62,9 +62,7 @@ fn work(
     let asked = Cell::new(Control::Continue);
     // A motion may take many seconds, so that it is asked for a stop in its middle, too.
     let is_stopped = || {
-        if asked.get() == Control::Continue {
-            asked.set(control());
-        }
+        asked.set(asked.get().max(control()));
         asked.get() == Control::Stop
     };
     let mut pace = Pace::default();
