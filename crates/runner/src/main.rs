@@ -3,6 +3,8 @@
 //!
 //! Modules are declared in reading order; physics is in `stickslip-core`, statistics in `stickslip-sampler`.
 
+mod memory;
+
 mod shell;
 
 mod failure;

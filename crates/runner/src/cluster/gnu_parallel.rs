@@ -5,6 +5,10 @@ use std::path::Path;
 use super::shell::{absolute_text, quoted};
 use super::task::{Script, ShardTask};
 use crate::failure::Failure;
+use crate::files::bounded::read_file;
+
+/// The limit of the file of machines.
+const MOST_BYTES: u64 = 1 << 20;
 
 /// Shards for each machine that keep it at work while others are at their last one.
 const SHARDS_OF_A_MACHINE: u64 = 4;
@@ -24,7 +28,8 @@ pub struct Machines {
 impl Machines {
     /// Of a file.
     pub fn read(file: &Path) -> Result<Self, Failure> {
-        let text = std::fs::read_to_string(file).map_err(|error| Failure::reading(file, error))?;
+        let bytes = read_file(file, MOST_BYTES).map_err(|error| Failure::reading(file, error))?;
+        let text = String::from_utf8_lossy(&bytes);
         let is_login = |line: &&str| !line.is_empty() && !line.starts_with('#');
         match text.lines().map(str::trim).filter(is_login).count() as u64 {
             0 => Err(Failure::Usage(format!(

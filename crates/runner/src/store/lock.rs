@@ -6,13 +6,13 @@
 use std::env;
 use std::fmt::Write as _;
 use std::fs::{File, TryLockError};
-use std::io::{Read as _, Write as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::Path;
 use std::process;
 use std::thread;
 use std::time::{Duration, Instant, SystemTime};
 
-use rustix::fs::{Mode, OFlags};
+use rustix::fs::{AtFlags, Mode, OFlags, fstat, statat};
 use rustix::io::Errno;
 
 use crate::failure::Failure;
@@ -71,7 +71,7 @@ impl Lock {
                 Access::Shared | Access::Reading => file.try_lock_shared(),
             };
             match tried {
-                Ok(()) if is_the_file(folder, &file) => {
+                Ok(()) if is_the_file(folder, &file)? => {
                     let lock = Self { is_certain: is_certain(folder), access, file };
                     lock.sign(access);
                     return Ok(Some(lock));
@@ -165,12 +165,13 @@ fn open(folder: &Folder, access: Access) -> Result<Option<File>, Failure> {
 }
 
 /// Whether an open file is still the one of its name.
-fn is_the_file(folder: &Folder, file: &File) -> bool {
-    let identity = |file: &File| {
-        use std::os::unix::fs::MetadataExt as _;
-        file.metadata().map(|metadata| (metadata.dev(), metadata.ino())).ok()
+fn is_the_file(folder: &Folder, file: &File) -> Result<bool, Failure> {
+    let there = match statat(folder.handle(), LOCK, AtFlags::SYMLINK_NOFOLLOW) {
+        Err(Errno::NOENT) => return Ok(false),
+        there => there,
     };
-    folder.open_file(LOCK).is_ok_and(|now| identity(&now) == identity(file))
+    let same = there.and_then(|there| fstat(file).map(|file| (file.st_dev, file.st_ino) == (there.st_dev, there.st_ino)));
+    same.map_err(|error| Failure::creating(&folder.path().join(LOCK), io::Error::from(error)))
 }
 
 /// Whether the file system passes locks on to other machines, as far as its kind tells.
