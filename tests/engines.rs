@@ -138,8 +138,8 @@ fn a_verdict_map_is_a_stage_of_its_own() {
     assert!(!scripts[2].1.contains("--map-only"), "{shown}");
     place.write("hosts", ":\n");
     let shown = place.run("submit job.toml --engine parallel --dry-run --shards 3 --hosts hosts").done().stdout;
-    let map = shown.find("\"$run/parallel/map.sh\"").unwrap();
-    assert!(map < shown.find("\"$run/parallel/shard.sh\"").unwrap(), "{shown}");
+    let map = shown.find("\non_all map $(seq 1 ").unwrap();
+    assert!(map < shown.find("\non_all shard \"$@\"").unwrap(), "{shown}");
 }
 
 #[test]

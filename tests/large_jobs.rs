@@ -14,18 +14,35 @@ fn a_shard_of_a_million_cells_takes_little_memory() {
     let place = Place::new();
     // As many cells as there may be.
     place.write("job.toml", &surface_job("large", 1000, 2, 1));
-    // In so many KiB for its data.
-    let run = |words: &str| {
-        let mut command = Command::new("sh");
-        command.args(["-c", &format!("ulimit -d 98304 && exec {} {words}", env!("CARGO_BIN_EXE_stickslip"))]);
-        let output = command.current_dir(place.path("")).output().unwrap();
-        (output.status.code(), String::from_utf8(output.stderr).unwrap())
-    };
-    let (code, message) = run("submit job.toml --out run --threads 1 --shard 1/1000");
+    let (code, message) = with_memory(&place, 98_304, "submit job.toml --out run --threads 1 --shard 1/1000");
     assert_eq!(code, Some(0), "{message}");
     // What is there is read, also if it is not complete.
-    let (code, message) = run("merge run");
+    let (code, message) = with_memory(&place, 98_304, "merge run");
     assert!(code == Some(65) && message.contains("1000 of 1000000 cells"), "{code:?} {message}");
+}
+
+/// Runs a command with so many KiB for its data: its exit code and its messages.
+#[cfg(target_os = "linux")]
+fn with_memory(place: &Place, kib: u32, words: &str) -> (Option<i32>, String) {
+    let mut command = Command::new("sh");
+    command.args(["-c", &format!("ulimit -d {kib} && exec {} {words}", env!("CARGO_BIN_EXE_stickslip"))]);
+    let output = command.current_dir(place.path("")).output().unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn too_little_memory_is_an_error_that_keeps_what_is_finished() {
+    let place = Place::new();
+    place.write("job.toml", &surface_job("large", 1000, 2, 1));
+    place.run("submit job.toml --out run --shard 1/1000").done();
+    let (code, message) = with_memory(&place, 16_384, "resume run --threads 1");
+    assert_eq!(code, Some(74), "{message}");
+    assert!(
+        message.contains("out of memory") && message.contains("is kept") && !message.contains("panic"),
+        "{message}"
+    );
+    assert!(place.run("status run").done().stdout.contains("1000 of 1000000 cells"));
 }
 
 #[test]

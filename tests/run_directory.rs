@@ -121,6 +121,53 @@ fn every_damaged_byte_of_a_frozen_job_is_noticed_and_the_surface_tells_what_it_w
 }
 
 #[test]
+fn a_surface_of_fewer_samples_than_there_are_pieces_does_not_tell_the_job() {
+    let place = finished();
+    let small = surface_job("small", 3, 2000, 7);
+    place.write("large.toml", &small.replace("samples = 2000", "samples = 4000"));
+    place.run("submit large.toml --out run --shard 1/2").done();
+    let frozen = fs::read(place.path("run/job.toml")).unwrap();
+    fs::remove_file(place.path("run/job.toml")).unwrap();
+    let verified = place.run("verify run").refused(74, &["submit the job again", "finished pieces are kept"]);
+    assert!(verified.stdout.contains("job.toml: lost"), "{}", verified.stdout);
+    place.run("submit large.toml --out run --shard 2/2").done();
+    assert_eq!(fs::read(place.path("run/job.toml")).unwrap(), frozen);
+    place.run("merge run").done();
+    place.run("submit large.toml --out whole").done();
+    assert!(place.surface("run") == place.surface("whole"));
+}
+
+#[test]
+fn writes_that_fail_again_and_again_do_not_make_a_sound_job_a_damaged_one() {
+    let place = finished();
+    for samples in [4000, 5000, 6000] {
+        let job = surface_job("small", 3, 2000, 7).replace("samples = 2000", &format!("samples = {samples}"));
+        place.write("larger.toml", &format!("{job}# {}\n", "long ".repeat(200)));
+        let limited = format!("ulimit -f 1; exec {} submit larger.toml --out run", env!("CARGO_BIN_EXE_stickslip"));
+        let output = Command::new("sh").args(["-c", &limited]).current_dir(place.path("")).output().unwrap();
+        assert_eq!(output.status.code(), Some(74), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    assert!(place.run("status run").done().stdout.contains("finished"));
+    assert!(place.run("verify run").done().stdout.contains("job.toml: sound"));
+}
+
+#[test]
+fn verify_does_not_take_a_folder_with_a_job_for_a_run_and_does_not_forget_lost_pieces() {
+    let place = finished();
+    fs::create_dir(place.path("mine")).unwrap();
+    fs::copy(place.path("job.toml"), place.path("mine/job.toml")).unwrap();
+    place.run("verify mine").refused(74, &["mine is not a run directory"]);
+    assert_eq!(fs::read_dir(place.path("mine")).unwrap().count(), 1, "something was written");
+    for piece in files(&place.path("run/shards"), "parquet") {
+        fs::remove_file(piece).unwrap();
+    }
+    for _ in 0..2 {
+        let verified = place.run("verify run").refused(74, &["stickslip resume run"]);
+        assert!(verified.stdout.contains("of its pieces only 0 of 9 cells"), "{}", verified.stdout);
+    }
+}
+
+#[test]
 fn verify_names_what_is_damaged_and_resume_computes_it_again() {
     let place = finished();
     let sound = place.surface("run");
@@ -293,7 +340,8 @@ fn the_second_runner_is_told_who_the_first_is_and_a_killed_one_leaves_no_lock() 
 #[test]
 fn merge_waits_for_shards_that_are_still_at_work() {
     let place = Place::new();
-    place.write("slow.toml", &slow("slow", 1));
+    // Long enough that the merge says what it waits for.
+    place.write("slow.toml", &slow("slow", 1).replace("samples = 40000", "samples = 160000"));
     place.run("submit slow.toml --out whole").done();
     let shards: Vec<Child> =
         (1..=2).map(|i| started(&place, &format!("submit slow.toml --out run --threads 1 --shard {i}/2"))).collect();

@@ -82,7 +82,7 @@ impl Outcome {
 /// background of a script.
 pub fn with_default_signals(program: impl AsRef<OsStr>) -> Command {
     if cfg!(target_os = "linux") {
-        let mut command = Command::new("env");
+        let mut command = Command::new("/usr/bin/env");
         command.arg("--default-signal").arg(program);
         command
     } else {

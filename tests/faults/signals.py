@@ -37,7 +37,7 @@ rotating_speed = 15.0
 preload = 0.1
 static_friction = 0.39
 [random]
-inputs = ["preload"]
+inputs = ["disc.poissons_ratio"]
 relative_std = 0.1
 [criterion]
 kind = "time-domain"

@@ -50,6 +50,9 @@ pub enum Failure {
     /// The result is written, but its verdict map is wrong somewhere.
     #[error("{0}")]
     Audit(String),
+    /// A mistake of the program itself.
+    #[error("{0}")]
+    Internal(String),
     /// Another process is working in the run directory.
     #[error("{0}")]
     Busy(String),
@@ -69,7 +72,7 @@ impl Failure {
         match self {
             Self::Usage(_) => 64,
             Self::Job(_) => 65,
-            Self::Audit(_) => 70,
+            Self::Audit(_) | Self::Internal(_) => 70,
             Self::CannotCreate(_) => 73,
             Self::InputOutput(_) => 74,
             Self::Busy(_) => 75,

@@ -1,4 +1,4 @@
-//! The temporary files of this process, so that a signal can remove them.
+//! The temporary files and directories of this process, so that a signal can remove them.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,13 +8,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The temporary files that exist now.
+/// The temporary files and directories that exist now.
 static FILES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// Time between two attempts to get hold of the list.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// A temporary file. Whoever holds this renames or removes the file before it is dropped.
+/// A temporary file or directory. Whoever holds this renames or removes it before this is dropped.
 #[derive(Debug)]
 pub struct Unfinished(PathBuf);
 
@@ -24,7 +24,7 @@ impl Drop for Unfinished {
     }
 }
 
-/// Creates a temporary file. `create` returns it with its absolute path.
+/// Creates a temporary file or directory. `create` returns it with its path.
 pub fn create<T>(create: impl FnOnce() -> io::Result<(T, PathBuf)>) -> io::Result<(Unfinished, T)> {
     // No file is created while the others are removed.
     let mut files = lock();
@@ -33,7 +33,7 @@ pub fn create<T>(create: impl FnOnce() -> io::Result<(T, PathBuf)>) -> io::Resul
     Ok((Unfinished(path), file))
 }
 
-/// Removes all temporary files. None is created as long as the caller holds what is returned. Gives up after a time, as
+/// Removes all temporary files and directories. None is created as long as the caller holds what is returned. Gives up after a time, as
 /// creating a file on a file system that does not answer has no end.
 pub fn remove_all(patience: Duration) -> Option<impl Drop> {
     let started = Instant::now();
@@ -47,7 +47,7 @@ pub fn remove_all(patience: Duration) -> Option<impl Drop> {
     };
     for path in files.iter() {
         // It may have its final name by now; and there is nobody left to tell.
-        let _ = fs::remove_file(path);
+        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     }
     Some(files)
 }
@@ -68,10 +68,13 @@ mod tests {
         let created = |path: &PathBuf| create(|| Ok((fs::File::create(path)?, path.clone()))).unwrap();
         let [one, two] = [&paths[0], &paths[1]].map(created);
         drop(one);
+        let folder = directory.path().join("folder");
+        let filled = || fs::create_dir(&folder).and_then(|()| fs::write(folder.join("file"), "text"));
+        let three = create(|| Ok((filled()?, folder.clone()))).unwrap();
         let held = remove_all(Duration::from_secs(10));
-        assert!(held.is_some() && paths[0].exists() && !paths[1].exists());
+        assert!(held.is_some() && paths[0].exists() && !paths[1].exists() && !folder.exists());
         assert!(remove_all(Duration::from_millis(20)).is_none(), "the list is held");
         drop(held);
-        drop(two);
+        drop((two, three));
     }
 }

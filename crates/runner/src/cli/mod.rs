@@ -14,6 +14,7 @@ pub use self::engine::{EngineArguments, EngineKind, ListFormat, ShardArgument};
 pub use self::values::StartArgument;
 use self::values::{grid, html_file, parquet_file, plot_file, seed, start, whole_number};
 use crate::export::format::Format;
+use crate::job::MOST_SHARDS;
 use crate::target::Target;
 
 /// Probability that a brake pad sticks and slips, by parallel Monte Carlo.
@@ -161,7 +162,7 @@ pub struct StatusArguments {
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
     /// The number of shards that the run is computed in [default: what submit --engine noted]; each has a bar with --watch
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
     pub shards: Option<u64>,
     /// List the shards that are neither done nor at work
     #[arg(long, conflicts_with_all = ["json", "watch"])]

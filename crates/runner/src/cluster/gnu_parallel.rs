@@ -65,13 +65,10 @@ pub struct SharedRun<'a> {
 impl SharedRun<'_> {
     /// All scripts, the one that runs the others first.
     pub fn scripts(&self) -> Vec<Script> {
-        let stage = |script: &str, shards: &str| {
-            format!(
-                "parallel --sshloginfile \"$hosts\" --jobs 1 --retries 4 --joblog \"$run/parallel/{script}.log\" \\
-    sh '{{1}}' '{{2}}' ::: \"$run/parallel/{script}.sh\" ::: {shards}\n"
-            )
+        let map = |shards: u64| {
+            format!("# What is missing of the map is resolved by the shards.\non_all map $(seq 1 {shards})\n")
         };
-        let map = self.map_shards.map_or(String::new(), |shards| stage("map", &format!("$(seq 1 {shards})")));
+        let map = self.map_shards.map_or(String::new(), map);
         let run = format!(
             "#!/bin/sh
 # Runs the shards of a run over GNU parallel and ssh, one at a time on each machine.
@@ -80,12 +77,39 @@ impl SharedRun<'_> {
 set -eu
 {}hosts={}
 if [ \"$#\" -eq 0 ]; then set -- $(seq 1 {}); fi
-# A shard that fails is tried again elsewhere.
-{map}exec {}",
+
+program=
+stopped=
+# The first signal asks GNU parallel to start no more, the second one to end.
+pass_on() {{
+    stopped=yes
+    if [ -n \"$program\" ]; then kill -TERM \"$program\" 2>/dev/null || :; fi
+}}
+trap pass_on TERM INT HUP
+
+# on_all SCRIPT NUMBER...: runs the script for each number. What fails is tried again elsewhere.
+on_all() {{
+    script=$1
+    shift
+    parallel --sshloginfile \"$hosts\" --jobs 1 --retries 4 --joblog \"$run/parallel/$script.log\" \\
+        sh '{{1}}' '{{2}}' ::: \"$run/parallel/$script.sh\" ::: \"$@\" &
+    program=$!
+    code=0
+    wait \"$program\" || code=$?
+    # A signal ends the waiting, not the program.
+    while kill -0 \"$program\" 2>/dev/null; do
+        code=0
+        wait \"$program\" || code=$?
+    done
+    if [ -n \"$stopped\" ]; then exit 143; fi
+}}
+
+{map}on_all shard \"$@\"
+exit \"$code\"
+",
             self.task.variables(),
             quoted(&self.machines.file),
             self.task.shards,
-            stage("shard", "\"$@\"")
         );
         let mut scripts = vec![Script { name: "run.sh", text: run }];
         if let Some(shards) = self.map_shards {

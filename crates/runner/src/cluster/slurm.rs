@@ -152,7 +152,7 @@ array=$2
 
 attempt=1
 while :; do
-    \"$stickslip\" merge \"$run\"
+    \"$stickslip\" merge \"$run\" --wait 0
     code=$?
     # 75: a task that Slurm believes to be lost is still at work.
     if [ \"$code\" -ne 75 ] || [ \"$attempt\" -ge 60 ]; then break; fi

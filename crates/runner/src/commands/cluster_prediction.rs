@@ -1,7 +1,6 @@
 //! The predicted times of a job on several machines, from what its steps take on this one.
 
 use std::env;
-
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
@@ -23,6 +22,7 @@ use crate::schedule::time_left::{Duration, Prediction};
 use crate::store::piece;
 use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
+use crate::unfinished::{self, Unfinished};
 
 /// Numbers of shards whose times are shown beside those of the best.
 const SHOWN: [u64; 4] = [1, 10, 100, 1000];
@@ -122,8 +122,9 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
     let units: Vec<FinishedUnit> = (0..parts.cells().min(MOST_UNITS)).map(unit).collect();
     let experiment = job.experiment_hash();
     let scratch = [scratch()?, scratch()?];
-    let open =
-        |directory: &TempDir| Folder::open(directory.path()).map_err(|error| Failure::reading(directory.path(), error));
+    let open = |(_, directory): &(Unfinished, TempDir)| {
+        Folder::open(directory.path()).map_err(|error| Failure::reading(directory.path(), error))
+    };
     let (few, many) = (open(&scratch[0])?, open(&scratch[1])?);
     let mut turn = 0;
     let piece_written = quickest(TRIES, || {
@@ -188,11 +189,16 @@ fn quickest(times: u64, mut step: impl FnMut() -> Result<(), Failure>) -> Result
     Ok(least)
 }
 
-/// A directory in the file system of runs, or, where nothing can be written there, in that of temporary files.
-fn scratch() -> Result<TempDir, Failure> {
-    let here = tempfile::Builder::new().prefix(".stickslip-").tempdir_in(".");
-    let failed = |error| Failure::creating(&env::temp_dir(), error);
-    here.or_else(|_| tempfile::tempdir()).map_err(failed)
+/// A directory in the current one, whose file system is taken for that of runs, or, where nothing can be written there,
+/// in that of temporary files. A signal removes it.
+fn scratch() -> Result<(Unfinished, TempDir), Failure> {
+    let created = unfinished::create(|| {
+        let here = tempfile::Builder::new().prefix(".stickslip-").tempdir_in(".");
+        let directory = here.or_else(|_| tempfile::tempdir())?;
+        let path = directory.path().to_owned();
+        Ok((directory, path))
+    });
+    created.map_err(|error| Failure::creating(&env::temp_dir(), error))
 }
 
 /// Starts this program once. Where it cannot be started, it is only too quick.

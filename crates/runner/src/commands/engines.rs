@@ -2,10 +2,10 @@
 
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, absolute};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::adoption::{RunState, adopt_as_shard};
 use super::shard_progress::ShardProgress;
@@ -23,7 +23,7 @@ use crate::interrupt::Interrupt;
 use crate::job::{EngineSettings, Job, JobSource, Overrides};
 use crate::output::{counted, note, quoted, result, warn};
 use crate::schedule::engine::Engine;
-use crate::schedule::shard_size::{MOST_SHARDS, number_of_shards};
+use crate::schedule::shard_size::{MOST_TASKS, number_of_shards};
 use crate::schedule::time_left;
 use crate::store::directory::RunDirectory;
 use crate::store::sharing::Sharing;
@@ -31,9 +31,6 @@ use crate::store::tally::Tally;
 
 /// Time between two looks at a program that was started.
 const PAUSE: Duration = Duration::from_millis(50);
-
-/// How long the merge waits for shards that are still at work.
-const PATIENCE: Duration = Duration::from_secs(600);
 
 /// `stickslip submit --engine`.
 pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -153,7 +150,7 @@ impl Request<'_> {
                 "{shards} shards are more than the {limit} tasks that this cluster allows in an array (MaxArraySize); take --shards {limit} or fewer"
             )));
         }
-        let most = self.settings.max_shards.unwrap_or(MOST_SHARDS);
+        let most = self.settings.max_shards.unwrap_or(MOST_TASKS);
         Ok(limit.map_or(most, |limit| most.min(limit)))
     }
 
@@ -225,10 +222,15 @@ impl Request<'_> {
         }
     }
 
+    /// The path of a script, which no shell takes for an option.
+    fn script(&self, name: &str) -> Result<PathBuf, Failure> {
+        absolute(self.run.join(name)).map_err(|error| Failure::reading(self.run, error))
+    }
+
     /// Submits the array and the merge.
     fn submit_array(&self, missing: &[u64]) -> Result<(), Failure> {
         let mut command = Command::new("sh");
-        command.arg(self.run.join("slurm").join("submit.sh")).arg(ranges(missing));
+        command.arg(self.script("slurm/submit.sh")?).arg(ranges(missing));
         let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
         let output = output.map_err(|error| Failure::InputOutput(format!("cannot run sh: {error}")))?;
         let jobs = String::from_utf8_lossy(&output.stdout).trim().to_owned();
@@ -254,7 +256,7 @@ impl Request<'_> {
             self.again(missing)
         ));
         let mut command = Command::new("sh");
-        command.arg(self.run.join("parallel").join("run.sh"));
+        command.arg(self.script("parallel/run.sh")?);
         command.args(missing.iter().map(u64::to_string)).stdin(Stdio::null());
         let cannot = |error: io::Error| Failure::InputOutput(format!("cannot run parallel: {error}"));
         let status = wait(command.spawn().map_err(cannot)?, interrupt).map_err(cannot)?;
@@ -268,14 +270,8 @@ impl Request<'_> {
                 quoted(&self.run.join("parallel/shard.log"))
             ));
         }
-        let started = Instant::now();
-        loop {
-            match merge(&MergeArguments { run: self.run.to_owned(), wait: WAIT }) {
-                // A machine that was lost from sight is still at work.
-                Err(Failure::Busy(_)) if started.elapsed() < PATIENCE => thread::sleep(10 * PAUSE),
-                ended => return ended,
-            }
-        }
+        // A machine that was lost from sight may still be at work.
+        merge(&MergeArguments { run: self.run.to_owned(), wait: WAIT })
     }
 
     /// The command that submits shards again.

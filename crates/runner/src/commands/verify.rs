@@ -141,7 +141,11 @@ impl Check<'_> {
             Err(_) => "damaged",
         };
         let Some((source, job)) = self.directory.job_of_surface() else {
-            self.find(JOB, State::Broken, format!("{why}, and there is no sound surface to write it again from"));
+            self.find(
+                JOB,
+                State::Broken,
+                format!("{why}, and there is no sound surface of this job to write it again from"),
+            );
             return Ok(None);
         };
         if self.can_mend {
@@ -206,7 +210,7 @@ impl Check<'_> {
         match state {
             SurfaceState::Sound if job.is_integrated() => self.find(SURFACE, State::Sound, "sound"),
             SurfaceState::Sound => {
-                self.find(SURFACE, State::Sound, format!("as it was written, but of its pieces only {progress}"));
+                self.find(SURFACE, State::Broken, format!("as it was written, but of its pieces only {progress}"));
             }
             SurfaceState::Absent | SurfaceState::OfAnotherJob => {
                 let remark =

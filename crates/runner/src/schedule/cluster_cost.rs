@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use crate::schedule::saving::{LONGEST_INTERVAL, SHORTEST_INTERVAL};
-use crate::schedule::shard_size::{MOST_SHARDS, number_of_shards};
+use crate::schedule::shard_size::{MOST_TASKS, number_of_shards};
 
 /// Seconds that a batch system takes to start a task and to notice its end: measured with Slurm 22.05 on one machine
 /// (docs/cluster-costs.md). A busy cluster takes longer.
@@ -175,8 +175,8 @@ impl Load {
     /// many, if that saves more time of the nodes than the further tasks take.
     pub fn best(&self, rates: &Rates, on: Nodes) -> ClusterCost {
         let seconds = self.samples * rates.sample;
-        let by_size = number_of_shards(seconds, self.shared, on.threads as usize, MOST_SHARDS);
-        let most = MOST_SHARDS.min(self.shared.max(1));
+        let by_size = number_of_shards(seconds, self.shared, on.threads as usize, MOST_TASKS);
+        let most = MOST_TASKS.min(self.shared.max(1));
         let numbers = [by_size, by_size.next_multiple_of(on.nodes)];
         let [by_size, even] = numbers.map(|shards| self.cost(rates, on, shards.min(most)));
         let (saved, further) = (by_size.total - even.total, even.shards.saturating_sub(by_size.shards));

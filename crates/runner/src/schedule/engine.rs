@@ -264,7 +264,7 @@ impl Engine {
             let panicked = workers.join().is_err();
             collected?;
             if panicked {
-                return Err(Failure::InputOutput("a worker thread failed; please report this as a bug".to_owned()));
+                return Err(Failure::Internal("a worker thread failed; please report this as a bug".to_owned()));
             }
             Ok(interrupt.signal().map_or(Outcome::Finished, Outcome::Stopped))
         })

@@ -89,12 +89,16 @@ impl Known {
 }
 
 impl Digests {
-    /// Adds the digest of what the file `name` will hold, and keeps that of what it holds now.
-    pub fn expect(&mut self, name: &str, digest: &str) {
+    /// Adds the digest of what the file `name` will hold, and keeps that of what it holds now. Which of two digests
+    /// that is, after a write that failed, `present` tells.
+    pub fn expect(&mut self, name: &str, digest: &str, present: impl FnOnce() -> Option<String>) {
         let digests = self.files.entry(name.to_owned()).or_default();
         digests.retain(|known| known != digest);
+        if digests.len() > 1 {
+            let present = present();
+            digests.retain(|known| present.as_ref() == Some(known));
+        }
         digests.push(digest.to_owned());
-        digests.drain(..digests.len().saturating_sub(2));
     }
 
     /// Forgets the file `name`, and keeps `digest` as the only one of it, if there is one.
@@ -144,9 +148,15 @@ mod tests {
     #[test]
     fn the_content_before_and_the_one_after_fit_and_no_other() {
         let mut digests = Digests::default();
-        ["a", "b", "b", "c"].iter().for_each(|digest| digests.expect("file", digest));
+        let present = |digest: &str| Some(digest.to_owned());
+        ["a", "b", "b", "c"].iter().for_each(|digest| digests.expect("file", digest, || present("b")));
+        let fits =
+            |digests: &Digests| ["a", "b", "c", "d"].map(|digest| Known::Digests(digests.clone()).fit("file", digest));
+        assert_eq!(fits(&digests), [Fit::Differs, Fit::Fits, Fit::Fits, Fit::Differs]);
+        // The write of "c" failed, and so may that of "d".
+        digests.expect("file", "d", || present("b"));
+        assert_eq!(fits(&digests), [Fit::Differs, Fit::Fits, Fit::Differs, Fit::Fits]);
         let known = Known::Digests(digests.clone());
-        assert_eq!(["a", "b", "c"].map(|digest| known.fit("file", digest)), [Fit::Differs, Fit::Fits, Fit::Fits]);
         assert_eq!(known.fit("other", "a"), Fit::Unknown);
         digests.set("file", Some("d".to_owned()));
         assert_eq!(Known::Digests(digests).fit("file", "c"), Fit::Differs);
@@ -158,7 +168,7 @@ mod tests {
         let folder = Folder::open(directory.path()).unwrap();
         assert!(matches!(Known::read(&folder).unwrap(), Known::Nothing));
         let mut digests = Digests::default();
-        digests.expect("job.toml", &digest_of_bytes(b"job"));
+        digests.expect("job.toml", &digest_of_bytes(b"job"), || None);
         digests.publish(&folder).unwrap();
         let path = directory.path().join(DIGESTS);
         let sound = fs::read(&path).unwrap();

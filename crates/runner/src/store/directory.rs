@@ -65,7 +65,7 @@ impl RunDirectory {
             let message = format!("{} is a file; a run needs a directory. Choose another with --out", path.display());
             return Err(Failure::CannotCreate(message));
         }
-        if path.is_dir() && !path.join(JOB).exists() && !looks_empty(path)? {
+        if path.is_dir() && !path.join(JOB).exists() && !has_lost_its_job(path) && !looks_empty(path)? {
             let message = format!("{} is not empty and not a run directory. Choose another with --out", path.display());
             return Err(Failure::CannotCreate(message));
         }
@@ -83,9 +83,12 @@ impl RunDirectory {
 
     /// Opens a directory that is to be verified, which may lack its job.
     pub fn open_any(path: &Path, access: Access) -> Result<Self, Failure> {
-        let what = [JOB, SURFACE, SHARDS, DIGESTS];
-        if !what.iter().any(|name| path.join(name).symlink_metadata().is_ok()) {
-            Self::require_run(path)?;
+        // A job alone may be that of the user, who has not submitted it here.
+        if ![SHARDS, DIGESTS].iter().any(|name| path.join(name).symlink_metadata().is_ok()) {
+            return Err(Failure::InputOutput(format!(
+                "{} is not a run directory: there is neither {SHARDS}/ nor {DIGESTS} in it",
+                path.display()
+            )));
         }
         let root = Folder::open(path).map_err(|error| Failure::reading(path, error))?;
         Self::within(root, access, AN_INSTANT)
@@ -252,7 +255,7 @@ impl RunDirectory {
             Known::Nothing | Known::Damaged => None,
         };
         let mut digests = known.into_digests();
-        digests.expect(name, digest);
+        digests.expect(name, digest, || digest_of_file(self.root.open_file(name).ok()?).ok());
         if before.as_ref() == Some(&digests) { Ok(()) } else { digests.publish(&self.root) }
     }
 
@@ -305,7 +308,7 @@ impl RunDirectory {
         }
     }
 
-    /// The job in the footer of the surface, if that is as it was written and belongs to the pieces.
+    /// The job in the footer of the surface, if that is as it was written and all pieces belong to it.
     pub fn job_of_surface(&self) -> Option<(JobSource, Job)> {
         let digest = digest_of_file(self.root.open_file(SURFACE).ok()?).ok()?;
         if Known::read(&self.root).ok()?.fit(SURFACE, &digest) == Fit::Differs {
@@ -315,7 +318,8 @@ impl RunDirectory {
         let source = JobSource { path: self.surface(), text };
         let job = source.job().ok()?;
         let is_whole = text_of_key(self.root.open_file(SURFACE).ok()?, JOB_HASH_KEY)? == job.hash();
-        is_whole.then_some((source, job))
+        // A run that was extended has the surface of the job before until it is finished, and pieces beyond that job.
+        (is_whole && self.tally(&job).is_ok()).then_some((source, job))
     }
 
     /// Whether the frozen job is damaged, and was this one.
@@ -432,6 +436,12 @@ impl RunDirectory {
             ))
         })
     }
+}
+
+/// Whether a directory without a job was that of a run. Whether its pieces belong to another job is found where they are
+/// read.
+fn has_lost_its_job(path: &Path) -> bool {
+    path.join(SHARDS).is_dir() && [DIGESTS, SURFACE].iter().any(|name| path.join(name).is_file())
 }
 
 fn looks_empty(path: &Path) -> Result<bool, Failure> {

@@ -170,7 +170,8 @@ fn is_the_file(folder: &Folder, file: &File) -> Result<bool, Failure> {
         Err(Errno::NOENT) => return Ok(false),
         there => there,
     };
-    let same = there.and_then(|there| fstat(file).map(|file| (file.st_dev, file.st_ino) == (there.st_dev, there.st_ino)));
+    let same =
+        there.and_then(|there| fstat(file).map(|file| (file.st_dev, file.st_ino) == (there.st_dev, there.st_ino)));
     same.map_err(|error| Failure::creating(&folder.path().join(LOCK), io::Error::from(error)))
 }
 

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 use crate::files::folder::Folder;
+use crate::job::MOST_SHARDS;
 
 /// The file that says in how many shards a run is computed.
 const RECORD: &str = "engine.json";
@@ -35,7 +36,7 @@ impl Sharing {
     /// Of the run in a directory, if it is known.
     pub fn read(run: &Path) -> Option<Self> {
         let sharing: Self = serde_json::from_slice(&Folder::open(run).ok()?.read(RECORD, MOST).ok()?).ok()?;
-        (sharing.shards > 0).then_some(sharing)
+        (1..=MOST_SHARDS).contains(&sharing.shards).then_some(sharing)
     }
 
     /// Notes it in the directory of a run.
@@ -85,8 +86,11 @@ impl AtWork {
         let worker = Worker { shard, shards, host, began: now(), missing: missing as f64 };
         let text = serde_json::to_vec(&worker).ok()?;
         let mut file = File::create(&path).ok()?;
-        file.try_lock().ok()?;
-        file.write_all(&text).ok()?;
+        // Whoever looks which shards are at work holds it for an instant.
+        if file.lock().and_then(|()| file.write_all(&text)).is_err() {
+            let _ = fs::remove_file(&path);
+            return None;
+        }
         Some(Self { path, _lock: file })
     }
 }
@@ -143,7 +147,9 @@ mod tests {
         let sharing = Sharing { engine: "slurm".to_owned(), shards: 16 };
         sharing.record(run.path()).unwrap();
         assert_eq!(Sharing::read(run.path()), Some(sharing));
-        fs::write(run.path().join(RECORD), "{\"engine\": \"slurm\", \"shards\": 0}").unwrap();
-        assert_eq!(Sharing::read(run.path()), None);
+        for shards in [0, MOST_SHARDS + 1, u64::MAX] {
+            fs::write(run.path().join(RECORD), format!("{{\"engine\": \"slurm\", \"shards\": {shards}}}")).unwrap();
+            assert_eq!(Sharing::read(run.path()), None, "{shards}");
+        }
     }
 }
