@@ -168,6 +168,44 @@ fn verify_does_not_take_a_folder_with_a_job_for_a_run_and_does_not_forget_lost_p
 }
 
 #[test]
+fn directories_in_place_of_files_are_set_aside() {
+    let place = finished();
+    let sound = place.surface("run");
+    let piece = files(&place.path("run/shards"), "parquet").remove(0);
+    let piece = format!("shards/{}", piece.file_name().unwrap().to_string_lossy());
+    for name in ["surface.parquet", "job.toml", "run.json", "digests.json", &piece] {
+        let path = place.path("run").join(name);
+        fs::remove_file(&path).unwrap();
+        fs::create_dir(&path).unwrap();
+        if name.starts_with("shards/") {
+            place.run("verify run").refused(74, &["set aside", "stickslip resume run"]);
+        } else {
+            place.run("verify run").done();
+        }
+        place.run("resume run").done();
+        assert!(!path.is_dir() && place.surface("run") == sound, "{name}");
+        place.run("verify run").done();
+    }
+    let lock = place.path("run/run.lock");
+    fs::remove_file(&lock).unwrap();
+    symlink("elsewhere", &lock).unwrap();
+    place.run("resume run").refused(73, &["run.lock: it is a link; move it elsewhere"]);
+}
+
+#[test]
+fn a_process_is_named_once_in_the_lock() {
+    let place = Place::new();
+    place.write("slow.toml", &slow("slow", 1));
+    let mut first = started(&place, "submit slow.toml --out run --threads 1 --shard 1/2");
+    wait_for(&place.path("run/shards"));
+    thread::sleep(Duration::from_millis(200));
+    let busy = place.run("merge run --wait 0").refused(75, &["in use by process"]);
+    assert!(!busy.stderr.contains("more"), "{}", busy.stderr);
+    first.kill().unwrap();
+    first.wait().unwrap();
+}
+
+#[test]
 fn verify_names_what_is_damaged_and_resume_computes_it_again() {
     let place = finished();
     let sound = place.surface("run");

@@ -104,8 +104,13 @@ impl Check<'_> {
         let known = Known::read(directory.root())?;
         match &known {
             Known::Digests(_) => self.find(DIGESTS, State::Sound, "sound"),
-            Known::Nothing => self.find(DIGESTS, State::Sound, "none: the run was written by an earlier version"),
-            Known::Damaged => self.find(DIGESTS, self.mended(), "damaged; the other files are checked without it"),
+            Known::Nothing => {
+                self.find(DIGESTS, State::Sound, "none; it was removed, or the run is of an earlier version")
+            }
+            Known::Damaged => {
+                let again = if self.can_mend { " and written again" } else { "" };
+                self.find(DIGESTS, self.mended(), format!("damaged{again}; the other files were checked without it"));
+            }
         }
         let run = quoted(directory.path());
         let Some(job) = self.job()? else {
@@ -151,7 +156,8 @@ impl Check<'_> {
         if self.can_mend {
             self.directory.publish(JOB, source.text.as_bytes())?;
         }
-        self.find(JOB, self.mended(), format!("{why}; the surface tells what it was"));
+        let again = if self.can_mend { ", and it is written again" } else { "" };
+        self.find(JOB, self.mended(), format!("{why}; the surface tells what it was{again}"));
         Ok(Some(job))
     }
 
@@ -252,6 +258,6 @@ impl Check<'_> {
             let digest = file.map(digest_of_file).transpose();
             digests.set(name, digest.map_err(|error| Failure::reading(&root.path().join(name), error))?);
         }
-        digests.publish(root)
+        self.directory.publish_digests(&digests)
     }
 }

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::process;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rustix::fs::{Access, AtFlags, Dir, Mode, OFlags};
+use rustix::fs::{Access, AtFlags, Dir, FileType, Mode, OFlags, statat};
 use rustix::io::Errno;
 
 use crate::failure::Failure;
@@ -23,6 +23,11 @@ use crate::unfinished;
 
 /// Largest number of bytes of a small file, such as a job spec.
 pub const SMALL_FILE: u64 = 64 << 20;
+
+/// Whether an error in reading says that there is no ordinary file of a fitting size, rather than that reading failed.
+pub fn is_no_file(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::Other
+}
 
 /// Numbers the temporary files of this process.
 static FILES: AtomicU64 = AtomicU64::new(0);
@@ -172,6 +177,12 @@ impl Folder {
         }
     }
 
+    /// Whether there is a directory of that name.
+    pub fn holds_directory(&self, name: &str) -> bool {
+        let there = statat(&self.handle, name, AtFlags::SYMLINK_NOFOLLOW);
+        there.is_ok_and(|there| FileType::from_raw_mode(there.st_mode) == FileType::Directory)
+    }
+
     /// Begins a file.
     pub fn begin(&self) -> io::Result<Unfinished<'_>> {
         let host = gethostname::gethostname();
@@ -259,7 +270,7 @@ impl Unfinished<'_> {
             Ok(()) => handle.sync_all().map(|()| true),
             Err(Errno::EXIST) => Ok(false),
             // Some file systems have no links. What is left is a moment between the look and the name.
-            Err(_) => match rustix::fs::statat(handle, name, AtFlags::SYMLINK_NOFOLLOW) {
+            Err(_) => match statat(handle, name, AtFlags::SYMLINK_NOFOLLOW) {
                 Ok(_) => Ok(false),
                 Err(_) => self.publish(name).map(|()| true),
             },

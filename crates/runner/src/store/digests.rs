@@ -10,7 +10,7 @@ use std::io;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
-use crate::files::folder::Folder;
+use crate::files::folder::{Folder, is_no_file};
 
 /// The name of the file.
 pub const DIGESTS: &str = "digests.json";
@@ -56,10 +56,12 @@ pub enum Fit {
 impl Known {
     /// Reads the digests in a directory.
     pub fn read(folder: &Folder) -> Result<Self, Failure> {
-        let bytes = folder
-            .read_if_there(DIGESTS, MOST)
-            .map_err(|error| Failure::reading(&folder.path().join(DIGESTS), error))?;
-        let Some(bytes) = bytes else { return Ok(Self::Nothing) };
+        let bytes = match folder.read_if_there(DIGESTS, MOST) {
+            Ok(Some(bytes)) => bytes,
+            Ok(None) => return Ok(Self::Nothing),
+            Err(error) if is_no_file(&error) => return Ok(Self::Damaged),
+            Err(error) => return Err(Failure::reading(&folder.path().join(DIGESTS), error)),
+        };
         let written: Option<Written> = serde_json::from_slice(&bytes).ok();
         Ok(match written.filter(|written| written.digest == digest_of(&written.files)) {
             Some(Written { files, .. }) => Self::Digests(Digests { files }),

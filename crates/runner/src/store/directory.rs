@@ -10,12 +10,12 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{LOOKUPS, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
-use crate::files::folder::{Folder, SMALL_FILE, Unfinished};
+use crate::files::folder::{Folder, SMALL_FILE, Unfinished, is_no_file};
 use crate::files::foreign::text_of_key;
 use crate::files::publish::{files, is_temporary};
 use crate::job::{Job, JobSource};
 use crate::output::{note, quoted};
-use crate::store::digests::{DIGESTS, Fit, Known, digest_of_bytes, digest_of_file};
+use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_bytes, digest_of_file};
 use crate::store::joining::{self, Refusal};
 use crate::store::lock::{AN_INSTANT, Access, LOCK, Lock, is_held};
 use crate::store::piece::{self, Complaint, Defect};
@@ -142,8 +142,14 @@ impl RunDirectory {
             format!("its job.toml is lost; `stickslip verify {}` writes it again from the surface", quoted(path))
         } else if has_shards {
             format!("its job.toml is lost; submit the job again with `--out {}`, its pieces are kept", quoted(path))
+        } else if path.join(SHARDS).symlink_metadata().is_ok() {
+            "its shards is not a directory of its own; move it elsewhere".to_owned()
+        } else if has_job && path.join(DIGESTS).is_file() {
+            format!("its shards/ is lost; `stickslip verify {}` makes an empty one", quoted(path))
+        } else if has_job {
+            format!("it has no shards/; to compute the job there, submit it with `--out {}`", quoted(path))
         } else {
-            "it has no job.toml and shards/".to_owned()
+            "it has neither job.toml nor shards/".to_owned()
         };
         Err(Failure::InputOutput(format!("{} is not a run directory: {why}", path.display())))
     }
@@ -238,12 +244,14 @@ impl RunDirectory {
     /// Writes a file of this directory, and its digest before it.
     pub fn publish(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         self.expect(name, &digest_of_bytes(bytes))?;
+        self.make_way(name);
         self.root.publish(name, bytes).map_err(|error| Failure::writing(&self.path().join(name), error))
     }
 
     /// Gives a finished file its name, and writes its digest before.
     pub fn publish_file(&self, name: &str, file: Unfinished<'_>, digest: &str) -> Result<(), Failure> {
         self.expect(name, digest)?;
+        self.make_way(name);
         file.publish(name).map_err(|error| Failure::writing(&self.path().join(name), error))
     }
 
@@ -256,7 +264,20 @@ impl RunDirectory {
         };
         let mut digests = known.into_digests();
         digests.expect(name, digest, || digest_of_file(self.root.open_file(name).ok()?).ok());
-        if before.as_ref() == Some(&digests) { Ok(()) } else { digests.publish(&self.root) }
+        if before.as_ref() == Some(&digests) { Ok(()) } else { self.publish_digests(&digests) }
+    }
+
+    /// Writes the digests.
+    pub fn publish_digests(&self, digests: &Digests) -> Result<(), Failure> {
+        self.make_way(DIGESTS);
+        digests.publish(&self.root)
+    }
+
+    /// Sets a directory aside that lies where a file is to be written.
+    fn make_way(&self, name: &str) {
+        if self.root.holds_directory(name) {
+            self.set_aside(&self.root, name.as_ref(), "it is a directory");
+        }
     }
 
     /// The bytes of a small file that has a digest, if there is one, or why it is not as it was written.
@@ -287,17 +308,32 @@ impl RunDirectory {
     /// A file that is not the one that was written.
     pub fn job_source(&self) -> Result<Option<JobSource>, Failure> {
         let path = self.path().join(JOB);
-        let bytes = self.root.read_if_there(JOB, SMALL_FILE).map_err(|error| Failure::reading(&path, error))?;
-        let Some(bytes) = bytes else { return Ok(None) };
+        let bytes = match self.root.read_if_there(JOB, SMALL_FILE) {
+            Ok(Some(bytes)) => bytes,
+            Ok(None) => return Ok(None),
+            Err(error) if is_no_file(&error) => return Err(self.job_damaged(&format!("is damaged: {error}"))),
+            Err(error) => return Err(Failure::reading(&path, error)),
+        };
         if Known::read(&self.root)?.fit(JOB, &digest_of_bytes(&bytes)) == Fit::Differs {
-            return Err(Failure::InputOutput(format!(
-                "{} was damaged or edited: it does not have the digest that it was written with. Write it again from the surface with `stickslip verify {}`, or submit the same job again to this directory with --out; a job with other settings needs another directory",
-                path.display(),
-                quoted(self.path())
-            )));
+            let why = "was damaged or edited: it does not have the digest that it was written with";
+            return Err(self.job_damaged(why));
         }
         let text = String::from_utf8(bytes).map_err(|error| Failure::reading(&path, error))?;
         Ok(Some(JobSource { path, text }))
+    }
+
+    /// That the frozen job is damaged, with the remedy.
+    fn job_damaged(&self, why: &str) -> Failure {
+        let run = quoted(self.path());
+        let remedy = if self.root.open_file(SURFACE).is_ok() {
+            format!("Write it again from the surface with `stickslip verify {run}`, or submit")
+        } else {
+            "Submit".to_owned()
+        };
+        Failure::InputOutput(format!(
+            "{} {why}. {remedy} the same job again with `--out {run}`; a job with other settings needs another directory",
+            self.path().join(JOB).display()
+        ))
     }
 
     /// The frozen job of an existing run.

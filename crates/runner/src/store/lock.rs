@@ -109,6 +109,8 @@ impl Lock {
 
     /// Lets shards in. Others may get the lock first.
     pub fn share(self, folder: &Folder) -> Result<Option<Self>, Failure> {
+        // It signs again.
+        let _ = self.file.set_len(0);
         drop(self.file);
         Self::acquire(folder, Access::Shared, Duration::from_secs(60))
     }
@@ -155,11 +157,18 @@ fn open(folder: &Folder, access: Access) -> Result<Option<File>, Failure> {
         Err(error) => Err(error.into()),
     };
     let path = folder.path().join(LOCK);
+    let move_it = "move it elsewhere when no stickslip works here";
     match opened {
         Ok(Some(file)) if file.metadata().is_ok_and(|metadata| metadata.is_file()) => Ok(Some(file)),
         Ok(None) if access == Access::Reading => Ok(None),
         Ok(None) => Err(Failure::creating(&path, "permission denied")),
-        Ok(Some(_)) => Err(Failure::creating(&path, "there is something of this name that is not an ordinary file")),
+        Ok(Some(_)) => Err(Failure::creating(&path, format!("it is not an ordinary file; {move_it}"))),
+        Err(error) if error.raw_os_error() == Some(Errno::LOOP.raw_os_error()) => {
+            Err(Failure::creating(&path, format!("it is a link; {move_it}")))
+        }
+        Err(error) if error.kind() == io::ErrorKind::IsADirectory => {
+            Err(Failure::creating(&path, format!("it is a directory; {move_it}")))
+        }
         Err(error) => Err(Failure::creating(&path, error)),
     }
 }

@@ -20,7 +20,7 @@ use stickslip_sampler::estimate::distribution::Distribution;
 
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
-use crate::files::folder::Folder;
+use crate::files::folder::{Folder, is_no_file};
 use crate::files::foreign::{self, Known};
 use crate::files::publish::is_temporary;
 use crate::job::IDENTITY_VERSION;
@@ -78,7 +78,10 @@ const AGAIN: &str = "what was in it will be computed again";
 
 /// The bytes of a piece in `folder`, or why they are not what they were.
 pub fn read_checked(folder: &Folder, name: &OsStr) -> Result<Vec<u8>, Defect> {
-    let bytes = folder.read(name, MOST_BYTES).map_err(|error| Defect::Unread(format!("{error}; {AGAIN}")))?;
+    let bytes = folder.read(name, MOST_BYTES).map_err(|error| {
+        let why = format!("{error}; {AGAIN}");
+        if is_no_file(&error) { Defect::Damaged(why) } else { Defect::Unread(why) }
+    })?;
     if *name == *format!("{}.parquet", digest(&bytes)) {
         Ok(bytes)
     } else {
