@@ -1,5 +1,7 @@
 //! Large jobs: the memory that their cells take, and what many shards of them are predicted to cost.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
+
 mod common;
 
 #[cfg(target_os = "linux")]
