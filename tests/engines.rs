@@ -280,8 +280,8 @@ fn what_cannot_be_is_refused_before_anything_is_written() {
         ("job.toml --engine parallel --hosts hosts --time 5", vec!["--time does nothing with --engine parallel"]),
         ("job.toml --engine parallel", vec!["needs --hosts FILE"]),
         ("job.toml --engine parallel --hosts hosts", vec!["there is no machine in it"]),
-        ("job.toml --engine slurm --time soon", vec!["\"soon\" is no time limit of Slurm"]),
-        ("job.toml --engine slurm --partition a;b", vec!["\"a;b\" is no name of Slurm"]),
+        ("job.toml --engine slurm --time soon", vec!["\"soon\" is not a valid Slurm time limit of one minute or more"]),
+        ("job.toml --engine slurm --partition a;b", vec!["\"a;b\" is not a valid Slurm name: use"]),
         ("job.toml --engine slurm --sbatch constraint=a", vec!["is no option of sbatch"]),
         ("job.toml --engine slurm --shard 1/2", vec!["cannot be used with"]),
         ("job.toml --partition main", vec!["--engine"]),
@@ -293,8 +293,8 @@ fn what_cannot_be_is_refused_before_anything_is_written() {
     // Wrong values in the job are told with their line.
     let text = job("no", EIGENVALUE, BOTH, "samples = 1000");
     for (line, text_of_it) in [
-        ("partition = \"a b\"", "engine.partition: \"a b\" is no name of Slurm"),
-        ("time = \"1:2:3:4\"", "engine.time: \"1:2:3:4\" is no time limit"),
+        ("partition = \"a b\"", "engine.partition: \"a b\" is not a valid Slurm name: use"),
+        ("time = \"1:2:3:4\"", "engine.time: \"1:2:3:4\" is not a valid Slurm time limit"),
         ("sbatch = [\"--a\\n--b\"]", "is no option of sbatch"),
         ("shards = 0", "engine.shards = 0 must be from 1 to 1000000"),
         ("nodes = 4", "unknown key `nodes` in [engine]"),
@@ -327,4 +327,77 @@ fn shards_are_sized_by_what_they_cost() {
         "{}",
         dear.stderr
     );
+}
+
+#[test]
+fn a_time_limit_that_is_too_short_is_warned_of() {
+    let place = Place::new();
+    place.write("job.toml", &job("long", SLOW, BOTH, "samples = 1_000_000_000_000"));
+    place.write("cheap.toml", &job("cheap", EIGENVALUE, BOTH, "samples = 1000"));
+    let said = |words: &str| place.run(&format!("submit {words} --engine slurm --dry-run")).done().stderr;
+    for shards in ["--max-shards 7", "--shards 7"] {
+        let warned = said(&format!("job.toml --time 1 {shards}"));
+        let parts = [
+            "warning: a shard takes about ",
+            ", but its task runs for about 1.5 hours at most (--time 1, with 100 restarts)",
+            "Ask for more time (--time ",
+        ];
+        for part in parts {
+            assert!(warned.contains(part), "{part:?} is not in: {warned}");
+        }
+    }
+    place.write("day.toml", &job("day", SLOW, BOTH, "samples = 300_000_000"));
+    let warned = said("day.toml --time 1 --shards 1");
+    assert!(warned.contains(", or for at least "), "{warned}");
+    let enough = said("job.toml --time 999999-0 --shards 1000");
+    assert!(!enough.contains("warning"), "{enough}");
+    let cheap = said("cheap.toml --time 1 --shards 7");
+    assert!(!cheap.contains("warning"), "{cheap}");
+}
+
+#[test]
+fn a_slurm_that_is_not_configured_is_quoted() {
+    let place = cluster();
+    place.write("job.toml", &job("no", EIGENVALUE, BOTH, "samples = 1000"));
+    let fails = "#!/bin/sh\necho 'sbatch: error: resolve_ctls_from_dns_srv: Unknown host' >&2\nexit 1\n";
+    fs::write(place.path("bin/sbatch"), fails).unwrap();
+    let texts = ["does not name slurm", "exit status: 1", "resolve_ctls_from_dns_srv: Unknown host", "--dry-run"];
+    place.run("submit job.toml --engine slurm --shards 2").refused(74, &texts);
+    fs::write(place.path("bin/sbatch"), "#!/bin/sh\n").unwrap();
+    place
+        .run("submit job.toml --engine slurm --shards 2")
+        .refused(74, &["exit status: 0", "nothing on standard error"]);
+    assert!(!place.path("runs").exists());
+}
+
+#[test]
+fn shards_without_work_are_told_apart() {
+    let place = Place::new();
+    place.write("job.toml", &job("few", EIGENVALUE, BOTH, "samples = 1000"));
+    place.run("submit job.toml --out few --shard 1/1000").done();
+    let status = place.run("status few --shards 1000").done().stdout;
+    let json: serde_json::Value =
+        serde_json::from_str(&place.run("status few --shards 1000 --json").done().stdout).unwrap();
+    let [empty, done] = [
+        json["shards"]["nothing_to_compute"].as_u64().unwrap(),
+        json["shards"]["done"].as_array().unwrap().len() as u64,
+    ];
+    assert!(empty > 900 && done == empty + 1, "{json:#}");
+    let line = format!("shards: {done} of 1000 done, {empty} of which have nothing to compute; missing: 2-");
+    assert!(status.contains(&line), "{status}");
+    // Without a note of the number of shards, the merge says how to list what is missing.
+    let how = "of N shards, `stickslip status few --shards N --missing` lists them, or compute what is missing here";
+    place.run("merge few").refused(65, &[how]);
+}
+
+#[test]
+fn machines_are_read_from_what_ends() {
+    let place = Place::new();
+    place.write("job.toml", &job("no", EIGENVALUE, BOTH, "samples = 1000"));
+    assert!(Command::new("mkfifo").arg(place.path("pipe")).status().unwrap().success());
+    for (hosts, what) in [("pipe", "a pipe or a device"), ("/dev/zero", "a pipe or a device"), (".", "a directory")] {
+        let words = format!("submit job.toml --engine parallel --hosts {hosts}");
+        place.run(&words).refused(64, &[&format!("--hosts {hosts}: it is {what}"), "name an ordinary file"]);
+    }
+    place.run("submit job.toml --engine parallel --hosts gone").refused(74, &["cannot read gone"]);
 }

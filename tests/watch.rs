@@ -97,7 +97,11 @@ fn a_run_that_nobody_works_in_is_shown_once() {
     submitted(&place, "run", &job("run", EIGENVALUE, BOTH, "samples = 100"));
     let status = place.run("status run").done().stdout;
     assert_eq!(place.run("status run --watch").done().stdout, status);
-    place.run("status . --watch").refused(64, &["--watch shows one run, and . holds several"]);
+    for option in ["--watch", "--missing", "--missing --format slurm", "--shards 4", "--shards 4 --json"] {
+        let name = option.split(' ').next().unwrap();
+        let message = format!("{name} is for one run, and . holds several; name one of them");
+        place.run(&format!("status . {option}")).refused(64, &[&message]);
+    }
     place.run("status run --watch --json").refused(64, &["--json"]);
     place.run("status missing --watch").refused(74, &["missing is not a run directory"]);
 }

@@ -1,5 +1,6 @@
 //! The scripts of a run over GNU parallel and ssh, on machines that share its directory.
 
+use std::fs;
 use std::path::Path;
 
 use super::shell::{absolute_text, quoted};
@@ -28,6 +29,15 @@ pub struct Machines {
 impl Machines {
     /// Of a file.
     pub fn read(file: &Path) -> Result<Self, Failure> {
+        // A pipe may never end, and the scripts read the file once more.
+        let found = fs::metadata(file).map_err(|error| Failure::reading(file, error))?;
+        if !found.is_file() {
+            return Err(Failure::Usage(format!(
+                "--hosts {}: it is {}; name an ordinary file with a machine in each line",
+                file.display(),
+                if found.is_dir() { "a directory" } else { "a pipe or a device, which may never end" },
+            )));
+        }
         let bytes = read_file(file, MOST_BYTES).map_err(|error| Failure::reading(file, error))?;
         let text = String::from_utf8_lossy(&bytes);
         let is_login = |line: &&str| !line.is_empty() && !line.starts_with('#');

@@ -8,14 +8,14 @@ use std::process::{Command, Stdio};
 
 use super::shell::quoted;
 use super::task::{Script, ShardTask};
-use crate::job::EngineSettings;
+use crate::job::{EngineSettings, TimeLimit};
 
 /// Longest and shortest time in seconds from the warning to the time limit. The program takes two seconds.
 const LONGEST_LEAD: u64 = 60;
 const SHORTEST_LEAD: u64 = 5;
 
 /// How often a task is started again: a sample that takes longer than the time limit would never be finished.
-const RESTARTS: u64 = 100;
+pub const RESTARTS: u64 = 100;
 
 /// How often the merge submits what is missing.
 const ROUNDS: u64 = 3;
@@ -67,9 +67,7 @@ impl JobArray<'_> {
 
     /// What makes Slurm warn the shell of a task before its time limit.
     fn warning(&self) -> String {
-        let of_limit = |seconds: u64| (seconds / 10).clamp(SHORTEST_LEAD, LONGEST_LEAD);
-        let lead = self.settings.time.as_ref().map_or(LONGEST_LEAD, |time| of_limit(time.seconds));
-        format!("--signal=B:USR1@{lead}")
+        format!("--signal=B:USR1@{}", self.settings.time.as_ref().map_or(LONGEST_LEAD, lead))
     }
 
     /// What submits the tasks of a round and the merge after them, and prints the numbers of the jobs.
@@ -187,6 +185,16 @@ exit \"$code\"
     }
 }
 
+/// Seconds from the warning to this time limit.
+fn lead(limit: &TimeLimit) -> u64 {
+    (limit.seconds / 10).clamp(SHORTEST_LEAD, LONGEST_LEAD)
+}
+
+/// Seconds that a task with this time limit computes at most, with all its restarts.
+pub fn longest_task(limit: &TimeLimit) -> u64 {
+    (RESTARTS + 1) * (limit.seconds - lead(limit))
+}
+
 /// The largest number of a task that the cluster allows, if it says.
 pub fn array_limit() -> Option<u64> {
     let output = Command::new("scontrol").args(["show", "config"]).stdin(Stdio::null()).output().ok()?;
@@ -205,6 +213,13 @@ fn limit_in(configuration: &str) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_task_computes_until_its_warning() {
+        let seconds = |text: &str| longest_task(&text.parse().unwrap());
+        assert_eq!(seconds("1"), 101 * 54);
+        assert_eq!(seconds("1-0"), 101 * (86_400 - 60));
+    }
 
     #[test]
     fn the_cluster_tells_its_limit() {

@@ -53,7 +53,7 @@ impl ClusterPrediction {
     pub fn of(job: &Job, parts: &Parts, load: Load, sample: f64, error: f64, on: Nodes) -> Result<Self, Failure> {
         let rates = measured(job, parts, sample)?;
         let shown = SHOWN.map(|shards| load.cost(&rates, on, shards));
-        Ok(Self { on, rates, load, error, best: load.best(&rates, on), shown })
+        Ok(Self { on, rates, load, error, best: load.best(&rates, on, &SHOWN), shown })
     }
 
     /// As comments: a sentence on the best number of shards, and a table.

@@ -13,16 +13,17 @@ use super::sharing::{WorkToShare, cost_of_maps, cost_of_samples};
 use super::submit::{map_directories, merge};
 use crate::cli::{EngineKind, MergeArguments, SubmitArguments, WAIT};
 use crate::cluster::gnu_parallel::{Machines, SharedRun};
-use crate::cluster::slurm::{JobArray, array_limit};
+use crate::cluster::slurm::{JobArray, RESTARTS, array_limit, longest_task};
 use crate::cluster::task_list::ranges;
 use crate::cluster::{Script, ShardTask, again};
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
-use crate::job::{EngineSettings, Job, JobSource, Overrides};
+use crate::job::{EngineSettings, Job, JobSource, Overrides, TimeLimit};
 use crate::output::{counted, note, quoted, result, warn};
 use crate::schedule::engine::Engine;
+use crate::schedule::plan::Plan;
 use crate::schedule::shard_size::{MOST_TASKS, number_of_shards};
 use crate::schedule::time_left;
 use crate::store::directory::RunDirectory;
@@ -31,6 +32,9 @@ use crate::store::tally::Tally;
 
 /// Time between two looks at a program that was started.
 const PAUSE: Duration = Duration::from_millis(50);
+
+/// Characters that are quoted of what a program has written.
+const MOST_QUOTED: usize = 500;
 
 /// `stickslip submit --engine`.
 pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -62,7 +66,7 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
     }
     if arguments.engine.dry_run {
         let tally = Tally::new(&Parts::new(&job));
-        let shards = request.shards(&job, &tally)?;
+        let shards = request.shards(&job, &tally, None)?;
         let scripts = request.scripts(&job, shards)?;
         let text =
             |script: &Script| format!("# {}\n{}\n", quoted(&out.join(kind.name()).join(script.name)), script.text);
@@ -80,12 +84,11 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
         }
         // The shards of a run that has begun keep their numbers.
         RunState::Unfinished(tally) => {
-            let known = known.filter(|_| request.settings.shards.is_none());
-            let shards = known.map_or_else(|| request.shards(&job, &tally), Ok)?;
+            let shards = request.shards(&job, &tally, known)?;
             (tally, shards)
         }
         RunState::New(tally) => {
-            let shards = request.shards(&job, &tally)?;
+            let shards = request.shards(&job, &tally, None)?;
             (tally, shards)
         }
     };
@@ -154,14 +157,28 @@ impl Request<'_> {
         Ok(limit.map_or(most, |limit| most.min(limit)))
     }
 
-    /// The number of shards: as given, or by what the missing samples cost.
-    fn shards(&self, job: &Job, tally: &Tally) -> Result<u64, Failure> {
+    /// The time limit of a task, if one is asked for.
+    fn time_limit(&self) -> Option<&TimeLimit> {
+        self.settings.time.as_ref().filter(|_| self.kind == EngineKind::Slurm)
+    }
+
+    /// The number of shards: as given, as the run has `known` it, or by what the missing samples cost.
+    fn shards(&self, job: &Job, tally: &Tally, known: Option<u64>) -> Result<u64, Failure> {
         let most = self.most()?;
-        if let Some(shards) = self.settings.shards {
+        let given = self.settings.shards.or(known);
+        let limit = self.time_limit();
+        if let (Some(shards), None) = (given, limit) {
             return Ok(shards);
         }
+        let work = cost_of_samples(job, tally, &measuring()?)?;
+        let shards = given.unwrap_or_else(|| self.shards_by_cost(work, most));
+        warn(limit.and_then(|limit| self.too_short(limit, job, tally, work, shards)));
+        Ok(shards)
+    }
+
+    /// The number of shards by what the missing samples cost, at most `most`.
+    fn shards_by_cost(&self, WorkToShare { seconds, units }: WorkToShare, most: u64) -> u64 {
         let threads = self.threads_of_shard();
-        let WorkToShare { seconds, units } = cost_of_samples(job, tally, &measuring()?)?;
         let mut shards = number_of_shards(seconds, units, threads, most);
         if let Some(machines) = &self.machines {
             shards = machines.number_of_shards(shards, seconds, units, threads, most);
@@ -172,7 +189,29 @@ impl Request<'_> {
             time_left::Duration(seconds / (shards as f64 * threads as f64)),
             counted(threads as u128, "thread", "threads"),
         ));
-        Ok(shards)
+        shards
+    }
+
+    /// A warning, if the largest shard cannot be finished within the time limit and all restarts of its task.
+    fn too_short(&self, limit: &TimeLimit, job: &Job, tally: &Tally, work: WorkToShare, shards: u64) -> Option<String> {
+        let missing = Plan::missing_of_shards(tally, &Parts::new(job), job.unit_samples(), shards);
+        let all: u128 = missing.iter().sum();
+        let largest = *missing.iter().max()? as f64 / all.max(1) as f64;
+        let seconds = work.seconds / self.threads_of_shard() as f64;
+        let task = longest_task(limit) as f64;
+        if largest * seconds <= task {
+            return None;
+        }
+        let least = (seconds / task).ceil() as u64;
+        let is_possible = least <= work.units.min(array_limit().unwrap_or(MOST_TASKS));
+        let more_shards =
+            if is_possible { format!(", or for at least {least} shards (--shards)") } else { String::new() };
+        Some(format!(
+            "a shard takes about {}, but its task runs for about {} at most (--time {limit}, with {RESTARTS} restarts), so that it will not be finished. Ask for more time (--time {} is enough without a restart){more_shards}",
+            time_left::Duration(largest * seconds),
+            time_left::Duration(task),
+            TimeLimit::covering(largest * seconds + 60.0),
+        ))
     }
 
     /// The number of shards in which verdict maps are resolved first, if the job has some.
@@ -207,7 +246,17 @@ impl Request<'_> {
         let output = Command::new(program).arg("--version").stdin(Stdio::null()).output();
         match output {
             Ok(output) if String::from_utf8_lossy(&output.stdout).contains(sign) => Ok(()),
-            Ok(_) => Err(Failure::InputOutput(format!("`{program} --version` does not name {sign}; {remedy}"))),
+            Ok(output) => {
+                let said = String::from_utf8_lossy(&output.stderr);
+                let said = match said.trim() {
+                    "" => "nothing on standard error".to_owned(),
+                    text => format!("{:?}", text.chars().take(MOST_QUOTED).collect::<String>()),
+                };
+                Err(Failure::InputOutput(format!(
+                    "`{program} --version` does not name {sign}: it ended with {} and wrote {said}. Mend its configuration, or {remedy}. --dry-run shows the scripts anywhere",
+                    output.status
+                )))
+            }
             Err(error) => Err(Failure::InputOutput(format!(
                 "cannot run {program}: {error}; {remedy}. --dry-run shows the scripts anywhere"
             ))),

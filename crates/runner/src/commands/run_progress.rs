@@ -121,7 +121,7 @@ impl RunProgress {
         let next = match self.state {
             "unfinished" => match self.shards.as_ref().and_then(|shards| shards.again(run)) {
                 Some(again) => format!(
-                    "\nif no queue has them: submit the missing shards with `{again}`, or continue here with `stickslip resume {}`",
+                    "\nunless they are still queued, submit the missing shards with `{again}`; or continue here with `stickslip resume {}`",
                     quoted(run)
                 ),
                 None => format!("\ncontinue with `stickslip resume {}`", quoted(run)),

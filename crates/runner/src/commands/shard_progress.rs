@@ -8,7 +8,7 @@ use crate::cluster::again;
 use crate::cluster::task_list::ranges;
 use crate::evaluate::parts::Parts;
 use crate::job::Job;
-use crate::output::rate;
+use crate::output::{quoted, rate};
 use crate::schedule::plan::Plan;
 use crate::store::sharing::{Sharing, Worker, now, workers};
 use crate::store::tally::Tally;
@@ -22,7 +22,9 @@ pub struct ShardProgress {
     missing: Vec<u128>,
     /// What is done of each.
     pub shares: Vec<f64>,
-    /// The processes at work on them.
+    /// How many of them have nothing to compute, whatever is done.
+    empty: usize,
+    /// The processes at work on them, one for each shard that has some.
     workers: Vec<Worker>,
 }
 
@@ -33,8 +35,9 @@ impl ShardProgress {
         let (missing, all) = (samples(tally), samples(&Tally::new(parts)));
         let share = |(missing, all): (&u128, &u128)| if *all > 0 { 1.0 - *missing as f64 / *all as f64 } else { 1.0 };
         let shares = missing.iter().zip(&all).map(share).collect();
-        let workers = workers(run).into_iter().filter(|worker| worker.shards == count).collect();
-        Self { missing, shares, workers }
+        let empty = all.iter().filter(|all| **all == 0).count();
+        let workers = first_of_each(workers(run).into_iter().filter(|worker| worker.shards == count).collect());
+        Self { missing, shares, empty, workers }
     }
 
     /// The number of shards.
@@ -64,7 +67,7 @@ impl ShardProgress {
         again(run, &engine, &self.missing())
     }
 
-    /// Samples in a second of all processes at work, if it is known.
+    /// Samples in a second of all shards at work, if it is known.
     fn samples_per_second(&self) -> Option<f64> {
         let rates = self.workers.iter().filter_map(|worker| {
             let seconds = now() - worker.began;
@@ -79,6 +82,11 @@ impl ShardProgress {
     pub fn text(&self) -> String {
         let [done, at_work, missing] = self.by_state();
         let mut text = format!("shards: {} of {} done", done.len(), self.count());
+        match self.empty {
+            0 => {}
+            1 => text += ", 1 of which has nothing to compute",
+            empty => text += &format!(", {empty} of which have nothing to compute"),
+        }
         if !at_work.is_empty() {
             text += &format!("; at work: {}", ranges(&at_work));
             if let Some(samples) = self.samples_per_second() {
@@ -97,6 +105,7 @@ impl ShardProgress {
         json!({
             "count": self.count(),
             "done": done,
+            "nothing_to_compute": self.empty,
             "at_work": at_work,
             "missing": missing,
             "samples_per_second": self.samples_per_second(),
@@ -104,15 +113,51 @@ impl ShardProgress {
     }
 }
 
+/// Of several processes at work on the same shard, the one that began first: samples that arrive since then are those of
+/// all.
+fn first_of_each(mut workers: Vec<Worker>) -> Vec<Worker> {
+    workers.sort_by(|a, b| a.shard.cmp(&b.shard).then(a.began.total_cmp(&b.began)));
+    workers.dedup_by_key(|worker| worker.shard);
+    workers
+}
+
 /// What to do about the shards that a run misses, as the beginning of a sentence.
 pub fn how_to_submit_missing(run: &Path, job: &Job, tally: &Tally) -> String {
     let Some(Sharing { shards, .. }) = Sharing::read(run) else {
-        return "Submit the missing shards".to_owned();
+        return format!(
+            "Submit the missing shards; of N shards, `stickslip status {} --shards N --missing` lists them",
+            quoted(run)
+        );
     };
     let progress = ShardProgress::of(run, job, &Parts::new(job), tally, shards);
     let what = format!("Of {shards} shards, these are missing: {}", ranges(&progress.missing()));
     match progress.again(run) {
         Some(command) => format!("{what}. Submit them with `{command}`"),
         None => format!("{what}. Submit them"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn worker(shard: u64, seconds: f64, missing: f64) -> Worker {
+        Worker { shard, shards: 2, host: "here".to_owned(), began: now() - seconds, missing }
+    }
+
+    #[test]
+    fn a_shard_counts_once_however_many_processes_work_on_it() {
+        let progress = |workers| ShardProgress {
+            missing: vec![600, 500],
+            shares: vec![0.4, 0.5],
+            empty: 0,
+            workers: first_of_each(workers),
+        };
+        // 400 samples in 100 s, of which a second process has seen 200 in 50 s, and 500 samples in 100 s.
+        let [first, second, other] = [worker(1, 100.0, 1000.0), worker(1, 50.0, 800.0), worker(2, 100.0, 1000.0)];
+        for workers in [vec![first.clone(), second.clone(), other.clone()], vec![second, other, first]] {
+            let rate = progress(workers).samples_per_second().unwrap();
+            assert!((rate - 9.0).abs() < 0.1, "{rate}");
+        }
     }
 }

@@ -22,12 +22,13 @@ pub fn status(arguments: &StatusArguments, interrupt: &Interrupt) -> Result<(), 
         Err(failure) => {
             return match RunDirectory::runs_in(path)?.as_slice() {
                 [] => Err(failure),
-                _ if arguments.watch => {
-                    let message =
-                        format!("--watch shows one run, and {} holds several; name one of them", path.display());
-                    Err(Failure::Usage(message))
-                }
-                runs => status_of_all(runs, arguments.json),
+                runs => match of_one_run(arguments) {
+                    Some(option) => Err(Failure::Usage(format!(
+                        "{option} is for one run, and {} holds several; name one of them",
+                        path.display()
+                    ))),
+                    None => status_of_all(runs, arguments.json),
+                },
             };
         }
     };
@@ -42,6 +43,13 @@ pub fn status(arguments: &StatusArguments, interrupt: &Interrupt) -> Result<(), 
         return missing(&progress, arguments.format, path);
     }
     result(&if arguments.json { format!("{:#}\n", progress.json(path)) } else { progress.text(path) })
+}
+
+/// An option that is given and says something of one run.
+fn of_one_run(arguments: &StatusArguments) -> Option<&'static str> {
+    let options =
+        [("--watch", arguments.watch), ("--missing", arguments.missing), ("--shards", arguments.shards.is_some())];
+    options.into_iter().find(|(_, is_given)| *is_given).map(|(option, _)| option)
 }
 
 /// Lists the shards that are neither done nor at work.

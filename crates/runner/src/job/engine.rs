@@ -134,7 +134,7 @@ impl FromStr for SlurmName {
         let is_allowed = |c: char| c.is_ascii_alphanumeric() || "-_.,:@+/".contains(c);
         if text.is_empty() || text.len() > 200 || text.starts_with('-') || !text.chars().all(is_allowed) {
             return Err(format!(
-                "{text:?} is no name of Slurm: use 1 to 200 letters, digits and -_.,:@+/ not starting with '-'"
+                "{text:?} is not a valid Slurm name: use 1 to 200 letters, digits and -_.,:@+/ not starting with '-'"
             ));
         }
         Ok(Self(text.to_owned()))
@@ -153,6 +153,15 @@ pub struct TimeLimit {
     text: String,
     /// The same in seconds.
     pub seconds: u64,
+}
+
+impl TimeLimit {
+    /// So many seconds, rounded up to an hour.
+    pub fn covering(seconds: f64) -> Self {
+        let hours = ((seconds / 3600.0).ceil() as u64).clamp(1, 24 * 999_999);
+        let text = if hours < 24 { format!("{hours}:00:00") } else { format!("{}-{}", hours / 24, hours % 24) };
+        Self { text, seconds: 3600 * hours }
+    }
 }
 
 impl FromStr for TimeLimit {
@@ -180,7 +189,7 @@ impl FromStr for TimeLimit {
         match seconds {
             Some(seconds @ 60..) => Ok(Self { text: text.to_owned(), seconds }),
             _ => Err(format!(
-                "{text:?} is no time limit of Slurm from one minute up; write minutes (\"30\"), \"hours:minutes:seconds\" or \"days-hours\""
+                "{text:?} is not a valid Slurm time limit of one minute or more; write minutes (\"30\"), \"hours:minutes:seconds\" or \"days-hours\""
             )),
         }
     }
@@ -262,6 +271,14 @@ mod tests {
             ("99999999999999999999", None),
         ] {
             assert_eq!(text.parse::<TimeLimit>().ok().map(|limit| limit.seconds), seconds, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn time_limits_cover_a_time() {
+        for (seconds, text) in [(0.0, "1:00:00"), (3601.0, "2:00:00"), (86_400.0, "1-0"), (1e30, "999999-0")] {
+            let limit = TimeLimit::covering(seconds);
+            assert_eq!((limit.to_string().as_str(), text.parse()), (text, Ok(limit)));
         }
     }
 

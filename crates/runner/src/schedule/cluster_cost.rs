@@ -20,6 +20,9 @@ pub const UNIT_HANDLED: f64 = 3.4e-6;
 /// Share of the time of a computation after which it writes a piece.
 const PIECE_SHARE: f64 = 0.1;
 
+/// Shards of up to ten minutes are proposed if they take no longer than this times the time of the quickest number.
+pub const AS_GOOD: f64 = 1.05;
+
 /// What the steps of a run take, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rates {
@@ -171,16 +174,21 @@ impl Load {
         }
     }
 
-    /// The cost in a sensible number of shards: as many as their size makes, or somewhat more, such that every node has as
-    /// many, if that saves more time of the nodes than the further tasks take.
-    pub fn best(&self, rates: &Rates, on: Nodes) -> ClusterCost {
+    /// The cost in the number of shards that is proposed: as many as their size makes, or else somewhat more, such that
+    /// every node has as many, if that takes about as little time as the quickest of these two and `others`; and the
+    /// quickest of all if neither does.
+    pub fn best(&self, rates: &Rates, on: Nodes, others: &[u64]) -> ClusterCost {
         let seconds = self.samples * rates.sample;
         let by_size = number_of_shards(seconds, self.shared, on.threads as usize, MOST_TASKS);
         let most = MOST_TASKS.min(self.shared.max(1));
-        let numbers = [by_size, by_size.next_multiple_of(on.nodes)];
-        let [by_size, even] = numbers.map(|shards| self.cost(rates, on, shards.min(most)));
-        let (saved, further) = (by_size.total - even.total, even.shards.saturating_sub(by_size.shards));
-        if saved * on.nodes as f64 > further as f64 * rates.task { even } else { by_size }
+        let cost = |shards: u64| self.cost(rates, on, shards.min(most));
+        let [by_size, even] = [by_size, by_size.next_multiple_of(on.nodes)].map(cost);
+        // Of several that take as long, the one with the fewest shards.
+        let in_order = |a: &ClusterCost, b: &ClusterCost| a.total.total_cmp(&b.total).then(a.shards.cmp(&b.shards));
+        let all = others.iter().map(|&shards| cost(shards)).chain([even]);
+        let quickest = all.fold(by_size, |a, b| if in_order(&b, &a).is_lt() { b } else { a });
+        let is_as_good = |cost: &ClusterCost| cost.total <= AS_GOOD * quickest.total;
+        [by_size, even].into_iter().find(is_as_good).unwrap_or(quickest)
     }
 }
 
@@ -279,14 +287,37 @@ mod tests {
     #[test]
     fn the_best_number_of_shards_takes_the_least_time() {
         let load = Load { samples: 1e8, units: 100_000, shared: 100_000, ..LOAD };
-        let best = |nodes, threads| load.best(&RATES, Nodes { nodes, threads }).shards;
+        // Pieces that are read at once, as on a local disk.
+        let rates = Rates { piece_read: 0.0, unit_read: 0.0, ..RATES };
+        let best = |nodes, others: &[u64]| load.best(&rates, Nodes { nodes, threads: 1 }, others).shards;
         // 100 000 s on one thread are 167 shards of ten minutes.
-        assert_eq!(best(1, 1), 167);
-        assert_eq!(best(100, 1), 200);
-        assert_eq!(best(500, 1), 500);
+        assert_eq!(best(1, &[]), 167);
+        assert_eq!(best(100, &[]), 200);
+        assert_eq!(best(500, &[]), 500);
+        assert_eq!(best(100, &[1, 10, 100, 1000]), 200, "one round of 100 shards saves less than 5 %");
+        // Two rounds of 501 s or less, or one of 1000 s: the second round reads the pieces of the first.
+        let slow = |others: &[u64]| load.best(&RATES, Nodes { nodes: 100, threads: 1 }, others).shards;
+        assert_eq!((slow(&[]), slow(&[1, 10, 100, 1000])), (200, 100));
         let small = Load { samples: 10.0, ..LOAD };
-        assert_eq!(small.best(&RATES, Nodes { nodes: 100, threads: 1 }).shards, 1);
-        assert_eq!(LOAD.best(&RATES, Nodes { nodes: 1000, threads: 1 }).shards, 100, "no more than units");
+        let best = |load: &Load, nodes| load.best(&RATES, Nodes { nodes, threads: 1 }, &[1, 10, 100, 1000]).shards;
+        assert_eq!(best(&small, 100), 1);
+        assert_eq!(best(&LOAD, 1000), 100, "no more than units");
+    }
+
+    #[test]
+    fn no_number_of_shards_that_is_shown_is_clearly_quicker_than_the_proposed_one() {
+        let shown = [1, 10, 100, 1000];
+        for (nodes, threads) in [(1, 1), (3, 8), (10, 4), (100, 32), (100_000, 1)] {
+            for samples in [1e2, 1e4, 1e6, 1e8, 1e10] {
+                for units in [1, 40, 1040, 1_000_000] {
+                    let (load, on) = (Load { samples, units, shared: units, ..LOAD }, Nodes { nodes, threads });
+                    let best = load.best(&RATES, on, &shown).total;
+                    let quickest =
+                        shown.map(|shards| load.cost(&RATES, on, shards).total).into_iter().fold(best, f64::min);
+                    assert!(best <= AS_GOOD * quickest, "{on:?}, {load:?}: {best} s, {quickest} s");
+                }
+            }
+        }
     }
 
     #[test]
