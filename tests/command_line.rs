@@ -230,7 +230,9 @@ fn files_and_directories_that_are_not_what_they_should_be() {
     assert_eq!(fs::read_dir(place.path("mine")).unwrap().count(), 1);
     for command in ["resume", "status", "merge"] {
         place.run(&format!("{command} nowhere")).refused(74, &["nowhere is not a run directory: it does not exist"]);
-        place.run(&format!("{command} mine")).refused(74, &["mine is not a run directory: it has neither job.toml nor shards/"]);
+        place
+            .run(&format!("{command} mine"))
+            .refused(74, &["mine is not a run directory: it has neither job.toml nor shards/"]);
         place.run(&format!("{command} file")).refused(74, &["file is not a run directory: it is a file"]);
     }
     place.write("binary.toml", "\u{0}\u{1}");

@@ -105,7 +105,7 @@ impl Check<'_> {
         match &known {
             Known::Digests(_) => self.find(DIGESTS, State::Sound, "sound"),
             Known::Nothing => {
-                self.find(DIGESTS, State::Sound, "none; it was removed, or the run is of an earlier version")
+                self.find(DIGESTS, State::Sound, "none; it was removed, or the run is of an earlier version");
             }
             Known::Damaged => {
                 let again = if self.can_mend { " and written again" } else { "" };
@@ -182,7 +182,7 @@ impl Check<'_> {
         match damaged.len() {
             0 => self.find(&name, State::Sound, format!("{count}, all sound")),
             damaged => {
-                self.find(&name, State::Broken, format!("{count}, {} of them damaged", HumanCount(damaged as u64)))
+                self.find(&name, State::Broken, format!("{count}, {} of them damaged", HumanCount(damaged as u64)));
             }
         }
     }

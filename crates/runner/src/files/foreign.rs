@@ -79,8 +79,8 @@ pub fn read<R: ChunkReader + 'static, T>(
 }
 
 /// The text that the description of a Parquet file holds under a key; `None` where it is none, or has no such key.
-pub fn text_of_key(file: File, key: &str) -> Option<String> {
-    let description = description(&file).ok()?;
+pub fn text_of_key(file: &File, key: &str) -> Option<String> {
+    let description = description(file).ok()?;
     let (description, _) = fields(&description, MOST_DESCRIBED)?;
     let pair = description.list(5).iter().find(|pair| pair.bytes(1) == Some(key.as_bytes()))?;
     String::from_utf8(pair.bytes(2)?.to_vec()).ok()

@@ -229,7 +229,7 @@ impl RunDirectory {
         if Known::read(&self.root)?.fit(SURFACE, &digest) == Fit::Differs {
             return Ok(SurfaceState::Damaged(NOT_AS_WRITTEN.to_owned()));
         }
-        Ok(match text_of_key(file, JOB_HASH_KEY) {
+        Ok(match text_of_key(&file, JOB_HASH_KEY) {
             None => SurfaceState::Damaged("it is not the surface of a run".to_owned()),
             Some(hash) if hash == job.hash() => SurfaceState::Sound,
             Some(_) => SurfaceState::OfAnotherJob,
@@ -350,10 +350,11 @@ impl RunDirectory {
         if Known::read(&self.root).ok()?.fit(SURFACE, &digest) == Fit::Differs {
             return None;
         }
-        let text = text_of_key(self.root.open_file(SURFACE).ok()?, JOB_KEY)?;
+        let surface = self.root.open_file(SURFACE).ok()?;
+        let text = text_of_key(&surface, JOB_KEY)?;
         let source = JobSource { path: self.surface(), text };
         let job = source.job().ok()?;
-        let is_whole = text_of_key(self.root.open_file(SURFACE).ok()?, JOB_HASH_KEY)? == job.hash();
+        let is_whole = text_of_key(&surface, JOB_HASH_KEY)? == job.hash();
         // A run that was extended has the surface of the job before until it is finished, and pieces beyond that job.
         (is_whole && self.tally(&job).is_ok()).then_some((source, job))
     }

@@ -85,13 +85,14 @@ impl Session {
         self.outcome = outcome.to_owned();
         self.samples_computed = samples;
         let path = directory.path().join(RECORD);
-        let mut record = match directory.read_known(RECORD).and_then(|bytes| Ok(bytes.map(read).transpose()?)) {
-            Ok(record) => record.unwrap_or_default(),
-            Err(why) => {
-                directory.set_aside(directory.root(), RECORD.as_ref(), &why);
-                Record::default()
-            }
-        };
+        let mut record =
+            match directory.read_known(RECORD).and_then(|bytes| bytes.map(|bytes| read(&bytes)).transpose()) {
+                Ok(record) => record.unwrap_or_default(),
+                Err(why) => {
+                    directory.set_aside(directory.root(), RECORD.as_ref(), &why);
+                    Record::default()
+                }
+            };
         record.sessions.push(self);
         let text = serde_json::to_string_pretty(&record).map_err(|error| Failure::writing(&path, error))?;
         directory.publish(RECORD, (text + "\n").as_bytes())
@@ -106,6 +107,6 @@ pub fn is_record(bytes: &[u8]) -> bool {
     serde_json::from_slice::<Record>(bytes).is_ok()
 }
 
-fn read(bytes: Vec<u8>) -> Result<Record, String> {
-    serde_json::from_slice(&bytes).map_err(|error| error.to_string())
+fn read(bytes: &[u8]) -> Result<Record, String> {
+    serde_json::from_slice(bytes).map_err(|error| error.to_string())
 }
