@@ -47,6 +47,10 @@ class Count:
         self.failed, self.seconds = 0, 0.0
         self.skipped: Optional[str] = None
 
+    def is_empty(self) -> bool:
+        """Whether every try missed."""
+        return self.skipped is None and not sum(self.outcomes.values()) + self.failed
+
     def line(self, row: Row, kind: str) -> str:
         if self.skipped is not None:
             return f"| {row.fault} | {kind} | skipped: {self.skipped} | | | | |"
@@ -136,6 +140,9 @@ def main() -> int:
                 lines.append(f"| {row.fault} | all | left out: no time | | | | |")
                 continue
             for kind, count in make(suite, row, options).items():
+                if count.is_empty():
+                    count.failed += 1
+                    print(f"FAILED {row.name}, {kind}: no fault hit a run", file=sys.stderr)
                 lines.append(count.line(row, kind))
                 failed += count.failed
                 print(lines[-1], file=sys.stderr, flush=True)
