@@ -45,6 +45,8 @@ mod samples;
 
 mod compare;
 
+mod limit;
+
 mod plot;
 
 mod report;
@@ -59,6 +61,7 @@ pub use describe::{completions, man, schema};
 pub use engines::submit_to_engine;
 pub use export::export;
 pub use init::init;
+pub use limit::limit;
 pub use motion_report::columns;
 pub use parameters::parameters;
 pub use plot::plot;

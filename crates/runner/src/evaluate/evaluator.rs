@@ -37,7 +37,7 @@ pub struct Evaluator<'a> {
     pub(super) criteria: Criteria,
     pub(super) maps: Maps,
     layout: SumLayout,
-    chunk: usize,
+    pub(super) chunk: usize,
 }
 
 /// One sample of a run, with everything that is known about it.

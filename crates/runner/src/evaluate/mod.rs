@@ -21,6 +21,8 @@ pub mod tiles;
 
 pub mod integral;
 
+pub mod limits;
+
 mod stream;
 
 pub mod work;
