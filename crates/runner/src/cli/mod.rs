@@ -54,7 +54,7 @@ pub enum Command {
     Samples(SamplesArguments),
     /// Compare finished runs cell by cell, and sample by sample if they share their samples
     Compare(CompareArguments),
-    /// Find the largest or smallest value of an axis with at most a probability of instability
+    /// Find where along an axis the probability of instability passes a target
     Limit(LimitArguments),
     /// Draw the result of a finished run, or a simulated motion, as SVG and PNG
     Plot(PlotArguments),

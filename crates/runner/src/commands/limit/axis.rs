@@ -89,6 +89,6 @@ impl LimitAxis {
         let lengths = job.grid.lengths();
         let stride: u64 = lengths[self.place + 1..].iter().product();
         let length = lengths[self.place];
-        (0..job.cells()).filter(|cell| cell / stride % length == 0).collect()
+        (0..job.cells()).filter(|cell| (cell / stride).is_multiple_of(length)).collect()
     }
 }
