@@ -18,7 +18,7 @@ use crate::job::Effort;
 use crate::output::note;
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::mapping::Mapping;
-use crate::store::directory::MAPS;
+use crate::store::layout::MAPS;
 use crate::store::map_pieces;
 use crate::tables::row::unaudited;
 
