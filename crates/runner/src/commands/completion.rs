@@ -80,6 +80,20 @@ pub fn complete_run(
     compute(directory, job, state.into_tally(), &work, interrupt)
 }
 
+/// What is said of an interrupted run.
+pub fn kept_and_continued(run: &Path, shard: Option<Shard>) -> String {
+    format!("what is finished is kept; continue with `{}`", how_to_go_on(run, shard))
+}
+
+/// The command that continues a run, or a shard of it.
+fn how_to_go_on(run: &Path, shard: Option<Shard>) -> String {
+    let run = quoted(run);
+    match shard {
+        None => format!("stickslip resume {run}"),
+        Some(shard) => format!("stickslip submit {run}/job.toml --out {run} --shard {shard}"),
+    }
+}
+
 /// Computes what is missing; without a shard, writes the surface.
 pub fn compute(
     directory: RunDirectory,
@@ -95,12 +109,8 @@ pub fn compute(
     let mut session = Session::start(work.command, threads);
     let started = Instant::now();
     let before = tally.counted();
-    let path = quoted(directory.path());
-    let how = match shard {
-        None => format!("stickslip resume {path}"),
-        Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
-    };
-    interrupt.remark(&format!("what is finished is kept; continue with `{how}`"));
+    let how = how_to_go_on(directory.path(), shard);
+    interrupt.remark(&kept_and_continued(directory.path(), shard));
     let resumed = format!("what is on disk already is kept; {FREE_SPACE} `{how}`");
     let kept = |failure: Failure, directory: &RunDirectory| match directory.root().require_in_place() {
         Ok(()) => failure.with_remedy(&resumed),
