@@ -731,7 +731,7 @@ fn what_does_not_fit_together_is_refused() {
             &["job.toml:16", "stiffness.contact_normal", "\"monte-carlo\" or \"sobol\""],
         ),
         (RIGID, third, "evaluate = \"boundary\"", &["job.toml:17", "stiffness.contact_normal"]),
-        (EIGENVALUE, lognormal, "method = \"exact\"", &["independent normal inputs"]),
+        (RIGID, lognormal, "method = \"exact\"", &["independent normal inputs", "verdict map", "\"eigenvalue\""]),
         (EIGENVALUE, lognormal, "derivatives = true", &["independent normal inputs"]),
         (recorded, BOTH, "evaluate = \"boundary\"", &["criterion.record"]),
         (EIGENVALUE, BOTH, "until = { half_width = 0.7, at_most = 5 }", &["half_width = 0.7", "less than 0.5"]),

@@ -85,6 +85,15 @@ impl RandomInputSet {
         (0..self.inputs.len()).find(|&input| stds.iter().any(|entry| entry[input] != stds[0][input]))
     }
 
+    /// The positions of preload and static friction, where they are random.
+    pub fn pair(&self) -> [Option<usize>; 2] {
+        let position = |wanted: fn(&RandomInput) -> bool| self.inputs.iter().position(wanted);
+        [
+            position(|input| matches!(input, RandomInput::Preload)),
+            position(|input| matches!(input, RandomInput::StaticFriction)),
+        ]
+    }
+
     /// Whether preload is random.
     pub fn has_preload(&self) -> bool {
         self.inputs.iter().any(|input| matches!(input, RandomInput::Preload))

@@ -127,10 +127,11 @@ impl Sampling {
                 ),
             );
         }
-        if self.method == SamplingMethod::Exact && !inputs.is_plain() {
+        let is_closed = matches!(criterion, Criterion::Eigenvalue);
+        if self.method == SamplingMethod::Exact && !is_closed && !inputs.is_plain() {
             return complain(
                 method,
-                "sampling.method = \"exact\" integrates independent normal inputs; for other distributions or correlation use \"monte-carlo\" or \"sobol\"".to_owned(),
+                "sampling.method = \"exact\" integrates independent normal inputs over a verdict map; for other distributions or correlation use criterion.kind = \"eigenvalue\", or method = \"monte-carlo\" or \"sobol\"".to_owned(),
             );
         }
         if uses_map && criterion.records_amplitude() {

@@ -101,7 +101,7 @@ pub enum SamplingMethod {
     MonteCarlo,
     /// Scrambled Sobol points.
     Sobol,
-    /// The normal measure of the unstable side of the boundary.
+    /// The probability of the unstable side of the boundary.
     Exact,
 }
 

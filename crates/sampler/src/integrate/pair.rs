@@ -20,8 +20,8 @@ use crate::integrate::closed_form::ExactProbability;
 use crate::integrate::quadrature::gauss_kronrod;
 use crate::special_functions::normal;
 
-/// Deviates beyond this carry a probability below 1e-32.
-const DEVIATE_LIMIT: f64 = 12.0;
+/// Deviates beyond this carry a probability below 1e-126.
+const DEVIATE_LIMIT: f64 = 24.0;
 
 /// Width of the intervals to begin with, and where the second input hardly scatters given the first.
 const WIDTHS: [f64; 2] = [3.0, 0.5];
