@@ -85,7 +85,10 @@ impl Job {
 
     /// What the deviates are drawn from.
     pub fn points(&self) -> Points {
-        if self.sampling.method == SamplingMethod::Sobol { Points::Sobol } else { Points::Random }
+        match self.sampling.method {
+            SamplingMethod::Sobol | SamplingMethod::Conditional => Points::Sobol,
+            SamplingMethod::MonteCarlo | SamplingMethod::Exact => Points::Random,
+        }
     }
 
     /// Whether drawing and deciding a sample costs little more than its random numbers: only preload and static
@@ -97,6 +100,16 @@ impl Job {
     /// Whether probabilities are integrated, without samples.
     pub fn is_integrated(&self) -> bool {
         self.sampling.method == SamplingMethod::Exact
+    }
+
+    /// Whether a sample stands for the inputs other than preload and static friction, over which it is integrated.
+    pub fn is_conditional(&self) -> bool {
+        self.sampling.method == SamplingMethod::Conditional
+    }
+
+    /// Whether every sample has a verdict of its own, which can be looked at again.
+    pub fn has_verdicts(&self) -> bool {
+        !self.is_integrated() && !self.is_conditional()
     }
 
     /// Whether cells get as many samples as a precision takes.
