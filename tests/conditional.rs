@@ -247,6 +247,14 @@ fn conditional_sums_do_not_depend_on_how_the_work_is_shared() {
 }
 
 #[test]
+fn conditional_columns_are_pinned() {
+    // Regression values: another version gives the same columns, or another results version.
+    let place = Place::new();
+    let table = submitted(&place, "pinned", &job_of_ten("pinned", "samples = 256\nseed = 7"));
+    assert_eq!(table.digest(), "f0fce1c93c56641a33ae5ba185c5bfc9");
+}
+
+#[test]
 fn conditional_probabilities_are_refused_where_they_do_not_apply() {
     let place = Place::new();
     let third = "inputs = [\"preload\", \"pad.mass\"]\nrelative_std = 0.1";
