@@ -201,7 +201,10 @@ fn conditional_probabilities_agree_with_samples_of_all_inputs() {
         }
     }
     let compared = place.run("compare four four-sobol --pointwise").done();
-    assert!(compared.stdout.contains("0 of 30 cells"), "{}", compared.stdout);
+    assert!(compared.stdout.contains("significant       0 of 30 cells"), "{}", compared.stdout);
+    let itself = place.run("compare four four --pointwise").done();
+    assert!(itself.stderr.contains("they integrate over preload and static friction"), "{}", itself.stderr);
+    assert!(itself.stdout.contains("significant       0 of 30 cells"), "{}", itself.stdout);
 }
 
 #[test]
