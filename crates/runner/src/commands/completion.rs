@@ -322,6 +322,11 @@ pub fn evaluator_again<'a>(
             "this run integrates its probabilities; it has no samples to replay or to write".to_owned(),
         ));
     }
+    if job.is_conditional() {
+        return Err(Failure::Usage(
+            "this run integrates over preload and static friction at each of its samples (method = \"conditional\"), so they have no verdicts to replay or to write; submit the job with method = \"sobol\" into another directory to look at samples".to_owned(),
+        ));
+    }
     let mut evaluator = Evaluator::new(job)?;
     if job.uses_maps() && was_counted_without_map(job, tally) {
         evaluator.maps_mut().give_up();

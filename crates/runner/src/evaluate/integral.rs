@@ -2,6 +2,7 @@
 
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
+use stickslip_sampler::inputs::PairLaw;
 use stickslip_sampler::integrate::closed_form;
 use stickslip_sampler::integrate::derivatives::Derivatives;
 use stickslip_sampler::integrate::verdict_map::{BoundedProbability, MapRegions};
@@ -44,7 +45,12 @@ impl Evaluator<'_> {
     pub fn integrate(&self, cell: &Cell, regions: &[MapRegions], lookups: Lookups) -> IntegratedCell {
         let brake = self.job.grid.brake_index(cell.index);
         if let Some(boundary) = &self.criteria.boundary(self.job, brake) {
-            let exact = closed_form::probability(boundary, cell);
+            let exact = if self.job.random.is_plain() {
+                closed_form::probability(boundary, cell)
+            } else {
+                let coefficient = self.job.random.pairs.first().map_or(0.0, |&(_, _, coefficient)| coefficient);
+                self.job.pair(cell).exact_probability(boundary, &PairLaw::correlated(coefficient))
+            };
             let low = (exact.value - exact.error_bound).max(0.0);
             let high = (exact.value + exact.error_bound).min(1.0);
             let wanted = self.job.sampling.derivatives;
