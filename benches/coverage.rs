@@ -15,6 +15,7 @@ use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use stickslip_core::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::draw::deviates::{DeviateStream, Points};
+use stickslip_sampler::estimate::conditional::{ConditionalPart, ProbabilitySums};
 use stickslip_sampler::estimate::difference::PairedCounts;
 use stickslip_sampler::estimate::difference::{dependent_difference, paired_difference, unpaired_difference};
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
@@ -22,8 +23,10 @@ use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 use stickslip_sampler::estimate::looks::{Looks, Precision};
 use stickslip_sampler::estimate::score::{CellParameter, ScoreSums, ScoreTotals};
 use stickslip_sampler::estimate::sobol_indices::{IndexCounts, indices};
-use stickslip_sampler::estimate::{audit, randomisations};
+use stickslip_sampler::estimate::{audit, conditional, randomisations};
 use stickslip_sampler::grid::{Cell, RelativeStd};
+use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw};
+use stickslip_sampler::integrate::pair::Pair;
 use stickslip_sampler::special_functions::normal;
 
 /// One line of the table.
@@ -313,6 +316,72 @@ fn sobol_points() {
     }
 }
 
+/// Ten inputs whose weighted sum decides, two of which are integrated over at every sample of the others.
+fn conditional_probabilities() {
+    heading("conditional probabilities, 16 randomisations, ten inputs");
+    // The share of the variance that the two have.
+    for (of_two, tail, points, seeds) in [
+        (0.5, 0.1, 256, 1000),
+        (0.5, 1e-3, 256, 1000),
+        (0.5, 1e-3, 4096, 200),
+        (0.5, 1e-6, 1024, 500),
+        (0.5, 1e-6, 4096, 400),
+        (0.8, 1e-3, 256, 1000),
+        (0.8, 1e-6, 1024, 500),
+        (0.8, 1e-9, 256, 1000),
+        (0.8, 1e-9, 1024, 500),
+        (0.8, 1e-9, 4096, 400),
+        (0.95, 1e-9, 256, 1000),
+        (0.95, 1e-12, 256, 1000),
+        (0.95, 1e-12, 64, 1000),
+    ] {
+        let limit = -normal::quantile(tail);
+        let others = 8;
+        let weight = ((1.0 - of_two) / others as f64).sqrt();
+        let given = |z: &[f64]| normal::upper_tail((limit - weight * z.iter().sum::<f64>()) / of_two.sqrt());
+        print_conditional(&format!("two have {of_two} of the variance"), others, tail, points, seeds, &given);
+    }
+    // The same of a brake, with its integrals: the logarithms of preload, friction and damping are normal.
+    let mut parameters = Parameters::sui_ding_2018();
+    parameters.set("friction.kinetic_coefficient", 0.0).unwrap();
+    let brake = PadOnDisc::new(parameters).unwrap();
+    let damping = brake.parameters().damping.tangential;
+    let boundary_with = |factor: f64| {
+        let mut parameters = brake.parameters().clone();
+        parameters.damping.tangential = damping * factor;
+        PadOnDisc::new(parameters).unwrap().stability_boundary()
+    };
+    for (tail, seeds) in [(1e-3, 200), (1e-9, 200)] {
+        let (others, weight, log_std) = (8, 0.05, 0.2_f64);
+        let std = (2.0 * log_std * log_std + others as f64 * weight * weight).sqrt();
+        let relative_std = (log_std * log_std).exp_m1().sqrt();
+        let mean = (0.5 * log_std * log_std).exp();
+        let preload = boundary_with(1.0).critical_product() / 0.4 * (std * normal::quantile(tail)).exp();
+        let lognormal = |median: f64| InputDistribution::relative(&Marginal::Lognormal, median * mean, relative_std);
+        let pair = Pair::new(lognormal(preload), lognormal(0.4));
+        let given = |z: &[f64]| {
+            let boundary = boundary_with((-weight * z.iter().sum::<f64>()).exp());
+            pair.probability(&boundary, &PairLaw::correlated(0.0), 1e-8)
+        };
+        print_conditional("a brake, by integrals", others, tail, 64, seeds, &given);
+    }
+}
+
+/// Prints the coverage of the mean of `given` at Sobol points of so many inputs.
+fn print_conditional(method: &str, inputs: usize, p: f64, points: u64, seeds: u64, given: &dyn Fn(&[f64]) -> f64) {
+    let coverage = share(seeds, |seed| {
+        let stream = DeviateStream { seed, common_random_numbers: false, dimensions: inputs, points: Points::Sobol };
+        let part = |randomisation: u64| {
+            let mut sums = ProbabilitySums::default();
+            stream.draw(0, randomisation, 0..points).chunks_exact(inputs).for_each(|z| sums.add(given(z)));
+            ConditionalPart::from_sums(points, 0, &sums.sums().map(i128::from))
+        };
+        let estimate = conditional::estimate(&(0..16).map(part).collect::<Vec<_>>(), 0.95);
+        estimate.low <= p && p <= estimate.high
+    });
+    print(&Line { method, samples: 16 * points, probability: p, nominal: 0.95, coverage, repetitions: Some(seeds) });
+}
+
 fn sobol_indices() {
     heading("Sobol indices, total, 1.96 standard errors");
     let (samples, seeds) = (4000, 1000);
@@ -443,6 +512,7 @@ fn main() {
     stopping();
     derivatives();
     sobol_points();
+    conditional_probabilities();
     sobol_indices();
     differences();
     audits();

@@ -205,7 +205,7 @@ fn a_folder_of_runs_is_one_line_a_run() {
         told[0]["state"] == "unreadable" && told[0]["message"].to_string().contains("its job.toml is lost"),
         "{told}"
     );
-    place.run("status runs/pictures").refused(74, &["runs/pictures is not a run directory: it has no job.toml"]);
+    place.run("status runs/pictures").refused(74, &["runs/pictures is not a run directory: it has neither job.toml"]);
     place.run("status .").refused(74, &["is not a run directory"]);
 }
 

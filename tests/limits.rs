@@ -64,6 +64,29 @@ fn an_exact_run_has_the_target_at_the_limit() {
 }
 
 #[test]
+fn correlated_inputs_of_any_distribution_have_the_target_at_the_limit() {
+    let place = Place::new();
+    let random =
+        format!("{BOTH}\ndistribution = \"lognormal\"\ncorrelation = [[\"preload\", \"static_friction\", 0.5]]");
+    let axes = format!("{PRELOADS}\nstatic_friction = 0.4");
+    for (i, target) in [1e-6, 0.01].into_iter().enumerate() {
+        let rows = limits(&place, &job("", &axes, &random, EXACT), &format!("--of preload --probability {target}"));
+        let axes = format!("rotating_speed = 15.0\npreload = {}\nstatic_friction = 0.4", rows[0]["limit"]);
+        let p = surface(&place, &job("", &axes, &random, EXACT), &format!("run-{i}"), "p_unstable")[0];
+        assert!((p - target).abs() < 1e-6 * target, "{target}: {p}");
+        let independent = limits(
+            &place,
+            &job("", &format!("{PRELOADS}\nstatic_friction = 0.4"), BOTH, EXACT),
+            &format!("--of preload --probability {target}"),
+        );
+        assert!(
+            number(&independent[0], "limit") > number(&rows[0], "limit"),
+            "tails are heavier where both rise together"
+        );
+    }
+}
+
+#[test]
 fn one_random_input_has_a_limit_in_closed_form() {
     let place = Place::new();
     let random = "inputs = [\"preload\"]\nrelative_std = 0.2";
@@ -281,6 +304,9 @@ fn what_has_no_limit_is_refused_with_a_remedy() {
     write("exact", &job("", &axes, BOTH, EXACT));
     write("sampled", &job("", &format!("{PRELOADS}\n\"pad.mass\" = [0.1, 0.2]"), BOTH, "samples = 100"));
     write("until", &job("", &axes, BOTH, "until = { half_width = 0.01 }"));
+    let three =
+        BOTH.replace("inputs = [", "inputs = [\"pad.mass\", ").replace("{ preload", "{ \"pad.mass\" = 0.1, preload");
+    write("conditional", &job("", &axes, &three, "method = \"conditional\"\nsamples = 1024"));
     write("many", &job("", &axes, BOTH, "samples = 1_000_000_000"));
     write(
         "time",
@@ -301,6 +327,7 @@ fn what_has_no_limit_is_refused_with_a_remedy() {
     refused(&format!("exact.toml --of preload_force {p}"), &["--of preload"]);
     refused(&format!("sampled.toml --of pad.mass {p}"), &["preload and static_friction", "method = \"exact\""]);
     refused(&format!("until.toml --of preload {p}"), &["sampling.samples in place of sampling.until"]);
+    refused(&format!("conditional.toml --of preload {p}"), &["conditional", "\"sobol\"", "\"exact\""]);
     refused(&format!("many.toml --of preload {p}"), &["10,000,000 at most"]);
     refused(&format!("time.toml --of preload {p}"), &["kind = \"eigenvalue\"", "surface.parquet"]);
     place.run(&format!("limit none.toml --of preload {p}")).refused(74, &["none.toml"]);

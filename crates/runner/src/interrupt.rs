@@ -10,6 +10,7 @@
 
 use std::fs;
 use std::io;
+use std::path::PathBuf;
 use std::process;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -68,7 +69,23 @@ struct Shared {
     /// Held while a file of results is written.
     saving: Mutex<()>,
     /// What is kept of what is interrupted, and how to continue it.
-    remark: Mutex<String>,
+    remark: Mutex<Remark>,
+}
+
+/// What is said after a signal.
+#[derive(Debug, Default)]
+struct Remark {
+    text: String,
+    /// It is said only if this file is there then.
+    condition: Option<PathBuf>,
+}
+
+impl Remark {
+    /// The words that follow the name of the signal.
+    fn now(&self) -> String {
+        let is_true = self.condition.as_ref().is_none_or(|file| file.exists());
+        if is_true && !self.text.is_empty() { format!("; {}", self.text) } else { String::new() }
+    }
 }
 
 /// A stretch of work in progress, see [`Interrupt::working`].
@@ -109,7 +126,12 @@ impl Interrupt {
 
     /// Tells what is kept from now on of what is interrupted, and how to continue it.
     pub fn remark(&self, remark: &str) {
-        *lock(&self.shared.remark) = format!("; {remark}");
+        *lock(&self.shared.remark) = Remark { text: remark.to_owned(), condition: None };
+    }
+
+    /// The same, true as soon as a file is there.
+    pub fn remark_once_there(&self, file: PathBuf, remark: &str) {
+        *lock(&self.shared.remark) = Remark { text: remark.to_owned(), condition: Some(file) };
     }
 
     /// Begins a stretch of work. A signal during it leaves time to hand over its results.
@@ -130,7 +152,7 @@ impl Shared {
         let Some(signal) = signals.forever().find_map(|number| u8::try_from(number).ok().map(Signal)) else { return };
         let received = Instant::now();
         self.signal.store(signal.0, Ordering::SeqCst);
-        let remark = lock(&self.remark).clone();
+        let remark = lock(&self.remark).now();
         if self.working.load(Ordering::SeqCst) == 0 {
             note_over_bar(format_args!("{signal}{remark}"));
             end(signal);
@@ -205,5 +227,17 @@ mod tests {
     fn ignored_signals_are_read_from_the_status_of_a_process() {
         assert_eq!(ignored("Name:\tstickslip\nSigBlk:\t0000000000000000\nSigIgn:\t0000000000001001\n"), Some(0x1001));
         assert_eq!(ignored("Name:\tstickslip\n"), None);
+    }
+
+    #[test]
+    fn what_is_true_later_is_not_said_before() {
+        let directory = tempfile::tempdir().unwrap();
+        let (interrupt, file) = (Interrupt::unwatched(), directory.path().join("job.toml"));
+        let said = || lock(&interrupt.shared.remark).now();
+        assert_eq!(said(), "");
+        interrupt.remark_once_there(file.clone(), "go on");
+        assert_eq!(said(), "");
+        fs::write(&file, "").unwrap();
+        assert_eq!(said(), "; go on");
     }
 }

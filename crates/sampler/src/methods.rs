@@ -9,7 +9,8 @@
 //! | [sequential looks](#sequential-looks) | P to a given precision, with as few samples as that needs | none about the verdict | `at_most` is reached first | `p_high - p_low` is wider than requested |
 //! | [Sobol points](#sobol-points) | P with a narrower interval from as many samples | the unstable region has a boundary of finite length | no better than independent samples | `p_high - p_low` does not shrink faster than theirs |
 //! | [verdict map](#verdict-map) | the same counts from far fewer simulations | two random inputs; boundaries visible on a grid | an island between grid points is looked up wrongly | the audit finds wrong verdicts |
-//! | [integration](#integration) | P without sampling error | as for the map; independent normal inputs | as for the map | the audit; bounds that are far apart |
+//! | [integration](#integration) | P without sampling error | as for the map; over a map independent normal inputs | as for the map | the audit; bounds that are far apart |
+//! | [conditional probabilities](#conditional-probabilities) | P of rare events with many inputs | a boundary in closed form | few samples have most of P | `p_high` stays above 0 |
 //! | [derivatives](#derivatives) | slope of P by a parameter of the cell | independent normal inputs | few unstable or stable samples, small scatter | null, or a large standard error |
 //! | [Sobol indices](#sobol-indices) | share of an input in the variance of the verdict | independent inputs | nearly all samples agree | null, or a large standard error |
 //!
@@ -129,7 +130,7 @@
 //!
 //! **Assumptions.** Those of the verdict map, and independent normal inputs. For `kind = "eigenvalue"` the boundary is
 //! known in [closed form](crate::integrate::closed_form), and no map is needed; the error is about 1e-14 for relative
-//! standard deviations above 0.01.
+//! standard deviations above 0.01. There the inputs may also have [any distribution and correlation](crate::integrate::pair).
 //!
 //! **Result.** The probability without samples ([`integrate::verdict_map`](crate::integrate::verdict_map)), except for
 //! those of the audit, which are drawn and simulated as above. `p_low` and `p_high` bound the numerical error: the
@@ -139,6 +140,20 @@
 //!
 //! **Failure.** As for the map. **How you notice.** By the audit. For relative standard deviations below about 1e-4 the
 //! resolution of the curves is no longer small against the scatter, and `p_low` and `p_high` move apart.
+//!
+//! # Conditional probabilities
+//!
+//! `method = "conditional"`.
+//!
+//! **Assumptions.** The boundary is known in closed form for the brake of every sample (`kind = "eigenvalue"`). Any number
+//! of random inputs, with any marginal distributions and correlations.
+//!
+//! **Result.** The mean of the [probabilities](crate::integrate::pair) over preload and static friction at scrambled Sobol
+//! points of the other inputs, with an interval from the scatter of the randomisations
+//! ([`conditional`](crate::estimate::conditional)).
+//!
+//! **Failure.** Where the other inputs decide, few points have most of the probability, and the method is little better
+//! than Sobol points. **How you notice.** `p_high` stays near four over the number of points.
 //!
 //! # Derivatives
 //!

@@ -8,7 +8,8 @@ use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
 use crate::output::{note, quoted};
-use crate::store::directory::{JOB, RunDirectory};
+use crate::store::directory::RunDirectory;
+use crate::store::layout::JOB;
 use crate::store::lock::Access;
 use crate::store::tally::Tally;
 

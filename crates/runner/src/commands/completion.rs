@@ -17,7 +17,8 @@ use crate::schedule::engine::{Engine, Outcome, Samples};
 use crate::schedule::mapping::{CompletedMaps, Mapping};
 use crate::schedule::plan::{Plan, Shard};
 use crate::schedule::progress::{Progress, Total};
-use crate::store::directory::{AUDITS, MAPS, RunDirectory};
+use crate::store::directory::RunDirectory;
+use crate::store::layout::{AUDITS, MAPS};
 use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::map_pieces;
 use crate::store::provenance::Session;
@@ -79,6 +80,20 @@ pub fn complete_run(
     compute(directory, job, state.into_tally(), &work, interrupt)
 }
 
+/// What is said of an interrupted run.
+pub fn kept_and_continued(run: &Path, shard: Option<Shard>) -> String {
+    format!("what is finished is kept; continue with `{}`", how_to_go_on(run, shard))
+}
+
+/// The command that continues a run, or a shard of it.
+fn how_to_go_on(run: &Path, shard: Option<Shard>) -> String {
+    let run = quoted(run);
+    match shard {
+        None => format!("stickslip resume {run}"),
+        Some(shard) => format!("stickslip submit {run}/job.toml --out {run} --shard {shard}"),
+    }
+}
+
 /// Computes what is missing; without a shard, writes the surface.
 pub fn compute(
     directory: RunDirectory,
@@ -94,12 +109,8 @@ pub fn compute(
     let mut session = Session::start(work.command, threads);
     let started = Instant::now();
     let before = tally.counted();
-    let path = quoted(directory.path());
-    let how = match shard {
-        None => format!("stickslip resume {path}"),
-        Some(shard) => format!("stickslip submit {path}/job.toml --out {path} --shard {shard}"),
-    };
-    interrupt.remark(&format!("what is finished is kept; continue with `{how}`"));
+    let how = how_to_go_on(directory.path(), shard);
+    interrupt.remark(&kept_and_continued(directory.path(), shard));
     let resumed = format!("what is on disk already is kept; {FREE_SPACE} `{how}`");
     let kept = |failure: Failure, directory: &RunDirectory| match directory.root().require_in_place() {
         Ok(()) => failure.with_remedy(&resumed),
@@ -309,6 +320,11 @@ pub fn evaluator_again<'a>(
     if job.is_integrated() {
         return Err(Failure::Usage(
             "this run integrates its probabilities; it has no samples to replay or to write".to_owned(),
+        ));
+    }
+    if job.is_conditional() {
+        return Err(Failure::Usage(
+            "this run integrates over preload and static friction at each of its samples (method = \"conditional\"), so they have no verdicts to replay or to write; submit the job with method = \"sobol\" into another directory to look at samples".to_owned(),
         ));
     }
     let mut evaluator = Evaluator::new(job)?;

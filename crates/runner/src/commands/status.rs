@@ -12,6 +12,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::{result, warn};
 use crate::store::directory::RunDirectory;
+use crate::store::layout::runs_in;
 use crate::store::sharing::Sharing;
 
 /// `stickslip status`.
@@ -20,7 +21,7 @@ pub fn status(arguments: &StatusArguments, interrupt: &Interrupt) -> Result<(), 
     let directory = match RunDirectory::view(path) {
         Ok(directory) => directory,
         Err(failure) => {
-            return match RunDirectory::runs_in(path)?.as_slice() {
+            return match runs_in(path)?.as_slice() {
                 [] => Err(failure),
                 runs => match of_one_run(arguments) {
                     Some(option) => Err(Failure::Usage(format!(

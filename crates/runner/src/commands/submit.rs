@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::adoption::{RunState, adopt, adopt_as_shard};
 use super::closing::report;
-use super::completion::{Work, compute, map_only};
+use super::completion::{Work, compute, kept_and_continued, map_only};
 use super::shard_progress::how_to_submit_missing;
 use super::sharing::all_units_of_work;
 use crate::cli::{MergeArguments, ResumeArguments, ShardArgument, SubmitArguments};
@@ -17,6 +17,7 @@ use crate::job::{Job, JobSource, Overrides};
 use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, warn};
 use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::RunDirectory;
+use crate::store::layout::JOB;
 use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::provenance::Session;
 use crate::store::sharing;
@@ -42,6 +43,8 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
     let threads = arguments.threads.count();
+    // From the moment that there is a run.
+    interrupt.remark_once_there(out.join(JOB), &kept_and_continued(&out, shard));
     let (directory, job, state) = match shard {
         Some(_) => adopt_as_shard(&out, &source, &job)?,
         None => {

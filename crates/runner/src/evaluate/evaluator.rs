@@ -14,9 +14,11 @@ use stickslip_core::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::draw::deviates::{CHUNK_SAMPLES, Points};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use stickslip_sampler::estimate::audit;
+use stickslip_sampler::estimate::conditional::ProbabilitySums;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::grid::Cell;
 
+use crate::evaluate::conditional::Conditional;
 use crate::evaluate::control::IsStopped;
 use crate::evaluate::criteria::Criteria;
 use crate::evaluate::maps::Maps;
@@ -38,6 +40,8 @@ pub struct Evaluator<'a> {
     pub(super) maps: Maps,
     layout: SumLayout,
     pub(super) chunk: usize,
+    /// In jobs that integrate over preload and static friction at every sample.
+    conditional: Option<Conditional>,
 }
 
 /// One sample of a run, with everything that is known about it.
@@ -73,6 +77,7 @@ impl<'a> Evaluator<'a> {
             maps: Maps::new(job),
             layout: SumLayout::of(job),
             chunk: if is_closed { CHUNK_SAMPLES } else { SIMULATED_CHUNK },
+            conditional: Conditional::new(job),
         })
     }
 
@@ -103,6 +108,16 @@ impl<'a> Evaluator<'a> {
         let cell = self.job.grid.cell(cell);
         let brake = self.job.grid.brake_index(cell.index);
         let mut unit = self.empty_unit(part, samples.clone());
+        if let Some(conditional) = &self.conditional {
+            let mut sums = ProbabilitySums::default();
+            let mut add = |verdict: Verdict, probability: f64| {
+                unit.counts += verdict.into();
+                sums.add(probability);
+            };
+            let is_done = conditional.evaluate(self.job, &cell, place, samples, is_stopped, &mut add);
+            self.layout.add_probabilities(&mut unit.sums, &sums);
+            return is_done.then_some(unit);
+        }
         let mut lookups = Lookups::default();
         let mut drawing = self.draw(&cell, place, &samples, self.job.points());
         let mut second = self.has_second_samples().then(|| self.draw(&cell, place, &samples, Points::SecondRandom));

@@ -4,12 +4,13 @@ use stickslip_core::parameters::{ParameterError, Parameters, Scalar, scalar};
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use stickslip_sampler::grid::Cell;
-use stickslip_sampler::integrate::closed_form::{ExactProbability, probability};
+use stickslip_sampler::integrate::closed_form::ExactProbability;
 use stickslip_sampler::limits::spans::{OutsidePhysics as Outside, Sample, Spans, Varied};
 use stickslip_sampler::limits::sweep::Sweep;
 
 use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::integral::exact_probability;
 use crate::job::{Job, OutsidePhysics};
 
 /// Preload or static friction, if the parameter is one of these.
@@ -22,7 +23,8 @@ pub fn varied(scalar: &Scalar) -> Option<Varied> {
 }
 
 /// A cell in which one parameter may have any value.
-pub struct OpenCell {
+pub struct OpenCell<'a> {
+    job: &'a Job,
     cell: Cell,
     scalar: &'static Scalar,
     /// Those of the brake, with the expected values of the cell.
@@ -31,17 +33,17 @@ pub struct OpenCell {
     boundary: Option<StabilityBoundary>,
 }
 
-impl OpenCell {
+impl<'a> OpenCell<'a> {
     /// A cell of a job.
     ///
     /// # Errors
     /// If no such brake exists.
-    pub fn new(job: &Job, cell: u64, scalar: &'static Scalar) -> Result<Self, ParameterError> {
+    pub fn new(job: &'a Job, cell: u64, scalar: &'static Scalar) -> Result<Self, ParameterError> {
         let cell = job.grid.cell(cell);
         let parameters = job.brakes().in_cell(&cell)?;
         let is_shared = varied(scalar).is_some();
         let boundary = is_shared.then(|| PadOnDisc::new(parameters.clone())).transpose()?;
-        Ok(Self { cell, scalar, parameters, boundary: boundary.map(|brake| brake.stability_boundary()) })
+        Ok(Self { job, cell, scalar, parameters, boundary: boundary.map(|brake| brake.stability_boundary()) })
     }
 
     /// The exact probability at a value of the parameter.
@@ -56,11 +58,11 @@ impl OpenCell {
             None => {}
         }
         if let Some(boundary) = &self.boundary {
-            return Ok(probability(boundary, &cell));
+            return Ok(exact_probability(self.job, boundary, &cell));
         }
         let mut parameters = self.parameters.clone();
         parameters.set(self.scalar.key, value)?;
-        Ok(probability(&PadOnDisc::new(parameters)?.stability_boundary(), &cell))
+        Ok(exact_probability(self.job, &PadOnDisc::new(parameters)?.stability_boundary(), &cell))
     }
 }
 

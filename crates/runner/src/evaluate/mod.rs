@@ -15,6 +15,8 @@ pub mod sums;
 
 pub mod unit;
 
+pub mod conditional;
+
 pub mod evaluator;
 
 pub mod tiles;

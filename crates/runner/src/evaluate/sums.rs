@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use stickslip_core::criterion::decision::Decision;
 use stickslip_core::degree_of_freedom::DegreeOfFreedom;
 use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_sampler::estimate::conditional::{ConditionalPart, ProbabilitySums};
 use stickslip_sampler::estimate::score::{CellParameter, ScoreSums, ScoreTotals};
 use stickslip_sampler::estimate::sobol_indices::{IndexCounts, SobolIndices, indices};
 use stickslip_sampler::grid::Cell;
@@ -22,6 +23,8 @@ pub struct SumLayout {
     derivatives: bool,
     /// Number of random inputs if the job computes Sobol indices, else 0.
     sensitivity: usize,
+    /// Whether samples have probabilities.
+    probabilities: bool,
 }
 
 /// Counts of the samples of a job with a verdict map, by how they were decided. The others were looked up.
@@ -70,13 +73,14 @@ impl SumLayout {
     /// The sums of a job.
     pub fn of(job: &Job) -> Self {
         Self {
-            samples: !job.is_integrated(),
+            samples: job.has_verdicts(),
             lookups: job.uses_maps() && job.sampling.evaluate == EvaluateMode::Boundary,
             // Samples that a map finds unstable are fed by the tangential motion: jobs are refused a map where other
             // motions grow.
             sources: job.has_flexible_disc() && !job.is_integrated(),
             derivatives: job.sampling.derivatives,
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
+            probabilities: job.is_conditional(),
         }
     }
 
@@ -121,9 +125,13 @@ impl SumLayout {
         self.derivatives_at() + if self.derivatives { DERIVATIVES } else { 0 }
     }
 
+    fn probabilities_at(self) -> usize {
+        self.sensitivity_at() + PER_INPUT * self.sensitivity
+    }
+
     /// The number of sums.
     pub fn count(self) -> usize {
-        self.sensitivity_at() + PER_INPUT * self.sensitivity
+        self.probabilities_at() + if self.probabilities { ProbabilitySums::COUNT } else { 0 }
     }
 
     /// All sums, zero.
@@ -207,6 +215,20 @@ impl SumLayout {
             let counts = [samples, first_unstable, second_unstable, up, down, turned, left_out];
             sums.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count.cast_signed());
         }
+    }
+
+    /// Adds the probabilities of samples.
+    pub fn add_probabilities(self, sums: &mut [i64], probabilities: &ProbabilitySums) {
+        if self.probabilities {
+            let own = sums[self.probabilities_at()..].iter_mut();
+            own.zip(probabilities.sums()).for_each(|(sum, more)| *sum += more);
+        }
+    }
+
+    /// The probabilities of the samples of a part.
+    pub fn read_probabilities(self, sums: &[i128], counts: &VerdictCounts) -> ConditionalPart {
+        let sums = sums.get(self.probabilities_at()..).unwrap_or_default();
+        ConditionalPart::from_sums(counts.total(), counts.failed, sums)
     }
 
     /// The counts of simulated and audited samples.

@@ -303,6 +303,7 @@ impl ValueHasher {
                 SamplingMethod::MonteCarlo => "monte-carlo",
                 SamplingMethod::Sobol => "sobol",
                 SamplingMethod::Exact => "exact",
+                SamplingMethod::Conditional => "conditional",
             },
         );
         for (key, value) in

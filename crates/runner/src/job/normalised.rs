@@ -344,6 +344,7 @@ impl From<&Sampling> for NormalisedSampling {
             at_most: sampling.samples,
         });
         let integrated = sampling.method == SamplingMethod::Exact;
+        let is_conditional = sampling.method == SamplingMethod::Conditional;
         // What is integrated over a map is audited with samples.
         let without_samples = integrated && !sampling.is_audited;
         let has_audit = sampling.is_audited || sampling.evaluate == EvaluateMode::Boundary || sampling.audit != AUDIT;
@@ -351,7 +352,7 @@ impl From<&Sampling> for NormalisedSampling {
             method: sampling.method,
             samples,
             seed: (!without_samples).then_some(sampling.seed),
-            evaluate: (!integrated).then_some(sampling.evaluate),
+            evaluate: (!integrated && !is_conditional).then_some(sampling.evaluate),
             common_random_numbers: (!integrated).then_some(sampling.common_random_numbers),
             confidence: (!without_samples && until.is_none()).then_some(sampling.confidence),
             audit: has_audit.then_some(sampling.audit),

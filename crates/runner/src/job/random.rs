@@ -85,6 +85,38 @@ impl RandomInputSet {
         (0..self.inputs.len()).find(|&input| stds.iter().any(|entry| entry[input] != stds[0][input]))
     }
 
+    /// The positions of preload and static friction, where they are random.
+    pub fn pair(&self) -> [Option<usize>; 2] {
+        let position = |wanted: fn(&RandomInput) -> bool| self.inputs.iter().position(wanted);
+        [
+            position(|input| matches!(input, RandomInput::Preload)),
+            position(|input| matches!(input, RandomInput::StaticFriction)),
+        ]
+    }
+
+    /// The positions of the inputs other than preload and static friction.
+    pub fn others(&self) -> Vec<usize> {
+        let pair = self.pair();
+        (0..self.inputs.len()).filter(|&position| !pair.contains(&Some(position))).collect()
+    }
+
+    /// The correlation of the inputs other than preload and static friction, followed by these two, which may be random
+    /// or not.
+    ///
+    /// # Errors
+    /// A matrix that is not positive definite in this order, as rounding may have it.
+    pub fn correlation_with_pair_last(&self) -> Result<Correlation, CorrelationError> {
+        let others = self.others();
+        let pair = self.pair();
+        let place = |position: usize| {
+            let of_pair = pair.iter().position(|own| *own == Some(position)).map(|place| others.len() + place);
+            of_pair.or_else(|| others.iter().position(|other| *other == position)).unwrap_or_default()
+        };
+        let pairs: Vec<(usize, usize, f64)> =
+            self.pairs.iter().map(|&(first, second, rho)| (place(first), place(second), rho)).collect();
+        Correlation::new(others.len() + 2, &pairs)
+    }
+
     /// Whether preload is random.
     pub fn has_preload(&self) -> bool {
         self.inputs.iter().any(|input| matches!(input, RandomInput::Preload))

@@ -127,11 +127,15 @@ impl Sampling {
                 ),
             );
         }
-        if self.method == SamplingMethod::Exact && !inputs.is_plain() {
+        let is_closed = matches!(criterion, Criterion::Eigenvalue);
+        if self.method == SamplingMethod::Exact && !is_closed && !inputs.is_plain() {
             return complain(
                 method,
-                "sampling.method = \"exact\" integrates independent normal inputs; for other distributions or correlation use \"monte-carlo\" or \"sobol\"".to_owned(),
+                "sampling.method = \"exact\" integrates independent normal inputs over a verdict map; for other distributions or correlation use criterion.kind = \"eigenvalue\", or method = \"monte-carlo\" or \"sobol\"".to_owned(),
             );
+        }
+        if self.method == SamplingMethod::Conditional {
+            self.check_conditional(spec, inputs, is_closed)?;
         }
         if uses_map && criterion.records_amplitude() {
             return complain(
@@ -159,6 +163,48 @@ impl Sampling {
                 sensitivity,
                 "sampling.sensitivity parts the variance among independent inputs: it needs two or more of them, without random.correlation".to_owned(),
             );
+        }
+        Ok(())
+    }
+
+    /// What integration over preload and static friction needs at every sample of the other inputs.
+    fn check_conditional(
+        &self,
+        spec: &SamplingSpec,
+        inputs: &RandomInputSet,
+        is_closed: bool,
+    ) -> Result<(), Complaint> {
+        let at_method = |message: &str| {
+            Err(Complaint::maybe_at(
+                spec.method.as_ref().map(Spanned::span),
+                format!("sampling.method = \"conditional\" {message}"),
+            ))
+        };
+        if !is_closed {
+            return at_method(
+                "integrates over preload and static friction where the boundary of stability is known in closed form: with criterion.kind = \"eigenvalue\". For this criterion use method = \"sobol\", or with no further random inputs \"exact\"",
+            );
+        }
+        if inputs.pair() == [None, None] {
+            return at_method(
+                "integrates over preload and static friction, and random.inputs lists neither; use method = \"sobol\"",
+            );
+        }
+        if inputs.others().is_empty() {
+            return at_method(
+                "draws the inputs other than preload and static friction, and random.inputs lists none; method = \"exact\" integrates over these two without samples",
+            );
+        }
+        if let Err(error) = inputs.correlation_with_pair_last() {
+            return at_method(&format!(
+                "cannot part these inputs: {error}; lower the coefficients of random.correlation, or use method = \"sobol\""
+            ));
+        }
+        if self.derivatives {
+            return Err(Complaint::maybe_at(
+                spec.derivatives.as_ref().map(Spanned::span),
+                "sampling.derivatives come from verdicts on samples, which method = \"conditional\" has none of; remove it, or use method = \"sobol\"".to_owned(),
+            ));
         }
         Ok(())
     }
@@ -290,7 +336,7 @@ impl SamplingSpec {
             (SamplingMethod::MonteCarlo, Some(precision)) => {
                 Ok(Effort::Until(Looks::new(precision, samples, confidence)))
             }
-            (SamplingMethod::Sobol, _) => {
+            (SamplingMethod::Sobol | SamplingMethod::Conditional, _) => {
                 let count = self.randomisations.as_ref().map_or(RANDOMISATIONS, |count| *count.get_ref());
                 let span = self.randomisations.as_ref().map(Spanned::span);
                 if !(2..=MOST_RANDOMISATIONS).contains(&count) {

@@ -159,7 +159,8 @@ impl SamplingSpec {
     /// Refuses keys that have no meaning beside others.
     pub fn refuse_foreign_keys(&self, is_eigenvalue: bool, complaints: &mut Complaints) {
         let is_exact = self.method() == SamplingMethod::Exact;
-        let is_sobol = self.method() == SamplingMethod::Sobol;
+        let is_conditional = self.method() == SamplingMethod::Conditional;
+        let is_sobol = self.method() == SamplingMethod::Sobol || is_conditional;
         let is_boundary = self.evaluate.as_ref().is_some_and(|evaluate| *evaluate.get_ref() == EvaluateMode::Boundary);
         let samples = self.samples.as_ref().map(Spanned::span);
         let until = self.until.as_ref().map(Spanned::span);
@@ -200,7 +201,7 @@ impl SamplingSpec {
             (
                 interval.clone(),
                 is_sobol,
-                "sampling.interval has no meaning with method = \"sobol\", whose interval comes from the randomisations; remove it",
+                "sampling.interval has no meaning with method = \"sobol\" or \"conditional\", whose interval comes from the randomisations; remove it",
             ),
             (
                 samples,
@@ -218,9 +219,14 @@ impl SamplingSpec {
                 "sampling.interval has no meaning with sampling.until, whose interval stays valid under repeated looks; remove it",
             ),
             (
+                self.evaluate.as_ref().map(Spanned::span),
+                is_conditional,
+                "sampling.evaluate has no meaning with method = \"conditional\", which integrates over preload and static friction; remove it",
+            ),
+            (
                 self.randomisations.as_ref().map(Spanned::span),
                 !is_sobol,
-                "sampling.randomisations belongs to method = \"sobol\"; remove it, or change the method",
+                "sampling.randomisations belongs to method = \"sobol\" and \"conditional\"; remove it, or change the method",
             ),
             (
                 self.audit.as_ref().map(Spanned::span),

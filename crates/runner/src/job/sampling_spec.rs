@@ -31,7 +31,7 @@ pub struct SamplingSpec {
     /// share of them (less than 1, with evaluate = "boundary"); by default 300.
     #[schemars(with = "Option<Audit>")]
     pub audit: Option<Spanned<Audit>>,
-    /// With method = "sobol": independent randomisations among which the samples are shared; by default 16.
+    /// With method = "sobol" or "conditional": independent randomisations among which the samples are shared; by default 16.
     #[schemars(with = "Option<u64>", range(min = 2))]
     pub randomisations: Option<Spanned<u64>>,
     /// Whether all cells draw the same deviates; by default false.
@@ -101,7 +101,9 @@ pub enum SamplingMethod {
     MonteCarlo,
     /// Scrambled Sobol points.
     Sobol,
-    /// The normal measure of the unstable side of the boundary.
+    /// Scrambled Sobol points of all inputs but preload and static friction, over which it integrates at each of them.
+    Conditional,
+    /// The probability of the unstable side of the boundary.
     Exact,
 }
 

@@ -9,6 +9,8 @@ use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use stickslip_sampler::estimate::interval;
 use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 use stickslip_sampler::grid::{Cell, Grid};
+use stickslip_sampler::inputs::InputDistribution;
+use stickslip_sampler::integrate::pair::Pair;
 
 use super::axes::Brakes;
 use super::criterion::Criterion;
@@ -83,7 +85,10 @@ impl Job {
 
     /// What the deviates are drawn from.
     pub fn points(&self) -> Points {
-        if self.sampling.method == SamplingMethod::Sobol { Points::Sobol } else { Points::Random }
+        match self.sampling.method {
+            SamplingMethod::Sobol | SamplingMethod::Conditional => Points::Sobol,
+            SamplingMethod::MonteCarlo | SamplingMethod::Exact => Points::Random,
+        }
     }
 
     /// Whether drawing and deciding a sample costs little more than its random numbers: only preload and static
@@ -95,6 +100,16 @@ impl Job {
     /// Whether probabilities are integrated, without samples.
     pub fn is_integrated(&self) -> bool {
         self.sampling.method == SamplingMethod::Exact
+    }
+
+    /// Whether a sample stands for the inputs other than preload and static friction, over which it is integrated.
+    pub fn is_conditional(&self) -> bool {
+        self.sampling.method == SamplingMethod::Conditional
+    }
+
+    /// Whether every sample has a verdict of its own, which can be looked at again.
+    pub fn has_verdicts(&self) -> bool {
+        !self.is_integrated() && !self.is_conditional()
     }
 
     /// Whether cells get as many samples as a precision takes.
@@ -178,6 +193,23 @@ impl Job {
             // A random number of the start has an expected value: this is checked.
             other => self.value_in(other.name(), cell).unwrap_or(f64::NAN),
         }
+    }
+
+    /// The distribution of the random input at `position` in a cell.
+    pub fn distribution(&self, position: usize, cell: &Cell) -> InputDistribution {
+        let input = self.random.inputs[position];
+        let std = self.random.relative_stds[self.grid.relative_std_index(cell.index)][position];
+        let of = if input.scatters_absolutely() { InputDistribution::absolute } else { InputDistribution::relative };
+        of(&self.random.marginals[position], self.expected(input, cell), std)
+    }
+
+    /// Preload and static friction in a cell, for integrals over both.
+    pub fn pair(&self, cell: &Cell) -> Pair {
+        let of = |position: Option<usize>, expected: f64| {
+            position.map_or(InputDistribution::fixed(expected), |position| self.distribution(position, cell))
+        };
+        let [preload, static_friction] = self.random.pair();
+        Pair::new(of(preload, cell.preload), of(static_friction, cell.static_friction))
     }
 
     /// The brake of a cell, by its index in the grid, with the expected values of everything that scatters.

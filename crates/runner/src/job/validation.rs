@@ -172,9 +172,15 @@ fn validate_outside_physics(
     let Some(policy) = spec.and_then(|spec| spec.outside_physics.as_ref()) else {
         return Ok(OutsidePhysics::default());
     };
-    let is_exact = sampling.is_some_and(|sampling| sampling.method == SamplingMethod::Exact);
-    if is_exact && *policy.get_ref() != OutsidePhysics::Stable {
-        let message = "criterion.outside_physics: method = \"exact\" draws no samples that could fail or be clamped; it takes what is outside physics for stable. Remove the key, or use method = \"monte-carlo\" or \"sobol\"";
+    let method = match sampling.map(|sampling| sampling.method) {
+        Some(SamplingMethod::Exact) => "exact",
+        Some(SamplingMethod::Conditional) => "conditional",
+        Some(SamplingMethod::MonteCarlo | SamplingMethod::Sobol) | None => return Ok(*policy.get_ref()),
+    };
+    if *policy.get_ref() != OutsidePhysics::Stable {
+        let message = format!(
+            "criterion.outside_physics: method = \"{method}\" draws no preload and static friction that could fail or be clamped; it takes what is outside physics for stable. Remove the key, or use method = \"monte-carlo\" or \"sobol\""
+        );
         return Err(Complaint::at(policy.span(), message));
     }
     Ok(*policy.get_ref())

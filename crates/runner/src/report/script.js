@@ -40,7 +40,8 @@ function told(cell) {
     return `difference = ${number(value(cell))} (${of.interval_name}: ${interval}); ${both}`;
   }
   const run = view.run;
-  const counts = run.samples[cell] > 0 ? `; ${run.unstable[cell]} of ${run.samples[cell]} samples unstable` : "";
+  const drawn = run.unstable ? `${run.unstable[cell]} of ${run.samples[cell]} samples unstable` : `${run.samples[cell]} samples`;
+  const counts = run.samples[cell] > 0 ? `; ${drawn}` : "";
   return `P = ${number(run.p[cell])} (${run.interval_name}: ${interval})${counts}`;
 }
 

@@ -12,12 +12,12 @@ use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::files::folder::{Folder, SMALL_FILE, Unfinished, is_no_file};
 use crate::files::foreign::text_of_key;
-use crate::files::publish::{files, is_temporary};
 use crate::job::{Job, JobSource};
 use crate::output::{note, quoted};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_bytes, digest_of_file};
 use crate::store::joining::{self, Refusal};
-use crate::store::lock::{AN_INSTANT, Access, LOCK, Lock, is_held};
+use crate::store::layout::{AUDITS, JOB, MAPS, SHARDS, SURFACE, require_free, require_run, require_traces};
+use crate::store::lock::{AN_INSTANT, Access, Lock, is_held};
 use crate::store::piece::{self, Complaint, Defect};
 use crate::store::tally::Tally;
 
@@ -26,13 +26,6 @@ pub const JOB_HASH_KEY: &str = "stickslip:job_hash";
 
 /// The footer key of a surface for its job.
 pub const JOB_KEY: &str = "stickslip:job";
-
-/// The names of the frozen job, of the result, and of the directories of pieces, tiles and audits.
-pub const JOB: &str = "job.toml";
-pub const SURFACE: &str = "surface.parquet";
-pub const SHARDS: &str = "shards";
-pub const MAPS: &str = "map";
-pub const AUDITS: &str = "audit";
 
 /// Why a file is taken for damaged.
 const NOT_AS_WRITTEN: &str = "it does not have the digest that it was written with";
@@ -61,14 +54,7 @@ pub enum SurfaceState {
 impl RunDirectory {
     /// Opens `path` for a job, creates it if it does not exist, and waits up to `patience` for others that work in it.
     pub fn create(path: &Path, access: Access, patience: Duration) -> Result<Self, Failure> {
-        if path.exists() && !path.is_dir() {
-            let message = format!("{} is a file; a run needs a directory. Choose another with --out", path.display());
-            return Err(Failure::CannotCreate(message));
-        }
-        if path.is_dir() && !path.join(JOB).exists() && !has_lost_its_job(path) && !looks_empty(path)? {
-            let message = format!("{} is not empty and not a run directory. Choose another with --out", path.display());
-            return Err(Failure::CannotCreate(message));
-        }
+        require_free(path)?;
         fs::create_dir_all(path).map_err(|error| Failure::creating(path, error))?;
         let root = Folder::open(path).map_err(|error| Failure::creating(path, error))?;
         Self::within(root, access, patience)
@@ -76,20 +62,14 @@ impl RunDirectory {
 
     /// Opens an existing run, and waits up to `patience` for others that work in it.
     pub fn open(path: &Path, access: Access, patience: Duration) -> Result<Self, Failure> {
-        Self::require_run(path)?;
+        require_run(path)?;
         let root = Folder::open(path).map_err(|error| Failure::reading(path, error))?;
         Self::within(root, access, patience)
     }
 
     /// Opens a directory that is to be verified, which may lack its job.
     pub fn open_any(path: &Path, access: Access) -> Result<Self, Failure> {
-        // A job alone may be that of the user, who has not submitted it here.
-        if ![SHARDS, DIGESTS].iter().any(|name| path.join(name).symlink_metadata().is_ok()) {
-            return Err(Failure::InputOutput(format!(
-                "{} is not a run directory: there is neither {SHARDS}/ nor {DIGESTS} in it",
-                path.display()
-            )));
-        }
+        require_traces(path)?;
         let root = Folder::open(path).map_err(|error| Failure::reading(path, error))?;
         Self::within(root, access, AN_INSTANT)
     }
@@ -111,47 +91,10 @@ impl RunDirectory {
 
     /// Opens an existing run for reading, without a lock.
     pub fn view(path: &Path) -> Result<Self, Failure> {
-        Self::require_run(path)?;
+        require_run(path)?;
         let root = Folder::open(path).map_err(|error| Failure::reading(path, error))?;
         let shards = root.within(SHARDS).map_err(|error| Failure::reading(&path.join(SHARDS), error))?;
         Ok(Self { root, shards, lock: None })
-    }
-
-    /// The runs that lie in the folder `path`, sorted by name; none if it is no folder.
-    pub fn runs_in(path: &Path) -> Result<Vec<PathBuf>, Failure> {
-        if !path.is_dir() {
-            return Ok(Vec::new());
-        }
-        // A run that lost its job is one, too.
-        let is_run = |entry: &PathBuf| {
-            entry.join(SHARDS).is_dir() && [JOB, SURFACE].iter().any(|name| entry.join(name).symlink_metadata().is_ok())
-        };
-        Ok(files(path)?.into_iter().filter(is_run).collect())
-    }
-
-    fn require_run(path: &Path) -> Result<(), Failure> {
-        let has_job = path.join(JOB).symlink_metadata().is_ok();
-        let has_shards = path.join(SHARDS).is_dir();
-        let why = if !path.exists() {
-            "it does not exist".to_owned()
-        } else if !path.is_dir() {
-            "it is a file".to_owned()
-        } else if has_job && has_shards {
-            return Ok(());
-        } else if has_shards && path.join(SURFACE).is_file() {
-            format!("its job.toml is lost; `stickslip verify {}` writes it again from the surface", quoted(path))
-        } else if has_shards {
-            format!("its job.toml is lost; submit the job again with `--out {}`, its pieces are kept", quoted(path))
-        } else if path.join(SHARDS).symlink_metadata().is_ok() {
-            "its shards is not a directory of its own; move it elsewhere".to_owned()
-        } else if has_job && path.join(DIGESTS).is_file() {
-            format!("its shards/ is lost; `stickslip verify {}` makes an empty one", quoted(path))
-        } else if has_job {
-            format!("it has no shards/; to compute the job there, submit it with `--out {}`", quoted(path))
-        } else {
-            "it has neither job.toml nor shards/".to_owned()
-        };
-        Err(Failure::InputOutput(format!("{} is not a run directory: {why}", path.display())))
     }
 
     /// Lets shards in, after this process worked alone.
@@ -473,24 +416,4 @@ impl RunDirectory {
             ))
         })
     }
-}
-
-/// Whether a directory without a job was that of a run. Whether its pieces belong to another job is found where they are
-/// read.
-fn has_lost_its_job(path: &Path) -> bool {
-    path.join(SHARDS).is_dir() && [DIGESTS, SURFACE].iter().any(|name| path.join(name).is_file())
-}
-
-fn looks_empty(path: &Path) -> Result<bool, Failure> {
-    let entries = fs::read_dir(path).map_err(|error| Failure::reading(path, error))?;
-    for entry in entries {
-        let entry = entry.map_err(|error| Failure::reading(path, error))?;
-        // A `submit` that was killed at its start leaves its lock, digests, shards/ and unfinished files. Another shard
-        // may just have written job.toml.
-        let name = entry.file_name();
-        if ![JOB, SHARDS, LOCK, DIGESTS].iter().any(|own| name == *own) && !is_temporary(&entry.path()) {
-            return Ok(false);
-        }
-    }
-    Ok(true)
 }

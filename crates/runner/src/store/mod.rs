@@ -14,6 +14,8 @@ pub mod lock;
 
 pub mod digests;
 
+pub mod layout;
+
 pub mod piece;
 
 pub mod map_pieces;

@@ -65,12 +65,18 @@ impl Column {
 /// The columns of a job's surface, in their order.
 pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
     let mut columns = first_columns(match job.sampling.effort {
+        Effort::Randomisations { .. } if job.is_conditional() => {
+            "probability of instability, the mean of the conditional probabilities of the samples"
+        }
         Effort::Samples(_) | Effort::Randomisations { .. } => {
             "probability of instability, unstable over decided samples"
         }
         Effort::Until(_) => "probability of instability, the unbiased estimate of stopping by precision",
         Effort::Integrated => "probability of instability, the integral",
     });
+    if job.is_conditional() {
+        describe_conditional(&mut columns);
+    }
     if job.records_amplitude() {
         columns.extend(amplitude_columns());
     }
@@ -91,7 +97,7 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
         columns.extend(sensitivity_columns(layout, &job.random.inputs));
     }
     add_input_columns(&mut columns, job);
-    if !job.is_integrated() {
+    if job.has_verdicts() {
         columns.push(Column::integer(
             "n_outside_physics",
             "samples without preload or with friction that rises with speed, decided as criterion.outside_physics specifies",
@@ -140,6 +146,23 @@ fn first_columns(probability: &'static str) -> Vec<Column> {
         Column::real("p_low", "lower end of the confidence interval of the probability", |row| row.estimate.low),
         Column::real("p_high", "upper end of the confidence interval of the probability", |row| row.estimate.high),
     ]
+}
+
+/// Says what is counted where samples have conditional probabilities.
+fn describe_conditional(columns: &mut [Column]) {
+    for (name, meaning) in [
+        ("n_samples", "samples of the inputs other than preload and static friction"),
+        (
+            "n_stable",
+            "samples that are unstable with a probability of at most one half over preload and static friction",
+        ),
+        ("n_unstable", "samples that are unstable with a probability above one half over preload and static friction"),
+        ("n_failed", "samples of which no brake can be made"),
+    ] {
+        if let Some(column) = columns.iter_mut().find(|column| column.name == name) {
+            column.long_name = meaning.into();
+        }
+    }
 }
 
 /// Columns of jobs that record the settled amplitude.

@@ -4,6 +4,8 @@ pub mod row;
 
 pub mod columns;
 
+pub mod randomised;
+
 pub mod surface;
 
 pub mod finished;

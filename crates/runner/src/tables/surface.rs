@@ -16,7 +16,6 @@ use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::interval::Estimate;
-use stickslip_sampler::estimate::randomisations;
 
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;
@@ -24,9 +23,11 @@ use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
 use crate::job::{Effort, Job};
 use crate::store::digests::digest_of_file;
-use crate::store::directory::{JOB_HASH_KEY, JOB_KEY, RunDirectory, SURFACE};
+use crate::store::directory::{JOB_HASH_KEY, JOB_KEY, RunDirectory};
+use crate::store::layout::SURFACE;
 use crate::store::tally::Tally;
 use crate::tables::columns::{self, Column};
+use crate::tables::randomised;
 use crate::tables::row::{SurfaceRow, unaudited, widened};
 
 /// Number of rows that are held in memory at once, and in a row group.
@@ -105,10 +106,7 @@ impl<'a> Surface<'a> {
     fn estimate(&self, cell: u64, counts: &VerdictCounts, confidence: f64) -> Estimate {
         match self.job.sampling.effort {
             Effort::Samples(_) | Effort::Integrated => self.job.interval(confidence).estimate(counts),
-            Effort::Randomisations { .. } => {
-                let parts: Vec<VerdictCounts> = self.parts.of(cell).map(|part| self.tally.counts(part)).collect();
-                randomisations::estimate(&parts, self.job.random.inputs.len(), confidence)
-            }
+            Effort::Randomisations { .. } => randomised::estimate(self.job, &self.parts, self.tally, cell, confidence),
             Effort::Until(_) => {
                 let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
                 let of_cell = |cell| self.parts.estimate_at_stop(self.tally, cell).unwrap_or(nothing);

@@ -1,10 +1,12 @@
-//! Estimates and confidence intervals from counted verdicts and recorded values.
+//! Estimates and confidence intervals from counted verdicts, conditional probabilities and recorded values.
 
 pub mod interval;
 
 pub mod looks;
 
 pub mod randomisations;
+
+pub mod conditional;
 
 pub mod audit;
 

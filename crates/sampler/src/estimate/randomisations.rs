@@ -51,8 +51,11 @@ pub fn estimate(parts: &[VerdictCounts], inputs: usize, confidence: f64) -> Esti
     let lower: Vec<(u64, u64)> = parts.iter().map(|part| (part.unstable, part.total())).collect();
     let upper: Vec<(u64, u64)> =
         parts.iter().map(|part| (part.unstable + part.without_verdict(), part.total())).collect();
-    let (low_mean, low_half_width) = student(&lower, confidence);
-    let (high_mean, high_half_width) = student(&upper, confidence);
+    let shares = |counts: &[(u64, u64)]| -> Vec<f64> {
+        counts.iter().map(|&(count, total)| count as f64 / total as f64).collect()
+    };
+    let (low_mean, low_half_width) = student(&shares(&lower), confidence);
+    let (high_mean, high_half_width) = student(&shares(&upper), confidence);
     let (mut low, mut high) = (low_mean - low_half_width, high_mean + high_half_width);
     let strata = [strata(&lower, confidence), strata(&upper, confidence)];
     if let Some((end, _)) = strata[0] {
@@ -93,12 +96,11 @@ fn strata(counts: &[(u64, u64)], confidence: f64) -> Option<(f64, f64)> {
     Some(((least as f64 + from) / points as f64, (least as f64 + to) / points as f64))
 }
 
-/// Mean and half width of Student's interval from counts out of totals.
-fn student(counts: &[(u64, u64)], confidence: f64) -> (f64, f64) {
-    let shares = counts.iter().map(|&(count, total)| count as f64 / total as f64);
-    let count = counts.len();
-    let mean = shares.clone().sum::<f64>() / count as f64;
-    let squares: f64 = shares.map(|share| (share - mean) * (share - mean)).sum();
+/// Mean and half width of Student's interval from the shares of randomisations.
+pub(super) fn student(shares: &[f64], confidence: f64) -> (f64, f64) {
+    let count = shares.len();
+    let mean = shares.iter().sum::<f64>() / count as f64;
+    let squares: f64 = shares.iter().map(|share| (share - mean) * (share - mean)).sum();
     let error = (squares / (count - 1) as f64 / count as f64).sqrt();
     (mean, student_quantile(confidence, count as u32 - 1) * error)
 }

@@ -1,9 +1,8 @@
 //! The random inputs of many samples at once, in columns.
 
-use super::absolute::Shifted;
 use super::correlation::Correlation;
+use super::distribution::InputDistribution;
 use super::marginal::Marginal;
-use super::transform::Transform;
 
 /// The transform of independent normal deviates of a cell's samples into inputs, one column for each input.
 ///
@@ -12,15 +11,7 @@ use super::transform::Transform;
 #[derive(Debug, Clone)]
 pub struct InputColumns<'a> {
     correlation: &'a Correlation,
-    inputs: Vec<InputColumn>,
-}
-
-/// The transform of one input: the value is `expected` times a relative one, and `shift`.
-#[derive(Debug, Clone)]
-struct InputColumn {
-    expected: f64,
-    transform: Transform,
-    shift: f64,
+    inputs: Vec<InputDistribution>,
 }
 
 impl<'a> InputColumns<'a> {
@@ -33,10 +24,8 @@ impl<'a> InputColumns<'a> {
     pub fn new(marginals: &[Marginal], correlation: &'a Correlation, expected: &[f64], relative_stds: &[f64]) -> Self {
         assert!(marginals.len() == expected.len() && expected.len() == relative_stds.len(), "one of each per input");
         let inputs = marginals.iter().zip(expected).zip(relative_stds);
-        let input = |((marginal, &expected), &std): ((&Marginal, &f64), &f64)| InputColumn {
-            expected,
-            transform: Transform::new(marginal, std),
-            shift: 0.0,
+        let input = |((marginal, &expected), &std): ((&Marginal, &f64), &f64)| {
+            InputDistribution::relative(marginal, expected, std)
         };
         Self { correlation, inputs: inputs.map(input).collect() }
     }
@@ -46,8 +35,7 @@ impl<'a> InputColumns<'a> {
     /// # Panics
     /// If there is no such input.
     pub fn scatter_absolutely(&mut self, input: usize, marginal: &Marginal, expected: f64, std: f64) {
-        let Shifted { expected, relative_std, shift } = marginal.shifted(expected, std);
-        self.inputs[input] = InputColumn { expected, transform: Transform::new(marginal, relative_std), shift };
+        self.inputs[input] = InputDistribution::absolute(marginal, expected, std);
     }
 
     /// Replaces deviates by inputs.
@@ -60,11 +48,8 @@ impl<'a> InputColumns<'a> {
         if !self.correlation.is_independent() {
             self.correlate(columns);
         }
-        for (column, InputColumn { expected, transform, shift }) in columns.iter_mut().zip(&self.inputs) {
-            transform.apply(*expected, column);
-            if *shift != 0.0 {
-                column.iter_mut().for_each(|value| *value += shift);
-            }
+        for (column, input) in columns.iter_mut().zip(&self.inputs) {
+            input.apply(column);
         }
     }
 

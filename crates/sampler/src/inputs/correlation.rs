@@ -125,6 +125,16 @@ impl Correlation {
         self.factor.is_empty()
     }
 
+    /// The number of inputs.
+    pub(super) fn inputs(&self) -> usize {
+        self.inputs
+    }
+
+    /// A row of the factor, up to its diagonal; inputs must be correlated.
+    pub(super) fn row(&self, row: usize) -> &[f64] {
+        &self.factor[row_start(row)..=row_start(row) + row]
+    }
+
     /// Replaces the independent standard normal deviates `z` of the inputs by correlated ones, `L z`. Without
     /// correlation they keep every bit.
     ///
@@ -138,8 +148,7 @@ impl Correlation {
         }
         // From the last row back: each needs only itself and those before it.
         for row in (0..self.inputs).rev() {
-            let elements = &self.factor[row_start(row)..=row_start(row) + row];
-            z[row] = elements.iter().zip(&*z).map(|(element, z)| element * z).sum();
+            z[row] = self.row(row).iter().zip(&*z).map(|(element, z)| element * z).sum();
         }
     }
 }

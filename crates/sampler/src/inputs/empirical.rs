@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::end::{End, at_tails, beyond};
 use crate::special_functions::normal;
 
 /// The distribution of measured values.
@@ -116,5 +117,27 @@ impl Empirical {
         let share = position - below as f64;
         // Exact at both ends, and between them in spite of rounding.
         (low * (1.0 - share) + high * share).clamp(low, high) / self.mean
+    }
+
+    /// The least or the greatest deviate at which the quantile over the mean is `value`; infinite beyond the values.
+    pub(super) fn deviate(&self, value: f64, end: End) -> f64 {
+        let n = self.values.len();
+        let after = self.values.partition_point(|own| match end {
+            End::Least => own / self.mean < value,
+            End::Greatest => own / self.mean <= value,
+        });
+        if after == 0 || after == n {
+            return beyond(after == 0);
+        }
+        let [low, high] = [self.values[after - 1], self.values[after]].map(|own| own / self.mean);
+        let position = (after - 1) as f64 + ((value - low) / (high - low)).clamp(0.0, 1.0);
+        at_tails((position + 0.5) / n as f64, (n as f64 - 0.5 - position) / n as f64)
+    }
+
+    /// The values over their mean, each once.
+    pub(super) fn relative(&self) -> Vec<f64> {
+        let mut relative: Vec<f64> = self.values.iter().map(|value| value / self.mean).collect();
+        relative.dedup();
+        relative
     }
 }

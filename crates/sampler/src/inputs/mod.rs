@@ -4,9 +4,14 @@
 //! normal deviates with a given [`Correlation`], made from independent ones `z` by the Cholesky factor `L`. Such inputs
 //! have a Gaussian copula (R. B. Nelsen, An Introduction to Copulas, 2nd ed. 2006, section 2.3).
 //!
-//! Quantiles are accurate in both tails: they are computed from `Phi(z)` or from `1 - Phi(z)`, whichever is smaller.
+//! Quantiles are accurate in both tails: they are computed from `Phi(z)` or from `1 - Phi(z)`, whichever is smaller. So
+//! are the deviates of values ([`InputDistribution::deviate`]).
 
 mod correlation;
+
+mod pair_law;
+
+mod end;
 
 mod empirical;
 
@@ -20,6 +25,10 @@ mod weibull;
 
 mod transform;
 
+mod deviate;
+
+mod distribution;
+
 mod columns;
 
 #[cfg(test)]
@@ -27,5 +36,8 @@ mod tests;
 
 pub use columns::InputColumns;
 pub use correlation::{Correlation, CorrelationError};
+pub use distribution::InputDistribution;
 pub use empirical::{Empirical, EmpiricalError};
+pub use end::End;
 pub use marginal::{Marginal, MarginalError};
+pub use pair_law::PairLaw;

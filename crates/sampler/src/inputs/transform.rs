@@ -133,7 +133,7 @@ impl Transform {
 
     /// The input of a deviate.
     #[inline]
-    fn value(&self, expected: f64, z: f64) -> f64 {
+    pub fn value(&self, expected: f64, z: f64) -> f64 {
         match *self {
             Self::Fixed => expected,
             Self::Normal { relative_std } => expected * (1.0 + relative_std * z),

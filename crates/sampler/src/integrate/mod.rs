@@ -6,4 +6,6 @@ mod quadrature;
 
 pub mod closed_form;
 
+pub mod pair;
+
 pub mod verdict_map;

@@ -71,7 +71,7 @@ const GAUSS_WEIGHTS: [f64; 4] =
     [0.129_484_966_168_869_7, 0.279_705_391_489_276_64, 0.381_830_050_505_118_9, 0.417_959_183_673_469_4];
 
 /// The integrals by the Kronrod rule, and the differences from those by the Gauss rule.
-fn gauss_kronrod<const N: usize>(f: &impl Fn(f64) -> [f64; N], from: f64, to: f64) -> ([f64; N], [f64; N]) {
+pub(crate) fn gauss_kronrod<const N: usize>(f: &impl Fn(f64) -> [f64; N], from: f64, to: f64) -> ([f64; N], [f64; N]) {
     let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
     let (mut kronrod, mut gauss) = ([0.0; N], [0.0; N]);
     for (i, (&node, &weight)) in KRONROD_NODES.iter().zip(&KRONROD_WEIGHTS).enumerate() {

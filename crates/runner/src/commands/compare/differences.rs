@@ -23,7 +23,8 @@ pub enum Interval {
     Unpaired,
     /// Counts of samples that share random numbers, but not sample by sample.
     Dependent,
-    /// The bounds of an integral, and the interval of the other run if that has samples.
+    /// The bounds of an integral, and the interval of the other run if that has samples; or the intervals of both runs if
+    /// one integrates at every sample.
     Bounds,
 }
 
@@ -124,8 +125,11 @@ fn row(
 ) -> Row {
     // A run that stopped by precision has several looks, and each has its share of the error probability.
     let share = first.error_share(cell.first) * second.error_share(cell.second);
-    // The audit of either run takes as much of the error probability as the counts.
-    let parts = 1.0 + [first, second].iter().filter(|evaluated| evaluated.run.is_audited()).count() as f64;
+    // The audit of either run takes as much of the error probability as the counts, and so does each of two intervals.
+    let by_bounds = [first, second].iter().any(|evaluated| !evaluated.run.job.has_verdicts());
+    let sampled = [first, second].iter().filter(|evaluated| !evaluated.run.job.is_integrated()).count();
+    let intervals = if by_bounds { sampled.max(1) as f64 } else { 1.0 };
+    let parts = intervals + [first, second].iter().filter(|evaluated| evaluated.run.is_audited()).count() as f64;
     let of_audits = 1.0 - (1.0 - confidence) / parts;
     let confidence = (1.0 - (1.0 - confidence) / parts * share).min(1.0 - 1e-15);
     let row = Row {
@@ -140,7 +144,7 @@ fn row(
     };
     let estimates = [first.estimate(cell.first, confidence), second.estimate(cell.second, confidence)];
     let [p_first, p_second] = estimates.map(|estimate| estimate.probability);
-    let mut found = if first.run.job.is_integrated() || second.run.job.is_integrated() {
+    let mut found = if by_bounds {
         let value = p_first.zip(p_second).map(|(first, second)| second - first);
         let (low, high) = (estimates[1].low - estimates[0].high, estimates[1].high - estimates[0].low);
         let difference = Difference { value, low, high };

@@ -3,9 +3,7 @@
 use std::path::PathBuf;
 
 use indicatif::HumanCount;
-use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::interval::{BinomialInterval, Estimate, IntervalKind};
-use stickslip_sampler::estimate::randomisations;
 
 use super::run::Run;
 use crate::evaluate::evaluator::Evaluator;
@@ -18,8 +16,9 @@ use crate::job::Effort;
 use crate::output::note;
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::mapping::Mapping;
-use crate::store::directory::MAPS;
+use crate::store::layout::MAPS;
 use crate::store::map_pieces;
+use crate::tables::randomised;
 use crate::tables::row::unaudited;
 
 /// A finished run whose samples can be evaluated again.
@@ -69,8 +68,7 @@ impl<'a> EvaluatedRun<'a> {
             return integrated.estimate;
         }
         if let Effort::Randomisations { .. } = job.sampling.effort {
-            let parts: Vec<VerdictCounts> = parts.of(cell).map(|part| tally.counts(part)).collect();
-            return randomisations::estimate(&parts, job.random.inputs.len(), confidence);
+            return randomised::estimate(job, parts, tally, cell, confidence);
         }
         let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
         let estimate = interval.estimate(&self.run.counts(cell));

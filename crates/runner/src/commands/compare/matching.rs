@@ -28,6 +28,10 @@ pub enum Dependence {
 fn dependence(first: &Job, second: &Job) -> (Dependence, Option<String>) {
     let (a, b) = (&first.sampling, &second.sampling);
     let independent = |why: String| (Dependence::Independent, Some(why));
+    // Their samples stand for other inputs, and have probabilities in place of verdicts.
+    if first.is_conditional() && second.is_conditional() && a.seed == b.seed {
+        return (Dependence::Dependent, Some("they integrate over preload and static friction".to_owned()));
+    }
     if a.method != b.method {
         return independent("their sampling.method differs".to_owned());
     }

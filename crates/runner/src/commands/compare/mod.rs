@@ -35,7 +35,7 @@ use crate::interrupt::Interrupt;
 use crate::output::{note, output_file, result};
 use crate::picture::view::rounded;
 use crate::schedule::engine::Engine;
-use crate::store::directory::MAPS;
+use crate::store::layout::MAPS;
 
 /// Confidence of the intervals in plots and reports, for all cells together.
 pub const CONFIDENCE: f64 = 0.95;

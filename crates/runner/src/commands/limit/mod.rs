@@ -81,10 +81,15 @@ fn check_criterion(job: &Job) -> Result<(), Failure> {
 fn check_samples(job: &Job, axis: &LimitAxis) -> Result<Varied, Failure> {
     let Some(varied) = varied(axis.scalar) else {
         return Err(Failure::Usage(format!(
-            "--of {}: with samples, limits are found along preload and static_friction; along other axes use sampling.method = \"exact\" (for normal, independent preload and static_friction), or submit the job and read surface.parquet",
+            "--of {}: with samples, limits are found along preload and static_friction; along other axes use sampling.method = \"exact\" (where only preload and static_friction scatter), or submit the job and read surface.parquet",
             axis.name
         )));
     };
+    if job.is_conditional() {
+        return Err(Failure::Usage(
+            "limit finds its values from verdicts, and samples of sampling.method = \"conditional\" have probabilities; use \"sobol\", or \"exact\" if only preload and static_friction scatter".to_owned(),
+        ));
+    }
     if let Effort::Until(_) = job.sampling.effort {
         return Err(Failure::Usage(
             "limit uses the same number of samples for every combination of the axes; give sampling.samples in place of sampling.until".to_owned(),

@@ -1,5 +1,6 @@
 //! Properties of every distribution, and errors.
 
+mod deviates;
 mod moments;
 mod quantiles;
 

@@ -1,0 +1,99 @@
+//! The names in a run directory, and by which of them a directory is recognised as one.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::failure::Failure;
+use crate::files::publish::{files, is_temporary};
+use crate::output::quoted;
+use crate::store::digests::DIGESTS;
+use crate::store::lock::LOCK;
+
+/// The names of the frozen job, of the result, and of the directories of pieces, tiles and audits.
+pub const JOB: &str = "job.toml";
+pub const SURFACE: &str = "surface.parquet";
+pub const SHARDS: &str = "shards";
+pub const MAPS: &str = "map";
+pub const AUDITS: &str = "audit";
+
+/// The runs that lie in the folder `path`, sorted by name; none if it is no folder.
+pub fn runs_in(path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    if !path.is_dir() {
+        return Ok(Vec::new());
+    }
+    // A run that lost its job is one, too.
+    let is_run = |entry: &PathBuf| {
+        entry.join(SHARDS).is_dir() && [JOB, SURFACE].iter().any(|name| entry.join(name).symlink_metadata().is_ok())
+    };
+    Ok(files(path)?.into_iter().filter(is_run).collect())
+}
+
+/// An error if a directory is not that of a run, with what is missing.
+pub fn require_run(path: &Path) -> Result<(), Failure> {
+    let has_job = path.join(JOB).symlink_metadata().is_ok();
+    let has_shards = path.join(SHARDS).is_dir();
+    let why = if !path.exists() {
+        "it does not exist".to_owned()
+    } else if !path.is_dir() {
+        "it is a file".to_owned()
+    } else if has_job && has_shards {
+        return Ok(());
+    } else if has_shards && path.join(SURFACE).is_file() {
+        format!("its job.toml is lost; `stickslip verify {}` writes it again from the surface", quoted(path))
+    } else if has_shards {
+        format!("its job.toml is lost; submit the job again with `--out {}`, its pieces are kept", quoted(path))
+    } else if path.join(SHARDS).symlink_metadata().is_ok() {
+        "its shards is not a directory of its own; move it elsewhere".to_owned()
+    } else if has_job && path.join(DIGESTS).is_file() {
+        format!("its shards/ is lost; `stickslip verify {}` makes an empty one", quoted(path))
+    } else if has_job {
+        format!("it has no shards/; to compute the job there, submit it with `--out {}`", quoted(path))
+    } else {
+        "it has neither job.toml nor shards/".to_owned()
+    };
+    Err(Failure::InputOutput(format!("{} is not a run directory: {why}", path.display())))
+}
+
+/// An error if a directory holds nothing that a run leaves. A job alone may be that of the user, who has not submitted
+/// it there.
+pub fn require_traces(path: &Path) -> Result<(), Failure> {
+    if [SHARDS, DIGESTS].iter().any(|name| path.join(name).symlink_metadata().is_ok()) {
+        return Ok(());
+    }
+    let message = format!("{} is not a run directory: there is neither {SHARDS}/ nor {DIGESTS} in it", path.display());
+    Err(Failure::InputOutput(message))
+}
+
+/// An error if there is something else than a run under a path.
+pub fn require_free(path: &Path) -> Result<(), Failure> {
+    let why = if !path.exists() {
+        return Ok(());
+    } else if !path.is_dir() {
+        "is a file; a run needs a directory"
+    } else if path.join(JOB).exists() || has_lost_its_job(path) || looks_empty(path)? {
+        return Ok(());
+    } else {
+        "is not empty and not a run directory"
+    };
+    Err(Failure::CannotCreate(format!("{} {why}. Choose another with --out", path.display())))
+}
+
+/// Whether a directory without a job was that of a run. Whether its pieces belong to another job is found where they are
+/// read.
+fn has_lost_its_job(path: &Path) -> bool {
+    path.join(SHARDS).is_dir() && [DIGESTS, SURFACE].iter().any(|name| path.join(name).is_file())
+}
+
+fn looks_empty(path: &Path) -> Result<bool, Failure> {
+    let entries = fs::read_dir(path).map_err(|error| Failure::reading(path, error))?;
+    for entry in entries {
+        let entry = entry.map_err(|error| Failure::reading(path, error))?;
+        // A `submit` that was killed at its start leaves its lock, digests, shards/ and unfinished files. Another shard
+        // may just have written job.toml.
+        let name = entry.file_name();
+        if ![JOB, SHARDS, LOCK, DIGESTS].iter().any(|own| name == *own) && !is_temporary(&entry.path()) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}

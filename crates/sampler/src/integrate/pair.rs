@@ -1,0 +1,316 @@
+//! The probability of instability where preload and static friction have any distributions and are correlated.
+//!
+//! The inputs are quantiles of their distributions at `Phi(z1)` and `Phi(z2)` (a Gaussian copula), and the deviates
+//! have a normal law, which may be one given other inputs ([`PairLaw`]): `z1 = m1 + l11 u`, `z2 = m2 + l21 u + l22 w`.
+//! With the deviate `t` of the static friction on the boundary
+//!
+//! ```text
+//! P = integral over u with Delta(z1) > 0 of   phi(u) Q((t(f_crit(Delta(z1))) - m2 - l21 u) / l22)   du
+//! ```
+//!
+//! The integral is divided where an input's distribution begins, ends or has a kink, and until the argument of the upper
+//! tail `Q` changes little from one end of an interval to the other. All tolerances are relative, and `t` is accurate in
+//! both tails, so that a probability of 1e-12 has as many digits as one of 0.1.
+
+use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::verdict::Verdict;
+
+use crate::inputs::{End, InputDistribution, PairLaw};
+use crate::integrate::closed_form::ExactProbability;
+use crate::integrate::quadrature::gauss_kronrod;
+use crate::special_functions::normal;
+
+/// Deviates beyond this carry a probability below 1e-126.
+const DEVIATE_LIMIT: f64 = 24.0;
+
+/// Width of the intervals to begin with, and where the second input hardly scatters given the first.
+const WIDTHS: [f64; 2] = [3.0, 0.5];
+
+/// Standard deviation of the second deviate given the first below which the tail may rise and fall again within an
+/// interval.
+const NARROW: f64 = 0.2;
+
+/// Most that the argument of the tail changes over an interval.
+const MOST_CHANGE: f64 = 3.0;
+
+/// The arguments between which a change matters.
+const ARGUMENTS: [f64; 2] = [-10.0, 40.0];
+
+/// Intervals that contribute less than this share are left out.
+const NEGLIGIBLE: f64 = 1e-18;
+
+/// Most halvings of an interval for a steep tail, and for the tolerance.
+const STEEPEST: u32 = 44;
+const DEEPEST: u32 = 10;
+
+/// An interval whose two rules agree to this is not halved: the rest is rounding.
+const ROUNDED: f64 = 1e-12;
+
+/// How far the boundary is moved to find what its rounding does, relative to its coordinates.
+const MARGIN: f64 = 1.5e-11;
+
+/// Rounding error of the boundary, likewise.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// Preload and static friction, prepared for integrals over many boundaries.
+#[derive(Debug, Clone)]
+pub struct Pair {
+    preload: InputDistribution,
+    static_friction: InputDistribution,
+    /// The deviates of the preload at which its quantiles have a kink.
+    preload_kinks: Vec<f64>,
+    /// The static friction coefficients likewise.
+    friction_kinks: Vec<f64>,
+    /// The greatest deviate without a positive preload.
+    pressed: f64,
+}
+
+/// An interval of the deviate `u`.
+#[derive(Debug, Clone, Copy)]
+struct Interval {
+    from: f64,
+    to: f64,
+    /// An upper and a lower bound of what it contributes, if the tail is monotonic in it.
+    bounds: [f64; 2],
+    /// How much the argument of the tail changes.
+    change: f64,
+}
+
+/// One boundary, with the law of the deviates.
+struct Integrand<'a> {
+    pair: &'a Pair,
+    boundary: &'a StabilityBoundary,
+    law: &'a PairLaw,
+    /// By how much the boundary is moved towards stability, relative to its coordinates.
+    margin: f64,
+}
+
+impl Pair {
+    /// Prepares two inputs.
+    #[must_use]
+    pub fn new(preload: InputDistribution, static_friction: InputDistribution) -> Self {
+        let kinks = preload.kinks();
+        let deviates = kinks.iter().flat_map(|&kink| [End::Least, End::Greatest].map(|end| preload.deviate(kink, end)));
+        let mut preload_kinks: Vec<f64> = deviates.filter(|deviate| deviate.is_finite()).collect();
+        preload_kinks.dedup();
+        let pressed = preload.deviate(0.0, End::Greatest);
+        let friction_kinks = static_friction.kinks();
+        Self { preload, static_friction, preload_kinks, friction_kinks, pressed }
+    }
+
+    /// The probability that a sample is unstable, with a relative error of the integral of at most about `tolerance`.
+    #[must_use]
+    pub fn probability(&self, boundary: &StabilityBoundary, law: &PairLaw, tolerance: f64) -> f64 {
+        Integrand { pair: self, boundary, law, margin: 0.0 }.integral(tolerance).0.clamp(0.0, 1.0)
+    }
+
+    /// The probability that a sample is unstable, with a bound on the error of the integral and of the rounded boundary.
+    #[must_use]
+    pub fn exact_probability(&self, boundary: &StabilityBoundary, law: &PairLaw) -> ExactProbability {
+        const TOLERANCE: f64 = 1e-12;
+        let integral = |margin: f64| Integrand { pair: self, boundary, law, margin }.integral(TOLERANCE);
+        let (value, error) = integral(0.0);
+        let slope = (integral(MARGIN).0 - integral(-MARGIN).0).abs() / (2.0 * MARGIN);
+        ExactProbability { value: value.clamp(0.0, 1.0), error_bound: error + ROUNDING * (value + slope) }
+    }
+}
+
+impl Integrand<'_> {
+    /// The integral, and an estimate of its error.
+    fn integral(&self, tolerance: f64) -> (f64, f64) {
+        let Pair { preload, static_friction, .. } = self.pair;
+        let PairLaw { mean, factor: [first, ..] } = *self.law;
+        match (preload.scatters(), static_friction.scatters()) {
+            (false, _) => {
+                let std = self.law.second_variance().sqrt();
+                let ends = self.ends(preload.value(0.0)).map(|end| (end - mean[1]) / std);
+                (share(ends), 0.0)
+            }
+            (true, false) => {
+                let critical = self.critical_preload(static_friction.value(0.0));
+                (normal::upper_tail((preload.deviate(critical, End::Greatest) - mean[0]) / first), 0.0)
+            }
+            (true, true) => self.over_preload(tolerance),
+        }
+    }
+
+    /// The deviates of static friction between which sliding is unstable at a preload.
+    fn ends(&self, preload: f64) -> [f64; 2] {
+        let preload = preload * (1.0 - self.margin);
+        let (above, below) = self.boundary.unstable_static_friction(preload);
+        if above == f64::INFINITY {
+            return [f64::INFINITY; 2];
+        }
+        let is_included = self.boundary.verdict(preload, above) == Verdict::Unstable;
+        let friction = &self.pair.static_friction;
+        let above = above * (1.0 + self.margin);
+        let from = friction.deviate(above, if is_included { End::Least } else { End::Greatest });
+        let to = if below.is_finite() { friction.deviate(below * (1.0 - self.margin), End::Least) } else { below };
+        [from, to]
+    }
+
+    /// The preload on the boundary at a static friction coefficient.
+    fn critical_preload(&self, static_friction: f64) -> f64 {
+        self.boundary.critical_preload(static_friction * (1.0 - self.margin)) * (1.0 + self.margin)
+    }
+
+    /// The arguments of the upper tail at a deviate `u`.
+    fn arguments(&self, u: f64) -> [f64; 2] {
+        let PairLaw { mean, factor: [first, by_first, second] } = *self.law;
+        let ends = self.ends(self.pair.preload.value(mean[0] + first * u));
+        ends.map(|end| (end - mean[1] - by_first * u) / second)
+    }
+
+    fn over_preload(&self, tolerance: f64) -> (f64, f64) {
+        let integrand = |u: f64| [normal::density(u) * share(self.arguments(u))];
+        let intervals = self.intervals();
+        let estimates: Vec<_> =
+            intervals.iter().map(|interval| gauss_kronrod(&integrand, interval.from, interval.to)).collect();
+        let tolerance = tolerance * estimates.iter().map(|([value], _)| value).sum::<f64>();
+        let mut sum = (0.0, 0.0);
+        for (interval, &([value], [error])) in intervals.iter().zip(&estimates) {
+            let (value, error) = halved(&integrand, interval.from, interval.to, (value, error), tolerance, DEEPEST);
+            sum.0 += value;
+            sum.1 += error;
+        }
+        sum
+    }
+
+    /// The intervals that contribute, in each of which the tail changes little.
+    fn intervals(&self) -> Vec<Interval> {
+        let nodes = self.nodes();
+        let whole: Vec<Interval> =
+            nodes.windows(2).filter(|pair| pair[0] < pair[1]).map(|pair| self.interval(pair[0], pair[1])).collect();
+        let least = NEGLIGIBLE * whole.iter().map(|interval| interval.bounds[1]).fold(0.0, f64::max);
+        let mut intervals = Vec::with_capacity(whole.len());
+        whole.into_iter().for_each(|interval| self.divide(interval, least, STEEPEST, &mut intervals));
+        intervals
+    }
+
+    fn interval(&self, from: f64, to: f64) -> Interval {
+        // Inside, as the tail may jump at the ends.
+        let inset = 1e-9 * (to - from);
+        let [start, end] = [from + inset, to - inset].map(|u| self.arguments(u));
+        let mass = mass(from, to);
+        let shares = [share(start), share(end)];
+        // Where the region has two ends, the share may be larger in between.
+        let most = if start[1].is_finite() || end[1].is_finite() { 1.0 } else { shares[0].max(shares[1]) };
+        let [least_argument, most_argument] = ARGUMENTS;
+        let clamped = |argument: f64| argument.clamp(least_argument, most_argument);
+        let change = |i: usize| (clamped(start[i]) - clamped(end[i])).abs();
+        Interval { from, to, bounds: [mass * most, mass * shares[0].min(shares[1])], change: change(0).max(change(1)) }
+    }
+
+    fn divide(&self, interval: Interval, least: f64, halvings: u32, intervals: &mut Vec<Interval>) {
+        let Interval { from, to, bounds: [most, _], change } = interval;
+        let is_narrow = self.law.factor[2] < NARROW;
+        if most <= least && !is_narrow {
+            return;
+        }
+        if change <= MOST_CHANGE || halvings == 0 {
+            intervals.push(interval);
+            return;
+        }
+        let middle = 0.5 * (from + to);
+        for (from, to) in [(from, middle), (middle, to)] {
+            self.divide(self.interval(from, to), least, halvings - 1, intervals);
+        }
+    }
+
+    /// The deviates `u` at which to divide the integral, ascending.
+    fn nodes(&self) -> Vec<f64> {
+        let PairLaw { mean, factor: [first, _, second] } = *self.law;
+        let Pair { preload, preload_kinks, friction_kinks, pressed, .. } = self.pair;
+        let deviate = |z1: f64| (z1 - mean[0]) / first;
+        let from = deviate(*pressed).clamp(-DEVIATE_LIMIT, DEVIATE_LIMIT);
+        let width = WIDTHS[usize::from(second < NARROW)];
+        let steps = (DEVIATE_LIMIT / width) as i32;
+        let mut nodes: Vec<f64> = (-steps..=steps).map(|step| width * f64::from(step)).collect();
+        nodes.push(from);
+        nodes.extend(preload_kinks.iter().map(|&kink| deviate(kink)));
+        for &kink in friction_kinks.iter().chain([&self.boundary.least_static_coefficient()]) {
+            let critical = self.critical_preload(kink);
+            if critical.is_finite() {
+                nodes.extend([End::Least, End::Greatest].map(|end| deviate(preload.deviate(critical, end))));
+            }
+        }
+        nodes.retain(|node| (from..=DEVIATE_LIMIT).contains(node));
+        nodes.sort_by(f64::total_cmp);
+        nodes.dedup();
+        if second < NARROW {
+            self.add_turns(&mut nodes);
+        }
+        nodes
+    }
+
+    /// Adds the deviates at which an argument of the tail turns, as it may pass through zero and back beside them.
+    fn add_turns(&self, nodes: &mut Vec<f64>) {
+        let arguments: Vec<[f64; 2]> = nodes.iter().map(|&u| self.arguments(u)).collect();
+        let mut turns = Vec::new();
+        for i in 1..nodes.len().saturating_sub(1) {
+            for which in [0, 1] {
+                let [before, here, after] = [i - 1, i, i + 1].map(|i| arguments[i][which]);
+                for sign in [1.0, -1.0] {
+                    if here.is_finite() && sign * here <= sign * before && sign * here <= sign * after {
+                        let value = |u: f64| sign * self.arguments(u)[which];
+                        turns.push(least_of(value, nodes[i - 1], nodes[i + 1]));
+                    }
+                }
+            }
+        }
+        nodes.extend(turns);
+        nodes.sort_by(f64::total_cmp);
+    }
+}
+
+/// The probability between two arguments of the upper tail, from the side on which nothing cancels.
+fn share([from, to]: [f64; 2]) -> f64 {
+    if to == f64::INFINITY {
+        normal::upper_tail(from)
+    } else if from >= to {
+        0.0
+    } else if from > 0.0 {
+        normal::upper_tail(from) - normal::upper_tail(to)
+    } else {
+        normal::upper_tail(-to) - normal::upper_tail(-from)
+    }
+}
+
+/// The probability of a standard normal deviate between two others, from the side on which nothing cancels.
+fn mass(from: f64, to: f64) -> f64 {
+    share([from, to.min(f64::MAX)])
+}
+
+/// The integral over an interval from its first estimate, halved until the error is at most `tolerance` or rounding.
+fn halved(
+    integrand: &impl Fn(f64) -> [f64; 1],
+    from: f64,
+    to: f64,
+    (value, error): (f64, f64),
+    tolerance: f64,
+    halvings: u32,
+) -> (f64, f64) {
+    if error <= tolerance || error <= ROUNDED * value || halvings == 0 {
+        return (value, error);
+    }
+    let middle = 0.5 * (from + to);
+    let halves = [(from, middle), (middle, to)].map(|(from, to)| {
+        let ([value], [error]) = gauss_kronrod(integrand, from, to);
+        halved(integrand, from, to, (value, error), tolerance, halvings - 1)
+    });
+    (halves[0].0 + halves[1].0, halves[0].1 + halves[1].1)
+}
+
+/// Where a function is least, by golden sections.
+fn least_of(f: impl Fn(f64) -> f64, mut from: f64, mut to: f64) -> f64 {
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let inner = |from: f64, to: f64| [to - RATIO * (to - from), from + RATIO * (to - from)];
+    for _ in 0..50 {
+        let [a, b] = inner(from, to);
+        if f(a) < f(b) { to = b } else { from = a }
+    }
+    0.5 * (from + to)
+}
+
+#[cfg(test)]
+mod tests;
