@@ -15,6 +15,7 @@
 //! | [`integrate`] | probabilities without samples: in closed form, and from a verdict map |
 //! | [`estimate`] | intervals, sequential looks, randomisations, audits, differences, derivatives, Sobol indices |
 //! | [`limits`] | at which values of an axis the probability passes a target |
+//! | [`rare`] | where samples of rare events are drawn, and with which weights |
 //! | [`methods`] | which method answers which question, and how to notice that it has failed |
 //!
 //! Each module uses only those above it. The crate does not know threads, files or the terminal.
@@ -25,6 +26,8 @@
 pub mod grid;
 
 pub mod special_functions;
+
+mod lower_triangle;
 
 pub mod inputs;
 
@@ -37,5 +40,7 @@ pub mod integrate;
 pub mod estimate;
 
 pub mod limits;
+
+pub mod rare;
 
 pub mod methods;

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::lower_triangle::{self, factorise, row_start};
+
 /// Why a correlation was refused. Inputs are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
@@ -70,15 +72,7 @@ pub struct Correlation {
     factor: Vec<f64>,
 }
 
-/// The position at which row `row` of a packed lower triangle begins.
-fn row_start(row: usize) -> usize {
-    row * (row + 1) / 2
-}
-
 impl Correlation {
-    /// Square of the smallest diagonal element of the factor; a smaller one may be a rounding error.
-    const SMALLEST_PIVOT: f64 = 1e-14;
-
     /// Independent inputs.
     #[must_use]
     pub fn independent(inputs: usize) -> Self {
@@ -115,7 +109,7 @@ impl Correlation {
         if factor.iter().filter(|&&element| element != 0.0).count() == inputs {
             return Ok(Self::independent(inputs));
         }
-        factorise(inputs, &mut factor)?;
+        factorise(inputs, &mut factor).map_err(|input| CorrelationError::NotPositiveDefinite { input })?;
         Ok(Self { inputs, factor })
     }
 
@@ -132,7 +126,7 @@ impl Correlation {
 
     /// A row of the factor, up to its diagonal; inputs must be correlated.
     pub(super) fn row(&self, row: usize) -> &[f64] {
-        &self.factor[row_start(row)..=row_start(row) + row]
+        lower_triangle::row(&self.factor, row)
     }
 
     /// Replaces the independent standard normal deviates `z` of the inputs by correlated ones, `L z`. Without
@@ -146,36 +140,8 @@ impl Correlation {
         if self.factor.is_empty() {
             return;
         }
-        // From the last row back: each needs only itself and those before it.
-        for row in (0..self.inputs).rev() {
-            z[row] = self.row(row).iter().zip(&*z).map(|(element, z)| element * z).sum();
-        }
+        lower_triangle::multiply(&self.factor, z);
     }
-}
-
-/// Cholesky's factorisation in place, row by row.
-fn factorise(inputs: usize, matrix: &mut [f64]) -> Result<(), CorrelationError> {
-    for row in 0..inputs {
-        let (before, current) = matrix.split_at_mut(row_start(row));
-        for column in 0..=row {
-            // On the diagonal, the row times itself.
-            let known: f64 = if column < row {
-                let other = &before[row_start(column)..][..column];
-                current[..column].iter().zip(other).map(|(a, b)| a * b).sum()
-            } else {
-                current[..row].iter().map(|a| a * a).sum()
-            };
-            let rest = current[column] - known;
-            current[column] = if column < row {
-                rest / before[row_start(column) + column]
-            } else if rest > Correlation::SMALLEST_PIVOT {
-                rest.sqrt()
-            } else {
-                return Err(CorrelationError::NotPositiveDefinite { input: row });
-            };
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,0 +1,20 @@
+//! Rare events: where the samples that matter lie, and with which weights samples drawn there are counted.
+//!
+//! The random inputs of a sample are functions of independent standard normal deviates `u`. The probability of
+//! instability is the mean of `g(u)` over these: 1 for an unstable sample and 0 for another, or the probability given
+//! `u` if preload and static friction are integrated over.
+//!
+//! | module | contents |
+//! |---|---|
+//! | [`population`] | deviates with the density `g(u) phi(u) / P`, found by reducing an enlarged scatter |
+//! | [`gaussian`] | normal densities, and their fit to points |
+//! | [`mixture`] | groups of points, each with a normal density |
+//! | [`proposal`] | the density from which samples are drawn, and their weights |
+
+pub mod population;
+
+pub mod gaussian;
+
+pub mod mixture;
+
+pub mod proposal;

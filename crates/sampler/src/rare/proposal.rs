@@ -1,0 +1,139 @@
+//! The density from which samples of a rare event are drawn, and their weights.
+//!
+//! It is a mixture. Each group of a [`Population`] has its own normal density, and one of the same mean with the
+//! standard deviations of the inputs. An eighth of the samples come from the distribution of the inputs itself, so that
+//! no weight is above 8 (a defensive mixture: T. Hesterberg, Technometrics 37 (1995) 185-194), and a sixteenth from the
+//! enlarged scatter in which the population was found, so that a region without a particle can still be met.
+
+use crate::rare::gaussian::Gaussian;
+use crate::rare::mixture;
+use crate::rare::population::Population;
+use crate::special_functions::normal;
+
+/// The largest weight of a sample.
+pub const MOST_WEIGHT: f64 = 8.0;
+
+/// Shares of the samples: from the distribution of the inputs, from the enlarged one, and of the rest from the
+/// densities of the groups with the standard deviations of the inputs.
+const OF_INPUTS: f64 = 1.0 / MOST_WEIGHT;
+const ENLARGED: f64 = 1.0 / 16.0;
+const WIDE: f64 = 0.3;
+
+/// One density of the mixture.
+#[derive(Debug, Clone, PartialEq)]
+struct Component {
+    log_share: f64,
+    /// A standard normal deviate below this, and not below that of the component before, chooses this component.
+    below: f64,
+    density: Gaussian,
+}
+
+/// The density from which samples are drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proposal {
+    /// The first is the distribution of the inputs.
+    components: Vec<Component>,
+}
+
+/// What a sample drawn from a [`Proposal`] counts for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weight {
+    /// The density of the inputs over that of the proposal, at most [`MOST_WEIGHT`].
+    pub weight: f64,
+    /// Whether it was drawn from the distribution of the inputs.
+    pub is_of_inputs: bool,
+}
+
+impl Proposal {
+    /// The proposal for a population.
+    #[must_use]
+    pub fn new(population: &Population) -> Self {
+        let size = population.particles.dimensions();
+        let groups = mixture::groups(&population.particles);
+        let rest = if groups.is_empty() { 0.0 } else { 1.0 - OF_INPUTS - ENLARGED };
+        let origin = || vec![0.0; size];
+        let mut densities = vec![(OF_INPUTS, Gaussian::round(origin(), 1.0))];
+        densities.push((1.0 - OF_INPUTS - rest, Gaussian::round(origin(), population.enlargement)));
+        for group in groups {
+            let mean = group.density.mean().to_vec();
+            densities.push((rest * WIDE * group.share, Gaussian::round(mean, 1.0)));
+            densities.push((rest * (1.0 - WIDE) * group.share, group.density));
+        }
+        let mut sum = 0.0;
+        let last = densities.len() - 1;
+        let component = |(i, (share, density)): (usize, (f64, Gaussian))| {
+            sum += share;
+            let below = if i == last { f64::INFINITY } else { normal::quantile(sum) };
+            Component { log_share: libm::log(share), below, density }
+        };
+        Self { components: densities.into_iter().enumerate().map(component).collect() }
+    }
+
+    /// Replaces independent standard normal deviates, one more than inputs, by a point of the mixture: the first chooses
+    /// the component and is dropped. `scratch` is as long as the point.
+    pub fn draw(&self, deviates: &mut Vec<f64>, scratch: &mut [f64]) -> Weight {
+        let choice = deviates.remove(0);
+        let chosen = self.components.iter().position(|component| choice < component.below).unwrap_or(0);
+        self.components[chosen].density.transform(deviates);
+        Weight { weight: self.weight(deviates, scratch), is_of_inputs: chosen == 0 }
+    }
+
+    /// The density of the inputs at a point over that of the mixture.
+    fn weight(&self, point: &[f64], scratch: &mut [f64]) -> f64 {
+        let own = -0.5 * point.iter().map(|u| u * u).sum::<f64>();
+        let ratio = |component: &Component, scratch: &mut [f64]| {
+            libm::exp(component.log_share + component.density.log_density(point, scratch) - own)
+        };
+        let sum: f64 = self.components.iter().map(|component| ratio(component, scratch)).sum();
+        (1.0 / sum).min(MOST_WEIGHT)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draw::deviates::{DeviateStream, Points as Source};
+    use crate::rare::population::Points;
+
+    fn population(dimensions: usize, particles: &[&[f64]], enlargement: f64) -> Population {
+        let mut points = Points::new(dimensions);
+        particles.iter().for_each(|particle| points.push(particle.iter().copied()));
+        Population { particles: points, enlargement, probability: 1e-6, evaluations: 0 }
+    }
+
+    /// The mean of a function of the inputs, by weighted samples.
+    fn mean(proposal: &Proposal, dimensions: usize, of: impl Fn(&[f64]) -> f64) -> f64 {
+        let stream =
+            DeviateStream { seed: 1, common_random_numbers: false, dimensions: dimensions + 1, points: Source::Sobol };
+        let samples = 1 << 14;
+        let mut scratch = vec![0.0; dimensions];
+        let term = |deviates: &[f64]| {
+            let mut point = deviates.to_vec();
+            let Weight { weight, is_of_inputs } = proposal.draw(&mut point, &mut scratch);
+            assert!(weight <= MOST_WEIGHT);
+            assert!(!is_of_inputs || deviates[0] < normal::quantile(0.125));
+            weight * of(&point)
+        };
+        stream.draw(0, 0, 0..samples).chunks_exact(dimensions + 1).map(term).sum::<f64>() / samples as f64
+    }
+
+    #[test]
+    fn weighted_means_are_those_of_the_inputs() {
+        let particles: [&[f64]; 4] = [&[4.0, 0.5, 0.0], &[4.1, -0.5, 0.3], &[4.2, 0.1, -0.6], &[4.5, 0.0, 0.3]];
+        let proposal = Proposal::new(&population(3, &particles, 2.25));
+        assert!((mean(&proposal, 3, |_| 1.0) - 1.0).abs() < 0.01);
+        assert!(mean(&proposal, 3, |u| u[1]).abs() < 0.02);
+        assert!((mean(&proposal, 3, |u| u[2] * u[2]) - 1.0).abs() < 0.02);
+        let tail = mean(&proposal, 3, |u| f64::from(u8::from(u[0] > 4.0)));
+        let truth = normal::upper_tail(4.0);
+        assert!((tail / truth - 1.0).abs() < 0.02, "{tail:e}, {truth:e}");
+    }
+
+    #[test]
+    fn without_particles_the_inputs_and_a_larger_scatter_are_left() {
+        let proposal = Proposal::new(&population(2, &[], 11.0));
+        assert_eq!(proposal.components.len(), 2);
+        let tail = mean(&proposal, 2, |u| f64::from(u8::from(u[0] > 3.0)));
+        assert!((tail / normal::upper_tail(3.0) - 1.0).abs() < 0.1, "{tail:e}");
+    }
+}
