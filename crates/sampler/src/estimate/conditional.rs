@@ -3,18 +3,13 @@
 //! Every point stands for the inputs other than preload and static friction, and has the probability that a brake is
 //! unstable given these ([`integrate::pair`](crate::integrate::pair)). Their mean is the probability of instability.
 //!
-//! Conditional probabilities are added as whole numbers: each, and its square, is cut off after 120 binary digits, which
-//! are four words of 30. So a sum has the same bits in any order, and a probability of 1e-30 still has digits.
+//! Conditional probabilities and their squares are added as [whole numbers](super::fixed_point), so that a sum has the
+//! same bits in any order.
 
+use crate::estimate::fixed_point::{WORDS, add_words, number};
 use crate::estimate::interval::{Estimate, MOST_WILSON_CONFIDENCE};
 use crate::estimate::randomisations::student;
 use crate::special_functions::{beta, normal};
-
-/// Binary digits of a word. With 2^32 probabilities its sum fits 63 bits.
-const DIGITS: u32 = 30;
-
-/// Words of a number.
-const WORDS: usize = 4;
 
 /// Where fewer points matter than this, the scatter of a few randomisations may be smaller than their error.
 const FEW: f64 = 1000.0;
@@ -52,24 +47,6 @@ impl ProbabilitySums {
     pub fn sums(&self) -> [i64; Self::COUNT] {
         self.0
     }
-}
-
-/// Adds the words of a number from 0 to 1, the largest first.
-fn add_words(sums: &mut [i64], number: f64) {
-    // Exact: a product with a power of two, cut off.
-    let digits = (number * (1_u128 << (DIGITS * WORDS as u32)) as f64) as u128;
-    for (word, sum) in sums.iter_mut().enumerate() {
-        let above = digits >> (DIGITS * (WORDS - 1 - word) as u32);
-        let own = if word == 0 { above } else { above & ((1 << DIGITS) - 1) };
-        *sum += own as i64;
-    }
-}
-
-/// The number that words add up to.
-fn number(words: &[i128]) -> f64 {
-    let unit = 1.0 / f64::from(1_u32 << DIGITS);
-    // From the smallest, as in Horner's rule.
-    words.iter().rev().fold(0.0, |sum, &word| (sum + word as f64) * unit)
 }
 
 /// What is known of the points of one randomisation.
@@ -169,7 +146,7 @@ pub fn estimate(parts: &[ConditionalPart], confidence: f64) -> Estimate {
 }
 
 /// The effective number of numbers with this sum and this sum of squares.
-fn effective_number(sum: f64, squares: f64) -> f64 {
+pub(super) fn effective_number(sum: f64, squares: f64) -> f64 {
     if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 
@@ -181,14 +158,14 @@ fn scaled_binomial(sum: f64, effective: f64, trials: f64, confidence: f64) -> (f
 }
 
 /// The ends at a distance from a probability, or at the same distance by its logarithm, whichever is farther.
-fn around(mean: f64, half_width: f64) -> (f64, f64) {
+pub(super) fn around(mean: f64, half_width: f64) -> (f64, f64) {
     let above = |mean: f64| if mean > 0.0 { mean * libm::exp(half_width / mean) } else { half_width };
     (1.0 - above(1.0 - mean), above(mean))
 }
 
 /// Clopper and Pearson's interval for successes, which need not be whole, out of trials: the low end for the first
 /// number of them, the high one for the second.
-fn binomial(at_least: f64, at_most: f64, trials: f64, confidence: f64) -> (f64, f64) {
+pub(super) fn binomial(at_least: f64, at_most: f64, trials: f64, confidence: f64) -> (f64, f64) {
     if trials == 0.0 {
         return (0.0, 1.0);
     }

@@ -1,4 +1,4 @@
-//! Estimates and confidence intervals from counted verdicts, conditional probabilities and recorded values.
+//! Estimates and confidence intervals from counted verdicts, conditional probabilities, weighted samples and recorded values.
 
 pub mod interval;
 
@@ -6,7 +6,11 @@ pub mod looks;
 
 pub mod randomisations;
 
+pub mod fixed_point;
+
 pub mod conditional;
+
+pub mod weighted;
 
 pub mod audit;
 

@@ -25,6 +25,21 @@ impl Gaussian {
         Self { mean, factor, log_determinant: size as f64 * libm::log(std) }
     }
 
+    /// With a variance of its own in the direction of the mean, and 1 across it. `None` if the variance is not above zero.
+    #[must_use]
+    pub fn along(mean: Vec<f64>, variance: f64) -> Option<Self> {
+        let size = mean.len();
+        let square: f64 = mean.iter().map(|u| u * u).sum();
+        let excess = if square > 0.0 { (variance - 1.0) / square } else { 0.0 };
+        let mut covariance = vec![0.0; row_start(size)];
+        for i in 0..size {
+            for k in 0..=i {
+                covariance[row_start(i) + k] = excess * mean[i] * mean[k] + if i == k { 1.0 } else { 0.0 };
+            }
+        }
+        Self::of_covariance(mean, covariance)
+    }
+
     /// Fitted to points with weights. `None` if no weight is above zero.
     #[must_use]
     pub fn fit<'p>(points: impl Iterator<Item = &'p [f64]> + Clone, weights: &[f64]) -> Option<Self> {
@@ -48,9 +63,28 @@ impl Gaussian {
             }
         }
         (0..size).for_each(|i| covariance[row_start(i) + i] += share);
+        Self::of_covariance(mean, covariance)
+    }
+
+    /// `None` if the covariance is not positive definite.
+    fn of_covariance(mean: Vec<f64>, mut covariance: Vec<f64>) -> Option<Self> {
+        let size = mean.len();
         factorise(size, &mut covariance).ok()?;
         let log_determinant = (0..size).map(|i| libm::log(covariance[row_start(i) + i])).sum();
         Some(Self { mean, factor: covariance, log_determinant })
+    }
+
+    /// The variance in the direction of the mean.
+    #[must_use]
+    pub fn variance_along_mean(&self) -> f64 {
+        let square: f64 = self.mean.iter().map(|u| u * u).sum();
+        if square <= 0.0 {
+            return 1.0;
+        }
+        // |L' m|^2 / |m|^2
+        let size = self.mean.len();
+        let column = |k: usize| (k..size).map(|i| self.factor[row_start(i) + k] * self.mean[i]).sum::<f64>();
+        (0..size).map(|k| column(k) * column(k)).sum::<f64>() / square
     }
 
     /// The mean.
@@ -92,6 +126,17 @@ mod tests {
         gaussian.transform(&mut deviates);
         let expected = -1.0 - gaussian.log_determinant;
         assert!((gaussian.log_density(&deviates, &mut [0.0; 2]) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_density_along_its_mean_has_that_variance() {
+        let gaussian = Gaussian::along(vec![3.0, -4.0], 0.25).unwrap();
+        assert!((gaussian.variance_along_mean() - 0.25).abs() < 1e-15);
+        // One standard deviation from the mean, along and across.
+        let at = |u: [f64; 2]| gaussian.log_density(&u, &mut [0.0; 2]);
+        let expected = -0.5 + std::f64::consts::LN_2;
+        assert!((at([3.3, -4.4]) - expected).abs() < 1e-14 && (at([3.8, -3.4]) - expected).abs() < 1e-14);
+        assert!(Gaussian::along(vec![1.0], 0.0).is_none());
     }
 
     #[test]

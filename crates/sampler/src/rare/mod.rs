@@ -18,3 +18,6 @@ pub mod gaussian;
 pub mod mixture;
 
 pub mod proposal;
+
+#[cfg(test)]
+mod tests;

@@ -1,23 +1,23 @@
 //! The density from which samples of a rare event are drawn, and their weights.
 //!
-//! It is a mixture. Each group of a [`Population`] has its own normal density, and one of the same mean with the
-//! standard deviations of the inputs. An eighth of the samples come from the distribution of the inputs itself, so that
+//! It is a mixture. Each group of a [`Population`] has three normal densities around its mean: one with its covariance, one
+//! with its variance in the direction of the mean alone, which few points determine well whatever the number of inputs,
+//! and one with the standard deviations of the inputs. An eighth of the samples come from the distribution of the inputs itself, so that
 //! no weight is above 8 (a defensive mixture: T. Hesterberg, Technometrics 37 (1995) 185-194), and a sixteenth from the
 //! enlarged scatter in which the population was found, so that a region without a particle can still be met.
 
+use crate::estimate::weighted::MOST_WEIGHT;
 use crate::rare::gaussian::Gaussian;
 use crate::rare::mixture;
 use crate::rare::population::Population;
 use crate::special_functions::normal;
 
-/// The largest weight of a sample.
-pub const MOST_WEIGHT: f64 = 8.0;
-
 /// Shares of the samples: from the distribution of the inputs, from the enlarged one, and of the rest from the
-/// densities of the groups with the standard deviations of the inputs.
+/// densities of the groups with the standard deviations of the inputs, and with their variance along the mean.
 const OF_INPUTS: f64 = 1.0 / MOST_WEIGHT;
 const ENLARGED: f64 = 1.0 / 16.0;
-const WIDE: f64 = 0.3;
+const WIDE: f64 = 0.2;
+const ALONG: f64 = 0.4;
 
 /// One density of the mixture.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,8 +56,11 @@ impl Proposal {
         densities.push((1.0 - OF_INPUTS - rest, Gaussian::round(origin(), population.enlargement)));
         for group in groups {
             let mean = group.density.mean().to_vec();
-            densities.push((rest * WIDE * group.share, Gaussian::round(mean, 1.0)));
-            densities.push((rest * (1.0 - WIDE) * group.share, group.density));
+            let wide = Gaussian::round(mean.clone(), 1.0);
+            let along = Gaussian::along(mean, group.density.variance_along_mean()).unwrap_or(wide.clone());
+            densities.push((rest * WIDE * group.share, wide));
+            densities.push((rest * ALONG * group.share, along));
+            densities.push((rest * (1.0 - WIDE - ALONG) * group.share, group.density));
         }
         let mut sum = 0.0;
         let last = densities.len() - 1;

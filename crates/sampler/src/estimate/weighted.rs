@@ -1,0 +1,248 @@
+//! The estimate from weighted samples of rare events.
+//!
+//! A sample that is drawn with another density than that of the inputs counts `w g`: `g` is 1 if it is unstable, 0 if not,
+//! or the probability given the sample, and `w` is the ratio of the densities ([`Proposal`](crate::rare::proposal)). The
+//! mean over all samples is the probability of instability. The sums are [whole numbers](super::fixed_point).
+
+use crate::estimate::conditional::{around, binomial, effective_number};
+use crate::estimate::fixed_point::{WORDS, add_words, number};
+use crate::estimate::interval::Estimate;
+use crate::estimate::randomisations::student;
+use crate::special_functions::{beta, normal};
+
+/// The largest weight, which sums are scaled by.
+pub const MOST_WEIGHT: f64 = 8.0;
+
+/// The effective number of samples below which an estimate is not trusted.
+const LEAST_EFFECTIVE: f64 = 100.0;
+
+/// Where fewer samples matter than this, the interval is at least as wide as that of independent samples.
+const FEW: f64 = 1000.0;
+
+/// The significance at which the groups of randomisations differ so much that the interval comes from these, and that at
+/// which the estimate is not trusted.
+const DOUBT: f64 = 0.05;
+const DISAGREEMENT: f64 = 1e-4;
+
+/// The relative standard deviation of the estimates of populations above which their mean is not trusted.
+const MOST_SCATTER: f64 = 1.0;
+
+/// The sums of weighted samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WeightedSums([i64; WeightedSums::COUNT]);
+
+impl WeightedSums {
+    /// The number of sums: of the contributions, their squares, the weights of samples without a verdict, and the
+    /// contributions of samples that are drawn from the distribution of the inputs; the number of these, and the number
+    /// of evaluations.
+    pub const COUNT: usize = 4 * WORDS + 2;
+
+    /// Adds a sample: its weight, its `g`, which is `None` without a verdict, and whether it was drawn from the
+    /// distribution of the inputs.
+    pub fn add(&mut self, weight: f64, value: Option<f64>, is_of_inputs: bool) {
+        let [contributions, squares, without, of_inputs, numbers] = split(&mut self.0);
+        let contribution = weight * value.unwrap_or(0.0) / MOST_WEIGHT;
+        add_words(contributions, contribution);
+        add_words(squares, contribution * contribution);
+        if value.is_none() {
+            add_words(without, weight / MOST_WEIGHT);
+        }
+        if is_of_inputs {
+            // Without a verdict it may be unstable.
+            add_words(of_inputs, value.unwrap_or(1.0));
+            numbers[0] += 1;
+        }
+        numbers[1] += 1;
+    }
+
+    /// Adds evaluations that are no samples.
+    pub fn add_evaluations(&mut self, evaluations: u64) {
+        self.0[4 * WORDS + 1] += evaluations.cast_signed();
+    }
+
+    /// The sums.
+    #[must_use]
+    pub fn sums(&self) -> [i64; Self::COUNT] {
+        self.0
+    }
+}
+
+fn split(sums: &mut [i64; WeightedSums::COUNT]) -> [&mut [i64]; 5] {
+    let (contributions, rest) = sums.split_at_mut(WORDS);
+    let (squares, rest) = rest.split_at_mut(WORDS);
+    let (without, rest) = rest.split_at_mut(WORDS);
+    let (of_inputs, numbers) = rest.split_at_mut(WORDS);
+    [contributions, squares, without, of_inputs, numbers]
+}
+
+/// What is known of the samples of one randomisation, or of one population.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct WeightedPart {
+    /// Samples; populations count one each.
+    pub samples: f64,
+    /// The sum of `w g`.
+    pub contributions: f64,
+    /// The sum of its squares.
+    pub squares: f64,
+    /// The sum of `w` of samples without a verdict.
+    pub without_verdict: f64,
+    /// Samples drawn from the distribution of the inputs, and the sum of their `g`, 1 without a verdict.
+    pub of_inputs: [f64; 2],
+    /// Values of `g` that were computed, also those by which the density of the samples was found.
+    pub evaluations: f64,
+}
+
+impl WeightedPart {
+    /// From the sums of [`WeightedSums`].
+    #[must_use]
+    pub fn from_sums(samples: u64, sums: &[i128]) -> Self {
+        let of = |i: usize| sums.get(i * WORDS..(i + 1) * WORDS).map_or(0.0, number);
+        let count = |i: usize| sums.get(4 * WORDS + i).map_or(0.0, |&sum| sum as f64);
+        Self {
+            samples: samples as f64,
+            contributions: MOST_WEIGHT * of(0),
+            squares: MOST_WEIGHT * MOST_WEIGHT * of(1),
+            without_verdict: MOST_WEIGHT * of(2),
+            of_inputs: [count(0), of(3)],
+            evaluations: count(1),
+        }
+    }
+}
+
+/// Why an estimate is not trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Distrust {
+    /// Nothing unstable was found.
+    NothingFound,
+    /// Few samples have most of the probability.
+    FewSamples,
+    /// Randomisations whose samples were placed independently disagree.
+    Disagreement,
+}
+
+/// The probability with its interval, and whether it is trusted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightedEstimate {
+    /// Without a probability if it is not trusted. The interval is then that of the samples drawn from the distribution
+    /// of the inputs.
+    pub estimate: Estimate,
+    /// The effective number of samples `(sum w g)^2 / sum (w g)^2`.
+    pub effective: f64,
+    /// Values of `g` that were computed.
+    pub evaluations: f64,
+    /// Why it is not trusted.
+    pub distrust: Option<Distrust>,
+}
+
+/// The mean of weighted samples, with Student's interval from the scatter of the randomisations, as that of
+/// [conditional probabilities](super::conditional).
+///
+/// Randomisation `r` belongs to group `r` modulo `groups`. The samples of each group were placed independently. If the
+/// scatter between the groups is larger than that within them (analysis of variance, 5 %), the interval comes from the
+/// means of the groups. With a significance of 1e-4 the estimate is not trusted, as some have missed a region. Nor is it
+/// with an effective number of samples below 100.
+///
+/// Samples without a verdict count as stable for the low end and as unstable for the high one.
+#[must_use]
+pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> WeightedEstimate {
+    let sum = |of: &dyn Fn(&WeightedPart) -> f64| parts.iter().map(of).sum::<f64>();
+    let (total, squares) = (sum(&|part| part.contributions), sum(&|part| part.squares));
+    let (samples, without) = (sum(&|part| part.samples), sum(&|part| part.without_verdict));
+    let effective = effective_number(total, squares);
+    let is_complete = parts.len() >= 2 && parts.iter().all(|part| part.samples > 0.0);
+    let shares: Vec<f64> = parts.iter().map(|part| part.contributions / part.samples).collect();
+    let between = if is_complete { significance(&shares, groups) } else { 1.0 };
+    let distrust = if total <= 0.0 {
+        Some(Distrust::NothingFound)
+    } else if effective < LEAST_EFFECTIVE || !is_complete {
+        Some(Distrust::FewSamples)
+    } else {
+        (between < DISAGREEMENT).then_some(Distrust::Disagreement)
+    };
+    let evaluations = sum(&|part| part.evaluations);
+    if distrust.is_some() {
+        let [count, unstable] = [0, 1].map(|i| sum(&|part| part.of_inputs[i]));
+        let (low, high) = binomial(0.0, unstable, count, confidence);
+        let estimate = Estimate { probability: None, low, high };
+        return WeightedEstimate { estimate, effective, evaluations, distrust };
+    }
+    let independent = if effective < FEW {
+        let variance = (squares / samples - (total / samples) * (total / samples)).max(0.0);
+        normal::upper_quantile(0.5 * (1.0 - confidence)) * (variance / samples).sqrt()
+    } else {
+        0.0
+    };
+    let half_width = |shares: &[f64]| {
+        let (_, of_all) = student(shares, confidence);
+        let of_groups = if between < DOUBT { student(&means(shares, groups), confidence).1 } else { 0.0 };
+        of_all.max(of_groups).max(independent)
+    };
+    let (mean, with_failed) = (total / samples, (total + without) / samples);
+    let highest: Vec<f64> =
+        parts.iter().map(|part| (part.contributions + part.without_verdict) / part.samples).collect();
+    let low = around(mean.min(1.0), half_width(&shares)).0;
+    let high = around(with_failed.min(1.0), half_width(&highest)).1;
+    let estimate = Estimate { probability: Some(mean.min(1.0)), low: low.max(0.0), high: high.min(1.0) };
+    WeightedEstimate { estimate, effective, evaluations, distrust }
+}
+
+/// The mean of the estimates of independent populations, with Student's interval. It is not trusted if their relative
+/// standard deviation is above 1.
+#[must_use]
+pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> WeightedEstimate {
+    let shares: Vec<f64> = parts.iter().filter(|part| part.samples > 0.0).map(|part| part.contributions).collect();
+    let count = shares.len() as f64;
+    let mean = shares.iter().sum::<f64>() / count.max(1.0);
+    let scatter =
+        (shares.iter().map(|share| (share - mean) * (share - mean)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt();
+    let distrust = if mean <= 0.0 {
+        Some(Distrust::NothingFound)
+    } else if shares.len() < 2 {
+        Some(Distrust::FewSamples)
+    } else {
+        (scatter > MOST_SCATTER * mean).then_some(Distrust::Disagreement)
+    };
+    let estimate = if distrust.is_some() {
+        Estimate { probability: None, low: 0.0, high: 1.0 }
+    } else {
+        let (low, high) = around(mean, student(&shares, confidence).1);
+        Estimate { probability: Some(mean.min(1.0)), low: low.max(0.0), high: high.min(1.0) }
+    };
+    let squares = shares.iter().map(|share| share * share).sum();
+    let evaluations = parts.iter().map(|part| part.evaluations).sum();
+    WeightedEstimate { estimate, effective: effective_number(mean * count, squares), evaluations, distrust }
+}
+
+/// The means of the groups of randomisations.
+fn means(shares: &[f64], groups: usize) -> Vec<f64> {
+    let mean = |group: usize| {
+        let own: Vec<f64> = shares.iter().skip(group).step_by(groups).copied().collect();
+        own.iter().sum::<f64>() / own.len() as f64
+    };
+    (0..groups).map(mean).collect()
+}
+
+/// The probability that the groups of equal ones differ as much, by analysis of variance; 1 with one group.
+fn significance(shares: &[f64], groups: usize) -> f64 {
+    let (count, within_degrees) = (shares.len() as f64, shares.len() as f64 - groups as f64);
+    if groups < 2 || within_degrees < 1.0 {
+        return 1.0;
+    }
+    let all = shares.iter().sum::<f64>() / count;
+    let means = means(shares, groups);
+    let (mut between, mut within) = (0.0, 0.0);
+    for (i, share) in shares.iter().enumerate() {
+        let mean = means[i % groups];
+        between += (mean - all) * (mean - all);
+        within += (share - mean) * (share - mean);
+    }
+    if between + within <= 0.0 {
+        return 1.0;
+    }
+    // The share of the groups in the sum of squares has a beta distribution.
+    let (a, b) = (0.5 * (groups as f64 - 1.0), 0.5 * within_degrees);
+    beta::upper_tail(a, b, between / (between + within))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,126 @@
+use super::*;
+
+/// A part of so many samples, of which each hundredth counts `contribution`.
+fn part(samples: u64, contribution: f64) -> WeightedPart {
+    let mut sums = WeightedSums::default();
+    for sample in 0..samples {
+        sums.add(
+            if sample % 100 == 0 { contribution } else { 1.0 },
+            Some(if sample % 100 == 0 { 1.0 } else { 0.0 }),
+            sample % 8 == 0,
+        );
+    }
+    WeightedPart::from_sums(samples, &sums.sums().map(i128::from))
+}
+
+#[test]
+fn sums_have_the_values_that_were_added() {
+    let mut sums = WeightedSums::default();
+    sums.add(8.0, Some(1.0), false);
+    sums.add(3e-9, Some(0.5), true);
+    sums.add(0.25, None, true);
+    sums.add_evaluations(1000);
+    let part = WeightedPart::from_sums(3, &sums.sums().map(i128::from));
+    let close = |value: f64, expected: f64| assert!((value - expected).abs() <= 1e-15 * expected, "{value:e}");
+    close(part.contributions, 8.0 + 1.5e-9);
+    close(part.squares, 64.0 + 2.25e-18);
+    close(part.without_verdict, 0.25);
+    assert_eq!(part.of_inputs, [2.0, 1.5]);
+    assert_eq!(part.evaluations, 1003.0);
+    // Small contributions keep their digits.
+    let mut sums = WeightedSums::default();
+    sums.add(3e-12, Some(1.0), false);
+    let part = WeightedPart::from_sums(1, &sums.sums().map(i128::from));
+    assert!((part.contributions / 3e-12 - 1.0).abs() < 1e-15 && (part.squares / 9e-24 - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn sums_do_not_depend_on_the_order() {
+    let contributions = [1.0 / 3.0, 1e-9 / 7.0, 2.0 / 9.0, 1e-20 / 3.0];
+    let sum = |order: &mut dyn Iterator<Item = &f64>| {
+        let mut sums = WeightedSums::default();
+        order.for_each(|&weight| sums.add(weight, Some(1.0), false));
+        sums
+    };
+    assert_eq!(sum(&mut contributions.iter()), sum(&mut contributions.iter().rev()));
+}
+
+#[test]
+fn the_interval_is_students() {
+    let parts: Vec<WeightedPart> = (0..16).map(|i| part(6400, 1e-6 * (1.0 + 0.01 * f64::from(i / 4 % 2)))).collect();
+    let WeightedEstimate { estimate, effective, distrust, .. } = estimate(&parts, 4, 0.95);
+    assert_eq!(distrust, None);
+    assert!((effective / 1024.0 - 1.0).abs() < 1e-3);
+    // Sixteen shares of mean 1.005e-8 and standard deviation 5e-11 sqrt(16/15); t(15) = 2.131.
+    let half_width = 2.131_45 * 5e-11 * (16.0_f64 / 15.0).sqrt() / 4.0;
+    assert!((estimate.probability.unwrap() - 1.005e-8).abs() < 1e-20);
+    assert!((estimate.low - (1.005e-8 - half_width)).abs() < 1e-5 * half_width);
+    assert!((estimate.high - 1.005e-8 - half_width).abs() < 0.01 * half_width);
+}
+
+#[test]
+fn groups_that_disagree_are_not_trusted() {
+    // One group of four has missed half of the probability.
+    let noise = |i: u32| 1.0 + 0.03 * f64::from(i / 4 % 2);
+    let lost = |i: u32| if i % 4 == 0 { 0.5 } else { 1.0 };
+    let parts: Vec<WeightedPart> = (0..16).map(|i| part(1600, 1e-6 * noise(i) * lost(i))).collect();
+    let found = estimate(&parts, 4, 0.95);
+    assert_eq!(found.distrust, Some(Distrust::Disagreement));
+    assert_eq!(found.estimate.probability, None);
+    // Of the samples from the distribution of the inputs 4 % are unstable here.
+    assert!(found.estimate.low == 0.0 && found.estimate.high < 0.06, "{found:?}");
+    // A smaller loss widens the interval to that of four groups.
+    let noise = |i: u32| 1.0 + 0.06 * f64::from(i / 4 % 2);
+    let lost = |i: u32| if i % 4 == 0 { 0.92 } else { 1.0 };
+    let parts: Vec<WeightedPart> = (0..16).map(|i| part(16_000, 1e-6 * noise(i) * lost(i))).collect();
+    let found = estimate(&parts, 4, 0.95);
+    assert_eq!(found.distrust, None);
+    let WeightedEstimate { estimate: of_one_group, .. } = estimate(&parts, 1, 0.95);
+    let width = |estimate: Estimate| estimate.high - estimate.low;
+    assert!(width(found.estimate) > 1.5 * width(of_one_group), "{found:?} {of_one_group:?}");
+}
+
+#[test]
+fn few_samples_are_not_trusted() {
+    let parts: Vec<WeightedPart> = (0..16).map(|i| part(400, if i == 3 { 1.0 } else { 1e-6 })).collect();
+    let found = estimate(&parts, 4, 0.95);
+    assert_eq!(found.distrust, Some(Distrust::FewSamples));
+    assert!(found.effective < 5.0);
+    let parts: Vec<WeightedPart> = (0..16).map(|_| part(400, 0.0)).collect();
+    let found = estimate(&parts, 4, 0.95);
+    assert_eq!((found.distrust, found.estimate.probability), (Some(Distrust::NothingFound), None));
+    // Two of a hundred samples count, and a half of these are of the inputs; their g is 1.
+    assert!(found.estimate.high > 0.0);
+}
+
+#[test]
+fn samples_without_a_verdict_widen_the_interval_upwards() {
+    let with = |without_verdict: f64| {
+        let parts: Vec<WeightedPart> = (0..16)
+            .map(|i| WeightedPart { without_verdict, ..part(6400, 1e-6 * (1.0 + 0.01 * f64::from(i / 4 % 2))) })
+            .collect();
+        estimate(&parts, 4, 0.95).estimate
+    };
+    let (decided, open) = (with(0.0), with(6400.0 * 1e-9));
+    assert_eq!((decided.low, decided.probability), (open.low, open.probability));
+    assert!((open.high - decided.high - 1e-9).abs() < 1e-11);
+}
+
+#[test]
+fn populations_are_averaged() {
+    let populations = |found: &[f64]| {
+        let part = |&p: &f64| {
+            let mut sums = WeightedSums::default();
+            sums.add(p, Some(1.0), false);
+            sums.add_evaluations(99);
+            WeightedPart::from_sums(1, &sums.sums().map(i128::from))
+        };
+        estimate_of_populations(&found.iter().map(part).collect::<Vec<_>>(), 0.95)
+    };
+    let found = populations(&[1e-6, 1.2e-6, 0.8e-6, 1e-6]);
+    assert!((found.estimate.probability.unwrap() - 1e-6).abs() < 1e-18);
+    assert!(found.estimate.low < 0.8e-6 && found.estimate.high > 1.2e-6 && found.estimate.high < 1.4e-6);
+    assert_eq!(found.evaluations, 400.0);
+    assert_eq!(populations(&[1e-6, 1e-9, 1e-9, 1e-9]).distrust, Some(Distrust::Disagreement));
+    assert_eq!(populations(&[0.0; 4]).distrust, Some(Distrust::NothingFound));
+}
