@@ -4,10 +4,11 @@ use std::path::Path;
 
 use indicatif::HumanCount;
 use stickslip_sampler::estimate::interval::Estimate;
+use stickslip_sampler::estimate::weighted::Distrust;
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
-use crate::job::{Job, OutsidePhysics};
+use crate::job::{Job, OutsidePhysics, SamplingMethod};
 use crate::output::{counted, result, wrapped};
 use crate::picture::answer::answer;
 use crate::picture::picture;
@@ -22,7 +23,13 @@ use crate::tables::surface::Surface;
 pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Result<(), Failure> {
     let summary = Summary::of(surface);
     let line = closing_line(&directory.surface(), job, &summary);
-    let notes = [outside_physics(job, &summary), without_verdict(&summary), looked_up(job, &summary)].concat();
+    let notes = [
+        outside_physics(job, &summary),
+        without_verdict(&summary),
+        looked_up(job, &summary),
+        distrusted(job, &summary),
+    ]
+    .concat();
     result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &summary.estimates))))?;
     let Lookups { audited, differed, .. } = summary.lookups;
     if differed == 0 {
@@ -52,6 +59,10 @@ struct Summary {
     outside_physics: u64,
     /// The largest share of a cell's samples that is outside physics.
     outside_of_a_cell: f64,
+    /// Verdicts or probabilities computed, where samples have weights, and in how many cells the estimate is not to be
+    /// trusted, by reason.
+    evaluations: f64,
+    distrusted: [u64; 3],
     /// The largest share of wrong looked-up verdicts of a cell that its audit does not exclude.
     unaudited: f64,
     /// The largest error of an integral.
@@ -70,11 +81,20 @@ impl Summary {
             failed: 0,
             outside_physics: 0,
             outside_of_a_cell: 0.0,
+            evaluations: 0.0,
+            distrusted: [0; 3],
             unaudited: 0.0,
             error: 0.0,
             undecided_of_a_cell: surface.largest_undecided(),
         };
-        for SurfaceRow { counts, estimate, unaudited, outside_physics, .. } in surface.rows() {
+        for SurfaceRow { counts, estimate, unaudited, outside_physics, weighted, .. } in surface.rows() {
+            summary.evaluations += weighted.map_or(0.0, |weighted| weighted.evaluations);
+            match weighted.and_then(|weighted| weighted.distrust) {
+                None => {}
+                Some(Distrust::NothingFound) => summary.distrusted[0] += 1,
+                Some(Distrust::FewSamples) => summary.distrusted[1] += 1,
+                Some(Distrust::Disagreement) => summary.distrusted[2] += 1,
+            }
             summary.counted += u128::from(counts.total());
             summary.undecided += counts.undecided;
             summary.failed += counts.failed;
@@ -115,6 +135,29 @@ fn looked_up(job: &Job, summary: &Summary) -> String {
         "no audit: p_low and p_high assume that the map is right".to_owned()
     };
     text + "\n"
+}
+
+/// Lines on the cells whose estimates are not to be trusted, where samples have weights.
+fn distrusted(job: &Job, summary: &Summary) -> String {
+    let [nothing, few, differ] = summary.distrusted;
+    if nothing + few + differ == 0 {
+        return String::new();
+    }
+    let more = match job.sampling.method {
+        SamplingMethod::Subset => "take more particles or randomisations",
+        _ => "take more samples or particles",
+    };
+    let mut text = String::new();
+    for (count, what) in [
+        (nothing, "no unstable sample was found, even with a larger scatter".to_owned()),
+        (few, format!("few samples have most of the probability; {more}")),
+        (differ, format!("independent populations disagree, so some have missed a region; {more}")),
+    ] {
+        if count > 0 {
+            text += &format!("p_unstable is null in {}: {what}\n", counted(count.into(), "cell", "cells"));
+        }
+    }
+    text
 }
 
 /// A line on samples outside physics, if there are any.
@@ -167,6 +210,15 @@ fn closing_line(path: &Path, job: &Job, summary: &Summary) -> String {
             String::new()
         };
         return format!("{}: {cells}, integrated, error at most {error:.1e}{undecided}\n", path.display());
+    }
+    if job.sampling.method == SamplingMethod::Subset {
+        let populations = counted(job.sampling.samples.into(), "population", "populations");
+        let verdicts = counted(summary.evaluations as u128, "verdict", "verdicts");
+        return format!(
+            "{}: {cells}, {populations} each, {verdicts} in all, seed {}\n",
+            path.display(),
+            job.sampling.seed
+        );
     }
     let samples = if job.stops_by_precision() {
         format!("{} in all, at most {} each", count_of_samples(summary.counted), HumanCount(job.sampling.samples))

@@ -322,6 +322,11 @@ pub fn evaluator_again<'a>(
             "this run integrates its probabilities; it has no samples to replay or to write".to_owned(),
         ));
     }
+    if job.is_weighted() {
+        return Err(Failure::Usage(
+            "the samples of this run are drawn where instability is frequent, and have weights (method = \"importance\" or \"subset\"); submit the job with method = \"monte-carlo\" into another directory to look at samples".to_owned(),
+        ));
+    }
     if job.is_conditional() {
         return Err(Failure::Usage(
             "this run integrates over preload and static friction at each of its samples (method = \"conditional\"), so they have no verdicts to replay or to write; submit the job with method = \"sobol\" into another directory to look at samples".to_owned(),

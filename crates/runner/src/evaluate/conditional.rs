@@ -34,7 +34,7 @@ pub struct Conditional {
 }
 
 /// The samples of one cell.
-struct ConditionalCell<'a> {
+pub(super) struct ConditionalCell<'a> {
     conditional: &'a Conditional,
     distributions: Vec<InputDistribution>,
     pair: Pair,
@@ -45,8 +45,13 @@ struct ConditionalCell<'a> {
 impl Conditional {
     /// Prepares a job; `None` if it draws preload and static friction.
     pub fn new(job: &Job) -> Option<Self> {
-        let correlation = job.is_conditional().then(|| job.random.correlation_with_pair_last().ok())??;
+        let correlation = job.integrates_pair().then(|| job.random.correlation_with_pair_last().ok())??;
         Some(Self { others: job.random.others(), correlation })
+    }
+
+    /// The number of inputs that are drawn.
+    pub(super) fn dimensions(&self) -> usize {
+        self.others.len()
     }
 
     /// Evaluates samples of a randomisation of a cell, and hands each to `add`: its verdict, unstable where its
@@ -99,7 +104,7 @@ impl Conditional {
 }
 
 impl<'a> ConditionalCell<'a> {
-    fn new(conditional: &'a Conditional, job: &Job, cell: &Cell) -> Result<Self, ParameterError> {
+    pub(super) fn new(conditional: &'a Conditional, job: &Job, cell: &Cell) -> Result<Self, ParameterError> {
         let others = || conditional.others.iter();
         let brake = job.brake(job.grid.brake_index(cell.index))?;
         let scalars = others().filter_map(|&position| job.random.inputs[position].scalar()).collect();
@@ -112,9 +117,9 @@ impl<'a> ConditionalCell<'a> {
         })
     }
 
-    /// The probability of instability given the independent deviates of the other inputs, which are replaced; `None` if
-    /// a value is not admissible.
-    fn probability(&self, deviates: &mut [f64]) -> Option<f64> {
+    /// The probability of instability given the independent deviates of the other inputs, followed by two zeros for
+    /// preload and static friction; all are replaced. `None` if a value is not admissible.
+    pub(super) fn probability(&self, deviates: &mut [f64]) -> Option<f64> {
         let Conditional { others, correlation } = self.conditional;
         let law = correlation.law_of_last_two(&deviates[..others.len()]);
         correlation.apply(deviates);

@@ -17,12 +17,14 @@ use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::conditional::ProbabilitySums;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::grid::Cell;
+use stickslip_sampler::rare::population::Points as DeviatePoints;
 
-use crate::evaluate::conditional::Conditional;
+use crate::evaluate::conditional::{Conditional, ConditionalCell};
 use crate::evaluate::control::IsStopped;
 use crate::evaluate::criteria::Criteria;
 use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
+use crate::evaluate::rare_events::RareEvents;
 use crate::evaluate::samples::{Drawing, Samples};
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
@@ -42,6 +44,8 @@ pub struct Evaluator<'a> {
     pub(super) chunk: usize,
     /// In jobs that integrate over preload and static friction at every sample.
     conditional: Option<Conditional>,
+    /// In jobs whose samples have weights.
+    rare_events: Option<RareEvents>,
 }
 
 /// One sample of a run, with everything that is known about it.
@@ -70,6 +74,8 @@ impl<'a> Evaluator<'a> {
     pub fn new(job: &'a Job) -> Result<Self, Failure> {
         let criteria = Criteria::new(job).map_err(|error| Failure::Job(error.to_string()))?;
         let is_closed = matches!(job.criterion, Criterion::Eigenvalue);
+        let conditional = Conditional::new(job);
+        let dimensions = conditional.as_ref().map_or(job.random.inputs.len(), Conditional::dimensions);
         Ok(Self {
             job,
             parts: Parts::new(job),
@@ -77,7 +83,8 @@ impl<'a> Evaluator<'a> {
             maps: Maps::new(job),
             layout: SumLayout::of(job),
             chunk: if is_closed { CHUNK_SAMPLES } else { SIMULATED_CHUNK },
-            conditional: Conditional::new(job),
+            conditional,
+            rare_events: RareEvents::new(job, dimensions),
         })
     }
 
@@ -108,6 +115,12 @@ impl<'a> Evaluator<'a> {
         let cell = self.job.grid.cell(cell);
         let brake = self.job.grid.brake_index(cell.index);
         let mut unit = self.empty_unit(part, samples.clone());
+        if let Some(rare_events) = &self.rare_events {
+            let mut values = self.values(&cell, is_stopped);
+            let sums = rare_events.evaluate(self.job, &cell, place, samples, &mut *values, &mut unit)?;
+            self.layout.add_weighted(&mut unit.sums, &sums);
+            return Some(unit);
+        }
         if let Some(conditional) = &self.conditional {
             let mut sums = ProbabilitySums::default();
             let mut add = |verdict: Verdict, probability: f64| {
@@ -148,6 +161,41 @@ impl<'a> Evaluator<'a> {
         }
         self.record_lookups(&mut unit, lookups);
         Some(unit)
+    }
+
+    /// Decides points in the space of deviates, for samples with weights.
+    fn values<'v>(
+        &'v self,
+        cell: &'v Cell,
+        is_stopped: IsStopped<'v>,
+    ) -> Box<dyn FnMut(&DeviatePoints) -> Option<Vec<Option<f64>>> + 'v> {
+        if let Some(conditional) = &self.conditional {
+            let of_cell = ConditionalCell::new(conditional, self.job, cell).ok();
+            let mut sample = Vec::new();
+            return Box::new(move |points| {
+                let mut values = Vec::with_capacity(points.len());
+                for point in points.iter() {
+                    if is_stopped() {
+                        return None;
+                    }
+                    sample.clear();
+                    sample.extend(point.iter().chain(&[0.0; 2]));
+                    values.push(of_cell.as_ref().and_then(|of_cell| of_cell.probability(&mut sample)));
+                }
+                Some(values)
+            });
+        }
+        let mut drawing = self.draw(cell, 0, &(0..0), Points::Random);
+        Box::new(move |points| {
+            let samples = drawing.of_deviates(points.iter());
+            let decisions = self.decide(cell, samples, &[], &mut Lookups::default(), is_stopped)?;
+            let value = |decision: Decision| match decision.verdict {
+                Verdict::Unstable => Some(1.0),
+                Verdict::Stable => Some(0.0),
+                Verdict::Undecided | Verdict::Failed => None,
+            };
+            Some(decisions.into_iter().map(value).collect())
+        })
     }
 
     /// A unit of which nothing is counted yet.

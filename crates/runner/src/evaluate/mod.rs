@@ -17,6 +17,8 @@ pub mod unit;
 
 pub mod conditional;
 
+pub mod rare_events;
+
 pub mod evaluator;
 
 pub mod tiles;

@@ -232,11 +232,28 @@ impl<'a> Drawing<'a> {
             return None;
         }
         self.deviates.fill(len, &mut samples.deviates);
+        Some(self.transform())
+    }
+
+    /// Samples of given deviates instead of drawn ones, one after the other.
+    pub fn of_deviates<'p>(&mut self, deviates: impl ExactSizeIterator<Item = &'p [f64]>) -> &Samples {
+        self.samples.numbers = 0..deviates.len() as u64;
+        self.samples.deviates.iter_mut().for_each(Vec::clear);
+        for deviates in deviates {
+            self.samples.deviates.iter_mut().zip(deviates).for_each(|(column, deviate)| column.push(*deviate));
+        }
+        self.transform()
+    }
+
+    /// The samples of the deviates that they have.
+    #[inline]
+    fn transform(&mut self) -> &Samples {
+        let samples = &mut self.samples;
         for (values, deviates) in samples.values.iter_mut().zip(&samples.deviates) {
             values.clone_from(deviates);
         }
         self.inputs.apply(&mut samples.values);
         samples.complete_columns();
-        Some(samples)
+        samples
     }
 }

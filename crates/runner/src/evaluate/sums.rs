@@ -8,6 +8,7 @@ use stickslip_core::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::estimate::conditional::{ConditionalPart, ProbabilitySums};
 use stickslip_sampler::estimate::score::{CellParameter, ScoreSums, ScoreTotals};
 use stickslip_sampler::estimate::sobol_indices::{IndexCounts, SobolIndices, indices};
+use stickslip_sampler::estimate::weighted::{WeightedPart, WeightedSums};
 use stickslip_sampler::grid::Cell;
 
 use crate::evaluate::samples::Samples;
@@ -25,6 +26,8 @@ pub struct SumLayout {
     sensitivity: usize,
     /// Whether samples have probabilities.
     probabilities: bool,
+    /// Whether samples have weights.
+    weights: bool,
 }
 
 /// Counts of the samples of a job with a verdict map, by how they were decided. The others were looked up.
@@ -81,6 +84,7 @@ impl SumLayout {
             derivatives: job.sampling.derivatives,
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
             probabilities: job.is_conditional(),
+            weights: job.is_weighted(),
         }
     }
 
@@ -131,6 +135,10 @@ impl SumLayout {
 
     /// The number of sums.
     pub fn count(self) -> usize {
+        self.weights_at() + if self.weights { WeightedSums::COUNT } else { 0 }
+    }
+
+    fn weights_at(self) -> usize {
         self.probabilities_at() + if self.probabilities { ProbabilitySums::COUNT } else { 0 }
     }
 
@@ -229,6 +237,19 @@ impl SumLayout {
     pub fn read_probabilities(self, sums: &[i128], counts: &VerdictCounts) -> ConditionalPart {
         let sums = sums.get(self.probabilities_at()..).unwrap_or_default();
         ConditionalPart::from_sums(counts.total(), counts.failed, sums)
+    }
+
+    /// Adds samples with weights.
+    pub fn add_weighted(self, sums: &mut [i64], weighted: &WeightedSums) {
+        if self.weights {
+            let own = sums[self.weights_at()..].iter_mut();
+            own.zip(weighted.sums()).for_each(|(sum, more)| *sum += more);
+        }
+    }
+
+    /// The samples with weights of a part.
+    pub fn read_weighted(self, sums: &[i128], counts: &VerdictCounts) -> WeightedPart {
+        WeightedPart::from_sums(counts.total(), sums.get(self.weights_at()..).unwrap_or_default())
     }
 
     /// The counts of simulated and audited samples.

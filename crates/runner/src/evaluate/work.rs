@@ -31,7 +31,7 @@ impl Evaluator<'_> {
         emit: &mut dyn FnMut(FinishedUnit),
         control: &dyn Fn() -> Control,
     ) {
-        if matches!(self.job.criterion, Criterion::TimeDomain { .. }) {
+        if matches!(self.job.criterion, Criterion::TimeDomain { .. }) && !self.job.is_weighted() {
             stream::work(self, next, emit, control);
         } else {
             work(&|part, samples, is_stopped| self.count(part, samples, is_stopped), next, emit, control);

@@ -291,6 +291,7 @@ impl ValueHasher {
             confidence,
             audit,
             randomisations,
+            particles,
             interval,
             simultaneous,
             derivatives,
@@ -304,11 +305,16 @@ impl ValueHasher {
                 SamplingMethod::Sobol => "sobol",
                 SamplingMethod::Exact => "exact",
                 SamplingMethod::Conditional => "conditional",
+                SamplingMethod::Importance => "importance",
+                SamplingMethod::Subset => "subset",
             },
         );
-        for (key, value) in
-            [("sampling.samples", samples), ("sampling.seed", seed), ("sampling.randomisations", randomisations)]
-        {
+        for (key, value) in [
+            ("sampling.samples", samples),
+            ("sampling.seed", seed),
+            ("sampling.randomisations", randomisations),
+            ("sampling.particles", particles),
+        ] {
             if let Some(value) = value {
                 self.whole(key, *value);
             }

@@ -26,6 +26,7 @@ pub const TABLES: [(&str, &[&str]); 5] = [
             "evaluate",
             "audit",
             "randomisations",
+            "particles",
             "common_random_numbers",
             "confidence",
             "interval",

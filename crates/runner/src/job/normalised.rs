@@ -308,6 +308,8 @@ pub struct NormalisedSampling {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) randomisations: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) particles: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) interval: Option<IntervalSpec>,
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub(super) simultaneous: bool,
@@ -334,6 +336,8 @@ impl From<&Sampling> for NormalisedSampling {
     fn from(sampling: &Sampling) -> Self {
         let samples = match sampling.effort {
             Effort::Samples(samples) => Some(samples),
+            // The number of populations is that of the randomisations.
+            Effort::Randomisations { .. } if sampling.method == SamplingMethod::Subset => None,
             Effort::Randomisations { count, points } => Some(count * points),
             Effort::Until(_) | Effort::Integrated => None,
         };
@@ -344,7 +348,10 @@ impl From<&Sampling> for NormalisedSampling {
             at_most: sampling.samples,
         });
         let integrated = sampling.method == SamplingMethod::Exact;
-        let is_conditional = sampling.method == SamplingMethod::Conditional;
+        let decides_by_itself = matches!(
+            sampling.method,
+            SamplingMethod::Conditional | SamplingMethod::Importance | SamplingMethod::Subset
+        );
         // What is integrated over a map is audited with samples.
         let without_samples = integrated && !sampling.is_audited;
         let has_audit = sampling.is_audited || sampling.evaluate == EvaluateMode::Boundary || sampling.audit != AUDIT;
@@ -352,7 +359,7 @@ impl From<&Sampling> for NormalisedSampling {
             method: sampling.method,
             samples,
             seed: (!without_samples).then_some(sampling.seed),
-            evaluate: (!integrated && !is_conditional).then_some(sampling.evaluate),
+            evaluate: (!integrated && !decides_by_itself).then_some(sampling.evaluate),
             common_random_numbers: (!integrated).then_some(sampling.common_random_numbers),
             confidence: (!without_samples && until.is_none()).then_some(sampling.confidence),
             audit: has_audit.then_some(sampling.audit),
@@ -360,6 +367,7 @@ impl From<&Sampling> for NormalisedSampling {
                 Effort::Randomisations { count, .. } => Some(count),
                 _ => None,
             },
+            particles: sampling.particles,
             interval: sampling.interval.filter(|interval| *interval != IntervalSpec::Wilson),
             simultaneous: sampling.simultaneous,
             derivatives: sampling.derivatives,

@@ -22,6 +22,13 @@ const MOST_SAMPLES: u64 = 1_000_000_000_000_000;
 const RANDOMISATIONS: u64 = 16;
 const MOST_RANDOMISATIONS: u64 = 1000;
 
+/// Particles of a population by default, that of samples and that of subsets, and their range.
+const PARTICLES: [u64; 2] = [300, 1000];
+const PARTICLES_RANGE: [u64; 2] = [50, 100_000];
+
+/// Largest number of random inputs of samples with weights: one Sobol number chooses the density.
+const MOST_WEIGHTED_INPUTS: usize = 31;
+
 /// Largest number of points of one randomisation: Sobol numbers of 32 bits.
 const MOST_SOBOL_POINTS: u64 = 1 << 32;
 
@@ -60,6 +67,8 @@ pub struct Sampling {
     pub evaluate: EvaluateMode,
     /// Which looked-up samples are simulated as a check.
     pub audit: Audit,
+    /// Particles of a population, where rare events are looked for.
+    pub particles: Option<u64>,
     /// Whether cells share their deviates.
     pub common_random_numbers: bool,
     /// Confidence of the intervals.
@@ -137,6 +146,9 @@ impl Sampling {
         if self.method == SamplingMethod::Conditional {
             self.check_conditional(spec, inputs, is_closed)?;
         }
+        if self.particles.is_some() {
+            self.check_weighted(spec, inputs, criterion)?;
+        }
         if uses_map && criterion.records_amplitude() {
             return complain(
                 evaluate,
@@ -209,6 +221,50 @@ impl Sampling {
         Ok(())
     }
 
+    /// What samples with weights need.
+    fn check_weighted(
+        &self,
+        spec: &SamplingSpec,
+        inputs: &RandomInputSet,
+        criterion: &Criterion,
+    ) -> Result<(), Complaint> {
+        let method = if self.method == SamplingMethod::Subset { "subset" } else { "importance" };
+        let complain = |span, message: String| Err(Complaint::maybe_at(span, message));
+        let at_method = spec.method.as_ref().map(Spanned::span);
+        if inputs.inputs.is_empty() {
+            return complain(
+                at_method,
+                format!("sampling.method = \"{method}\" draws random inputs, and random.inputs lists none"),
+            );
+        }
+        if inputs.inputs.len() > MOST_WEIGHTED_INPUTS {
+            return complain(
+                at_method,
+                format!(
+                    "sampling.method = \"{method}\" takes at most {MOST_WEIGHTED_INPUTS} random inputs; random.inputs lists {}",
+                    inputs.inputs.len()
+                ),
+            );
+        }
+        if criterion.records_amplitude() {
+            return complain(
+                at_method,
+                format!(
+                    "sampling.method = \"{method}\" records no amplitudes; remove criterion.record, or use method = \"monte-carlo\" or \"sobol\""
+                ),
+            );
+        }
+        if self.derivatives {
+            return complain(
+                spec.derivatives.as_ref().map(Spanned::span),
+                format!(
+                    "sampling.derivatives come from samples that count alike, and those of method = \"{method}\" have weights; remove it, or use method = \"sobol\" or \"exact\""
+                ),
+            );
+        }
+        Ok(())
+    }
+
     /// Which interval counted verdicts get at a confidence.
     pub fn interval_kind(&self, confidence: f64) -> IntervalKind {
         match (IntervalKind::for_confidence(confidence), self.interval) {
@@ -237,6 +293,9 @@ impl SamplingSpec {
     fn checked_samples(&self) -> Result<u64, Complaint> {
         if self.method() == SamplingMethod::Exact {
             return Ok(0);
+        }
+        if self.method() == SamplingMethod::Subset {
+            return Ok(self.randomisations.as_ref().map_or(RANDOMISATIONS, |count| *count.get_ref()));
         }
         let (key, samples, span) = match (&self.until, &self.samples) {
             (Some(until), _) => ("until.at_most", until.get_ref().at_most(), Some(until.span())),
@@ -282,6 +341,7 @@ impl SamplingSpec {
             seed: self.seed.as_ref().map_or(0, |seed| *seed.get_ref()),
             evaluate,
             audit,
+            particles: self.checked_particles()?,
             common_random_numbers: self.common_random_numbers,
             confidence,
             interval: self.interval.as_ref().map(|interval| *interval.get_ref()),
@@ -290,6 +350,24 @@ impl SamplingSpec {
             derivatives: self.derivatives.as_ref().is_some_and(|derivatives| *derivatives.get_ref()),
             sensitivity: self.sensitivity.as_ref().is_some_and(|sensitivity| *sensitivity.get_ref()),
         })
+    }
+
+    /// Particles of a population; none where no rare events are looked for.
+    fn checked_particles(&self) -> Result<Option<u64>, Complaint> {
+        let default = match self.method() {
+            SamplingMethod::Importance => PARTICLES[0],
+            SamplingMethod::Subset => PARTICLES[1],
+            _ => return Ok(None),
+        };
+        let particles = self.particles.as_ref().map_or(default, |particles| *particles.get_ref());
+        let [least, most] = PARTICLES_RANGE;
+        if (least..=most).contains(&particles) {
+            return Ok(Some(particles));
+        }
+        let message = format!(
+            "sampling.particles = {particles} is out of range: it must be at least {least} and at most {most}; {default} is usual"
+        );
+        Err(Complaint::maybe_at(self.particles.as_ref().map(Spanned::span), message))
     }
 
     /// Shares the half width that is wanted among the audit of a verdict map, of which no sample differs, and the
@@ -336,7 +414,13 @@ impl SamplingSpec {
             (SamplingMethod::MonteCarlo, Some(precision)) => {
                 Ok(Effort::Until(Looks::new(precision, samples, confidence)))
             }
-            (SamplingMethod::Sobol | SamplingMethod::Conditional, _) => {
+            (
+                SamplingMethod::Sobol
+                | SamplingMethod::Conditional
+                | SamplingMethod::Importance
+                | SamplingMethod::Subset,
+                _,
+            ) => {
                 let count = self.randomisations.as_ref().map_or(RANDOMISATIONS, |count| *count.get_ref());
                 let span = self.randomisations.as_ref().map(Spanned::span);
                 if !(2..=MOST_RANDOMISATIONS).contains(&count) {

@@ -160,7 +160,9 @@ impl SamplingSpec {
     pub fn refuse_foreign_keys(&self, is_eigenvalue: bool, complaints: &mut Complaints) {
         let is_exact = self.method() == SamplingMethod::Exact;
         let is_conditional = self.method() == SamplingMethod::Conditional;
-        let is_sobol = self.method() == SamplingMethod::Sobol || is_conditional;
+        let is_subset = self.method() == SamplingMethod::Subset;
+        let is_rare = self.method() == SamplingMethod::Importance || is_subset;
+        let is_sobol = self.method() == SamplingMethod::Sobol || is_conditional || is_rare;
         let is_boundary = self.evaluate.as_ref().is_some_and(|evaluate| *evaluate.get_ref() == EvaluateMode::Boundary);
         let samples = self.samples.as_ref().map(Spanned::span);
         let until = self.until.as_ref().map(Spanned::span);
@@ -171,6 +173,11 @@ impl SamplingSpec {
                 samples.clone(),
                 is_exact,
                 "sampling.samples has no meaning with method = \"exact\", which draws none; remove it (or --samples)",
+            ),
+            (
+                samples.clone(),
+                is_subset,
+                "sampling.samples has no meaning with method = \"subset\", which draws populations: sampling.particles is the size of one, sampling.randomisations their number; remove it (or --samples)",
             ),
             (
                 until.clone(),
@@ -196,12 +203,12 @@ impl SamplingSpec {
             (
                 until,
                 is_sobol,
-                "sampling.until needs method = \"monte-carlo\": Sobol points are only good in full powers of two; give `samples`",
+                "sampling.until needs method = \"monte-carlo\"; with others give `samples` (Sobol points are only good in full powers of two), or `particles` with \"subset\"",
             ),
             (
                 interval.clone(),
                 is_sobol,
-                "sampling.interval has no meaning with method = \"sobol\" or \"conditional\", whose interval comes from the randomisations; remove it",
+                "sampling.interval belongs to method = \"monte-carlo\"; that of other methods comes from the randomisations; remove it",
             ),
             (
                 samples,
@@ -224,9 +231,19 @@ impl SamplingSpec {
                 "sampling.evaluate has no meaning with method = \"conditional\", which integrates over preload and static friction; remove it",
             ),
             (
+                self.evaluate.as_ref().map(Spanned::span),
+                is_rare,
+                "sampling.evaluate has no meaning with method = \"importance\" or \"subset\", which decide each sample; remove it",
+            ),
+            (
                 self.randomisations.as_ref().map(Spanned::span),
                 !is_sobol,
-                "sampling.randomisations belongs to method = \"sobol\" and \"conditional\"; remove it, or change the method",
+                "sampling.randomisations belongs to method = \"sobol\", \"conditional\", \"importance\" and \"subset\"; remove it, or change the method",
+            ),
+            (
+                self.particles.as_ref().map(Spanned::span),
+                !is_rare,
+                "sampling.particles belongs to method = \"importance\" and \"subset\"; remove it, or change the method",
             ),
             (
                 self.audit.as_ref().map(Spanned::span),

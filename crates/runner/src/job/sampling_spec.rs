@@ -31,9 +31,13 @@ pub struct SamplingSpec {
     /// share of them (less than 1, with evaluate = "boundary"); by default 300.
     #[schemars(with = "Option<Audit>")]
     pub audit: Option<Spanned<Audit>>,
-    /// With method = "sobol" or "conditional": independent randomisations among which the samples are shared; by default 16.
+    /// With method = "sobol", "conditional" or "importance": independent randomisations among which the samples are shared;
+    /// with "subset": independent populations; by default 16.
     #[schemars(with = "Option<u64>", range(min = 2))]
     pub randomisations: Option<Spanned<u64>>,
+    /// With method = "importance" or "subset": particles of a population; by default 300 and 1000.
+    #[schemars(with = "Option<u64>", range(min = 50, max = 100_000))]
+    pub particles: Option<Spanned<u64>>,
     /// Whether all cells draw the same deviates; by default false.
     #[serde(default)]
     pub common_random_numbers: bool,
@@ -103,6 +107,10 @@ pub enum SamplingMethod {
     Sobol,
     /// Scrambled Sobol points of all inputs but preload and static friction, over which it integrates at each of them.
     Conditional,
+    /// Scrambled Sobol points of a density that is found for each cell, with weights, for rare events.
+    Importance,
+    /// Populations of samples that are led to rare events step by step.
+    Subset,
     /// The probability of the unstable side of the boundary.
     Exact,
 }

@@ -86,8 +86,8 @@ impl Job {
     /// What the deviates are drawn from.
     pub fn points(&self) -> Points {
         match self.sampling.method {
-            SamplingMethod::Sobol | SamplingMethod::Conditional => Points::Sobol,
-            SamplingMethod::MonteCarlo | SamplingMethod::Exact => Points::Random,
+            SamplingMethod::Sobol | SamplingMethod::Conditional | SamplingMethod::Importance => Points::Sobol,
+            SamplingMethod::MonteCarlo | SamplingMethod::Subset | SamplingMethod::Exact => Points::Random,
         }
     }
 
@@ -107,9 +107,26 @@ impl Job {
         self.sampling.method == SamplingMethod::Conditional
     }
 
+    /// Whether samples are drawn where instability is frequent, and have weights.
+    pub fn is_weighted(&self) -> bool {
+        matches!(self.sampling.method, SamplingMethod::Importance | SamplingMethod::Subset)
+    }
+
+    /// Whether preload and static friction are integrated over at each sample of the other inputs: with
+    /// `method = "conditional"`, and for rare events wherever this is possible.
+    pub fn integrates_pair(&self) -> bool {
+        self.is_conditional()
+            || (self.is_weighted()
+                && matches!(self.criterion, Criterion::Eigenvalue)
+                && self.outside_physics == OutsidePhysics::Stable
+                && self.random.pair() != [None, None]
+                && !self.random.others().is_empty()
+                && self.random.correlation_with_pair_last().is_ok())
+    }
+
     /// Whether every sample has a verdict of its own, which can be looked at again.
     pub fn has_verdicts(&self) -> bool {
-        !self.is_integrated() && !self.is_conditional()
+        !self.is_integrated() && !self.is_conditional() && !self.is_weighted()
     }
 
     /// Whether cells get as many samples as a precision takes.

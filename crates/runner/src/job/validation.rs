@@ -175,7 +175,10 @@ fn validate_outside_physics(
     let method = match sampling.map(|sampling| sampling.method) {
         Some(SamplingMethod::Exact) => "exact",
         Some(SamplingMethod::Conditional) => "conditional",
-        Some(SamplingMethod::MonteCarlo | SamplingMethod::Sobol) | None => return Ok(*policy.get_ref()),
+        Some(
+            SamplingMethod::MonteCarlo | SamplingMethod::Sobol | SamplingMethod::Importance | SamplingMethod::Subset,
+        )
+        | None => return Ok(*policy.get_ref()),
     };
     if *policy.get_ref() != OutsidePhysics::Stable {
         let message = format!(

@@ -88,8 +88,8 @@ impl ReportedRun {
             "low": low.iter().map(rounded).collect::<Vec<_>>(),
             "high": high.iter().map(rounded).collect::<Vec<_>>(),
             "samples": samples,
-            // With conditional probabilities samples have no verdicts.
-            "unstable": (!job.is_conditional()).then_some(unstable),
+            // With conditional probabilities and weights, counts are not shares.
+            "unstable": job.has_verdicts().then_some(unstable),
             "levels": levels.all(),
             "level_names": levels.all().iter().map(|level| label(*level)).collect::<Vec<_>>(),
             "lines": levels.lines(),

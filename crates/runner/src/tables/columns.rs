@@ -9,6 +9,7 @@ use stickslip_core::degree_of_freedom::DegreeOfFreedom;
 use stickslip_core::parameters::scalar;
 use stickslip_sampler::estimate::score::CellParameter;
 use stickslip_sampler::estimate::sobol_indices::SobolIndices;
+use stickslip_sampler::estimate::weighted::{Distrust, WeightedEstimate};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::Marginal;
 
@@ -68,6 +69,9 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
         Effort::Randomisations { .. } if job.is_conditional() => {
             "probability of instability, the mean of the conditional probabilities of the samples"
         }
+        _ if job.is_weighted() => {
+            "probability of instability, the mean of samples with weights; null where it is not to be trusted"
+        }
         Effort::Samples(_) | Effort::Randomisations { .. } => {
             "probability of instability, unstable over decided samples"
         }
@@ -75,7 +79,11 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
         Effort::Integrated => "probability of instability, the integral",
     });
     if job.is_conditional() {
-        describe_conditional(&mut columns);
+        describe(&mut columns, &CONDITIONAL);
+    }
+    if job.is_weighted() {
+        describe(&mut columns, if job.sampling.method == SamplingMethod::Subset { &SUBSET } else { &IMPORTANCE });
+        columns.extend(weight_columns());
     }
     if job.records_amplitude() {
         columns.extend(amplitude_columns());
@@ -148,21 +156,66 @@ fn first_columns(probability: &'static str) -> Vec<Column> {
     ]
 }
 
-/// Says what is counted where samples have conditional probabilities.
-fn describe_conditional(columns: &mut [Column]) {
-    for (name, meaning) in [
-        ("n_samples", "samples of the inputs other than preload and static friction"),
-        (
-            "n_stable",
-            "samples that are unstable with a probability of at most one half over preload and static friction",
-        ),
-        ("n_unstable", "samples that are unstable with a probability above one half over preload and static friction"),
-        ("n_failed", "samples of which no brake can be made"),
-    ] {
-        if let Some(column) = columns.iter_mut().find(|column| column.name == name) {
-            column.long_name = meaning.into();
+/// What is counted where samples have conditional probabilities.
+const CONDITIONAL: [(&str, &str); 4] = [
+    ("n_samples", "samples of the inputs other than preload and static friction"),
+    ("n_stable", "samples that are unstable with a probability of at most one half over preload and static friction"),
+    ("n_unstable", "samples that are unstable with a probability above one half over preload and static friction"),
+    ("n_failed", "samples of which no brake can be made"),
+];
+
+/// What is counted where samples are drawn with weights.
+const IMPORTANCE: [(&str, &str); 5] = [
+    ("n_samples", "samples, drawn where instability is frequent"),
+    ("n_stable", "of these, samples decided as stable, or unstable with a probability of at most one half"),
+    ("n_unstable", "of these, samples decided as unstable, or unstable with a probability above one half"),
+    ("n_undecided", "of these, samples without a certain verdict"),
+    ("n_failed", "0; failed samples are counted as undecided"),
+];
+
+/// What is counted where populations are led to rare events.
+const SUBSET: [(&str, &str); 5] = [
+    ("n_samples", "populations"),
+    ("n_stable", "populations that found nothing unstable"),
+    ("n_unstable", "populations that found something unstable"),
+    ("n_undecided", "0"),
+    ("n_failed", "0"),
+];
+
+/// Says what columns mean in a job in which they mean something else than usual.
+fn describe(columns: &mut [Column], meanings: &[(&str, &'static str)]) {
+    for (name, meaning) in meanings {
+        if let Some(column) = columns.iter_mut().find(|column| column.name == *name) {
+            column.long_name = (*meaning).into();
         }
     }
+}
+
+/// Columns of jobs whose samples have weights.
+fn weight_columns() -> Vec<Column> {
+    let of = |value: fn(&WeightedEstimate) -> f64| move |row: &SurfaceRow| row.weighted.as_ref().map(value);
+    vec![
+        Column::optional(
+            "n_effective",
+            "effective number of samples, or of populations, that have the probability: (sum w)^2 / sum w^2",
+            of(|weighted| weighted.effective),
+        ),
+        Column::optional(
+            "n_evaluations",
+            "verdicts or conditional probabilities that were computed, with those by which the samples were placed",
+            of(|weighted| weighted.evaluations),
+        ),
+        Column::integer(
+            "distrust",
+            "0 if the probability is to be trusted; else p_unstable is null: 1 nothing unstable was found, 2 few samples have most of the probability, 3 independent populations disagree",
+            |row| match row.weighted.as_ref().and_then(|weighted| weighted.distrust) {
+                None => 0,
+                Some(Distrust::NothingFound) => 1,
+                Some(Distrust::FewSamples) => 2,
+                Some(Distrust::Disagreement) => 3,
+            },
+        ),
+    ]
 }
 
 /// Columns of jobs that record the settled amplitude.

@@ -4,6 +4,7 @@ use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::interval::Estimate;
+use stickslip_sampler::estimate::weighted::WeightedEstimate;
 use stickslip_sampler::grid::Cell;
 
 use crate::evaluate::integral::IntegratedCell;
@@ -28,6 +29,8 @@ pub struct SurfaceRow {
     pub(super) lookups: Lookups,
     /// Further sums.
     pub(super) sums: Vec<i128>,
+    /// The estimate of samples with weights, where they have them.
+    pub weighted: Option<WeightedEstimate>,
     /// The integral, where the probability was integrated.
     pub(super) integrated: Option<IntegratedCell>,
 }

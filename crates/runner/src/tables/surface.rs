@@ -83,8 +83,12 @@ impl<'a> Surface<'a> {
         // If the map was given up or every sample audited, all were simulated.
         let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
         let confidence = self.job.confidence(is_audited);
-        let counted =
-            integrated.map_or_else(|| self.estimate(cell, &counts, confidence), |integrated| integrated.estimate);
+        let weighted = randomised::of_weights(self.job, &self.parts, self.tally, cell, confidence);
+        let counted = match (&integrated, &weighted) {
+            (Some(integrated), _) => integrated.estimate,
+            (None, Some(weighted)) => weighted.estimate,
+            (None, None) => self.estimate(cell, &counts, confidence),
+        };
         let unaudited =
             self.job.sampling.is_audited.then(|| {
                 unaudited(&lookups, integrated.is_none().then_some(counts.total()), self.job.audit_confidence())
@@ -98,6 +102,7 @@ impl<'a> Surface<'a> {
             outside_physics: self.layout.read_outside_physics(&sums).unwrap_or(0),
             lookups,
             sums,
+            weighted,
             integrated,
         }
     }

@@ -37,6 +37,10 @@ pub enum Purpose {
     Sensitivity,
     /// The second set of random inputs that all cells of a job share.
     CommonSensitivity,
+    /// A population that looks for rare events in a cell; its number takes the place of the block.
+    Population,
+    /// A population that all cells of a job share.
+    CommonPopulation,
 }
 
 impl Purpose {
@@ -49,6 +53,8 @@ impl Purpose {
             Self::Audit => 4,
             Self::Sensitivity => 5,
             Self::CommonSensitivity => 6,
+            Self::Population => 7,
+            Self::CommonPopulation => 8,
         }
     }
 }
@@ -84,6 +90,8 @@ mod tests {
                 Purpose::Audit,
                 Purpose::Sensitivity,
                 Purpose::CommonSensitivity,
+                Purpose::Population,
+                Purpose::CommonPopulation,
             ] {
                 for cell in [0, 1, 1 << 40] {
                     for block in [0, 1, 1 << 40] {

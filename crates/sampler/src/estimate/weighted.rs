@@ -180,7 +180,7 @@ pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> Weigh
     let (mean, with_failed) = (total / samples, (total + without) / samples);
     let highest: Vec<f64> =
         parts.iter().map(|part| (part.contributions + part.without_verdict) / part.samples).collect();
-    let low = around(mean.min(1.0), half_width(&shares)).0;
+    let low = below(mean.min(1.0), half_width(&shares));
     let high = around(with_failed.min(1.0), half_width(&highest)).1;
     let estimate = Estimate { probability: Some(mean.min(1.0)), low: low.max(0.0), high: high.min(1.0) };
     WeightedEstimate { estimate, effective, evaluations, distrust }
@@ -205,12 +205,18 @@ pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> Weigh
     let estimate = if distrust.is_some() {
         Estimate { probability: None, low: 0.0, high: 1.0 }
     } else {
-        let (low, high) = around(mean, student(&shares, confidence).1);
+        let half_width = student(&shares, confidence).1;
+        let (low, high) = (below(mean, half_width), around(mean, half_width).1);
         Estimate { probability: Some(mean.min(1.0)), low: low.max(0.0), high: high.min(1.0) }
     };
     let squares = shares.iter().map(|share| share * share).sum();
     let evaluations = parts.iter().map(|part| part.evaluations).sum();
     WeightedEstimate { estimate, effective: effective_number(mean * count, squares), evaluations, distrust }
+}
+
+/// The low end at a distance from a probability; of a small one the complement would have no digits.
+fn below(mean: f64, half_width: f64) -> f64 {
+    if mean < 0.5 { mean - half_width } else { around(mean.min(1.0), half_width).0 }
 }
 
 /// The means of the groups of randomisations.

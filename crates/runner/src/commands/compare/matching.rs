@@ -32,6 +32,9 @@ fn dependence(first: &Job, second: &Job) -> (Dependence, Option<String>) {
     if first.is_conditional() && second.is_conditional() && a.seed == b.seed {
         return (Dependence::Dependent, Some("they integrate over preload and static friction".to_owned()));
     }
+    if first.is_weighted() && second.is_weighted() && a.seed == b.seed {
+        return (Dependence::Dependent, Some("their samples have weights".to_owned()));
+    }
     if a.method != b.method {
         return independent("their sampling.method differs".to_owned());
     }

@@ -90,6 +90,11 @@ fn check_samples(job: &Job, axis: &LimitAxis) -> Result<Varied, Failure> {
             "limit finds its values from verdicts, and samples of sampling.method = \"conditional\" have probabilities; use \"sobol\", or \"exact\" if only preload and static_friction scatter".to_owned(),
         ));
     }
+    if job.is_weighted() {
+        return Err(Failure::Usage(
+            "limit uses the same samples for all values of the axis, and those of sampling.method = \"importance\" or \"subset\" are placed for one; use \"exact\" where only preload and static_friction scatter, else \"sobol\"".to_owned(),
+        ));
+    }
     if let Effort::Until(_) = job.sampling.effort {
         return Err(Failure::Usage(
             "limit uses the same number of samples for every combination of the axes; give sampling.samples in place of sampling.until".to_owned(),

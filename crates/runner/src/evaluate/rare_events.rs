@@ -1,0 +1,178 @@
+//! Samples of rare events: populations that lead to them, and samples drawn from the densities of these, with weights.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use stickslip_core::verdict::Verdict;
+use stickslip_sampler::draw::deviates::{DeviateStream, Points as Source};
+use stickslip_sampler::draw::identity::{Purpose, block_generator};
+use stickslip_sampler::estimate::weighted::WeightedSums;
+use stickslip_sampler::grid::Cell;
+use stickslip_sampler::rare::population::{Points, Population};
+use stickslip_sampler::rare::proposal::Proposal;
+
+use crate::evaluate::unit::FinishedUnit;
+use crate::job::{Effort, Job, SamplingMethod};
+
+/// Populations of a cell whose densities its randomisations share, where there are randomisations enough.
+const POPULATIONS: usize = 4;
+
+/// Randomisations of each population, at least.
+const RANDOMISATIONS_EACH: usize = 4;
+
+/// Samples that are decided at once.
+const AT_ONCE: u64 = 250;
+
+/// Densities that are kept at least; all randomisations of a cell use them.
+const MOST_KEPT: usize = 64;
+
+/// A probability above this counts as an unstable sample.
+const HALF: f64 = 0.5;
+
+/// `g` of samples: 1 if it is unstable, 0 if not, or the probability of instability given the sample; `None` without a
+/// verdict. The outer `None` if it is stopped before.
+pub type Values<'a> = dyn FnMut(&Points) -> Option<Vec<Option<f64>>> + 'a;
+
+/// How many populations the randomisations of a cell share: randomisation `r` uses population `r` modulo this number.
+pub fn populations(job: &Job) -> usize {
+    match job.sampling.effort {
+        Effort::Randomisations { count, .. } => (count as usize / RANDOMISATIONS_EACH).clamp(1, POPULATIONS),
+        _ => 1,
+    }
+}
+
+/// Where the samples of a job are drawn.
+#[derive(Debug)]
+pub struct RareEvents {
+    dimensions: usize,
+    particles: usize,
+    /// Densities found last. A population is looked for by one thread, while others that want it wait.
+    kept: Mutex<VecDeque<(Key, Arc<Mutex<Option<Found>>>)>>,
+}
+
+/// A cell and a population.
+type Key = (u64, u64);
+
+/// A density, and the number of evaluations by which it was found.
+#[derive(Debug, Clone)]
+struct Found {
+    proposal: Arc<Proposal>,
+    evaluations: u64,
+}
+
+impl RareEvents {
+    /// Prepares a job with so many deviates for each sample; `None` if its samples have no weights.
+    pub fn new(job: &Job, dimensions: usize) -> Option<Self> {
+        let particles = job.sampling.particles? as usize;
+        Some(Self { dimensions, particles, kept: Mutex::default() })
+    }
+
+    /// Evaluates samples of a randomisation of a cell, or its populations, and counts them in `unit` and `sums`; `None`
+    /// if it is stopped before.
+    pub fn evaluate(
+        &self,
+        job: &Job,
+        cell: &Cell,
+        randomisation: usize,
+        samples: Range<u64>,
+        values: &mut Values<'_>,
+        unit: &mut FinishedUnit,
+    ) -> Option<WeightedSums> {
+        let mut sums = WeightedSums::default();
+        if job.sampling.method == SamplingMethod::Subset {
+            for _ in samples {
+                let population = self.population(job, cell, randomisation as u64, values)?;
+                sums.add(population.probability, Some(1.0), false);
+                // One evaluation was counted with the population.
+                sums.add_evaluations(population.evaluations.saturating_sub(1));
+                unit.counts += if population.probability > 0.0 { Verdict::Unstable } else { Verdict::Stable }.into();
+            }
+            return Some(sums);
+        }
+        let number = randomisation % populations(job);
+        let Found { proposal, evaluations } = self.found(job, cell, number as u64, values)?;
+        // Each population is counted once, with the first sample of the first randomisation that uses it.
+        if samples.start == 0 && randomisation == number {
+            sums.add_evaluations(evaluations);
+        }
+        let stream = DeviateStream {
+            seed: job.sampling.seed,
+            common_random_numbers: job.sampling.common_random_numbers,
+            dimensions: self.dimensions + 1,
+            points: Source::Sobol,
+        };
+        let mut deviates = stream.start(cell.index, randomisation as u64, samples.start);
+        let mut columns = vec![Vec::new(); self.dimensions + 1];
+        let mut scratch = vec![0.0; self.dimensions];
+        let mut first = samples.start;
+        while first < samples.end {
+            let count = AT_ONCE.min(samples.end - first);
+            deviates.fill(count as usize, &mut columns);
+            let mut points = Points::new(self.dimensions);
+            let mut weights = Vec::with_capacity(count as usize);
+            for i in 0..count as usize {
+                let mut point: Vec<f64> = columns.iter().map(|column| column[i]).collect();
+                weights.push(proposal.draw(&mut point, &mut scratch));
+                points.push(point);
+            }
+            for (drawn, value) in weights.iter().zip(values(&points)?) {
+                sums.add(drawn.weight, value, drawn.is_of_inputs);
+                unit.counts += match value {
+                    Some(value) if value > HALF => Verdict::Unstable,
+                    Some(_) => Verdict::Stable,
+                    None => Verdict::Undecided,
+                }
+                .into();
+            }
+            first += count;
+        }
+        Some(sums)
+    }
+
+    /// The density of a population of a cell; `None` if it is stopped before.
+    fn found(&self, job: &Job, cell: &Cell, number: u64, values: &mut Values<'_>) -> Option<Found> {
+        let place = self.place((cell.index, number));
+        let mut found = locked(&place);
+        if found.is_none() {
+            let population = self.population(job, cell, number, values)?;
+            let proposal = Arc::new(Proposal::new(&population));
+            *found = Some(Found { proposal, evaluations: population.evaluations });
+        }
+        found.clone()
+    }
+
+    /// Where the density of a population is kept.
+    fn place(&self, key: Key) -> Arc<Mutex<Option<Found>>> {
+        let mut kept = locked(&self.kept);
+        if let Some((_, place)) = kept.iter().find(|(other, _)| *other == key) {
+            return place.clone();
+        }
+        if kept.len() == MOST_KEPT {
+            kept.pop_front();
+        }
+        let place = Arc::<Mutex<Option<Found>>>::default();
+        kept.push_back((key, place.clone()));
+        place
+    }
+
+    /// Looks for a population of a cell; `None` if it is stopped before.
+    fn population(&self, job: &Job, cell: &Cell, number: u64, values: &mut Values<'_>) -> Option<Population> {
+        let (purpose, cell) = match job.sampling.common_random_numbers {
+            true => (Purpose::CommonPopulation, 0),
+            false => (Purpose::Population, cell.index),
+        };
+        let mut generator = block_generator(job.sampling.seed, purpose, cell, number);
+        let mut integrand = |points: &Points| {
+            let values = values(points)?;
+            // A sample without a verdict leads nowhere.
+            Some(values.into_iter().map(|value| value.unwrap_or(0.0)).collect())
+        };
+        Population::find(self.dimensions, self.particles, &mut generator, &mut integrand)
+    }
+}
+
+/// What a mutex holds: nothing in it is half changed if a thread panics.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
