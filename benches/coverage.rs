@@ -23,10 +23,13 @@ use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 use stickslip_sampler::estimate::looks::{Looks, Precision};
 use stickslip_sampler::estimate::score::{CellParameter, ScoreSums, ScoreTotals};
 use stickslip_sampler::estimate::sobol_indices::{IndexCounts, indices};
+use stickslip_sampler::estimate::weighted::{self, WeightedPart, WeightedSums};
 use stickslip_sampler::estimate::{audit, conditional, randomisations};
 use stickslip_sampler::grid::{Cell, RelativeStd};
 use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw};
 use stickslip_sampler::integrate::pair::Pair;
+use stickslip_sampler::rare::population::{Points as DeviatePoints, Population};
+use stickslip_sampler::rare::proposal::Proposal;
 use stickslip_sampler::special_functions::normal;
 
 /// One line of the table.
@@ -382,6 +385,81 @@ fn print_conditional(method: &str, inputs: usize, p: f64, points: u64, seeds: u6
     print(&Line { method, samples: 16 * points, probability: p, nominal: 0.95, coverage, repetitions: Some(seeds) });
 }
 
+/// Inputs whose sum decides, of which the probability is rare: samples with weights, and populations.
+fn rare_events() {
+    heading("rare events, 16 randomisations");
+    for (inputs, p) in [(2, 1e-3), (2, 1e-6), (2, 1e-9), (10, 1e-3), (10, 1e-6), (10, 1e-9), (20, 1e-9)] {
+        let limit = -normal::quantile(p) * (inputs as f64).sqrt();
+        let is_unstable = |u: &[f64]| u.iter().sum::<f64>() > limit;
+        let points = if inputs == 20 { 512 } else { 128 };
+        print_rare("importance", inputs, p, 1000, points, &is_unstable);
+    }
+    let branches = |u: &[f64]| u[0] > 5.0 || u[1] < -5.0;
+    let tail = normal::upper_tail(5.0);
+    print_rare("importance, two branches", 4, tail * (2.0 - tail), 1000, 128, &branches);
+    let island = |u: &[f64]| u[0] > 5.0 || ((3.0..4.0).contains(&u[0]) && (-4.0..-3.0).contains(&u[1]));
+    let side = normal::upper_tail(3.0) - normal::upper_tail(4.0);
+    print_rare("importance, an island", 2, tail + side * side, 1000, 128, &island);
+    for (inputs, p) in [(2, 1e-3), (2, 1e-6), (2, 1e-9), (10, 1e-3), (10, 1e-6), (10, 1e-9)] {
+        let limit = -normal::quantile(p) * (inputs as f64).sqrt();
+        let is_unstable = |u: &[f64]| u.iter().sum::<f64>() > limit;
+        print_rare("subset", inputs, p, 1000, 0, &is_unstable);
+    }
+}
+
+/// Prints the coverage of estimates of a rare event, with so many points in each randomisation, or by populations alone
+/// if there are none; and their relative error and cost.
+fn print_rare(method: &str, inputs: usize, p: f64, seeds: u64, points: u64, is_unstable: &dyn Fn(&[f64]) -> bool) {
+    let value = |u: &[f64]| if is_unstable(u) { 1.0 } else { 0.0 };
+    let mut integrand = |points: &DeviatePoints| Some(points.iter().map(value).collect());
+    let (mut squares, mut trusted, mut evaluations) = (0.0, 0_u64, 0.0);
+    let coverage = share(seeds, |seed| {
+        let mut population = |number: u64| {
+            Population::find(inputs, 300, &mut generator(100 * seed + number), &mut integrand).unwrap()
+        };
+        let found = if points == 0 {
+            let part = |number: u64| {
+                let population = population(number);
+                let mut sums = WeightedSums::default();
+                sums.add(population.probability, Some(1.0), false);
+                sums.add_evaluations(population.evaluations);
+                WeightedPart::from_sums(1, &sums.sums().map(i128::from))
+            };
+            weighted::estimate_of_populations(&(0..16).map(part).collect::<Vec<_>>(), 0.95)
+        } else {
+            let populations: Vec<Population> = (0..4).map(&mut population).collect();
+            let proposals: Vec<Proposal> = populations.iter().map(Proposal::new).collect();
+            let dimensions = inputs + 1;
+            let stream = DeviateStream { seed, common_random_numbers: false, dimensions, points: Points::Sobol };
+            let mut scratch = vec![0.0; inputs];
+            let mut part = |randomisation: u64| {
+                let mut sums = WeightedSums::default();
+                for deviates in stream.draw(0, randomisation, 0..points).chunks_exact(dimensions) {
+                    let mut point = deviates.to_vec();
+                    let drawn = proposals[randomisation as usize % 4].draw(&mut point, &mut scratch);
+                    sums.add(drawn.weight, Some(value(&point)), drawn.is_of_inputs);
+                }
+                if randomisation < 4 {
+                    sums.add_evaluations(populations[randomisation as usize].evaluations);
+                }
+                WeightedPart::from_sums(points, &sums.sums().map(i128::from))
+            };
+            weighted::estimate(&(0..16).map(&mut part).collect::<Vec<_>>(), 4, 0.95)
+        };
+        evaluations += found.evaluations;
+        if let Some(estimate) = found.estimate.probability {
+            trusted += 1;
+            squares += (estimate / p - 1.0) * (estimate / p - 1.0);
+        }
+        found.estimate.low <= p && p <= found.estimate.high
+    });
+    let error = 100.0 * (squares / trusted as f64).sqrt();
+    let percent = 100.0 * trusted as f64 / seeds as f64;
+    let method = format!("{method}, {inputs} inputs: error {error:.1} %, {percent:.1} % trusted");
+    let samples = (evaluations / seeds as f64) as u64;
+    print(&Line { method: &method, samples, probability: p, nominal: 0.95, coverage, repetitions: Some(seeds) });
+}
+
 fn sobol_indices() {
     heading("Sobol indices, total, 1.96 standard errors");
     let (samples, seeds) = (4000, 1000);
@@ -513,6 +591,7 @@ fn main() {
     derivatives();
     sobol_points();
     conditional_probabilities();
+    rare_events();
     sobol_indices();
     differences();
     audits();

@@ -6,24 +6,9 @@
 
 mod common;
 
-use common::{BOTH, EIGENVALUE, Place, Table, job, submitted};
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use common::ten_inputs::{boundary, expected_of_ten, job_of_ten, logarithm};
+use common::{BOTH, EIGENVALUE, Place, job, submitted};
 use stickslip_sampler::special_functions::normal;
-
-fn boundary(kinetic_coefficient: f64) -> StabilityBoundary {
-    let mut parameters = Parameters::sui_ding_2018();
-    parameters.set("operating_point.rotating_speed", 15.0).unwrap();
-    parameters.set("friction.kinetic_coefficient", kinetic_coefficient).unwrap();
-    PadOnDisc::new(parameters).unwrap().stability_boundary()
-}
-
-/// The mean of the logarithm of a lognormal input, and its standard deviation.
-fn logarithm(expected: f64, relative_std: f64) -> (f64, f64) {
-    let variance = (relative_std * relative_std).ln_1p();
-    (expected.ln() - 0.5 * variance, variance.sqrt())
-}
 
 #[test]
 fn integrals_over_correlated_lognormal_inputs_are_those_of_a_normal_sum() {
@@ -82,69 +67,10 @@ fn integrals_over_any_distributions_agree_with_samples() {
     }
 }
 
-/// Inputs with lognormal distributions, each with its relative standard deviation and the power to which the driving
-/// over the damping of a brake without kinetic friction depends on it.
-const TEN: [(&str, f64, f64); 10] = [
-    ("preload", 0.2, 1.0),
-    ("static_friction", 0.1, 1.0),
-    ("damping.tangential", 0.1, -1.0),
-    ("stiffness.contact_tangential_1", 0.05, -1.0),
-    ("stiffness.contact_tangential_2", 0.08, 1.0),
-    ("disc.thickness", 0.02, 1.0),
-    ("pad.mass", 0.1, 0.0),
-    ("pad.moment_of_inertia", 0.1, 0.0),
-    ("damping.normal", 0.2, 0.0),
-    ("stiffness.calliper_angular", 0.1, 0.0),
-];
-
-/// Correlated pairs of them.
-const PAIRS: [(&str, &str, f64); 5] = [
-    ("preload", "static_friction", -0.3),
-    ("preload", "damping.tangential", 0.4),
-    ("stiffness.contact_tangential_2", "static_friction", 0.3),
-    ("stiffness.contact_tangential_1", "stiffness.contact_tangential_2", 0.5),
-    ("pad.mass", "preload", 0.2),
-];
-
-/// A job with these inputs.
-fn job_of_ten(name: &str, sampling: &str) -> String {
-    let quoted = |name: &str| format!("\"{name}\"");
-    let inputs = TEN.map(|(name, ..)| quoted(name)).join(", ");
-    let stds = TEN.map(|(name, std, _)| format!("{} = {std}", quoted(name))).join(", ");
-    let pairs = PAIRS.map(|(a, b, rho)| format!("[{}, {}, {rho}]", quoted(a), quoted(b))).join(", ");
-    format!(
-        "name = \"{name}\"\n[model.friction]\nkinetic_coefficient = 0.0\n[axes]\nrotating_speed = 15.0\n\
-         preload = [0.008, 0.012, 0.016, 0.02]\nstatic_friction = 0.4\n[random]\ninputs = [{inputs}]\n\
-         relative_std = {{ {stds} }}\ndistribution = \"lognormal\"\ncorrelation = [{pairs}]\n[criterion]\n{EIGENVALUE}\n\
-         [sampling]\nmethod = \"conditional\"\n{sampling}\n"
-    )
-}
-
-/// The probabilities of its cells, each the tail of a sum of normal logarithms.
-fn expected_of_ten(table: &Table) -> Vec<f64> {
-    let critical = boundary(0.0).critical_product();
-    let logarithms = TEN.map(|(_, std, power)| {
-        let (mean, log_std) = logarithm(1.0, std);
-        (power * mean, power * log_std)
-    });
-    let place = |name: &str| TEN.iter().position(|(own, ..)| *own == name).unwrap();
-    let mut variance: f64 = logarithms.iter().map(|(_, std)| std * std).sum();
-    for (a, b, rho) in PAIRS {
-        variance += 2.0 * rho * logarithms[place(a)].1 * logarithms[place(b)].1;
-    }
-    let mean: f64 = logarithms.iter().map(|(mean, _)| mean).sum();
-    let products = table.column("preload").iter().zip(table.column("static_friction"));
-    products
-        .map(|(preload, friction)| {
-            normal::upper_tail((critical.ln() - (preload * friction).ln() - mean) / variance.sqrt())
-        })
-        .collect()
-}
-
 #[test]
 fn conditional_probabilities_of_ten_inputs_have_a_mean_in_closed_form() {
     let place = Place::new();
-    let table = submitted(&place, "ten", &job_of_ten("ten", "samples = 16_384\nseed = 4"));
+    let table = submitted(&place, "ten", &job_of_ten("ten", "method = \"conditional\"\nsamples = 16_384\nseed = 4"));
     let expected = expected_of_ten(&table);
     assert!(expected.iter().any(|p| *p < 1e-6) && expected.iter().any(|p| *p > 1e-3), "{expected:?}");
     let mut narrow = 0;
@@ -228,7 +154,8 @@ fn brakes_that_cannot_be_made_fail() {
 #[test]
 fn conditional_sums_do_not_depend_on_how_the_work_is_shared() {
     let place = Place::new();
-    let text = job_of_ten("job", "samples = 65_536\nseed = 4").replace("0.008, 0.012, 0.016, 0.02", "0.012, 0.02");
+    let text = job_of_ten("job", "method = \"conditional\"\nsamples = 65_536\nseed = 4")
+        .replace("0.008, 0.012, 0.016, 0.02", "0.012, 0.02");
     let small = text.replace("65_536", "1024");
     place.write("small.toml", &small);
     place.run("submit small.toml --out one --threads 1").done();
@@ -253,7 +180,7 @@ fn conditional_sums_do_not_depend_on_how_the_work_is_shared() {
 fn conditional_columns_are_pinned() {
     // Regression values: another version gives the same columns, or another results version.
     let place = Place::new();
-    let table = submitted(&place, "pinned", &job_of_ten("pinned", "samples = 256\nseed = 7"));
+    let table = submitted(&place, "pinned", &job_of_ten("pinned", "method = \"conditional\"\nsamples = 256\nseed = 7"));
     assert_eq!(table.digest(), "f0fce1c93c56641a33ae5ba185c5bfc9");
 }
 

@@ -208,7 +208,7 @@ impl SamplingSpec {
             (
                 interval.clone(),
                 is_sobol,
-                "sampling.interval belongs to method = \"monte-carlo\"; that of other methods comes from the randomisations; remove it",
+                "sampling.interval has no meaning with a method whose interval comes from the randomisations; remove it, or use method = \"monte-carlo\"",
             ),
             (
                 samples,

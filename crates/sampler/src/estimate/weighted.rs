@@ -17,7 +17,7 @@ pub const MOST_WEIGHT: f64 = 8.0;
 const LEAST_EFFECTIVE: f64 = 100.0;
 
 /// Where fewer samples matter than this, the interval is at least as wide as that of independent samples.
-const FEW: f64 = 1000.0;
+const FEW: f64 = 300.0;
 
 /// The significance at which the groups of randomisations differ so much that the interval comes from these, and that at
 /// which the estimate is not trusted.
@@ -186,8 +186,15 @@ pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> Weigh
     WeightedEstimate { estimate, effective, evaluations, distrust }
 }
 
-/// The mean of the estimates of independent populations, with Student's interval. It is not trusted if their relative
-/// standard deviation is above 1.
+/// The mean of the estimates of independent populations. Their logarithms are about normal, and the interval is the one
+/// that includes Student's and Cox's for the mean of a lognormal variable (C. E. Land, Technometrics 14 (1972) 145-158),
+///
+/// ```text
+/// ln P = m + s^2 / 2 -+ t sqrt(s^2 / R + s^4 / (2 (R - 1)))
+/// ```
+///
+/// with mean `m` and standard deviation `s` of the `R` logarithms. It is not trusted if the relative standard deviation of
+/// the estimates is above 1, or if some populations found nothing.
 #[must_use]
 pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> WeightedEstimate {
     let shares: Vec<f64> = parts.iter().filter(|part| part.samples > 0.0).map(|part| part.contributions).collect();
@@ -200,18 +207,36 @@ pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> Weigh
     } else if shares.len() < 2 {
         Some(Distrust::FewSamples)
     } else {
-        (scatter > MOST_SCATTER * mean).then_some(Distrust::Disagreement)
+        let is_apart = scatter > MOST_SCATTER * mean || shares.iter().any(|share| *share <= 0.0);
+        is_apart.then_some(Distrust::Disagreement)
     };
     let estimate = if distrust.is_some() {
         Estimate { probability: None, low: 0.0, high: 1.0 }
     } else {
         let half_width = student(&shares, confidence).1;
-        let (low, high) = (below(mean, half_width), around(mean, half_width).1);
+        let (from, to) = of_lognormal(&shares, confidence);
+        let (low, high) = (below(mean, half_width).min(from), around(mean, half_width).1.max(to));
         Estimate { probability: Some(mean.min(1.0)), low: low.max(0.0), high: high.min(1.0) }
     };
     let squares = shares.iter().map(|share| share * share).sum();
     let evaluations = parts.iter().map(|part| part.evaluations).sum();
     WeightedEstimate { estimate, effective: effective_number(mean * count, squares), evaluations, distrust }
+}
+
+/// Cox's interval for the mean of a lognormal variable.
+fn of_lognormal(values: &[f64], confidence: f64) -> (f64, f64) {
+    let logarithms: Vec<f64> = values.iter().map(|value| libm::log(*value)).collect();
+    let (mean, of_mean) = student(&logarithms, confidence);
+    let count = logarithms.len() as f64;
+    let degrees = count - 1.0;
+    let variance = logarithms.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / degrees;
+    if variance <= 0.0 {
+        return (values[0], values[0]);
+    }
+    // Student's half width is t s / sqrt(R).
+    let half_width = of_mean * (1.0 + 0.5 * variance * count / degrees).sqrt();
+    let middle = mean + 0.5 * variance;
+    (libm::exp(middle - half_width), libm::exp(middle + half_width))
 }
 
 /// The low end at a distance from a probability; of a small one the complement would have no digits.

@@ -3,13 +3,14 @@
 //! With deviates `s` times as large, instability is frequent. A population of unstable points of that scatter is led
 //! back to the true one in steps: `s` is reduced so far that the weights `phi_s'(u) / phi_s(u)` of the points are those
 //! of half as many equal ones, the points are drawn again by their weights, and each is moved by steps that leave its
-//! density as it is. The ratios of the steps multiply to the probability. This is subset simulation (S. K. Au, J. L.
+//! density as it is. The ratios of the steps multiply to the probability. Where `g` is a probability, a power `b` of it
+//! rises from 0 to 1 in the same way before. This is subset simulation (S. K. Au, J. L.
 //! Beck, Probabilistic Engineering Mechanics 16 (2001) 263-277) whose subsets are those of the scatter, as no function
 //! tells how far a verdict is from another (compare J. Beaurepaire et al., Probabilistic Engineering Mechanics 33 (2013)
 //! 172-181; I. Papaioannou et al., Structural Safety 62 (2016) 66-75).
 //!
-//! A point `u` moves to `sqrt(1 - r^2) u + r s xi` with normal `xi`, and stays with the probability `1 - g(new) / g(old)`
-//! (R. M. Neal, Regression and classification using Gaussian process priors, 1998).
+//! A point `u` moves to `sqrt(1 - r^2) u + r s xi` with normal `xi`, and stays with the probability
+//! `1 - (g(new) / g(old))^b` (R. M. Neal, Regression and classification using Gaussian process priors, 1998).
 
 use rand::RngExt;
 use rand_distr::StandardNormal;
@@ -22,7 +23,7 @@ const LARGEST: f64 = 12.0;
 /// Points that are tried at each enlargement, for each particle.
 const TRIED: usize = 3;
 
-/// The share of tried points that should be unstable at the first enlargement.
+/// The share of tried points that should be unstable, at least with some probability, at the first enlargement.
 const FREQUENT: f64 = 0.1;
 
 /// The effective share of particles that a reduction of the scatter leaves.
@@ -39,7 +40,7 @@ const ACCEPTED: f64 = 0.35;
 const STEPS: [f64; 2] = [0.02, 1.0];
 const FIRST_STEP: f64 = 0.5;
 
-/// Bisections for the next scatter.
+/// Bisections for the next scatter or power.
 const BISECTIONS: usize = 40;
 
 /// Points in the space of deviates, one after the other.
@@ -117,6 +118,7 @@ struct Particles<'a, 'g> {
     points: Points,
     values: Vec<f64>,
     scale: f64,
+    power: f64,
     step: f64,
     evaluations: u64,
     generator: &'a mut Xoshiro256PlusPlus,
@@ -132,7 +134,16 @@ impl Population {
         integrand: &mut Integrand<'_>,
     ) -> Option<Self> {
         let (points, values) = (Points::new(dimensions), Vec::new());
-        let mut all = Particles { points, values, scale: 1.0, step: FIRST_STEP, evaluations: 0, generator, integrand };
+        let mut all = Particles {
+            points,
+            values,
+            scale: 1.0,
+            power: 0.0,
+            step: FIRST_STEP,
+            evaluations: 0,
+            generator,
+            integrand,
+        };
         let Some(share) = all.begin(particles * TRIED)? else {
             return Some(Self {
                 particles: Points::new(dimensions),
@@ -143,9 +154,12 @@ impl Population {
         };
         let enlargement = all.scale;
         let mut log_probability = libm::log(share);
-        let values = all.values.clone();
-        all.draw_again(&values, particles);
-        all.make_moves(MOVES)?;
+        let unstable: Vec<f64> = all.values.iter().map(|value| if *value > 0.0 { 1.0 } else { 0.0 }).collect();
+        all.draw_again(&unstable, particles);
+        while all.power < 1.0 {
+            log_probability += all.raise();
+            all.make_moves(MOVES)?;
+        }
         while all.scale > 1.0 {
             log_probability += all.reduce(dimensions);
             all.make_moves(MOVES)?;
@@ -161,30 +175,47 @@ impl Population {
 }
 
 impl Particles<'_, '_> {
-    /// Enlarges the scatter until instability is frequent, or goes back to where it is most frequent. The mean of `g`
-    /// there; the inner `None` if all values are zero.
+    /// Enlarges the scatter until instability is frequent, or goes back to where it is most frequent. The share of points
+    /// there that may be unstable; the inner `None` if no point may.
     fn begin(&mut self, points: usize) -> Option<Option<f64>> {
-        let mut best: Option<(f64, Points, Vec<f64>, f64)> = None;
+        let mut best: Option<(usize, Points, Vec<f64>, f64)> = None;
         let mut scale = 1.0;
         while scale < LARGEST {
             let dimensions = self.points.dimensions;
             let mut tried = Points::new(dimensions);
             tried.push((0..points * dimensions).map(|_| scale * self.deviate()));
             let values = self.evaluate(&tried)?;
-            let effective = effective_number(&values);
-            if effective > best.as_ref().map_or(0.0, |best| best.0) {
-                best = Some((effective, tried, values, scale));
+            let unstable = values.iter().filter(|value| **value > 0.0).count();
+            if unstable > best.as_ref().map_or(0, |best| best.0) {
+                best = Some((unstable, tried, values, scale));
             }
             self.scale = scale;
-            if effective >= FREQUENT * points as f64 {
+            if unstable as f64 >= FREQUENT * points as f64 {
                 break;
             }
             scale *= ENLARGEMENT;
         }
-        let Some((_, points, values, scale)) = best else { return Some(None) };
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let Some((unstable, points, values, scale)) = best else { return Some(None) };
+        let share = unstable as f64 / values.len() as f64;
         (self.points, self.values, self.scale) = (points, values, scale);
-        Some(Some(mean))
+        Some(Some(share))
+    }
+
+    /// Raises the power of `g`: the logarithm of the ratio of the means after and before.
+    fn raise(&mut self) -> f64 {
+        let most = self.values.iter().copied().fold(0.0, f64::max);
+        // Relative to the largest, which cannot underflow.
+        let logarithms: Vec<f64> = self.values.iter().map(|value| libm::log(value / most)).collect();
+        let weights = |power: f64| -> Vec<f64> {
+            logarithms.iter().map(|logarithm| libm::exp((power - self.power) * logarithm)).collect()
+        };
+        let power = farthest(self.power, |power| effective_number(&weights(power)) >= LEFT * logarithms.len() as f64);
+        let weights = weights(power);
+        let mean = weights.iter().sum::<f64>() / weights.len() as f64;
+        let ratio = libm::log(mean) + (power - self.power) * libm::log(most);
+        self.draw_again(&weights, weights.len());
+        self.power = power;
+        ratio
     }
 
     /// Reduces the scatter: the logarithm of the ratio of the probabilities after and before.
@@ -196,17 +227,9 @@ impl Particles<'_, '_> {
             let more = precision - 1.0 / (self.scale * self.scale);
             squares.iter().map(|square| libm::exp(-0.5 * more * (square - least))).collect()
         };
-        let is_enough = |precision: f64| effective_number(&weights(precision)) >= LEFT * squares.len() as f64;
         let before = 1.0 / (self.scale * self.scale);
-        let mut precision = 1.0;
-        if !is_enough(precision) {
-            let (mut from, mut to) = (before, precision);
-            for _ in 0..BISECTIONS {
-                let middle = 0.5 * (from + to);
-                if is_enough(middle) { from = middle } else { to = middle }
-            }
-            precision = to;
-        }
+        let is_enough = |precision: f64| effective_number(&weights(precision)) >= LEFT * squares.len() as f64;
+        let precision = farthest(before, is_enough);
         let weights = weights(precision);
         let mean = weights.iter().sum::<f64>() / weights.len() as f64;
         self.draw_again(&weights, squares.len());
@@ -250,7 +273,7 @@ impl Particles<'_, '_> {
             let mut accepted = 0.0;
             for (i, &value) in values.iter().enumerate() {
                 let chance: f64 = self.generator.random();
-                if value > chance * self.values[i] {
+                if value > 0.0 && libm::pow(value / self.values[i], self.power) > chance {
                     self.points.replace(i, proposed.get(i));
                     self.values[i] = value;
                     accepted += 1.0;
@@ -270,6 +293,23 @@ impl Particles<'_, '_> {
         self.evaluations += points.len() as u64;
         (self.integrand)(points)
     }
+}
+
+/// How far to go towards 1, so that enough is left.
+fn farthest(from: f64, is_enough: impl Fn(f64) -> bool) -> f64 {
+    if is_enough(1.0) {
+        return 1.0;
+    }
+    let (mut enough, mut too_far) = (from, 1.0);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (enough + too_far);
+        if is_enough(middle) {
+            enough = middle;
+        } else {
+            too_far = middle;
+        }
+    }
+    too_far
 }
 
 /// The number of equal weights whose mean has the same relative variance.
@@ -303,6 +343,25 @@ mod tests {
             let error = (variance / seeds as f64).sqrt();
             assert!((mean - truth).abs() < 3.5 * error, "{dimensions} inputs: {mean:e} +- {error:e}, {truth:e}");
             assert!(error < 0.15 * truth, "{dimensions} inputs: {mean:e} +- {error:e}");
+        }
+    }
+
+    #[test]
+    fn a_power_of_probabilities_rises_where_these_are_known() {
+        // Given the first of two inputs, the second exceeds 6 minus it.
+        let truth = normal::upper_tail(6.0 / std::f64::consts::SQRT_2);
+        let find = |seed: u64| {
+            let mut integrand = |points: &Points| Some(points.iter().map(|u| normal::upper_tail(6.0 - u[0])).collect());
+            let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
+            Population::find(1, 300, &mut generator, &mut integrand).unwrap()
+        };
+        let populations: Vec<Population> = (0..40).map(find).collect();
+        let mean = populations.iter().map(|population| population.probability).sum::<f64>() / 40.0;
+        assert!((mean / truth - 1.0).abs() < 0.05, "{mean:e}, {truth:e}");
+        // The first lies around 3 if their sum is 6.
+        for population in populations {
+            let mean = population.particles.iter().map(|u| u[0]).sum::<f64>() / 300.0;
+            assert!((mean - 3.15).abs() < 0.25, "{mean}");
         }
     }
 
