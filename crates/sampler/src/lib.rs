@@ -14,6 +14,7 @@
 //! | [`verdict_map`] | the verdict as a function of preload and static friction |
 //! | [`integrate`] | probabilities without samples: in closed form, and from a verdict map |
 //! | [`estimate`] | intervals, sequential looks, randomisations, audits, differences, derivatives, Sobol indices |
+//! | [`fit`] | distributions of the inputs from tests of brakes, by maximum likelihood |
 //! | [`methods`] | which method answers which question, and how to notice that it has failed |
 //!
 //! Each module uses only those above it. The crate does not know threads, files or the terminal.
@@ -34,5 +35,7 @@ pub mod verdict_map;
 pub mod integrate;
 
 pub mod estimate;
+
+pub mod fit;
 
 pub mod methods;
