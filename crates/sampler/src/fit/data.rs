@@ -54,6 +54,12 @@ impl TestData {
         self.onsets.push(Onset { preload, boundaries, width: libm::log(speeds[1] / speeds[0]) });
     }
 
+    /// How many onset speeds and different conditions of verdicts there are.
+    #[must_use]
+    pub fn conditions(&self) -> usize {
+        self.verdicts.len() + self.onsets.len()
+    }
+
     /// How many tests squealed, and how many did not.
     #[must_use]
     pub fn counts(&self) -> [f64; 2] {
