@@ -65,13 +65,13 @@ const CASES: [Case; 4] = [
         has_onsets: false,
     },
     Case {
-        name: "60 onset speeds, some censored, both scatter, lognormal",
+        name: "24 onset speeds, some censored, both scatter, lognormal",
         marginal: Marginal::Lognormal,
         preload_std: 0.1,
         correlation: 0.0,
         preloads: &[0.07, 0.1, 0.14],
         speeds: &[13.0],
-        each: 20,
+        each: 8,
         has_onsets: true,
     },
 ];
