@@ -207,12 +207,20 @@ fn parameters_of_many_tests_are_found_again() {
         assert!(fitted.low.unwrap() < truth && truth < fitted.high.unwrap(), "{fitted:?} {truth}");
         near(fitted.value, truth, 0.05);
     }
-    // The preload of the machine, with the rest known.
+    // Each of the others, with the rest known.
     model.values = FitValues { static_friction: friction, static_friction_std: friction_std, ..model.values };
-    let found = fit(&model, &data, &[FitParameter::PreloadFactor], 0.999).unwrap();
-    let factor = found.parameters[0];
-    assert!(factor.low.unwrap() < 1.0 && 1.0 < factor.high.unwrap(), "{factor:?}");
-    near(factor.value, 1.0, 0.02);
+    for (parameter, truth) in [
+        (FitParameter::PreloadFactor, 1.0),
+        (FitParameter::PreloadStd, preload_std),
+        (FitParameter::Correlation, correlation),
+    ] {
+        let mut model = model.clone();
+        // Not from the truth.
+        model.values.set(parameter, 0.7 * truth);
+        let fitted = fit(&model, &data, &[parameter], 0.999).unwrap().parameters[0];
+        assert!(fitted.low.unwrap() < truth && truth < fitted.high.unwrap(), "{fitted:?} {truth}");
+        near(fitted.value, truth, 0.1);
+    }
 }
 
 #[test]
