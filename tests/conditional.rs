@@ -244,7 +244,7 @@ fn conditional_sums_do_not_depend_on_how_the_work_is_shared() {
     for other in ["two", "shards", "extended"] {
         assert!(place.surface("one") == place.surface(other), "{other}");
     }
-    place.write("job.toml", &small.replace("1024", "4096"));
+    place.write("job.toml", &small.replace("1024", "32768"));
     place.run("submit job.toml --out whole").done();
     place.assert_survives_kills("whole", &[300, 500, 400], 2);
 }

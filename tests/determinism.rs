@@ -140,7 +140,7 @@ fn signals_keep_finished_work_and_print_how_to_continue() {
     place.run("submit job.toml --out whole").done();
     for (signal, code, word) in [("INT", 130, "interrupted"), ("TERM", 143, "terminated")] {
         let words = if signal == "INT" { "submit job.toml" } else { "resume runs/signalled" };
-        let pieces = || fs::read_dir(place.path("runs/signalled/shards")).map_or(0, Iterator::count);
+        let pieces = || place.pieces("runs/signalled/shards");
         let before = pieces();
         let mut child = place.command(words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         while pieces() == before {

@@ -90,6 +90,9 @@ impl Block {
 /// The contents of the site that `make docs` builds. It is no page of its own.
 const CONTENTS: &str = "docs/SUMMARY.md";
 
+/// Pages of the site that lie at the root, beside the README.
+const AT_THE_ROOT: [&str; 2] = ["ARCHITECTURE.md", "SECURITY.md"];
+
 /// README.md and the pages in docs/, by their path in the repository.
 fn pages() -> Vec<String> {
     fn add(folder: &str, pages: &mut Vec<String>) {
@@ -416,7 +419,7 @@ fn links(page: &str) -> Vec<(String, String)> {
 #[test]
 fn every_link_leads_somewhere_and_every_page_is_linked() {
     let (mut count, mut linked) = (0, BTreeSet::from(["README.md".to_owned()]));
-    for page in pages().into_iter().chain(["ARCHITECTURE.md".to_owned()]) {
+    for page in pages().into_iter().chain(AT_THE_ROOT.map(str::to_owned)) {
         for (path, target) in links(&page) {
             count += 1;
             assert!(repository().join(&path).exists(), "{page}: there is no {path}");
@@ -444,7 +447,7 @@ fn the_site_has_every_page_once_and_what_they_link_to() {
     let mut listed: Vec<String> = links(CONTENTS).into_iter().map(|(path, _)| path).collect();
     listed.sort();
     let mut wanted = pages();
-    wanted.push("ARCHITECTURE.md".to_owned());
+    wanted.extend(AT_THE_ROOT.map(str::to_owned));
     wanted.sort();
     assert_eq!(listed, wanted, "{CONTENTS} lists every page, and each once");
 

@@ -49,10 +49,6 @@ fn ended(child: Child, code: i32, texts: &[&str]) -> String {
 }
 
 /// The number of files in a folder of a run.
-fn files(place: &Place, folder: &str) -> usize {
-    fs::read_dir(place.path(folder)).map_or(0, Iterator::count)
-}
-
 fn unfinished(place: &Place, folder: &str) -> usize {
     let entries = fs::read_dir(place.path(folder)).unwrap();
     entries.filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().starts_with(".unfinished")).count()
@@ -82,9 +78,9 @@ fn every_signal_that_ends_a_process_is_obeyed() {
         let is_new = !place.path("run/job.toml").exists();
         let words_of_command =
             if is_new { "exec stickslip submit job.toml --out run" } else { "exec stickslip resume run" };
-        let before = files(&place, "run/shards");
+        let before = place.pieces("run/shards");
         let mut child = start(&place, words_of_command);
-        wait_for(&mut child, || files(&place, "run/shards") > before + 1);
+        wait_for(&mut child, || place.pieces("run/shards") > before + 1);
         send(&child, signal);
         let said = ended(child, 128 + number, &[words, "saving what is finished", "`stickslip resume run`"]);
         assert!(said.contains("samples are kept"), "{said}");
@@ -110,13 +106,13 @@ fn signals_that_were_ignored_at_the_start_stay_so() {
     let place = Place::new();
     long_job(&place);
     let mut child = start(&place, "trap '' HUP TERM USR1; exec stickslip submit job.toml --out run");
-    wait_for(&mut child, || files(&place, "run/shards") > 0);
+    wait_for(&mut child, || place.pieces("run/shards") > 0);
     for signal in ["HUP", "TERM", "USR1"] {
         send(&child, signal);
     }
     thread::sleep(Duration::from_millis(1000));
-    let before = files(&place, "run/shards");
-    wait_for(&mut child, || files(&place, "run/shards") > before);
+    let before = place.pieces("run/shards");
+    wait_for(&mut child, || place.pieces("run/shards") > before);
     send(&child, "INT");
     let said = ended(child, 130, &["interrupted"]);
     assert!(!said.contains("ended by") && !said.contains("terminated"), "{said}");
@@ -145,7 +141,7 @@ fn a_signal_says_how_to_go_on_though_the_record_cannot_be_written() {
     let place = Place::new();
     long_job(&place);
     let mut child = start(&place, "exec stickslip submit job.toml --out run");
-    wait_for(&mut child, || files(&place, "run/shards") > 0);
+    wait_for(&mut child, || place.pieces("run/shards") > 0);
     obstruct(&place, "run/run.json");
     send(&child, "TERM");
     let said = ended(child, 143, &["terminated", "warning: cannot write run/run.json", "`stickslip resume run`"]);

@@ -114,6 +114,12 @@ impl Place {
         self.directory.path().join(name)
     }
 
+    /// The number of finished pieces or tiles in a directory; files that are being written are none.
+    pub fn pieces(&self, directory: &str) -> usize {
+        let entries = fs::read_dir(self.path(directory)).into_iter().flatten();
+        entries.filter(|entry| entry.as_ref().unwrap().path().extension() == Some("parquet".as_ref())).count()
+    }
+
     /// Writes a file.
     pub fn write(&self, name: &str, text: &str) -> PathBuf {
         let path = self.path(name);

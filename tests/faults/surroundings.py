@@ -1,5 +1,6 @@
 """Clock, locale, time zone and number of threads that change between a run and its resumption."""
 
+import functools
 import os
 import signal
 import subprocess
@@ -29,14 +30,13 @@ OTHERS = [
 CLOCKS = ["@1970-01-01 00:00:01", "@2106-02-07 06:28:20", "-40y", "+30y", "-1d", "+0 x40", "+0 x0.1"]
 
 
-def interrupted(place: Place, environment: dict, before: list, number: int) -> bool:
+def interrupted(place: Place, environment: dict, number: int) -> bool:
     """Begins or resumes a run, and ends it at a random moment; whether that came before its end."""
     words = ["resume", "run"] if (place.run / "job.toml").exists() else ["submit", "job.toml", "--out", "run"]
     threads = place.random.choice([1, 2, 3, 5, 8])
-    running = place.start(*words, "--threads", threads, before=before, environment=environment)
+    running = place.start(*words, "--threads", threads, environment=environment)
     place.wait()
     running.send(number)
-    # What starts the program may end by the signal itself.
     return running.ended({DONE, 128 + number, -number}).code != DONE
 
 
@@ -46,7 +46,7 @@ def changed(suite: Suite) -> Iterator[Try]:
             environment = dict(os.environ)
             for choices in (LOCALES, ZONES, OTHERS):
                 environment.update(place.random.choice(choices))
-            if not interrupted(place, environment, [], place.random.choice([signal.SIGTERM, signal.SIGKILL])):
+            if not interrupted(place, environment, place.random.choice([signal.SIGTERM, signal.SIGKILL])):
                 break
         return place.finish(SAME)
 
@@ -70,14 +70,13 @@ def clocks(suite: Suite) -> Iterator[Try]:
     need("faketime")
 
     def act(place: Place) -> str:
-        environment = dict(os.environ)
-        before = ["faketime", "--exclude-monotonic", "-f", clock]
-        interrupted(place, environment, before, signal.SIGTERM)
-        other = place.random.choice(CLOCKS)
-        interrupted(place, environment, ["faketime", "-f", other], signal.SIGTERM)
+        first = with_clock(clock, DONT_FAKE_MONOTONIC="1")
+        interrupted(place, first, signal.SIGTERM)
+        # A clock that tells the time since the start wrongly, too.
+        interrupted(place, with_clock(place.random.choice(CLOCKS)), signal.SIGTERM)
         if (place.run / "job.toml").exists():
-            place.stickslip("status", "run", before=before)
-            place.stickslip("resume", "run", before=before)
+            place.stickslip("status", "run", environment=first)
+            place.stickslip("resume", "run", environment=first)
         return place.finish(SAME)
 
     for kind in KINDS:
@@ -93,8 +92,8 @@ def jumping_clocks(suite: Suite) -> Iterator[Try]:
     def act(place: Place) -> str:
         stamp = place.path / "clock"
         stamp.write_text("+0d")
-        environment = dict(os.environ, FAKETIME_TIMESTAMP_FILE=str(stamp), FAKETIME_NO_CACHE="1")
-        environment.update(DONT_FAKE_MONOTONIC="1", LD_PRELOAD=library())
+        settings = {"FAKETIME_TIMESTAMP_FILE": str(stamp), "FAKETIME_NO_CACHE": "1", "DONT_FAKE_MONOTONIC": "1"}
+        environment = dict(os.environ, LD_PRELOAD=library(), **settings)
         running = place.start("submit", "job.toml", "--out", "run", "--threads", 2, environment=environment)
         while running.is_alive():
             stamp.write_text(place.random.choice(["+300d", "-300d", "+5s", "-5s", "-30y"]))
@@ -108,13 +107,21 @@ def jumping_clocks(suite: Suite) -> Iterator[Try]:
             yield Try(kind, f"{turn}", act)
 
 
+def with_clock(clock: str, **settings: str) -> dict:
+    """The environment in which a program sees this clock."""
+    return dict(os.environ, LD_PRELOAD=library(), FAKETIME=clock, **settings)
+
+
+@functools.lru_cache(maxsize=None)
 def library() -> str:
-    """The library by which faketime sets the clock of a program."""
-    said = subprocess.run(["faketime", "-f", "+0d", "env"], capture_output=True, text=True).stdout
-    found = [line.split("=", 1)[1] for line in said.splitlines() if line.startswith("LD_PRELOAD=")]
-    if not found:
-        raise Skipped("faketime does not preload a library here")
-    return found[0]
+    """The library by which faketime sets the clock of a program. The command itself fails now and then, where one of the
+    same number was killed before."""
+    for _ in range(5):
+        said = subprocess.run(["faketime", "-f", "+0d", "env"], capture_output=True, text=True).stdout
+        for line in said.splitlines():
+            if line.startswith("LD_PRELOAD="):
+                return line.split("=", 1)[1]
+    raise Skipped("faketime does not preload a library here")
 
 
 ROWS = [

@@ -15,6 +15,7 @@
 //! | [`integrate`] | probabilities without samples: in closed form, and from a verdict map |
 //! | [`estimate`] | intervals, sequential looks, randomisations, audits, differences, derivatives, Sobol indices |
 //! | [`fit`] | distributions of the inputs from tests of brakes, by maximum likelihood |
+//! | [`limits`] | at which values of an axis the probability passes a target |
 //! | [`methods`] | which method answers which question, and how to notice that it has failed |
 //!
 //! Each module uses only those above it. The crate does not know threads, files or the terminal.
@@ -37,5 +38,7 @@ pub mod integrate;
 pub mod estimate;
 
 pub mod fit;
+
+pub mod limits;
 
 pub mod methods;

@@ -12,7 +12,7 @@ use stickslip_core::finite_difference::brake::DiscGrid;
 
 pub use self::engine::{EngineArguments, EngineKind, ListFormat, ShardArgument};
 pub use self::values::StartArgument;
-use self::values::{grid, html_file, parquet_file, plot_file, seed, start, whole_number};
+use self::values::{grid, html_file, parquet_file, plot_file, probability, seed, start, whole_number};
 use crate::export::format::Format;
 use crate::job::MOST_SHARDS;
 use crate::target::Target;
@@ -56,6 +56,8 @@ pub enum Command {
     Compare(CompareArguments),
     /// Estimate the scatter of preload and static friction from tests of brakes
     Fit(FitArguments),
+    /// Find where along an axis the probability of instability passes a target
+    Limit(LimitArguments),
     /// Draw the result of a finished run, or a simulated motion, as SVG and PNG
     Plot(PlotArguments),
     /// Write a report of a finished run: one HTML file with interactive pictures
@@ -399,6 +401,28 @@ pub enum EstimateArgument {
     /// The correlation of both
     #[value(name = "correlation")]
     Correlation,
+}
+
+/// Arguments of `limit`.
+#[derive(Debug, Args)]
+pub struct LimitArguments {
+    /// The job spec (- reads it from standard input), or a run directory
+    #[arg(value_name = "JOB.toml|RUN_DIR")]
+    pub job: PathBuf,
+    /// The axis whose values are sought: preload, static_friction, rotating_speed or a parameter of the brake
+    #[arg(long, value_name = "NAME")]
+    pub of: String,
+    /// The probability of instability that must not be exceeded, above 0 and below 1; may be repeated
+    #[arg(long = "probability", value_name = "P", required = true, value_parser = probability, allow_negative_numbers = true)]
+    pub probabilities: Vec<f64>,
+    /// Write one row for each limit to a Parquet file
+    #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
+    pub out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
 }
 
 /// Arguments of `plot`.

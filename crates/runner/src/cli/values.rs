@@ -19,6 +19,12 @@ pub fn seed(text: &str) -> Result<u64, String> {
     seed.ok_or_else(|| format!("a seed is a whole number from 0 to {} (2^63 - 1)", i64::MAX))
 }
 
+/// A probability that may be reached, neither impossible nor certain.
+pub fn probability(text: &str) -> Result<f64, String> {
+    let probability = text.parse().ok().filter(|&probability: &f64| 0.0 < probability && probability < 1.0);
+    probability.ok_or_else(|| "a probability is greater than 0 and less than 1, for example 0.01 for 1 %".to_owned())
+}
+
 /// The path of a file that will be written as Parquet.
 pub fn parquet_file(text: &str) -> Result<PathBuf, String> {
     file_named(text, "the file is written as Parquet", &["parquet"])

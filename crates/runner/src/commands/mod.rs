@@ -51,6 +51,8 @@ mod fitted_job;
 
 mod fit;
 
+mod limit;
+
 mod plot;
 
 mod report;
@@ -66,6 +68,7 @@ pub use engines::submit_to_engine;
 pub use export::export;
 pub use fit::fit;
 pub use init::init;
+pub use limit::limit;
 pub use motion_report::columns;
 pub use parameters::parameters;
 pub use plot::plot;

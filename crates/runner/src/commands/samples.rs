@@ -174,8 +174,8 @@ impl DrawnSamples {
     /// One row for each sample.
     fn columns(self, job: &Job) -> Vec<TableColumn> {
         let Self { values, decisions, are_outside_physics } = self;
-        let column = |name, unit, long_name: &str, values| TableColumn {
-            name,
+        let column = |name: &'static str, unit, long_name: &str, values| TableColumn {
+            name: name.into(),
             unit,
             long_name: long_name.to_owned().into(),
             values,

@@ -21,16 +21,6 @@ pub struct WorkToShare {
     pub units: u64,
 }
 
-/// How many units of work a job has before any of it is computed.
-pub fn all_units_of_work(job: &Job) -> u64 {
-    let parts = Parts::new(job);
-    if parts.are_sequential() {
-        return job.cells();
-    }
-    let of_a_part = |place| parts.max_samples(place).div_ceil(job.unit_samples());
-    job.cells() * (0..parts.of_a_cell()).map(of_a_part).sum::<u64>()
-}
-
 /// The units of work in which the missing samples of a job come; where a cell stops by its precision, its cells.
 pub fn units_of_work(job: &Job, tally: &Tally) -> u64 {
     let parts = Parts::new(job);

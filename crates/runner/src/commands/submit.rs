@@ -7,7 +7,6 @@ use super::adoption::{RunState, adopt, adopt_as_shard};
 use super::closing::report;
 use super::completion::{Work, compute, kept_and_continued, map_only};
 use super::shard_progress::how_to_submit_missing;
-use super::sharing::all_units_of_work;
 use crate::cli::{MergeArguments, ResumeArguments, ShardArgument, SubmitArguments};
 use crate::cluster::array_task::ArrayTask;
 use crate::evaluate::parts::Parts;
@@ -20,8 +19,7 @@ use crate::store::directory::RunDirectory;
 use crate::store::layout::JOB;
 use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::provenance::Session;
-use crate::store::sharing;
-use crate::store::sharing::{AtWork, Sharing};
+use crate::store::sharing::{self, AtWork, Sharing};
 use crate::tables::surface::Surface;
 
 /// `stickslip submit`.
@@ -143,16 +141,17 @@ fn keep_number(shard: Shard, directory: &RunDirectory) -> Result<(), Failure> {
 
 /// A warning if a job has less work than shards.
 fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
-    let work = all_units_of_work(job);
-    let what = if Parts::new(job).are_sequential() {
-        counted(work.into(), "cell", "cells")
+    let parts = Parts::new(job);
+    let (work, what) = if parts.are_sequential() {
+        (u128::from(job.cells()), counted(job.cells().into(), "cell", "cells"))
     } else {
-        counted(work.into(), "unit of work", "units of work")
+        (parts.all_units(), counted(parts.all_units(), "unit of work", "units of work"))
     };
-    (shard.count() > work).then(|| {
+    let shards = u128::from(shard.count());
+    (shards > work).then(|| {
         format!(
             "--shard {shard}: the job has only {what} to share, so that {} have nothing to compute",
-            counted((shard.count() - work).into(), "shard", "shards")
+            counted(shards - work, "shard", "shards")
         )
     })
 }

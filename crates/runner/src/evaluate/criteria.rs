@@ -199,6 +199,21 @@ impl Criteria {
         }
     }
 
+    /// The stability boundary of the brake of each sample of a cell; `None` for a sample with a value that is not
+    /// admissible, and for other criteria than [`Criterion::Eigenvalue`].
+    pub fn boundaries(&self, job: &Job, cell: &Cell, samples: &Samples) -> Vec<Option<StabilityBoundary>> {
+        let brake = job.grid.brake_index(cell.index);
+        if self.scalars.is_empty() || !matches!(job.criterion, Criterion::Eigenvalue) {
+            return vec![self.boundary(job, brake); samples.len()];
+        }
+        let Ok(brake) = job.brake(brake) else { return vec![None; samples.len()] };
+        let varying = VaryingBrake::new(brake, self.scalars.clone());
+        // A boundary holds for any preload and static friction.
+        let inputs = RandomInputs { preload: 0.0, static_friction: 0.0 };
+        let own = |sample: usize| varying.brake(inputs, |i| samples.values_of(self.others[i])[sample]);
+        (0..samples.len()).map(|sample| own(sample).map(|brake| brake.stability_boundary())).collect()
+    }
+
     /// The verdict counts of samples of a brake, if they are decided in closed form.
     #[inline]
     pub fn count(&self, job: &Job, brake: usize, samples: &Samples) -> Option<VerdictCounts> {

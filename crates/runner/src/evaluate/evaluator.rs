@@ -39,7 +39,7 @@ pub struct Evaluator<'a> {
     pub(super) criteria: Criteria,
     pub(super) maps: Maps,
     layout: SumLayout,
-    chunk: usize,
+    pub(super) chunk: usize,
     /// In jobs that integrate over preload and static friction at every sample.
     conditional: Option<Conditional>,
 }

@@ -1,14 +1,16 @@
 //! The probability of a cell by integration instead of samples.
 
+use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::PairLaw;
-use stickslip_sampler::integrate::closed_form;
+use stickslip_sampler::integrate::closed_form::{self, ExactProbability};
 use stickslip_sampler::integrate::derivatives::Derivatives;
 use stickslip_sampler::integrate::verdict_map::{BoundedProbability, MapRegions};
 
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::sums::Lookups;
+use crate::job::Job;
 
 /// The probability of a cell by integration.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +37,16 @@ impl IntegratedCell {
     }
 }
 
+/// The probability of a cell whose boundary of stability is known in closed form, where only preload and static friction
+/// scatter.
+pub fn exact_probability(job: &Job, boundary: &StabilityBoundary, cell: &Cell) -> ExactProbability {
+    if job.random.is_plain() {
+        return closed_form::probability(boundary, cell);
+    }
+    let coefficient = job.random.pairs.first().map_or(0.0, |&(_, _, coefficient)| coefficient);
+    job.pair(cell).exact_probability(boundary, &PairLaw::correlated(coefficient))
+}
+
 impl Evaluator<'_> {
     /// The regions of the maps, one for each brake; none without maps.
     pub fn regions(&self) -> Vec<MapRegions> {
@@ -45,12 +57,7 @@ impl Evaluator<'_> {
     pub fn integrate(&self, cell: &Cell, regions: &[MapRegions], lookups: Lookups) -> IntegratedCell {
         let brake = self.job.grid.brake_index(cell.index);
         if let Some(boundary) = &self.criteria.boundary(self.job, brake) {
-            let exact = if self.job.random.is_plain() {
-                closed_form::probability(boundary, cell)
-            } else {
-                let coefficient = self.job.random.pairs.first().map_or(0.0, |&(_, _, coefficient)| coefficient);
-                self.job.pair(cell).exact_probability(boundary, &PairLaw::correlated(coefficient))
-            };
+            let exact = exact_probability(self.job, boundary, cell);
             let low = (exact.value - exact.error_bound).max(0.0);
             let high = (exact.value + exact.error_bound).min(1.0);
             let wanted = self.job.sampling.derivatives;

@@ -23,6 +23,8 @@ pub mod tiles;
 
 pub mod integral;
 
+pub mod limits;
+
 mod stream;
 
 pub mod work;

@@ -12,6 +12,7 @@ use parquet::basic::Compression;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::files::publish::publish;
@@ -79,7 +80,7 @@ pub enum TableValues {
 /// A column of any type.
 pub struct TableColumn {
     /// Name.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Unit.
     pub unit: &'static str,
     /// Meaning.
@@ -89,6 +90,19 @@ pub struct TableColumn {
 }
 
 impl TableColumn {
+    /// A value as JSON; `null` where there is none.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn value(&self, row: usize) -> Value {
+        match &self.values {
+            TableValues::Integer(values) => values[row].into(),
+            TableValues::Real(values) => values[row].into(),
+            TableValues::Text(values) => values[row].as_str().into(),
+            TableValues::Word(values) => values[row].into(),
+        }
+    }
+
     fn field(&self) -> Field {
         let (data_type, nullable) = match &self.values {
             TableValues::Integer(_) => (DataType::Int64, false),
@@ -96,7 +110,7 @@ impl TableColumn {
             TableValues::Text(_) => (DataType::Utf8, false),
             TableValues::Word(values) => (DataType::Utf8, values.contains(&None)),
         };
-        described_field(self.name, self.unit, &self.long_name, data_type, nullable)
+        described_field(&self.name, self.unit, &self.long_name, data_type, nullable)
     }
 
     fn array(&self) -> ArrayRef {

@@ -228,7 +228,7 @@ fn scatters(job: &Job) -> Vec<f64> {
 }
 
 /// How much the inputs of a cell scatter.
-fn scatter(job: &Job, cell: u64) -> String {
+pub fn scatter(job: &Job, cell: u64) -> String {
     let stds = &job.random.relative_stds[job.grid.relative_std_index(cell)];
     let (mut relative, mut absolute) = (Vec::new(), Vec::new());
     for (input, &std) in job.random.inputs.iter().zip(stds).filter(|(_, std)| **std > 0.0) {

@@ -263,20 +263,20 @@ fn sign(difference: f64) -> char {
 /// One row for each pair of runs and cell.
 pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
     let all = || compared.iter().flat_map(|differences| differences.rows.iter().map(move |row| (differences, row)));
-    let text = |name, long_name, value: fn(&Differences<'_>, &Row) -> String| TableColumn {
-        name,
+    let text = |name: &'static str, long_name, value: fn(&Differences<'_>, &Row) -> String| TableColumn {
+        name: name.into(),
         unit: "1",
         long_name: Cow::Borrowed(long_name),
         values: TableValues::Text(all().map(|(differences, row)| value(differences, row)).collect()),
     };
-    let integer = |name, long_name, value: fn(&Row) -> u64| TableColumn {
-        name,
+    let integer = |name: &'static str, long_name, value: fn(&Row) -> u64| TableColumn {
+        name: name.into(),
         unit: "1",
         long_name: Cow::Borrowed(long_name),
         values: TableValues::Integer(all().map(|(_, row)| value(row)).collect()),
     };
-    let real = |name, long_name, value: fn(&Row) -> Option<f64>| TableColumn {
-        name,
+    let real = |name: &'static str, long_name, value: fn(&Row) -> Option<f64>| TableColumn {
+        name: name.into(),
         unit: if name == "rotating_speed_rad_s" { "rad/s" } else { "1" },
         long_name: Cow::Borrowed(long_name),
         values: TableValues::Real(all().map(|(_, row)| value(row)).collect()),
@@ -311,7 +311,12 @@ pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
         if is_axis(key) {
             let value = |(differences, row): (&Differences<'_>, &Row)| differences.job.value_in(key, &row.cell);
             let values = TableValues::Real(all().map(value).collect());
-            columns.push(TableColumn { name: key, unit, long_name: "expected value in the first run".into(), values });
+            columns.push(TableColumn {
+                name: key.into(),
+                unit,
+                long_name: "expected value in the first run".into(),
+                values,
+            });
         }
     };
     SCALARS.iter().for_each(|scalar| add(scalar.key, scalar.unit));
