@@ -119,7 +119,7 @@ validity:
 
 # The table of coverage: how often intervals contain the true value, by simulation.
 coverage:
-	$(CARGO) bench --locked -p stickslip-sampler --bench coverage
+	$(CARGO) bench --locked -p stickslip-sampler --bench coverage --bench fit_coverage
 
 # The same jobs by NumPy, OpenTURNS, numba, SciPy and diffrax beside it.
 bench-peers: target/peers/ready

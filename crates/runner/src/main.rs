@@ -100,6 +100,7 @@ fn dispatch(command: Command, interrupt: &Interrupt) -> Result<(), Failure> {
         Command::Replay(arguments) => commands::replay(&arguments),
         Command::Samples(arguments) => commands::samples(&arguments, interrupt),
         Command::Compare(arguments) => commands::compare(&arguments, interrupt),
+        Command::Fit(arguments) => commands::fit(&arguments),
         Command::Limit(arguments) => commands::limit(&arguments, interrupt),
         Command::Plot(arguments) => commands::plot(&arguments, interrupt),
         Command::Report(arguments) => commands::report(&arguments, interrupt),

@@ -14,6 +14,7 @@
 //! | [`verdict_map`] | the verdict as a function of preload and static friction |
 //! | [`integrate`] | probabilities without samples: in closed form, and from a verdict map |
 //! | [`estimate`] | intervals, sequential looks, randomisations, audits, differences, derivatives, Sobol indices |
+//! | [`fit`] | distributions of the inputs from tests of brakes, by maximum likelihood |
 //! | [`limits`] | at which values of an axis the probability passes a target |
 //! | [`rare`] | where samples of rare events are drawn, and with which weights |
 //! | [`methods`] | which method answers which question, and how to notice that it has failed |
@@ -38,6 +39,8 @@ pub mod verdict_map;
 pub mod integrate;
 
 pub mod estimate;
+
+pub mod fit;
 
 pub mod limits;
 

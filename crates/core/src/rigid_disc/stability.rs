@@ -167,6 +167,16 @@ impl PadOnDisc {
         ranges
     }
 
+    /// The rotating speed, rad/s, at which friction falls most steeply, whatever the preload and the static friction; 0
+    /// if that is at rest. Above it, whatever is unstable at one speed is unstable at each lower one. `None` for a
+    /// measured curve, which may fall in several places.
+    #[must_use]
+    pub fn steepest_speed(&self) -> Option<f64> {
+        let law = self.friction_law();
+        let steepest = || self.rotating_speed(law.steepest_between(f64::MIN_POSITIVE, f64::INFINITY));
+        (!matches!(law.shape, Shape::Table(_))).then(steepest).map(|speed| if speed < 1e-300 { 0.0 } else { speed })
+    }
+
     /// The boundary of linear stability at this rotating speed, for any preload and static friction.
     #[must_use]
     pub fn stability_boundary(&self) -> StabilityBoundary {

@@ -54,6 +54,8 @@ pub enum Command {
     Samples(SamplesArguments),
     /// Compare finished runs cell by cell, and sample by sample if they share their samples
     Compare(CompareArguments),
+    /// Estimate the scatter of preload and static friction from tests of brakes
+    Fit(FitArguments),
     /// Find where along an axis the probability of instability passes a target
     Limit(LimitArguments),
     /// Draw the result of a finished run, or a simulated motion, as SVG and PNG
@@ -352,6 +354,53 @@ pub struct CompareArguments {
     pub json: bool,
     #[command(flatten)]
     pub threads: ThreadsArgument,
+}
+
+/// Arguments of `fit`.
+#[derive(Debug, Args)]
+pub struct FitArguments {
+    /// The tests: a CSV file with the columns rotating_speed, preload, squealed and perhaps count, or onset_speed, preload
+    /// and perhaps censored
+    #[arg(value_name = "DATA.csv")]
+    pub data: PathBuf,
+    /// The job whose brake was tested; - reads it from standard input
+    #[arg(long, value_name = "JOB.toml")]
+    pub job: PathBuf,
+    /// What to estimate, separated by commas; the rest is taken from the job
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_enum,
+        value_delimiter = ',',
+        default_values = ["static_friction", "std.static_friction"]
+    )]
+    pub estimate: Vec<EstimateArgument>,
+    /// Write a job with the estimates in place
+    #[arg(long, value_name = "NEW_JOB.toml")]
+    pub out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What may be estimated from tests.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum EstimateArgument {
+    /// The expected static friction coefficient
+    #[value(name = "static_friction")]
+    StaticFriction,
+    /// The true preload over the nominal one
+    #[value(name = "preload_factor")]
+    PreloadFactor,
+    /// The relative standard deviation of the preload
+    #[value(name = "std.preload")]
+    PreloadStd,
+    /// The relative standard deviation of the static friction coefficient
+    #[value(name = "std.static_friction")]
+    StaticFrictionStd,
+    /// The correlation of both
+    #[value(name = "correlation")]
+    Correlation,
 }
 
 /// Arguments of `limit`.

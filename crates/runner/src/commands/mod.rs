@@ -45,6 +45,12 @@ mod samples;
 
 mod compare;
 
+mod brake_tests;
+
+mod fitted_job;
+
+mod fit;
+
 mod limit;
 
 mod plot;
@@ -60,6 +66,7 @@ pub use completion::{FinishedRun, complete_run};
 pub use describe::{completions, man, schema};
 pub use engines::submit_to_engine;
 pub use export::export;
+pub use fit::fit;
 pub use init::init;
 pub use limit::limit;
 pub use motion_report::columns;

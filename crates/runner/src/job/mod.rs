@@ -70,6 +70,7 @@ pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SbatchOption, SlurmName, TimeLimit};
 pub use identity::IDENTITY_VERSION;
 pub use keys::{axis_of, nearest, parameter_of_axis, unknown_parameter};
+pub use measured::{read_csv, unreadable};
 pub use random_input::RandomInput;
 pub use sampling::Effort;
 pub use sampling_spec::{Audit, EvaluateMode, SamplingMethod};

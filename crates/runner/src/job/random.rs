@@ -117,6 +117,11 @@ impl RandomInputSet {
         Correlation::new(others.len() + 2, &pairs)
     }
 
+    /// Whether the input at a position has measured values, with a standard deviation of their own.
+    pub fn is_measured(&self, position: usize) -> bool {
+        matches!(self.marginals[position], Marginal::Empirical(_))
+    }
+
     /// Whether preload is random.
     pub fn has_preload(&self) -> bool {
         self.inputs.iter().any(|input| matches!(input, RandomInput::Preload))

@@ -104,6 +104,23 @@ impl Pair {
         Integrand { pair: self, boundary, law, margin: 0.0 }.integral(tolerance).0.clamp(0.0, 1.0)
     }
 
+    /// The probability that a sample is unstable with the first boundary and stable with the second, which lies close
+    /// beside it and makes nothing unstable that the first does not. Nothing cancels, so that the quotient by their
+    /// distance is a density. Instability lies above both in static friction.
+    #[must_use]
+    pub fn probability_between(&self, boundaries: [&StabilityBoundary; 2], law: &PairLaw, tolerance: f64) -> f64 {
+        let [wide, narrow] = boundaries.map(|boundary| Integrand { pair: self, boundary, law, margin: 0.0 });
+        let probability = match (self.preload.scatters(), self.static_friction.scatters()) {
+            (false, _) => share([wide.argument_of_friction(), narrow.argument_of_friction()]),
+            (true, false) => share([wide.argument_of_preload(), narrow.argument_of_preload()]),
+            (true, true) => {
+                let between = |u: f64| share([wide.arguments(u)[0], narrow.arguments(u)[0]]);
+                wide.over_preload(&between, tolerance).0
+            }
+        };
+        probability.clamp(0.0, 1.0)
+    }
+
     /// The probability that a sample is unstable, with a bound on the error of the integral and of the rounded boundary.
     #[must_use]
     pub fn exact_probability(&self, boundary: &StabilityBoundary, law: &PairLaw) -> ExactProbability {
@@ -119,19 +136,28 @@ impl Integrand<'_> {
     /// The integral, and an estimate of its error.
     fn integral(&self, tolerance: f64) -> (f64, f64) {
         let Pair { preload, static_friction, .. } = self.pair;
-        let PairLaw { mean, factor: [first, ..] } = *self.law;
+        let mean = self.law.mean;
         match (preload.scatters(), static_friction.scatters()) {
             (false, _) => {
                 let std = self.law.second_variance().sqrt();
                 let ends = self.ends(preload.value(0.0)).map(|end| (end - mean[1]) / std);
                 (share(ends), 0.0)
             }
-            (true, false) => {
-                let critical = self.critical_preload(static_friction.value(0.0));
-                (normal::upper_tail((preload.deviate(critical, End::Greatest) - mean[0]) / first), 0.0)
-            }
-            (true, true) => self.over_preload(tolerance),
+            (true, false) => (normal::upper_tail(self.argument_of_preload()), 0.0),
+            (true, true) => self.over_preload(&|u| share(self.arguments(u)), tolerance),
         }
+    }
+
+    /// The argument of the upper tail of the static friction, if the preload does not scatter.
+    fn argument_of_friction(&self) -> f64 {
+        let [from, _] = self.ends(self.pair.preload.value(0.0));
+        (from - self.law.mean[1]) / self.law.second_variance().sqrt()
+    }
+
+    /// The argument of the upper tail of the preload, if the static friction does not scatter.
+    fn argument_of_preload(&self) -> f64 {
+        let critical = self.critical_preload(self.pair.static_friction.value(0.0));
+        (self.pair.preload.deviate(critical, End::Greatest) - self.law.mean[0]) / self.law.factor[0]
     }
 
     /// The deviates of static friction between which sliding is unstable at a preload.
@@ -161,8 +187,9 @@ impl Integrand<'_> {
         ends.map(|end| (end - mean[1] - by_first * u) / second)
     }
 
-    fn over_preload(&self, tolerance: f64) -> (f64, f64) {
-        let integrand = |u: f64| [normal::density(u) * share(self.arguments(u))];
+    /// The integral of a share over the deviates `u`, and an estimate of its error.
+    fn over_preload(&self, share: &dyn Fn(f64) -> f64, tolerance: f64) -> (f64, f64) {
+        let integrand = |u: f64| [normal::density(u) * share(u)];
         let intervals = self.intervals();
         let estimates: Vec<_> =
             intervals.iter().map(|interval| gauss_kronrod(&integrand, interval.from, interval.to)).collect();

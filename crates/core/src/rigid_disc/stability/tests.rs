@@ -290,3 +290,26 @@ fn the_boundary_is_that_of_the_growth_rate_for_any_preload_and_friction() {
     }
     assert_eq!(sides, [true; 2], "instability above and below a static friction coefficient");
 }
+
+#[test]
+fn beyond_the_steepest_speed_faster_is_never_less_stable() {
+    for (exponent, is_at_rest) in [(0.5, true), (1.0, true), (2.0, false), (3.5, false)] {
+        let mut parameters = Parameters::sui_ding_2018();
+        parameters.set("friction.stribeck_exponent", exponent).unwrap();
+        let at = |speed: f64| {
+            let mut parameters = parameters.clone();
+            parameters.set("operating_point.rotating_speed", speed).unwrap();
+            PadOnDisc::new(parameters).unwrap()
+        };
+        let steepest = at(10.0).steepest_speed().unwrap();
+        assert_eq!(steepest == 0.0, is_at_rest, "{exponent}: {steepest}");
+        let critical = |speed: f64| at(speed).stability_boundary().critical_product();
+        let mut before = critical(steepest.max(1e-3));
+        for i in 1..100 {
+            let next = critical(steepest.max(1e-3) * (1.0 + 0.02 * f64::from(i)));
+            assert!(next > before, "{exponent}");
+            before = next;
+        }
+        assert!(steepest == 0.0 || critical(0.9 * steepest) > critical(steepest), "{exponent}");
+    }
+}

@@ -397,3 +397,33 @@ proptest! {
         prop_assert!((p - q).abs() <= 1e-9 * p + 1e-25, "{} {}", p, q);
     }
 }
+
+#[test]
+fn the_probability_between_two_boundaries_is_the_difference_without_cancellation() {
+    let at = |speed: f64| boundary(&[("operating_point.rotating_speed", speed)]);
+    for (preload_std, friction_std) in [(0.2, 0.1), (0.2, 0.0), (0.0, 0.1), (0.3, 0.004)] {
+        for (marginal, coefficient) in [(Marginal::Normal, 0.0), (Marginal::Lognormal, 0.6), (Marginal::Weibull, -0.6)]
+        {
+            let pair = Pair::new(
+                InputDistribution::relative(&marginal, 0.1, preload_std),
+                InputDistribution::relative(&marginal, 0.4, friction_std),
+            );
+            let law = PairLaw::correlated(coefficient);
+            for speed in [12.0, 16.0, 19.0] {
+                let [below, above] = [speed * 0.999, speed * 1.001].map(|speed| {
+                    let probability = pair.exact_probability(&at(speed), &law);
+                    (at(speed), probability.value)
+                });
+                let wide = pair.probability_between([&below.0, &above.0], &law, 1e-10);
+                assert!((wide - (below.1 - above.1)).abs() < 1e-9 * below.1, "{marginal:?} {speed}: {wide}");
+                // A quotient that does not depend on the distance.
+                let density = |step: f64| {
+                    let ends = [at(speed * (1.0 - step)), at(speed * (1.0 + step))];
+                    pair.probability_between([&ends[0], &ends[1]], &law, 1e-10) / step
+                };
+                let [coarse, fine] = [density(1e-5), density(1e-7)];
+                assert!((coarse - fine).abs() <= 1e-5 * fine, "{marginal:?} {speed}: {coarse} {fine}");
+            }
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! `fit`: what tests of brakes say about preload and static friction.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::fit::{Fit, FitModel, FitParameter, FitValues, Prediction, fit as estimate};
+use stickslip_sampler::inputs::Marginal;
+
+use super::brake_tests::{BrakeTests, read_tests};
+use super::fitted_job::fitted_job;
+use crate::cli::{EstimateArgument, FitArguments};
+use crate::failure::Failure;
+use crate::files::publish::publish_first;
+use crate::job::{Criterion, Job, JobSource, OutsidePhysics};
+use crate::output::{note, output_file, quoted, result, shown, warn};
+use crate::picture::view::rounded;
+
+/// Most cells of which the probability is predicted: each takes some ten maximisations.
+const MOST_CELLS: u64 = 1000;
+
+/// Most rows of the table at the terminal.
+const MOST_ROWS: usize = 40;
+
+/// The probability of squeal in a cell.
+struct PredictedCell {
+    rotating_speed: f64,
+    /// The nominal preload.
+    preload: f64,
+    prediction: Prediction,
+}
+
+impl From<EstimateArgument> for FitParameter {
+    fn from(argument: EstimateArgument) -> Self {
+        match argument {
+            EstimateArgument::StaticFriction => Self::StaticFriction,
+            EstimateArgument::PreloadFactor => Self::PreloadFactor,
+            EstimateArgument::PreloadStd => Self::PreloadStd,
+            EstimateArgument::StaticFrictionStd => Self::StaticFrictionStd,
+            EstimateArgument::Correlation => Self::Correlation,
+        }
+    }
+}
+
+/// `stickslip fit`.
+pub fn fit(arguments: &FitArguments) -> Result<(), Failure> {
+    let out = arguments.out.as_deref().map(checked_out).transpose()?;
+    let source = JobSource::read(&arguments.job)?;
+    let job = source.job()?;
+    warn(job.warnings());
+    let mut estimated: Vec<FitParameter> = arguments.estimate.iter().map(|&argument| argument.into()).collect();
+    estimated.sort_unstable();
+    estimated.dedup();
+    let model =
+        model(&job, &estimated).map_err(|message| Failure::Job(format!("{}: {message}", shown(&source.path))))?;
+    let brake = job.brake(0).map_err(|error| Failure::Job(error.to_string()))?;
+    let tests = read_tests(&arguments.data, &brake)?;
+    let confidence = job.sampling.confidence;
+    let fit = estimate(&model, &tests.data, &estimated, confidence)
+        .map_err(|error| Failure::Job(format!("{}: {error}", shown(&arguments.data))))?;
+    let new_job = match &out {
+        Some((directory, name)) => {
+            let text = new_text(&job, &source, arguments, &tests, &fit)?;
+            Some((directory, name, text))
+        }
+        None => None,
+    };
+    let cells = predictions(&job, &brake, &fit)?;
+    if let Some((directory, name, text)) = new_job
+        && !publish_first(directory, name, text.as_bytes())?
+    {
+        return Err(taken(&directory.join(name)));
+    }
+    if arguments.json {
+        return result(&format!("{:#}\n", as_json(&job, arguments, &tests, &fit, &cells)));
+    }
+    result(&as_text(&job, arguments, &tests, &fit, &cells))
+}
+
+/// The folder and name of the new job, which replaces no file.
+fn checked_out(out: &Path) -> Result<(std::path::PathBuf, String), Failure> {
+    let place = output_file(out)?;
+    if out.exists() { Err(taken(out)) } else { Ok(place) }
+}
+
+fn taken(out: &Path) -> Failure {
+    Failure::CannotCreate(format!("{} exists already; name another file with --out", shown(out)))
+}
+
+/// What the job says of the inputs, if its brakes can be compared with tests.
+fn model(job: &Job, estimated: &[FitParameter]) -> Result<FitModel, String> {
+    if !matches!(job.criterion, Criterion::Eigenvalue) {
+        return Err("fit needs the boundary of stability in closed form: criterion.kind = \"eigenvalue\"".to_owned());
+    }
+    if job.outside_physics != OutsidePhysics::Stable {
+        return Err("fit needs criterion.outside_physics = \"stable\"".to_owned());
+    }
+    if let Some(other) = job.random.other() {
+        return Err(format!(
+            "random.inputs lists {}; fit knows preload and static_friction only, so remove it",
+            other.name()
+        ));
+    }
+    if let Some(further) = job.grid.further().find(|further| further.axis.values().len() > 1) {
+        return Err(format!("axes.{} has several values; give the one of the brakes that were tested", further.name));
+    }
+    if job.random.relative_stds.len() > 1 {
+        return Err(
+            "random.relative_std lists several values; give one, which stands where it is not estimated".to_owned()
+        );
+    }
+    let frictions = job.grid.static_friction.values();
+    if frictions.len() > 1 && !estimated.contains(&FitParameter::StaticFriction) {
+        return Err("axes.static_friction has several values; give the one of the brakes that were tested, or estimate static_friction".to_owned());
+    }
+    let pair = job.random.pair();
+    let needs = |parameter: FitParameter, input: usize| {
+        let name = ["preload", "static_friction"][input];
+        let is_missing = estimated.contains(&parameter) && pair[input].is_none();
+        is_missing.then(|| {
+            format!("{} is to be estimated, but random.inputs does not list {name}; add it, with random.relative_std of about 0.1", parameter.name())
+        })
+    };
+    let missing = needs(FitParameter::PreloadStd, 0)
+        .or_else(|| needs(FitParameter::StaticFrictionStd, 1))
+        .or_else(|| needs(FitParameter::Correlation, 0))
+        .or_else(|| needs(FitParameter::Correlation, 1));
+    if let Some(message) = missing {
+        return Err(message);
+    }
+    let of = |position: Option<usize>| {
+        let std = |position: usize| job.random.relative_stds.first().map_or(0.0, |stds| stds[position]);
+        position.map_or((Marginal::Normal, 0.0), |position| (job.random.marginals[position].clone(), std(position)))
+    };
+    let [(preload, preload_std), (static_friction, static_friction_std)] = pair.map(of);
+    let stds = [FitParameter::PreloadStd, FitParameter::StaticFrictionStd];
+    if preload_std == 0.0 && static_friction_std == 0.0 && !stds.iter().any(|std| estimated.contains(std)) {
+        return Err("nothing scatters, so that each verdict is certain; give random.inputs and random.relative_std, or estimate std.static_friction".to_owned());
+    }
+    let values = FitValues {
+        static_friction: frictions[frictions.len() / 2],
+        preload_factor: 1.0,
+        preload_std,
+        static_friction_std,
+        correlation: job.random.pairs.first().map_or(0.0, |&(_, _, coefficient)| coefficient),
+    };
+    Ok(FitModel { marginals: [preload, static_friction], values })
+}
+
+/// The job with the estimates, if it is one.
+fn new_text(
+    job: &Job,
+    source: &JobSource,
+    arguments: &FitArguments,
+    tests: &BrakeTests,
+    fit: &Fit<'_>,
+) -> Result<String, Failure> {
+    let [squealed, quiet] = tests.data.counts();
+    let origin = format!(
+        "# Written by stickslip fit from the tests {:?} and the job {:?}.\n# {} tests, {squealed} of which squealed. Estimates, with {} % intervals of the profile likelihood:\n",
+        arguments.data.display().to_string(),
+        source.path.display().to_string(),
+        squealed + quiet,
+        rounded(100.0 * job.sampling.confidence)
+    );
+    let text = fitted_job(job, &source.text, fit, &origin)
+        .ok_or_else(|| Failure::Internal("the job with the estimates is not representable".to_owned()))?;
+    let path = arguments.out.clone().unwrap_or_default();
+    let new = JobSource { path, text };
+    new.job().map_err(|error| {
+        Failure::Job(format!(
+            "no job can have these estimates, so none is written; leave out --out to see them.\n{error}"
+        ))
+    })?;
+    Ok(new.text)
+}
+
+/// The probability of squeal in each cell of the job, with its own preloads as nominal ones; none if there are too many.
+fn predictions(job: &Job, brake: &PadOnDisc, fit: &Fit<'_>) -> Result<Vec<PredictedCell>, Failure> {
+    let (speeds, preloads) = (job.grid.rotating_speed.values(), job.grid.preload.values());
+    let cells = (speeds.len() * preloads.len()) as u64;
+    if cells > MOST_CELLS {
+        note(format_args!(
+            "probabilities are predicted for {MOST_CELLS} cells at most, and the job has {cells}; give fewer speeds or preloads to see them"
+        ));
+        return Ok(Vec::new());
+    }
+    let mut predicted = Vec::new();
+    for &rotating_speed in speeds {
+        let mut parameters = brake.parameters().clone();
+        parameters.operating_point.rotating_speed = rotating_speed;
+        let brake = PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))?;
+        let boundary = brake.stability_boundary();
+        let cell =
+            |&preload: &f64| PredictedCell { rotating_speed, preload, prediction: fit.predict(preload, &boundary) };
+        predicted.extend(preloads.iter().map(cell));
+    }
+    Ok(predicted)
+}
+
+fn as_json(job: &Job, arguments: &FitArguments, tests: &BrakeTests, fit: &Fit<'_>, cells: &[PredictedCell]) -> Value {
+    let [squealed, quiet] = tests.data.counts();
+    let estimate = |parameter: FitParameter| fit.parameters.iter().find(|fitted| fitted.parameter == parameter);
+    let mut estimates = Map::new();
+    let mut fixed = Map::new();
+    for parameter in FitParameter::ALL {
+        match estimate(parameter) {
+            Some(fitted) => estimates.insert(
+                parameter.name().to_owned(),
+                json!({ "value": fitted.value, "low": fitted.low, "high": fitted.high }),
+            ),
+            None => fixed.insert(parameter.name().to_owned(), json!(fit.values.get(parameter))),
+        };
+    }
+    let cell = |cell: &PredictedCell| {
+        json!({
+            "rotating_speed_rad_s": cell.rotating_speed,
+            "preload": cell.preload,
+            "p_squeal": cell.prediction.probability,
+            "p_low": cell.prediction.low,
+            "p_high": cell.prediction.high,
+        })
+    };
+    json!({
+        "data": arguments.data.display().to_string(),
+        "kind": if tests.has_onsets { "onset" } else { "verdict" },
+        "tests": (squealed + quiet) as u64,
+        "squealed": squealed as u64,
+        "confidence": job.sampling.confidence,
+        "log_likelihood": fit.log_likelihood,
+        "estimates": estimates,
+        "from_job": fixed,
+        "cells": cells.iter().map(cell).collect::<Vec<_>>(),
+        "job": arguments.out.as_ref().map(|out| out.display().to_string()),
+    })
+}
+
+fn as_text(job: &Job, arguments: &FitArguments, tests: &BrakeTests, fit: &Fit<'_>, cells: &[PredictedCell]) -> String {
+    let [squealed, quiet] = tests.data.counts();
+    let percent = rounded(100.0 * job.sampling.confidence);
+    let mut text = format!("{}: {} tests, {squealed} of which squealed\n\n", shown(&arguments.data), squealed + quiet);
+    text += &format!("{:<22}{:>12}   {percent} % interval\n", "parameter", "estimate");
+    for parameter in FitParameter::ALL {
+        let value = format!("{:.4}", fit.values.get(parameter));
+        let end = |end: Option<f64>| end.map_or("open".to_owned(), |end| format!("{end:.4}"));
+        let interval = fit.parameters.iter().find(|fitted| fitted.parameter == parameter).map_or_else(
+            || "as in the job".to_owned(),
+            |fitted| format!("{} to {}", end(fitted.low), end(fitted.high)),
+        );
+        text += &format!("{:<22}{value:>12}   {interval}\n", parameter.name());
+    }
+    if !cells.is_empty() {
+        text += &format!("\n{:<22}{:>12}{:>12}   {percent} % interval\n", "speed, rad/s", "preload", "P(squeal)");
+    }
+    for PredictedCell { rotating_speed, preload, prediction } in cells.iter().take(MOST_ROWS) {
+        text += &format!(
+            "{:<22}{:>12}{:>12.4}   {:.4} to {:.4}\n",
+            rounded(*rotating_speed),
+            rounded(*preload),
+            prediction.probability,
+            prediction.low,
+            prediction.high
+        );
+    }
+    if cells.len() > MOST_ROWS {
+        text += &format!("{} further cells: --json shows all\n", cells.len() - MOST_ROWS);
+    }
+    if let Some(out) = &arguments.out {
+        text += &format!("\nWrote {}. Next:\n  stickslip check {}\n", shown(out), quoted(out));
+    }
+    text
+}

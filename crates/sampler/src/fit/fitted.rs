@@ -1,0 +1,338 @@
+//! Estimates, their intervals, and predictions.
+
+use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use thiserror::Error;
+
+use super::data::{TestData, Verdicts};
+use super::likelihood::{FitModel, Likelihood};
+use super::maximum::{Maximum, maximum};
+use super::parameter::{FitParameter, FitValues, Range};
+use super::root::reached;
+use crate::inputs::Marginal;
+use crate::special_functions::normal;
+
+/// Coordinates up to which an interval is sought.
+const FARTHEST: f64 = 12.0;
+
+/// A likelihood whose logarithm is greater by this belongs to another maximum.
+const BETTER: f64 = 1e-4;
+
+/// Most maxima that are left for a better one.
+const MOST_MAXIMA: usize = 5;
+
+/// A likelihood that lies less deep than this, in standard deviations, is as high as the maximum.
+const SHALLOW: f64 = 0.05;
+
+/// Weight of the predicted quantity with which its bounds are first sought, and the greatest.
+const WEIGHTS: [f64; 2] = [8.0, 1e4];
+
+/// Probabilities are told apart from 0 and 1 down to these.
+const LEAST_TAILS: [f64; 2] = [1e-300, 1e-15];
+
+/// An estimated parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FittedParameter {
+    /// Which.
+    pub parameter: FitParameter,
+    /// The value with which the likelihood is greatest.
+    pub value: f64,
+    /// The lower end of its interval; `None` if the data have none within the limits of the parameters.
+    pub low: Option<f64>,
+    /// The upper end likewise.
+    pub high: Option<f64>,
+}
+
+/// A probability of squeal, with its interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// With the estimates.
+    pub probability: f64,
+    /// The least of all parameters whose likelihood is high enough.
+    pub low: f64,
+    /// The greatest.
+    pub high: f64,
+}
+
+/// Why nothing is estimated.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// All verdicts are the same.
+    #[error(
+        "{}, so that nothing tells where squeal begins; add tests at {}",
+        if *.squealed { "every test squealed" } else { "no test squealed" },
+        if *.squealed { "higher speeds or lower preloads" } else { "lower speeds or higher preloads" }
+    )]
+    OneSided {
+        /// Whether they squealed.
+        squealed: bool,
+    },
+    /// There are no tests.
+    #[error("there are no tests")]
+    NoTests,
+    /// The standard deviation is that of measured values.
+    #[error("{parameter} cannot be estimated: the job has measured values, which scatter as they do; leave it out")]
+    Measured {
+        /// The name of the parameter.
+        parameter: &'static str,
+    },
+    /// In all conditions but one the verdicts are alike, so that any small scatter explains them.
+    #[error(
+        "the tests that squealed and those that did not are separated (in all conditions but at most one they are \
+         alike), so that any small {parameter} explains them; test in conditions between those where all and where \
+         none squeal, or leave {parameter} out of what is estimated and set it in the job"
+    )]
+    Separated {
+        /// The name of the parameter.
+        parameter: &'static str,
+    },
+    /// The likelihood is greatest at a limit of a parameter.
+    #[error(
+        "the likelihood grows until {parameter} is {limit:.4}, the limit up to which it is sought; leave {parameter} \
+         out of what is estimated and set it in the job, or test in more different conditions"
+    )]
+    AtLimit {
+        /// The name of the parameter.
+        parameter: &'static str,
+        /// The limit.
+        limit: f64,
+    },
+    /// Other values explain the data as well, without end in either direction.
+    #[error(
+        "the tests do not tell {}: other values explain them as well; estimate fewer parameters and set the others in \
+         the job, or test in more different conditions (speeds and preloads)", .parameters.join(" and ")
+    )]
+    NotIdentified {
+        /// The names of the parameters.
+        parameters: Vec<&'static str>,
+    },
+}
+
+/// What the tests say.
+pub struct Fit<'a> {
+    likelihood: Likelihood<'a>,
+    maximum: Maximum,
+    /// The square root of the quantile of the chi-squared distribution.
+    level: f64,
+    /// The estimated parameters, in the order of [`FitParameter::ALL`].
+    pub parameters: Vec<FittedParameter>,
+    /// All values, the estimates among them.
+    pub values: FitValues,
+    /// The logarithm of the likelihood.
+    pub log_likelihood: f64,
+}
+
+/// Why there are no intervals.
+enum Stop {
+    /// There is a better maximum.
+    Better(Vec<f64>),
+    /// The likelihood is as high at a limit of a parameter alone.
+    Limit(FitParameter, f64),
+}
+
+/// Estimates parameters from tests, with intervals of a confidence.
+///
+/// # Errors
+/// [`FitError`] if the tests do not tell the parameters.
+pub fn fit<'a>(
+    model: &'a FitModel,
+    data: &'a TestData,
+    estimated: &[FitParameter],
+    confidence: f64,
+) -> Result<Fit<'a>, FitError> {
+    let mut estimated = estimated.to_vec();
+    estimated.sort_unstable();
+    estimated.dedup();
+    check(model, data, &estimated)?;
+    let ranges = estimated.iter().map(|&parameter| (parameter, Range::new(parameter, &model.marginals))).collect();
+    let likelihood = Likelihood { model, data, estimated: ranges };
+    let level = -normal::quantile(0.5 * (1.0 - confidence));
+    let mut best = best_of_starts(&likelihood);
+    for _ in 0..MOST_MAXIMA {
+        check_limits(&likelihood, &best)?;
+        match intervals(&likelihood, &best, level) {
+            Err(Stop::Better(better)) => best = maximum(&|y| likelihood.logarithm(y), &better),
+            Err(Stop::Limit(which, limit)) => return Err(at_limit(&likelihood, which, limit)),
+            Ok(parameters) => {
+                let flat = parameters.iter().filter(|fitted| fitted.low.is_none() && fitted.high.is_none());
+                let flat: Vec<&str> = flat.map(|fitted| fitted.parameter.name()).collect();
+                if !flat.is_empty() {
+                    return Err(FitError::NotIdentified { parameters: flat });
+                }
+                let (values, log_likelihood) = (likelihood.values(&best.place), best.value);
+                return Ok(Fit { likelihood, maximum: best, level, parameters, values, log_likelihood });
+            }
+        }
+    }
+    Err(FitError::NotIdentified { parameters: estimated.iter().map(|parameter| parameter.name()).collect() })
+}
+
+fn check(model: &FitModel, data: &TestData, estimated: &[FitParameter]) -> Result<(), FitError> {
+    let stds = [FitParameter::PreloadStd, FitParameter::StaticFrictionStd];
+    for (parameter, marginal) in stds.into_iter().zip(&model.marginals) {
+        if estimated.contains(&parameter) && matches!(marginal, Marginal::Empirical(_)) {
+            return Err(FitError::Measured { parameter: parameter.name() });
+        }
+    }
+    match data.counts() {
+        [0.0, 0.0] => Err(FitError::NoTests),
+        [_, 0.0] if data.onsets.is_empty() => Err(FitError::OneSided { squealed: true }),
+        [0.0, _] => Err(FitError::OneSided { squealed: false }),
+        _ => Ok(()),
+    }
+}
+
+/// The best of the maxima that are reached from the two best of many starts.
+fn best_of_starts(likelihood: &Likelihood<'_>) -> Maximum {
+    let mut starts: Vec<Vec<f64>> = vec![Vec::new()];
+    let has_friction = likelihood.estimated.iter().any(|(parameter, _)| *parameter == FitParameter::StaticFriction);
+    for (parameter, range) in &likelihood.estimated {
+        let own = likelihood.model.values.get(*parameter);
+        let values: Vec<f64> = match parameter {
+            FitParameter::PreloadFactor if has_friction => vec![own],
+            FitParameter::StaticFriction | FitParameter::PreloadFactor => {
+                (-8..=8).map(|step| own * libm::exp(0.12 * f64::from(step))).collect()
+            }
+            FitParameter::PreloadStd => vec![own, 0.1],
+            FitParameter::StaticFrictionStd => vec![own, 0.03, 0.1, 0.25],
+            FitParameter::Correlation => vec![own, -0.5, 0.5],
+        };
+        let extended = |start: &Vec<f64>| {
+            let with = |value: &f64| [&start[..], &[range.coordinate(*value)]].concat();
+            values.iter().map(with).collect::<Vec<_>>()
+        };
+        starts = starts.iter().flat_map(extended).collect();
+    }
+    let f = |y: &[f64]| likelihood.logarithm(y);
+    let mut rated: Vec<(f64, Vec<f64>)> = starts.into_iter().map(|start| (f(&start), start)).collect();
+    rated.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut best = maximum(&f, &rated[0].1);
+    if let Some((_, second)) = rated.get(1) {
+        let other = maximum(&f, second);
+        if other.value > best.value {
+            best = other;
+        }
+    }
+    best
+}
+
+/// Refuses a maximum at a limit.
+fn check_limits(likelihood: &Likelihood<'_>, best: &Maximum) -> Result<(), FitError> {
+    let mut parameters = likelihood.estimated.iter().zip(&best.place);
+    let found = parameters.find_map(|((parameter, range), &y)| Some((*parameter, range.limit(y)?)));
+    found.map_or(Ok(()), |(parameter, limit)| Err(at_limit(likelihood, parameter, limit)))
+}
+
+/// What is said of a likelihood that is as high at a limit as anywhere.
+fn at_limit(likelihood: &Likelihood<'_>, parameter: FitParameter, limit: f64) -> FitError {
+    let is_std = matches!(parameter, FitParameter::PreloadStd | FitParameter::StaticFrictionStd);
+    let is_mixed = |verdicts: &&Verdicts| verdicts.squealed > 0.0 && verdicts.quiet > 0.0;
+    let mixed = likelihood.data.verdicts.iter().filter(is_mixed).count();
+    let parameter = parameter.name();
+    if is_std && likelihood.data.onsets.is_empty() && mixed <= 1 {
+        FitError::Separated { parameter }
+    } else {
+        FitError::AtLimit { parameter, limit }
+    }
+}
+
+/// The intervals of all parameters.
+fn intervals(likelihood: &Likelihood<'_>, best: &Maximum, level: f64) -> Result<Vec<FittedParameter>, Stop> {
+    let interval = |(i, (parameter, range)): (usize, &(FitParameter, Range))| {
+        let [below, above] = [bound(likelihood, best, i, -1.0, level)?, bound(likelihood, best, i, 1.0, level)?];
+        let end = |bound: &Bound| match bound {
+            Bound::At(y) => Some(range.value(*y)),
+            Bound::Open { .. } => None,
+        };
+        let value = range.value(best.place[i]);
+        let fitted = FittedParameter { parameter: *parameter, value, low: end(&below), high: end(&above) };
+        // Open to both sides is another matter.
+        match [below, above] {
+            [Bound::Open { depth }, Bound::At(_)] if depth < SHALLOW => {
+                Err(Stop::Limit(*parameter, range.value(f64::NEG_INFINITY)))
+            }
+            [Bound::At(_), Bound::Open { depth }] if depth < SHALLOW => {
+                Err(Stop::Limit(*parameter, range.value(f64::INFINITY)))
+            }
+            _ => Ok(fitted),
+        }
+    };
+    likelihood.estimated.iter().enumerate().map(interval).collect()
+}
+
+/// How far the likelihood lies below its maximum: the standard deviations of a normal one.
+fn depth(best: &Maximum, value: f64) -> f64 {
+    (2.0 * (best.value - value)).max(0.0).sqrt()
+}
+
+/// The end of an interval.
+enum Bound {
+    /// At a coordinate.
+    At(f64),
+    /// None within the limits, where the likelihood is so deep at last.
+    Open { depth: f64 },
+}
+
+/// The end of the interval of one parameter.
+fn bound(likelihood: &Likelihood<'_>, best: &Maximum, which: usize, direction: f64, level: f64) -> Result<Bound, Stop> {
+    let mut others = best.place.clone();
+    others.remove(which);
+    let mut better = None;
+    let mut last = 0.0;
+    let whole = |others: &[f64], y: f64| {
+        let mut place = others.to_vec();
+        place.insert(which, y);
+        place
+    };
+    let profile = |distance: f64| {
+        let y = best.place[which] + direction * distance;
+        let inner = maximum(&|others| likelihood.logarithm(&whole(others, y)), &others);
+        others.clone_from(&inner.place);
+        let place = whole(&inner.place, y);
+        if inner.value > best.value + BETTER {
+            better = Some(place.clone());
+        }
+        last = depth(best, inner.value);
+        (last, place)
+    };
+    let farthest = FARTHEST - direction * best.place[which];
+    let found = reached(level, 0.05, farthest, profile);
+    if let Some(place) = better {
+        return Err(Stop::Better(place));
+    }
+    // With another parameter at its limit, it is that limit which ends the interval, not the data.
+    let is_free =
+        |place: &Vec<f64>| likelihood.estimated.iter().zip(place).all(|((_, range), &y)| range.limit(y).is_none());
+    Ok(match found.filter(is_free) {
+        Some(place) => Bound::At(place[which]),
+        None => Bound::Open { depth: last },
+    })
+}
+
+impl Fit<'_> {
+    /// The probability of squeal at a nominal preload, with the boundary at the speed. Its interval reaches from the
+    /// least to the greatest value that it has with parameters whose profile likelihood is high enough, found by
+    /// maximising the logarithm of the likelihood plus a multiple of the deviate of the probability: the multiple grows
+    /// until the likelihood has fallen to its bound.
+    #[must_use]
+    pub fn predict(&self, preload: f64, boundary: &StabilityBoundary) -> Prediction {
+        let Self { likelihood, maximum: best, .. } = self;
+        let of = |y: &[f64]| likelihood.model.probability(&likelihood.values(y), preload, boundary);
+        let [least, least_complement] = LEAST_TAILS;
+        let deviate = |y: &[f64]| normal::quantile(of(y).clamp(least, 1.0 - least_complement));
+        let probability = of(&best.place);
+        let [low, high] = [-1.0, 1.0].map(|direction| {
+            let mut place = best.place.clone();
+            let mut last = probability;
+            let [first, greatest] = WEIGHTS;
+            let weighted = |weight: f64| {
+                let objective = |y: &[f64]| likelihood.logarithm(y) + direction * weight * deviate(y);
+                place = maximum(&objective, &place).place;
+                last = of(&place);
+                (depth(best, likelihood.logarithm(&place)), last)
+            };
+            reached(self.level, first, greatest, weighted).unwrap_or(last)
+        });
+        Prediction { probability, low: low.min(probability), high: high.max(probability) }
+    }
+}

@@ -1,0 +1,34 @@
+//! Expected values, standard deviations and correlation of preload and static friction from tests of brakes, by maximum
+//! likelihood.
+//!
+//! Each test draws a brake of its own. It squeals at a rotating speed with the probability of instability `P` there, an
+//! integral over the boundary of stability ([`Pair`](crate::integrate::pair::Pair)). A test that only says whether a
+//! brake squealed contributes `P` or `1 - P` to the likelihood. One in which the speed was lowered until the brake
+//! squealed contributes the density `-dP / d ln v` of the speed, or `1 - P` at the lowest speed if it never did.
+//!
+//! Intervals are those of the profile likelihood (D. R. Cox, D. V. Hinkley, Theoretical Statistics, 1974, section 9.3):
+//! all values with which the likelihood, the other parameters chosen best, is at least `exp(-q / 2)` of its maximum,
+//! with the quantile `q` of the chi-squared distribution with one degree of freedom. They do not depend on how the
+//! parameters are written, need no symmetry, and say where the data have no bound. The interval of a
+//! [predicted probability](Fit::predict) is the same for a function of the parameters: its least and its greatest value
+//! where the likelihood is that high.
+
+mod parameter;
+
+mod data;
+
+mod likelihood;
+
+mod maximum;
+
+mod root;
+
+mod fitted;
+
+#[cfg(test)]
+mod tests;
+
+pub use data::TestData;
+pub use fitted::{Fit, FitError, FittedParameter, Prediction, fit};
+pub use likelihood::FitModel;
+pub use parameter::{FitParameter, FitValues};
