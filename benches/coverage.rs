@@ -414,8 +414,10 @@ fn print_rare(method: &str, inputs: usize, p: f64, seeds: u64, points: u64, is_u
     let mut integrand = |points: &DeviatePoints| Some(points.iter().map(value).collect());
     let (mut squares, mut trusted, mut evaluations) = (0.0, 0_u64, 0.0);
     let coverage = share(seeds, |seed| {
-        let mut population =
-            |number: u64| Population::find(inputs, 300, &mut generator(100 * seed + number), &mut integrand).unwrap();
+        let particles = if points == 0 { 1000 } else { 300 };
+        let mut population = |number: u64| {
+            Population::find(inputs, particles, &mut generator(100 * seed + number), &mut integrand).unwrap()
+        };
         let found = if points == 0 {
             let part = |number: u64| {
                 let population = population(number);
