@@ -17,14 +17,13 @@ use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::conditional::ProbabilitySums;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::grid::Cell;
-use stickslip_sampler::rare::population::Points as DeviatePoints;
 
 use crate::evaluate::conditional::{Conditional, ConditionalCell};
 use crate::evaluate::control::IsStopped;
 use crate::evaluate::criteria::Criteria;
 use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
-use crate::evaluate::rare_events::RareEvents;
+use crate::evaluate::rare_events::{RareEvents, Values};
 use crate::evaluate::samples::{Drawing, Samples};
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
@@ -164,11 +163,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Decides points in the space of deviates, for samples with weights.
-    fn values<'v>(
-        &'v self,
-        cell: &'v Cell,
-        is_stopped: IsStopped<'v>,
-    ) -> Box<dyn FnMut(&DeviatePoints) -> Option<Vec<Option<f64>>> + 'v> {
+    fn values<'v>(&'v self, cell: &'v Cell, is_stopped: IsStopped<'v>) -> Box<Values<'v>> {
         if let Some(conditional) = &self.conditional {
             let of_cell = ConditionalCell::new(conditional, self.job, cell).ok();
             let mut sample = Vec::new();

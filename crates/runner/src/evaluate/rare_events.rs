@@ -48,11 +48,14 @@ pub struct RareEvents {
     dimensions: usize,
     particles: usize,
     /// Densities found last. A population is looked for by one thread, while others that want it wait.
-    kept: Mutex<VecDeque<(Key, Arc<Mutex<Option<Found>>>)>>,
+    kept: Mutex<VecDeque<(Key, Place)>>,
 }
 
 /// A cell and a population.
 type Key = (u64, u64);
+
+/// A density, once it is found.
+type Place = Arc<Mutex<Option<Found>>>;
 
 /// A density, and the number of evaluations by which it was found.
 #[derive(Debug, Clone)]
@@ -143,7 +146,7 @@ impl RareEvents {
     }
 
     /// Where the density of a population is kept.
-    fn place(&self, key: Key) -> Arc<Mutex<Option<Found>>> {
+    fn place(&self, key: Key) -> Place {
         let mut kept = locked(&self.kept);
         if let Some((_, place)) = kept.iter().find(|(other, _)| *other == key) {
             return place.clone();
@@ -151,7 +154,7 @@ impl RareEvents {
         if kept.len() == MOST_KEPT {
             kept.pop_front();
         }
-        let place = Arc::<Mutex<Option<Found>>>::default();
+        let place = Place::default();
         kept.push_back((key, place.clone()));
         place
     }

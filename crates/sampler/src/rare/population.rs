@@ -81,6 +81,7 @@ impl Points {
     }
 
     /// The points.
+    #[must_use]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[f64]> + Clone {
         self.coordinates.chunks_exact(self.dimensions.max(1))
     }

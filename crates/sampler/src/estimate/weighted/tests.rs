@@ -62,7 +62,7 @@ fn the_interval_is_students() {
 fn groups_that_disagree_are_not_trusted() {
     // One group of four has missed half of the probability.
     let noise = |i: u32| 1.0 + 0.03 * f64::from(i / 4 % 2);
-    let lost = |i: u32| if i % 4 == 0 { 0.5 } else { 1.0 };
+    let lost = |i: u32| if i.is_multiple_of(4) { 0.5 } else { 1.0 };
     let parts: Vec<WeightedPart> = (0..16).map(|i| part(1600, 1e-6 * noise(i) * lost(i))).collect();
     let found = estimate(&parts, 4, 0.95);
     assert_eq!(found.distrust, Some(Distrust::Disagreement));
@@ -71,7 +71,7 @@ fn groups_that_disagree_are_not_trusted() {
     assert!(found.estimate.low == 0.0 && found.estimate.high < 0.06, "{found:?}");
     // A smaller loss widens the interval to that of four groups.
     let noise = |i: u32| 1.0 + 0.06 * f64::from(i / 4 % 2);
-    let lost = |i: u32| if i % 4 == 0 { 0.92 } else { 1.0 };
+    let lost = |i: u32| if i.is_multiple_of(4) { 0.92 } else { 1.0 };
     let parts: Vec<WeightedPart> = (0..16).map(|i| part(16_000, 1e-6 * noise(i) * lost(i))).collect();
     let found = estimate(&parts, 4, 0.95);
     assert_eq!(found.distrust, None);
