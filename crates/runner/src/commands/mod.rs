@@ -24,6 +24,8 @@ mod parameters;
 
 mod adoption;
 
+mod limit;
+
 mod closing;
 
 mod completion;
@@ -44,8 +46,6 @@ mod replay;
 mod samples;
 
 mod compare;
-
-mod limit;
 
 mod plot;
 
