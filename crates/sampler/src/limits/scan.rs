@@ -187,9 +187,9 @@ impl<E, F: FnMut(f64) -> Result<Estimate, E>> Search<F> {
             let side = usize::from((height > 0.0) != (heights[0] > 0.0));
             heights[side] = height;
             if side == 0 {
-                from = value
+                from = value;
             } else {
-                to = value
+                to = value;
             }
             // An end that stays twice in a row counts half, or it would stay for ever.
             if moved.replace(side) == Some(side) {
