@@ -97,6 +97,15 @@ function probabilityTraces(x, y, cells, text) {
       contours: { start: level, end: level, size: 1, coloring: "none", showlabels: true, labelfont: { size: 10, color: ink } },
     };
   });
+  const first = cellWith(run, { [run.vertical]: 0, [run.horizontal]: 0 });
+  const limits = run.limits.filter((line) => line.first === first).map((line) => {
+    const middle = Math.floor((line.x.length - 1) / 2);
+    return {
+      type: "scatter", mode: "lines+text", x: line.x, y: line.y, hoverinfo: "skip", line: { color: "#e01030", width: 2.5 },
+      text: line.x.map((_, i) => (i === middle ? line.name : "")), textposition: "top left",
+      textfont: { size: 10, color: "#e01030" },
+    };
+  });
   return [{
     type: "heatmap", x, y, z: z.map((row) => row.map(band)), text, hovertemplate: "%{text}<extra></extra>",
     zmin: 0, zmax: bands,
@@ -104,7 +113,7 @@ function probabilityTraces(x, y, cells, text) {
     colorbar: {
       title: { text: "P" }, tickvals: run.levels.map((_, i) => i + 1), ticktext: run.level_names, tickfont: { size: 10 },
     },
-  }, ...lines];
+  }, ...lines, ...limits];
 }
 
 // Differences: blue below, red above; a stroke where the interval contains 0.
