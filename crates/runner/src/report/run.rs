@@ -112,7 +112,7 @@ impl ReportedRun {
             let line = |line: LimitLine| {
                 let [x, y] =
                     [0, 1].map(|axis| line.points.iter().map(|point| round(point[axis])).collect::<Vec<f64>>());
-                json!({ "first": slice.first, "name": target_label(line.target), "x": x, "y": y })
+                json!({ "first": slice.first, "target": line.target, "name": target_label(line.target), "x": x, "y": y })
             };
             lines(limits, view, &slice).into_iter().map(line).collect::<Vec<Value>>()
         };
