@@ -211,8 +211,8 @@ fn intervals_of_sobol_points_contain_the_limit_and_are_narrow() {
     let axes = "rotating_speed = 15.0\npreload = [0.01, 0.3]\nstatic_friction = 0.39";
     let job = Job { before: "", random: BOTH, criterion: EIGENVALUE, sampling: EXACT };
     let exact = number(&job.limits(&Place::new(), axes, "--of preload --probability 0.1")[0], "limit");
-    let sobol = covered(&Job { sampling: "method = \"sobol\"\nsamples = 16384", ..job }, axes, "preload", 0.1, exact);
-    let random = covered(&Job { sampling: "samples = 16384", ..job }, axes, "preload", 0.1, exact);
+    let sobol = covered(&Job { sampling: "method = \"sobol\"\nsamples = 4096", ..job }, axes, "preload", 0.1, exact);
+    let random = covered(&Job { sampling: "samples = 4096", ..job }, axes, "preload", 0.1, exact);
     assert!(sobol.0 >= 93 && random.0 >= 93, "{sobol:?} {random:?}");
     assert!(sobol.1 < 0.5 * random.1, "{sobol:?} {random:?}");
 }
