@@ -81,6 +81,54 @@ fn a_surface_is_drawn_as_svg_and_png_with_its_axes_levels_and_boundary() {
 }
 
 #[test]
+fn limits_are_red_lines_on_the_surface_with_gaps_where_there_are_none() {
+    let place = Place::new();
+    // With an exponent of 2 slow sliding is stable, too: two branches. Little preload is never unstable.
+    let axes = "rotating_speed = { from = 0.5, to = 25.0, points = 12 }\npreload = { from = 0.0002, to = 0.02, points = 12 }\nstatic_friction = 0.39";
+    let text = job("branches", axes, 400)
+        .replace("[axes]", "[model.friction]\nstribeck_exponent = 2.0\n[axes]")
+        .replace("samples = 400", "method = \"exact\"")
+        .replace("seed = 1\n", "");
+    let limit = "[limit]\nof = \"rotating_speed\"\nprobability = [0.5, 1e-5]\n";
+    submitted(&place, "branches", &format!("{text}{limit}"));
+    place.run("plot branches --out with.svg").done();
+    let svg = fs::read_to_string(place.path("with.svg")).unwrap();
+    assert!(svg.contains("red: limits of rotating speed"), "{svg}");
+    assert!(svg.contains("at P = 0.5, 1e-5"));
+    let red = areas(&svg, "#e01030");
+    let labels = [">P = 0.5<", ">P = 10⁻⁵<"].map(|label| svg.matches(label).count());
+    // Lines are parted by their labels, or shortened by one near their end.
+    let parts = 4 + labels.iter().sum::<usize>();
+    assert!((4..=parts).contains(&red.len()), "{red:?} {labels:?}");
+    assert!(labels.iter().all(|&count| count >= 1), "{labels:?}");
+    let ends = red.iter().fold([f64::MAX, f64::MIN], |[from, to], [a, b]| [from.min(*a), to.max(*b)]);
+    let frame = areas(&svg, "#1a1a1a").into_iter().fold(0.0, |most: f64, [_, to]| most.max(to));
+    // The smallest preloads have no limit.
+    assert!(ends[0] > 70.0 && ends[1] > 400.0 && ends[1] <= frame + 1.0, "{ends:?} {frame}");
+    // The contour at a target is not drawn beside its line.
+    place.write("plain.toml", &text);
+    place.run("submit plain.toml --out plain").done();
+    place.run("plot plain").done();
+    let plain = fs::read_to_string(place.path("plain/surface.svg")).unwrap();
+    assert!(plain.contains(">0.5</text>") && !plain.contains("#e01030"));
+    // Any run can be given limits.
+    place.run("limit plain --of rotating_speed --probability 0.5 --probability 1e-5 --out plain/limits.parquet").done();
+    place.run("plot plain").done();
+    assert!(fs::read_to_string(place.path("plain/surface.svg")).unwrap() == svg);
+    // Damaged ones are refused.
+    let file = place.path("branches/limits.parquet");
+    let mut bytes = fs::read(&file).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&file, bytes).unwrap();
+    place.run("plot branches").refused(74, &["limits.parquet is damaged", "stickslip resume branches"]);
+    place.run("resume branches").done();
+    place.run("report branches").done();
+    let page = fs::read_to_string(place.path("branches/report.html")).unwrap();
+    assert!(page.contains("\"name\":\"P = 10⁻⁵\""), "the report has them, too");
+}
+
+#[test]
 fn every_slice_has_a_panel_and_wide_intervals_are_hatched() {
     let place = Place::new();
     let axes = PLANE.replace("= 15.0", "= [12.0, 15.0, 18.0]");

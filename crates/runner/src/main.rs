@@ -106,7 +106,7 @@ fn dispatch(command: Command, interrupt: &Interrupt) -> Result<(), Failure> {
         Command::Report(arguments) => commands::report(&arguments, interrupt),
         Command::Export(arguments) => commands::export(&arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(&arguments, interrupt),
-        Command::Merge(arguments) => commands::merge(&arguments),
+        Command::Merge(arguments) => commands::merge(&arguments, interrupt),
         Command::Verify(arguments) => commands::verify(&arguments),
         Command::Schema => commands::schema(),
         Command::Completions(arguments) => commands::completions(&arguments),

@@ -16,13 +16,13 @@ use crate::store::directory::RunDirectory;
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 
-/// Prints the result as a picture and as a sentence, where it is, and notes on it.
+/// Prints the result as a picture and as a sentence, where it and its `limits` are, and notes on it.
 ///
 /// # Errors
 /// An audit that found wrong verdicts in the verdict map.
-pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>) -> Result<(), Failure> {
+pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>, limits: Option<&str>) -> Result<(), Failure> {
     let summary = Summary::of(surface);
-    let line = closing_line(&directory.surface(), job, &summary);
+    let line = closing_line(&directory.surface(), job, &summary) + limits.unwrap_or_default();
     let notes = [
         outside_physics(job, &summary),
         without_verdict(&summary),

@@ -6,6 +6,7 @@ use std::time::Instant;
 use indicatif::HumanCount;
 
 use super::adoption::adopt;
+use super::limit::publish_limits;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
 use crate::failure::Failure;
@@ -33,6 +34,8 @@ pub struct FinishedRun {
     pub job: Job,
     /// Its verdicts.
     pub tally: Tally,
+    /// A line on its limits, if its job asks for some.
+    pub limits: Option<String>,
     /// Its probabilities, if they are integrated.
     integrated: Vec<IntegratedCell>,
 }
@@ -162,7 +165,7 @@ pub fn compute(
         };
         return Err(Failure::Stopped { signal, message });
     }
-    let run = FinishedRun { directory, job, tally, integrated };
+    let mut run = FinishedRun { directory, job, tally, limits: None, integrated };
     if shard.is_none() {
         let surface = run.surface();
         let is_new = surface.publish(&run.directory).map_err(|failure| kept(failure, &run.directory))?;
@@ -173,6 +176,8 @@ pub fn compute(
             session.lookups(surface.lookups());
             session.record(&run.directory, "finished", computed).map_err(|failure| kept(failure, &run.directory))?;
         }
+        let limits = publish_limits(&run.directory, &run.job, &engine, interrupt);
+        run.limits = limits.map_err(|failure| kept(failure, &run.directory))?;
     }
     Ok(run)
 }

@@ -80,7 +80,7 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
         RunState::Finished(_) => {
             drop(directory);
             note(format_args!("{} has all its samples; nothing to submit", out.display()));
-            return merge(&MergeArguments { run: out, wait: WAIT });
+            return merge(&MergeArguments { run: out, wait: WAIT }, interrupt);
         }
         // The shards of a run that has begun keep their numbers.
         RunState::Unfinished(tally) => {
@@ -320,7 +320,7 @@ impl Request<'_> {
             ));
         }
         // A machine that was lost from sight may still be at work.
-        merge(&MergeArguments { run: self.run.to_owned(), wait: WAIT })
+        merge(&MergeArguments { run: self.run.to_owned(), wait: WAIT }, interrupt)
     }
 
     /// The command that submits shards again.

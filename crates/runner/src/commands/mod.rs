@@ -24,6 +24,8 @@ mod parameters;
 
 mod adoption;
 
+mod limit;
+
 mod closing;
 
 mod completion;
@@ -50,8 +52,6 @@ mod brake_tests;
 mod fitted_job;
 
 mod fit;
-
-mod limit;
 
 mod plot;
 

@@ -10,7 +10,8 @@ use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::quoted;
-use crate::store::directory::{RunDirectory, SurfaceState};
+use crate::store::directory::RunDirectory;
+use crate::store::file_state::FileState;
 use crate::store::sharing::Sharing;
 use crate::store::tally::Tally;
 use crate::tables::surface::Surface;
@@ -50,11 +51,11 @@ impl RunProgress {
         let in_use = directory.in_use();
         // After a run was extended, its surface does not count until it is written again.
         let surface_state = directory.surface_state(&job)?;
-        let surface = (surface_state == SurfaceState::Sound).then(|| directory.surface());
+        let surface = (surface_state == FileState::Sound).then(|| directory.surface());
         let complete_cells = directory.complete_cells(&job, &tally);
         let state = match (complete_cells == job.cells(), surface.is_some()) {
             _ if in_use => "running",
-            (true, false) if matches!(surface_state, SurfaceState::Damaged(_)) => "surface damaged",
+            (true, false) if matches!(surface_state, FileState::Damaged(_)) => "surface damaged",
             (true, true) => "finished",
             (true, false) => "complete, not merged",
             (false, _) => "unfinished",

@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::adoption::{RunState, adopt, adopt_as_shard};
 use super::closing::report;
 use super::completion::{Work, compute, kept_and_continued, map_only};
+use super::limit::{publish_limits, with_limits_of};
 use super::shard_progress::how_to_submit_missing;
 use crate::cli::{MergeArguments, ResumeArguments, ShardArgument, SubmitArguments};
 use crate::cluster::array_task::ArrayTask;
@@ -14,6 +15,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, warn};
+use crate::schedule::engine::Engine;
 use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::RunDirectory;
 use crate::store::layout::JOB;
@@ -48,6 +50,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
         None => {
             let directory = RunDirectory::create(&out, Access::Alone, AN_INSTANT)?;
             let (job, state) = adopt(&directory, &source, job)?;
+            let job = with_limits_of(&directory, job, &source)?;
             (directory, job, state)
         }
     };
@@ -62,10 +65,12 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             // A lost or damaged surface is written again from the pieces.
             let resumed = format!("all samples are kept; {FREE_SPACE} `stickslip resume {}`", quoted(&out));
             let kept = |failure: Failure| failure.with_remedy(&resumed);
-            if Surface::new(&job, &tally).publish(&directory).map_err(kept)? {
+            let surface = Surface::new(&job, &tally);
+            if surface.publish(&directory).map_err(kept)? {
                 note(format_args!("{} was missing or differed; it is written again", directory.surface().display()));
             }
-            report(&directory, &job, &Surface::new(&job, &tally))
+            let limits = publish_limits(&directory, &job, &Engine::new(threads)?, interrupt).map_err(kept)?;
+            report(&directory, &job, &surface, limits.as_deref())
         }
         RunState::Unfinished(tally) if shard.is_none() => Err(Failure::CannotCreate(format!(
             "{} holds an unfinished run of this job ({} of {} samples); continue it with `stickslip resume {}`",
@@ -84,7 +89,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             let _at_work = shard.and_then(begin);
             let run = compute(directory, job, tally, &work, interrupt)?;
             match shard {
-                None => report(&run.directory, &run.job, &run.surface()),
+                None => report(&run.directory, &run.job, &run.surface(), run.limits.as_deref()),
                 Some(shard) => {
                     note(format_args!(
                         "shard {shard} is done; when all are, `stickslip merge {}` writes the surface",
@@ -109,7 +114,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let threads = arguments.threads.count();
     let work = Work { threads, shard: None, maps, is_map_only: false, command: "resume" };
     let run = compute(directory, job, tally, &work, interrupt)?;
-    report(&run.directory, &run.job, &run.surface())
+    report(&run.directory, &run.job, &run.surface(), run.limits.as_deref())
 }
 
 /// The shard that an option names.
@@ -176,7 +181,7 @@ pub fn map_directories(runs: &[PathBuf], job: &Job) -> Result<Vec<PathBuf>, Fail
 }
 
 /// `stickslip merge`.
-pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
+pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     // Shards may still be at work: some that finish, or one of which a batch system started a second copy.
     let patience = Duration::from_secs(arguments.wait);
     let directory = RunDirectory::open(&arguments.run, Access::Alone, patience.max(AN_INSTANT))?;
@@ -211,5 +216,6 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     };
     surface.publish(&directory).map_err(kept)?;
     session.record(&directory, "finished", 0).map_err(kept)?;
-    report(&directory, &job, &surface)
+    let limits = publish_limits(&directory, &job, &Engine::new(1)?, interrupt).map_err(kept)?;
+    report(&directory, &job, &surface, limits.as_deref())
 }

@@ -5,6 +5,7 @@ use std::ffi::{OsStr, OsString};
 use indicatif::HumanCount;
 use serde_json::json;
 
+use super::limit::check_limits;
 use crate::cli::VerifyArguments;
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
@@ -12,8 +13,9 @@ use crate::files::folder::Folder;
 use crate::job::Job;
 use crate::output::{counted, note, quoted, result};
 use crate::store::digests::{DIGESTS, Digests, Known, digest_of_file};
-use crate::store::directory::{RunDirectory, SurfaceState};
-use crate::store::layout::{AUDITS, JOB, MAPS, SHARDS, SURFACE};
+use crate::store::directory::RunDirectory;
+use crate::store::file_state::FileState;
+use crate::store::layout::{AUDITS, JOB, LIMITS, MAPS, SHARDS, SURFACE};
 use crate::store::lock::Access;
 use crate::store::piece::{Defect, is_piece_name, read_checked};
 use crate::store::provenance::{RECORD, is_record};
@@ -122,6 +124,7 @@ impl Check<'_> {
             folder.iter().for_each(|folder| self.pieces(name, folder));
         }
         self.surface(&job)?;
+        self.limits(&job)?;
         self.record();
         if self.can_mend {
             self.write_digests()?;
@@ -204,10 +207,10 @@ impl Check<'_> {
                 surface.publish(directory)?;
             }
             let was = match state {
-                SurfaceState::Absent => "not written yet".to_owned(),
-                SurfaceState::OfAnotherJob => "that of the run before it was extended".to_owned(),
-                SurfaceState::Damaged(why) => format!("damaged ({why})"),
-                SurfaceState::Sound => "not the one that the pieces give".to_owned(),
+                FileState::Absent => "not written yet".to_owned(),
+                FileState::OfAnotherJob => "that of the run before it was extended".to_owned(),
+                FileState::Damaged(why) => format!("damaged ({why})"),
+                FileState::Sound => "not the one that the pieces give".to_owned(),
             };
             let remark = if self.can_mend { "; it is written again from the pieces" } else { "" };
             self.find(SURFACE, self.mended(), format!("{was}{remark}"));
@@ -215,20 +218,40 @@ impl Check<'_> {
         }
         let progress = format!("{} of {} cells are complete", HumanCount(complete), HumanCount(job.cells()));
         match state {
-            SurfaceState::Sound if job.is_integrated() => self.find(SURFACE, State::Sound, "sound"),
-            SurfaceState::Sound => {
+            FileState::Sound if job.is_integrated() => self.find(SURFACE, State::Sound, "sound"),
+            FileState::Sound => {
                 self.find(SURFACE, State::Broken, format!("as it was written, but of its pieces only {progress}"));
             }
-            SurfaceState::Absent | SurfaceState::OfAnotherJob => {
+            FileState::Absent | FileState::OfAnotherJob => {
                 let remark =
                     if job.is_integrated() { "not written yet".to_owned() } else { format!("none yet: {progress}") };
                 self.find(SURFACE, State::Sound, remark);
             }
-            SurfaceState::Damaged(why) => {
+            FileState::Damaged(why) => {
                 if self.can_mend {
                     directory.set_aside(directory.root(), SURFACE.as_ref(), &why);
                 }
                 self.find(SURFACE, State::Broken, format!("damaged ({why})"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The limits that the job asks for. They take a search, which is left to `resume`.
+    fn limits(&mut self, job: &Job) -> Result<(), Failure> {
+        let directory = self.directory;
+        let Some(state) = check_limits(directory, job)? else { return Ok(()) };
+        match state {
+            FileState::Sound => self.find(LIMITS, State::Sound, "sound"),
+            FileState::Absent => self.find(LIMITS, State::Sound, "not written yet"),
+            FileState::OfAnotherJob => {
+                self.find(LIMITS, State::Sound, "those of the run before its job was changed");
+            }
+            FileState::Damaged(why) => {
+                if self.can_mend {
+                    directory.set_aside(directory.root(), LIMITS.as_ref(), &why);
+                }
+                self.find(LIMITS, State::Broken, format!("damaged ({why})"));
             }
         }
         Ok(())
@@ -254,7 +277,7 @@ impl Check<'_> {
     fn write_digests(&self) -> Result<(), Failure> {
         let root = self.directory.root();
         let mut digests = Digests::default();
-        for name in [JOB, SURFACE, RECORD] {
+        for name in [JOB, SURFACE, LIMITS, RECORD] {
             let file = root.open_if_there(name).map_err(|error| Failure::reading(&root.path().join(name), error))?;
             let digest = file.map(digest_of_file).transpose();
             digests.set(name, digest.map_err(|error| Failure::reading(&root.path().join(name), error))?);

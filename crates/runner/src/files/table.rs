@@ -41,28 +41,19 @@ pub fn write_columns(directory: &Path, name: &str, columns: &[DescribedColumn]) 
     let field = |c: &DescribedColumn| described_field(c.name, c.unit, c.long_name, DataType::Float64, false);
     let array = |c: &DescribedColumn| -> ArrayRef { Arc::new(Float64Array::from(c.values.clone())) };
     let (fields, arrays) = (columns.iter().map(field).collect(), columns.iter().map(array).collect());
-    write_batch(directory, name, fields, arrays, None)
+    let bytes = encoded(fields, arrays, None).map_err(|error| Failure::writing(&directory.join(name), error))?;
+    publish(directory, name, &bytes)
 }
 
-/// Writes columns as one batch, whole or not at all.
-fn write_batch(
-    directory: &Path,
-    name: &str,
-    fields: Vec<Field>,
-    arrays: Vec<ArrayRef>,
-    footer: Option<Vec<KeyValue>>,
-) -> Result<(), Failure> {
-    let encoded = (|| {
-        let schema = Arc::new(Schema::new(fields));
-        let batch = RecordBatch::try_new(schema.clone(), arrays)?;
-        let properties =
-            WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(footer).build();
-        let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties))?;
-        writer.write(&batch)?;
-        writer.into_inner()
-    })();
-    let bytes = encoded.map_err(|error: ParquetError| Failure::writing(&directory.join(name), error))?;
-    publish(directory, name, &bytes)
+/// Columns as one batch, as the bytes of a Parquet file.
+fn encoded(fields: Vec<Field>, arrays: Vec<ArrayRef>, footer: Option<Vec<KeyValue>>) -> Result<Vec<u8>, ParquetError> {
+    let schema = Arc::new(Schema::new(fields));
+    let batch = RecordBatch::try_new(schema.clone(), arrays)?;
+    let properties =
+        WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(footer).build();
+    let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties))?;
+    writer.write(&batch)?;
+    writer.into_inner()
 }
 
 /// The values of a [`TableColumn`].
@@ -125,6 +116,13 @@ impl TableColumn {
     }
 }
 
+/// A table of columns of equal length as the bytes of a Parquet file, with pairs of key and value in its footer.
+pub fn encoded_table(columns: &[TableColumn], footer: &[(&str, String)]) -> Result<Vec<u8>, ParquetError> {
+    let pairs = footer.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone())).collect();
+    let fields = columns.iter().map(TableColumn::field).collect();
+    encoded(fields, columns.iter().map(TableColumn::array).collect(), Some(pairs))
+}
+
 /// Writes a table of columns of equal length as `name` into `directory`, whole or not at all, with pairs of key and
 /// value in its footer.
 pub fn write_table(
@@ -133,7 +131,6 @@ pub fn write_table(
     columns: &[TableColumn],
     footer: &[(&str, String)],
 ) -> Result<(), Failure> {
-    let pairs = footer.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone())).collect();
-    let fields = columns.iter().map(TableColumn::field).collect();
-    write_batch(directory, name, fields, columns.iter().map(TableColumn::array).collect(), Some(pairs))
+    let bytes = encoded_table(columns, footer).map_err(|error| Failure::writing(&directory.join(name), error))?;
+    publish(directory, name, &bytes)
 }

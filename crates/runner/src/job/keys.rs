@@ -9,7 +9,7 @@ use super::start_value::StartValue;
 pub const SECTIONS: [&str; 6] = ["disc", "pad", "stiffness", "damping", "friction", "operating_point"];
 
 /// The keys of a job spec outside `[model]`, by table.
-pub const TABLES: [(&str, &[&str]); 5] = [
+pub const TABLES: [(&str, &[&str]); 6] = [
     ("axes", &["rotating_speed", "preload", "preload_force", "static_friction"]),
     ("random", &["inputs", "relative_std", "std", "distribution", "correlation"]),
     (
@@ -35,6 +35,7 @@ pub const TABLES: [(&str, &[&str]); 5] = [
             "sensitivity",
         ],
     ),
+    ("limit", &["of", "probability"]),
     ("engine", &["partition", "account", "time", "memory", "cpus_per_task", "shards", "max_shards", "sbatch"]),
 ];
 

@@ -26,6 +26,10 @@ mod axes_spec;
 
 mod engine;
 
+mod limit_spec;
+
+mod limit_request;
+
 mod spec;
 
 mod syntax;
@@ -54,6 +58,10 @@ mod sampling_checks;
 
 mod validated;
 
+mod limit_axis;
+
+mod limit;
+
 mod validation;
 
 mod normalised;
@@ -69,7 +77,9 @@ pub use criterion::Criterion;
 pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SbatchOption, SlurmName, TimeLimit};
 pub use identity::IDENTITY_VERSION;
-pub use keys::{axis_of, nearest, parameter_of_axis, unknown_parameter};
+pub use keys::unknown_parameter;
+pub use limit::LimitMethod;
+pub use limit_axis::LimitAxis;
 pub use measured::{read_csv, unreadable};
 pub use random_input::RandomInput;
 pub use sampling::Effort;

@@ -103,6 +103,17 @@ impl JobSource {
         Ok(self)
     }
 
+    /// The text with the table `[limit]` of another one, comments and layout kept.
+    pub fn with_limits_of(mut self, other: &Self) -> Self {
+        if let (Ok(mut own), Ok(mut others)) = (self.text.parse::<DocumentMut>(), other.text.parse::<DocumentMut>())
+            && let Some(limits) = others.remove("limit")
+        {
+            own.insert("limit", limits);
+            self.text = own.to_string();
+        }
+        self
+    }
+
     /// Reads and checks the spec.
     ///
     /// # Errors

@@ -9,6 +9,7 @@ use super::criterion_spec::CriterionSpec;
 use super::engine::EngineSpec;
 use super::friction::FrictionSpec;
 use super::keys::SECTIONS;
+use super::limit_spec::LimitSpec;
 use super::overrides::{Overrides, section_properties};
 use super::preload_force;
 use super::random_spec::RandomSpec;
@@ -39,6 +40,9 @@ pub struct JobSpec {
     /// How many samples are drawn, and how.
     #[serde(default)]
     pub sampling: SamplingSpec,
+    /// Which limits are sought along an axis.
+    #[schemars(with = "Option<LimitSpec>")]
+    pub limit: Option<Spanned<LimitSpec>>,
     /// What a cluster is asked for.
     #[serde(default)]
     pub engine: EngineSpec,

@@ -16,6 +16,7 @@ use super::axes::Brakes;
 use super::criterion::Criterion;
 use super::criterion_spec::OutsidePhysics;
 use super::engine::EngineSettings;
+use super::limit_request::LimitRequest;
 use super::plausibility;
 use super::random::RandomInputSet;
 use super::random_input::RandomInput;
@@ -47,6 +48,8 @@ pub struct Job {
     pub sampling: Sampling,
     /// Whether the spec itself says how many disc modes are kept.
     pub modes_are_given: bool,
+    /// Which limits are written beside the surface.
+    pub limit: Option<LimitRequest>,
     /// What a cluster is asked for.
     pub engine: EngineSettings,
 }

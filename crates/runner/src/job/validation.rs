@@ -12,6 +12,8 @@ use super::criterion_spec::{CriterionSpec, ModesSpec, OutsidePhysics};
 use super::diagnosis::{Complaint, Complaints};
 use super::engine::EngineSettings;
 use super::friction::check_varied;
+use super::limit::requested;
+use super::limit_request::LimitRequest;
 use super::model::{contradiction, validate_model};
 use super::random::RandomInputSet;
 use super::sampling::Sampling;
@@ -60,6 +62,7 @@ pub fn validate(spec: &JobSpec, folder: &Path, complaints: &mut Complaints) -> O
     let criterion_spec = spec.criterion.as_ref().map(Spanned::get_ref);
     let outside_physics = complaints.take(validate_outside_physics(criterion_spec, sampling.as_ref()));
     let engine = EngineSettings::validate(&spec.engine, complaints);
+    LimitRequest::check_keys(spec.limit.as_ref(), complaints);
     if complaints.len() > before || complaints.has_unread(&[]) {
         return None;
     }
@@ -74,10 +77,14 @@ pub fn validate(spec: &JobSpec, folder: &Path, complaints: &mut Complaints) -> O
         outside_physics: outside_physics?,
         sampling: sampling?,
         modes_are_given: disc_modes.is_some_and(|modes| matches!(modes.get_ref(), ModesSpec::Given(_))),
+        limit: None,
         engine,
     };
     let fitting = fits_a_map(&job, spec).and_then(|()| fits_in_memory(&job));
-    complaints.take(fitting).map(|()| job)
+    complaints.take(fitting)?;
+    let limit = spec.limit.as_ref().map(|limit| requested(limit, &job)).transpose();
+    let limit = complaints.take(limit)?.flatten();
+    Some(Job { limit, ..job })
 }
 
 const NO_CRITERION: &str = "there is no [criterion]: what decides whether a sample is stable? For example\n\n  [criterion]\n  kind = \"eigenvalue\"        # or \"coupled-eigenvalue\" or \"time-domain\"";

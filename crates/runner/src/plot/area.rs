@@ -13,7 +13,8 @@ const BAR: f64 = 74.0;
 /// Height of a panel over its width.
 const ASPECT: f64 = 0.78;
 
-const LINE: Pen = Pen::new(BLACK, 1.0);
+/// Width of contour lines.
+pub const LINE: f64 = 1.0;
 const HATCH: Pen = Pen::new(GREY, 0.5);
 const HATCH_DISTANCE: f64 = 5.0;
 
@@ -161,16 +162,15 @@ fn dense(line: &[Place], most: f64) -> Vec<Place> {
     points
 }
 
-/// A contour line with its label in a gap, where the line is long enough and no other label is near.
+/// A line with its label, in ink of its own, in a gap, where the line is long enough and no other label is near.
 pub fn labelled_line(
     canvas: &mut Canvas,
     panel: &Panel,
     line: &[Place],
     text: &str,
-    colour: Rgb,
+    (pen, ink): (Pen, Rgb),
     labels: &mut Vec<Place>,
 ) {
-    let pen = Pen { colour, ..LINE };
     let size = SMALL - 2;
     let gap = width_of(text, size) + 4.0;
     let distance = |a: Place, b: Place| libm::hypot(a.0 - b.0, a.1 - b.1);
@@ -210,7 +210,7 @@ pub fn labelled_line(
     let (sine, cosine) = (libm::sin(turn.to_radians()), libm::cos(turn.to_radians()));
     let down = 0.35 * f64::from(size);
     let at = (middle.0 - down * sine, middle.1 + down * cosine);
-    canvas.text(at, text, size, Side::Middle, turn, colour);
+    canvas.text(at, text, size, Side::Middle, turn, ink);
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use kuva::plot::colormap::ColorMap;
 use crate::job::Job;
 use crate::picture::scale::Scale;
 use crate::picture::view::GridView;
-use crate::plot::area::{Area, AreaPanel, Level, labelled_line};
-use crate::plot::canvas::{BLACK, Canvas, Rgb};
+use crate::plot::area::{Area, AreaPanel, LINE, Level, labelled_line};
+use crate::plot::canvas::{BLACK, Canvas, Pen, Rgb};
 use crate::plot::contours::Field;
 use crate::plot::curves::Curves;
 use crate::plot::form::Form;
@@ -89,7 +89,7 @@ impl Difference {
         let field = Field { values: &values, ..drawn.field };
         let mut labels = Vec::new();
         for line in field.on(0.0) {
-            labelled_line(canvas, &drawn.panel, &line, "0", BLACK, &mut labels);
+            labelled_line(canvas, &drawn.panel, &line, "0", (Pen::new(BLACK, LINE), BLACK), &mut labels);
         }
     }
 }

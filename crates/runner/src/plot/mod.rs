@@ -27,6 +27,8 @@ pub mod regions;
 
 pub mod cells;
 
+pub mod limit_lines;
+
 pub mod surface;
 
 pub mod difference;

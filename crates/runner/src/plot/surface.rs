@@ -2,17 +2,22 @@
 
 use crate::job::Criterion;
 use crate::picture::scale::Scale;
-use crate::picture::view::GridView;
-use crate::plot::area::{Area, AreaPanel, Level, labelled_line};
-use crate::plot::canvas::{BLACK, Canvas, Pen, Place, WHITE};
+use crate::picture::view::{GridView, Slice};
+use crate::plot::area::{Area, AreaPanel, LINE, Level, labelled_line};
+use crate::plot::canvas::{BLACK, Canvas, Pen, Place, Rgb, WHITE};
 use crate::plot::curves::Curves;
 use crate::plot::form::Form;
 use crate::plot::levels::{Levels, deviate, label};
+use crate::plot::limit_lines::{LimitLine, lines, note, target_label};
 use crate::plot::panel::Axis;
 use crate::plot::values::Values;
 
 /// Upper ends of the axis of probabilities.
 const TOPS: [f64; 7] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0];
+
+/// How lines of limits are drawn.
+const RED: Rgb = (0xe0, 0x10, 0x30);
+const LIMIT: Pen = Pen::new(RED, 1.8);
 
 /// A figure of a run, this wide in pixels; none for a single cell.
 pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
@@ -45,6 +50,10 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                 && horizontal.key() == "static friction"
                 && matches!(values.job.criterion, Criterion::Eigenvalue);
             let boundary_note = has_boundary.then_some("dashed: stability boundary of the expected brake");
+            let limits_of =
+                |slice: &Slice<'_>| values.limits.as_ref().map_or_else(Vec::new, |found| lines(found, &view, slice));
+            let has_limits = (0..view.slices()).any(|number| !limits_of(&view.slice(number)).is_empty());
+            let limits_note = values.limits.as_ref().filter(|_| has_limits).map(note);
             let is_wide = |(low, high): (&f64, &f64)| levels.band(*high) > levels.band(*low) + 1;
             let known = values.probability.iter().map(Option::is_some);
             let area = Area {
@@ -61,15 +70,23 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
                     .collect(),
                 colours: (0..levels.bands()).map(|band| levels.colour(band)).collect(),
                 title: "Probability of instability",
-                notes: boundary_note.into_iter().chain(blank_note(values)).map(str::to_owned).collect(),
+                notes: boundary_note
+                    .into_iter()
+                    .chain(blank_note(values))
+                    .map(str::to_owned)
+                    .chain(limits_note)
+                    .collect(),
             };
-            let lines = |canvas: &mut Canvas, drawn: &AreaPanel<'_>| {
+            let drawn_lines = |canvas: &mut Canvas, drawn: &AreaPanel<'_>| {
                 if has_boundary {
                     boundary(canvas, values, drawn, horizontal.ends());
                 }
-                contour_lines(canvas, &levels, drawn);
+                let limits = limits_of(&drawn.slice);
+                let mut labels = Vec::new();
+                limit_lines(canvas, &levels, &limits, drawn, &mut labels);
+                contour_lines(canvas, &levels, drawn, &limits, &mut labels);
             };
-            Some(area.figure(width, lines))
+            Some(area.figure(width, drawn_lines))
         }
     }
 }
@@ -109,14 +126,45 @@ fn boundary(canvas: &mut Canvas, values: &Values, drawn: &AreaPanel<'_>, [from, 
     canvas.dashes(&line, Pen::new(WHITE, 1.2));
 }
 
-/// Lines at some of the levels, with their labels.
-fn contour_lines(canvas: &mut Canvas, levels: &Levels, drawn: &AreaPanel<'_>) {
-    let mut labels = Vec::new();
-    for &level in levels.lines() {
-        let band = levels.band(level);
-        let colour = if 2 * band > levels.bands() + 4 { WHITE } else { BLACK };
+/// Lines at some of the levels, with their labels; not at those that are targets of limits.
+fn contour_lines(
+    canvas: &mut Canvas,
+    levels: &Levels,
+    drawn: &AreaPanel<'_>,
+    limits: &[LimitLine],
+    labels: &mut Vec<Place>,
+) {
+    for &level in levels.lines().iter().filter(|level| limits.iter().all(|line| line.target != **level)) {
+        let ink = ink_at(levels, level);
         for line in drawn.field.on(deviate(level)) {
-            labelled_line(canvas, &drawn.panel, &line, &label(level), colour, &mut labels);
+            labelled_line(canvas, &drawn.panel, &line, &label(level), (Pen::new(ink, LINE), ink), labels);
+        }
+    }
+}
+
+/// The colour that is seen where the probability is that of a level.
+fn ink_at(levels: &Levels, level: f64) -> Rgb {
+    if 2 * levels.band(level) > levels.bands() + 4 { WHITE } else { BLACK }
+}
+
+/// The lines of limits with their targets.
+fn limit_lines(
+    canvas: &mut Canvas,
+    levels: &Levels,
+    limits: &[LimitLine],
+    drawn: &AreaPanel<'_>,
+    labels: &mut Vec<Place>,
+) {
+    for LimitLine { target, points, .. } in limits {
+        let place =
+            |[right, up]: &[f64; 2]| drawn.panel.place(drawn.horizontal.scale.at(*right), drawn.vertical.scale.at(*up));
+        let points: Vec<Place> = points.iter().map(place).collect();
+        match points[..] {
+            [only] => canvas.dot(only, 2.0, RED),
+            _ => {
+                let ink = ink_at(levels, *target);
+                labelled_line(canvas, &drawn.panel, &points, &target_label(*target), (LIMIT, ink), labels);
+            }
         }
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::tables::finished::FinishedSurface;
+use crate::tables::limits::FinishedLimits;
 
 /// A finished run with its probabilities, one for each cell.
 pub struct Values {
@@ -20,13 +21,15 @@ pub struct Values {
     /// Samples without a certain verdict, and samples that failed.
     pub undecided: Vec<u64>,
     pub failed: Vec<u64>,
+    /// Its limits, if it has some.
+    pub limits: Option<FinishedLimits>,
 }
 
 impl Values {
     /// Reads a run.
     ///
     /// # Errors
-    /// A directory that is no run, a run without its surface, and a surface that cannot be read.
+    /// A directory that is no run, a run without its surface, and a surface or limits that cannot be read.
     pub fn read(run: &Path) -> Result<Self, Failure> {
         let surface = FinishedSurface::open(run)?;
         let names = ["p_unstable", "p_low", "p_high", "n_samples", "n_unstable", "n_undecided", "n_failed"];
@@ -35,7 +38,8 @@ impl Values {
         let counts = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(0.0) as u64).collect();
         let [samples, unstable, undecided, failed] = [samples, unstable, undecided, failed].map(counts);
         let (low, high) = (known(low), known(high));
-        Ok(Self { job: surface.job, probability, low, high, samples, unstable, undecided, failed })
+        let limits = FinishedLimits::read(run, &surface.job)?;
+        Ok(Self { job: surface.job, probability, low, high, samples, unstable, undecided, failed, limits })
     }
 
     /// Whether nothing scatters, so that all samples of a cell have one verdict.

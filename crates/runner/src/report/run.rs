@@ -8,10 +8,11 @@ use super::expected::expected_brakes;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::note;
-use crate::picture::view::{GridView, round};
+use crate::picture::view::{GridView, Slice, round};
 use crate::plot::axes::{axis, title};
 use crate::plot::canvas::Canvas;
 use crate::plot::levels::{Levels, label};
+use crate::plot::limit_lines::{LimitLine, lines, target_label};
 use crate::plot::values::Values;
 use crate::plot::verdict_map::VerdictMaps;
 use crate::tables::finished::{FinishedColumn, FinishedSurface, FinishedValues};
@@ -97,9 +98,25 @@ impl ReportedRun {
             "interval_name": interval_name(job),
             "expected": expected_brakes(job),
             "thickness_mm": thickness_mm(job),
+            "limits": self.limits(&view),
             "amplitude": self.amplitude(),
             "sensitivity": self.sensitivity(),
         })
+    }
+
+    /// The lines of limits in every slice, by the first cell of the slice.
+    fn limits(&self, view: &GridView) -> Vec<Value> {
+        let Some(limits) = &self.values.limits else { return Vec::new() };
+        let slices = (0..view.slices()).map(|number| view.slice(number));
+        let of_slice = |slice: Slice<'_>| {
+            let line = |line: LimitLine| {
+                let [x, y] =
+                    [0, 1].map(|axis| line.points.iter().map(|point| round(point[axis])).collect::<Vec<f64>>());
+                json!({ "first": slice.first, "target": line.target, "name": target_label(line.target), "x": x, "y": y })
+            };
+            lines(limits, view, &slice).into_iter().map(line).collect::<Vec<Value>>()
+        };
+        slices.flat_map(of_slice).collect()
     }
 
     /// Recorded amplitudes, null without any.

@@ -90,11 +90,22 @@ function probabilityTraces(x, y, cells, text) {
   const run = view.run, bands = run.colours.length;
   const band = (p) => (p === null ? null : run.levels.filter((level) => level <= p).length + 0.5);
   const z = cells.map((row) => row.map((cell) => run.p[cell]));
-  const lines = run.lines.map((level) => {
+  const first = cellWith(run, { [run.vertical]: 0, [run.horizontal]: 0 });
+  const isLimit = (level) => run.limits.some((line) => line.first === first && line.target === level);
+  const lines = run.lines.filter((level) => !isLimit(level)).map((level) => {
     const ink = level > 0.6 ? "#fff" : "#000";
     return {
       type: "contour", x, y, z, hoverinfo: "skip", showscale: false, autocontour: false, line: { color: ink, width: 1 },
       contours: { start: level, end: level, size: 1, coloring: "none", showlabels: true, labelfont: { size: 10, color: ink } },
+    };
+  });
+  const limits = run.limits.filter((line) => line.first === first).map((line, i, all) => {
+    // Labels of lines beside each other stand at different places along them.
+    const labelled = Math.floor((line.x.length - 1) * (i + 1) / (all.length + 1));
+    return {
+      type: "scatter", mode: "lines+text", x: line.x, y: line.y, hoverinfo: "skip", line: { color: "#e01030", width: 2.5 },
+      text: line.x.map((_, at) => (at === labelled ? line.name : "")), textposition: "top left",
+      textfont: { size: 10, color: "#e01030" },
     };
   });
   return [{
@@ -104,7 +115,7 @@ function probabilityTraces(x, y, cells, text) {
     colorbar: {
       title: { text: "P" }, tickvals: run.levels.map((_, i) => i + 1), ticktext: run.level_names, tickfont: { size: 10 },
     },
-  }, ...lines];
+  }, ...lines, ...limits];
 }
 
 // Differences: blue below, red above; a stroke where the interval contains 0.

@@ -2,7 +2,6 @@
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
-use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -15,6 +14,7 @@ use crate::files::foreign::text_of_key;
 use crate::job::{Job, JobSource};
 use crate::output::{note, quoted};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_bytes, digest_of_file};
+use crate::store::file_state::{FileState, NOT_AS_WRITTEN, state_of};
 use crate::store::joining::{self, Refusal};
 use crate::store::layout::{AUDITS, JOB, MAPS, SHARDS, SURFACE, require_free, require_run, require_traces};
 use crate::store::lock::{AN_INSTANT, Access, Lock, is_held};
@@ -27,28 +27,12 @@ pub const JOB_HASH_KEY: &str = "stickslip:job_hash";
 /// The footer key of a surface for its job.
 pub const JOB_KEY: &str = "stickslip:job";
 
-/// Why a file is taken for damaged.
-const NOT_AS_WRITTEN: &str = "it does not have the digest that it was written with";
-
 /// A run directory that this process may work in.
 #[derive(Debug)]
 pub struct RunDirectory {
     root: Folder,
     shards: Folder,
     lock: Option<Lock>,
-}
-
-/// What there is of the surface of a job.
-#[derive(Debug, PartialEq, Eq)]
-pub enum SurfaceState {
-    /// No surface.
-    Absent,
-    /// One that does not belong to the job as it is now, such as that of a run before it was extended.
-    OfAnotherJob,
-    /// One that is not as it was written, and why.
-    Damaged(String),
-    /// The one of the job.
-    Sound,
 }
 
 impl RunDirectory {
@@ -159,29 +143,13 @@ impl RunDirectory {
     }
 
     /// What there is of the surface of a job.
-    pub fn surface_state(&self, job: &Job) -> Result<SurfaceState, Failure> {
-        let opened = || -> io::Result<Option<(String, File)>> {
-            let Some(file) = self.root.open_if_there(SURFACE)? else { return Ok(None) };
-            Ok(Some((digest_of_file(file)?, self.root.open_file(SURFACE)?)))
-        };
-        let (digest, file) = match opened() {
-            Ok(Some(opened)) => opened,
-            Ok(None) => return Ok(SurfaceState::Absent),
-            Err(error) => return Ok(SurfaceState::Damaged(error.to_string())),
-        };
-        if Known::read(&self.root)?.fit(SURFACE, &digest) == Fit::Differs {
-            return Ok(SurfaceState::Damaged(NOT_AS_WRITTEN.to_owned()));
-        }
-        Ok(match text_of_key(&file, JOB_HASH_KEY) {
-            None => SurfaceState::Damaged("it is not the surface of a run".to_owned()),
-            Some(hash) if hash == job.hash() => SurfaceState::Sound,
-            Some(_) => SurfaceState::OfAnotherJob,
-        })
+    pub fn surface_state(&self, job: &Job) -> Result<FileState, Failure> {
+        state_of(&self.root, SURFACE, &[(JOB_HASH_KEY, job.hash())])
     }
 
     /// Whether there is a result that belongs to this job.
     pub fn has_surface_of(&self, job: &Job) -> Result<bool, Failure> {
-        Ok(self.surface_state(job)? == SurfaceState::Sound)
+        Ok(self.surface_state(job)? == FileState::Sound)
     }
 
     /// Writes a file of this directory, and its digest before it.

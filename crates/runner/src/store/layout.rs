@@ -9,9 +9,11 @@ use crate::output::quoted;
 use crate::store::digests::DIGESTS;
 use crate::store::lock::LOCK;
 
-/// The names of the frozen job, of the result, and of the directories of pieces, tiles and audits.
+/// The names of the frozen job, of the result, of the limits found from it, and of the directories of pieces, tiles and
+/// audits.
 pub const JOB: &str = "job.toml";
 pub const SURFACE: &str = "surface.parquet";
+pub const LIMITS: &str = "limits.parquet";
 pub const SHARDS: &str = "shards";
 pub const MAPS: &str = "map";
 pub const AUDITS: &str = "audit";

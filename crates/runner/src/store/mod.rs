@@ -16,6 +16,8 @@ pub mod digests;
 
 pub mod layout;
 
+pub mod file_state;
+
 pub mod piece;
 
 pub mod map_pieces;

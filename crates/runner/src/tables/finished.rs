@@ -14,7 +14,8 @@ use crate::failure::Failure;
 use crate::files::foreign::{self, Known};
 use crate::job::Job;
 use crate::output::quoted;
-use crate::store::directory::{RunDirectory, SurfaceState};
+use crate::store::directory::RunDirectory;
+use crate::store::file_state::FileState;
 
 /// A finished run with a surface that is as it was written.
 pub struct FinishedSurface {
@@ -52,13 +53,13 @@ impl FinishedSurface {
         let directory = RunDirectory::view(run)?;
         let job = directory.job()?;
         match directory.surface_state(&job)? {
-            SurfaceState::Sound => Ok(Self { job, directory }),
-            SurfaceState::Damaged(why) => Err(Failure::InputOutput(format!(
+            FileState::Sound => Ok(Self { job, directory }),
+            FileState::Damaged(why) => Err(Failure::InputOutput(format!(
                 "{} is damaged: {why}; `stickslip verify {}` writes it again",
                 directory.surface().display(),
                 quoted(run)
             ))),
-            SurfaceState::Absent | SurfaceState::OfAnotherJob => Err(Failure::Job(format!(
+            FileState::Absent | FileState::OfAnotherJob => Err(Failure::Job(format!(
                 "{} has no surface yet; finish it with `stickslip resume {}`",
                 run.display(),
                 quoted(run)

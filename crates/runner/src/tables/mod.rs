@@ -1,4 +1,4 @@
-//! The surface: its rows, its columns, the file, and how it is read back.
+//! The surface: its rows, its columns, the file, and how it is read back; limits read back.
 
 pub mod row;
 
@@ -9,3 +9,5 @@ pub mod randomised;
 pub mod surface;
 
 pub mod finished;
+
+pub mod limits;

@@ -41,6 +41,14 @@ pub struct ExactProbability {
     pub error_bound: f64,
 }
 
+impl ExactProbability {
+    /// Between which probabilities the error leaves it.
+    #[must_use]
+    pub fn bounds(&self) -> [f64; 2] {
+        [(self.value - self.error_bound).max(0.0), (self.value + self.error_bound).min(1.0)]
+    }
+}
+
 /// The probability that a sample of `cell` is unstable, by quadrature.
 ///
 /// The error is about 1e-14 if an input has a relative standard deviation above 0.01. Below, it is the rounding error

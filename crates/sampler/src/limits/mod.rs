@@ -2,15 +2,18 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`exact`] | crossings of a probability that can be computed at any value: a scan, and a bracketing root finder |
+//! | [`scan`] | crossings of a probability that can be estimated at any value: a scan, and a bracketing root finder |
 //! | [`spans`] | between which expected values of preload or static friction one sample is unstable, in closed form |
 //! | [`sweep`] | crossings of the share of unstable samples, with bounds, from these spans |
+//! | [`randomised`] | the same samples in groups that are counted apart, at any value |
 
-pub mod exact;
+pub mod scan;
 
 pub mod spans;
 
 pub mod sweep;
+
+pub mod randomised;
 
 /// What a probability does at a limit, as the value of the axis grows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

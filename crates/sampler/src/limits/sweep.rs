@@ -5,7 +5,7 @@
 //! passes the target `p` once, the values at which the interval contains `p` are an interval of the limit with the same
 //! confidence: the true limit is missed exactly when the interval at that value misses `p`.
 
-use std::ops::Range;
+use std::ops::{AddAssign, Range};
 
 use super::spans::{Span, Spans};
 use super::{Limit, State};
@@ -19,11 +19,11 @@ struct Event {
     without_verdict: i8,
 }
 
-/// Counts of samples at one value.
-#[derive(Debug, Clone, Copy, Default)]
-struct Counts {
-    unstable: i64,
-    without_verdict: i64,
+/// Counts of samples at one value, or how these change there.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Counts {
+    pub(super) unstable: i64,
+    pub(super) without_verdict: i64,
 }
 
 /// The verdicts of samples over an axis.
@@ -173,6 +173,16 @@ impl Met {
 }
 
 impl SortedSweep {
+    /// The counts just above the lower end of the range.
+    pub(super) fn first(&self) -> Counts {
+        self.0.first
+    }
+
+    /// Where counts change, rising, and how.
+    pub(super) fn changes(&self) -> impl Iterator<Item = (f64, Counts)> {
+        self.0.events.iter().map(|event| (event.at, event.counts()))
+    }
+
     /// The number of samples.
     #[must_use]
     pub fn samples(&self) -> u64 {
@@ -183,7 +193,7 @@ impl SortedSweep {
     #[must_use]
     pub fn ends(&self) -> [Option<f64>; 2] {
         let mut last = self.0.first;
-        self.0.events.iter().for_each(|event| last.add(event));
+        self.changes().for_each(|(_, change)| last += change);
         [self.0.first, last].map(|counts| {
             let decided = self.0.samples.cast_signed() - counts.without_verdict;
             (decided > 0).then(|| counts.unstable as f64 / decided as f64)
@@ -202,7 +212,7 @@ impl SortedSweep {
         let mut met = Met { limits: Vec::new(), open_from, passages: None, undecided: None };
         for same in events.chunk_by(|a, b| a.at == b.at) {
             let at = same[0].at;
-            same.iter().for_each(|event| counts.add(event));
+            same.iter().for_each(|event| counts += event.counts());
             let (next, next_is_over) = (thresholds.place(counts), thresholds.is_over(counts));
             if next_is_over != is_over {
                 let passage = (at, State::passing(next_is_over));
@@ -227,10 +237,16 @@ impl SortedSweep {
     }
 }
 
-impl Counts {
-    fn add(&mut self, event: &Event) {
-        self.unstable += i64::from(event.unstable);
-        self.without_verdict += i64::from(event.without_verdict);
+impl Event {
+    fn counts(&self) -> Counts {
+        Counts { unstable: self.unstable.into(), without_verdict: self.without_verdict.into() }
+    }
+}
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, change: Self) {
+        self.unstable += change.unstable;
+        self.without_verdict += change.without_verdict;
     }
 }
 

@@ -5,9 +5,8 @@ use stickslip_core::parameters::scalar;
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::limits::{Limit, State};
 
-use super::axis::LimitAxis;
 use crate::files::table::{TableColumn, TableValues};
-use crate::job::{Job, RandomInput};
+use crate::job::{Job, LimitAxis, LimitMethod, RandomInput};
 use crate::output::{counted, wrapped};
 use crate::picture::view::{rounded, scatter};
 use crate::tables::columns::axes;
@@ -29,20 +28,17 @@ pub struct Row {
     pub ends: [Option<f64>; 2],
 }
 
-/// How limits were found.
-#[derive(Debug, Clone, Copy)]
-pub enum Method {
-    /// By the exact probability, first computed at so many values.
-    Exact { scanned: usize },
-    /// By samples, with bounds of this confidence.
-    Samples { confidence: f64 },
-}
-
-/// Everything that was found.
+/// Everything that was found, and how.
 pub struct Found<'a> {
     pub job: &'a Job,
     pub axis: &'a LimitAxis,
-    pub method: Method,
+    /// The probabilities that must not be exceeded.
+    pub targets: &'a [f64],
+    pub method: LimitMethod,
+    /// At how many values of the axis the probability was first estimated.
+    pub scanned: Option<usize>,
+    /// The confidence of the bounds, if they are those of samples.
+    pub confidence: Option<f64>,
     pub rows: Vec<Row>,
 }
 
@@ -73,8 +69,8 @@ impl Found<'_> {
         let others = self.varying_axes();
         let mut lines = vec![Vec::new()];
         lines[0].extend(others.iter().map(|other| other.name.clone()));
-        // Those of an exact probability are the limit itself in the digits that are shown.
-        let bounds_shown = if let Method::Samples { .. } = self.method { 0..2 } else { 0..0 };
+        // Those of a probability in closed form are the limit itself in the digits that are shown.
+        let bounds_shown = if self.method == LimitMethod::Integral { 0..0 } else { 0..2 };
         lines[0].extend(["P at most", "limit"].map(str::to_owned));
         lines[0].extend(bounds_shown.clone().map(|end| ["low", "high"][end].to_owned()));
         lines[0].push("state".to_owned());
@@ -108,16 +104,22 @@ impl Found<'_> {
         ];
         let mut lines: Vec<String> =
             states.into_iter().filter(|(state, _)| has(*state)).map(|(_, line)| line).collect();
-        lines.push(match self.method {
-            Method::Exact { scanned } => {
-                format!("P is integrated, without samples. Limits are sought between {scanned} values of {name}.")
+        let integrated = "P is integrated, without samples.";
+        let mut method = match (self.method, self.confidence) {
+            (LimitMethod::MapIntegral, _) => {
+                format!("low to high: what the verdict map leaves open, which is taken for right. {integrated}")
             }
-            Method::Samples { confidence } => format!(
+            (_, None) => integrated.to_owned(),
+            (_, Some(confidence)) => format!(
                 "low to high: {} % interval of the limit, from {} of each combination. At an end of the range it may reach further.",
                 rounded(100.0 * confidence),
                 counted(self.job.sampling.samples.into(), "sample", "samples")
             ),
-        });
+        };
+        if let Some(scanned) = self.scanned {
+            method += &format!(" Limits are sought between {scanned} values of {name}.");
+        }
+        lines.push(method);
         lines.join("\n")
     }
 
@@ -129,10 +131,6 @@ impl Found<'_> {
             let entries = columns.iter().map(|column| (column.name.to_string(), column.value(i)));
             Value::Object(entries.collect())
         };
-        let (scanned, confidence) = match self.method {
-            Method::Exact { scanned } => (Some(scanned), None),
-            Method::Samples { confidence } => (None, Some(confidence)),
-        };
         json!({
             "name": self.job.name,
             "job_hash": self.job.hash(),
@@ -141,9 +139,9 @@ impl Found<'_> {
             "from": from,
             "to": to,
             "method": self.job.sampling.method,
-            "values_scanned": scanned,
-            "samples": confidence.map(|_| self.job.sampling.samples),
-            "confidence": confidence,
+            "values_scanned": self.scanned,
+            "samples": self.confidence.map(|_| self.job.sampling.samples),
+            "confidence": self.confidence,
             "limits": (0..self.rows.len()).map(row).collect::<Vec<Value>>(),
         })
     }
@@ -191,15 +189,15 @@ impl Found<'_> {
     pub fn footer(&self) -> Vec<(&'static str, String)> {
         let [from, to] = self.axis.range();
         let mut pairs = footer(self.job);
+        let targets: Vec<String> = self.targets.iter().map(f64::to_string).collect();
         pairs.extend([
             ("stickslip:of", self.axis.name.to_owned()),
             ("stickslip:from", from.to_string()),
             ("stickslip:to", to.to_string()),
-            match self.method {
-                Method::Exact { scanned } => ("stickslip:values_scanned", scanned.to_string()),
-                Method::Samples { confidence } => ("stickslip:confidence", confidence.to_string()),
-            },
+            ("stickslip:targets", targets.join(", ")),
         ]);
+        pairs.extend(self.scanned.map(|scanned| ("stickslip:values_scanned", scanned.to_string())));
+        pairs.extend(self.confidence.map(|confidence| ("stickslip:confidence", confidence.to_string())));
         pairs
     }
 

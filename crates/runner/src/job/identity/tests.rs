@@ -84,6 +84,15 @@ fn the_engine_belongs_to_no_identity() {
 }
 
 #[test]
+fn limits_belong_to_no_identity() {
+    let plain = job(SOBOL.replace("coupled-eigenvalue", "eigenvalue").as_str());
+    let limit = "[limit]\nof = \"preload\"\nprobability = [0.01, 1e-5]\n";
+    let with = job(&format!("{}{limit}", SOBOL.replace("coupled-eigenvalue", "eigenvalue")));
+    assert_eq!(with.limit.as_ref().unwrap().targets, [0.01, 1e-5]);
+    assert_eq!((with.hash(), with.normalised()), (plain.hash(), plain.normalised()));
+}
+
+#[test]
 fn identities_do_not_change_with_the_libraries() {
     // Of verdicts version 4.
     let hashes = [PLAIN, MAPPED, SOBOL].map(|text| job(text).hash());

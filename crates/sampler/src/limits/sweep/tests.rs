@@ -10,10 +10,10 @@ use stickslip_core::verdict::VerdictCounts;
 
 use super::*;
 use crate::draw::deviates::{DeviateStream, Points};
-use crate::estimate::interval::IntervalKind;
+use crate::estimate::interval::{Estimate, IntervalKind};
 use crate::grid::{Cell, RelativeStd};
 use crate::integrate::closed_form::probability;
-use crate::limits::exact::{Scan, scanned_values};
+use crate::limits::scan::{Scan, scanned_values};
 use crate::limits::spans::{OutsidePhysics, Sample, Varied};
 
 fn interval() -> BinomialInterval {
@@ -172,18 +172,18 @@ fn bounds_contain_the_exact_limit_as_often_as_they_say() {
         (Varied::StaticFriction, [0.1, 0.39], [0.2, 0.1], [0.26, 0.6], 0.3),
     ] {
         let relative_std = RelativeStd { preload: stds[0], static_friction: stds[1] };
-        let probability = |value: f64| {
+        let probability_at = |value: f64| {
             let cell = Cell { index: 0, rotating_speed: 16.0, relative_std, preload, static_friction: friction };
-            Ok::<_, Infallible>(probability(
-                &boundary,
-                &match varied {
-                    Varied::Preload => Cell { preload: value, ..cell },
-                    Varied::StaticFriction => Cell { static_friction: value, ..cell },
-                },
-            ))
+            let cell = match varied {
+                Varied::Preload => Cell { preload: value, ..cell },
+                Varied::StaticFriction => Cell { static_friction: value, ..cell },
+            };
+            let found = probability(&boundary, &cell);
+            let [low, high] = found.bounds();
+            Ok::<_, Infallible>(Estimate { probability: Some(found.value), low, high })
         };
-        let scan = Scan::new(&scanned_values(&range), probability).unwrap();
-        let exact = scan.limits(target, probability).unwrap()[0].value.unwrap();
+        let scan = Scan::new(&scanned_values(&range, 256), 1e-12, probability_at).unwrap();
+        let exact = scan.limits(target, probability_at).unwrap()[0].value.unwrap();
         let mut missed = [0, 0];
         for seed in 0..seeds {
             let stream = DeviateStream { seed, common_random_numbers: false, dimensions: 2, points: Points::Random };

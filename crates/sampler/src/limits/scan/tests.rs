@@ -10,6 +10,7 @@ use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use super::*;
 use crate::grid::{Cell, RelativeStd};
 use crate::integrate::closed_form;
+use crate::integrate::closed_form::ExactProbability;
 use crate::special_functions::normal;
 
 fn brake(changes: &[(&str, f64)]) -> PadOnDisc {
@@ -28,9 +29,14 @@ fn cell(preload: f64, static_friction: f64, stds: [f64; 2]) -> Cell {
 }
 
 fn found(axis: &[f64], target: f64, probability: impl Fn(f64) -> ExactProbability) -> Vec<Limit> {
-    let probability = |value| Ok::<_, Infallible>(probability(value));
-    let scan = Scan::new(&scanned_values(axis), probability).unwrap();
-    scan.limits(target, probability).unwrap()
+    let estimate = |value| Ok::<_, Infallible>(estimate_of(&probability(value)));
+    let scan = Scan::new(&scanned_values(axis, 256), 1e-12, estimate).unwrap();
+    scan.limits(target, estimate).unwrap()
+}
+
+fn estimate_of(found: &ExactProbability) -> Estimate {
+    let [low, high] = found.bounds();
+    Estimate { probability: Some(found.value), low, high }
 }
 
 fn values(limits: &[Limit]) -> Vec<f64> {
@@ -195,16 +201,44 @@ fn bounds_contain_what_the_error_leaves_open() {
     assert_eq!(limit.state, State::Falls);
     let [low, high] = limit.bounds.unwrap();
     assert!((low - 0.6999).abs() < 1e-12 && (high - 0.7001).abs() < 1e-12, "{limit:?}");
-    // Beyond the neighbours of the scan the error is not followed.
+    // Over many values of the scan, up to the ends of the range.
     let rough = |x: f64| ExactProbability { value: x, error_bound: 0.1 };
     let [low, high] = found(&[0.0, 1.0], 0.3, rough)[0].bounds.unwrap();
-    assert!(low <= 0.3 && 0.3 <= high && high - low <= 1.0 / 256.0 + 1e-15);
+    assert!((low - 0.2).abs() < 1e-12 && (high - 0.4).abs() < 1e-12, "{low} {high}");
+    let [low, high] = found(&[0.25, 0.5], 0.3, rough)[0].bounds.unwrap();
+    assert!(low == 0.25 && (high - 0.4).abs() < 1e-12, "{low} {high}");
+    // Without a limit they tell where there may be one.
+    let limit = found(&[0.0, 0.25], 0.3, rough)[0];
+    assert_eq!((limit.state, limit.value), (State::Within, None));
+    let [low, high] = limit.bounds.unwrap();
+    assert!((low - 0.2).abs() < 1e-12 && high == 0.25, "{low} {high}");
+}
+
+#[test]
+fn a_search_takes_few_estimates() {
+    let boundary = boundary(15.0);
+    let count = std::cell::Cell::new(0);
+    let estimate = |preload| {
+        count.set(count.get() + 1);
+        let found = closed_form::probability(&boundary, &cell(preload, 0.39, [0.2, 0.2]));
+        Ok::<_, Infallible>(Estimate {
+            probability: Some(found.value),
+            low: 0.9 * found.value,
+            high: 1.1 * found.value,
+        })
+    };
+    let scan = Scan::new(&scanned_values(&[0.001, 0.3], 32), 1e-9, estimate).unwrap();
+    assert_eq!(count.replace(0), 33);
+    for target in [1e-6, 0.01, 0.5] {
+        assert_eq!(scan.limits(target, estimate).unwrap().len(), 1);
+        assert!(count.replace(0) <= 45, "{target}: {}", count.get());
+    }
 }
 
 #[test]
 fn scans_have_the_values_of_the_axis_and_enough_between() {
     for axis in [vec![0.3, 0.01], vec![1.0, 7.0, 3.0], (0..400).map(f64::from).collect()] {
-        let scanned = scanned_values(&axis);
+        let scanned = scanned_values(&axis, 256);
         assert!(axis.iter().all(|value| scanned.contains(value)));
         assert!(scanned.len() >= 257 && scanned.len() >= 2 * axis.len() - 1);
         assert!(scanned.windows(2).all(|pair| pair[0] < pair[1]));

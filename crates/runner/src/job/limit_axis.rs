@@ -1,12 +1,14 @@
 //! The axis along which limits are sought, and the combinations of the others.
 
 use stickslip_core::parameters::{Scalar, scalar};
-use stickslip_sampler::grid::Axis;
+use stickslip_sampler::grid::{Axis, Grid};
+use stickslip_sampler::limits::spans::Varied;
 
-use crate::failure::Failure;
-use crate::job::{Job, axis_of, nearest, parameter_of_axis};
+use super::keys::{axis_of, nearest, parameter_of_axis};
+use super::validated::Job;
 
 /// An axis of a job with at least two values.
+#[derive(Debug, Clone)]
 pub struct LimitAxis {
     /// Its name in a job.
     pub name: &'static str,
@@ -19,12 +21,11 @@ pub struct LimitAxis {
 }
 
 impl LimitAxis {
-    /// The axis that `--of` names.
+    /// The axis with a name.
     ///
     /// # Errors
-    /// If the job has no such axis, or with one value only.
-    pub fn named(job: &Job, name: &str) -> Result<Self, Failure> {
-        let refused = |message: String| Failure::Usage(format!("--of {name}: {message}"));
+    /// If the job has no such axis, or with one value only: what would be right.
+    pub fn named(job: &Job, name: &str) -> Result<Self, String> {
         let axes = Self::all(job);
         let names: Vec<&str> = axes.iter().filter(|axis| axis.values.len() > 1).map(|axis| axis.name).collect();
         let several = match &names[..] {
@@ -33,27 +34,26 @@ impl LimitAxis {
         };
         let key = parameter_of_axis(name).unwrap_or(name);
         let Some(axis) = axes.into_iter().find(|axis| axis.scalar.key == key) else {
-            let message = match scalar(key) {
+            return Err(match scalar(key) {
                 Some(_) => format!(
                     "the job \"{}\" has no such axis ({several}); give it two values or more under [axes], between which the limit is sought",
                     job.name
                 ),
                 None if name.ends_with("preload_force") => {
-                    "limits are told as preloads; write --of preload. Force and preload are proportional".to_owned()
+                    "limits are told as preloads; name the axis preload. Force and preload are proportional".to_owned()
                 }
                 None => {
                     let hint = nearest(name, names.iter().copied());
                     let hint = hint.map_or(String::new(), |hint| format!("; did you mean {hint}?"));
                     format!("there is no such axis{hint} (the job \"{}\": {several})", job.name)
                 }
-            };
-            return Err(refused(message));
+            });
         };
         if axis.values.len() < 2 {
-            return Err(refused(format!(
+            return Err(format!(
                 "this axis of the job \"{}\" has one value, {} ({several}); give it two or more under [axes], between which the limit is sought",
                 job.name, axis.values[0]
-            )));
+            ));
         }
         Ok(axis)
     }
@@ -82,6 +82,44 @@ impl LimitAxis {
     pub fn range(&self) -> [f64; 2] {
         let values = || self.values.iter().copied();
         [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+    }
+
+    /// Preload or static friction, if the axis is of one of these.
+    pub fn varied(&self) -> Option<Varied> {
+        match self.scalar.key {
+            "operating_point.preload" => Some(Varied::Preload),
+            "friction.static_coefficient" => Some(Varied::StaticFriction),
+            _ => None,
+        }
+    }
+
+    /// The job with `value` in place of the first value of this axis. The cells of the combinations keep their numbers,
+    /// and so their deviates; no other cell has a meaning.
+    pub fn job_at(&self, job: &Job, value: f64) -> Job {
+        let mut values = vec![value];
+        // Values of an axis differ from each other.
+        while values.len() < self.values.len() {
+            values.push(values[values.len() - 1].next_up());
+        }
+        self.job_with(job, values)
+    }
+
+    /// The job with other values of this axis, which must differ from each other.
+    pub fn job_with(&self, job: &Job, values: Vec<f64>) -> Job {
+        let mut job = job.clone();
+        if let Ok(axis) = Axis::from_values(values) {
+            *self.of_grid(&mut job.grid) = axis;
+        }
+        job
+    }
+
+    fn of_grid<'a>(&self, grid: &'a mut Grid) -> &'a mut Axis {
+        match self.name {
+            "rotating_speed" => &mut grid.rotating_speed,
+            "preload" => &mut grid.preload,
+            "static_friction" => &mut grid.static_friction,
+            _ => &mut grid.of_brake[self.place].axis,
+        }
     }
 
     /// For every combination of the other axes the cell with the first value of this one.

@@ -1,0 +1,70 @@
+//! `limits.parquet`, the limits of a run that its job asks for.
+
+use super::search::{Tiles, Wanted};
+use crate::failure::Failure;
+use crate::files::table::encoded_table;
+use crate::interrupt::Interrupt;
+use crate::job::{Job, JobSource, LimitAxis, LimitMethod};
+use crate::output::quoted;
+use crate::picture::view::rounded;
+use crate::schedule::engine::Engine;
+use crate::store::directory::RunDirectory;
+use crate::store::file_state::{FileState, state_of};
+use crate::store::layout::{LIMITS, MAPS};
+
+/// Writes the limits that the job of a finished run asks for, unless they are there. A line on them, if there are any.
+pub fn publish_limits(
+    directory: &RunDirectory,
+    job: &Job,
+    engine: &Engine,
+    interrupt: &Interrupt,
+) -> Result<Option<String>, Failure> {
+    let Some(request) = &job.limit else { return Ok(None) };
+    let path = directory.path().join(LIMITS);
+    if check_limits(directory, job)? != Some(FileState::Sound) {
+        let (axis, method) = checked(job, request.of)?;
+        let wanted = Wanted { job, axis: &axis, method, targets: &request.targets };
+        let maps = match method {
+            LimitMethod::MapIntegral => Some(directory.create_folder(MAPS)?),
+            _ => None,
+        };
+        let tiles = Tiles { known: maps.as_ref(), keep: maps.as_ref() };
+        let stopped = format!(
+            "the surface is written, the limits are not; continue with `stickslip resume {}`",
+            quoted(directory.path())
+        );
+        let found = wanted.find(engine, tiles, interrupt, &stopped)?;
+        let bytes = encoded_table(&found.table(), &found.footer());
+        directory.publish(LIMITS, &bytes.map_err(|error| Failure::writing(&path, error))?)?;
+    }
+    let targets: Vec<String> = request.targets.iter().map(|&target| rounded(target)).collect();
+    Ok(Some(format!("{}: limits of {} at P = {}\n", path.display(), request.of, targets.join(", "))))
+}
+
+/// The state of the limits that a job asks for, if it does.
+pub fn check_limits(directory: &RunDirectory, job: &Job) -> Result<Option<FileState>, Failure> {
+    let Some(request) = &job.limit else { return Ok(None) };
+    let (axis, method) = checked(job, request.of)?;
+    let wanted = Wanted { job, axis: &axis, method, targets: &request.targets };
+    state_of(directory.root(), LIMITS, &wanted.nothing_found().footer()).map(Some)
+}
+
+/// The axis of a request and how its limits are found. Both were checked with the job.
+fn checked(job: &Job, of: &str) -> Result<(LimitAxis, LimitMethod), Failure> {
+    let axis = LimitAxis::named(job, of).map_err(Failure::Job)?;
+    let method = LimitMethod::of(job, &axis).map_err(Failure::Job)?;
+    Ok((axis, method))
+}
+
+/// The job of a run with the limits that a submitted job asks for, if these are others; the run keeps them.
+pub fn with_limits_of(directory: &RunDirectory, job: Job, submitted: &JobSource) -> Result<Job, Failure> {
+    let wanted = submitted.job()?.limit;
+    if wanted.is_none() || wanted == job.limit {
+        return Ok(job);
+    }
+    let Some(frozen) = directory.job_source()? else { return Ok(job) };
+    let frozen = frozen.with_limits_of(submitted);
+    let job = frozen.job()?;
+    directory.freeze(&frozen, &job)?;
+    Ok(job)
+}

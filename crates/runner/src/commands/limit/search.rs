@@ -1,0 +1,139 @@
+//! The search for limits in all combinations of the other axes.
+
+use std::borrow::Cow;
+
+use stickslip_core::parameters::ParameterError;
+use stickslip_sampler::estimate::interval::simultaneous_confidence;
+use stickslip_sampler::integrate::verdict_map::MapRegions;
+
+use super::report::{Found, Row};
+use crate::evaluate::control::IsStopped;
+use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::limits::{CombinationLimits, Ended, LimitSearch, scanned};
+use crate::failure::Failure;
+use crate::files::folder::Folder;
+use crate::interrupt::Interrupt;
+use crate::job::{Job, LimitAxis, LimitMethod};
+use crate::schedule::engine::{Engine, Outcome};
+use crate::schedule::mapping::Mapping;
+use crate::schedule::progress::Progress;
+use crate::store::map_pieces;
+
+/// What is sought.
+#[derive(Clone, Copy)]
+pub struct Wanted<'a> {
+    pub job: &'a Job,
+    pub axis: &'a LimitAxis,
+    pub method: LimitMethod,
+    /// The probabilities that must not be exceeded.
+    pub targets: &'a [f64],
+}
+
+/// Where tiles of verdict maps are taken from, and kept.
+#[derive(Clone, Copy, Default)]
+pub struct Tiles<'a> {
+    pub known: Option<&'a Folder>,
+    pub keep: Option<&'a Folder>,
+}
+
+impl<'a> Wanted<'a> {
+    /// The limits that nothing was found of yet.
+    pub fn nothing_found(self) -> Found<'a> {
+        let Self { job, axis, method, targets } = self;
+        let scanned = scanned(axis, method).map(|values| values.len());
+        let confidence = self.confidence();
+        Found { job, axis, targets, method, scanned, confidence, rows: Vec::new() }
+    }
+
+    /// Finds them. `stopped` is what is said after a signal.
+    pub fn find(
+        self,
+        engine: &Engine,
+        tiles: Tiles<'_>,
+        interrupt: &Interrupt,
+        stopped: &str,
+    ) -> Result<Found<'a>, Failure> {
+        let Self { job, axis, method, targets } = self;
+        let combinations = axis.combinations(job);
+        let regions = match method {
+            LimitMethod::MapIntegral => self.regions(engine, tiles, interrupt, stopped)?,
+            _ => Vec::new(),
+        };
+        let search = LimitSearch::new(job, axis, method, self.confidence().unwrap_or(f64::NAN), &regions);
+        let mut found: Vec<Option<CombinationLimits>> = vec![None; combinations.len()];
+        let mut failed: Option<(usize, Failure)> = None;
+        let mut progress = Progress::new(combinations.len() as u128, "combinations");
+        let work = |index: u64, is_stopped: IsStopped<'_>| {
+            let index = index as usize;
+            (index, search.limits(combinations[index], targets, is_stopped))
+        };
+        let outcome = engine.for_each_in_parallel(combinations.len() as u64, interrupt, work, |(index, limits)| {
+            progress.advance(1);
+            progress.tick();
+            let failure = match limits {
+                Ok(limits) => return found[index] = Some(limits),
+                Err(Ended::Stopped) => return,
+                Err(Ended::Failed(failure)) => failure,
+                Err(Ended::NoSuchBrake(value, error)) => self.no_brake(combinations[index], value, &error),
+            };
+            // Of several the first, whatever the threads.
+            if failed.as_ref().is_none_or(|(first, _)| index < *first) {
+                failed = Some((index, failure));
+            }
+        })?;
+        progress.finish();
+        match (outcome, failed) {
+            (Outcome::Stopped(signal), _) => Err(Failure::Stopped { signal, message: stopped.to_owned() }),
+            (Outcome::Finished, Some((_, failure))) => Err(failure),
+            (Outcome::Finished, None) => {
+                let limits = combinations.iter().zip(found).filter_map(|(&cell, found)| Some((cell, found?)));
+                let rows = limits.flat_map(|(cell, found)| self.rows(cell, &found)).collect();
+                Ok(Found { rows, ..self.nothing_found() })
+            }
+        }
+    }
+
+    /// Confidence of the intervals, of which a job that integrates has none.
+    fn confidence(self) -> Option<f64> {
+        let Self { job, axis, targets, .. } = self;
+        let sampling = &job.sampling;
+        let intervals = (axis.combinations(job).len() * targets.len()) as u64;
+        (!job.is_integrated()).then(|| match sampling.simultaneous {
+            true => simultaneous_confidence(sampling.confidence, intervals),
+            false => sampling.confidence,
+        })
+    }
+
+    fn rows(self, cell: u64, found: &CombinationLimits) -> Vec<Row> {
+        let of_target = |(&target, limits): (&f64, &Vec<_>)| {
+            limits.iter().map(|&limit| Row { cell, target, limit, ends: found.ends }).collect::<Vec<Row>>()
+        };
+        self.targets.iter().zip(&found.of_targets).flat_map(of_target).collect()
+    }
+
+    fn no_brake(self, cell: u64, value: f64, error: &ParameterError) -> Failure {
+        let name = self.axis.name;
+        Failure::Job(format!(
+            "there is no brake with {name} = {value} in the combination of cell {cell}: {error}; choose values of axes.{name} between which there is one everywhere"
+        ))
+    }
+
+    /// The regions of the verdict maps that the whole range of the axis needs.
+    fn regions(
+        self,
+        engine: &Engine,
+        tiles: Tiles<'_>,
+        interrupt: &Interrupt,
+        stopped: &str,
+    ) -> Result<Vec<MapRegions>, Failure> {
+        let values = scanned(self.axis, self.method).map_or_else(|| Cow::Borrowed(&self.axis.values), Cow::Owned);
+        let job = self.axis.job_with(self.job, values.into_owned());
+        let mut evaluator = Evaluator::new(&job)?;
+        tiles.known.map(|known| map_pieces::load(evaluator.maps_mut(), known)).transpose()?;
+        let mapping = Mapping { keep: tiles.keep, ..Mapping::default() };
+        match engine.complete_maps(&mut evaluator, mapping, interrupt)?.outcome {
+            Outcome::Stopped(signal) => Err(Failure::Stopped { signal, message: stopped.to_owned() }),
+            Outcome::Finished => Ok(evaluator.regions()),
+        }
+    }
+}

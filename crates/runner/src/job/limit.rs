@@ -1,0 +1,93 @@
+//! How the limits of a job along an axis are found, if they can be.
+
+use indicatif::HumanCount;
+use stickslip_sampler::limits::spans::Varied;
+use toml::Spanned;
+
+use super::criterion::Criterion;
+use super::diagnosis::Complaint;
+use super::limit_axis::LimitAxis;
+use super::limit_request::LimitRequest;
+use super::limit_spec::LimitSpec;
+use super::sampling::Effort;
+use super::validated::Job;
+
+/// Largest number of samples of a cell: they are held in memory, or evaluated at many values.
+const MOST_SAMPLES: u64 = 10_000_000;
+
+/// How the limits of a job are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LimitMethod {
+    /// From the integrated probability, whose boundary is known in closed form.
+    Integral,
+    /// From the integral over a verdict map.
+    MapIntegral,
+    /// From the critical values of all samples.
+    CriticalValues(Varied),
+    /// From the same samples at many values of the axis.
+    Samples,
+}
+
+/// The request of a table `[limit]` whose keys were checked.
+///
+/// # Errors
+/// An axis that the job does not have, or along which it has no limits.
+pub fn requested(spec: &Spanned<LimitSpec>, job: &Job) -> Result<Option<LimitRequest>, Complaint> {
+    let (Some(of), Some(targets)) = (&spec.get_ref().of, &spec.get_ref().probability) else { return Ok(None) };
+    let axis = LimitAxis::named(job, of.get_ref());
+    match axis.and_then(|axis| LimitMethod::of(job, &axis).map(|_| axis)) {
+        Ok(axis) => Ok(Some(LimitRequest { of: axis.name, targets: targets.get_ref().0.clone() })),
+        Err(why) => Err(Complaint::at(of.span(), format!("limit.of = {:?}: {why}", of.get_ref()))),
+    }
+}
+
+impl LimitMethod {
+    /// How the limits along an axis of a job are found.
+    ///
+    /// # Errors
+    /// Why they cannot be, and what would be right.
+    pub fn of(job: &Job, axis: &LimitAxis) -> Result<Self, String> {
+        let is_closed = matches!(job.criterion, Criterion::Eigenvalue);
+        let varied = axis.varied();
+        if job.is_integrated() {
+            return match (is_closed, varied) {
+                (true, _) => Ok(Self::Integral),
+                (false, Some(_)) => Ok(Self::MapIntegral),
+                (false, None) => Err(
+                    "a verdict map serves all values of preload and static_friction, along which limits are found; along other axes submit the job and read surface.parquet, or use kind = \"eigenvalue\""
+                        .to_owned(),
+                ),
+            };
+        }
+        if !is_closed {
+            return Err(format!(
+                "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\"; the job \"{}\" simulates its samples. Submit it: its summary tells up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
+                job.name
+            ));
+        }
+        if let Effort::Until(_) = job.sampling.effort {
+            return Err(
+                "limits are found with the same number of samples at all values; give sampling.samples in place of sampling.until"
+                    .to_owned(),
+            );
+        }
+        if job.is_weighted() {
+            return Err(
+                "limits are found with the same samples at all values, and those of sampling.method = \"importance\" or \"subset\" are placed for one; use \"exact\" where only preload and static_friction scatter, else \"conditional\" or \"sobol\""
+                    .to_owned(),
+            );
+        }
+        let samples = job.sampling.samples;
+        if samples > MOST_SAMPLES {
+            return Err(format!(
+                "limits are found with {} samples of each combination at most; sampling.samples is {}. Give fewer, or sampling.method = \"exact\", which needs none",
+                HumanCount(MOST_SAMPLES),
+                HumanCount(samples)
+            ));
+        }
+        Ok(match varied {
+            Some(varied) if job.has_verdicts() => Self::CriticalValues(varied),
+            _ => Self::Samples,
+        })
+    }
+}

@@ -1,0 +1,72 @@
+//! The table `[limit]` of a job spec as written.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use toml::Spanned;
+
+/// Where along an axis the probability of instability passes targets; written as limits.parquet. The surface does not
+/// depend on it.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LimitSpec {
+    /// The axis whose values are sought: one of the job's with two values or more.
+    #[schemars(with = "String")]
+    pub of: Option<Spanned<String>>,
+    /// The probability of instability that must not be exceeded, above 0 and below 1, or several.
+    #[schemars(with = "TargetsSpec")]
+    pub probability: Option<Spanned<TargetsSpec>>,
+}
+
+/// One probability or several.
+#[derive(Debug)]
+pub struct TargetsSpec(pub Vec<f64>);
+
+impl<'de> Deserialize<'de> for TargetsSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct TargetsVisitor;
+
+        impl<'de> Visitor<'de> for TargetsVisitor {
+            type Value = TargetsSpec;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a probability or a list of probabilities, for example [0.01, 1e-5]")
+            }
+
+            fn visit_f64<E>(self, value: f64) -> Result<TargetsSpec, E> {
+                Ok(TargetsSpec(vec![value]))
+            }
+
+            fn visit_i64<E>(self, value: i64) -> Result<TargetsSpec, E> {
+                Ok(TargetsSpec(vec![value as f64]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<TargetsSpec, A::Error> {
+                let mut values = Vec::new();
+                while let Some(value) = list.next_element()? {
+                    values.push(value);
+                }
+                Ok(TargetsSpec(values))
+            }
+        }
+
+        deserializer.deserialize_any(TargetsVisitor)
+    }
+}
+
+impl JsonSchema for TargetsSpec {
+    fn schema_name() -> Cow<'static, str> {
+        "Targets".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let number = serde_json::json!({ "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1 });
+        json_schema!({
+            "description": "A probability, or a list of these.",
+            "anyOf": [number, { "type": "array", "items": number, "minItems": 1 }]
+        })
+    }
+}

@@ -1,0 +1,96 @@
+//! The limits of a run, read back from its `limits.parquet`.
+
+use std::path::Path;
+
+use arrow::array::{Array as _, AsArray as _, StringArray};
+use arrow::datatypes::{Float64Type, Int64Type};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::reader::ChunkReader;
+
+use crate::failure::Failure;
+use crate::files::foreign::{self, Known, text_of_key};
+use crate::job::Job;
+use crate::output::quoted;
+use crate::store::directory::{JOB_HASH_KEY, RunDirectory};
+use crate::store::file_state::{FileState, state_of};
+use crate::store::layout::LIMITS;
+
+/// The limits of a run.
+pub struct FinishedLimits {
+    /// The axis along which they lie, as a job names it.
+    pub of: String,
+    /// In the order of the cells and targets, and in rising order.
+    pub rows: Vec<FinishedLimit>,
+}
+
+/// A limit of one combination of the other axes.
+pub struct FinishedLimit {
+    /// The cell of the combination with the first value of the axis.
+    pub cell: u64,
+    /// The probability that is passed.
+    pub target: f64,
+    /// What the probability does there: it rises, falls, or does not pass the target.
+    pub state: String,
+    /// The value of the axis, if the target is passed.
+    pub value: Option<f64>,
+}
+
+impl FinishedLimits {
+    /// Reads the limits of a run; `None` if there are none of its job.
+    ///
+    /// # Errors
+    /// A file that is not as it was written.
+    pub fn read(run: &Path, job: &Job) -> Result<Option<Self>, Failure> {
+        let directory = RunDirectory::view(run)?;
+        let damaged = |why: String| {
+            Failure::InputOutput(format!(
+                "{} is damaged: {why}; remove it, or write it again with `stickslip resume {}`",
+                run.join(LIMITS).display(),
+                quoted(run)
+            ))
+        };
+        match state_of(directory.root(), LIMITS, &[(JOB_HASH_KEY, job.hash())])? {
+            FileState::Sound => {}
+            FileState::Absent | FileState::OfAnotherJob => return Ok(None),
+            FileState::Damaged(why) => return Err(damaged(why)),
+        }
+        let open = || directory.root().open_file(LIMITS).map_err(|error| damaged(error.to_string()));
+        let of = text_of_key(&open()?, "stickslip:of").ok_or_else(|| damaged("it names no axis".to_owned()))?;
+        let is_wanted = |name: &str| COLUMNS.contains(&name);
+        let rows = foreign::read(open()?, Known::Table(None), is_wanted, rows_of).map_err(damaged)?;
+        match rows.iter().find(|row| row.cell >= job.cells()) {
+            None => Ok(Some(Self { of, rows })),
+            Some(row) => Err(damaged(format!("it has a limit of cell {}, which the job does not have", row.cell))),
+        }
+    }
+}
+
+/// The columns that are read, in the order of the file.
+const COLUMNS: [&str; 4] = ["cell", "target", "state", "limit"];
+
+fn rows_of<R: ChunkReader + 'static>(
+    builder: ParquetRecordBatchReaderBuilder<R>,
+) -> Result<Vec<FinishedLimit>, String> {
+    let mut rows = Vec::new();
+    for batch in builder.build().map_err(|error| error.to_string())? {
+        let batch = batch.map_err(|error| error.to_string())?;
+        let column = |name: &str| batch.column_by_name(name).ok_or_else(|| format!("it has no column {name}"));
+        let [cell, target, state, limit] = COLUMNS.map(column);
+        let (cell, target, state, limit) = (cell?, target?, state?, limit?);
+        let (Some(cell), Some(target), Some(state), Some(limit)) = (
+            cell.as_primitive_opt::<Int64Type>(),
+            target.as_primitive_opt::<Float64Type>(),
+            state.as_any().downcast_ref::<StringArray>(),
+            limit.as_primitive_opt::<Float64Type>(),
+        ) else {
+            return Err("its columns are not those of limits".to_owned());
+        };
+        rows.extend((0..batch.num_rows()).map(|row| FinishedLimit {
+            cell: cell.value(row).cast_unsigned(),
+            target: target.value(row),
+            state: state.value(row).to_owned(),
+            value: limit.is_valid(row).then(|| limit.value(row)),
+        }));
+    }
+    Ok(rows)
+}
