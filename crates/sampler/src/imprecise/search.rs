@@ -36,7 +36,7 @@ const STEPS: usize = 30;
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// The interpolation agrees with the probability at an extreme within so many tolerances.
-const CLOSE: f64 = 10.0;
+const CLOSE: f64 = 30.0;
 
 /// Refinements that leave the extremes as they were, after which the search ends.
 const UNCHANGED: usize = 2;

@@ -2,6 +2,7 @@
 
 use super::*;
 use std::convert::Infallible;
+use stickslip_core::friction::measured_curve::{MeasuredCurve, SharedCurve};
 use stickslip_core::parameters::Parameters;
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 
@@ -108,7 +109,14 @@ fn one_random_input_has_a_single_tail_that_changes_in_one_direction() {
 
 #[test]
 fn a_band_of_unstable_friction_coefficients_agrees_with_a_double_loop() {
-    // A measured curve that falls only as it is shifted: unstable between two static friction coefficients.
-    let points = [(0.0, 0.40, 0.02), (0.1, 0.38, 0.01), (1.0, 0.385, 0.01), (5.0, 0.42, 0.01)];
-    let _ = points;
+    // A measured curve that falls only as it is shifted: unstable below a static friction coefficient.
+    let curve = MeasuredCurve::new(&[0.0, 1.0, 4.0], &[0.3, 0.32, 0.33], Some(&[0.08, 0.02, 0.01])).unwrap();
+    let mut parameters = Parameters::sui_ding_2018();
+    parameters.friction.use_table(SharedCurve::new(curve));
+    parameters.friction.band = 2.0;
+    parameters.damping.tangential = 500.0;
+    parameters.operating_point.rotating_speed = 1.0;
+    let boundary = PadOnDisc::new(parameters).unwrap().stability_boundary();
+    assert!(!boundary.is_unstable_above());
+    agrees(&boundary, &cell(0.1, 0.39), [[0.1, 0.3], [0.1, 0.3]]);
 }
