@@ -25,6 +25,8 @@ pub mod integral;
 
 pub mod limits;
 
+pub mod bounds;
+
 mod stream;
 
 pub mod work;

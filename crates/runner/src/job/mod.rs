@@ -32,6 +32,8 @@ mod syntax;
 
 mod reading;
 
+mod imprecise_values;
+
 mod random_input;
 
 mod scatter;
@@ -56,6 +58,8 @@ mod validated;
 
 mod validation;
 
+mod imprecise;
+
 mod normalised;
 
 mod identity;
@@ -69,6 +73,8 @@ pub use criterion::Criterion;
 pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SbatchOption, SlurmName, TimeLimit};
 pub use identity::IDENTITY_VERSION;
+pub use imprecise::{Combination, ImpreciseJob, ImpreciseQuantity};
+pub use imprecise_values::{Values, What};
 pub use keys::{axis_of, nearest, parameter_of_axis, unknown_parameter};
 pub use random_input::RandomInput;
 pub use sampling::Effort;

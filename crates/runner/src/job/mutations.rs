@@ -18,7 +18,7 @@ const OF_EACH: usize = 60;
 const OF_EACH_FLEXIBLE: usize = 8;
 
 /// Values that are put in place of others.
-const VALUES: [&str; 36] = [
+const VALUES: [&str; 42] = [
     "0",
     "-0.0",
     "-1",
@@ -53,6 +53,12 @@ const VALUES: [&str; 36] = [
     "{ from = 1e-300, to = 1e300, points = 1000, scale = \"log\" }",
     "{ from = 1.0, to = 1.0, points = 2 }",
     "{ preload = 0.1 }",
+    "{ between = [0.1, 0.3] }",
+    "{ between = [-1e308, 1e308] }",
+    "{ between = [] }",
+    "{ one_of = [0.1, \"normal\", []] }",
+    "{ preload = { between = [0.1, 0.2] }, static_friction = { one_of = [0.1, 0.2] } }",
+    "{ between = { between = [0.1, 0.2] } }",
     "1,5",
     "'''",
 ];
@@ -98,6 +104,7 @@ fn read(path: &Path, text: &str) {
                 assert!(message.len() < 500_000, "a message of {} bytes", message.len());
             }
         }
+        drop((source.is_imprecise(), source.imprecise_job().map(|job| job.combinations.len()).ok()));
         source.with(Overrides { seed: Some(1), samples: Some(2) }).map(|source| source.text.len()).unwrap_or_default()
     });
     assert!(result.is_ok(), "it panicked:\n{}", text.chars().take(5000).collect::<String>());

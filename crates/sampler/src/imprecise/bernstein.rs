@@ -50,6 +50,11 @@ impl Patch {
         [all().copied().fold(f64::INFINITY, f64::min), all().copied().fold(f64::NEG_INFINITY, f64::max)]
     }
 
+    /// The values at the corners.
+    pub fn corners(&self) -> [f64; 4] {
+        [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| self.coefficients[i * DEGREE][j * DEGREE])
+    }
+
     /// The least value at a corner, and where it is.
     fn least_corner(&self) -> (f64, [f64; 2]) {
         let corners = [(0, 0), (0, 1), (1, 0), (1, 1)];

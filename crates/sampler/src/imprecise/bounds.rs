@@ -174,13 +174,11 @@ impl<F: Family> Sides<'_, F> {
         let found = search::extremes(&intervals, wanted, |open| self.family.probability(&placed(open)))?;
         let evidence = [0, 1].map(|which| {
             let Some(extreme) = &found.extremes[which] else { return Evidence::Searched };
-            let end = |direction: Direction| match direction {
-                Direction::Rises => Some(which),
-                Direction::Falls => Some(1 - which),
-                Direction::Constant | Direction::Turns => None,
-            };
-            let is_there = |((trend, interval), value): ((&Trend, &[f64; 2]), &f64)| {
-                end(trend.direction).is_some_and(|end| interval[end] == *value)
+            let is_there = |((trend, interval), value): ((&Trend, &[f64; 2]), &f64)| match trend.direction {
+                Direction::Rises => interval[which] == *value,
+                Direction::Falls => interval[1 - which] == *value,
+                Direction::Constant => true,
+                Direction::Turns => false,
             };
             let are_there = found.trends.iter().zip(&intervals).zip(&extreme.at).all(is_there);
             if found.is_settled && are_there { Evidence::Checked } else { Evidence::Searched }

@@ -34,7 +34,7 @@ pub const TERMS: usize = DEGREE + 1;
 const TOLERANCE: f64 = 1e-12;
 
 /// Bound on the error of the value of a polynomial by quadrature and rounding.
-const ROUNDING: f64 = 1e-9;
+pub const ROUNDING: f64 = 1e-9;
 
 /// Upper bounds of `|T_k(t)| phi(t)` over all `t`, from `k = 1`.
 pub(super) const MOST_OF_TAIL: [f64; TERMS] =

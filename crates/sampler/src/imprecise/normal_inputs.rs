@@ -7,7 +7,7 @@
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 
 use super::bernstein::{Least, Patch};
-use super::expansion::{Coefficients, TERMS, expansion, remainder};
+use super::expansion::{Coefficients, ROUNDING, TERMS, expansion, remainder};
 use super::result::{Direction, Extreme, Trend};
 use super::tolerance::tolerance;
 use crate::grid::{Cell, RelativeStd};
@@ -43,6 +43,9 @@ struct Part {
     /// The extremes of the polynomial: the least value, and the least one of its opposite.
     extremes: [Option<Least>; 2],
 }
+
+/// Least gain for which a place between the ends is told in place of an end.
+const WORTHWHILE: f64 = 1e-8;
 
 /// Which extreme: 1 for the least, -1 for the greatest.
 const SIGNS: [f64; 2] = [1.0, -1.0];
@@ -177,7 +180,11 @@ impl Search<'_> {
         let bound = parts.iter().map(bound).fold(f64::INFINITY, f64::min);
         let best = parts.iter().min_by(|a, b| value(a).total_cmp(&value(b)));
         let interior = best.and_then(|part| part.extremes[which].map(|least| (part, least.at)));
+        // The polynomials do not tell very small probabilities apart: corners come first.
         let mut candidates: Vec<[f64; 2]> = Vec::new();
+        for first in self.intervals.0[0] {
+            candidates.extend(self.intervals.0[1].map(|second| [first, second]));
+        }
         candidates.extend(interior.map(|(part, at)| {
             [0, 1].map(|along| {
                 let [from, to] = part.ends[along];
@@ -185,21 +192,18 @@ impl Search<'_> {
                 self.std(along, logarithm)
             })
         }));
-        // The polynomials do not tell very small probabilities apart.
-        for first in self.intervals.0[0] {
-            candidates.extend(self.intervals.0[1].map(|second| [first, second]));
-        }
-        let mut seen: Vec<[f64; 2]> = Vec::new();
         let mut found: Option<Extreme> = None;
-        for at in candidates {
-            if seen.contains(&at) {
+        for (i, &at) in candidates.iter().enumerate() {
+            if candidates[..i].contains(&at) {
                 continue;
             }
-            seen.push(at);
             self.evaluations += 1;
             let relative_std = RelativeStd { preload: at[0], static_friction: at[1] };
             let probability = closed_form::probability(self.boundary, &Cell { relative_std, ..*self.cell });
-            if found.as_ref().is_none_or(|found| sign * probability.value < sign * found.probability.value) {
+            // Where it is the same up to rounding, an end says more than a place between.
+            let least = if i < 4 { 0.0 } else { WORTHWHILE };
+            let gain = |found: &Extreme| sign * (found.probability.value - probability.value);
+            if found.as_ref().is_none_or(|found| gain(found) > least) {
                 found = Some(Extreme { at: at.to_vec(), probability, bound: None });
             }
         }
@@ -224,18 +228,26 @@ impl Search<'_> {
         for part in parts {
             let half_widths = part.ends.map(|[from, to]| 0.5 * (to - from));
             let derivative = derivative(&part.scaled, along);
-            let [low, high] = Patch::new(&derivative).bounds();
+            let patch = Patch::new(&derivative);
+            let [low, high] = patch.bounds();
             let rest = half_widths[along] * remainder(half_widths, by, self.boundary.is_unstable_above());
             proved.retain(|direction| direction.allows([low - rest, high + rest]));
-            // At the centre.
-            seen.retain(|direction| direction.allows([derivative[0][0]; 2]));
+            // At the centre and at the corners, where it is not so known.
+            seen.retain(|direction| direction.allows([derivative[0][0]; 2].map(without_rounding)));
+            for corner in patch.corners() {
+                seen.retain(|direction| direction.allows([corner + rest, corner - rest]));
+            }
         }
-        match (&proved[..], &seen[..]) {
-            (&[direction, ..], _) => Trend { direction, is_proved: true },
-            (&[], &[direction, ..]) => Trend { direction, is_proved: false },
-            (&[], &[]) => Trend { direction: Direction::Turns, is_proved: false },
+        match Trend::of(&proved, true) {
+            Trend { direction: Direction::Turns, .. } => Trend::of(&seen, false),
+            trend => trend,
         }
     }
+}
+
+/// A derivative, or zero where it is rounding.
+fn without_rounding(derivative: f64) -> f64 {
+    if derivative.abs() <= ROUNDING { 0.0 } else { derivative }
 }
 
 /// The derivative of a polynomial.

@@ -29,12 +29,12 @@ pub enum Direction {
     Falls,
     /// It rises here and falls there.
     Turns,
-    /// The quantity has one value.
+    /// It neither rises nor falls.
     Constant,
 }
 
 impl Direction {
-    /// Whether a derivative between these bounds is one of this direction.
+    /// Whether a derivative between these bounds cannot be against this direction.
     pub(super) fn allows(self, [low, high]: [f64; 2]) -> bool {
         match self {
             Self::Rises => low >= 0.0,
@@ -54,6 +54,15 @@ pub struct Trend {
 }
 
 impl Trend {
+    /// That of the directions that are left.
+    pub(super) fn of(left: &[Direction], is_proved: bool) -> Self {
+        match *left {
+            [] => Self { direction: Direction::Turns, is_proved: false },
+            [direction] => Self { direction, is_proved },
+            _ => Self { direction: Direction::Constant, is_proved },
+        }
+    }
+
     /// Both directions, of which those are struck off that are not so.
     pub(super) fn all() -> Vec<Direction> {
         vec![Direction::Rises, Direction::Falls]

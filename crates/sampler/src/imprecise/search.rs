@@ -5,7 +5,7 @@
 //! interpolation is settled, and its extremes are where the probability is computed last.
 
 use super::interpolation::{Interpolation, node};
-use super::result::{Direction, Extreme, Trend};
+use super::result::{Extreme, Trend};
 use super::tolerance::tolerance;
 use crate::integrate::closed_form::ExactProbability;
 use crate::special_functions::normal;
@@ -289,12 +289,13 @@ fn trend(grid: &Interpolation, variable: usize) -> Trend {
             left.retain(|direction| direction.allows([change; 2]));
         }
     }
-    Trend { direction: left.first().copied().unwrap_or(Direction::Turns), is_proved: false }
+    Trend::of(&left, false)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::imprecise::result::Direction;
     use std::convert::Infallible;
 
     fn found(intervals: &[[f64; 2]], f: impl Fn(&[f64]) -> f64) -> Found {
