@@ -93,12 +93,16 @@ impl ImpreciseJob {
         let combinations = combinations.filter(|combinations| *combinations <= MOST_COMBINATIONS);
         let first = values.first().map(|value| value.span.clone());
         if intervals > MOST_INTERVALS {
-            let message = format!("the job has {intervals} intervals; the limit is {MOST_INTERVALS}. Give some quantities one value");
+            let message = format!(
+                "the job has {intervals} intervals; the limit is {MOST_INTERVALS}. Give some quantities one value"
+            );
             complaints.push(Complaint::maybe_at(first, message));
             return None;
         }
         let Some(combinations) = combinations else {
-            let message = format!("the alternatives of one_of make more than {MOST_COMBINATIONS} combinations, the limit; give fewer");
+            let message = format!(
+                "the alternatives of one_of make more than {MOST_COMBINATIONS} combinations, the limit; give fewer"
+            );
             complaints.push(Complaint::maybe_at(first, message));
             return None;
         };
@@ -115,7 +119,8 @@ impl ImpreciseJob {
             let job = family.checked(&choice, if index == 0 { 1 << intervals } else { 2 })?;
             all.push(Combination { choice, job });
         }
-        let quantity = |value: ImpreciseValue<'_>| ImpreciseQuantity { what: value.what, key: value.key, values: value.values };
+        let quantity =
+            |value: ImpreciseValue<'_>| ImpreciseQuantity { what: value.what, key: value.key, values: value.values };
         let quantities = family.values.into_iter().map(quantity).collect();
         Some(Self { quantities, combinations: all, warnings: family.warnings })
     }
@@ -205,7 +210,8 @@ impl Family<'_, '_> {
         if let Some(kind) = kind
             && *kind.get_ref() != CriterionKind::Eigenvalue
         {
-            let message = format!("{because} need criterion.kind = \"eigenvalue\", whose boundary is known in closed form");
+            let message =
+                format!("{because} need criterion.kind = \"eigenvalue\", whose boundary is known in closed form");
             self.complaints.push(Complaint::at(kind.span(), message));
         }
     }

@@ -86,7 +86,9 @@ pub fn find<'a>(
     let mut found = Vec::new();
     let mut refused = HashSet::new();
     for (path, span) in places {
-        let Some(DeValue::Table(table)) = value_at(document.get_mut(), &path).map(|value| value.clone()) else { continue };
+        let Some(DeValue::Table(table)) = value_at(document.get_mut(), &path).map(|value| value.clone()) else {
+            continue;
+        };
         let key = key_of(&path);
         let choices = choices_of(&table);
         let read = what_at(&path).and_then(|what| {
@@ -192,7 +194,8 @@ fn value_at<'t, 'a>(table: &'t mut DeTable<'a>, path: &[Step]) -> Option<&'t mut
 
 /// The key of a value, for messages.
 fn key_of(path: &[Step]) -> String {
-    let names: Vec<&str> = path.iter().filter_map(|step| if let Step::Key(name) = step { Some(&**name) } else { None }).collect();
+    let names: Vec<&str> =
+        path.iter().filter_map(|step| if let Step::Key(name) = step { Some(&**name) } else { None }).collect();
     match names[..] {
         ["random", key, input] => format!("random.{key} of {input}"),
         _ => names.join("."),
@@ -257,7 +260,9 @@ fn values_of(table: &DeTable<'_>, text: &str, is_distribution: bool) -> Result<V
         };
     }
     if is_distribution {
-        return Err("nothing lies between distributions; list them: { one_of = [\"normal\", \"lognormal\"] }".to_owned());
+        return Err(
+            "nothing lies between distributions; list them: { one_of = [\"normal\", \"lognormal\"] }".to_owned()
+        );
     }
     let [low, high] = &**list else {
         return Err(format!("between has {} values; it is two ends, {{ between = [LOW, HIGH] }}", list.len()));

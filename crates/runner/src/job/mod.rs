@@ -14,6 +14,8 @@ mod overrides;
 
 pub mod friction;
 
+mod imprecise_schema;
+
 mod criterion_spec;
 
 mod distribution_spec;

@@ -183,7 +183,8 @@ impl<F: Family> Sides<'_, F> {
             let are_there = found.trends.iter().zip(&intervals).zip(&extreme.at).all(is_there);
             if found.is_settled && are_there { Evidence::Checked } else { Evidence::Searched }
         });
-        let extremes = found.extremes.map(|extreme| extreme.map(|extreme| Extreme { at: placed(&extreme.at), ..extreme }));
+        let extremes =
+            found.extremes.map(|extreme| extreme.map(|extreme| Extreme { at: placed(&extreme.at), ..extreme }));
         Ok(Side { extremes, evidence, trends: found.trends, evaluations: found.evaluations })
     }
 }

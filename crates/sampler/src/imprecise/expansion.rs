@@ -178,7 +178,9 @@ pub fn remainder(half_widths: [f64; 2], by: [usize; 2], is_single: bool) -> f64 
         } else {
             f64::INFINITY
         };
-        sum += by_preload.min(by_friction) * power_over_factorial(half_widths[0], i) * power_over_factorial(half_widths[1], j);
+        sum += by_preload.min(by_friction)
+            * power_over_factorial(half_widths[0], i)
+            * power_over_factorial(half_widths[1], j);
     }
     sum
 }

@@ -113,7 +113,8 @@ pub fn extremes<E>(
         if agrees && tails[roughest] <= SETTLED {
             break End::Settled;
         }
-        let best = [0, 1].map(|which| wanted[which].then(|| search.best(which).map(|best| best.probability.value)).flatten());
+        let best =
+            [0, 1].map(|which| wanted[which].then(|| search.best(which).map(|best| best.probability.value)).flatten());
         let is_same = |(now, before): (&Option<f64>, &Option<f64>)| match (now, before) {
             (Some(now), Some(before)) => (now - before).abs() <= CLOSE * tolerance(*now),
             (now, before) => now.is_none() == before.is_none(),
@@ -152,7 +153,8 @@ impl<E, F: FnMut(&[f64]) -> Result<ExactProbability, E>> Search<'_, F> {
         } else {
             let share = 0.5 * (x + 1.0);
             let is_wide = low > 0.0 && high >= LEAST_RATIO * low;
-            let value = if is_wide { low * libm::exp(share * libm::log(high / low)) } else { low + share * (high - low) };
+            let value =
+                if is_wide { low * libm::exp(share * libm::log(high / low)) } else { low + share * (high - low) };
             value.clamp(low, high)
         }
     }
@@ -183,7 +185,8 @@ impl<E, F: FnMut(&[f64]) -> Result<ExactProbability, E>> Search<'_, F> {
     /// Seeks on from the best point, one quantity after the other, with the probability itself.
     fn polish(&mut self, which: usize) -> Result<(), E> {
         let Some(best) = self.best(which) else { return Ok(()) };
-        let mut at: Vec<f64> = (0..self.intervals.len()).map(|quantity| self.variable(quantity, best.at[quantity])).collect();
+        let mut at: Vec<f64> =
+            (0..self.intervals.len()).map(|quantity| self.variable(quantity, best.at[quantity])).collect();
         for width in [0.25, 0.05] {
             for variable in 0..at.len() {
                 let [from, to] = [at[variable] - width, at[variable] + width].map(|x| x.clamp(-1.0, 1.0));

@@ -130,7 +130,8 @@ impl Found<'_> {
         lines[0].push("evidence".to_owned());
         for row in rows.iter().take(MOST_CELLS) {
             for (which, end) in row.ends.iter().enumerate() {
-                let axis = |known: &&Known<'_>| if which == 0 { rounded((known.value)(row.cell)) } else { String::new() };
+                let axis =
+                    |known: &&Known<'_>| if which == 0 { rounded((known.value)(row.cell)) } else { String::new() };
                 let mut line: Vec<String> = varying.iter().map(axis).collect();
                 line.extend([ENDS[which].to_owned(), probability(end.probability)]);
                 line.extend((0..job.quantities.len()).map(|place| self.reached_text(end, place)));
@@ -156,7 +157,10 @@ impl Found<'_> {
                 Evidence::Checked,
                 "checked: P is monotonic in every quantity wherever it was computed, and this is the end",
             ),
-            (Evidence::Searched, "searched: found by interpolation that was refined until it agreed with P; not proved"),
+            (
+                Evidence::Searched,
+                "searched: found by interpolation that was refined until it agreed with P; not proved",
+            ),
         ];
         let mut lines: Vec<String> =
             words.into_iter().filter(|(evidence, _)| has(*evidence)).map(|(_, line)| line.to_owned()).collect();
@@ -223,7 +227,8 @@ impl Found<'_> {
             columns.push(real(known.name, known.unit, known.long_name, &|row| Some((known.value)(row.cell))));
         }
         for (which, (end, beyond)) in ENDS.into_iter().zip(["below", "above"]).enumerate() {
-            let meaning = format!("{} probability of instability over the imprecise inputs", ["lowest", "highest"][which]);
+            let meaning =
+                format!("{} probability of instability over the imprecise inputs", ["lowest", "highest"][which]);
             columns.push(real(format!("p_{end}"), "1", meaning, &|row| Some(row.ends[which].probability)));
             let meaning = format!("bound on the numerical error of p_{end}");
             columns.push(real(format!("p_{end}_error"), "1", meaning, &|row| Some(row.ends[which].error_bound)));
@@ -246,7 +251,12 @@ impl Found<'_> {
             }
         }
         let evaluations = TableValues::Integer(rows.iter().map(|row| row.evaluations).collect());
-        columns.push(column("evaluations".to_owned(), "1", "probabilities that were integrated".to_owned(), evaluations));
+        columns.push(column(
+            "evaluations".to_owned(),
+            "1",
+            "probabilities that were integrated".to_owned(),
+            evaluations,
+        ));
         columns
     }
 
@@ -254,10 +264,11 @@ impl Found<'_> {
     fn reached(&self, place: usize, which: usize) -> TableValues {
         let texts: Vec<String> = self.rows.iter().map(|row| self.reached_text(&row.ends[which], place)).collect();
         match &self.job.quantities[place].values {
-            Values::Between(_) => TableValues::Real(self.rows.iter().map(|row| row.ends[which].values[place]).collect()),
+            Values::Between(_) => {
+                TableValues::Real(self.rows.iter().map(|row| row.ends[which].values[place]).collect())
+            }
             Values::OneOf(_) => {
-                let numbers: Option<Vec<f64>> =
-                    texts.iter().map(|text| text.replace('_', "").parse().ok()).collect();
+                let numbers: Option<Vec<f64>> = texts.iter().map(|text| text.replace('_', "").parse().ok()).collect();
                 match numbers {
                     Some(numbers) => TableValues::Real(numbers.into_iter().map(Some).collect()),
                     None => TableValues::Text(texts),
@@ -269,7 +280,7 @@ impl Found<'_> {
     /// What the file says beside its columns.
     pub fn footer(&self) -> Vec<(&'static str, String)> {
         vec![
-            ("stickslip:bounds_of", self.source.text.clone()),
+            ("stickslip:job", self.source.text.clone()),
             ("stickslip:imprecise", imprecise_json(self.job).to_string()),
             ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
             ("stickslip:results_version", RESULTS_VERSION.to_string()),
@@ -285,7 +296,13 @@ impl Found<'_> {
             let Some(scalar) = scalar(&further.name) else { continue };
             let long_name = format!("expected value of {}: {}", scalar.key, scalar.description);
             let value = move |cell| job.value_in(scalar.key, &job.grid.cell(cell)).unwrap_or(f64::NAN);
-            all.push(Known { name: scalar.key.to_owned(), unit: scalar.unit, long_name, value: Box::new(value), varies: false });
+            all.push(Known {
+                name: scalar.key.to_owned(),
+                unit: scalar.unit,
+                long_name,
+                value: Box::new(value),
+                varies: false,
+            });
         }
         let of_cell = |name: &str, unit, long_name: &str, value: fn(&Cell) -> f64| Known {
             name: name.to_owned(),
@@ -299,7 +316,13 @@ impl Found<'_> {
             let (RandomInput::Preload | RandomInput::StaticFriction) = input else { continue };
             let value = move |cell| job.random.relative_stds[job.grid.relative_std_index(cell)][i];
             let long_name = format!("standard deviation of {} over its expected value", input.name());
-            all.push(Known { name: format!("std_{}", input.name()), unit: "1", long_name, value: Box::new(value), varies: false });
+            all.push(Known {
+                name: format!("std_{}", input.name()),
+                unit: "1",
+                long_name,
+                value: Box::new(value),
+                varies: false,
+            });
         }
         all.extend([
             of_cell("preload", "1", "expected preload, calliper displacement over disc thickness", |cell| cell.preload),
@@ -320,7 +343,9 @@ pub fn imprecise_json(job: &ImpreciseJob) -> Value {
     let quantity = |quantity: &ImpreciseQuantity| {
         let (key, values) = match &quantity.values {
             Values::Between(ends) => ("between", json!(ends)),
-            Values::OneOf(values) => ("one_of", json!(values.iter().map(|value| value.replace('"', "")).collect::<Vec<_>>())),
+            Values::OneOf(values) => {
+                ("one_of", json!(values.iter().map(|value| value.replace('"', "")).collect::<Vec<_>>()))
+            }
         };
         json!({ "quantity": column_name(quantity), "key": quantity.key, key: values })
     };

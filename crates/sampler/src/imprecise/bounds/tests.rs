@@ -95,7 +95,8 @@ impl Family for Brake {
     }
 
     fn normal_cell(&self, at: &[f64]) -> Result<Option<(StabilityBoundary, Cell)>, Infallible> {
-        let is_correlated = self.correlation != 0.0 || self.quantities.iter().any(|(what, _)| *what == What::Correlation);
+        let is_correlated =
+            self.correlation != 0.0 || self.quantities.iter().any(|(what, _)| *what == What::Correlation);
         let (boundary, cell, _) = self.at(at);
         Ok((self.marginal == Marginal::Normal && !is_correlated).then_some((boundary, cell)))
     }

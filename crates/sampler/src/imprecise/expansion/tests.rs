@@ -22,7 +22,9 @@ fn value(coefficients: &Coefficients, [x, y]: [f64; 2]) -> f64 {
 
 #[test]
 fn the_polynomial_is_the_probability_up_to_its_remainder() {
-    for (stds, width) in [((0.2, 0.1), 0.1), ((0.1, 0.3), 0.25), ((0.2, 0.0), 0.3), ((0.0, 0.1), 0.3), ((0.3, 0.2), 0.4)] {
+    for (stds, width) in
+        [((0.2, 0.1), 0.1), ((0.1, 0.3), 0.25), ((0.2, 0.0), 0.3), ((0.0, 0.1), 0.3), ((0.3, 0.2), 0.4)]
+    {
         let centre = cell(stds.0, stds.1);
         let coefficients = expansion(&boundary(), &centre);
         let widths = [stds.0, stds.1].map(|std| if std > 0.0 { width } else { 0.0 });
