@@ -78,8 +78,8 @@ impl<'a> ImpreciseCell<'a> {
     /// What is known of the quantities that are intervals.
     pub fn quantities(&self) -> Vec<Quantity> {
         let role = |what: &What| match what {
-            What::Expected(scalar, _) if scalar.key == PRELOAD => Role::Rising,
-            What::Expected(scalar, _) if scalar.key == STATIC_FRICTION && self.is_unstable_above() => Role::Rising,
+            What::Expected(scalar) if scalar.key == PRELOAD => Role::Rising,
+            What::Expected(scalar) if scalar.key == STATIC_FRICTION && self.is_unstable_above() => Role::Rising,
             What::RelativeStd(input) if input == RandomInput::Preload.name() => Role::StdOfPreload,
             What::RelativeStd(input) if input == RandomInput::StaticFriction.name() => Role::StdOfFriction,
             _ => Role::Unknown,
@@ -101,7 +101,7 @@ impl<'a> ImpreciseCell<'a> {
     /// Whether a parameter is imprecise on which the boundary depends.
     fn has_imprecise_brake(&self) -> bool {
         let is_of_brake = |what: &What| match what {
-            What::Expected(scalar, _) => ![PRELOAD, STATIC_FRICTION].contains(&scalar.key),
+            What::Expected(scalar) => ![PRELOAD, STATIC_FRICTION].contains(&scalar.key),
             What::RelativeStd(_) | What::Distribution(_) | What::Correlation => false,
         };
         self.intervals.iter().any(|(_, quantity, _)| is_of_brake(&quantity.what))
@@ -114,7 +114,7 @@ impl<'a> ImpreciseCell<'a> {
         let boundary = || {
             let mut parameters = self.job.brakes().in_cell(&self.cell)?;
             for ((_, quantity, _), value) in self.intervals.iter().zip(at) {
-                if let What::Expected(scalar, _) = &quantity.what
+                if let What::Expected(scalar) = &quantity.what
                     && ![PRELOAD, STATIC_FRICTION].contains(&scalar.key)
                 {
                     parameters.set(scalar.key, *value)?;
@@ -134,13 +134,13 @@ impl<'a> ImpreciseCell<'a> {
         let mut correlation = self.job.random.pairs.first().map_or(0.0, |&(_, _, coefficient)| coefficient);
         for ((_, quantity, _), &value) in self.intervals.iter().zip(at) {
             match &quantity.what {
-                What::Expected(scalar, _) if scalar.key == PRELOAD => cell.preload = value,
-                What::Expected(scalar, _) if scalar.key == STATIC_FRICTION => cell.static_friction = value,
-                What::Expected(scalar, _) if scalar.key == ROTATING_SPEED => cell.rotating_speed = value,
+                What::Expected(scalar) if scalar.key == PRELOAD => cell.preload = value,
+                What::Expected(scalar) if scalar.key == STATIC_FRICTION => cell.static_friction = value,
+                What::Expected(scalar) if scalar.key == ROTATING_SPEED => cell.rotating_speed = value,
                 What::RelativeStd(input) if input == RandomInput::Preload.name() => cell.relative_std.preload = value,
                 What::RelativeStd(_) => cell.relative_std.static_friction = value,
                 What::Correlation => correlation = value,
-                What::Expected(..) | What::Distribution(_) => {}
+                What::Expected(_) | What::Distribution(_) => {}
             }
         }
         Ok(Precise { boundary: self.boundary(at)?, cell, correlation })

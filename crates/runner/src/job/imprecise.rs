@@ -10,6 +10,7 @@ use toml::de::DeTable;
 use super::criterion_spec::CriterionKind;
 use super::diagnosis::{Complaint, Complaints};
 use super::imprecise_values::{ImpreciseValue, Values, What, find, put};
+use super::keys::axis_of;
 use super::reading;
 use super::sampling_spec::SamplingMethod;
 use super::spec::JobSpec;
@@ -66,7 +67,7 @@ impl ImpreciseQuantity {
     /// In words.
     pub fn name(&self) -> String {
         match &self.what {
-            What::Expected(_, axis) => format!("expected {axis}"),
+            What::Expected(scalar) => format!("expected {}", axis_of(scalar.key).unwrap_or(scalar.key)),
             What::RelativeStd(input) => format!("relative std of {input}"),
             What::Distribution(input) => format!("distribution of {input}"),
             What::Correlation => "correlation".to_owned(),

@@ -19,8 +19,8 @@ const ONE_OF: &str = "one_of";
 /// What is imprecise.
 #[derive(Debug, Clone)]
 pub enum What {
-    /// An expected value, of which the axis has this name.
-    Expected(&'static Scalar, String),
+    /// The expected value of a parameter.
+    Expected(&'static Scalar),
     /// The relative standard deviation of an input.
     RelativeStd(String),
     /// The distribution of an input.
@@ -213,7 +213,7 @@ fn what_at(path: &[Step]) -> Result<What, String> {
                 return Err("an imprecise force is written as an imprecise axes.preload; `stickslip check` tells the forces of preloads".to_owned());
             }
             match scalar(parameter_of_axis(&name).unwrap_or(&name)) {
-                Some(scalar) => Ok(What::Expected(scalar, name)),
+                Some(scalar) => Ok(What::Expected(scalar)),
                 None => Err(format!("there is no axis of a parameter {name}; {PLACES}")),
             }
         }

@@ -4,6 +4,8 @@
 //! of ten of the probability. It is interpolated between Chebyshev's points, which are made finer until the
 //! interpolation is settled, and its extremes are where the probability is computed last.
 
+use std::collections::HashMap;
+
 use super::interpolation::{Interpolation, node};
 use super::result::{Extreme, Trend};
 use super::tolerance::tolerance;
@@ -38,8 +40,14 @@ const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// The interpolation agrees with the probability at an extreme within so many tolerances.
 const CLOSE: f64 = 30.0;
 
-/// Refinements that leave the extremes as they were, after which the search ends.
+/// Refinements that leave the extremes as they were, after which the search ends: where the interpolation agrees with the
+/// probability at the extremes, and where it does not, as beside a kink.
 const UNCHANGED: usize = 2;
+const UNCHANGED_ANYWAY: usize = 3;
+
+/// Probabilities between which the reliability index is interpolated. Beyond, nothing need be told apart, and a step to
+/// a probability of 0 or 1 must not be too high.
+const INTERPOLATED: [f64; 2] = [1e-30, 1.0 - 1e-8];
 
 /// Differences of the reliability index that are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -64,7 +72,7 @@ enum End {
     Settled,
     /// The extremes do not change any more, where it agrees; elsewhere the probability has a kink, or is 0 or 1.
     Unchanged,
-    /// There are too many points.
+    /// The interpolation does not agree at the extremes.
     Open,
 }
 
@@ -76,6 +84,8 @@ struct Search<'a, F> {
     intervals: &'a [[f64; 2]],
     probability: F,
     computed: Vec<(Vec<f64>, ExactProbability)>,
+    /// The place of each point among these, by the bits of its values.
+    places: HashMap<Vec<u64>, usize>,
 }
 
 /// The least probability, the greatest, or both, as `wanted` says, over at least one interval.
@@ -87,7 +97,7 @@ pub fn extremes<E>(
     wanted: [bool; 2],
     probability: impl FnMut(&[f64]) -> Result<ExactProbability, E>,
 ) -> Result<Found, E> {
-    let mut search = Search { intervals, probability, computed: Vec::new() };
+    let mut search = Search { intervals, probability, computed: Vec::new(), places: HashMap::new() };
     let mut grid = Interpolation::new(intervals.len(), FIRST);
     let mut before: [Option<f64>; 2] = [None; 2];
     let mut unchanged = 0;
@@ -119,10 +129,12 @@ pub fn extremes<E>(
             (Some(now), Some(before)) => (now - before).abs() <= CLOSE * tolerance(*now),
             (now, before) => now.is_none() == before.is_none(),
         };
-        unchanged = if agrees && best.iter().zip(&before).all(is_same) { unchanged + 1 } else { 0 };
+        unchanged = if best.iter().zip(&before).all(is_same) { unchanged + 1 } else { 0 };
         before = best;
-        if unchanged >= UNCHANGED {
-            break End::Unchanged;
+        match agrees {
+            true if unchanged >= UNCHANGED => break End::Unchanged,
+            false if unchanged >= UNCHANGED_ANYWAY => break End::Open,
+            _ => {}
         }
         if 2 * grid.len() > MOST_POINTS || !grid.refine(roughest) {
             break End::Open;
@@ -162,16 +174,17 @@ impl<E, F: FnMut(&[f64]) -> Result<ExactProbability, E>> Search<'_, F> {
     /// The reliability index at a point.
     fn index(&mut self, at: &[f64]) -> Result<f64, E> {
         let values: Vec<f64> = at.iter().enumerate().map(|(quantity, &x)| self.value(quantity, x)).collect();
-        let known = self.computed.iter().find(|(other, _)| *other == values).map(|(_, found)| *found);
-        let found = match known {
-            Some(found) => found,
+        let bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
+        let found = match self.places.get(&bits) {
+            Some(&place) => self.computed[place].1,
             None => {
                 let found = (self.probability)(&values)?;
+                self.places.insert(bits, self.computed.len());
                 self.computed.push((values, found));
                 found
             }
         };
-        Ok(-normal::quantile(found.value.clamp(1e-300, 1.0 - f64::EPSILON)))
+        Ok(-normal::quantile(found.value.clamp(INTERPOLATED[0], INTERPOLATED[1])))
     }
 
     /// The best of all points.

@@ -7,7 +7,7 @@ use stickslip_sampler::grid::Cell;
 use stickslip_sampler::imprecise::result::{Direction, Evidence, Trend};
 
 use crate::files::table::{TableColumn, TableValues};
-use crate::job::{ImpreciseJob, ImpreciseQuantity, JobSource, RandomInput, Values, What};
+use crate::job::{ImpreciseJob, ImpreciseQuantity, JobSource, RandomInput, Values, What, axis_of};
 use crate::output::{counted, wrapped};
 use crate::picture::view::rounded;
 
@@ -355,8 +355,10 @@ pub fn imprecise_json(job: &ImpreciseJob) -> Value {
 /// The column of a quantity, as in a surface.
 fn column_name(quantity: &ImpreciseQuantity) -> String {
     match &quantity.what {
-        What::Expected(_, axis) if axis == "rotating_speed" => "rotating_speed_rad_s".to_owned(),
-        What::Expected(_, axis) => axis.clone(),
+        What::Expected(scalar) => match axis_of(scalar.key) {
+            Some("rotating_speed") => "rotating_speed_rad_s".to_owned(),
+            axis => axis.unwrap_or(scalar.key).to_owned(),
+        },
         What::RelativeStd(input) => format!("std_{input}"),
         What::Distribution(input) => format!("distribution_{input}"),
         What::Correlation => "correlation".to_owned(),
@@ -365,7 +367,7 @@ fn column_name(quantity: &ImpreciseQuantity) -> String {
 
 fn unit_of(quantity: &ImpreciseQuantity) -> &'static str {
     match &quantity.what {
-        What::Expected(scalar, _) => scalar.unit,
+        What::Expected(scalar) => scalar.unit,
         What::RelativeStd(_) | What::Distribution(_) | What::Correlation => "1",
     }
 }

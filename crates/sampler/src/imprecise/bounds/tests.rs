@@ -118,7 +118,6 @@ fn agrees(brake: &Brake, values: usize) -> Bounds {
         let Ok(there) = brake.probability(at);
         assert_eq!(there.value, value);
     }
-    eprintln!("{} of {evaluations} {:?}", found.evaluations, found.evidence);
     assert!(100 * found.evaluations <= evaluations, "{} of {evaluations}", found.evaluations);
     found
 }
@@ -167,4 +166,37 @@ fn two_limits_along_the_speed_have_an_extreme_between_them() {
     assert_eq!(found.trends[0].direction, Direction::Turns);
     let speed = found.extremes[1].at[0];
     assert!(speed > 0.1 && speed < 17.0, "{found:?}");
+}
+
+#[test]
+fn a_loop_over_random_boxes_finds_nothing_beyond_the_bounds() {
+    let marginals = [Marginal::Normal, Marginal::Lognormal, Marginal::Uniform, Marginal::Gumbel, Marginal::Weibull];
+    let places = [(0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)];
+    let mut state = 12345u32;
+    let mut between = |least: f64, most: f64| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        least + (most - least) * f64::from(state >> 8) / f64::from(1 << 24)
+    };
+    for round in 0..18 {
+        let mut interval = |least: f64, most: f64| {
+            let ends = [between(least, most), between(least, most)];
+            [ends[0].min(ends[1]), ends[0].max(ends[1]) + 1e-3]
+        };
+        let all = [
+            (What::StdOfPreload, interval(0.02, 0.4)),
+            (What::StdOfFriction, interval(0.02, 0.25)),
+            (What::Correlation, interval(-0.8, 0.8)),
+            (What::Speed, interval(5.0, 25.0)),
+        ];
+        let (first, second) = places[round % places.len()];
+        let brake = Brake::new(between(0.03, 0.28), between(0.3, 0.45), [0.15, 0.1], &[all[first], all[second]]);
+        let marginal = marginals[round % marginals.len()].clone();
+        let brake = Brake { marginal, correlation: if round % 4 == 0 { 0.3 } else { 0.0 }, ..brake };
+        let Ok(found) = bounds(&brake, &brake.roles());
+        let (expected, _) = brake.brute_force(21);
+        let [least, most] = [0, 1].map(|which| found.extremes[which].probability.value);
+        let beyond = (least - expected[0]).max(expected[1] - most);
+        assert!(beyond < 1e-6, "round {round}: {beyond:e} {:?} {found:?}", brake.quantities);
+        assert!(found.evaluations < 500, "round {round}: {}", found.evaluations);
+    }
 }
