@@ -181,7 +181,7 @@ impl<F: Family> Sides<'_, F> {
                 Direction::Turns => false,
             };
             let are_there = found.trends.iter().zip(&intervals).zip(&extreme.at).all(is_there);
-            if found.is_settled && are_there { Evidence::Checked } else { Evidence::Searched }
+            if found.agrees && are_there { Evidence::Checked } else { Evidence::Searched }
         });
         let extremes =
             found.extremes.map(|extreme| extreme.map(|extreme| Extreme { at: placed(&extreme.at), ..extreme }));

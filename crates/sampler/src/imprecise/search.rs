@@ -59,8 +59,8 @@ pub struct Found {
     pub extremes: [Option<Extreme>; 2],
     /// What the probability does along each quantity.
     pub trends: Vec<Trend>,
-    /// Whether the interpolation agrees with the probability everywhere.
-    pub is_settled: bool,
+    /// Whether the interpolation agrees with the probability at the extremes, and finer ones do not change them.
+    pub agrees: bool,
     /// Probabilities that were integrated.
     pub evaluations: u64,
 }
@@ -149,7 +149,7 @@ pub fn extremes<E>(
     Ok(Found {
         extremes: [0, 1].map(extreme),
         trends: (0..intervals.len()).map(|variable| trend(&grid, variable)).collect(),
-        is_settled: end == End::Settled,
+        agrees: end != End::Open,
         evaluations: search.computed.len() as u64,
     })
 }
@@ -327,17 +327,17 @@ mod tests {
         let [least, most] = found.extremes.map(Option::unwrap);
         assert!((most.at[0] - 0.437).abs() < 1e-3 && most.at[1] == 0.5, "{most:?}");
         assert_eq!(least.at, [0.9, -0.5]);
-        assert!(found.is_settled && found.evaluations < 60, "{}", found.evaluations);
+        assert!(found.agrees && found.evaluations < 60, "{}", found.evaluations);
         assert_eq!(found.trends[0].direction, Direction::Turns);
         assert_eq!(found.trends[1], Trend { direction: Direction::Rises, is_proved: false });
     }
 
     #[test]
-    fn a_kink_is_searched_for_and_said_not_to_be_settled() {
+    fn a_kink_is_searched_for_with_the_probability_itself() {
         let found = found(&[[0.0, 1.0]], |at| 0.3 - 0.2 * (at[0] - 0.613).abs());
         let [_, most] = found.extremes.map(Option::unwrap);
         assert!((most.probability.value - 0.3).abs() < 1e-6, "{most:?}");
-        assert!(!found.is_settled);
+        assert!(!found.agrees);
     }
 
     #[test]
