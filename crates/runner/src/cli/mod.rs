@@ -56,7 +56,7 @@ pub enum Command {
     Compare(CompareArguments),
     /// Find where along an axis the probability of instability passes a target
     Limit(LimitArguments),
-    /// Find the lower and upper probability of a job with imprecise inputs, and where each is reached
+    /// Find the lower and upper probability over imprecise inputs
     Bounds(BoundsArguments),
     /// Draw the result of a finished run, or a simulated motion, as SVG and PNG
     Plot(PlotArguments),

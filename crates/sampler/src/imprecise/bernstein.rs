@@ -116,26 +116,20 @@ impl Patch {
 
     /// The variable along which neighbouring coefficients differ more.
     fn steeper(&self) -> usize {
-        let c = &self.coefficients;
-        let mut change = [0.0f64; 2];
-        for i in 0..TERMS {
-            for j in 0..DEGREE {
-                change[0] = change[0].max((c[j + 1][i] - c[j][i]).abs());
-                change[1] = change[1].max((c[i][j + 1] - c[i][j]).abs());
-            }
-        }
+        let step = |(a, b): (&f64, &f64)| (b - a).abs();
+        let between = |a: &[f64; TERMS], b: &[f64]| a.iter().zip(b).map(step).fold(0.0, f64::max);
+        let rows = &self.coefficients;
+        let change = [
+            rows.windows(2).map(|pair| between(&pair[0], &pair[1])).fold(0.0, f64::max),
+            rows.iter().map(|row| between(row, &row[1..])).fold(0.0, f64::max),
+        ];
         usize::from(change[1] > change[0])
     }
 }
 
 fn transpose(coefficients: &mut Coefficients) {
-    for i in 0..TERMS {
-        for j in 0..i {
-            let other = coefficients[i][j];
-            coefficients[i][j] = coefficients[j][i];
-            coefficients[j][i] = other;
-        }
-    }
+    let before = *coefficients;
+    *coefficients = std::array::from_fn(|i| std::array::from_fn(|j| before[j][i]));
 }
 
 /// Bernstein coefficients on the interval from -1 to 1 from those of powers.

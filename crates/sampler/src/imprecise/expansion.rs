@@ -120,8 +120,8 @@ pub fn expansion(boundary: &StabilityBoundary, cell: &Cell) -> Coefficients {
         let density = normal::density(z);
         let mut moments = [0.0; ALL];
         let mut next = moments.iter_mut();
-        for i in 0..TERMS {
-            let of_preload = density * even_polynomial(&DENSITIES[i], z * z);
+        for (i, polynomial) in DENSITIES.iter().enumerate() {
+            let of_preload = density * even_polynomial(polynomial, z * z);
             for (j, moment) in (0..TERMS - i).zip(&mut next) {
                 *moment = of_preload * of_friction[j];
             }

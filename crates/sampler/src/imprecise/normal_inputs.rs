@@ -1,7 +1,7 @@
 //! The least and the greatest probability over the standard deviations of normal, independent inputs, with a proof.
 //!
 //! The standard deviations are divided into boxes. On each the probability is a polynomial up to a known remainder
-//! ([`expansion`](super::expansion)), whose extremes are bounded ([`bernstein`](super::bernstein)). A box that may
+//! (the module `expansion`), whose extremes are bounded (the module `bernstein`). A box that may
 //! contain a more extreme value than the best one found is halved, until none may by more than the tolerance.
 
 use stickslip_core::rigid_disc::stability::StabilityBoundary;

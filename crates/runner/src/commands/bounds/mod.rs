@@ -105,7 +105,7 @@ fn row(job: &ImpreciseJob, cell: u64, is_stopped: IsStopped<'_>) -> Result<Row, 
         let imprecise = ImpreciseCell::new(&combination.job, cell, &job.quantities, is_stopped)?;
         let places = imprecise.places();
         let found = bounds_of(&imprecise, &imprecise.quantities())?;
-        let next = of_bounds(job, combination, cell, &places, found);
+        let next = of_bounds(job, combination, cell, &places, &found);
         row = Some(match row {
             None => next,
             Some(row) => row.with(next),
@@ -116,7 +116,7 @@ fn row(job: &ImpreciseJob, cell: u64, is_stopped: IsStopped<'_>) -> Result<Row, 
 }
 
 /// The row of one combination of alternatives.
-fn of_bounds(job: &ImpreciseJob, combination: &Combination, cell: u64, places: &[usize], found: Bounds) -> Row {
+fn of_bounds(job: &ImpreciseJob, combination: &Combination, cell: u64, places: &[usize], found: &Bounds) -> Row {
     let reached = |which: usize| {
         let Extreme { at, probability, bound } = &found.extremes[which];
         let mut values: Vec<Option<f64>> = vec![None; job.quantities.len()];
