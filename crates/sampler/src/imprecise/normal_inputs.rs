@@ -1,8 +1,8 @@
 //! The least and the greatest probability over the standard deviations of normal, independent inputs, with a proof.
 //!
-//! The standard deviations are divided into boxes. On each the probability is a polynomial up to a known remainder
-//! (the module `expansion`), whose extremes are bounded (the module `bernstein`). A box that may
-//! contain a more extreme value than the best one found is halved, until none may by more than the tolerance.
+//! The standard deviations are divided into boxes. On each the probability is a polynomial up to a known remainder (the
+//! module `expansion`), whose extremes are bounded (the module `bernstein`). A box that may contain a more extreme value
+//! than the best one found is halved, until none may by more than the tolerance.
 
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 
@@ -45,7 +45,10 @@ struct Part {
 }
 
 /// Least gain for which a place between the ends is told in place of an end.
-const WORTHWHILE: f64 = 1e-8;
+const WORTHWHILE: f64 = 1e-9;
+
+/// Share of the tolerance that the boxes may leave open; the rest is for an end that is told in place of them.
+const SHARE: f64 = 0.9;
 
 /// Which extreme: 1 for the least, -1 for the greatest.
 const SIGNS: [f64; 2] = [1.0, -1.0];
@@ -111,7 +114,7 @@ fn open_part(parts: &[Part], which: usize) -> Option<usize> {
     let value = |part: &Part| part.extremes[which].map_or(f64::INFINITY, |least| least.value + part.remainder);
     let best = parts.iter().map(value).fold(f64::INFINITY, f64::min);
     let open = (0..parts.len()).min_by(|&a, &b| bound(&parts[a]).total_cmp(&bound(&parts[b])))?;
-    (best - bound(&parts[open]) > tolerance(best.abs())).then_some(open)
+    (best - bound(&parts[open]) > SHARE * tolerance(best.abs())).then_some(open)
 }
 
 impl Search<'_> {
@@ -210,7 +213,7 @@ impl Search<'_> {
         let mut found = found.unwrap_or_else(Extreme::unknown);
         let bound = (sign * bound).clamp(0.0, 1.0);
         let beyond = sign * (found.probability.value - bound);
-        if beyond <= 2.0 * tolerance(found.probability.value) {
+        if beyond <= tolerance(found.probability.value) {
             // The bound of the polynomials may lie on this side by rounding.
             let value = found.probability.value;
             found.bound = Some(if beyond > 0.0 { bound } else { value });
