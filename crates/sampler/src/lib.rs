@@ -13,6 +13,7 @@
 //! | [`draw`] | the identity of a sample, its deviates, Sobol points |
 //! | [`verdict_map`] | the verdict as a function of preload and static friction |
 //! | [`integrate`] | probabilities without samples: in closed form, and from a verdict map |
+//! | [`imprecise`] | the least and the greatest probability over inputs that are known as intervals |
 //! | [`estimate`] | intervals, sequential looks, randomisations, audits, differences, derivatives, Sobol indices |
 //! | [`fit`] | distributions of the inputs from tests of brakes, by maximum likelihood |
 //! | [`limits`] | at which values of an axis the probability passes a target |
@@ -37,6 +38,8 @@ pub mod draw;
 pub mod verdict_map;
 
 pub mod integrate;
+
+pub mod imprecise;
 
 pub mod estimate;
 

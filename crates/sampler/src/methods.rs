@@ -10,6 +10,7 @@
 //! | [Sobol points](#sobol-points) | P with a narrower interval from as many samples | the unstable region has a boundary of finite length | no better than independent samples | `p_high - p_low` does not shrink faster than theirs |
 //! | [verdict map](#verdict-map) | the same counts from far fewer simulations | two random inputs; boundaries visible on a grid | an island between grid points is looked up wrongly | the audit finds wrong verdicts |
 //! | [integration](#integration) | P without sampling error | as for the map; over a map independent normal inputs | as for the map | the audit; bounds that are far apart |
+//! | [bounds](#bounds-over-imprecise-inputs) | the least and the greatest P over intervals of the inputs | a boundary in closed form | a narrow extreme between the points of a search | the evidence is `searched` |
 //! | [conditional probabilities](#conditional-probabilities) | P of rare events with many inputs | a boundary in closed form | few samples have most of P | `p_high` stays above 0 |
 //! | [rare events](#rare-events) | P down to 1e-12 with many inputs and any criterion | populations of samples find all unstable regions | a small region is missed; weights scatter | P is null, `n_effective` is small |
 //! | [derivatives](#derivatives) | slope of P by a parameter of the cell | independent normal inputs | few unstable or stable samples, small scatter | null, or a large standard error |
@@ -141,6 +142,21 @@
 //!
 //! **Failure.** As for the map. **How you notice.** By the audit. For relative standard deviations below about 1e-4 the
 //! resolution of the curves is no longer small against the scatter, and `p_low` and `p_high` move apart.
+//!
+//! # Bounds over imprecise inputs
+//!
+//! `stickslip bounds`: the least and the greatest probability over quantities that are known as intervals or alternatives.
+//!
+//! **Assumptions.** The boundary is known in closed form (`kind = "eigenvalue"`, `method = "exact"`). Every combination of
+//! values is possible.
+//!
+//! **Result.** Expected preload and static friction are at their ends ([`bounds`](crate::imprecise::bounds)). Standard
+//! deviations of normal, independent inputs are found [with a proof](crate::imprecise::normal_inputs): a polynomial with
+//! a bounded remainder on each of some boxes. All else is [searched](crate::imprecise::search) by an interpolation that
+//! is refined until it agrees.
+//!
+//! **Failure.** A searched probability has an extreme that is narrower than the distance of the points. **How you
+//! notice.** The evidence is `searched`.
 //!
 //! # Conditional probabilities
 //!

@@ -58,6 +58,8 @@ pub enum Command {
     Fit(FitArguments),
     /// Find where along an axis the probability of instability passes a target
     Limit(LimitArguments),
+    /// Find the lower and upper probability over imprecise inputs
+    Bounds(BoundsArguments),
     /// Draw the result of a finished run, or a simulated motion, as SVG and PNG
     Plot(PlotArguments),
     /// Write a report of a finished run: one HTML file with interactive pictures
@@ -418,6 +420,22 @@ pub struct LimitArguments {
     #[arg(long = "probability", value_name = "P", value_parser = probability, allow_negative_numbers = true)]
     pub probabilities: Vec<f64>,
     /// Write one row for each limit to a Parquet file
+    #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
+    pub out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
+}
+
+/// Arguments of `bounds`.
+#[derive(Debug, Args)]
+pub struct BoundsArguments {
+    /// The job spec, with values that are { between = [LOW, HIGH] } or { one_of = [A, B] }; - reads it from standard input
+    #[arg(value_name = "JOB.toml")]
+    pub job: PathBuf,
+    /// Write one row for each cell to a Parquet file
     #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
     pub out: Option<PathBuf>,
     /// Print JSON

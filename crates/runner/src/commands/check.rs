@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
+use super::bounds;
 use super::cluster_prediction::ClusterPrediction;
 use crate::cli::CheckArguments;
 use crate::evaluate::evaluator::Evaluator;
@@ -32,6 +33,9 @@ struct Cost {
 /// `stickslip check`.
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let source = JobSource::read(&arguments.job)?;
+    if source.is_imprecise() {
+        return bounds::check(&source, arguments.json);
+    }
     let job = source.job()?;
     warn(job.warnings());
     let threads = arguments.threads.count();

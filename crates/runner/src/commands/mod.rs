@@ -14,6 +14,8 @@ mod status;
 
 mod cluster_prediction;
 
+mod bounds;
+
 mod check;
 
 mod one_brake;
@@ -60,6 +62,7 @@ mod report;
 mod export;
 
 pub use analyse::analyse;
+pub use bounds::bounds;
 pub use check::check;
 pub use compare::compare;
 pub use completion::{FinishedRun, complete_run};

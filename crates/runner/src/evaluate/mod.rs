@@ -27,6 +27,8 @@ pub mod integral;
 
 pub mod limits;
 
+pub mod bounds;
+
 mod stream;
 
 pub mod work;

@@ -13,6 +13,7 @@ use stickslip_core::motion::start::GivenStart;
 use stickslip_core::parameters::SCALARS;
 use toml::Spanned;
 
+use super::imprecise_schema::number_or_imprecise;
 use super::keys::{SECTIONS, axis_of};
 use super::preload_force;
 use super::start_value::StartValue;
@@ -237,7 +238,7 @@ impl JsonSchema for AxisSpec {
         json_schema!({
             "description": "A number, a list of numbers, or values between two ends.",
             "anyOf": [
-                { "type": "number" },
+                number_or_imprecise(&json!({ "type": "number" })),
                 { "type": "array", "items": { "type": "number" }, "minItems": 1, "uniqueItems": true },
                 range,
             ]

@@ -9,6 +9,7 @@ use serde::{Deserialize, Deserializer};
 use serde_json::json;
 use stickslip_sampler::inputs::Marginal;
 
+use super::imprecise_schema::one_of;
 use super::keys::nearest;
 
 /// Distributions that are written as a name.
@@ -166,11 +167,16 @@ impl JsonSchema for DistributionSpec {
             table(json!({ "values": { "type": "array", "items": { "type": "number" }, "minItems": 2,
                 "description": "Measured values" } })),
         ];
+        let alternatives = one_of(&json!({ "anyOf": marginal }));
         let mut choices = marginal.to_vec();
+        choices.push(alternatives.clone());
+        let of_input = json!({ "anyOf": choices });
+        let mut keys = vec!["one_of"];
+        keys.extend(KEYS);
         choices.push(json!({
             "type": "object",
-            "additionalProperties": { "anyOf": marginal },
-            "propertyNames": { "not": { "enum": KEYS } },
+            "additionalProperties": of_input,
+            "propertyNames": { "not": { "enum": keys } },
         }));
         json_schema!({
             "description": "One distribution for every random input, or a table by input; those left out are normal.",

@@ -14,6 +14,8 @@ mod overrides;
 
 pub mod friction;
 
+mod imprecise_schema;
+
 mod criterion_spec;
 
 mod distribution_spec;
@@ -35,6 +37,8 @@ mod spec;
 mod syntax;
 
 mod reading;
+
+mod imprecise_values;
 
 mod random_input;
 
@@ -64,6 +68,8 @@ mod limit;
 
 mod validation;
 
+mod imprecise;
+
 mod normalised;
 
 mod identity;
@@ -77,7 +83,9 @@ pub use criterion::Criterion;
 pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SbatchOption, SlurmName, TimeLimit};
 pub use identity::IDENTITY_VERSION;
-pub use keys::unknown_parameter;
+pub use imprecise::{Combination, ImpreciseJob, ImpreciseQuantity};
+pub use imprecise_values::{Values, What};
+pub use keys::{axis_of, unknown_parameter};
 pub use limit::LimitMethod;
 pub use limit_axis::LimitAxis;
 pub use measured::{read_csv, unreadable};

@@ -11,6 +11,7 @@ use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use super::distribution_spec::DistributionSpec;
+use super::imprecise_schema::number_or_imprecise;
 
 /// Relative standard deviation at most, for the widest distributions.
 pub const LARGEST_STD: f64 = 10.0;
@@ -35,8 +36,16 @@ pub struct RandomSpec {
     #[schemars(with = "Option<DistributionSpec>")]
     pub distribution: Option<Spanned<DistributionSpec>>,
     /// Correlated pairs: [["preload", "static_friction", 0.3], ...], coefficients of the normal deviates behind them.
-    #[schemars(with = "Option<Vec<(String, String, f64)>>")]
+    #[schemars(schema_with = "pairs_schema")]
     pub correlation: Option<Spanned<Vec<PairSpec>>>,
+}
+
+/// The JSON schema of correlated pairs.
+fn pairs_schema(_: &mut SchemaGenerator) -> Schema {
+    let coefficient = number_or_imprecise(&serde_json::json!({ "type": "number" }));
+    let input = serde_json::json!({ "type": "string" });
+    let pair = serde_json::json!({ "type": "array", "prefixItems": [input, input, coefficient], "minItems": 3, "maxItems": 3 });
+    json_schema!({ "type": ["array", "null"], "items": pair })
 }
 
 /// Two inputs and their coefficient of correlation.
@@ -127,11 +136,13 @@ impl JsonSchema for RelativeStdSpec {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let number = serde_json::json!({ "type": "number", "minimum": 0, "maximum": LARGEST_STD });
         let table = serde_json::json!({ "type": "object", "additionalProperties": number });
+        let value = number_or_imprecise(&number);
+        let inputs = serde_json::json!({ "not": { "enum": ["between", "one_of"] } });
         json_schema!({
             "description": "A number, a table by input, or a list of these.",
             "anyOf": [
-                number,
-                table,
+                value,
+                { "type": "object", "additionalProperties": value, "propertyNames": inputs },
                 { "type": "array", "items": { "anyOf": [number, table] }, "minItems": 1 },
             ]
         })

@@ -14,14 +14,19 @@ use super::syntax;
 /// Bytes of text that are looked at again for entries that cannot be read.
 const LOOKED_AT: usize = 1 << 22;
 
-/// Reads a job spec. An entry that cannot be read is complained about and left out, so that the others are read too;
-/// `None` if nothing can be read.
-pub fn read(text: &str, complaints: &mut Complaints) -> Option<JobSpec> {
-    let (mut document, errors) = DeTable::parse_recoverable(text);
-    if !errors.is_empty() {
-        syntax::errors(text, errors).into_iter().for_each(|complaint| complaints.push(complaint));
-        return None;
+/// Reads the text of a job spec as TOML; `None` with complaints if it is none.
+pub fn parse<'a>(text: &'a str, complaints: &mut Complaints) -> Option<Spanned<DeTable<'a>>> {
+    let (document, errors) = DeTable::parse_recoverable(text);
+    if errors.is_empty() {
+        return Some(document);
     }
+    syntax::errors(text, errors).into_iter().for_each(|complaint| complaints.push(complaint));
+    None
+}
+
+/// Reads a job spec from the TOML of its text. An entry that cannot be read is complained about and left out, so that the
+/// others are read too; `None` if nothing can be read.
+pub fn read(text: &str, mut document: Spanned<DeTable<'_>>, complaints: &mut Complaints) -> Option<JobSpec> {
     // Each entry that cannot be read takes a look at the whole text again.
     let most = (LOOKED_AT / text.len().max(1)).clamp(1, MOST_SHOWN);
     loop {

@@ -8,6 +8,8 @@ use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
 
 use super::diagnosis::Complaints;
 use super::friction::CurveColumns;
+use super::imprecise::{self, ImpreciseJob};
+use super::imprecise_values::find;
 use super::reading;
 use super::validated::Job;
 use super::validation::validate;
@@ -121,8 +123,32 @@ impl JobSource {
     pub fn job(&self) -> Result<Job, Failure> {
         let mut complaints = Complaints::default();
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        let job = reading::read(&self.text, &mut complaints).and_then(|spec| validate(&spec, folder, &mut complaints));
+        let document = reading::parse(&self.text, &mut complaints).map(|mut document| {
+            imprecise::refuse(&mut document, &self.text, &mut complaints);
+            document
+        });
+        let before = complaints.len();
+        let spec = document.and_then(|document| reading::read(&self.text, document, &mut complaints));
+        let job = spec.and_then(|spec| validate(&spec, folder, &mut complaints)).filter(|_| before == 0);
         job.ok_or_else(|| Failure::Job(complaints.render(&self.path, &self.text)))
+    }
+
+    /// Reads and checks a spec whose inputs may be imprecise.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, in the order of the text.
+    pub fn imprecise_job(&self) -> Result<ImpreciseJob, Failure> {
+        let mut complaints = Complaints::default();
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let job = ImpreciseJob::read(&self.text, folder, &mut complaints);
+        job.ok_or_else(|| Failure::Job(complaints.render(&self.path, &self.text)))
+    }
+
+    /// Whether anything of the spec is written as an imprecise value.
+    pub fn is_imprecise(&self) -> bool {
+        let mut complaints = Complaints::default();
+        let document = reading::parse(&self.text, &mut complaints);
+        document.is_some_and(|mut document| !find(&mut document, &self.text, &mut complaints).is_empty())
     }
 
     /// The spec as a run keeps it: measured values stand in it, in place of the file that they were read from.

@@ -69,7 +69,7 @@ pub fn probability(boundary: &StabilityBoundary, cell: &Cell) -> ExactProbabilit
         return rounded(exceeds(cell.preload, cell.relative_std.preload, critical), cell);
     }
     let integrand = |z: f64| [normal::density(z) * friction_share(preload_at(cell, z))];
-    let ([value], [error]) = over_preload(boundary, cell, &integrand);
+    let ([value], [error]) = over_preload(boundary, cell, &integrand, TOLERANCE);
     ExactProbability { value: value.clamp(0.0, 1.0), error_bound: error + rounding(cell) }
 }
 
@@ -94,7 +94,7 @@ pub fn derivatives(boundary: &StabilityBoundary, cell: &Cell) -> Derivatives {
         }
         (true, true) => {
             let integrand = |z: f64| product(&moments_at(z), &friction_moments(preload_at(cell, z)));
-            over_preload(boundary, cell, &integrand).0
+            over_preload(boundary, cell, &integrand, TOLERANCE).0
         }
     };
     let mut derivatives = Derivatives::of(cell, &moments);
@@ -135,15 +135,16 @@ fn scatter(cell: &Cell) -> (bool, bool) {
 }
 
 /// The preload at a deviate.
-fn preload_at(cell: &Cell, z: f64) -> f64 {
+pub(crate) fn preload_at(cell: &Cell, z: f64) -> f64 {
     cell.preload * (1.0 + cell.relative_std.preload * z)
 }
 
-/// The integral over the deviates at which the preload is positive.
-fn over_preload<const N: usize>(
+/// The integral over the deviates at which the preload is positive, with an error of about `tolerance`.
+pub(crate) fn over_preload<const N: usize>(
     boundary: &StabilityBoundary,
     cell: &Cell,
     integrand: &impl Fn(f64) -> [f64; N],
+    tolerance: f64,
 ) -> ([f64; N], [f64; N]) {
     let std = cell.relative_std;
     let from = (-1.0 / std.preload).clamp(-DEVIATE_LIMIT, DEVIATE_LIMIT);
@@ -157,7 +158,7 @@ fn over_preload<const N: usize>(
         *end = ((critical / cell.preload - 1.0) / std.preload).clamp(from, DEVIATE_LIMIT);
     }
     ends.sort_by(f64::total_cmp);
-    integrate_intervals(integrand, &ends, TOLERANCE, DEEPEST)
+    integrate_intervals(integrand, &ends, tolerance, DEEPEST)
 }
 
 /// A tail, computed without quadrature.

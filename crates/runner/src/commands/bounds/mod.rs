@@ -1,0 +1,137 @@
+//! `bounds`: the lower and upper probability of instability over imprecise inputs.
+
+mod report;
+
+use indicatif::HumanCount;
+use serde_json::json;
+use stickslip_sampler::imprecise::bounds::{Bounds, bounds as bounds_of};
+use stickslip_sampler::imprecise::result::{Extreme, Trend};
+use stickslip_sampler::integrate::closed_form::ExactProbability;
+
+use self::report::{Found, Reached, Row, imprecise_json};
+use crate::cli::BoundsArguments;
+use crate::evaluate::bounds::{Ended, ImpreciseCell};
+use crate::evaluate::control::IsStopped;
+use crate::failure::Failure;
+use crate::files::table::write_table;
+use crate::interrupt::Interrupt;
+use crate::job::{Combination, ImpreciseJob, JobSource};
+use crate::output::{counted, note, output_file, result, warn};
+use crate::schedule::engine::{Engine, Outcome};
+use crate::schedule::progress::Progress;
+use crate::shell::{quoted, shown};
+
+/// `stickslip bounds`.
+pub fn bounds(arguments: &BoundsArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    interrupt.remark("nothing was written");
+    let BoundsArguments { job: path, out, json, threads } = arguments;
+    let source = JobSource::read(path)?;
+    let job = source.imprecise_job()?;
+    if job.quantities.is_empty() {
+        return Err(Failure::Usage(format!(
+            "nothing in the job \"{}\" is imprecise: write {{ between = [LOW, HIGH] }} or {{ one_of = [A, B] }} in place of a value, for example relative_std = {{ between = [0.1, 0.3] }}. A job without imprecise values is for `stickslip submit`",
+            job.first().name
+        )));
+    }
+    let out = out.as_deref().map(|out| output_file(out).map(|place| (out, place))).transpose()?;
+    warn(job.warnings.clone());
+    let engine = Engine::new(threads.count())?;
+    let rows = all_rows(&engine, interrupt, &job)?;
+    let found = Found { source: &source, job: &job, rows };
+    if let Some((out, (directory, name))) = out {
+        write_table(&directory, &name, &found.table(), &found.footer())?;
+        note(format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
+    }
+    result(&if *json { format!("{:#}\n", found.json()) } else { found.text() })
+}
+
+/// `stickslip check` of a job with imprecise inputs.
+pub fn check(source: &JobSource, json: bool) -> Result<(), Failure> {
+    let job = source.imprecise_job()?;
+    let first = job.first();
+    warn(job.warnings.clone());
+    if json {
+        let found = json!({ "name": first.name, "cells": first.cells(), "imprecise": imprecise_json(&job) });
+        return result(&format!("{found:#}\n"));
+    }
+    let path = shown(&source.path);
+    let quantities: String = job.quantities.iter().map(|quantity| format!("#   {}\n", quantity.text())).collect();
+    let combinations = match job.combinations.len() {
+        1 => String::new(),
+        several => format!(", {several} combinations of alternatives in each"),
+    };
+    result(&format!(
+        "# {path} is valid, with imprecise inputs:\n{quantities}# {}{combinations}\n# `stickslip bounds {}` finds the lower and upper probability of each cell\n",
+        counted(first.cells().into(), "cell", "cells"),
+        quoted(&source.path)
+    ))
+}
+
+/// The rows of all cells, in their order.
+fn all_rows(engine: &Engine, interrupt: &Interrupt, job: &ImpreciseJob) -> Result<Vec<Row>, Failure> {
+    let cells = job.first().cells();
+    let mut rows: Vec<Option<Row>> = vec![None; cells as usize];
+    let mut failed: Option<(u64, Failure)> = None;
+    let mut progress = Progress::new(u128::from(cells), "cells");
+    let of_one = |cell: u64, is_stopped: IsStopped<'_>| (cell, row(job, cell, is_stopped));
+    let outcome = engine.for_each_in_parallel(cells, interrupt, of_one, |(cell, row)| {
+        progress.advance(1);
+        progress.tick();
+        match row {
+            Ok(row) => rows[cell as usize] = Some(row),
+            Err(Ended::Stopped) => {}
+            // Of several the first, whatever the threads.
+            Err(Ended::NoSuchBrake(error)) if failed.as_ref().is_none_or(|(first, _)| cell < *first) => {
+                let message = format!(
+                    "there is no brake with some of the imprecise values in cell {cell}: {error}; choose intervals between which there is one everywhere"
+                );
+                failed = Some((cell, Failure::Job(message)));
+            }
+            Err(Ended::NoSuchBrake(_)) => {}
+        }
+    })?;
+    progress.finish();
+    match (outcome, failed) {
+        (Outcome::Stopped(signal), _) => Err(Failure::Stopped { signal, message: "nothing was written".to_owned() }),
+        (Outcome::Finished, Some((_, failure))) => Err(failure),
+        (Outcome::Finished, None) => Ok(rows.into_iter().flatten().collect()),
+    }
+}
+
+/// The bounds of a cell over all combinations of alternatives.
+fn row(job: &ImpreciseJob, cell: u64, is_stopped: IsStopped<'_>) -> Result<Row, Ended> {
+    let mut row: Option<Row> = None;
+    for combination in &job.combinations {
+        let imprecise = ImpreciseCell::new(&combination.job, cell, &job.quantities, is_stopped)?;
+        let places = imprecise.places();
+        let found = bounds_of(&imprecise, &imprecise.quantities())?;
+        let next = of_bounds(job, combination, cell, &places, &found);
+        row = Some(match row {
+            None => next,
+            Some(row) => row.with(next),
+        });
+    }
+    // There is at least one combination.
+    row.ok_or(Ended::Stopped)
+}
+
+/// The row of one combination of alternatives.
+fn of_bounds(job: &ImpreciseJob, combination: &Combination, cell: u64, places: &[usize], found: &Bounds) -> Row {
+    let reached = |which: usize| {
+        let Extreme { at, probability, bound } = &found.extremes[which];
+        let mut values: Vec<Option<f64>> = vec![None; job.quantities.len()];
+        places.iter().zip(at).for_each(|(&place, value)| values[place] = Some(*value));
+        let ExactProbability { value, error_bound } = *probability;
+        Reached {
+            probability: value,
+            error_bound,
+            bound: *bound,
+            evidence: found.evidence[which],
+            choice: combination.choice.clone(),
+            values,
+        }
+    };
+    let mut trends: Vec<Option<Trend>> = vec![None; job.quantities.len()];
+    places.iter().zip(&found.trends).for_each(|(&place, trend)| trends[place] = Some(*trend));
+    Row { cell, ends: [reached(0), reached(1)], trends, evaluations: found.evaluations }
+}

@@ -1,0 +1,390 @@
+//! Bounds as text, JSON and columns.
+
+use serde_json::{Value, json};
+use stickslip_core::parameters::scalar;
+use stickslip_sampler::draw::identity::RESULTS_VERSION;
+use stickslip_sampler::grid::Cell;
+use stickslip_sampler::imprecise::result::{Direction, Evidence, Trend};
+
+use crate::files::table::{TableColumn, TableValues};
+use crate::job::{ImpreciseJob, ImpreciseQuantity, JobSource, RandomInput, Values, What, axis_of};
+use crate::output::{counted, wrapped};
+use crate::picture::view::rounded;
+
+/// Largest number of cells at the terminal.
+const MOST_CELLS: usize = 100;
+
+/// The lower and the upper end, as columns name them.
+const ENDS: [&str; 2] = ["lower", "upper"];
+
+/// An end of the probability, and where it is reached.
+#[derive(Debug, Clone)]
+pub struct Reached {
+    /// The probability.
+    pub probability: f64,
+    /// A bound on its numerical error.
+    pub error_bound: f64,
+    /// Proved: no probability is beyond it.
+    pub bound: Option<f64>,
+    /// How far it is certain.
+    pub evidence: Evidence,
+    /// The places of the alternatives.
+    pub choice: Vec<usize>,
+    /// The values of intervals.
+    pub values: Vec<Option<f64>>,
+}
+
+/// The bounds of a cell.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// The cell.
+    pub cell: u64,
+    /// The lower and the upper end.
+    pub ends: [Reached; 2],
+    /// What the probability does along each interval.
+    pub trends: Vec<Option<Trend>>,
+    /// Probabilities that were integrated.
+    pub evaluations: u64,
+}
+
+impl Row {
+    /// Together with the bounds of other alternatives.
+    pub fn with(mut self, other: Self) -> Self {
+        for (which, (own, other)) in self.ends.iter_mut().zip(other.ends).enumerate() {
+            let sign = [1.0, -1.0][which];
+            let evidence = own.evidence.max(other.evidence);
+            let bound = own.bound.zip(other.bound).map(|(a, b)| if sign * a <= sign * b { a } else { b });
+            if sign * other.probability < sign * own.probability {
+                *own = other;
+            }
+            (own.evidence, own.bound) = (evidence, bound);
+        }
+        for (own, other) in self.trends.iter_mut().zip(other.trends) {
+            *own = own.zip(other).map(|(own, other)| together(own, other));
+        }
+        self.evaluations += other.evaluations;
+        self
+    }
+}
+
+/// What is so with either of two alternatives.
+fn together(a: Trend, b: Trend) -> Trend {
+    let is_proved = a.is_proved && b.is_proved;
+    let direction = if a.direction == b.direction { a.direction } else { Direction::Turns };
+    Trend { direction, is_proved }
+}
+
+fn evidence_word(evidence: Evidence) -> &'static str {
+    match evidence {
+        Evidence::Proved => "proved",
+        Evidence::Checked => "checked",
+        Evidence::Searched => "searched",
+    }
+}
+
+fn trend_word(trend: Trend) -> &'static str {
+    match (trend.direction, trend.is_proved) {
+        (Direction::Rises, true) => "rises (proved)",
+        (Direction::Rises, false) => "rises (checked)",
+        (Direction::Falls, true) => "falls (proved)",
+        (Direction::Falls, false) => "falls (checked)",
+        (Direction::Turns, _) => "turns",
+        (Direction::Constant, _) => "constant",
+    }
+}
+
+/// Everything that was found.
+pub struct Found<'a> {
+    pub source: &'a JobSource,
+    pub job: &'a ImpreciseJob,
+    pub rows: Vec<Row>,
+}
+
+/// What tells the cells apart, and is not imprecise.
+struct Known<'a> {
+    name: String,
+    unit: &'static str,
+    long_name: String,
+    value: Box<dyn Fn(u64) -> f64 + 'a>,
+    /// Whether it differs between cells.
+    varies: bool,
+}
+
+impl Found<'_> {
+    /// A table for the terminal.
+    pub fn text(&self) -> String {
+        let Self { job, rows, .. } = self;
+        let quantities: Vec<String> = job.quantities.iter().map(ImpreciseQuantity::text).collect();
+        let known = self.known();
+        let fixed: Vec<String> = known
+            .iter()
+            .filter(|known| !known.varies && (known.value)(0) != 0.0)
+            .map(|known| format!("{} {}", known.name, rounded((known.value)(0))))
+            .collect();
+        let fixed = if fixed.is_empty() { String::new() } else { format!("; {}", fixed.join(", ")) };
+        let title = format!("Bounds of the probability of instability over {}{fixed}", quantities.join(", "));
+        let varying: Vec<&Known<'_>> = known.iter().filter(|known| known.varies).collect();
+        let mut lines = vec![varying.iter().map(|known| known.name.clone()).collect::<Vec<String>>()];
+        lines[0].extend(["bound", "P"].map(str::to_owned));
+        lines[0].extend(job.quantities.iter().map(column_name));
+        lines[0].push("evidence".to_owned());
+        for row in rows.iter().take(MOST_CELLS) {
+            for (which, end) in row.ends.iter().enumerate() {
+                let axis =
+                    |known: &&Known<'_>| if which == 0 { rounded((known.value)(row.cell)) } else { String::new() };
+                let mut line: Vec<String> = varying.iter().map(axis).collect();
+                line.extend([ENDS[which].to_owned(), probability(end.probability)]);
+                line.extend((0..job.quantities.len()).map(|place| self.reached_text(end, place)));
+                line.push(evidence_word(end.evidence).to_owned());
+                lines.push(line);
+            }
+        }
+        let mut text = wrapped(&title) + "\n" + &aligned(&lines);
+        if rows.len() > MOST_CELLS {
+            text += &format!("... and {} more cells; --out FILE.parquet writes them all\n", rows.len() - MOST_CELLS);
+        }
+        text + "\n" + &wrapped(&self.legend())
+    }
+
+    fn legend(&self) -> String {
+        let has = |evidence: Evidence| self.rows.iter().flat_map(|row| &row.ends).any(|end| end.evidence == evidence);
+        let words = [
+            (
+                Evidence::Proved,
+                "proved: bounds of the derivatives leave no value beyond it by more than 1e-6 (small ones 1e-4 of themselves, at least 1e-7)",
+            ),
+            (
+                Evidence::Checked,
+                "checked: P is monotonic in every quantity wherever it was computed, and this is the end",
+            ),
+            (
+                Evidence::Searched,
+                "searched: found by interpolation that was refined until it agreed with P; not proved",
+            ),
+        ];
+        let mut lines: Vec<String> =
+            words.into_iter().filter(|(evidence, _)| has(*evidence)).map(|(_, line)| line.to_owned()).collect();
+        lines.extend(self.trends());
+        let evaluations: u64 = self.rows.iter().map(|row| row.evaluations).sum();
+        lines.push(format!("P was integrated {}.", counted(evaluations.into(), "time", "times")));
+        lines.join("\n")
+    }
+
+    /// What the probability does along each interval, in any of the cells.
+    fn trends(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for (place, quantity) in self.job.quantities.iter().enumerate() {
+            let mut words: Vec<&str> = Vec::new();
+            for word in self.rows.iter().filter_map(|row| row.trends[place].map(trend_word)) {
+                if !words.contains(&word) {
+                    words.push(word);
+                }
+            }
+            if !words.is_empty() {
+                lines.push(format!("Along {} P {}.", column_name(quantity), words.join("; or ")));
+            }
+        }
+        lines
+    }
+
+    /// Where an end is reached, for one quantity.
+    fn reached_text(&self, end: &Reached, place: usize) -> String {
+        match &self.job.quantities[place].values {
+            Values::OneOf(values) => values[end.choice[place]].replace('"', ""),
+            Values::Between(_) => end.values[place].map_or_else(|| "-".to_owned(), rounded),
+        }
+    }
+
+    /// Everything by name; a cell has the names of the columns of the table.
+    pub fn json(&self) -> Value {
+        let columns = self.table();
+        let row = |i: usize| {
+            let entries = columns.iter().map(|column| (column.name.to_string(), column.value(i)));
+            Value::Object(entries.collect())
+        };
+        json!({
+            "name": self.job.first().name,
+            "imprecise": imprecise_json(self.job),
+            "cells": (0..self.rows.len()).map(row).collect::<Vec<Value>>(),
+        })
+    }
+
+    /// One row for each cell.
+    pub fn table(&self) -> Vec<TableColumn> {
+        let Self { job, rows, .. } = self;
+        let column = |name: String, unit, long_name: String, values| TableColumn {
+            name: name.into(),
+            unit,
+            long_name: long_name.into(),
+            values,
+        };
+        let real = |name: String, unit, long_name: String, value: &dyn Fn(&Row) -> Option<f64>| {
+            column(name, unit, long_name, TableValues::Real(rows.iter().map(value).collect()))
+        };
+        let cells = TableValues::Integer(rows.iter().map(|row| row.cell).collect());
+        let mut columns = vec![column("cell".to_owned(), "1", "0-based index of the cell".to_owned(), cells)];
+        for known in self.known() {
+            columns.push(real(known.name, known.unit, known.long_name, &|row| Some((known.value)(row.cell))));
+        }
+        for (which, (end, beyond)) in ENDS.into_iter().zip(["below", "above"]).enumerate() {
+            let meaning =
+                format!("{} probability of instability over the imprecise inputs", ["lowest", "highest"][which]);
+            columns.push(real(format!("p_{end}"), "1", meaning, &|row| Some(row.ends[which].probability)));
+            let meaning = format!("bound on the numerical error of p_{end}");
+            columns.push(real(format!("p_{end}_error"), "1", meaning, &|row| Some(row.ends[which].error_bound)));
+            let meaning = format!("proved: no probability is {beyond} it");
+            columns.push(real(format!("p_{end}_bound"), "1", meaning, &|row| row.ends[which].bound));
+            let words = rows.iter().map(|row| Some(evidence_word(row.ends[which].evidence))).collect();
+            let meaning = format!("how far p_{end} is certain: proved, checked or searched");
+            columns.push(column(format!("p_{end}_evidence"), "1", meaning, TableValues::Word(words)));
+        }
+        for (place, quantity) in job.quantities.iter().enumerate() {
+            let (name, unit) = (column_name(quantity), unit_of(quantity));
+            for (which, end) in ENDS.into_iter().enumerate() {
+                let meaning = format!("{} with which p_{end} is reached", quantity.name());
+                columns.push(column(format!("{name}_at_{end}"), unit, meaning, self.reached(place, which)));
+            }
+            if let Values::Between(_) = quantity.values {
+                let words = rows.iter().map(|row| row.trends[place].map(trend_word)).collect();
+                let meaning = format!("what the probability does as the {} grows", quantity.name());
+                columns.push(column(format!("{name}_trend"), "1", meaning, TableValues::Word(words)));
+            }
+        }
+        let evaluations = TableValues::Integer(rows.iter().map(|row| row.evaluations).collect());
+        columns.push(column(
+            "evaluations".to_owned(),
+            "1",
+            "probabilities that were integrated".to_owned(),
+            evaluations,
+        ));
+        columns
+    }
+
+    /// Where an end is reached: numbers, or the words of alternatives that are none.
+    fn reached(&self, place: usize, which: usize) -> TableValues {
+        let texts: Vec<String> = self.rows.iter().map(|row| self.reached_text(&row.ends[which], place)).collect();
+        match &self.job.quantities[place].values {
+            Values::Between(_) => {
+                TableValues::Real(self.rows.iter().map(|row| row.ends[which].values[place]).collect())
+            }
+            Values::OneOf(_) => {
+                let numbers: Option<Vec<f64>> = texts.iter().map(|text| text.replace('_', "").parse().ok()).collect();
+                match numbers {
+                    Some(numbers) => TableValues::Real(numbers.into_iter().map(Some).collect()),
+                    None => TableValues::Text(texts),
+                }
+            }
+        }
+    }
+
+    /// What the file says beside its columns.
+    pub fn footer(&self) -> Vec<(&'static str, String)> {
+        vec![
+            ("stickslip:job", self.source.text.clone()),
+            ("stickslip:imprecise", imprecise_json(self.job).to_string()),
+            ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("stickslip:results_version", RESULTS_VERSION.to_string()),
+        ]
+    }
+
+    /// Axes and standard deviations that are not imprecise, as the surface names their columns.
+    fn known(&self) -> Vec<Known<'_>> {
+        let job = self.job.first();
+        let cells = job.cells();
+        let mut all: Vec<Known<'_>> = Vec::new();
+        for further in &job.grid.of_brake {
+            let Some(scalar) = scalar(&further.name) else { continue };
+            let long_name = format!("expected value of {}: {}", scalar.key, scalar.description);
+            let value = move |cell| job.value_in(scalar.key, &job.grid.cell(cell)).unwrap_or(f64::NAN);
+            all.push(Known {
+                name: scalar.key.to_owned(),
+                unit: scalar.unit,
+                long_name,
+                value: Box::new(value),
+                varies: false,
+            });
+        }
+        let of_cell = |name: &str, unit, long_name: &str, value: fn(&Cell) -> f64| Known {
+            name: name.to_owned(),
+            unit,
+            long_name: long_name.to_owned(),
+            value: Box::new(move |cell| value(&job.grid.cell(cell))),
+            varies: false,
+        };
+        all.push(of_cell("rotating_speed_rad_s", "rad/s", "rotating speed of the disc", |cell| cell.rotating_speed));
+        for (i, input) in job.random.inputs.iter().enumerate() {
+            let (RandomInput::Preload | RandomInput::StaticFriction) = input else { continue };
+            let value = move |cell| job.random.relative_stds[job.grid.relative_std_index(cell)][i];
+            let long_name = format!("standard deviation of {} over its expected value", input.name());
+            all.push(Known {
+                name: format!("std_{}", input.name()),
+                unit: "1",
+                long_name,
+                value: Box::new(value),
+                varies: false,
+            });
+        }
+        all.extend([
+            of_cell("preload", "1", "expected preload, calliper displacement over disc thickness", |cell| cell.preload),
+            of_cell("static_friction", "1", "expected static friction coefficient", |cell| cell.static_friction),
+        ]);
+        let imprecise: Vec<String> = self.job.quantities.iter().map(column_name).collect();
+        all.retain(|known| !imprecise.contains(&known.name));
+        for known in &mut all {
+            let first = (known.value)(0);
+            known.varies = (1..cells).any(|cell| (known.value)(cell) != first);
+        }
+        all
+    }
+}
+
+/// The imprecise quantities by name.
+pub fn imprecise_json(job: &ImpreciseJob) -> Value {
+    let quantity = |quantity: &ImpreciseQuantity| {
+        let (key, values) = match &quantity.values {
+            Values::Between(ends) => ("between", json!(ends)),
+            Values::OneOf(values) => {
+                ("one_of", json!(values.iter().map(|value| value.replace('"', "")).collect::<Vec<_>>()))
+            }
+        };
+        json!({ "quantity": column_name(quantity), "key": quantity.key, key: values })
+    };
+    job.quantities.iter().map(quantity).collect()
+}
+
+/// The column of a quantity, as in a surface.
+fn column_name(quantity: &ImpreciseQuantity) -> String {
+    match &quantity.what {
+        What::Expected(scalar) => match axis_of(scalar.key) {
+            Some("rotating_speed") => "rotating_speed_rad_s".to_owned(),
+            axis => axis.unwrap_or(scalar.key).to_owned(),
+        },
+        What::RelativeStd(input) => format!("std_{input}"),
+        What::Distribution(input) => format!("distribution_{input}"),
+        What::Correlation => "correlation".to_owned(),
+    }
+}
+
+fn unit_of(quantity: &ImpreciseQuantity) -> &'static str {
+    match &quantity.what {
+        What::Expected(scalar) => scalar.unit,
+        What::RelativeStd(_) | What::Distribution(_) | What::Correlation => "1",
+    }
+}
+
+/// A probability with four decimals, or where these do not show it its order of magnitude.
+fn probability(p: f64) -> String {
+    if p == 0.0 || p >= 1e-3 { format!("{p:.4}") } else { format!("{p:.1e}") }
+}
+
+/// Columns of text, each as wide as its longest entry.
+fn aligned(lines: &[Vec<String>]) -> String {
+    let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
+    let widths: Vec<usize> =
+        (0..columns).map(|i| lines.iter().filter_map(|line| line.get(i)).map(String::len).max().unwrap_or(0)).collect();
+    let line = |line: &Vec<String>| {
+        let cells: Vec<String> = line.iter().zip(&widths).map(|(text, &width)| format!("{text:<width$}")).collect();
+        format!("{}\n", cells.join("  ").trim_end())
+    };
+    lines.iter().map(line).collect()
+}
