@@ -212,9 +212,10 @@ fn intervals_of_sobol_points_contain_the_limit_and_are_narrow() {
     let job = Job { before: "", random: BOTH, criterion: EIGENVALUE, sampling: EXACT };
     let exact = number(&job.limits(&Place::new(), axes, "--of preload --probability 0.1")[0], "limit");
     let sobol = covered(&Job { sampling: "method = \"sobol\"\nsamples = 4096", ..job }, axes, "preload", 0.1, exact);
-    let random = covered(&Job { sampling: "samples = 4096", ..job }, axes, "preload", 0.1, exact);
+    let random = covered(&Job { sampling: "samples = 2048", ..job }, axes, "preload", 0.1, exact);
     assert!(sobol.0 >= 93 && random.0 >= 93, "{sobol:?} {random:?}");
-    assert!(sobol.1 < 0.5 * random.1, "{sobol:?} {random:?}");
+    // Twice as many independent samples would have intervals 0.71 times as wide.
+    assert!(sobol.1 < 0.5 * 0.71 * random.1, "{sobol:?} {random:?}");
 }
 
 #[test]
