@@ -29,6 +29,12 @@ const FIRST_STEPS: [f64; 2] = [0.05, 1.5];
 /// The same for the weight of a predicted quantity.
 const WEIGHTS: [f64; 2] = [8.0, 1e4];
 
+/// A place found is followed to at most this share of its distance.
+const MOST_BEYOND: f64 = 1.5;
+
+/// A likelihood this many times as deep as the level is sought from another start as well.
+const TOO_DEEP: f64 = 1.5;
+
 /// Probabilities are told apart from 0 and 1 down to these.
 const LEAST_TAILS: [f64; 2] = [1e-300, 1e-15];
 
@@ -281,8 +287,9 @@ impl Maximum {
     }
 }
 
-/// A place as far along the line from `here` to `there` as a share of it.
+/// A place on the line from `here` to `there`, at a share of their distance, but little beyond.
 fn along(here: &[f64], there: &[f64], share: f64) -> Vec<f64> {
+    let share = if share > MOST_BEYOND { 1.0 } else { share };
     here.iter().zip(there).map(|(here, there)| here + share * (there - here)).collect()
 }
 
@@ -305,6 +312,8 @@ fn bound(likelihood: &Likelihood<'_>, best: &Maximum, which: usize, direction: f
         found = (first, best.place.iter().zip(&step).map(|(place, step)| place + step).collect());
     }
     let mut inverse: Option<Matrix> = None;
+    // The last place within.
+    let mut below = best.place.clone();
     let mut better = None;
     let mut last = 0.0;
     let whole = |others: &[f64], y: f64| {
@@ -314,9 +323,17 @@ fn bound(likelihood: &Likelihood<'_>, best: &Maximum, which: usize, direction: f
     };
     let profile = |distance: f64| {
         let y = best.place[which] + direction * distance;
-        let mut others = along(&best.place, &found.1, distance / found.0);
-        others.remove(which);
-        let inner = maximum(&|others| likelihood.logarithm(&whole(others, y)), &others, inverse.as_ref());
+        let of = |others: &[f64]| likelihood.logarithm(&whole(others, y));
+        let from = |mut place: Vec<f64>, inverse: Option<&Matrix>| {
+            place.remove(which);
+            maximum(&of, &place, inverse)
+        };
+        let mut inner = from(along(&best.place, &found.1, distance / found.0), inverse.as_ref());
+        // So deep, it may have begun on the wrong side of a ridge.
+        if best.depth(inner.value) > TOO_DEEP * level {
+            let other = from(below.clone(), None);
+            inner = if other.value > inner.value { other } else { inner };
+        }
         let place = whole(&inner.place, y);
         found = (distance, place.clone());
         inverse = Some(inner.inverse);
@@ -324,6 +341,9 @@ fn bound(likelihood: &Likelihood<'_>, best: &Maximum, which: usize, direction: f
             better = Some(place.clone());
         }
         last = best.depth(inner.value);
+        if last < level {
+            below.clone_from(&place);
+        }
         (last, place)
     };
     let farthest = FARTHEST - direction * best.place[which];
