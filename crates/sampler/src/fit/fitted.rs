@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::data::{TestData, Verdicts};
 use super::likelihood::{FitModel, Likelihood};
 use super::maximum::{Matrix, Maximum, maximum, product, slopes};
-use super::parameter::{FitParameter, FitValues, Range};
+use super::parameter::{FitParameter, FitValues, LEAST_STD, Range};
 use super::root::reached;
 use crate::inputs::Marginal;
 use crate::special_functions::normal;
@@ -94,6 +94,18 @@ pub enum FitError {
     Separated {
         /// The name of the parameter.
         parameter: &'static str,
+    },
+    /// The likelihood is greatest without a scatter.
+    #[error(
+        "the tests scatter no more than everything else explains, so that the likelihood grows until {parameter} is \
+         {limit:.4}, the least that is sought; leave {parameter} out of what is estimated and set it in the job, set \
+         less scatter of the other input, or add tests"
+    )]
+    NoScatter {
+        /// The name of the parameter.
+        parameter: &'static str,
+        /// The least that is sought.
+        limit: f64,
     },
     /// The likelihood is greatest at a limit of a parameter.
     #[error(
@@ -241,6 +253,8 @@ fn at_limit(likelihood: &Likelihood<'_>, parameter: FitParameter, limit: f64) ->
     let parameter = parameter.name();
     if is_std && likelihood.data.onsets.is_empty() && mixed <= 1 {
         FitError::Separated { parameter }
+    } else if is_std && limit < 2.0 * LEAST_STD {
+        FitError::NoScatter { parameter, limit }
     } else {
         FitError::AtLimit { parameter, limit }
     }

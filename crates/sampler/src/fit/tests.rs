@@ -309,7 +309,7 @@ fn data_that_do_not_tell_are_refused() {
     let wide = model(&Marginal::Normal, 0.5, 0.0);
     let data = data_of(&[(14.0, 39), (16.0, 20), (18.0, 1)], 0.1, 40);
     let limit = fit(&wide, &data, &USUAL, 0.95).err().unwrap();
-    assert!(matches!(limit, FitError::AtLimit { parameter: "std.static_friction", .. }), "{limit}");
+    assert!(matches!(limit, FitError::NoScatter { parameter: "std.static_friction", .. }), "{limit}");
 }
 
 #[test]

@@ -196,8 +196,9 @@ impl Integrand<'_> {
     /// Whether the arguments of the tail have no kinks, and do not pass through it and back within a small interval.
     fn is_smooth(&self) -> bool {
         let Pair { preload_kinks, friction_kinks, .. } = self.pair;
-        let has_corner = self.critical_preload(self.boundary.least_static_coefficient()).is_finite();
-        preload_kinks.is_empty() && friction_kinks.is_empty() && !has_corner && self.law.factor[2] >= NARROW
+        let mut corners = friction_kinks.iter().copied().chain([self.boundary.least_static_coefficient()]);
+        let has_corner = corners.any(|corner| self.critical_preload(corner).is_finite());
+        preload_kinks.is_empty() && !has_corner && self.law.factor[2] >= NARROW
     }
 
     /// The integral of a share over the deviates `u`, and an estimate of its error.
