@@ -122,6 +122,11 @@ fn rows_that_cannot_be_right_are_refused_with_their_place() {
     for (data, texts) in [
         ("", &["data.csv:1", "rotating_speed,preload,squealed,count"][..]),
         ("speed,preload\n1,2\n", &["data.csv:1", "no column rotating_speed or onset_speed"]),
+        ("onset_speed;preload\n15;0.1\n", &["data.csv:1", "commas", "it has \"onset_speed;preload\""]),
+        (
+            "onset_speed,preload\n15,0.1\n15,0.1\n",
+            &["scatter no more than", "std.static_friction is 0.0020", "add tests"],
+        ),
         ("rotating_speed,onset_speed,preload\n1,1,2\n", &["data.csv:1", "both"]),
         ("rotating_speed,preload,count\n1,0.1,2\n", &["data.csv:1", "no column squealed"]),
         ("rotating_speed,preload,squealed,Count\n1,0.1,1,2\n", &["data.csv:1", "\"Count\""]),

@@ -123,7 +123,13 @@ impl Rows<'_> {
         let wrong = |message: String| Err(format!("{}:1: {message}; {HEADERS}", shown(self.path)));
         let (columns, needed): (&[&str], usize) = match (has("onset_speed"), has("rotating_speed")) {
             (true, true) => return wrong("there are both onset_speed and rotating_speed".to_owned()),
-            (false, false) => return wrong("there is no column rotating_speed or onset_speed".to_owned()),
+            (false, false) => {
+                let there: Vec<String> = self.names.iter().map(|name| format!("{name:?}")).collect();
+                return wrong(format!(
+                    "there is no column rotating_speed or onset_speed, and commas should separate columns; it has {}",
+                    there.join(", ")
+                ));
+            }
             (true, false) => (&ONSET_COLUMNS, 2),
             (false, true) => (&VERDICT_COLUMNS, 3),
         };

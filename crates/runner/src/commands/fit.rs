@@ -155,12 +155,11 @@ fn new_text(
     tests: &BrakeTests,
     fit: &Fit<'_>,
 ) -> Result<String, Failure> {
-    let [squealed, quiet] = tests.data.counts();
     let origin = format!(
-        "# Written by stickslip fit from the tests {:?} and the job {:?}.\n# {} tests, {squealed} of which squealed. Estimates, with {} % intervals of the profile likelihood:\n",
+        "# Written by stickslip fit from the tests {:?} and the job {:?}.\n# {}. Estimates, with {} % intervals of the profile likelihood:\n",
         arguments.data.display().to_string(),
         source.path.display().to_string(),
-        squealed + quiet,
+        counted(tests),
         rounded(100.0 * job.sampling.confidence)
     );
     let text = fitted_job(job, &source.text, fit, &origin)
@@ -173,6 +172,13 @@ fn new_text(
         ))
     })?;
     Ok(new.text)
+}
+
+/// How many tests there are.
+fn counted(tests: &BrakeTests) -> String {
+    let [squealed, quiet] = tests.data.counts();
+    let plural = if squealed + quiet > 1.0 { "s" } else { "" };
+    format!("{} test{plural}, {squealed} of which squealed", squealed + quiet)
 }
 
 /// The probability of squeal in each cell of the job, with its own preloads as nominal ones; none if there are too many.
@@ -236,9 +242,8 @@ fn as_json(job: &Job, arguments: &FitArguments, tests: &BrakeTests, fit: &Fit<'_
 }
 
 fn as_text(job: &Job, arguments: &FitArguments, tests: &BrakeTests, fit: &Fit<'_>, cells: &[PredictedCell]) -> String {
-    let [squealed, quiet] = tests.data.counts();
     let percent = rounded(100.0 * job.sampling.confidence);
-    let mut text = format!("{}: {} tests, {squealed} of which squealed\n\n", shown(&arguments.data), squealed + quiet);
+    let mut text = format!("{}: {}\n\n", shown(&arguments.data), counted(tests));
     text += &format!("{:<22}{:>12}   {percent} % interval\n", "parameter", "estimate");
     for parameter in FitParameter::ALL {
         let value = format!("{:.4}", fit.values.get(parameter));

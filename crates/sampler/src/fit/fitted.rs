@@ -5,8 +5,8 @@ use thiserror::Error;
 
 use super::data::{TestData, Verdicts};
 use super::likelihood::{FitModel, Likelihood};
-use super::maximum::{Maximum, maximum};
-use super::parameter::{FitParameter, FitValues, Range};
+use super::maximum::{Matrix, Maximum, maximum, product, slopes};
+use super::parameter::{FitParameter, FitValues, LEAST_STD, Range};
 use super::root::reached;
 use crate::inputs::Marginal;
 use crate::special_functions::normal;
@@ -23,8 +23,17 @@ const MOST_MAXIMA: usize = 5;
 /// A likelihood that lies less deep than this, in standard deviations, is as high as the maximum.
 const SHALLOW: f64 = 0.05;
 
-/// Weight of the predicted quantity with which its bounds are first sought, and the greatest.
+/// How far the end of an interval is sought first where the curvature says nothing, and the farthest in any case.
+const FIRST_STEPS: [f64; 2] = [0.05, 1.5];
+
+/// The same for the weight of a predicted quantity.
 const WEIGHTS: [f64; 2] = [8.0, 1e4];
+
+/// A place found is followed to at most this share of its distance.
+const MOST_BEYOND: f64 = 1.5;
+
+/// A likelihood this many times as deep as the level is sought from another start as well.
+const TOO_DEEP: f64 = 1.5;
 
 /// Probabilities are told apart from 0 and 1 down to these.
 const LEAST_TAILS: [f64; 2] = [1e-300, 1e-15];
@@ -86,6 +95,18 @@ pub enum FitError {
         /// The name of the parameter.
         parameter: &'static str,
     },
+    /// The likelihood is greatest without a scatter.
+    #[error(
+        "the tests scatter no more than everything else explains, so that the likelihood grows until {parameter} is \
+         {limit:.4}, the least that is sought; leave {parameter} out of what is estimated and set it in the job, set \
+         less scatter of the other input, or add tests"
+    )]
+    NoScatter {
+        /// The name of the parameter.
+        parameter: &'static str,
+        /// The least that is sought.
+        limit: f64,
+    },
     /// The likelihood is greatest at a limit of a parameter.
     #[error(
         "the likelihood grows until {parameter} is {limit:.4}, the limit up to which it is sought; leave {parameter} \
@@ -111,7 +132,7 @@ pub enum FitError {
 /// What the tests say.
 pub struct Fit<'a> {
     likelihood: Likelihood<'a>,
-    maximum: Maximum,
+    best: Maximum,
     /// The square root of the quantile of the chi-squared distribution.
     level: f64,
     /// The estimated parameters, in the order of [`FitParameter::ALL`].
@@ -150,8 +171,9 @@ pub fn fit<'a>(
     let mut best = best_of_starts(&likelihood);
     for _ in 0..MOST_MAXIMA {
         check_limits(&likelihood, &best)?;
+        let logarithm = |y: &[f64]| likelihood.logarithm(y);
         match intervals(&likelihood, &best, level) {
-            Err(Stop::Better(better)) => best = maximum(&|y| likelihood.logarithm(y), &better),
+            Err(Stop::Better(better)) => best = maximum(&logarithm, &better, None),
             Err(Stop::Limit(which, limit)) => return Err(at_limit(&likelihood, which, limit)),
             Ok(parameters) => {
                 let flat = parameters.iter().filter(|fitted| fitted.low.is_none() && fitted.high.is_none());
@@ -160,7 +182,7 @@ pub fn fit<'a>(
                     return Err(FitError::NotIdentified { parameters: flat });
                 }
                 let (values, log_likelihood) = (likelihood.values(&best.place), best.value);
-                return Ok(Fit { likelihood, maximum: best, level, parameters, values, log_likelihood });
+                return Ok(Fit { likelihood, best, level, parameters, values, log_likelihood });
             }
         }
     }
@@ -206,9 +228,9 @@ fn best_of_starts(likelihood: &Likelihood<'_>) -> Maximum {
     let f = |y: &[f64]| likelihood.logarithm(y);
     let mut rated: Vec<(f64, Vec<f64>)> = starts.into_iter().map(|start| (f(&start), start)).collect();
     rated.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut best = maximum(&f, &rated[0].1);
+    let mut best = maximum(&f, &rated[0].1, None);
     if let Some((_, second)) = rated.get(1) {
-        let other = maximum(&f, second);
+        let other = maximum(&f, second, None);
         if other.value > best.value {
             best = other;
         }
@@ -231,6 +253,8 @@ fn at_limit(likelihood: &Likelihood<'_>, parameter: FitParameter, limit: f64) ->
     let parameter = parameter.name();
     if is_std && likelihood.data.onsets.is_empty() && mixed <= 1 {
         FitError::Separated { parameter }
+    } else if is_std && limit < 2.0 * LEAST_STD {
+        FitError::NoScatter { parameter, limit }
     } else {
         FitError::AtLimit { parameter, limit }
     }
@@ -260,9 +284,27 @@ fn intervals(likelihood: &Likelihood<'_>, best: &Maximum, level: f64) -> Result<
     likelihood.estimated.iter().enumerate().map(interval).collect()
 }
 
-/// How far the likelihood lies below its maximum: the standard deviations of a normal one.
-fn depth(best: &Maximum, value: f64) -> f64 {
-    (2.0 * (best.value - value)).max(0.0).sqrt()
+impl Maximum {
+    /// How far a likelihood lies below the maximum: the standard deviations of a normal one.
+    fn depth(&self, value: f64) -> f64 {
+        (2.0 * (self.value - value)).max(0.0).sqrt()
+    }
+
+    /// About the step from here to where the likelihood is as deep as a level, and a quantity with this `gradient`
+    /// greatest. `None` if that is far away.
+    fn step(&self, gradient: &[f64], level: f64) -> Option<Vec<f64>> {
+        let direction: Vec<f64> = self.inverse.iter().map(|row| product(row, gradient)).collect();
+        let variance = product(&direction, gradient);
+        let step: Vec<f64> = direction.iter().map(|part| part * level / variance.sqrt()).collect();
+        let [_, farthest] = FIRST_STEPS;
+        step.iter().all(|part| part.abs() <= farthest).then_some(step)
+    }
+}
+
+/// A place on the line from `here` to `there`, at a share of their distance, but little beyond.
+fn along(here: &[f64], there: &[f64], share: f64) -> Vec<f64> {
+    let share = if share > MOST_BEYOND { 1.0 } else { share };
+    here.iter().zip(there).map(|(here, there)| here + share * (there - here)).collect()
 }
 
 /// The end of an interval.
@@ -275,8 +317,17 @@ enum Bound {
 
 /// The end of the interval of one parameter.
 fn bound(likelihood: &Likelihood<'_>, best: &Maximum, which: usize, direction: f64, level: f64) -> Result<Bound, Stop> {
-    let mut others = best.place.clone();
-    others.remove(which);
+    let gradient: Vec<f64> = (0..best.place.len()).map(|i| if i == which { direction } else { 0.0 }).collect();
+    // Where the other parameters were at the last distance, or are by the curvature.
+    let [mut first, _] = FIRST_STEPS;
+    let mut found = (1.0, best.place.clone());
+    if let Some(step) = best.step(&gradient, level) {
+        first = step[which].abs();
+        found = (first, best.place.iter().zip(&step).map(|(place, step)| place + step).collect());
+    }
+    let mut inverse: Option<Matrix> = None;
+    // The last place within.
+    let mut below = best.place.clone();
     let mut better = None;
     let mut last = 0.0;
     let whole = |others: &[f64], y: f64| {
@@ -286,24 +337,38 @@ fn bound(likelihood: &Likelihood<'_>, best: &Maximum, which: usize, direction: f
     };
     let profile = |distance: f64| {
         let y = best.place[which] + direction * distance;
-        let inner = maximum(&|others| likelihood.logarithm(&whole(others, y)), &others);
-        others.clone_from(&inner.place);
+        let of = |others: &[f64]| likelihood.logarithm(&whole(others, y));
+        let from = |mut place: Vec<f64>, inverse: Option<&Matrix>| {
+            place.remove(which);
+            maximum(&of, &place, inverse)
+        };
+        let mut inner = from(along(&best.place, &found.1, distance / found.0), inverse.as_ref());
+        // So deep, it may have begun on the wrong side of a ridge.
+        if best.depth(inner.value) > TOO_DEEP * level {
+            let other = from(below.clone(), None);
+            inner = if other.value > inner.value { other } else { inner };
+        }
         let place = whole(&inner.place, y);
+        found = (distance, place.clone());
+        inverse = Some(inner.inverse);
         if inner.value > best.value + BETTER {
             better = Some(place.clone());
         }
-        last = depth(best, inner.value);
+        last = best.depth(inner.value);
+        if last < level {
+            below.clone_from(&place);
+        }
         (last, place)
     };
     let farthest = FARTHEST - direction * best.place[which];
-    let found = reached(level, 0.05, farthest, profile);
+    let end = reached(level, first, farthest, profile);
     if let Some(place) = better {
         return Err(Stop::Better(place));
     }
     // With another parameter at its limit, it is that limit which ends the interval, not the data.
     let is_free =
         |place: &Vec<f64>| likelihood.estimated.iter().zip(place).all(|((_, range), &y)| range.limit(y).is_none());
-    Ok(match found.filter(is_free) {
+    Ok(match end.filter(is_free) {
         Some(place) => Bound::At(place[which]),
         None => Bound::Open { depth: last },
     })
@@ -316,22 +381,32 @@ impl Fit<'_> {
     /// until the likelihood has fallen to its bound.
     #[must_use]
     pub fn predict(&self, preload: f64, boundary: &StabilityBoundary) -> Prediction {
-        let Self { likelihood, maximum: best, .. } = self;
+        let Self { likelihood, best, level, .. } = self;
         let of = |y: &[f64]| likelihood.model.probability(&likelihood.values(y), preload, boundary);
         let [least, least_complement] = LEAST_TAILS;
         let deviate = |y: &[f64]| normal::quantile(of(y).clamp(least, 1.0 - least_complement));
         let probability = of(&best.place);
+        let (gradient, _) = slopes(&deviate, &best.place, deviate(&best.place));
         let [low, high] = [-1.0, 1.0].map(|direction| {
-            let mut place = best.place.clone();
             let mut last = probability;
-            let [first, greatest] = WEIGHTS;
+            let [mut first, greatest] = WEIGHTS;
+            let mut found = (first, best.place.clone());
+            if let Some(step) = best.step(&gradient, *level) {
+                first = (level * level / product(&step, &gradient)).min(greatest);
+                found = (first, best.place.iter().zip(&step).map(|(place, step)| place + direction * step).collect());
+            }
+            let mut inverse = best.inverse.clone();
             let weighted = |weight: f64| {
                 let objective = |y: &[f64]| likelihood.logarithm(y) + direction * weight * deviate(y);
-                place = maximum(&objective, &place).place;
+                let start = along(&best.place, &found.1, weight / found.0);
+                let Maximum { place, inverse: next, .. } = maximum(&objective, &start, Some(&inverse));
+                inverse = next;
                 last = of(&place);
-                (depth(best, likelihood.logarithm(&place)), last)
+                let depth = best.depth(likelihood.logarithm(&place));
+                found = (weight, place);
+                (depth, last)
             };
-            reached(self.level, first, greatest, weighted).unwrap_or(last)
+            reached(*level, first, greatest, weighted).unwrap_or(last)
         });
         Prediction { probability, low: low.min(probability), high: high.max(probability) }
     }

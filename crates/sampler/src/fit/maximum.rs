@@ -19,15 +19,19 @@ const FARTHEST: f64 = 30.0;
 /// Least curvature from which a step is computed.
 const LEAST_CURVATURE: f64 = 1e-3;
 
-/// Where a function is greatest, and its value there.
+/// A square matrix, row by row.
+pub(super) type Matrix = Vec<Vec<f64>>;
+
+/// Where a function is greatest, its value there, and about the inverse of its curvature.
 #[derive(Debug, Clone)]
 pub(super) struct Maximum {
     pub(super) place: Vec<f64>,
     pub(super) value: f64,
+    pub(super) inverse: Matrix,
 }
 
 /// The gradient of a function, and its curvature along each coordinate.
-fn slopes(f: &dyn Fn(&[f64]) -> f64, place: &[f64], value: f64) -> (Vec<f64>, Vec<f64>) {
+pub(super) fn slopes(f: &dyn Fn(&[f64]) -> f64, place: &[f64], value: f64) -> (Vec<f64>, Vec<f64>) {
     let mut near = place.to_vec();
     let of = |i: usize| {
         let [above, below] = [STEP, -STEP].map(|step| {
@@ -40,21 +44,21 @@ fn slopes(f: &dyn Fn(&[f64]) -> f64, place: &[f64], value: f64) -> (Vec<f64>, Ve
     (0..place.len()).map(of).unzip()
 }
 
-fn product(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The maximum that a quasi-Newton iteration reaches from `start`: the inverse of the curvature is gathered from the
 /// gradients (Broyden, Fletcher, Goldfarb, Shanno; J. Nocedal, S. J. Wright, Numerical Optimization, 2nd ed. 2006,
-/// section 6.1), beginning with the curvatures along the coordinates.
-pub(super) fn maximum(f: &dyn Fn(&[f64]) -> f64, start: &[f64]) -> Maximum {
+/// section 6.1), beginning with `inverse`, or with the curvatures along the coordinates.
+pub(super) fn maximum(f: &dyn Fn(&[f64]) -> f64, start: &[f64], inverse: Option<&Matrix>) -> Maximum {
     let size = start.len();
     let mut place = start.to_vec();
     let mut value = f(&place);
     if size == 0 {
-        return Maximum { place, value };
+        return Maximum { place, value, inverse: Vec::new() };
     }
-    let diagonal = |curvatures: &[f64]| -> Vec<Vec<f64>> {
+    let diagonal = |curvatures: &[f64]| -> Matrix {
         let of = |i: usize| {
             let mut row = vec![0.0; size];
             row[i] = 1.0 / curvatures[i].abs().max(LEAST_CURVATURE);
@@ -63,8 +67,8 @@ pub(super) fn maximum(f: &dyn Fn(&[f64]) -> f64, start: &[f64]) -> Maximum {
         (0..size).map(of).collect()
     };
     let (mut gradient, curvatures) = slopes(f, &place, value);
-    let mut inverse = diagonal(&curvatures);
-    let mut is_fresh = true;
+    let mut is_fresh = inverse.is_none();
+    let mut inverse = inverse.map_or_else(|| diagonal(&curvatures), Clone::clone);
     for _ in 0..MOST {
         let mut step: Vec<f64> = inverse.iter().map(|row| product(row, &gradient)).collect();
         if product(&step, &gradient) < 2.0 * GROWTH {
@@ -100,7 +104,7 @@ pub(super) fn maximum(f: &dyn Fn(&[f64]) -> f64, start: &[f64]) -> Maximum {
         is_fresh = false;
         (place, value, gradient) = (next, next_value, next_gradient);
     }
-    Maximum { place, value }
+    Maximum { place, value, inverse }
 }
 
 /// A point along a step at which the function has grown as the gradient promises, to a ten-thousandth; the step is halved
@@ -127,7 +131,7 @@ fn climb(
 }
 
 /// Brings the change of the gradient over a step into the inverse of the curvature, unless it would not stay positive.
-fn update(inverse: &mut [Vec<f64>], moved: &[f64], changed: &[f64]) {
+fn update(inverse: &mut Matrix, moved: &[f64], changed: &[f64]) {
     let along = product(moved, changed);
     if along < 1e-10 {
         return;
@@ -149,14 +153,14 @@ mod tests {
     fn a_curved_ridge_is_climbed_to_its_top() {
         // Rosenbrock's function, in the textbook's coordinates.
         let f = |x: &[f64]| -((1.0 - x[0]).powi(2) + 100.0 * (x[1] - x[0] * x[0]).powi(2));
-        let Maximum { place, value } = maximum(&f, &[-1.2, 1.0]);
+        let Maximum { place, value, .. } = maximum(&f, &[-1.2, 1.0], None);
         assert!(value > -1e-5, "{value}");
         assert!((place[0] - 1.0).abs() < 3e-3 && (place[1] - 1.0).abs() < 6e-3, "{place:?}");
     }
 
     #[test]
     fn a_function_that_grows_for_ever_is_followed_to_the_end() {
-        let Maximum { place, .. } = maximum(&|x: &[f64]| -(-x[0]).exp(), &[0.0]);
+        let Maximum { place, .. } = maximum(&|x: &[f64]| -(-x[0]).exp(), &[0.0], None);
         assert!(place[0] > 15.0, "{place:?}");
     }
 }

@@ -7,7 +7,7 @@ const FRICTION_LIMITS: [f64; 2] = [0.01, 5.0];
 const FACTOR_LIMITS: [f64; 2] = [1e-3, 1e3];
 
 /// The least relative standard deviation that is told from none.
-const LEAST_STD: f64 = 2e-3;
+pub(super) const LEAST_STD: f64 = 2e-3;
 
 /// The largest correlation.
 const MOST_CORRELATION: f64 = 0.9999;

@@ -309,7 +309,7 @@ fn data_that_do_not_tell_are_refused() {
     let wide = model(&Marginal::Normal, 0.5, 0.0);
     let data = data_of(&[(14.0, 39), (16.0, 20), (18.0, 1)], 0.1, 40);
     let limit = fit(&wide, &data, &USUAL, 0.95).err().unwrap();
-    assert!(matches!(limit, FitError::AtLimit { parameter: "std.static_friction", .. }), "{limit}");
+    assert!(matches!(limit, FitError::NoScatter { parameter: "std.static_friction", .. }), "{limit}");
 }
 
 #[test]
@@ -319,4 +319,27 @@ fn what_one_parameter_is_estimated_from_may_be_separated() {
     let fit = fit(&plain, &data, &[FitParameter::StaticFriction], 0.95).unwrap();
     let [low, high] = [fit.parameters[0].low.unwrap(), fit.parameters[0].high.unwrap()];
     assert!(low < fit.parameters[0].value && fit.parameters[0].value < high);
+}
+
+#[test]
+fn many_tests_end_intervals_on_both_sides() {
+    // Tests of correlated inputs, estimated as if they were not: the scatter of the preload then has to give way.
+    let (each, preloads) = (4000_u64, [0.05, 0.1, 0.2]);
+    let (correlated, model) = (model(&Marginal::Normal, 0.15, -0.4), model(&Marginal::Normal, 0.1, 0.0));
+    let truth = FitValues { static_friction: 0.4, static_friction_std: 0.08, ..correlated.values };
+    let mut data = TestData::default();
+    for preload in preloads {
+        for speed in [12.0, 14.0, 16.0, 18.0, 20.0] {
+            let boundary = boundary_at(speed);
+            let squealed = (each as f64 * correlated.probability(&truth, preload, &boundary)).round() as u64;
+            data.add_verdict(preload, &boundary, true, squealed);
+            data.add_verdict(preload, &boundary, false, each - squealed);
+        }
+    }
+    let estimated = [FitParameter::StaticFriction, FitParameter::PreloadStd, FitParameter::StaticFrictionStd];
+    let fit = fit(&model, &data, &estimated, 0.95).unwrap();
+    for fitted in &fit.parameters {
+        let (low, high) = (fitted.low.unwrap(), fitted.high.unwrap());
+        assert!(low < fitted.value && fitted.value < high, "{fitted:?}");
+    }
 }

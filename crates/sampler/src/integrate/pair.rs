@@ -17,7 +17,7 @@ use stickslip_core::verdict::Verdict;
 
 use crate::inputs::{End, InputDistribution, PairLaw};
 use crate::integrate::closed_form::ExactProbability;
-use crate::integrate::quadrature::gauss_kronrod;
+use crate::integrate::quadrature::{gauss_kronrod, over_the_line};
 use crate::special_functions::normal;
 
 /// Deviates beyond this carry a probability below 1e-126.
@@ -45,6 +45,10 @@ const DEEPEST: u32 = 10;
 
 /// An interval whose two rules agree to this is not halved: the rest is rounding.
 const ROUNDED: f64 = 1e-12;
+
+/// Most that arguments of the tail may differ, times one more than themselves, for a series of two terms: the third is
+/// below 1e-12 of the first.
+const MOST_WIDTH: f64 = 4e-3;
 
 /// How far the boundary is moved to find what its rounding does, relative to its coordinates.
 const MARGIN: f64 = 1.5e-11;
@@ -114,8 +118,10 @@ impl Pair {
             (false, _) => share([wide.argument_of_friction(), narrow.argument_of_friction()]),
             (true, false) => share([wide.argument_of_preload(), narrow.argument_of_preload()]),
             (true, true) => {
-                let between = |u: f64| share([wide.arguments(u)[0], narrow.arguments(u)[0]]);
-                wide.over_preload(&between, tolerance).0
+                let between = |u: f64| narrow_share([wide.arguments(u)[0], narrow.arguments(u)[0]]);
+                let weighted = |u: f64| normal::density(u) * between(u);
+                let smooth = if wide.is_smooth() { over_the_line(&weighted, tolerance) } else { None };
+                smooth.unwrap_or_else(|| wide.over_preload(&between, tolerance).0)
             }
         };
         probability.clamp(0.0, 1.0)
@@ -185,6 +191,14 @@ impl Integrand<'_> {
         let PairLaw { mean, factor: [first, by_first, second] } = *self.law;
         let ends = self.ends(self.pair.preload.value(mean[0] + first * u));
         ends.map(|end| (end - mean[1] - by_first * u) / second)
+    }
+
+    /// Whether the arguments of the tail have no kinks, and do not pass through it and back within a small interval.
+    fn is_smooth(&self) -> bool {
+        let Pair { preload_kinks, friction_kinks, .. } = self.pair;
+        let mut corners = friction_kinks.iter().copied().chain([self.boundary.least_static_coefficient()]);
+        let has_corner = corners.any(|corner| self.critical_preload(corner).is_finite());
+        preload_kinks.is_empty() && !has_corner && self.law.factor[2] >= NARROW
     }
 
     /// The integral of a share over the deviates `u`, and an estimate of its error.
@@ -301,6 +315,15 @@ fn share([from, to]: [f64; 2]) -> f64 {
     } else {
         normal::upper_tail(-to) - normal::upper_tail(-from)
     }
+}
+
+/// The probability between two arguments of the upper tail, by the series about their middle if they are close.
+fn narrow_share([from, to]: [f64; 2]) -> f64 {
+    let (width, middle) = (to - from, 0.5 * (from + to));
+    if !(0.0..MOST_WIDTH).contains(&(width * (1.0 + middle.abs()))) {
+        return share([from, to]);
+    }
+    normal::density(middle) * width * (1.0 + (middle * middle - 1.0) * width * width / 24.0)
 }
 
 /// The probability of a standard normal deviate between two others, from the side on which nothing cancels.
