@@ -6,10 +6,13 @@
 //! Conditional probabilities and their squares are added as [whole numbers](super::fixed_point), so that a sum has the
 //! same bits in any order.
 
-use crate::estimate::fixed_point::{WORDS, add_words, number};
+use crate::estimate::fixed_point::{add_words, number};
 use crate::estimate::interval::{Estimate, MOST_WILSON_CONFIDENCE};
 use crate::estimate::randomisations::student;
 use crate::special_functions::{beta, normal};
+
+/// Words of a sum: a probability of 1e-30 still has digits.
+const WORDS: usize = 4;
 
 /// Where fewer points matter than this, the scatter of a few randomisations may be smaller than their error.
 const FEW: f64 = 1000.0;

@@ -5,13 +5,26 @@
 //! mean over all samples is the probability of instability. The sums are [whole numbers](super::fixed_point).
 
 use crate::estimate::conditional::{around, binomial, effective_number};
-use crate::estimate::fixed_point::{WORDS, add_words, number};
+use crate::estimate::fixed_point::{add_words, number};
 use crate::estimate::interval::Estimate;
 use crate::estimate::randomisations::student;
 use crate::special_functions::{beta, normal};
 
 /// The largest weight, which sums are scaled by.
 pub const MOST_WEIGHT: f64 = 8.0;
+
+/// Words of the sums of contributions, of their squares, and of the other sums: a contribution of 1e-60 still has digits.
+const WORDS: [usize; 4] = [8, 15, 4, 4];
+
+/// Counts behind the words: samples from the distribution of the inputs, evaluations, and contributions above zero.
+const COUNTS: usize = 3;
+
+/// Where the sums begin.
+const STARTS: [usize; 5] =
+    [0, WORDS[0], WORDS[0] + WORDS[1], WORDS[0] + WORDS[1] + WORDS[2], WORDS[0] + WORDS[1] + WORDS[2] + WORDS[3]];
+
+/// The high end of a probability all of whose contributions are below the last digit.
+const NEXT_TO_NOTHING: f64 = 1e-60;
 
 /// The effective number of samples below which an estimate is not trusted.
 const LEAST_EFFECTIVE: f64 = 100.0;
@@ -28,14 +41,20 @@ const DISAGREEMENT: f64 = 1e-4;
 const MOST_SCATTER: f64 = 1.0;
 
 /// The sums of weighted samples.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WeightedSums([i64; WeightedSums::COUNT]);
+
+impl Default for WeightedSums {
+    fn default() -> Self {
+        Self([0; Self::COUNT])
+    }
+}
 
 impl WeightedSums {
     /// The number of sums: of the contributions, their squares, the weights of samples without a verdict, and the
-    /// contributions of samples that are drawn from the distribution of the inputs; the number of these, and the number
-    /// of evaluations.
-    pub const COUNT: usize = 4 * WORDS + 2;
+    /// `g` of samples that are drawn from the distribution of the inputs; the number of these, the number of evaluations,
+    /// and the number of contributions above zero.
+    pub const COUNT: usize = STARTS[4] + COUNTS;
 
     /// Adds a sample: its weight, its `g`, which is `None` without a verdict, and whether it was drawn from the
     /// distribution of the inputs.
@@ -53,11 +72,12 @@ impl WeightedSums {
             numbers[0] += 1;
         }
         numbers[1] += 1;
+        numbers[2] += i64::from(contribution > 0.0);
     }
 
     /// Adds evaluations that are no samples.
     pub fn add_evaluations(&mut self, evaluations: u64) {
-        self.0[4 * WORDS + 1] += evaluations.cast_signed();
+        self.0[STARTS[4] + 1] += evaluations.cast_signed();
     }
 
     /// The sums.
@@ -68,10 +88,10 @@ impl WeightedSums {
 }
 
 fn split(sums: &mut [i64; WeightedSums::COUNT]) -> [&mut [i64]; 5] {
-    let (contributions, rest) = sums.split_at_mut(WORDS);
-    let (squares, rest) = rest.split_at_mut(WORDS);
-    let (without, rest) = rest.split_at_mut(WORDS);
-    let (of_inputs, numbers) = rest.split_at_mut(WORDS);
+    let (contributions, rest) = sums.split_at_mut(WORDS[0]);
+    let (squares, rest) = rest.split_at_mut(WORDS[1]);
+    let (without, rest) = rest.split_at_mut(WORDS[2]);
+    let (of_inputs, numbers) = rest.split_at_mut(WORDS[3]);
     [contributions, squares, without, of_inputs, numbers]
 }
 
@@ -90,14 +110,16 @@ pub struct WeightedPart {
     pub of_inputs: [f64; 2],
     /// Values of `g` that were computed, also those by which the density of the samples was found.
     pub evaluations: f64,
+    /// Samples that contribute.
+    pub contributing: f64,
 }
 
 impl WeightedPart {
     /// From the sums of [`WeightedSums`].
     #[must_use]
     pub fn from_sums(samples: u64, sums: &[i128]) -> Self {
-        let of = |i: usize| sums.get(i * WORDS..(i + 1) * WORDS).map_or(0.0, number);
-        let count = |i: usize| sums.get(4 * WORDS + i).map_or(0.0, |&sum| sum as f64);
+        let of = |i: usize| sums.get(STARTS[i]..STARTS[i + 1]).map_or(0.0, number);
+        let count = |i: usize| sums.get(STARTS[4] + i).map_or(0.0, |&sum| sum as f64);
         Self {
             samples: samples as f64,
             contributions: MOST_WEIGHT * of(0),
@@ -105,6 +127,7 @@ impl WeightedPart {
             without_verdict: MOST_WEIGHT * of(2),
             of_inputs: [count(0), of(3)],
             evaluations: count(1),
+            contributing: count(2),
         }
     }
 }
@@ -142,16 +165,23 @@ pub struct WeightedEstimate {
 /// means of the groups. With a significance of 1e-4 the estimate is not trusted, as some have missed a region. Nor is it
 /// with an effective number of samples below 100.
 ///
-/// Samples without a verdict count as stable for the low end and as unstable for the high one.
+/// Samples without a verdict count as stable for the low end and as unstable for the high one. A probability below some
+/// 1e-70, of which the sums have no digits, is given as 0 with a high end of 1e-60.
 #[must_use]
 pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> WeightedEstimate {
     let sum = |of: &dyn Fn(&WeightedPart) -> f64| parts.iter().map(of).sum::<f64>();
     let (total, squares) = (sum(&|part| part.contributions), sum(&|part| part.squares));
     let (samples, without) = (sum(&|part| part.samples), sum(&|part| part.without_verdict));
     let effective = effective_number(total, squares);
+    let contributing = sum(&|part| part.contributing);
     let is_complete = parts.len() >= 2 && parts.iter().all(|part| part.samples > 0.0);
     let shares: Vec<f64> = parts.iter().map(|part| part.contributions / part.samples).collect();
     let between = if is_complete { significance(&shares, groups) } else { 1.0 };
+    let evaluations = sum(&|part| part.evaluations);
+    if total <= 0.0 && contributing >= LEAST_EFFECTIVE && without <= 0.0 && is_complete {
+        let estimate = Estimate { probability: Some(0.0), low: 0.0, high: NEXT_TO_NOTHING };
+        return WeightedEstimate { estimate, effective: contributing, evaluations, distrust: None };
+    }
     let distrust = if total <= 0.0 {
         Some(Distrust::NothingFound)
     } else if effective < LEAST_EFFECTIVE || !is_complete {
@@ -159,7 +189,6 @@ pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> Weigh
     } else {
         (between < DISAGREEMENT).then_some(Distrust::Disagreement)
     };
-    let evaluations = sum(&|part| part.evaluations);
     if distrust.is_some() {
         let [count, unstable] = [0, 1].map(|i| sum(&|part| part.of_inputs[i]));
         let (low, high) = binomial(0.0, unstable, count, confidence);

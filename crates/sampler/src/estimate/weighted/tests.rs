@@ -28,10 +28,13 @@ fn sums_have_the_values_that_were_added() {
     assert_eq!(part.of_inputs, [2.0, 1.5]);
     assert_eq!(part.evaluations, 1003.0);
     // Small contributions keep their digits.
-    let mut sums = WeightedSums::default();
-    sums.add(3e-12, Some(1.0), false);
-    let part = WeightedPart::from_sums(1, &sums.sums().map(i128::from));
-    assert!((part.contributions / 3e-12 - 1.0).abs() < 1e-15 && (part.squares / 9e-24 - 1.0).abs() < 1e-9);
+    for small in [3e-12, 3e-50] {
+        let mut sums = WeightedSums::default();
+        sums.add(small, Some(1.0), false);
+        let part = WeightedPart::from_sums(1, &sums.sums().map(i128::from));
+        assert!((part.contributions / small - 1.0).abs() < 1e-15, "{small:e}");
+        assert!((part.squares / (small * small) - 1.0).abs() < 1e-9, "{small:e}");
+    }
 }
 
 #[test]
@@ -91,6 +94,14 @@ fn few_samples_are_not_trusted() {
     assert_eq!((found.distrust, found.estimate.probability), (Some(Distrust::NothingFound), None));
     // Two of a hundred samples count, and a half of these are of the inputs; their g is 1.
     assert!(found.estimate.high > 0.0);
+}
+
+#[test]
+fn a_probability_without_digits_is_nearly_zero() {
+    let parts: Vec<WeightedPart> = (0..16).map(|_| part(6400, 1e-90)).collect();
+    let found = estimate(&parts, 4, 0.95);
+    assert_eq!((found.distrust, found.estimate.probability), (None, Some(0.0)));
+    assert!(found.estimate.low == 0.0 && found.estimate.high == 1e-60, "{found:?}");
 }
 
 #[test]
