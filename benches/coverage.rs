@@ -28,7 +28,7 @@ use stickslip_sampler::estimate::{audit, conditional, randomisations};
 use stickslip_sampler::grid::{Cell, RelativeStd};
 use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw};
 use stickslip_sampler::integrate::pair::Pair;
-use stickslip_sampler::rare::population::{Points as DeviatePoints, Population};
+use stickslip_sampler::rare::population::{Effort, Points as DeviatePoints, Population};
 use stickslip_sampler::rare::proposal::Proposal;
 use stickslip_sampler::special_functions::normal;
 
@@ -414,9 +414,10 @@ fn print_rare(method: &str, inputs: usize, p: f64, seeds: u64, points: u64, is_u
     let mut integrand = |points: &DeviatePoints| Some(points.iter().map(value).collect());
     let (mut squares, mut trusted, mut evaluations) = (0.0, 0_u64, 0.0);
     let coverage = share(seeds, |seed| {
-        let particles = if points == 0 { 1000 } else { 300 };
+        let (particles, moves) = if points == 0 { (1000, 8) } else { (300, 4) };
         let mut population = |number: u64| {
-            Population::find(inputs, particles, &mut generator(100 * seed + number), &mut integrand).unwrap()
+            Population::find(inputs, Effort { particles, moves }, &mut generator(100 * seed + number), &mut integrand)
+                .unwrap()
         };
         let found = if points == 0 {
             let part = |number: u64| {

@@ -214,7 +214,6 @@ fn an_estimate_that_is_not_to_be_trusted_is_not_given() {
     for words in ["replay runs/few --cell 0 --sample 0", "samples runs/few --cell 0"] {
         place.run(words).refused(64, &["have weights", "method = \"monte-carlo\""]);
     }
-    place.run("limit few.toml --of preload --probability 0.01").refused(64, &["\"importance\"", "\"sobol\""]);
 }
 
 #[test]

@@ -7,19 +7,22 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use stickslip_core::verdict::Verdict;
 use stickslip_sampler::draw::deviates::{DeviateStream, Points as Source};
 use stickslip_sampler::draw::identity::{Purpose, block_generator};
-use stickslip_sampler::estimate::weighted::WeightedSums;
+use stickslip_sampler::estimate::weighted::{self, WeightedEstimate, WeightedPart, WeightedSums};
 use stickslip_sampler::grid::Cell;
-use stickslip_sampler::rare::population::{Points, Population};
+use stickslip_sampler::rare::population::{Effort, Points, Population};
 use stickslip_sampler::rare::proposal::Proposal;
 
 use crate::evaluate::unit::FinishedUnit;
-use crate::job::{Effort, Job, SamplingMethod};
+use crate::job::{self, Job, SamplingMethod};
 
 /// Populations of a cell whose densities its randomisations share, where there are randomisations enough.
 const POPULATIONS: usize = 4;
 
 /// Randomisations of each population, at least.
 const RANDOMISATIONS_EACH: usize = 4;
+
+/// Moves of the particles of a population that places samples, and of one whose probability is wanted.
+const MOVES: [usize; 2] = [4, 8];
 
 /// Samples that are decided at once.
 const AT_ONCE: u64 = 250;
@@ -35,10 +38,19 @@ const HALF: f64 = 0.5;
 pub type Values<'a> = dyn FnMut(&Points) -> Option<Vec<Option<f64>>> + 'a;
 
 /// How many populations the randomisations of a cell share: randomisation `r` uses population `r` modulo this number.
-pub fn populations(job: &Job) -> usize {
+fn populations(job: &Job) -> usize {
     match job.sampling.effort {
-        Effort::Randomisations { count, .. } => (count as usize / RANDOMISATIONS_EACH).clamp(1, POPULATIONS),
+        job::Effort::Randomisations { count, .. } => (count as usize / RANDOMISATIONS_EACH).clamp(1, POPULATIONS),
         _ => 1,
+    }
+}
+
+/// The probability of a cell from its parts, in their order; `None` if samples have no weights.
+pub fn estimate(job: &Job, parts: &[WeightedPart], confidence: f64) -> Option<WeightedEstimate> {
+    match job.sampling.method {
+        SamplingMethod::Importance => Some(weighted::estimate(parts, populations(job), confidence)),
+        SamplingMethod::Subset => Some(weighted::estimate_of_populations(parts, confidence)),
+        _ => None,
     }
 }
 
@@ -46,7 +58,7 @@ pub fn populations(job: &Job) -> usize {
 #[derive(Debug)]
 pub struct RareEvents {
     dimensions: usize,
-    particles: usize,
+    effort: Effort,
     /// Densities found last. A population is looked for by one thread, while others that want it wait.
     kept: Mutex<VecDeque<(Key, Place)>>,
 }
@@ -67,8 +79,9 @@ struct Found {
 impl RareEvents {
     /// Prepares a job with so many deviates for each sample; `None` if its samples have no weights.
     pub fn new(job: &Job, dimensions: usize) -> Option<Self> {
-        let particles = job.sampling.particles? as usize;
-        Some(Self { dimensions, particles, kept: Mutex::default() })
+        let moves = MOVES[usize::from(job.sampling.method == SamplingMethod::Subset)];
+        let effort = Effort { particles: job.sampling.particles? as usize, moves };
+        Some(Self { dimensions, effort, kept: Mutex::default() })
     }
 
     /// Evaluates samples of a randomisation of a cell, or its populations, and counts them in `unit` and `sums`; `None`
@@ -171,7 +184,7 @@ impl RareEvents {
             // A sample without a verdict leads nowhere.
             Some(values.into_iter().map(|value| value.unwrap_or(0.0)).collect())
         };
-        Population::find(self.dimensions, self.particles, &mut generator, &mut integrand)
+        Population::find(self.dimensions, self.effort, &mut generator, &mut integrand)
     }
 }
 

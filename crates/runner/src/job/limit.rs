@@ -24,7 +24,7 @@ pub enum LimitMethod {
     MapIntegral,
     /// From the critical values of all samples.
     CriticalValues(Varied),
-    /// From the same samples at many values of the axis.
+    /// From the same samples at many values of the axis, or from samples with weights that are placed at each.
     Samples,
 }
 
@@ -59,21 +59,15 @@ impl LimitMethod {
                 ),
             };
         }
-        if !is_closed {
+        if !is_closed && !job.is_weighted() {
             return Err(format!(
-                "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\"; the job \"{}\" simulates its samples. Submit it: its summary tells up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
+                "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" simulates its samples. Submit it: its summary tells up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
                 job.name
             ));
         }
         if let Effort::Until(_) = job.sampling.effort {
             return Err(
                 "limits are found with the same number of samples at all values; give sampling.samples in place of sampling.until"
-                    .to_owned(),
-            );
-        }
-        if job.is_weighted() {
-            return Err(
-                "limits are found with the same samples at all values, and those of sampling.method = \"importance\" or \"subset\" are placed for one; use \"exact\" where only preload and static_friction scatter, else \"conditional\" or \"sobol\""
                     .to_owned(),
             );
         }

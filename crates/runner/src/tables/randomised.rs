@@ -4,12 +4,12 @@ use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::conditional::{self, ConditionalPart};
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::randomisations;
-use stickslip_sampler::estimate::weighted::{self, WeightedEstimate};
+use stickslip_sampler::estimate::weighted::WeightedEstimate;
 
 use crate::evaluate::parts::Parts;
-use crate::evaluate::rare_events::populations;
+use crate::evaluate::rare_events;
 use crate::evaluate::sums::SumLayout;
-use crate::job::{Job, SamplingMethod};
+use crate::job::Job;
 use crate::store::tally::Tally;
 
 /// The probability of a cell of a job with Sobol points, with the interval of a confidence: from counted verdicts,
@@ -29,13 +29,10 @@ pub fn estimate(job: &Job, parts: &Parts, tally: &Tally, cell: u64, confidence: 
 
 /// The estimate of a cell of a job whose samples have weights, with what there is to say about it; `None` for other jobs.
 pub fn of_weights(job: &Job, parts: &Parts, tally: &Tally, cell: u64, confidence: f64) -> Option<WeightedEstimate> {
-    let layout = SumLayout::of(job);
-    let own = || parts.of(cell).map(|part| layout.read_weighted(&tally.sums(part), &tally.counts(part)));
-    match job.sampling.method {
-        SamplingMethod::Importance => {
-            Some(weighted::estimate(&own().collect::<Vec<_>>(), populations(job), confidence))
-        }
-        SamplingMethod::Subset => Some(weighted::estimate_of_populations(&own().collect::<Vec<_>>(), confidence)),
-        _ => None,
+    if !job.is_weighted() {
+        return None;
     }
+    let layout = SumLayout::of(job);
+    let own = parts.of(cell).map(|part| layout.read_weighted(&tally.sums(part), &tally.counts(part)));
+    rare_events::estimate(job, &own.collect::<Vec<_>>(), confidence)
 }

@@ -149,6 +149,8 @@ pub struct WeightedEstimate {
     /// Without a probability if it is not trusted. The interval is then that of the samples drawn from the distribution
     /// of the inputs.
     pub estimate: Estimate,
+    /// The mean, also if it is not to be trusted.
+    pub mean: f64,
     /// The effective number of samples `(sum w g)^2 / sum (w g)^2`.
     pub effective: f64,
     /// Values of `g` that were computed.
@@ -180,7 +182,7 @@ pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> Weigh
     let evaluations = sum(&|part| part.evaluations);
     if total <= 0.0 && contributing >= LEAST_EFFECTIVE && without <= 0.0 && is_complete {
         let estimate = Estimate { probability: Some(0.0), low: 0.0, high: NEXT_TO_NOTHING };
-        return WeightedEstimate { estimate, effective: contributing, evaluations, distrust: None };
+        return WeightedEstimate { estimate, mean: 0.0, effective: contributing, evaluations, distrust: None };
     }
     let distrust = if total <= 0.0 {
         Some(Distrust::NothingFound)
@@ -193,7 +195,7 @@ pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> Weigh
         let [count, unstable] = [0, 1].map(|i| sum(&|part| part.of_inputs[i]));
         let (low, high) = binomial(0.0, unstable, count, confidence);
         let estimate = Estimate { probability: None, low, high };
-        return WeightedEstimate { estimate, effective, evaluations, distrust };
+        return WeightedEstimate { estimate, mean: total / samples, effective, evaluations, distrust };
     }
     let independent = if effective < FEW {
         let variance = (squares / samples - (total / samples) * (total / samples)).max(0.0);
@@ -212,7 +214,7 @@ pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> Weigh
     let low = below(mean.min(1.0), half_width(&shares));
     let high = around(with_failed.min(1.0), half_width(&highest)).1;
     let estimate = Estimate { probability: Some(mean.min(1.0)), low: low.max(0.0), high: high.min(1.0) };
-    WeightedEstimate { estimate, effective, evaluations, distrust }
+    WeightedEstimate { estimate, mean, effective, evaluations, distrust }
 }
 
 /// The mean of the estimates of independent populations. Their logarithms are about normal, and the interval is the one
@@ -249,7 +251,8 @@ pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> Weigh
     };
     let squares = shares.iter().map(|share| share * share).sum();
     let evaluations = parts.iter().map(|part| part.evaluations).sum();
-    WeightedEstimate { estimate, effective: effective_number(mean * count, squares), evaluations, distrust }
+    let effective = effective_number(mean * count, squares);
+    WeightedEstimate { estimate, mean, effective, evaluations, distrust }
 }
 
 /// Cox's interval for the mean of a lognormal variable.

@@ -29,8 +29,7 @@ const FREQUENT: f64 = 0.1;
 /// The effective share of particles that a reduction of the scatter leaves.
 const LEFT: f64 = 0.5;
 
-/// Moves after each reduction, and after the last one.
-const MOVES: usize = 4;
+/// Moves after the last reduction.
 const LAST_MOVES: usize = 8;
 
 /// The share of moves that should succeed.
@@ -114,6 +113,16 @@ pub struct Population {
     pub evaluations: u64,
 }
 
+/// How much is done to find a population.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// Particles.
+    pub particles: usize,
+    /// Moves of each after a step: some 4 to see where the particles lie, 8 for their probability, as with fewer moves in
+    /// ten dimensions it scatters by twice as much.
+    pub moves: usize,
+}
+
 /// Particles at one scatter.
 struct Particles<'a, 'g> {
     points: Points,
@@ -127,13 +136,14 @@ struct Particles<'a, 'g> {
 }
 
 impl Population {
-    /// Finds a population of `particles` points; `None` if it is stopped before.
+    /// Finds a population; `None` if it is stopped before.
     pub fn find(
         dimensions: usize,
-        particles: usize,
+        effort: Effort,
         generator: &mut Xoshiro256PlusPlus,
         integrand: &mut Integrand<'_>,
     ) -> Option<Self> {
+        let Effort { particles, moves } = effort;
         let (points, values) = (Points::new(dimensions), Vec::new());
         let mut all = Particles {
             points,
@@ -159,11 +169,11 @@ impl Population {
         all.draw_again(&unstable, particles);
         while all.power < 1.0 {
             log_probability += all.raise();
-            all.make_moves(MOVES)?;
+            all.make_moves(moves)?;
         }
         while all.scale > 1.0 {
             log_probability += all.reduce(dimensions);
-            all.make_moves(MOVES)?;
+            all.make_moves(moves)?;
         }
         all.make_moves(LAST_MOVES)?;
         Some(Self {
@@ -325,11 +335,13 @@ mod tests {
     use crate::special_functions::normal;
     use rand::SeedableRng;
 
+    const EFFORT: Effort = Effort { particles: 300, moves: 8 };
+
     fn find(dimensions: usize, seed: u64, is_unstable: impl Fn(&[f64]) -> bool) -> Population {
         let mut integrand =
             |points: &Points| Some(points.iter().map(|u| f64::from(u8::from(is_unstable(u)))).collect());
         let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
-        Population::find(dimensions, 300, &mut generator, &mut integrand).unwrap()
+        Population::find(dimensions, EFFORT, &mut generator, &mut integrand).unwrap()
     }
 
     #[test]
@@ -354,7 +366,7 @@ mod tests {
         let find = |seed: u64| {
             let mut integrand = |points: &Points| Some(points.iter().map(|u| normal::upper_tail(6.0 - u[0])).collect());
             let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
-            Population::find(1, 300, &mut generator, &mut integrand).unwrap()
+            Population::find(1, EFFORT, &mut generator, &mut integrand).unwrap()
         };
         let populations: Vec<Population> = (0..40).map(find).collect();
         let mean = populations.iter().map(|population| population.probability).sum::<f64>() / 40.0;

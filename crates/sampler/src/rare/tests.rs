@@ -5,7 +5,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::draw::deviates::{DeviateStream, Points as Source};
 use crate::estimate::weighted::{WeightedEstimate, WeightedPart, WeightedSums, estimate};
-use crate::rare::population::{Points, Population};
+use crate::rare::population::{Effort, Points, Population};
 use crate::rare::proposal::Proposal;
 use crate::special_functions::normal;
 
@@ -14,7 +14,9 @@ fn weighted(dimensions: usize, points: u64, seed: u64, is_unstable: &dyn Fn(&[f6
     let mut integrand = |points: &Points| Some(points.iter().map(|u| f64::from(u8::from(is_unstable(u)))).collect());
     let proposal = |group: u64| {
         let mut generator = Xoshiro256PlusPlus::seed_from_u64(1000 * seed + group);
-        Proposal::new(&Population::find(dimensions, 300, &mut generator, &mut integrand).unwrap())
+        Proposal::new(
+            &Population::find(dimensions, Effort { particles: 300, moves: 4 }, &mut generator, &mut integrand).unwrap(),
+        )
     };
     let proposals: Vec<Proposal> = (0..4).map(proposal).collect();
     let stream =
