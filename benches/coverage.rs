@@ -403,7 +403,7 @@ fn rare_events() {
     for (inputs, p) in [(2, 1e-3), (2, 1e-6), (2, 1e-9), (10, 1e-3), (10, 1e-6), (10, 1e-9)] {
         let limit = -normal::quantile(p) * (inputs as f64).sqrt();
         let is_unstable = |u: &[f64]| u.iter().sum::<f64>() > limit;
-        print_rare("subset", inputs, p, 1000, 0, &is_unstable);
+        print_rare("subset", inputs, p, 300, 0, &is_unstable);
     }
 }
 

@@ -92,6 +92,13 @@ impl<'a> Evaluator<'a> {
         self.job
     }
 
+    /// Draws samples with weights where another evaluator draws them, which has evaluated the same cells.
+    pub fn place_samples_as(&self, other: &Evaluator<'_>) {
+        if let (Some(own), Some(other)) = (&self.rare_events, &other.rare_events) {
+            own.place_as(other);
+        }
+    }
+
     /// The parts of its cells.
     pub fn parts(&self) -> &Parts {
         &self.parts

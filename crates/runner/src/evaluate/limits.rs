@@ -7,10 +7,8 @@ use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::conditional::{self, ConditionalPart};
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::randomisations;
-use stickslip_sampler::estimate::weighted::{Distrust, WeightedPart};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::integrate::verdict_map::MapRegions;
-use stickslip_sampler::limits::Limit;
 use stickslip_sampler::limits::randomised::GroupedSweeps;
 use stickslip_sampler::limits::scan::{Scan, scanned_values};
 use stickslip_sampler::limits::spans::{OutsidePhysics as Outside, Sample, Spans, Varied};
@@ -19,10 +17,9 @@ use stickslip_sampler::limits::sweep::{SortedSweep, Sweep};
 use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::exact_probability;
-use crate::evaluate::rare_events;
 use crate::evaluate::sums::SumLayout;
 use crate::evaluate::unit::FinishedUnit;
-use crate::failure::Failure;
+use crate::evaluate::weighted_limits::{CombinationLimits, Ended, WeightedSearch};
 use crate::job::{Effort, Job, LimitAxis, LimitMethod, OutsidePhysics};
 
 /// Least numbers of intervals of a scan: of a probability that takes little to compute, over a map, and of samples that are
@@ -32,31 +29,8 @@ const INTERVALS: [usize; 3] = [256, 64, 32];
 /// Changes of verdicts among which those are that a scan of Sobol points has besides.
 const CHANGES: usize = 1024;
 
-/// Where an estimate is below this part of all targets, it need not be precise.
-const FAR_BELOW: f64 = 1e-3;
-
 /// To which part of itself a limit is located: of a probability that takes little to compute, and of others.
 const TOLERANCES: [f64; 2] = [1e-12, 1e-9];
-
-/// What ends a search.
-#[derive(Debug)]
-pub enum Ended {
-    /// It was stopped.
-    Stopped,
-    /// There is no brake with this value of the axis.
-    NoSuchBrake(f64, ParameterError),
-    /// The samples cannot be evaluated.
-    Failed(Failure),
-}
-
-/// The limits of one combination.
-#[derive(Debug, Clone)]
-pub struct CombinationLimits {
-    /// The probabilities at the smallest and the largest value of the axis.
-    pub ends: [Option<f64>; 2],
-    /// The limits at each target.
-    pub of_targets: Vec<Vec<Limit>>,
-}
 
 /// A search for limits along an axis of a job.
 pub struct LimitSearch<'a> {
@@ -74,7 +48,7 @@ pub fn scanned(axis: &LimitAxis, method: LimitMethod) -> Option<Vec<f64>> {
     let intervals = match method {
         LimitMethod::Integral => INTERVALS[0],
         LimitMethod::MapIntegral => INTERVALS[1],
-        LimitMethod::Samples => INTERVALS[2],
+        LimitMethod::Samples | LimitMethod::WeightedSamples => INTERVALS[2],
         LimitMethod::CriticalValues(_) => return None,
     };
     Some(scanned_values(&axis.values, intervals))
@@ -118,11 +92,20 @@ impl<'a> LimitSearch<'a> {
                 self.scan(targets, TOLERANCES[1], &[], estimate)
             }
             LimitMethod::CriticalValues(varied) => self.by_critical_values(cell, varied, targets, is_stopped),
+            LimitMethod::WeightedSamples => {
+                let search = WeightedSearch { job: self.job, axis: self.axis, cell, confidence: self.confidence };
+                search.limits(&self.values(), targets, is_stopped)
+            }
             LimitMethod::Samples => {
-                let estimate = |value: f64| self.of_samples(cell, value, targets, is_stopped);
+                let estimate = |value: f64| self.of_samples(cell, value, is_stopped);
                 self.scan(targets, TOLERANCES[1], &[], estimate)
             }
         }
+    }
+
+    /// The values of the axis at which the probability is first estimated.
+    fn values(&self) -> Vec<f64> {
+        scanned(self.axis, self.method).unwrap_or_else(|| scanned_values(&self.axis.values, INTERVALS[0]))
     }
 
     /// The limits from a scan over the values of the axis and `further` ones.
@@ -133,8 +116,7 @@ impl<'a> LimitSearch<'a> {
         further: &[f64],
         estimate: impl Fn(f64) -> Result<Estimate, Ended>,
     ) -> Result<CombinationLimits, Ended> {
-        let mut values =
-            scanned(self.axis, self.method).unwrap_or_else(|| scanned_values(&self.axis.values, INTERVALS[0]));
+        let mut values = self.values();
         values.extend(further);
         values.sort_by(f64::total_cmp);
         values.dedup();
@@ -166,7 +148,7 @@ impl<'a> LimitSearch<'a> {
     }
 
     /// The estimate from the samples of a cell with another value of the axis.
-    fn of_samples(&self, cell: u64, value: f64, targets: &[f64], is_stopped: IsStopped<'_>) -> Result<Estimate, Ended> {
+    fn of_samples(&self, cell: u64, value: f64, is_stopped: IsStopped<'_>) -> Result<Estimate, Ended> {
         let no_brake = |error| Ended::NoSuchBrake(value, error);
         let job = self.axis.job_at(self.job, value);
         job.brake(job.grid.brake_index(cell)).map_err(no_brake)?;
@@ -178,25 +160,6 @@ impl<'a> LimitSearch<'a> {
         };
         let units = parts.of(cell).map(of_part).collect::<Result<Vec<_>, _>>()?;
         let counts: Vec<VerdictCounts> = units.iter().map(|unit| unit.counts).collect();
-        if job.is_weighted() {
-            let layout = SumLayout::of(&job);
-            let of_unit = |unit: &FinishedUnit| {
-                let sums: Vec<i128> = unit.sums.iter().map(|&sum| sum.into()).collect();
-                layout.read_weighted(&sums, &unit.counts)
-            };
-            let of_parts: Vec<WeightedPart> = units.iter().map(of_unit).collect();
-            return match rare_events::estimate(&job, &of_parts, self.confidence) {
-                Some(found) if matches!(found.distrust, None | Some(Distrust::NothingFound)) => Ok(found.estimate),
-                // Far below all targets its digits do not matter.
-                Some(found) if targets.iter().all(|target| found.mean < FAR_BELOW * target) => {
-                    Ok(Estimate { probability: Some(found.mean), ..found.estimate })
-                }
-                _ => Err(Ended::Failed(Failure::Job(format!(
-                    "with {} = {value} in the combination of cell {cell} the probability is not to be trusted: few samples have most of it, or independent populations disagree. Give more sampling.samples or sampling.particles, or a narrower range of axes.{}",
-                    self.axis.name, self.axis.name
-                )))),
-            };
-        }
         if job.is_conditional() {
             let layout = SumLayout::of(&job);
             let of_unit = |unit: &FinishedUnit| {

@@ -84,6 +84,11 @@ impl RareEvents {
         Some(Self { dimensions, effort, kept: Mutex::default() })
     }
 
+    /// Draws the samples of cells where another job with as many deviates draws them, which has evaluated these cells.
+    pub fn place_as(&self, other: &Self) {
+        locked(&self.kept).clone_from(&locked(&other.kept));
+    }
+
     /// Evaluates samples of a randomisation of a cell, or its populations, and counts them in `unit` and `sums`; `None`
     /// if it is stopped before.
     pub fn evaluate(

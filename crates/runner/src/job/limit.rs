@@ -10,6 +10,7 @@ use super::limit_axis::LimitAxis;
 use super::limit_request::LimitRequest;
 use super::limit_spec::LimitSpec;
 use super::sampling::Effort;
+use super::sampling_spec::SamplingMethod;
 use super::validated::Job;
 
 /// Largest number of samples of a cell: they are held in memory, or evaluated at many values.
@@ -24,7 +25,9 @@ pub enum LimitMethod {
     MapIntegral,
     /// From the critical values of all samples.
     CriticalValues(Varied),
-    /// From the same samples at many values of the axis, or from samples with weights that are placed at each.
+    /// From samples with weights.
+    WeightedSamples,
+    /// From the same samples at many values of the axis.
     Samples,
 }
 
@@ -65,6 +68,12 @@ impl LimitMethod {
                 job.name
             ));
         }
+        if job.sampling.method == SamplingMethod::Subset {
+            return Err(
+                "populations of sampling.method = \"subset\" differ from value to value, so that they have no limits; use \"importance\""
+                    .to_owned(),
+            );
+        }
         if let Effort::Until(_) = job.sampling.effort {
             return Err(
                 "limits are found with the same number of samples at all values; give sampling.samples in place of sampling.until"
@@ -81,6 +90,7 @@ impl LimitMethod {
         }
         Ok(match varied {
             Some(varied) if job.has_verdicts() => Self::CriticalValues(varied),
+            _ if job.is_weighted() => Self::WeightedSamples,
             _ => Self::Samples,
         })
     }

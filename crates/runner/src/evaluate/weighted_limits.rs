@@ -1,0 +1,165 @@
+//! Limits along an axis from samples with weights.
+//!
+//! A first scan finds about where the limits are; at each of its values the samples are placed anew. Near each limit the
+//! samples are then placed once. The probability is a smooth function of the value there, so that its interval bounds the
+//! limit.
+
+use stickslip_core::parameters::ParameterError;
+use stickslip_sampler::estimate::interval::Estimate;
+use stickslip_sampler::estimate::weighted::{Distrust, WeightedPart};
+use stickslip_sampler::limits::Limit;
+use stickslip_sampler::limits::scan::Scan;
+
+use crate::evaluate::control::IsStopped;
+use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::rare_events;
+use crate::evaluate::sums::SumLayout;
+use crate::failure::Failure;
+use crate::job::{Job, LimitAxis};
+
+/// What ends a search.
+#[derive(Debug)]
+pub enum Ended {
+    /// It was stopped.
+    Stopped,
+    /// There is no brake with this value of the axis.
+    NoSuchBrake(f64, ParameterError),
+    /// The samples cannot be evaluated.
+    Failed(Failure),
+}
+
+/// The limits of one combination.
+#[derive(Debug, Clone)]
+pub struct CombinationLimits {
+    /// The probabilities at the smallest and the largest value of the axis.
+    pub ends: [Option<f64>; 2],
+    /// The limits at each target.
+    pub of_targets: Vec<Vec<Limit>>,
+}
+
+/// Where an estimate is below this part of all targets, it need not be precise.
+const FAR_BELOW: f64 = 1e-3;
+
+/// To which part of itself a limit is located at first, and in the end.
+const TOLERANCES: [f64; 2] = [1e-3, 1e-9];
+
+/// Parts of a limit to each side of it within which it is located, one after the other until it lies inside with its
+/// bounds.
+const REACHES: [f64; 3] = [0.01, 0.05, 0.2];
+
+/// Intervals of a scan there.
+const INTERVALS: usize = 4;
+
+/// Limits of one combination of the other axes.
+pub struct WeightedSearch<'a> {
+    pub job: &'a Job,
+    pub axis: &'a LimitAxis,
+    /// The cell of the combination that has the first value of the axis.
+    pub cell: u64,
+    /// Confidence of the intervals of probabilities.
+    pub confidence: f64,
+}
+
+impl WeightedSearch<'_> {
+    /// The limits, from a scan over `values` at first.
+    ///
+    /// # Errors
+    /// See [`Ended`].
+    pub fn limits(
+        &self,
+        values: &[f64],
+        targets: &[f64],
+        is_stopped: IsStopped<'_>,
+    ) -> Result<CombinationLimits, Ended> {
+        let estimate = |value: f64| self.estimate(value, None, targets, is_stopped);
+        let scan = Scan::new(values, TOLERANCES[0], estimate)?;
+        let mut of_targets = Vec::with_capacity(targets.len());
+        for &target in targets {
+            let mut limits = scan.limits(target, estimate)?;
+            for limit in &mut limits {
+                self.refine(limit, target, is_stopped)?;
+            }
+            of_targets.push(limits);
+        }
+        Ok(CombinationLimits { ends: scan.ends(), of_targets })
+    }
+
+    /// Locates a limit with samples that are placed once.
+    fn refine(&self, limit: &mut Limit, target: f64, is_stopped: IsStopped<'_>) -> Result<(), Ended> {
+        let Some(value) = limit.value else { return Ok(()) };
+        let job = self.axis.job_at(self.job, value);
+        let placed = Evaluator::new(&job).map_err(Ended::Failed)?;
+        self.evaluate(&job, &placed, value, &[target], is_stopped)?;
+        let estimate = |value: f64| self.estimate(value, Some(&placed), &[target], is_stopped);
+        let [least, most] = self.axis.range();
+        for reach in REACHES {
+            let at = |i: usize| value * (1.0 + reach * (2.0 * i as f64 / INTERVALS as f64 - 1.0));
+            let mut near: Vec<f64> = (0..=INTERVALS).map(|i| at(i).clamp(least, most)).collect();
+            near.dedup();
+            let found = Scan::new(&near, TOLERANCES[1], estimate)?.limits(target, estimate)?;
+            let inside = |[low, high]: [f64; 2]| {
+                (low > near[0] || near[0] <= least) && (high < near[near.len() - 1] || near[near.len() - 1] >= most)
+            };
+            if let [only] = found[..]
+                && only.state == limit.state
+                && only.bounds.is_some_and(inside)
+            {
+                *limit = only;
+                return Ok(());
+            }
+        }
+        Err(self.distrusted(value))
+    }
+
+    /// The estimate at a value of the axis, with samples placed there, or where another evaluator has placed them.
+    fn estimate(
+        &self,
+        value: f64,
+        placed: Option<&Evaluator<'_>>,
+        targets: &[f64],
+        is_stopped: IsStopped<'_>,
+    ) -> Result<Estimate, Ended> {
+        let no_brake = |error: ParameterError| Ended::NoSuchBrake(value, error);
+        let job = self.axis.job_at(self.job, value);
+        job.brake(job.grid.brake_index(self.cell)).map_err(no_brake)?;
+        let evaluator = Evaluator::new(&job).map_err(Ended::Failed)?;
+        placed.into_iter().for_each(|placed| evaluator.place_samples_as(placed));
+        self.evaluate(&job, &evaluator, value, targets, is_stopped)
+    }
+
+    /// The estimate of the cell of a job with a value of the axis.
+    fn evaluate(
+        &self,
+        job: &Job,
+        evaluator: &Evaluator<'_>,
+        value: f64,
+        targets: &[f64],
+        is_stopped: IsStopped<'_>,
+    ) -> Result<Estimate, Ended> {
+        let layout = SumLayout::of(job);
+        let parts = evaluator.parts();
+        let of_part = |part: u64| -> Result<WeightedPart, Ended> {
+            let samples = parts.max_samples(parts.place(part).1);
+            let unit = evaluator.count(part, 0..samples, is_stopped).ok_or(Ended::Stopped)?;
+            let sums: Vec<i128> = unit.sums.iter().map(|&sum| sum.into()).collect();
+            Ok(layout.read_weighted(&sums, &unit.counts))
+        };
+        let of_parts = parts.of(self.cell).map(of_part).collect::<Result<Vec<_>, _>>()?;
+        match rare_events::estimate(job, &of_parts, self.confidence) {
+            Some(found) if matches!(found.distrust, None | Some(Distrust::NothingFound)) => Ok(found.estimate),
+            // Far below all targets its digits do not matter.
+            Some(found) if targets.iter().all(|target| found.mean < FAR_BELOW * target) => {
+                Ok(Estimate { probability: Some(found.mean), ..found.estimate })
+            }
+            _ => Err(self.distrusted(value)),
+        }
+    }
+
+    fn distrusted(&self, value: f64) -> Ended {
+        let name = self.axis.name;
+        Ended::Failed(Failure::Job(format!(
+            "with {name} = {value} in the combination of cell {} the probability is not to be trusted: few samples have most of it, or independent populations disagree. Give more sampling.samples or sampling.particles, or a narrower range of axes.{name}",
+            self.cell
+        )))
+    }
+}
