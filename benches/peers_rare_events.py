@@ -29,15 +29,16 @@ The peers' settings are the best for this limit state that their manuals name:
 
 Of SEEDS runs each, for every case and method: the mean of the probabilities over the true one, the relative
 root-mean-square error, the mean number of evaluations, those that an error of 5 % takes, how many of the 95 % intervals
-contain the truth, and the median of the seconds. "At an error of 5 %" scales evaluations by the square of the error. That
+contain the truth, and the median of the seconds. stickslip gives no number where it does not trust it; such runs are
+counted, and their evaluations are added to those of the others. "At an error of 5 %" scales evaluations by the square of the error. That
 holds for the sampling part only, so what is spent on finding the region (stickslip's populations before importance
-sampling, FORM) stays as it is. The ratios are those numbers of peers over stickslip: above 1, stickslip needs less.
+sampling, FORM) stays as it is. An error of SEEDS runs is itself uncertain by a sixth, its square by a third. The ratios are those numbers of peers over stickslip: above 1, stickslip needs less.
 
 Seconds are those of the whole process for stickslip, and of the computation alone for the peers, whose limit state costs
 nothing. Each figure is a line with name, value and unit.
 
-A program whose mean is farther from the truth than LARGEST_Z of its standard errors, or which gives no number, ends the
-program with exit code 1. UQpy is the exception. The chains of its version here go on from samples outside of the level,
+A program whose mean is farther from the truth than LARGEST_Z of its standard errors, or which gives fewer numbers than
+FEWEST_NUMBERS, ends the program with exit code 1. UQpy is the exception. The chains of its version here go on from samples outside of the level,
 which it has just rejected, so that they lie too close to its border: the probability comes out too small, the smaller the
 rarer, with any number of samples and either of its samplers. It is printed, without a number for an error of 5 %.
 """
@@ -63,6 +64,7 @@ PROBABILITIES = [1e-3, 1e-6, 1e-9]
 TARGET = 0.05
 # Student's t of 19 degrees of freedom is beyond it once in 100 000 times.
 LARGEST_Z = 6.0
+FEWEST_NUMBERS = 10
 
 ROTATING_SPEED = 15.0
 STATIC_FRICTION = 0.4
@@ -114,7 +116,8 @@ BLOCK = 64
 class Run:
     """What one run of a method gives."""
 
-    probability: float
+    # None if the program gives no number.
+    probability: float | None
     # Evaluations that find the region, and those whose number decides the error.
     finding: int
     sampling: int
@@ -183,7 +186,8 @@ class Measured:
     runs: list[Run]
 
     def ratios(self) -> np.ndarray:
-        return np.array([run.probability for run in self.runs]) / self.case.probability
+        """Probabilities over the true one, of the runs that gave a number."""
+        return np.array([run.probability for run in self.runs if run.probability is not None]) / self.case.probability
 
     def error(self) -> float:
         return float(np.sqrt(np.mean((self.ratios() - 1.0) ** 2)))
@@ -193,21 +197,26 @@ class Measured:
         return float((ratios.mean() - 1.0) / (ratios.std(ddof=1) / math.sqrt(len(ratios))))
 
     def agrees(self) -> bool:
-        """Also false if a run gave no number."""
-        return abs(self.z()) <= LARGEST_Z
+        return len(self.ratios()) >= FEWEST_NUMBERS and abs(self.z()) <= LARGEST_Z
 
     def evaluations(self) -> float:
-        return float(np.mean([run.finding + run.sampling for run in self.runs]))
+        """For each number that the runs gave."""
+        return sum(run.finding + run.sampling for run in self.runs) / len(self.ratios())
 
     def evaluations_at_target(self) -> float:
-        finding = float(np.mean([run.finding for run in self.runs]))
-        return finding + float(np.mean([run.sampling for run in self.runs])) * (self.error() / TARGET) ** 2
+        finding, sampling = (sum(each) for each in zip(*[(run.finding, run.sampling) for run in self.runs], strict=True))
+        return (finding + sampling * (self.error() / TARGET) ** 2) / len(self.ratios())
 
     def report(self) -> None:
         name = f"  {self.method.name}"
+        without = len(self.runs) - len(self.ratios())
+        if without:
+            figure(f"{name}, without a number", float(without), f"of {len(self.runs)} runs")
+        if without == len(self.runs):
+            return
         figure(f"{name}, P over the true one", float(self.ratios().mean()), f"(z = {self.z():.1f})")
         figure(f"{name}, relative error", self.error(), "rms")
-        figure(f"{name}, evaluations", self.evaluations(), "a run")
+        figure(f"{name}, evaluations", self.evaluations(), "a number")
         if self.agrees():
             figure(f"{name}, at 5 % error", self.evaluations_at_target(), "evaluations")
         intervals = [run.interval for run in self.runs if run.interval is not None]
@@ -231,8 +240,6 @@ def stickslip(binary: Path, sampling: str, outside_physics: str) -> Callable[[Ca
             if done.returncode != 0:
                 sys.exit(f"stickslip failed with exit code {done.returncode}:\n{done.stderr}")
             [row] = pyarrow.parquet.read_table(out / "surface.parquet").to_pylist()
-        if row["p_unstable"] is None:
-            sys.exit(f"stickslip gives no number for P = {case.probability:g}, distrust {row['distrust']}:\n{done.stderr}")
         evaluations = int(row["n_evaluations"])
         # Of subset simulation all evaluations make the estimate.
         samples = int(row["n_samples"]) if sampling == IMPORTANCE else evaluations
@@ -339,7 +346,8 @@ def compare(case: Case, ours: list[Method], theirs: list[Method]) -> list[str]:
                 ratio = their.evaluations_at_target() / our.evaluations_at_target()
                 figure(f"  {their_method.name} over {our_method.name}", ratio, "times")
     return [
-        f"{name}: P over the true {case.probability:g} with {len(case.inputs)} inputs is {each.ratios().mean():.4g}"
+        f"{name}, {len(case.inputs)} inputs, P = {case.probability:g}: {len(each.ratios())} numbers, "
+        f"over the true one {each.ratios()}"
         for name, each in measured.items()
         if each.method.must_agree and not each.agrees()
     ]
