@@ -14,9 +14,10 @@ its values and gradients. stickslip gets the brake, and has to find out:
 - *by integrals*: as it does by itself with `kind = "eigenvalue"` and more than two inputs, it integrates over preload and
   friction at every sample. An integral counts as one evaluation and takes some twenty microseconds.
 
-With two inputs `method = "exact"` would need no samples at all; they are here for the comparison.
+With two inputs `method = "exact"` would need no samples at all; they are here for the comparison. Subset simulation has 16
+populations of 300 particles here and not of 1000, its default, which takes ten seconds a run with ten inputs.
 
-The peers' settings are the best for this limit state that their manuals name:
+The peers' settings are their defaults, or better ones where this limit state allows them:
 
 - OpenTURNS, FORM and importance sampling: the design point from the symbolic gradient, each gradient counted as one
   evaluation, and a normal density around it. A linear limit state in standard normal deviates is its ideal case: it finds
@@ -30,17 +31,20 @@ The peers' settings are the best for this limit state that their manuals name:
 Of SEEDS runs each, for every case and method: the mean of the probabilities over the true one, the relative
 root-mean-square error, the mean number of evaluations, those that an error of 5 % takes, how many of the 95 % intervals
 contain the truth, and the median of the seconds. stickslip gives no number where it does not trust it; such runs are
-counted, and their evaluations are added to those of the others. "At an error of 5 %" scales evaluations by the square of the error. That
-holds for the sampling part only, so what is spent on finding the region (stickslip's populations before importance
-sampling, FORM) stays as it is. An error of SEEDS runs is itself uncertain by a sixth, its square by a third. The ratios are those numbers of peers over stickslip: above 1, stickslip needs less.
+counted, and their evaluations are added to those of the others. "At an error of 5 %" scales evaluations by the square of
+the error. That holds for the sampling part only, so what is spent on finding the region (stickslip's populations before
+importance sampling, FORM) stays as it is. An error of SEEDS runs is itself uncertain by a sixth, its square by a third.
+The ratios are those numbers of peers over stickslip: above 1, stickslip needs less.
 
 Seconds are those of the whole process for stickslip, and of the computation alone for the peers, whose limit state costs
 nothing. Each figure is a line with name, value and unit.
 
 A program whose mean is farther from the truth than LARGEST_Z of its standard errors, or which gives fewer numbers than
-FEWEST_NUMBERS, ends the program with exit code 1. UQpy is the exception. The chains of its version here go on from samples outside of the level,
-which it has just rejected, so that they lie too close to its border: the probability comes out too small, the smaller the
-rarer, with any number of samples and either of its samplers. It is printed, without a number for an error of 5 %.
+FEWEST_NUMBERS, ends the program with exit code 1. UQpy is the exception. The chains of its version here go on from samples
+outside of the level, which it has just rejected, so that those it keeps lie too close to the border of the level.
+Probabilities come out too small, the more so the rarer the event, with 10 000 samples a level as with 1000, and with the
+stretch sampler as with modified Metropolis. No number of samples leads to an error of 5 %, so its figures are printed
+without that number and without ratios.
 """
 
 import json
@@ -171,7 +175,8 @@ class Method:
 
     name: str
     run: Callable[[Case], list[Run]]
-    must_agree: bool = True
+    # Whether its errors fall with the number of samples, so that it has to agree with the truth.
+    is_unbiased: bool = True
 
     def measure(self, case: Case) -> "Measured":
         return Measured(self, case, self.run(case))
@@ -199,6 +204,9 @@ class Measured:
     def agrees(self) -> bool:
         return len(self.ratios()) >= FEWEST_NUMBERS and abs(self.z()) <= LARGEST_Z
 
+    def has_target(self) -> bool:
+        return self.method.is_unbiased and self.agrees()
+
     def evaluations(self) -> float:
         """For each number that the runs gave."""
         return sum(run.finding + run.sampling for run in self.runs) / len(self.ratios())
@@ -217,9 +225,9 @@ class Measured:
         figure(f"{name}, P over the true one", float(self.ratios().mean()), f"(z = {self.z():.1f})")
         figure(f"{name}, relative error", self.error(), "rms")
         figure(f"{name}, evaluations", self.evaluations(), "a number")
-        if self.agrees():
+        if self.has_target():
             figure(f"{name}, at 5 % error", self.evaluations_at_target(), "evaluations")
-        intervals = [run.interval for run in self.runs if run.interval is not None]
+        intervals = [run.interval for run in self.runs if run.interval is not None and run.probability is not None]
         if intervals:
             covered = sum(low <= self.case.probability <= high for low, high in intervals)
             figure(f"{name}, coverage", covered / len(intervals), f"of {len(intervals)} intervals")
@@ -255,10 +263,13 @@ Setup = Callable[
 
 
 def openturns_runs(setup: Setup) -> Callable[[Case], list[Run]]:
-    """Runs an algorithm of OpenTURNS on the limit state of a case, with a new limit state for each seed."""
+    """Runs an algorithm of OpenTURNS on the limit state of a case, with a new limit state for each run.
 
-    def run(case: Case, seed: int) -> Run:
-        openturns.RandomGenerator.SetSeed(seed)
+    The runs follow one another in one stream of random numbers. With a seed for each, 1 to 20, the mean of directional
+    sampling was five standard errors from the truth, with seeds far apart it was not.
+    """
+
+    def run(case: Case) -> Run:
         names = [f"u{i}" for i in range(len(case.inputs))]
         terms = [f"({factor!r}) * {name}" for factor, name in zip(case.direction(), names, strict=True)]
         started = time.perf_counter()
@@ -276,7 +287,11 @@ def openturns_runs(setup: Setup) -> Callable[[Case], list[Run]]:
         sampling = calls(limit_state) - finding
         return Run(probability, finding, sampling, seconds, (probability - half, probability + half))
 
-    return lambda case: [run(case, seed) for seed in SEEDS]
+    def runs(case: Case) -> list[Run]:
+        openturns.RandomGenerator.SetSeed(SEEDS[0])
+        return [run(case) for _ in SEEDS]
+
+    return runs
 
 
 def calls(limit_state: openturns.Function) -> int:
@@ -342,14 +357,14 @@ def compare(case: Case, ours: list[Method], theirs: list[Method]) -> list[str]:
     for our_method in ours:
         for their_method in theirs:
             our, their = measured[our_method.name], measured[their_method.name]
-            if our.agrees() and their.agrees():
+            if our.has_target() and their.has_target():
                 ratio = their.evaluations_at_target() / our.evaluations_at_target()
                 figure(f"  {their_method.name} over {our_method.name}", ratio, "times")
     return [
         f"{name}, {len(case.inputs)} inputs, P = {case.probability:g}: {len(each.ratios())} numbers, "
         f"over the true one {each.ratios()}"
         for name, each in measured.items()
-        if each.method.must_agree and not each.agrees()
+        if each.method.is_unbiased and not each.agrees()
     ]
 
 
@@ -376,7 +391,7 @@ def main() -> None:
         Method("OpenTURNS FORM + importance", openturns_runs(design_point)),
         Method("OpenTURNS directional", openturns_runs(directional)),
         Method("OpenTURNS subset", openturns_runs(subset)),
-        Method("UQpy subset", uqpy(python), must_agree=False),
+        Method("UQpy subset", uqpy(python), is_unbiased=False),
     ]
 
     disagreements = []
