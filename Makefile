@@ -121,17 +121,19 @@ validity:
 coverage:
 	$(CARGO) bench --locked -p stickslip-sampler --bench coverage --bench fit_coverage
 
-# The same jobs by NumPy, OpenTURNS, numba, SciPy and diffrax beside it.
-bench-peers: target/peers/ready
+# The same jobs by NumPy, OpenTURNS, UQpy, numba, SciPy and diffrax beside it.
+bench-peers: target/peers/ready target/peers-uqpy/ready
 	$(CARGO) build --locked --release
 	target/peers/bin/python benches/peers.py $(STICKSLIP)
 	target/peers/bin/python benches/peers_methods.py $(STICKSLIP)
+	target/peers/bin/python benches/peers_rare_events.py $(STICKSLIP) target/peers-uqpy/bin/python
 	target/peers/bin/python benches/peers_time_domain.py $(STICKSLIP)
 	target/peers/bin/python benches/peers_starts.py $(STICKSLIP)
 
-target/peers/ready: benches/peers-requirements.txt
-	$(PYTHON) -m venv target/peers
-	target/peers/bin/python -m pip install --quiet --disable-pip-version-check -r benches/peers-requirements.txt
+# UQpy needs older versions of NumPy and others than the rest, so it has an environment of its own.
+target/peers/ready target/peers-uqpy/ready: target/%/ready: benches/%-requirements.txt
+	$(PYTHON) -m venv target/$*
+	target/$*/bin/python -m pip install --quiet --disable-pip-version-check -r $<
 	touch $@
 
 clean:
