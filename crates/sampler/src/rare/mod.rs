@@ -6,14 +6,14 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`population`] | deviates with the density `g(u) phi(u) / P`, found by reducing an enlarged scatter |
 //! | [`gaussian`] | normal densities, and their fit to points |
+//! | [`population`] | deviates with the density `g(u) phi(u) / P`, found by reducing an enlarged scatter |
 //! | [`mixture`] | groups of points, each with a normal density |
 //! | [`proposal`] | the density from which samples are drawn, and their weights |
 
-pub mod population;
-
 pub mod gaussian;
+
+pub mod population;
 
 pub mod mixture;
 

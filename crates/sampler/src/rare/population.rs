@@ -4,17 +4,23 @@
 //! back to the true one in steps: `s` is reduced so far that the weights `phi_s'(u) / phi_s(u)` of the points are those
 //! of half as many equal ones, the points are drawn again by their weights, and each is moved by steps that leave its
 //! density as it is. The ratios of the steps multiply to the probability. Where `g` is a probability, a power `b` of it
-//! rises from 0 to 1 in the same way before. This is subset simulation (S. K. Au, J. L.
-//! Beck, Probabilistic Engineering Mechanics 16 (2001) 263-277) whose subsets are those of the scatter, as no function
-//! tells how far a verdict is from another (compare J. Beaurepaire et al., Probabilistic Engineering Mechanics 33 (2013)
-//! 172-181; I. Papaioannou et al., Structural Safety 62 (2016) 66-75).
+//! rises from 0 to 1 in the same way before. This is subset simulation (S. K. Au, J. L. Beck, Probabilistic Engineering
+//! Mechanics 16 (2001) 263-277) whose subsets are those of the scatter, as no function tells how far a verdict is from
+//! another (compare J. Beaurepaire et al., Probabilistic Engineering Mechanics 33 (2013) 172-181; I. Papaioannou et al.,
+//! Structural Safety 62 (2016) 66-75).
 //!
-//! A point `u` moves to `sqrt(1 - r^2) u + r s xi` with normal `xi`, and stays with the probability
-//! `1 - (g(new) / g(old))^b` (R. M. Neal, Regression and classification using Gaussian process priors, 1998).
+//! A point `u` moves to `m + sqrt(1 - r^2) (u - m) + r L xi` with normal `xi`, where `m` and `L L'` are the mean and the
+//! covariance of the enlarged inputs and of the particles, by turns. Such a step leaves the normal density `q` of that mean
+//! and covariance as it is. So the point moves with the probability `(g(new) / g(old))^b` times the ratio of `phi_s / q`
+//! there and here, if that is below 1 (R. M. Neal, Regression and classification using Gaussian process priors, 1998).
+
+use std::ops::Range;
 
 use rand::RngExt;
 use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
+
+use crate::rare::gaussian::Gaussian;
 
 /// The first enlargements of the scatter are the powers of this number, up to the largest.
 const ENLARGEMENT: f64 = 1.5;
@@ -35,9 +41,9 @@ const LAST_MOVES: usize = 8;
 /// The share of moves that should succeed.
 const ACCEPTED: f64 = 0.35;
 
-/// The range of the step `r` of a move, and its first value.
+/// The range of the step `r` of a move, and its first values.
 const STEPS: [f64; 2] = [0.02, 1.0];
-const FIRST_STEP: f64 = 0.5;
+const FIRST_STEPS: [f64; 2] = [0.5, 0.8];
 
 /// Bisections for the next scatter or power.
 const BISECTIONS: usize = 40;
@@ -129,7 +135,8 @@ struct Particles<'a, 'g> {
     values: Vec<f64>,
     scale: f64,
     power: f64,
-    step: f64,
+    /// The steps of moves within the distribution of the inputs, and within that of the particles.
+    steps: [f64; 2],
     evaluations: u64,
     generator: &'a mut Xoshiro256PlusPlus,
     integrand: &'a mut Integrand<'g>,
@@ -150,7 +157,7 @@ impl Population {
             values,
             scale: 1.0,
             power: 0.0,
-            step: FIRST_STEP,
+            steps: FIRST_STEPS,
             evaluations: 0,
             generator,
             integrand,
@@ -268,31 +275,67 @@ impl Particles<'_, '_> {
         (self.points, self.values) = (drawn, values);
     }
 
-    /// Moves every point some times.
+    /// Moves every point some times, by turns within the distribution of the inputs and within that of the particles.
     fn make_moves(&mut self, moves: usize) -> Option<()> {
-        for _ in 0..moves {
-            let rest = (1.0 - self.step * self.step).sqrt();
-            let reach = self.step * self.scale;
-            let mut proposed = Points::new(self.points.dimensions);
-            for i in 0..self.points.len() {
-                for k in 0..self.points.dimensions {
-                    let deviate = self.deviate();
-                    proposed.coordinates.push(rest * self.points.get(i)[k] + reach * deviate);
-                }
+        let dimensions = self.points.dimensions;
+        let scaled: Vec<f64> = self.points.coordinates.iter().map(|u| u / self.scale).collect();
+        let scaled = Points { dimensions, coordinates: scaled };
+        let of_inputs = Gaussian::round(vec![0.0; dimensions], 1.0);
+        // Those of the other half: a density that is fitted to the points that it moves holds them where they are.
+        let middle = scaled.len() / 2;
+        let of_half = |half: Range<usize>| {
+            let weights: Vec<f64> = (0..scaled.len()).map(|i| if half.contains(&i) { 1.0 } else { 0.0 }).collect();
+            Gaussian::fit(scaled.iter(), &weights).unwrap_or_else(|| of_inputs.clone())
+        };
+        let of_others = [of_half(middle..scaled.len()), of_half(0..middle)];
+        for turn in 0..moves {
+            match turn % 2 {
+                0 => self.move_within(0, &of_inputs, |_| &of_inputs)?,
+                _ => self.move_within(1, &of_inputs, |i| &of_others[usize::from(i >= middle)])?,
             }
-            let values = self.evaluate(&proposed)?;
-            let mut accepted = 0.0;
-            for (i, &value) in values.iter().enumerate() {
-                let chance: f64 = self.generator.random();
-                if value > 0.0 && libm::pow(value / self.values[i], self.power) > chance {
-                    self.points.replace(i, proposed.get(i));
-                    self.values[i] = value;
-                    accepted += 1.0;
-                }
-            }
-            let share = accepted / values.len() as f64;
-            self.step = (self.step * libm::exp(share - ACCEPTED)).clamp(STEPS[0], STEPS[1]);
         }
+        Some(())
+    }
+
+    /// Moves every point within a distribution of its own, by the step of that number. Distributions are those of the
+    /// deviates without enlargement.
+    fn move_within<'d>(
+        &mut self,
+        which: usize,
+        of_inputs: &Gaussian,
+        of: impl Fn(usize) -> &'d Gaussian,
+    ) -> Option<()> {
+        let (step, scale, dimensions) = (self.steps[which], self.scale, self.points.dimensions);
+        let rest = (1.0 - step * step).sqrt();
+        let mut proposed = Points::new(dimensions);
+        for i in 0..self.points.len() {
+            let mut moved: Vec<f64> = (0..dimensions).map(|_| step * self.deviate()).collect();
+            let around = of(i);
+            // This adds the mean.
+            around.transform(&mut moved);
+            for ((moved, u), mean) in moved.iter_mut().zip(self.points.get(i)).zip(around.mean()) {
+                *moved = scale * (*moved + rest * (u / scale - mean));
+            }
+            proposed.push(moved);
+        }
+        let values = self.evaluate(&proposed)?;
+        let mut scratch = vec![0.0; dimensions];
+        let mut excess = |i: usize, point: &[f64]| {
+            let point: Vec<f64> = point.iter().map(|u| u / scale).collect();
+            of_inputs.log_density(&point, &mut scratch) - of(i).log_density(&point, &mut scratch)
+        };
+        let mut accepted = 0.0;
+        for (i, &value) in values.iter().enumerate() {
+            let chance: f64 = self.generator.random();
+            let more = excess(i, proposed.get(i)) - excess(i, self.points.get(i));
+            if value > 0.0 && libm::pow(value / self.values[i], self.power) * libm::exp(more) > chance {
+                self.points.replace(i, proposed.get(i));
+                self.values[i] = value;
+                accepted += 1.0;
+            }
+        }
+        let share = accepted / values.len() as f64;
+        self.steps[which] = (step * libm::exp(share - ACCEPTED)).clamp(STEPS[0], STEPS[1]);
         Some(())
     }
 
