@@ -180,6 +180,18 @@ impl fmt::Display for HumanCount128 {
     }
 }
 
+/// Columns of text, each as wide as its longest entry.
+pub fn aligned(lines: &[Vec<String>]) -> String {
+    let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
+    let widths: Vec<usize> =
+        (0..columns).map(|i| lines.iter().filter_map(|line| line.get(i)).map(String::len).max().unwrap_or(0)).collect();
+    let line = |line: &Vec<String>| {
+        let cells: Vec<String> = line.iter().zip(&widths).map(|(text, &width)| format!("{text:<width$}")).collect();
+        format!("{}\n", cells.join("  ").trim_end())
+    };
+    lines.iter().map(line).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,7 +8,7 @@ use stickslip_sampler::imprecise::result::{Direction, Evidence, Trend};
 
 use crate::files::table::{TableColumn, TableValues};
 use crate::job::{ImpreciseJob, ImpreciseQuantity, JobSource, RandomInput, Values, What, axis_of};
-use crate::output::{counted, wrapped};
+use crate::output::{aligned, counted, wrapped};
 use crate::picture::view::rounded;
 
 /// Largest number of cells at the terminal.
@@ -375,16 +375,4 @@ fn unit_of(quantity: &ImpreciseQuantity) -> &'static str {
 /// A probability with four decimals, or where these do not show it its order of magnitude.
 fn probability(p: f64) -> String {
     if p == 0.0 || p >= 1e-3 { format!("{p:.4}") } else { format!("{p:.1e}") }
-}
-
-/// Columns of text, each as wide as its longest entry.
-fn aligned(lines: &[Vec<String>]) -> String {
-    let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
-    let widths: Vec<usize> =
-        (0..columns).map(|i| lines.iter().filter_map(|line| line.get(i)).map(String::len).max().unwrap_or(0)).collect();
-    let line = |line: &Vec<String>| {
-        let cells: Vec<String> = line.iter().zip(&widths).map(|(text, &width)| format!("{text:<width$}")).collect();
-        format!("{}\n", cells.join("  ").trim_end())
-    };
-    lines.iter().map(line).collect()
 }
