@@ -423,7 +423,7 @@ fn print_rare(method: &str, inputs: usize, p: f64, seeds: u64, points: u64, is_u
             let part = |number: u64| {
                 let population = population(number);
                 let mut sums = WeightedSums::default();
-                sums.add(population.probability, Some(1.0), false);
+                sums.add_population(population.probability, true, population.tried);
                 sums.add_evaluations(population.evaluations);
                 WeightedPart::from_sums(1, &sums.sums().map(i128::from))
             };

@@ -62,7 +62,7 @@ struct Summary {
     /// Verdicts or probabilities computed, where samples have weights, and in how many cells the estimate is not to be
     /// trusted, by reason.
     evaluations: f64,
-    distrusted: [u64; 3],
+    distrusted: [u64; 4],
     /// The largest share of wrong looked-up verdicts of a cell that its audit does not exclude.
     unaudited: f64,
     /// The largest error of an integral.
@@ -82,7 +82,7 @@ impl Summary {
             outside_physics: 0,
             outside_of_a_cell: 0.0,
             evaluations: 0.0,
-            distrusted: [0; 3],
+            distrusted: [0; 4],
             unaudited: 0.0,
             error: 0.0,
             undecided_of_a_cell: surface.largest_undecided(),
@@ -94,6 +94,7 @@ impl Summary {
                 Some(Distrust::NothingFound) => summary.distrusted[0] += 1,
                 Some(Distrust::FewSamples) => summary.distrusted[1] += 1,
                 Some(Distrust::Disagreement) => summary.distrusted[2] += 1,
+                Some(Distrust::WithoutVerdict) => summary.distrusted[3] += 1,
             }
             summary.counted += u128::from(counts.total());
             summary.undecided += counts.undecided;
@@ -139,8 +140,8 @@ fn looked_up(job: &Job, summary: &Summary) -> String {
 
 /// Lines on the cells whose estimates are not to be trusted, where samples have weights.
 fn distrusted(job: &Job, summary: &Summary) -> String {
-    let [nothing, few, differ] = summary.distrusted;
-    if nothing + few + differ == 0 {
+    let [nothing, few, differ, open] = summary.distrusted;
+    if nothing + few + differ + open == 0 {
         return String::new();
     }
     let more = match job.sampling.method {
@@ -152,6 +153,11 @@ fn distrusted(job: &Job, summary: &Summary) -> String {
         (nothing, "no unstable sample was found, even with a larger scatter".to_owned()),
         (few, format!("few samples have most of the probability; {more}")),
         (differ, format!("independent populations disagree, so some have missed a region; {more}")),
+        (
+            open,
+            "populations met samples without a verdict, which method = \"importance\" allows for in its interval"
+                .to_owned(),
+        ),
     ] {
         if count > 0 {
             text += &format!("p_unstable is null in {}: {what}\n", counted(count.into(), "cell", "cells"));

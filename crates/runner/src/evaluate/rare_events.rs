@@ -103,10 +103,15 @@ impl RareEvents {
         let mut sums = WeightedSums::default();
         if job.sampling.method == SamplingMethod::Subset {
             for _ in samples {
-                let population = self.population(job, cell, randomisation as u64, values)?;
-                sums.add(population.probability, Some(1.0), false);
-                // One evaluation was counted with the population.
-                sums.add_evaluations(population.evaluations.saturating_sub(1));
+                let mut has_all_verdicts = true;
+                let mut checked = |points: &Points| {
+                    let values = values(points)?;
+                    has_all_verdicts &= values.iter().all(Option::is_some);
+                    Some(values)
+                };
+                let population = self.population(job, cell, randomisation as u64, &mut checked)?;
+                sums.add_population(population.probability, has_all_verdicts, population.tried);
+                sums.add_evaluations(population.evaluations);
                 unit.counts += if population.probability > 0.0 { Verdict::Unstable } else { Verdict::Stable }.into();
             }
             return Some(sums);

@@ -47,6 +47,9 @@ const TOLERANCES: [f64; 2] = [1e-3, 1e-9];
 /// bounds.
 const REACHES: [f64; 3] = [0.01, 0.05, 0.2];
 
+/// A value nearer to zero than this part of the range counts as so large in reaches.
+const SMALLEST: f64 = 0.01;
+
 /// Intervals of a scan there.
 const INTERVALS: usize = 4;
 
@@ -73,6 +76,12 @@ impl WeightedSearch<'_> {
     ) -> Result<CombinationLimits, Ended> {
         let estimate = |value: f64| self.estimate(value, None, targets, is_stopped);
         let scan = Scan::new(values, TOLERANCES[0], estimate)?;
+        if scan.is_unknown() {
+            return Err(Ended::Failed(Failure::Job(format!(
+                "nothing unstable was found at any value of {} in the combination of cell {}, so that there is no estimate to compare with a target; give a wider range of axes.{}",
+                self.axis.name, self.cell, self.axis.name
+            ))));
+        }
         let mut of_targets = Vec::with_capacity(targets.len());
         for &target in targets {
             let mut limits = scan.limits(target, estimate)?;
@@ -93,9 +102,13 @@ impl WeightedSearch<'_> {
         let estimate = |value: f64| self.estimate(value, Some(&placed), &[target], is_stopped);
         let [least, most] = self.axis.range();
         for reach in REACHES {
-            let at = |i: usize| value * (1.0 + reach * (2.0 * i as f64 / INTERVALS as f64 - 1.0));
+            let width = reach * value.abs().max(SMALLEST * (most - least));
+            let at = |i: usize| value + width * (2.0 * i as f64 / INTERVALS as f64 - 1.0);
             let mut near: Vec<f64> = (0..=INTERVALS).map(|i| at(i).clamp(least, most)).collect();
             near.dedup();
+            if near.len() < 2 {
+                break;
+            }
             let found = Scan::new(&near, TOLERANCES[1], estimate)?.limits(target, estimate)?;
             let inside = |[low, high]: [f64; 2]| {
                 (low > near[0] || near[0] <= least) && (high < near[near.len() - 1] || near[near.len() - 1] >= most)
@@ -147,7 +160,7 @@ impl WeightedSearch<'_> {
         let of_parts = parts.of(self.cell).map(of_part).collect::<Result<Vec<_>, _>>()?;
         match rare_events::estimate(job, &of_parts, self.confidence) {
             Some(found) if matches!(found.distrust, None | Some(Distrust::NothingFound)) => Ok(found.estimate),
-            // Far below all targets its digits do not matter.
+            // Far below all targets its digits do not matter; a population that found more has at most four times the mean.
             Some(found) if targets.iter().all(|target| found.mean < FAR_BELOW * target) => {
                 Ok(Estimate { probability: Some(found.mean), ..found.estimate })
             }

@@ -234,15 +234,25 @@ impl Sampling {
         if inputs.inputs.is_empty() {
             return complain(
                 at_method,
-                format!("sampling.method = \"{method}\" draws random inputs, and random.inputs lists none"),
+                format!(
+                    "sampling.method = \"{method}\" draws random inputs, and random.inputs lists none; add some, for example inputs = [\"preload\", \"static_friction\"]"
+                ),
             );
         }
         if inputs.inputs.len() > MOST_WEIGHTED_INPUTS {
             return complain(
                 at_method,
                 format!(
-                    "sampling.method = \"{method}\" takes at most {MOST_WEIGHTED_INPUTS} random inputs; random.inputs lists {}",
+                    "sampling.method = \"{method}\" takes at most {MOST_WEIGHTED_INPUTS} random inputs; random.inputs lists {}. Let fewer scatter, or use method = \"monte-carlo\"",
                     inputs.inputs.len()
+                ),
+            );
+        }
+        if inputs.scatters_nothing() {
+            return complain(
+                at_method,
+                format!(
+                    "sampling.method = \"{method}\" looks for rare events, and nothing scatters: all standard deviations of [random] are 0; give some above 0, or use method = \"monte-carlo\" with samples = 1"
                 ),
             );
         }
@@ -423,9 +433,11 @@ impl SamplingSpec {
             ) => {
                 let count = self.randomisations.as_ref().map_or(RANDOMISATIONS, |count| *count.get_ref());
                 let span = self.randomisations.as_ref().map(Spanned::span);
-                if !(2..=MOST_RANDOMISATIONS).contains(&count) {
+                // Populations are compared, each of which has four randomisations.
+                let least = if self.method() == SamplingMethod::Importance { 8 } else { 2 };
+                if !(least..=MOST_RANDOMISATIONS).contains(&count) {
                     let message = format!(
-                        "sampling.randomisations = {count} is out of range: it must be at least 2 and at most {MOST_RANDOMISATIONS}"
+                        "sampling.randomisations = {count} is out of range: it must be at least {least} and at most {MOST_RANDOMISATIONS}"
                     );
                     return Err(Complaint::maybe_at(span, message));
                 }

@@ -197,7 +197,7 @@ fn weight_columns() -> Vec<Column> {
     vec![
         Column::optional(
             "n_effective",
-            "effective number of samples, or of populations, that have the probability: (sum w)^2 / sum w^2",
+            "effective number of samples, or of populations, that have the probability: the square of the sum of their contributions over the sum of the squares",
             of(|weighted| weighted.effective),
         ),
         Column::optional(
@@ -207,12 +207,13 @@ fn weight_columns() -> Vec<Column> {
         ),
         Column::integer(
             "distrust",
-            "0 if the probability is to be trusted; else p_unstable is null: 1 nothing unstable was found, 2 few samples have most of the probability, 3 independent populations disagree",
+            "0 if the probability is to be trusted; else p_unstable is null: 1 nothing unstable was found, 2 few samples have most of the probability, 3 independent populations disagree, 4 populations met samples without a verdict",
             |row| match row.weighted.as_ref().and_then(|weighted| weighted.distrust) {
                 None => 0,
                 Some(Distrust::NothingFound) => 1,
                 Some(Distrust::FewSamples) => 2,
                 Some(Distrust::Disagreement) => 3,
+                Some(Distrust::WithoutVerdict) => 4,
             },
         ),
     ]

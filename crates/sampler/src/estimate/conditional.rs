@@ -149,7 +149,7 @@ pub fn estimate(parts: &[ConditionalPart], confidence: f64) -> Estimate {
 }
 
 /// The effective number of numbers with this sum and this sum of squares.
-pub(super) fn effective_number(sum: f64, squares: f64) -> f64 {
+pub(crate) fn effective_number(sum: f64, squares: f64) -> f64 {
     if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 

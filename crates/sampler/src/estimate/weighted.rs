@@ -14,7 +14,7 @@ use crate::special_functions::{beta, normal};
 pub const MOST_WEIGHT: f64 = 8.0;
 
 /// Words of the sums of contributions, of their squares, and of the other sums: a contribution of 1e-60 still has digits.
-const WORDS: [usize; 4] = [8, 15, 4, 4];
+const WORDS: [usize; 4] = [8, 17, 4, 4];
 
 /// Counts behind the words: samples from the distribution of the inputs, evaluations, and contributions above zero.
 const COUNTS: usize = 3;
@@ -73,6 +73,20 @@ impl WeightedSums {
         }
         numbers[1] += 1;
         numbers[2] += i64::from(contribution > 0.0);
+    }
+
+    /// Adds a population: its probability, whether it met samples without a verdict, and the samples of the distribution of
+    /// the inputs that it tried, with the sum of their `g`.
+    pub fn add_population(&mut self, probability: f64, has_all_verdicts: bool, tried: [f64; 2]) {
+        self.add(probability, Some(1.0), false);
+        let [_, _, without, of_inputs, numbers] = split(&mut self.0);
+        if !has_all_verdicts {
+            add_words(without, 1.0 / MOST_WEIGHT);
+        }
+        let [count, sum] = tried;
+        add_words(of_inputs, sum);
+        numbers[0] += count as i64;
+        numbers[1] -= 1;
     }
 
     /// Adds evaluations that are no samples.
@@ -141,6 +155,8 @@ pub enum Distrust {
     FewSamples,
     /// Randomisations whose samples were placed independently disagree.
     Disagreement,
+    /// Populations met samples without a verdict.
+    WithoutVerdict,
 }
 
 /// The probability with its interval, and whether it is trusted.
@@ -168,7 +184,7 @@ pub struct WeightedEstimate {
 /// with an effective number of samples below 100.
 ///
 /// Samples without a verdict count as stable for the low end and as unstable for the high one. A probability below some
-/// 1e-70, of which the sums have no digits, is given as 0 with a high end of 1e-60.
+/// 1e-70, of which the sums have no digits, is given as 0 with a high end of 1e-60 if 100 samples contribute.
 #[must_use]
 pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> WeightedEstimate {
     let sum = |of: &dyn Fn(&WeightedPart) -> f64| parts.iter().map(of).sum::<f64>();
@@ -225,7 +241,8 @@ pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> Weigh
 /// ```
 ///
 /// with mean `m` and standard deviation `s` of the `R` logarithms. It is not trusted if the relative standard deviation of
-/// the estimates is above 1, or if some populations found nothing.
+/// the estimates is above 1, if some populations found nothing, or if any met a sample without a verdict. Where instability
+/// is frequent, the interval includes Clopper and Pearson's for the samples that the populations tried at first.
 #[must_use]
 pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> WeightedEstimate {
     let shares: Vec<f64> = parts.iter().filter(|part| part.samples > 0.0).map(|part| part.contributions).collect();
@@ -233,7 +250,16 @@ pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> Weigh
     let mean = shares.iter().sum::<f64>() / count.max(1.0);
     let scatter =
         (shares.iter().map(|share| (share - mean) * (share - mean)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt();
-    let distrust = if mean <= 0.0 {
+    let evaluations = parts.iter().map(|part| part.evaluations).sum();
+    let contributing: f64 = parts.iter().map(|part| part.contributing).sum();
+    let without: f64 = parts.iter().map(|part| part.without_verdict).sum();
+    if mean <= 0.0 && without <= 0.0 && count >= 2.0 && contributing >= count {
+        let estimate = Estimate { probability: Some(0.0), low: 0.0, high: NEXT_TO_NOTHING };
+        return WeightedEstimate { estimate, mean, effective: contributing, evaluations, distrust: None };
+    }
+    let distrust = if without > 0.0 {
+        Some(Distrust::WithoutVerdict)
+    } else if mean <= 0.0 {
         Some(Distrust::NothingFound)
     } else if shares.len() < 2 {
         Some(Distrust::FewSamples)
@@ -246,11 +272,15 @@ pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> Weigh
     } else {
         let half_width = student(&shares, confidence).1;
         let (from, to) = of_lognormal(&shares, confidence);
-        let (low, high) = (below(mean, half_width).min(from), around(mean, half_width).1.max(to));
+        let (mut low, mut high) = (below(mean, half_width).min(from), around(mean, half_width).1.max(to));
+        let [tried, unstable] = [0, 1].map(|i| parts.iter().map(|part| part.of_inputs[i]).sum::<f64>());
+        if tried > 0.0 {
+            let (from, to) = binomial(unstable, unstable, tried, confidence);
+            (low, high) = (low.min(from), high.max(to));
+        }
         Estimate { probability: Some(mean.min(1.0)), low: low.max(0.0), high: high.min(1.0) }
     };
     let squares = shares.iter().map(|share| share * share).sum();
-    let evaluations = parts.iter().map(|part| part.evaluations).sum();
     let effective = effective_number(mean * count, squares);
     WeightedEstimate { estimate, mean, effective, evaluations, distrust }
 }

@@ -60,6 +60,12 @@ impl Scan {
         Ok(Self { points, tolerance })
     }
 
+    /// Whether there is no probability at any value.
+    #[must_use]
+    pub fn is_unknown(&self) -> bool {
+        self.points.iter().all(|(_, found)| found.probability.is_none())
+    }
+
     /// The probabilities at the first and the last value; `None` without a verdict.
     #[must_use]
     pub fn ends(&self) -> [Option<f64>; 2] {

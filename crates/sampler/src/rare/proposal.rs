@@ -101,7 +101,7 @@ mod tests {
     fn population(dimensions: usize, particles: &[&[f64]], enlargement: f64) -> Population {
         let mut points = Points::new(dimensions);
         particles.iter().for_each(|particle| points.push(particle.iter().copied()));
-        Population { particles: points, enlargement, probability: 1e-6, evaluations: 0 }
+        Population { particles: points, enlargement, probability: 1e-6, tried: [0.0; 2], evaluations: 0 }
     }
 
     /// The mean of a function of the inputs, by weighted samples.

@@ -122,8 +122,8 @@ fn populations_are_averaged() {
     let populations = |found: &[f64]| {
         let part = |&p: &f64| {
             let mut sums = WeightedSums::default();
-            sums.add(p, Some(1.0), false);
-            sums.add_evaluations(99);
+            sums.add_population(p, true, [0.0; 2]);
+            sums.add_evaluations(100);
             WeightedPart::from_sums(1, &sums.sums().map(i128::from))
         };
         estimate_of_populations(&found.iter().map(part).collect::<Vec<_>>(), 0.95)
@@ -139,4 +139,16 @@ fn populations_are_averaged() {
     assert_eq!(found.evaluations, 400.0);
     assert_eq!(populations(&[1e-6, 1e-9, 1e-9, 1e-9]).distrust, Some(Distrust::Disagreement));
     assert_eq!(populations(&[0.0; 4]).distrust, Some(Distrust::NothingFound));
+    let nearly = populations(&[1e-80; 4]);
+    assert_eq!((nearly.distrust, nearly.estimate.probability), (None, Some(0.0)));
+    // Equal populations that found everything unstable have the interval of the samples that they tried.
+    let of = |has_all_verdicts: bool| {
+        let mut sums = WeightedSums::default();
+        sums.add_population(1.0, has_all_verdicts, [300.0, 300.0]);
+        let part = WeightedPart::from_sums(1, &sums.sums().map(i128::from));
+        estimate_of_populations(&[part; 16], 0.95)
+    };
+    let certain = of(true).estimate;
+    assert!(certain.low < 0.9995 && certain.low > 0.999 && certain.high == 1.0, "{certain:?}");
+    assert_eq!(of(false).distrust, Some(Distrust::WithoutVerdict));
 }
