@@ -1,5 +1,6 @@
 //! Probabilities down to 1e-12, by samples with weights and by populations.
 
+#![allow(clippy::disallowed_methods, reason = "expected values are computed as a textbook writes them")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
 
 mod common;
@@ -52,6 +53,57 @@ fn rare_events_of_two_inputs_agree_with_the_integral() {
             assert!(distrust == 0.0 || expected[row] < 1e-15, "{name}, row {row}: {distrust}, P = {}", expected[row]);
         }
     }
+}
+
+#[test]
+fn brakes_far_from_the_preset_have_the_probabilities_of_the_integral() {
+    let place = Place::new();
+    // Numbers from 0 to 1, evenly spread over brakes and parameters.
+    let spread =
+        |brake: u32, parameter: u32| (f64::from(brake + 1) * 0.618_034 + f64::from(parameter) * 0.414_214).fract();
+    let (mut covered, mut cells) = (0.0, 0.0);
+    for brake in 0..8 {
+        let value = |parameter: u32, middle: f64| middle * (1.4 * (spread(brake, parameter) - 0.5)).exp();
+        let kinetic = value(0, 0.25);
+        let model = format!(
+            "stiffness.contact_tangential_1 = {:e}\nstiffness.contact_tangential_2 = {:e}\nstiffness.contact_normal = {:e}\n\
+             damping.tangential = {}\npad.mass = {}\ndisc.thickness = {}\nfriction.stribeck_velocity = {}\n\
+             friction.kinetic_coefficient = {kinetic}\nfriction.stribeck_exponent = {}\n",
+            value(1, 2.1e7),
+            value(2, 2.1e7),
+            value(3, 3.8e7),
+            value(4, 369.0),
+            value(5, 0.1),
+            value(6, 0.02),
+            value(7, 0.72),
+            [0.5, 1.0, 2.0][brake as usize % 3],
+        );
+        let text = |sampling: &str| {
+            format!(
+                "name = \"far\"\n[model]\n{model}[axes]\nrotating_speed = {}\npreload = [0.01, 0.03, 0.06, 0.1, 0.2, 0.4]\n\
+                 static_friction = {}\n[random]\ninputs = [\"preload\", \"static_friction\"]\nrelative_std = {{ preload = {}, \
+                 static_friction = {} }}\ndistribution = {{ preload = \"weibull\", static_friction = \"lognormal\" }}\n\
+                 [criterion]\n{EIGENVALUE}\n[sampling]\n{sampling}\n",
+                2.0 + 26.0 * spread(brake, 8),
+                kinetic + 0.05 + 0.35 * spread(brake, 9),
+                0.02 + 0.2 * spread(brake, 10),
+                0.01 + 0.1 * spread(brake, 11),
+            )
+        };
+        let exact = submitted(&place, &format!("exact{brake}"), &text("method = \"exact\""));
+        let sampling = format!("method = \"importance\"\nsamples = 4096\nseed = {brake}");
+        let table = submitted(&place, &format!("importance{brake}"), &text(&sampling));
+        for row in 0..6 {
+            let truth = exact.column("p_unstable")[row];
+            if (1e-14..1.0 - 1e-9).contains(&truth) {
+                let [p, low, high] = ["p_unstable", "p_low", "p_high"].map(|name| table.column(name)[row]);
+                assert!((p / truth - 1.0).abs() < 0.2, "brake {brake}, row {row}: {p} {truth}");
+                covered += f64::from(u8::from(low <= truth && truth <= high));
+                cells += 1.0;
+            }
+        }
+    }
+    assert!(cells >= 20.0 && covered >= 0.85 * cells, "{covered} of {cells} intervals contain the integral");
 }
 
 #[test]
