@@ -123,7 +123,7 @@ impl Rows<'_> {
         let wrong = |message: String| Err(format!("{}:1: {message}; {HEADERS}", shown(self.path)));
         let (columns, needed): (&[&str], usize) = match (has("onset_speed"), has("rotating_speed")) {
             (true, true) => return wrong("there are both onset_speed and rotating_speed".to_owned()),
-            (false, false) if self.names.iter().all(|name| name.is_empty()) => {
+            (false, false) if self.names.iter().all(str::is_empty) => {
                 return wrong("the file has no first line with the names of columns".to_owned());
             }
             (false, false) => {
