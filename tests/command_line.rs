@@ -341,10 +341,10 @@ fn check_shows_a_job_that_can_itself_be_submitted() {
         assert_eq!(body(&again), body(&normalised), "{job}");
         // The file's name is the job's, and both forms are one job.
         let name = path.file_stem().unwrap().to_str().unwrap();
-        // Randomisations share the samples of some.
-        let samples = match normalised.contains("randomisations") {
+        // Limits from samples with weights need some of these.
+        let samples = match normalised.contains("importance") {
             _ if normalised.contains(costs[1]) => "",
-            true => "--samples 16",
+            true => "--samples 1024",
             false => "--samples 10",
         };
         place.run(&format!("submit {job} {samples}")).done();
