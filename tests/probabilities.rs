@@ -745,7 +745,7 @@ fn what_does_not_fit_together_is_refused() {
             &["samples = 1000", "16 randomisations", "samples = 1024"],
         ),
         (EIGENVALUE, BOTH, "method = \"sobol\"\nrandomisations = 1", &["randomisations = 1", "at least 2"]),
-        (EIGENVALUE, BOTH, "randomisations = 4", &["belongs to method = \"sobol\" and \"conditional\""]),
+        (EIGENVALUE, BOTH, "randomisations = 4", &["belongs to method = \"sobol\", \"conditional\", \"importance\""]),
         (EIGENVALUE, BOTH, "audit = 0.1", &["belongs to evaluate = \"boundary\""]),
         (EIGENVALUE, BOTH, "evaluate = \"boundary\"\naudit = 1.5", &["audit = 1.5", "at most 1"]),
         (EIGENVALUE, BOTH, "sensitivity = true\nmethod = \"sobol\"", &["sensitivity"]),
