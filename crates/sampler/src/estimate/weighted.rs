@@ -37,6 +37,9 @@ const FEW: f64 = 300.0;
 const DOUBT: f64 = 0.05;
 const DISAGREEMENT: f64 = 1e-4;
 
+/// The share of unstable samples from which on the samples that populations tried at first count.
+const FREQUENT: f64 = 0.05;
+
 /// The relative standard deviation of the estimates of populations above which their mean is not trusted.
 const MOST_SCATTER: f64 = 1.0;
 
@@ -274,7 +277,7 @@ pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> Weigh
         let (from, to) = of_lognormal(&shares, confidence);
         let (mut low, mut high) = (below(mean, half_width).min(from), around(mean, half_width).1.max(to));
         let [tried, unstable] = [0, 1].map(|i| parts.iter().map(|part| part.of_inputs[i]).sum::<f64>());
-        if tried > 0.0 {
+        if unstable > FREQUENT * tried {
             let (from, to) = binomial(unstable, unstable, tried, confidence);
             (low, high) = (low.min(from), high.max(to));
         }

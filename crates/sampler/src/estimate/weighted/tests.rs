@@ -151,4 +151,14 @@ fn populations_are_averaged() {
     let certain = of(true).estimate;
     assert!(certain.low < 0.9995 && certain.low > 0.999 && certain.high == 1.0, "{certain:?}");
     assert_eq!(of(false).distrust, Some(Distrust::WithoutVerdict));
+    // Where it is rare, those samples say nothing.
+    let rare = {
+        let part = |p: f64| {
+            let mut sums = WeightedSums::default();
+            sums.add_population(p, true, [300.0, 1e-5]);
+            WeightedPart::from_sums(1, &sums.sums().map(i128::from))
+        };
+        estimate_of_populations(&[part(1e-6), part(1.1e-6), part(0.9e-6), part(1e-6)], 0.95).estimate
+    };
+    assert!(rare.high < 1.3e-6, "{rare:?}");
 }
