@@ -12,6 +12,8 @@ mod saving;
 
 pub mod engine;
 
+mod in_order;
+
 pub mod mapping;
 
 pub mod trial;

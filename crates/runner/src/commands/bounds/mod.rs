@@ -17,13 +17,15 @@ use crate::files::table::write_table;
 use crate::interrupt::Interrupt;
 use crate::job::{Combination, ImpreciseJob, JobSource};
 use crate::output::{counted, note, output_file, result, warn};
-use crate::schedule::engine::{Engine, Outcome};
-use crate::schedule::progress::Progress;
+use crate::schedule::engine::Engine;
 use crate::shell::{quoted, shown};
+
+/// What is said after a signal.
+const NOTHING: &str = "nothing was written";
 
 /// `stickslip bounds`.
 pub fn bounds(arguments: &BoundsArguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    interrupt.remark("nothing was written");
+    interrupt.remark(NOTHING);
     let BoundsArguments { job: path, out, json, threads } = arguments;
     let source = JobSource::read(path)?;
     let job = source.imprecise_job()?;
@@ -69,33 +71,15 @@ pub fn check(source: &JobSource, json: bool) -> Result<(), Failure> {
 
 /// The rows of all cells, in their order.
 fn all_rows(engine: &Engine, interrupt: &Interrupt, job: &ImpreciseJob) -> Result<Vec<Row>, Failure> {
-    let cells = job.first().cells();
-    let mut rows: Vec<Option<Row>> = vec![None; cells as usize];
-    let mut failed: Option<(u64, Failure)> = None;
-    let mut progress = Progress::new(u128::from(cells), "cells");
-    let of_one = |cell: u64, is_stopped: IsStopped<'_>| (cell, row(job, cell, is_stopped));
-    let outcome = engine.for_each_in_parallel(cells, interrupt, of_one, |(cell, row)| {
-        progress.advance(1);
-        progress.tick();
-        match row {
-            Ok(row) => rows[cell as usize] = Some(row),
-            Err(Ended::Stopped) => {}
-            // Of several the first, whatever the threads.
-            Err(Ended::NoSuchBrake(error)) if failed.as_ref().is_none_or(|(first, _)| cell < *first) => {
-                let message = format!(
-                    "there is no brake with some of the imprecise values in cell {cell}: {error}; choose intervals between which there is one everywhere"
-                );
-                failed = Some((cell, Failure::Job(message)));
-            }
-            Err(Ended::NoSuchBrake(_)) => {}
+    engine.in_order(job.first().cells(), "cells", interrupt, NOTHING, |cell, is_stopped| {
+        match row(job, cell, is_stopped) {
+            Ok(row) => Ok(Some(row)),
+            Err(Ended::Stopped) => Ok(None),
+            Err(Ended::NoSuchBrake(error)) => Err(Failure::Job(format!(
+                "there is no brake with some of the imprecise values in cell {cell}: {error}; choose intervals between which there is one everywhere"
+            ))),
         }
-    })?;
-    progress.finish();
-    match (outcome, failed) {
-        (Outcome::Stopped(signal), _) => Err(Failure::Stopped { signal, message: "nothing was written".to_owned() }),
-        (Outcome::Finished, Some((_, failure))) => Err(failure),
-        (Outcome::Finished, None) => Ok(rows.into_iter().flatten().collect()),
-    }
+    })
 }
 
 /// The bounds of a cell over all combinations of alternatives.

@@ -17,7 +17,6 @@ use crate::interrupt::Interrupt;
 use crate::job::{Job, LimitAxis, LimitMethod};
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::mapping::Mapping;
-use crate::schedule::progress::Progress;
 use crate::store::map_pieces;
 
 /// What is sought.
@@ -61,37 +60,17 @@ impl<'a> Wanted<'a> {
             _ => Vec::new(),
         };
         let search = LimitSearch::new(job, axis, method, self.confidence().unwrap_or(f64::NAN), &regions);
-        let mut found: Vec<Option<CombinationLimits>> = vec![None; combinations.len()];
-        let mut failed: Option<(usize, Failure)> = None;
-        let mut progress = Progress::new(combinations.len() as u128, "combinations");
         let work = |index: u64, is_stopped: IsStopped<'_>| {
-            let index = index as usize;
-            (index, search.limits(combinations[index], targets, is_stopped))
+            let cell = combinations[index as usize];
+            match search.limits(cell, targets, is_stopped) {
+                Ok(limits) => Ok(Some(self.rows(cell, &limits))),
+                Err(Ended::Stopped) => Ok(None),
+                Err(Ended::Failed(failure)) => Err(failure),
+                Err(Ended::NoSuchBrake(value, error)) => Err(self.no_brake(cell, value, &error)),
+            }
         };
-        let outcome = engine.for_each_in_parallel(combinations.len() as u64, interrupt, work, |(index, limits)| {
-            progress.advance(1);
-            progress.tick();
-            let failure = match limits {
-                Ok(limits) => return found[index] = Some(limits),
-                Err(Ended::Stopped) => return,
-                Err(Ended::Failed(failure)) => failure,
-                Err(Ended::NoSuchBrake(value, error)) => self.no_brake(combinations[index], value, &error),
-            };
-            // Of several the first, whatever the threads.
-            if failed.as_ref().is_none_or(|(first, _)| index < *first) {
-                failed = Some((index, failure));
-            }
-        })?;
-        progress.finish();
-        match (outcome, failed) {
-            (Outcome::Stopped(signal), _) => Err(Failure::Stopped { signal, message: stopped.to_owned() }),
-            (Outcome::Finished, Some((_, failure))) => Err(failure),
-            (Outcome::Finished, None) => {
-                let limits = combinations.iter().zip(found).filter_map(|(&cell, found)| Some((cell, found?)));
-                let rows = limits.flat_map(|(cell, found)| self.rows(cell, &found)).collect();
-                Ok(Found { rows, ..self.nothing_found() })
-            }
-        }
+        let rows = engine.in_order(combinations.len() as u64, "combinations", interrupt, stopped, work)?;
+        Ok(Found { rows: rows.concat(), ..self.nothing_found() })
     }
 
     /// Confidence of the intervals, of which a job that integrates has none.
