@@ -8,7 +8,6 @@ use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use stickslip_core::rigid_disc::varying_brake::VaryingBrake;
 use stickslip_core::verdict::Verdict;
-use stickslip_sampler::draw::deviates::DeviateStream;
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::{Correlation, InputDistribution};
 use stickslip_sampler::integrate::pair::Pair;
@@ -70,12 +69,7 @@ impl Conditional {
             samples.for_each(|_| add(Verdict::Failed, 0.0));
             return true;
         };
-        let stream = DeviateStream {
-            seed: job.sampling.seed,
-            common_random_numbers: job.sampling.common_random_numbers,
-            dimensions: self.others.len(),
-            points: job.points(),
-        };
+        let stream = job.deviates(self.others.len(), job.points());
         let mut deviates = stream.start(cell.index, randomisation as u64, samples.start);
         let mut columns = vec![Vec::new(); self.others.len()];
         // Two zeros stand for preload and static friction, of which only the law is asked for.

@@ -4,7 +4,6 @@ use stickslip_core::parameters::{ParameterError, Parameters, scalar};
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_core::rigid_disc::stability::StabilityBoundary;
 use stickslip_core::verdict::VerdictCounts;
-use stickslip_sampler::estimate::conditional::{self, ConditionalPart};
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::randomisations;
 use stickslip_sampler::grid::Cell;
@@ -17,8 +16,7 @@ use stickslip_sampler::limits::sweep::{SortedSweep, Sweep};
 use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::exact_probability;
-use crate::evaluate::sums::SumLayout;
-use crate::evaluate::unit::FinishedUnit;
+use crate::evaluate::randomised;
 use crate::evaluate::weighted_limits::{CombinationLimits, Ended, WeightedSearch};
 use crate::job::{Effort, Job, LimitAxis, LimitMethod, OutsidePhysics};
 
@@ -153,28 +151,11 @@ impl<'a> LimitSearch<'a> {
         let job = self.axis.job_at(self.job, value);
         job.brake(job.grid.brake_index(cell)).map_err(no_brake)?;
         let evaluator = Evaluator::new(&job).map_err(Ended::Failed)?;
-        let parts = evaluator.parts();
-        let of_part = |part: u64| {
-            let samples = parts.max_samples(parts.place(part).1);
-            evaluator.count(part, 0..samples, is_stopped).ok_or(Ended::Stopped)
-        };
-        let units = parts.of(cell).map(of_part).collect::<Result<Vec<_>, _>>()?;
-        let counts: Vec<VerdictCounts> = units.iter().map(|unit| unit.counts).collect();
-        if job.is_conditional() {
-            let layout = SumLayout::of(&job);
-            let of_unit = |unit: &FinishedUnit| {
-                let sums: Vec<i128> = unit.sums.iter().map(|&sum| sum.into()).collect();
-                layout.read_probabilities(&sums, &unit.counts)
-            };
-            let of_parts: Vec<ConditionalPart> = units.iter().map(of_unit).collect();
-            return Ok(conditional::estimate(&of_parts, self.confidence));
-        }
+        let parts = evaluator.count_cell(cell, is_stopped).ok_or(Ended::Stopped)?;
         Ok(match job.sampling.effort {
-            Effort::Randomisations { .. } => {
-                randomisations::estimate(&counts, job.random.inputs.len(), self.confidence)
-            }
+            Effort::Randomisations { .. } => randomised::estimate(&job, &parts, self.confidence),
             _ => {
-                let all = counts.into_iter().fold(VerdictCounts::default(), |sum, counts| sum + counts);
+                let all = parts.iter().fold(VerdictCounts::default(), |sum, part| sum + part.counts);
                 job.interval(self.confidence).estimate(&all)
             }
         })

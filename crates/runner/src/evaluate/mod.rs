@@ -25,6 +25,8 @@ pub mod tiles;
 
 pub mod integral;
 
+pub mod randomised;
+
 pub mod weighted_limits;
 
 pub mod limits;

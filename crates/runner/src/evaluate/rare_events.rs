@@ -5,9 +5,9 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use stickslip_core::verdict::Verdict;
-use stickslip_sampler::draw::deviates::{DeviateStream, Points as Source};
+use stickslip_sampler::draw::deviates::Points as Source;
 use stickslip_sampler::draw::identity::{Purpose, block_generator};
-use stickslip_sampler::estimate::weighted::{self, WeightedEstimate, WeightedPart, WeightedSums};
+use stickslip_sampler::estimate::weighted::WeightedSums;
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::rare::population::{Effort, Points, Population};
 use stickslip_sampler::rare::proposal::Proposal;
@@ -38,19 +38,10 @@ const HALF: f64 = 0.5;
 pub type Values<'a> = dyn FnMut(&Points) -> Option<Vec<Option<f64>>> + 'a;
 
 /// How many populations the randomisations of a cell share: randomisation `r` uses population `r` modulo this number.
-fn populations(job: &Job) -> usize {
+pub fn populations(job: &Job) -> usize {
     match job.sampling.effort {
         job::Effort::Randomisations { count, .. } => (count as usize / RANDOMISATIONS_EACH).clamp(1, POPULATIONS),
         _ => 1,
-    }
-}
-
-/// The probability of a cell from its parts, in their order; `None` if samples have no weights.
-pub fn estimate(job: &Job, parts: &[WeightedPart], confidence: f64) -> Option<WeightedEstimate> {
-    match job.sampling.method {
-        SamplingMethod::Importance => Some(weighted::estimate(parts, populations(job), confidence)),
-        SamplingMethod::Subset => Some(weighted::estimate_of_populations(parts, confidence)),
-        _ => None,
     }
 }
 
@@ -122,12 +113,7 @@ impl RareEvents {
         if samples.start == 0 && randomisation == number {
             sums.add_evaluations(evaluations);
         }
-        let stream = DeviateStream {
-            seed: job.sampling.seed,
-            common_random_numbers: job.sampling.common_random_numbers,
-            dimensions: self.dimensions + 1,
-            points: Source::Sobol,
-        };
+        let stream = job.deviates(self.dimensions + 1, Source::Sobol);
         let mut deviates = stream.start(cell.index, randomisation as u64, samples.start);
         let mut columns = vec![Vec::new(); self.dimensions + 1];
         let mut scratch = vec![0.0; self.dimensions];

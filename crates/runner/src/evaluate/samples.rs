@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
-use stickslip_sampler::draw::deviates::{DeviateStream, Deviates, Points};
+use stickslip_sampler::draw::deviates::{Deviates, Points};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::InputColumns;
 
@@ -174,12 +174,7 @@ impl<'a> Drawing<'a> {
     /// [`Parts::first_sample`](super::parts::Parts::first_sample).
     pub fn new(job: &'a Job, cell: &Cell, place: usize, range: Range<u64>, points: Points) -> Self {
         let random = &job.random;
-        let stream = DeviateStream {
-            seed: job.sampling.seed,
-            common_random_numbers: job.sampling.common_random_numbers,
-            dimensions: random.inputs.len(),
-            points,
-        };
+        let stream = job.deviates(random.inputs.len(), points);
         let expected: Vec<f64> = random.inputs.iter().map(|input| job.expected(*input, cell)).collect();
         let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
         let mut relative_stds = stds.clone();

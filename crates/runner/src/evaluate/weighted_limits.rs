@@ -6,14 +6,13 @@
 
 use stickslip_core::parameters::ParameterError;
 use stickslip_sampler::estimate::interval::Estimate;
-use stickslip_sampler::estimate::weighted::{Distrust, WeightedPart};
+use stickslip_sampler::estimate::weighted::Distrust;
 use stickslip_sampler::limits::Limit;
 use stickslip_sampler::limits::scan::Scan;
 
 use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
-use crate::evaluate::rare_events;
-use crate::evaluate::sums::SumLayout;
+use crate::evaluate::randomised;
 use crate::failure::Failure;
 use crate::job::{Job, LimitAxis};
 
@@ -149,16 +148,8 @@ impl WeightedSearch<'_> {
         targets: &[f64],
         is_stopped: IsStopped<'_>,
     ) -> Result<Estimate, Ended> {
-        let layout = SumLayout::of(job);
-        let parts = evaluator.parts();
-        let of_part = |part: u64| -> Result<WeightedPart, Ended> {
-            let samples = parts.max_samples(parts.place(part).1);
-            let unit = evaluator.count(part, 0..samples, is_stopped).ok_or(Ended::Stopped)?;
-            let sums: Vec<i128> = unit.sums.iter().map(|&sum| sum.into()).collect();
-            Ok(layout.read_weighted(&sums, &unit.counts))
-        };
-        let of_parts = parts.of(self.cell).map(of_part).collect::<Result<Vec<_>, _>>()?;
-        match rare_events::estimate(job, &of_parts, self.confidence) {
+        let parts = evaluator.count_cell(self.cell, is_stopped).ok_or(Ended::Stopped)?;
+        match randomised::of_weights(job, &parts, self.confidence) {
             Some(found) if matches!(found.distrust, None | Some(Distrust::NothingFound)) => Ok(found.estimate),
             // Far below all targets its digits do not matter; a population that found more has at most four times the mean.
             Some(found) if targets.iter().all(|target| found.mean < FAR_BELOW * target) => {

@@ -4,7 +4,7 @@ use stickslip_core::criterion::validity;
 use stickslip_core::criterion::validity::Uncovered;
 use stickslip_core::parameters::{ParameterError, Parameters, scalar};
 use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_sampler::draw::deviates::Points;
+use stickslip_sampler::draw::deviates::{DeviateStream, Points};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use stickslip_sampler::estimate::interval;
 use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
@@ -92,6 +92,12 @@ impl Job {
             SamplingMethod::Sobol | SamplingMethod::Conditional | SamplingMethod::Importance => Points::Sobol,
             SamplingMethod::MonteCarlo | SamplingMethod::Subset | SamplingMethod::Exact => Points::Random,
         }
+    }
+
+    /// The stream of deviates of so many inputs.
+    pub fn deviates(&self, dimensions: usize, points: Points) -> DeviateStream {
+        let Sampling { seed, common_random_numbers, .. } = self.sampling;
+        DeviateStream { seed, common_random_numbers, dimensions, points }
     }
 
     /// Whether drawing and deciding a sample costs little more than its random numbers: only preload and static

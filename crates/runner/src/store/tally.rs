@@ -7,6 +7,7 @@ use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::estimate::distribution::Distribution;
 
 use crate::evaluate::parts::Parts;
+use crate::evaluate::randomised::CountedPart;
 use crate::evaluate::unit::FinishedUnit;
 use crate::store::covered::Covered;
 
@@ -110,6 +111,11 @@ impl Tally {
     pub fn counts(&self, part: u64) -> VerdictCounts {
         let [stable, unstable, undecided, failed] = self.counts[self.locate(part).0];
         VerdictCounts { stable, unstable, undecided, failed }
+    }
+
+    /// What is counted of some parts.
+    pub fn of(&self, parts: impl Iterator<Item = u64>) -> Vec<CountedPart> {
+        parts.map(|part| CountedPart { counts: self.counts(part), sums: self.sums(part) }).collect()
     }
 
     /// The settled amplitudes of one part; `None` if it has none.

@@ -4,8 +4,6 @@ pub mod row;
 
 pub mod columns;
 
-pub mod randomised;
-
 pub mod surface;
 
 pub mod finished;

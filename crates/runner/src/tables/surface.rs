@@ -19,6 +19,7 @@ use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;
+use crate::evaluate::randomised;
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
 use crate::job::{Effort, Job};
@@ -27,7 +28,6 @@ use crate::store::directory::{JOB_HASH_KEY, JOB_KEY, RunDirectory};
 use crate::store::layout::SURFACE;
 use crate::store::tally::Tally;
 use crate::tables::columns::{self, Column};
-use crate::tables::randomised;
 use crate::tables::row::{SurfaceRow, unaudited, widened};
 
 /// Number of rows that are held in memory at once, and in a row group.
@@ -83,7 +83,11 @@ impl<'a> Surface<'a> {
         // If the map was given up or every sample audited, all were simulated.
         let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
         let confidence = self.job.confidence(is_audited);
-        let weighted = randomised::of_weights(self.job, &self.parts, self.tally, cell, confidence);
+        let weighted = if self.job.is_weighted() {
+            randomised::of_weights(self.job, &self.tally.of(self.parts.of(cell)), confidence)
+        } else {
+            None
+        };
         let counted = match (&integrated, &weighted) {
             (Some(integrated), _) => integrated.estimate,
             (None, Some(weighted)) => weighted.estimate,
@@ -111,7 +115,9 @@ impl<'a> Surface<'a> {
     fn estimate(&self, cell: u64, counts: &VerdictCounts, confidence: f64) -> Estimate {
         match self.job.sampling.effort {
             Effort::Samples(_) | Effort::Integrated => self.job.interval(confidence).estimate(counts),
-            Effort::Randomisations { .. } => randomised::estimate(self.job, &self.parts, self.tally, cell, confidence),
+            Effort::Randomisations { .. } => {
+                randomised::estimate(self.job, &self.tally.of(self.parts.of(cell)), confidence)
+            }
             Effort::Until(_) => {
                 let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
                 let of_cell = |cell| self.parts.estimate_at_stop(self.tally, cell).unwrap_or(nothing);

@@ -8,6 +8,7 @@ use stickslip_sampler::estimate::interval::{BinomialInterval, Estimate, Interval
 use super::run::Run;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
+use crate::evaluate::randomised;
 use crate::evaluate::sums::Lookups;
 use crate::failure::{Failure, Signal};
 use crate::files::folder::Folder;
@@ -18,7 +19,6 @@ use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::mapping::Mapping;
 use crate::store::layout::MAPS;
 use crate::store::map_pieces;
-use crate::tables::randomised;
 use crate::tables::row::unaudited;
 
 /// A finished run whose samples can be evaluated again.
@@ -68,7 +68,7 @@ impl<'a> EvaluatedRun<'a> {
             return integrated.estimate;
         }
         if let Effort::Randomisations { .. } = job.sampling.effort {
-            return randomised::estimate(job, parts, tally, cell, confidence);
+            return randomised::estimate(job, &tally.of(parts.of(cell)), confidence);
         }
         let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
         let estimate = interval.estimate(&self.run.counts(cell));
