@@ -6,10 +6,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use arrow::array::{
-    Array as _, ArrayRef, Float64Array, Float64Builder, Int64Array, ListArray, ListBuilder, RecordBatch,
-};
-use arrow::datatypes::{DataType, Schema};
+use arrow_array::builder::{Float64Builder, ListBuilder};
+use arrow_array::{Array as _, ArrayRef, Float64Array, Int64Array, ListArray, RecordBatch};
+use arrow_schema::{DataType, Schema};
 use bytes::Bytes;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;

@@ -7,8 +7,9 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::sync::Arc;
 
-use arrow::array::{Array as _, ArrayRef, Int64Array, Int64Builder, ListArray, ListBuilder, RecordBatch};
-use arrow::datatypes::{DataType, Field, Schema};
+use arrow_array::builder::{Int64Builder, ListBuilder};
+use arrow_array::{Array as _, ArrayRef, Int64Array, ListArray, RecordBatch};
+use arrow_schema::{DataType, Field, Schema};
 use bytes::Bytes;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use arrow::array::{ArrayRef, Float64Array, Int64Array};
-use arrow::datatypes::{DataType, Field};
+use arrow_array::{ArrayRef, Float64Array, Int64Array};
+use arrow_schema::{DataType, Field};
 use stickslip_core::degree_of_freedom::DegreeOfFreedom;
 use stickslip_core::parameters::scalar;
 use stickslip_sampler::estimate::score::CellParameter;

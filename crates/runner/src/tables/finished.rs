@@ -5,8 +5,8 @@ use std::fs::File;
 use std::mem;
 use std::path::Path;
 
-use arrow::array::{Array, Float64Array, Int64Array, RecordBatchReader as _};
-use arrow::datatypes::{DataType, Field};
+use arrow_array::{Array, Float64Array, Int64Array, RecordBatchReader as _};
+use arrow_schema::{DataType, Field};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::reader::ChunkReader;
 

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use arrow::array::{Array as _, AsArray as _, StringArray};
-use arrow::datatypes::{Float64Type, Int64Type};
+use arrow_array::cast::AsArray as _;
+use arrow_array::types::{Float64Type, Int64Type};
+use arrow_array::{Array as _, StringArray};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::reader::ChunkReader;
 
