@@ -163,8 +163,8 @@ class Run:
         """
         with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
             file = Path(folder) / "samples.parquet"
-            arguments = ["samples", self.path, f"--cell={int(cell)}", f"--out={file}", *_threads(threads)]
-            call(arguments, progress=progress)
+            arguments = ["samples", str(self.path), f"--cell={int(cell)}", f"--out={file}", *_threads(threads)]
+            call(arguments, progress=progress, unsaid=folder)
             return converted(read(file), kind)
 
     def replay(self, cell: int, sample: int, *, horizon: float | None = None) -> Motion:
