@@ -21,7 +21,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from ._errors import Interrupted, JobWarning, error_of
-from ._messages import Messages
+from ._messages import Messages, before_failure
 from ._program import program
 from ._terminal import Channel
 
@@ -101,10 +101,7 @@ def call(
                 if running.interruptions:
                     process.send_signal(signal.SIGINT)
                 channel.close_end_of_program()
-                while text := channel.read():
-                    channel.show(messages.take(text))
-                channel.show(messages.rest())
-                process.wait()
+                _pass_on(channel, messages, process)
             except BaseException:
                 process.terminate()
                 process.wait()
@@ -132,6 +129,20 @@ def call_json(
 ) -> Any:
     """Run a command with ``--json``, and return what it prints."""
     return json.loads(call([*arguments, "--json"], stdin=stdin, progress=progress, unsaid=unsaid))
+
+
+def _pass_on(channel: Channel, messages: Messages, process: subprocess.Popen[bytes]) -> None:
+    """Show what the program says, until it ends. The message of a failure is left to the exception."""
+    held = ""
+    while True:
+        text = channel.read(timeout=0.1 if held else None)
+        if text == "":
+            break
+        # What is not the last is no failure's message.
+        channel.show(held)
+        held = messages.take(text) if text else ""
+    held += messages.rest()
+    channel.show(held if process.wait() == 0 else before_failure(held))
 
 
 @contextmanager

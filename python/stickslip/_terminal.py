@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import codecs
 import os
+import select
 import sys
 from types import TracebackType
 
@@ -65,9 +66,11 @@ class Channel:
             self._is_open = False
             os.close(self.end_of_program)
 
-    def read(self) -> str:
-        """The next text; empty when the program has ended."""
+    def read(self, timeout: float | None = None) -> str | None:
+        """The next text; empty when the program has ended, ``None`` if nothing came in so many seconds."""
         while True:
+            if timeout is not None and not select.select([self._own], [], [], timeout)[0]:
+                return None
             try:
                 data = os.read(self._own, 1 << 16)
             except OSError:
