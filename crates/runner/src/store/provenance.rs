@@ -8,6 +8,7 @@ use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::store::clock::in_words;
 use crate::store::directory::RunDirectory;
+use crate::version;
 
 /// One session of work on a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -25,6 +26,13 @@ pub struct Session {
     host: String,
     version: String,
     build: String,
+    /// Sessions of earlier programs do not have what follows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    commit: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    target: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    instruction_set: Option<String>,
     #[serde(skip, default = "Instant::now")]
     clock: Instant,
 }
@@ -58,12 +66,15 @@ impl Session {
             lookups: None,
             threads,
             host: gethostname::gethostname().to_string_lossy().into_owned(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            version: version::VERSION.to_owned(),
             build: format!(
                 "{} for {}",
                 if cfg!(debug_assertions) { "debug" } else { "release" },
                 std::env::consts::ARCH
             ),
+            commit: Some(version::COMMIT.to_owned()),
+            target: Some(version::TARGET.to_owned()),
+            instruction_set: Some(version::instruction_set().to_owned()),
             clock: Instant::now(),
         }
     }
