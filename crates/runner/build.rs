@@ -26,12 +26,12 @@ fn main() {
 
 /// The commit that is checked out, as `0123456789ab (2026-01-31)`, and whether the sources differ from it.
 fn commit_of_git() -> Option<String> {
+    watch_head();
     // In the repository of something else that holds a copy of these files, git would tell the commit of that.
     let is_ours = git(&["rev-parse", "--show-prefix"])? == PACKAGE && git(&["ls-files", "build.rs"])? == "build.rs";
     if !is_ours {
         return None;
     }
-    watch_head();
     let commit = git(&["log", "-1", "--no-show-signature", "--date=short", "--format=%H %cd"])?;
     let (hash, date) = commit.split_once(' ')?;
     let root = git(&["rev-parse", "--show-cdup"])?;
