@@ -35,7 +35,8 @@ fn commit_of_git() -> Option<String> {
     let commit = git(&["log", "-1", "--no-show-signature", "--date=short", "--format=%H %cd"])?;
     let (hash, date) = commit.split_once(' ')?;
     let root = git(&["rev-parse", "--show-cdup"])?;
-    let sources: Vec<String> = SOURCES.iter().map(|source| format!("{root}{source}")).collect();
+    let sources = SOURCES.iter().map(|source| format!("{root}{source}"));
+    let sources: Vec<String> = sources.filter(|source| Path::new(source).exists()).collect();
     // Without this, changes after the first build would not be seen. A change there builds the program again in any case.
     for source in &sources {
         println!("cargo::rerun-if-changed={source}");

@@ -110,6 +110,21 @@ impl Session {
     }
 }
 
+/// The programs that computed a run, each once, as far as `run.json` says.
+pub fn programs(directory: &RunDirectory) -> Vec<String> {
+    let read = directory.read_known(RECORD).ok().flatten().and_then(|bytes| read(&bytes).ok());
+    let mut programs = Vec::new();
+    for Session { version, commit, target, instruction_set, .. } in read.unwrap_or_default().sessions {
+        let details = [commit.map(|commit| format!("commit {commit}")), target, instruction_set];
+        let details: String = details.iter().flatten().map(|detail| format!(", {detail}")).collect();
+        let program = format!("stickslip {version}{details}");
+        if !programs.contains(&program) {
+            programs.push(program);
+        }
+    }
+    programs
+}
+
 /// The name of the file.
 pub const RECORD: &str = "run.json";
 
