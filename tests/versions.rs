@@ -412,10 +412,25 @@ fn the_pages_have_the_versions_of_the_program() {
     let row = format!("| version of the program | {} |", env!("CARGO_PKG_VERSION"));
     assert!(page.contains(&row), "docs/reference/versions.md has no line that begins with {row:?}");
 
+    // That of maps is of no use in scripts, and only in pieces.
+    let place = Place::new();
+    place.write("job.toml", &surface_job("run", 2, 100, 7));
+    place.run("submit job.toml --out run").done();
+    let of_piece = footer(&only_piece(&place.path("run/shards")));
+    assert!(page.contains(&format!("| map version | {} |", of_piece["stickslip:map_version"])));
+    for name in ["results", "verdicts", "estimates", "identity"] {
+        assert_eq!(of_piece[&format!("stickslip:{name}_version")], told[&format!("{name} version")]);
+    }
+
     let changes = fs::read_to_string(repository().join("CHANGELOG.md")).unwrap();
     let headings: Vec<&str> = changes.lines().filter_map(|line| line.strip_prefix("## ")).collect();
     let own = format!("[{}]", env!("CARGO_PKG_VERSION"));
     assert!(headings.iter().any(|heading| heading.starts_with(&own)), "CHANGELOG.md has no entry {own}: {headings:?}");
+    let entry = changes.split(&format!("## {own}")).nth(1).unwrap().split("\n## ").next().unwrap().replace('\n', " ");
+    for name in ["results version", "verdicts version", "estimates version", "identity version"] {
+        let named = format!("{name} {}", told[name]);
+        assert!(entry.to_lowercase().contains(&named), "CHANGELOG.md does not name {named} in the entry {own}");
+    }
     let citation = fs::read_to_string(repository().join("CITATION.cff")).unwrap();
     assert!(citation.contains(&format!("\nversion: {}\n", env!("CARGO_PKG_VERSION"))), "CITATION.cff");
 }
