@@ -9,7 +9,7 @@ MDBOOK_VERSION = 0.5.4
 MDBOOK_ROOT = target/mdbook-$(MDBOOK_VERSION)
 MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 
-.PHONY: run test test-faults test-slurm test-parallel program check docs docs-pictures bench bench-cluster bench-peers validity coverage clean
+.PHONY: run test test-faults test-slurm test-parallel program check docs docs-pictures wheel test-python bench bench-cluster bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -58,6 +58,32 @@ test-slurm test-parallel: test-%: program
 
 program:
 	if [ "$(PROGRAM)" = "$(STICKSLIP)" ]; then $(CARGO) build --locked --release; fi
+
+# The Python package: a wheel with the program in target/dist, for every Linux with glibc 2.17 or newer (manylinux2014), to
+# which Zig links. The same commit gives the same wheel. Its tests install it into a new environment.
+PACKAGING = target/packaging
+DIST = target/dist
+DIST_TARGET = $(shell uname -m)-unknown-linux-gnu
+SOURCE_DATE_EPOCH ?= $(or $(shell git log -1 --format=%ct 2>/dev/null),315532800)
+
+wheel: $(PACKAGING)/ready
+	rm -f $(DIST)/stickslip-*.whl
+	PATH="$(CURDIR)/$(PACKAGING)/bin:$$PATH" SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH) maturin build --release --locked --zig \
+		--compatibility manylinux2014 --target $(DIST_TARGET) --out $(DIST)
+
+$(PACKAGING)/ready: packaging/requirements.txt
+	$(PYTHON) -m venv $(PACKAGING)
+	$(PACKAGING)/bin/python -m pip install --quiet --disable-pip-version-check -r $<
+	touch $@
+
+test-python: wheel
+	rm -rf target/python-tests
+	$(PYTHON) -m venv target/python-tests
+	target/python-tests/bin/python -m pip install --quiet --disable-pip-version-check -r tests/python/requirements.txt
+	target/python-tests/bin/python -m pip install --quiet --disable-pip-version-check \
+		"stickslip[pandas,polars,xarray,notebook] @ file://$(CURDIR)/$$(echo $(DIST)/stickslip-*.whl)"
+	env -u STICKSLIP_PROGRAM target/python-tests/bin/python -m pytest tests/python
+	target/python-tests/bin/python -m mypy --strict python/stickslip
 
 # Formatting, licences of dependencies, lints, documentation and the order of imports; all warnings are errors.
 check:

@@ -290,6 +290,9 @@ impl Python {
         let python = named_by("STICKSLIP_PYTHON")?;
         let mut command = Command::new(python);
         command.args(["-c", PYTHON_DRIVER]).env("MPLBACKEND", "agg").env("PATH", path_with_stickslip());
+        // The Python package, as it is here, with the program that is tested.
+        command.env("PYTHONPATH", repository().join("python")).env("PYTHONDONTWRITEBYTECODE", "1");
+        command.env("STICKSLIP_PROGRAM", env!("CARGO_BIN_EXE_stickslip"));
         let mut process = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
         let answers = BufReader::new(process.stdout.take().unwrap());
         Some(Self { process, answers })

@@ -330,7 +330,7 @@ fn a_run_of_other_verdicts_is_refused_with_the_remedy() {
     std::fs::remove_file(&piece).unwrap();
     std::fs::write(shards.join(format!("{}.parquet", &blake3::hash(&bytes).to_hex()[..32])), bytes).unwrap();
     for command in ["resume runs/old", "submit job.toml"] {
-        place.run(command).refused(65, &["another version of stickslip", "verdicts version 2", "has 4", "--out"]);
+        place.run(command).refused(65, &["an earlier version of stickslip", "verdicts version 2", "has 4", "--out"]);
     }
 }
 

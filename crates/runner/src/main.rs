@@ -25,6 +25,8 @@ mod files;
 
 mod job;
 
+mod version;
+
 mod evaluate;
 
 mod store;

@@ -36,6 +36,18 @@ impl InstructionSet {
     pub fn widest() -> Self {
         Self::available().pop().unwrap_or(Self::Baseline)
     }
+
+    /// The name that manuals of processors give it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Baseline if cfg!(target_arch = "x86_64") => "SSE2",
+            Self::Baseline if cfg!(target_arch = "aarch64") => "NEON",
+            Self::Baseline => "baseline",
+            Self::Avx2 => "AVX2",
+            Self::Avx512 => "AVX-512",
+        }
+    }
 }
 
 /// Compiles a function once for each instruction set and calls the one for `$set`: the same function, or one for each.

@@ -22,10 +22,11 @@ use self::values::{grid, html_file, parquet_file, plot_file, seed, start, whole_
 use crate::export::format::Format;
 use crate::job::MOST_SHARDS;
 use crate::target::Target;
+use crate::version;
 
 /// Probability that a brake pad sticks and slips, by parallel Monte Carlo.
 #[derive(Debug, Parser)]
-#[command(name = "stickslip", version, about, max_term_width = 110)]
+#[command(name = "stickslip", version, long_version = version::in_full(), about, max_term_width = 110)]
 #[command(after_help = "Exit codes: 0 done; 64 usage; 65 bad job spec, or a job that differs from the run's; \
     70 an audit found that the verdict map is wrong somewhere (the result is written), or an internal error; 73 cannot create output; 74 I/O error; 75 the run directory is in use; 128 + number ended by \
     a signal, such as 130 by Ctrl-C (finished work is kept).")]

@@ -122,10 +122,13 @@ pub fn compute(
     let engine = Engine::new(threads)?;
     let mut evaluator = Evaluator::new(&job)?;
     let mut integrated = Vec::new();
+    // Audits of another version are refused before a map is resolved.
+    let audits = job.is_integrated().then(|| directory.audits_done(&job)).transpose()?;
     let mut outcome = prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt)
         .map_err(|failure| kept(failure, &directory))?;
-    if outcome == Outcome::Finished && job.is_integrated() {
-        let mut audits = directory.audits_done(&job)?;
+    if outcome == Outcome::Finished
+        && let Some(mut audits) = audits
+    {
         let keep = directory.create_folder(AUDITS)?;
         outcome = engine
             .audit(&evaluator, &mut audits, Some(&keep), interrupt)

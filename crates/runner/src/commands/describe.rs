@@ -23,7 +23,8 @@ pub fn completions(arguments: &CompletionsArguments) -> Result<(), Failure> {
 /// `stickslip man`: the main page, then one for each command.
 pub fn man() -> Result<(), Failure> {
     let mut page = Vec::new();
-    let mut command = Cli::command();
+    // The page is the same whichever machine prints it.
+    let mut command = Cli::command().long_version(None);
     command.build();
     let render = |command: clap::Command, page: &mut Vec<u8>| clap_mangen::Man::new(command).render(page);
     render(command.clone(), &mut page).map_err(|error| Failure::output(&error))?;

@@ -209,6 +209,7 @@ impl Check<'_> {
             let was = match state {
                 FileState::Absent => "not written yet".to_owned(),
                 FileState::OfAnotherJob => "that of the run before it was extended".to_owned(),
+                FileState::OfAnotherVersion => "that of another version of stickslip".to_owned(),
                 FileState::Damaged(why) => format!("damaged ({why})"),
                 FileState::Sound => "not the one that the pieces give".to_owned(),
             };
@@ -222,7 +223,7 @@ impl Check<'_> {
             FileState::Sound => {
                 self.find(SURFACE, State::Broken, format!("as it was written, but of its pieces only {progress}"));
             }
-            FileState::Absent | FileState::OfAnotherJob => {
+            FileState::Absent | FileState::OfAnotherJob | FileState::OfAnotherVersion => {
                 let remark =
                     if job.is_integrated() { "not written yet".to_owned() } else { format!("none yet: {progress}") };
                 self.find(SURFACE, State::Sound, remark);
@@ -244,7 +245,7 @@ impl Check<'_> {
         match state {
             FileState::Sound => self.find(LIMITS, State::Sound, "sound"),
             FileState::Absent => self.find(LIMITS, State::Sound, "not written yet"),
-            FileState::OfAnotherJob => {
+            FileState::OfAnotherJob | FileState::OfAnotherVersion => {
                 self.find(LIMITS, State::Sound, "those of the run before its job was changed");
             }
             FileState::Damaged(why) => {

@@ -18,7 +18,9 @@ use crate::plot::canvas::{BLACK, Canvas, Pen, Place, WHITE};
 use crate::plot::panel::{ABOVE, Arrangement, Axis, LEFT, Layout, Panel, RIGHT, heading, space_of, write_notes};
 use crate::plot::regions::{Region, Regions};
 use crate::store::directory::RunDirectory;
+use crate::store::file_state::FileState;
 use crate::store::map_pieces;
+use crate::store::piece::REMEDY_OF_VERSIONS;
 
 /// Height of a panel over its width.
 const ASPECT: f64 = 0.78;
@@ -66,7 +68,12 @@ impl VerdictMaps {
         directory.maps()?.map(|folder| map_pieces::load(&mut maps, &folder)).transpose()?;
         let (missing, needed) = (maps.missing().len(), maps.needed());
         if missing > 0 {
-            let remedy = if directory.has_surface_of(&job)? {
+            let state = directory.surface_state(&job)?;
+            let remedy = if state == FileState::OfAnotherVersion {
+                format!(
+                    "The run is of another version of stickslip, whose maps this one does not use. {REMEDY_OF_VERSIONS}"
+                )
+            } else if state == FileState::Sound {
                 "Either the run gave its map up, because simulating the samples cost less, or files of map/ are missing or damaged; submit the job to another directory to compute it again".to_owned()
             } else {
                 format!("Finish it with `stickslip resume {}`", quoted(run))

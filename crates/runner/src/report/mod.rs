@@ -132,10 +132,11 @@ fn computed(run: &ReportedRun, has_name: bool) -> String {
         ("Seed", job.sampling.seed.to_string()),
         ("Program", format!("stickslip {}, results version {RESULTS_VERSION}", env!("CARGO_PKG_VERSION"))),
         ("Job", job.hash()),
+        ("Computed by", run.programs.join("; ")),
         ("The same numbers", format!("stickslip submit {}", quoted(&again))),
     ];
     let entry = |(name, value): (&str, String)| element("dt", "", name) + &element("dd", "", &value);
-    let entries: String = entries.into_iter().map(entry).collect();
+    let entries: String = entries.into_iter().filter(|(_, value)| !value.is_empty()).map(entry).collect();
     format!(
         "{}<dl>{entries}</dl><details><summary>The job with every default filled in</summary>{}</details>",
         heading(run, has_name),

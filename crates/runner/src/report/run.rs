@@ -15,6 +15,8 @@ use crate::plot::levels::{Levels, label};
 use crate::plot::limit_lines::{LimitLine, lines, target_label};
 use crate::plot::values::Values;
 use crate::plot::verdict_map::VerdictMaps;
+use crate::store::directory::RunDirectory;
+use crate::store::provenance::programs;
 use crate::tables::finished::{FinishedColumn, FinishedSurface, FinishedValues};
 
 /// A run, as it was named on the command line.
@@ -27,6 +29,8 @@ pub struct ReportedRun {
     further: Vec<FinishedColumn>,
     /// The picture of its verdict map, if it has a map that is complete.
     pub verdict_map: Option<Canvas>,
+    /// The programs that computed it, as far as it is known.
+    pub programs: Vec<String>,
 }
 
 /// Width of the picture of a verdict map, in pixels.
@@ -52,7 +56,8 @@ impl ReportedRun {
             }
             None => None,
         };
-        Ok(Self { path: path.display().to_string(), values, further, verdict_map })
+        let programs = programs(&RunDirectory::view(path)?);
+        Ok(Self { path: path.display().to_string(), values, further, verdict_map, programs })
     }
 
     /// The run for the script: axes slowest first, and one number for each cell in every column.

@@ -18,7 +18,7 @@ use crate::store::file_state::{FileState, NOT_AS_WRITTEN, state_of};
 use crate::store::joining::{self, Refusal};
 use crate::store::layout::{AUDITS, JOB, MAPS, SHARDS, SURFACE, require_free, require_run, require_traces};
 use crate::store::lock::{AN_INSTANT, Access, Lock, is_held};
-use crate::store::piece::{self, Complaint, Defect};
+use crate::store::piece::{self, Complaint, Defect, REMEDY_OF_VERSIONS};
 use crate::store::tally::Tally;
 
 /// The footer key of a surface for the hash of its job.
@@ -144,7 +144,17 @@ impl RunDirectory {
 
     /// What there is of the surface of a job.
     pub fn surface_state(&self, job: &Job) -> Result<FileState, Failure> {
-        state_of(&self.root, SURFACE, &[(JOB_HASH_KEY, job.hash())])
+        let state = state_of(&self.root, SURFACE, &[(JOB_HASH_KEY, job.hash())])?;
+        let is_older_or_newer = state == FileState::OfAnotherJob && self.has_surface_of_another_version(job);
+        Ok(if is_older_or_newer { FileState::OfAnotherVersion } else { state })
+    }
+
+    /// Whether there is a result of this job that another version identified differently.
+    fn has_surface_of_another_version(&self, job: &Job) -> bool {
+        let footer = |file: &File| Some((text_of_key(file, JOB_HASH_KEY)?, text_of_key(file, JOB_KEY)?));
+        let Some((hash, text)) = self.root.open_file(SURFACE).ok().as_ref().and_then(footer) else { return false };
+        let written = JobSource { path: self.surface(), text };
+        hash != job.hash() && written.job().is_ok_and(|written| written.hash() == job.hash())
     }
 
     /// Whether there is a result that belongs to this job.
@@ -312,8 +322,18 @@ impl RunDirectory {
     }
 
     /// Everything counted so far. Damaged pieces are named on standard error and left out.
+    ///
+    /// # Errors
+    /// Pieces of another job or version, and a result of another version, which would be lost.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
-        self.tally_of(&self.shards, job, &Parts::new(job), SumLayout::of(job).count())
+        let tally = self.tally_of(&self.shards, job, &Parts::new(job), SumLayout::of(job).count())?;
+        if self.has_surface_of_another_version(job) {
+            return Err(Failure::Job(format!(
+                "{} was written by another version of stickslip: its results version, verdicts version or identity version is not that of this one, see `stickslip --version`. `plot`, `report` and `export` read it. {REMEDY_OF_VERSIONS}",
+                self.surface().display()
+            )));
+        }
+        Ok(tally)
     }
 
     /// The audits of integrals that are finished, by cell. Their sums are those of [`Lookups`].

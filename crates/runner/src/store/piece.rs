@@ -17,7 +17,9 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
 use stickslip_core::verdict::VerdictCounts;
+use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
 use stickslip_sampler::estimate::distribution::Distribution;
+use stickslip_sampler::verdict_map::resolve::MAP_VERSION;
 
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
@@ -36,14 +38,34 @@ const AMPLITUDE_BINS: &str = "amplitude_bins";
 const SUMS: &str = "sums";
 
 const EXPERIMENT_KEY: &str = "stickslip:experiment";
-const IDENTITY_KEY: &str = "stickslip:identity_version";
-const VERDICTS_KEY: &str = "stickslip:verdicts_version";
 
-/// The version of a job's identity in pieces that do not name it.
-const UNNAMED_IDENTITY: u32 = 1;
+/// A version that counts in what identifies a job.
+struct CountedVersion {
+    /// Its key in the footer.
+    key: &'static str,
+    /// Its name in messages.
+    name: &'static str,
+    /// That of this program.
+    own: u32,
+    /// That of pieces which do not name it, or an older one.
+    unnamed: u32,
+}
 
-/// Pieces that do not name the version of their verdicts have this one or an older one.
-const UNNAMED_VERDICTS: u32 = 2;
+const VERSIONS: [CountedVersion; 5] = [
+    CountedVersion { key: "stickslip:identity_version", name: "identity version", own: IDENTITY_VERSION, unnamed: 1 },
+    CountedVersion { key: "stickslip:results_version", name: "results version", own: RESULTS_VERSION, unnamed: 1 },
+    CountedVersion { key: "stickslip:verdicts_version", name: "verdicts version", own: VERDICTS_VERSION, unnamed: 2 },
+    CountedVersion {
+        key: "stickslip:estimates_version",
+        name: "estimates version",
+        own: ESTIMATES_VERSION,
+        unnamed: 2,
+    },
+    CountedVersion { key: "stickslip:map_version", name: "map version", own: MAP_VERSION, unnamed: 2 },
+];
+
+/// What to do with a run of another version.
+pub const REMEDY_OF_VERSIONS: &str = "Submit the run's job.toml again into another directory with --out, or continue the run with the stickslip that began it";
 
 /// Largest number of bytes of a piece.
 const MOST_BYTES: u64 = 1 << 30;
@@ -144,30 +166,36 @@ pub fn read_all(
 /// The run that a piece belongs to, as named in its footer.
 struct Owner {
     experiment: String,
-    identity_version: u32,
-    verdicts_version: u32,
+    /// In the order of [`VERSIONS`].
+    versions: [u32; VERSIONS.len()],
 }
 
 impl Owner {
     /// A message why a piece of another job or version is refused, and what to do.
     fn refused(&self, path: &Path) -> Failure {
         let path = path.display();
-        let version = self.verdicts_version;
-        let of_versions = "Submit the run's job.toml again into another directory with --out, or continue the run with the stickslip that began it";
-        Failure::Job(if version != VERDICTS_VERSION {
-            format!(
-                "{path} was computed by another version of stickslip (verdicts version {version}, this one has {VERDICTS_VERSION}), or belongs to another job; the two must not be mixed. {of_versions}, or restore job.toml if it was edited"
-            )
-        } else if self.identity_version != IDENTITY_VERSION {
-            let which = if self.identity_version < IDENTITY_VERSION { "an earlier" } else { "a later" };
-            format!(
-                "{path} was written by {which} version of stickslip, which identifies jobs differently, so it is not known whether the piece belongs to this job. {of_versions}"
-            )
-        } else {
-            format!(
+        let differing: Vec<(&CountedVersion, u32)> =
+            VERSIONS.iter().zip(self.versions).filter(|(version, found)| version.own != *found).collect();
+        if differing.is_empty() {
+            return Failure::Job(format!(
                 "{path} belongs to another job or another version of stickslip. Was the run's job.toml edited or removed? Restore it, or choose another directory with --out"
-            )
-        })
+            ));
+        }
+        let which = if differing.iter().all(|(version, found)| *found < version.own) {
+            "an earlier"
+        } else if differing.iter().all(|(version, found)| *found > version.own) {
+            "a later"
+        } else {
+            "another"
+        };
+        let named = differing
+            .iter()
+            .map(|(version, found)| format!("{} {found}, where this one has {}", version.name, version.own));
+        let named: Vec<String> = named.collect();
+        Failure::Job(format!(
+            "{path} was written by {which} version of stickslip ({}); what two versions compute is not mixed. {REMEDY_OF_VERSIONS}. If job.toml was edited, restore it first",
+            named.join("; ")
+        ))
     }
 }
 
@@ -219,11 +247,8 @@ fn encode(experiment: &str, units: &[FinishedUnit]) -> Result<Vec<u8>, parquet::
         columns.push(Arc::new(sums));
     }
     let schema = Arc::new(Schema::new(fields));
-    let owner = vec![
-        KeyValue::new(EXPERIMENT_KEY.to_owned(), experiment.to_owned()),
-        KeyValue::new(IDENTITY_KEY.to_owned(), IDENTITY_VERSION.to_string()),
-        KeyValue::new(VERDICTS_KEY.to_owned(), VERDICTS_VERSION.to_string()),
-    ];
+    let mut owner = vec![KeyValue::new(EXPERIMENT_KEY.to_owned(), experiment.to_owned())];
+    owner.extend(VERSIONS.iter().map(|version| KeyValue::new(version.key.to_owned(), version.own.to_string())));
     let properties = WriterProperties::builder().set_key_value_metadata(Some(owner)).build();
     let mut writer = ArrowWriter::try_new(Vec::new(), schema.clone(), Some(properties))?;
     writer.write(&RecordBatch::try_new(schema, columns)?)?;
@@ -243,8 +268,7 @@ fn decode_units(builder: ParquetRecordBatchReaderBuilder<Bytes>) -> Result<(Owne
     let version_of = |key: &str| value_of(key)?.parse::<u32>().ok();
     let owner = Owner {
         experiment: value_of(EXPERIMENT_KEY).ok_or("it does not name its job")?,
-        identity_version: version_of(IDENTITY_KEY).unwrap_or(UNNAMED_IDENTITY),
-        verdicts_version: version_of(VERDICTS_KEY).unwrap_or(UNNAMED_VERDICTS),
+        versions: VERSIONS.map(|version| version_of(version.key).unwrap_or(version.unnamed)),
     };
     let mut units = Vec::new();
     for batch in builder.build().map_err(|e| text(&e))? {
@@ -445,20 +469,28 @@ mod tests {
     }
 
     #[test]
-    fn a_piece_of_an_earlier_identity_is_refused_with_a_remedy() {
+    fn a_piece_of_another_version_is_refused_with_both_versions_and_a_remedy() {
         let piece = Path::new("run/shards/0123.parquet");
-        let owner = |identity_version| Owner {
-            experiment: "e".to_owned(),
-            identity_version,
-            verdicts_version: VERDICTS_VERSION,
-        };
-        let earlier = owner(UNNAMED_IDENTITY).refused(piece).to_string();
-        for text in
-            ["run/shards/0123.parquet was written by an earlier version", "again into another directory with --out"]
-        {
-            assert!(earlier.contains(text), "{earlier}");
+        let refused = |versions| Owner { experiment: "e".to_owned(), versions }.refused(piece).to_string();
+        let own = VERSIONS.map(|version| version.own);
+        assert!(refused(own).contains("belongs to another job"));
+        for (i, CountedVersion { name, own: version, .. }) in VERSIONS.iter().enumerate() {
+            for (which, other) in [("an earlier", version - 1), ("a later", version + 1)] {
+                let mut versions = own;
+                versions[i] = other;
+                let message = refused(versions);
+                for text in [
+                    format!("run/shards/0123.parquet was written by {which} version of stickslip"),
+                    format!("({name} {other}, where this one has {version})"),
+                    "again into another directory with --out".to_owned(),
+                ] {
+                    assert!(message.contains(&text), "{text:?} is not in: {message}");
+                }
+            }
         }
-        assert!(owner(IDENTITY_VERSION).refused(piece).to_string().contains("belongs to another job"));
+        let mut mixed = own;
+        (mixed[0], mixed[1]) = (own[0] - 1, own[1] + 1);
+        assert!(refused(mixed).contains("by another version"));
     }
 
     #[test]

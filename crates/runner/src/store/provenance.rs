@@ -8,6 +8,7 @@ use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::store::clock::in_words;
 use crate::store::directory::RunDirectory;
+use crate::version;
 
 /// One session of work on a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -25,6 +26,13 @@ pub struct Session {
     host: String,
     version: String,
     build: String,
+    /// Sessions of earlier programs do not have what follows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    commit: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    target: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    instruction_set: Option<String>,
     #[serde(skip, default = "Instant::now")]
     clock: Instant,
 }
@@ -58,12 +66,15 @@ impl Session {
             lookups: None,
             threads,
             host: gethostname::gethostname().to_string_lossy().into_owned(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            version: version::VERSION.to_owned(),
             build: format!(
                 "{} for {}",
                 if cfg!(debug_assertions) { "debug" } else { "release" },
                 std::env::consts::ARCH
             ),
+            commit: Some(version::COMMIT.to_owned()),
+            target: Some(version::TARGET.to_owned()),
+            instruction_set: Some(version::instruction_set().to_owned()),
             clock: Instant::now(),
         }
     }
@@ -97,6 +108,21 @@ impl Session {
         let text = serde_json::to_string_pretty(&record).map_err(|error| Failure::writing(&path, error))?;
         directory.publish(RECORD, (text + "\n").as_bytes())
     }
+}
+
+/// The programs that computed a run, each once, as far as `run.json` says.
+pub fn programs(directory: &RunDirectory) -> Vec<String> {
+    let read = directory.read_known(RECORD).ok().flatten().and_then(|bytes| read(&bytes).ok());
+    let mut programs = Vec::new();
+    for Session { version, commit, target, instruction_set, .. } in read.unwrap_or_default().sessions {
+        let details = [commit.map(|commit| format!("commit {commit}")), target, instruction_set];
+        let details: String = details.iter().flatten().map(|detail| format!(", {detail}")).collect();
+        let program = format!("stickslip {version}{details}");
+        if !programs.contains(&program) {
+            programs.push(program);
+        }
+    }
+    programs
 }
 
 /// The name of the file.

@@ -13,7 +13,7 @@ use parquet::file::reader::ChunkReader;
 use crate::failure::Failure;
 use crate::files::foreign::{self, Known};
 use crate::job::Job;
-use crate::output::quoted;
+use crate::output::{note, quoted};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
 
@@ -22,6 +22,7 @@ pub struct FinishedSurface {
     /// The job of the run.
     pub job: Job,
     directory: RunDirectory,
+    is_of_another_version: bool,
 }
 
 /// A column with its values, one for each cell.
@@ -53,7 +54,8 @@ impl FinishedSurface {
         let directory = RunDirectory::view(run)?;
         let job = directory.job()?;
         match directory.surface_state(&job)? {
-            FileState::Sound => Ok(Self { job, directory }),
+            FileState::Sound => Ok(Self { job, directory, is_of_another_version: false }),
+            FileState::OfAnotherVersion => Ok(Self { job, directory, is_of_another_version: true }),
             FileState::Damaged(why) => Err(Failure::InputOutput(format!(
                 "{} is damaged: {why}; `stickslip verify {}` writes it again",
                 directory.surface().display(),
@@ -64,6 +66,16 @@ impl FinishedSurface {
                 run.display(),
                 quoted(run)
             ))),
+        }
+    }
+
+    /// Says that another version of stickslip computed the surface, if one did.
+    pub fn tell_version(&self) {
+        if self.is_of_another_version {
+            note(format_args!(
+                "{} was computed by another version of stickslip, with another results version, verdicts version or identity version than this one has; its values are shown as they are",
+                self.directory.surface().display()
+            ));
         }
     }
 

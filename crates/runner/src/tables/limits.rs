@@ -52,7 +52,7 @@ impl FinishedLimits {
         };
         match state_of(directory.root(), LIMITS, &[(JOB_HASH_KEY, job.hash())])? {
             FileState::Sound => {}
-            FileState::Absent | FileState::OfAnotherJob => return Ok(None),
+            FileState::Absent | FileState::OfAnotherJob | FileState::OfAnotherVersion => return Ok(None),
             FileState::Damaged(why) => return Err(damaged(why)),
         }
         let open = || directory.root().open_file(LIMITS).map_err(|error| damaged(error.to_string()));

@@ -1,0 +1,324 @@
+"""Questions that need no run: checks, one brake, limits, bounds, comparisons and estimates from tests."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Union, overload
+
+from ._job import Job, JobOrRun, PathLike, absolute, as_argument, expanded, settings
+from ._motion import Motion
+from ._process import call, call_json
+from ._run import Run, _threads
+from ._tables import Table, TableKind, converted, read
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    import pyarrow
+
+#: What `fit` can estimate.
+Estimate = Literal["static_friction", "preload_factor", "std.preload", "std.static_friction", "correlation"]
+
+
+def check(job: Job, *, threads: int | None = None, nodes: int | None = None) -> dict[str, Any]:
+    """Validate a job, and tell what it will cost. The cost is measured, which takes up to three seconds.
+
+    Parameters
+    ----------
+    nodes
+        Also predict what the job takes on so many machines.
+
+    Returns
+    -------
+    dict
+        The keys of ``check --json``: ``cells``, ``samples_at_most``, ``seconds_of_a_sample`` on one thread, ``job``
+        (the job as TOML with every default filled in) and others.
+
+    Raises
+    ------
+    JobError
+        If the job is not valid. The message has all errors.
+    """
+    argument, stdin = as_argument(job)
+    options = [*_threads(threads), *([] if nodes is None else [f"--nodes={int(nodes)}"])]
+    answer: dict[str, Any] = call_json(["check", argument, *options], stdin=stdin)
+    return answer
+
+
+def analyse(
+    parameters: Mapping[str, Any] | None = None,
+    /,
+    *,
+    job: JobOrRun | None = None,
+    cell: int | None = None,
+    **sections: Any,
+) -> dict[str, Any]:
+    """Analyse one brake at one operating point.
+
+    Parameters
+    ----------
+    parameters, sections
+        Values that differ from those of the preset, or of the job: nested, ``friction={"static_coefficient": 0.45}``,
+        or by dotted names, ``{"friction.static_coefficient": 0.45}``.
+    job
+        A job or a run whose brake is taken in place of the preset.
+    cell
+        The cell of the job whose expected values are taken; by default the one in the middle.
+
+    Returns
+    -------
+    dict
+        The keys of ``analyse --json``: ``stable``, ``critical_speed_rad_s``, ``eigenvalues``, ``limit_cycle``,
+        ``parameters`` and others. A name that ends in a unit is in that unit, all others are scaled. What does not
+        exist for this brake is ``None``.
+    """
+    options, stdin = _brake(job, cell, parameters, sections)
+    answer: dict[str, Any] = call_json(["analyse", *options], stdin=stdin)
+    return answer
+
+
+def trajectory(
+    parameters: Mapping[str, Any] | None = None,
+    /,
+    *,
+    job: JobOrRun | None = None,
+    cell: int | None = None,
+    disc: Literal["rigid", "flexible", "finite-difference"] | None = None,
+    disc_modes: int | None = None,
+    grid: str | None = None,
+    allotment: Literal["nodal", "linear"] | None = None,
+    start: Union[str, Mapping[str, float], None] = None,
+    displacement: float | None = None,
+    horizon: float | None = None,
+    **sections: Any,
+) -> Motion:
+    """Simulate one motion in time.
+
+    Parameters
+    ----------
+    parameters, sections, job, cell
+        As for :func:`analyse`.
+    disc
+        ``"flexible"`` unless the job says otherwise.
+    disc_modes
+        How many modes of the flexible disc are kept.
+    grid, allotment
+        Of a finite-difference disc: radial intervals and elements under the pad, ``"8x8"``, and how the load moves.
+    start
+        ``"near-equilibrium"``, ``"rest"``, ``"limit-cycle"``, or numbers, ``{"velocity": 0.3}`` in m/s.
+    displacement
+        Of a start near the equilibrium, over the equilibrium's own.
+    horizon
+        Scaled time to simulate, 500 by default.
+    """
+    options, stdin = _brake(job, cell, parameters, sections)
+    if isinstance(start, Mapping):
+        start = ",".join(f"{key}={_start_value(value)}" for key, value in start.items())
+    for name, value in (
+        ("disc", disc),
+        ("disc-modes", disc_modes),
+        ("grid", grid),
+        ("allotment", allotment),
+        ("start", start),
+        ("displacement", displacement),
+        ("horizon", horizon),
+    ):
+        if value is not None:
+            options.append(f"--{name}={value}")
+    return Motion._simulated(["trajectory", *options], stdin)
+
+
+@overload
+def limit(
+    job: JobOrRun,
+    of: str | None = None,
+    probability: float | Sequence[float] | None = None,
+    kind: Literal["pandas"] = "pandas",
+    *,
+    threads: int | None = None,
+    progress: bool = True,
+) -> pandas.DataFrame: ...
+@overload
+def limit(
+    job: JobOrRun,
+    of: str | None = None,
+    probability: float | Sequence[float] | None = None,
+    *,
+    kind: Literal["polars"],
+    threads: int | None = None,
+    progress: bool = True,
+) -> polars.DataFrame: ...
+@overload
+def limit(
+    job: JobOrRun,
+    of: str | None = None,
+    probability: float | Sequence[float] | None = None,
+    *,
+    kind: Literal["arrow"],
+    threads: int | None = None,
+    progress: bool = True,
+) -> pyarrow.Table: ...
+def limit(
+    job: JobOrRun,
+    of: str | None = None,
+    probability: float | Sequence[float] | None = None,
+    kind: TableKind = "pandas",
+    *,
+    threads: int | None = None,
+    progress: bool = True,
+) -> Table:
+    """Find the largest or smallest value of an axis at which the probability of instability is at most a target.
+
+    Parameters
+    ----------
+    job
+        A job or a run. It needs no run.
+    of
+        The axis, for example ``"preload"``; by default that of the job's ``[limit]``.
+    probability
+        The target, or several; by default those of the job's ``[limit]``.
+
+    Returns
+    -------
+    table
+        A row for each limit: the combination of the other axes, ``target``, ``state``, ``limit`` with ``limit_low`` and
+        ``limit_high``, and the probabilities at both ends of the axis.
+    """
+    argument, stdin = as_argument(job)
+    options = [*_threads(threads), *([] if of is None else [f"--of={of}"])]
+    targets = [probability] if not isinstance(probability, Iterable) else probability
+    options += [f"--probability={float(target)!r}" for target in targets if target is not None]
+    return _table(["limit", argument, *options], stdin, kind, progress)
+
+
+@overload
+def bounds(
+    job: Job, kind: Literal["pandas"] = "pandas", *, threads: int | None = None, progress: bool = True
+) -> pandas.DataFrame: ...
+@overload
+def bounds(
+    job: Job, kind: Literal["polars"], *, threads: int | None = None, progress: bool = True
+) -> polars.DataFrame: ...
+@overload
+def bounds(
+    job: Job, kind: Literal["arrow"], *, threads: int | None = None, progress: bool = True
+) -> pyarrow.Table: ...
+def bounds(job: Job, kind: TableKind = "pandas", *, threads: int | None = None, progress: bool = True) -> Table:
+    """Bound the probability of a job with imprecise values, ``{"between": [12, 18]}`` or ``{"one_of": [...]}``.
+
+    Returns
+    -------
+    table
+        A row for each cell: ``p_lower``, ``p_upper``, and with which values they are reached.
+    """
+    argument, stdin = as_argument(job)
+    return _table(["bounds", argument, *_threads(threads)], stdin, kind, progress)
+
+
+class Comparison:
+    """What :func:`compare` finds.
+
+    Attributes
+    ----------
+    summary : list of dict
+        For each further run the keys of ``compare --json``: ``mean_difference``, ``largest``,
+        ``cells_significantly_higher`` and others.
+    """
+
+    def __init__(self, summary: list[dict[str, Any]], cells: pyarrow.Table) -> None:
+        self.summary = summary
+        self._cells = cells
+
+    @overload
+    def table(self, kind: Literal["pandas"] = "pandas") -> pandas.DataFrame: ...
+    @overload
+    def table(self, kind: Literal["polars"]) -> polars.DataFrame: ...
+    @overload
+    def table(self, kind: Literal["arrow"]) -> pyarrow.Table: ...
+    def table(self, kind: TableKind = "pandas") -> Table:
+        """A row for each pair of runs and cell: ``p_first``, ``p_second``, ``difference`` with its interval."""
+        return converted(self._cells, kind)
+
+
+def compare(
+    first: Run | PathLike,
+    *others: Run | PathLike,
+    confidence: float | None = None,
+    pointwise: bool = False,
+    threads: int | None = None,
+    progress: bool = True,
+) -> Comparison:
+    """Compare finished runs with the first one.
+
+    Parameters
+    ----------
+    confidence
+        Of the intervals of the differences, 0.95 by default, all of them together.
+    pointwise
+        Intervals that hold for each cell by itself.
+    """
+    options = [*_threads(threads), *(["--pointwise"] if pointwise else [])]
+    if confidence is not None:
+        options.append(f"--confidence={float(confidence)!r}")
+    runs = [str(run.path) if isinstance(run, Run) else expanded(run) for run in (first, *others)]
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+        file = Path(folder) / "compare.parquet"
+        summary = call_json(["compare", *runs, *options, f"--out={file}"], progress=progress, unsaid=folder)
+        return Comparison(summary, read(file))
+
+
+def fit(
+    data: PathLike, job: Job, *, estimate: Sequence[Estimate] | None = None, out: PathLike | None = None
+) -> dict[str, Any]:
+    """Estimate friction, its scatter and that of the preload from tests of brakes.
+
+    Parameters
+    ----------
+    data
+        A CSV file of tests.
+    job
+        The job whose brake was tested.
+    estimate
+        What is estimated; ``["static_friction", "std.static_friction"]`` by default.
+    out
+        A new file for the job with the estimates in place.
+
+    Returns
+    -------
+    dict
+        The keys of ``fit --json``: ``estimates`` by parameter, each with ``value``, ``low`` and ``high``, ``cells`` with
+        predicted probabilities, and others.
+    """
+    argument, stdin = as_argument(job)
+    options = [] if estimate is None else [f"--estimate={','.join(estimate)}"]
+    if out is not None:
+        options.append(f"--out={absolute(out)}")
+    answer: dict[str, Any] = call_json(["fit", expanded(data), f"--job={argument}", *options], stdin=stdin)
+    return answer
+
+
+def _brake(
+    job: JobOrRun | None, cell: int | None, parameters: Mapping[str, Any] | None, sections: Mapping[str, Any]
+) -> tuple[list[str], str | None]:
+    """The options that say which brake."""
+    options, stdin = [], None
+    if job is not None:
+        argument, stdin = as_argument(job)
+        options.append(f"--job={argument}")
+    if cell is not None:
+        options.append(f"--cell={int(cell)}")
+    return [*options, *settings(parameters, sections)], stdin
+
+
+def _table(arguments: Sequence[str], stdin: str | None, kind: str, progress: bool) -> Table:
+    """The table that a command writes."""
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+        file = Path(folder) / "table.parquet"
+        call([*arguments, f"--out={file}"], stdin=stdin, progress=progress, unsaid=folder)
+        return converted(read(file), kind)
+
+
+def _start_value(value: Any) -> str:
+    return value if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else repr(float(value))

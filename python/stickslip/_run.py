@@ -1,0 +1,344 @@
+"""Runs: computing them, and what can be asked of one that exists."""
+
+from __future__ import annotations
+
+import html
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+from ._errors import CannotCreateError, Interrupted
+from ._grid import dataset
+from ._job import Job, PathLike, absolute, as_argument, expanded
+from ._motion import Motion
+from ._name import name_of
+from ._pictures import Plot, Report, written
+from ._process import call, call_json
+from ._tables import Table, TableKind, converted, read
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    import pyarrow
+    import xarray
+
+#: What the program says of a run that it has not finished.
+_UNFINISHED = "holds an unfinished run of this job"
+
+
+class Run:
+    """A run directory.
+
+    Parameters
+    ----------
+    path
+        The directory of a run that exists. :func:`run` makes new ones.
+
+    Attributes
+    ----------
+    path : pathlib.Path
+        The directory, absolute.
+    output : str
+        What the program printed when :func:`run` or :meth:`resume` returned this object: a picture of the surface, the
+        answer in words, and how many samples were outside physics, undecided or failed. Otherwise empty.
+
+    Raises
+    ------
+    InputOutputError
+        If there is no run.
+    """
+
+    def __init__(self, path: PathLike) -> None:
+        self.path: Path = absolute(path)
+        self.output: str = ""
+        self.status()
+
+    @classmethod
+    def _finished(cls, path: Path, output: str) -> Run:
+        """A run that the program has just written."""
+        run = cls.__new__(cls)
+        run.path, run.output = path, output
+        return run
+
+    def __repr__(self) -> str:
+        return f"stickslip.Run({str(self.path)!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Run) and self.path == other.path
+
+    def __hash__(self) -> int:
+        return hash(self.path)
+
+    def _repr_html_(self) -> str:
+        """In a notebook: what the program printed, if there is any."""
+        text = html.escape(self.output.rstrip() or repr(self))
+        return f'<pre style="line-height: 1.15">{text}</pre>'
+
+    def status(self) -> dict[str, Any]:
+        """How far the run is: ``state``, ``samples_done``, ``share_done`` and the other keys of ``status --json``."""
+        status: dict[str, Any] = call_json(["status", self.path])
+        return status
+
+    def resume(self, *, threads: int | None = None, progress: bool = True) -> Run:
+        """Continue the run where it was interrupted. A finished one computes nothing.
+
+        Raises
+        ------
+        InUseError
+            If another process works in it.
+        Interrupted
+            With Ctrl-C. What was finished is kept.
+        """
+        try:
+            output = call(["resume", *_threads(threads), self.path], progress=progress)
+        except Interrupted as interrupted:
+            interrupted.run = self
+            raise
+        return Run._finished(self.path, output)
+
+    @overload
+    def surface(self, kind: Literal["pandas"] = "pandas") -> pandas.DataFrame: ...
+    @overload
+    def surface(self, kind: Literal["polars"]) -> polars.DataFrame: ...
+    @overload
+    def surface(self, kind: Literal["arrow"]) -> pyarrow.Table: ...
+    @overload
+    def surface(self, kind: Literal["xarray"]) -> xarray.Dataset: ...
+    def surface(self, kind: str = "pandas") -> Any:
+        """The result, one row for each cell.
+
+        Parameters
+        ----------
+        kind
+            ``"pandas"``, ``"polars"``, ``"arrow"``, or ``"xarray"`` for a dataset over the axes of the job: those with
+            several values are its dimensions, slowest first. Units and meanings of the columns are attributes of its
+            variables, ``attrs["units"]`` and ``attrs["long_names"]`` of a DataFrame of pandas, and metadata of the
+            fields of a table of Arrow.
+
+        Raises
+        ------
+        FileNotFoundError
+            If the run is not finished.
+        """
+        table = self._table("surface.parquet", "the run is not finished; resume() it")
+        return dataset(table) if kind == "xarray" else converted(table, kind)
+
+    @overload
+    def limits(self, kind: Literal["pandas"] = "pandas") -> pandas.DataFrame: ...
+    @overload
+    def limits(self, kind: Literal["polars"]) -> polars.DataFrame: ...
+    @overload
+    def limits(self, kind: Literal["arrow"]) -> pyarrow.Table: ...
+    def limits(self, kind: TableKind = "pandas") -> Table:
+        """The limits that the job's ``[limit]`` asks for. :func:`limit` finds others.
+
+        Raises
+        ------
+        FileNotFoundError
+            If the job asks for none, or the run is not finished.
+        """
+        return converted(self._table("limits.parquet", "its job has no [limit], or it is not finished"), kind)
+
+    @overload
+    def samples(
+        self, cell: int, kind: Literal["pandas"] = "pandas", *, threads: int | None = None, progress: bool = True
+    ) -> pandas.DataFrame: ...
+    @overload
+    def samples(
+        self, cell: int, kind: Literal["polars"], *, threads: int | None = None, progress: bool = True
+    ) -> polars.DataFrame: ...
+    @overload
+    def samples(
+        self, cell: int, kind: Literal["arrow"], *, threads: int | None = None, progress: bool = True
+    ) -> pyarrow.Table: ...
+    def samples(
+        self, cell: int, kind: TableKind = "pandas", *, threads: int | None = None, progress: bool = True
+    ) -> Table:
+        """Every sample of one cell: its random inputs as drawn, and its verdict. They are computed once more.
+
+        Parameters
+        ----------
+        cell
+            The cell, as in the column ``cell``.
+        """
+        with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+            file = Path(folder) / "samples.parquet"
+            arguments = ["samples", str(self.path), f"--cell={int(cell)}", f"--out={file}", *_threads(threads)]
+            call(arguments, progress=progress, unsaid=folder)
+            return converted(read(file), kind)
+
+    def replay(self, cell: int, sample: int, *, horizon: float | None = None) -> Motion:
+        """Simulate one sample of the run again, bit for bit.
+
+        Parameters
+        ----------
+        cell, sample
+            The cell, and the number of the sample in it, both from 0.
+        horizon
+            Scaled time to simulate, 500 by default.
+        """
+        arguments = ["replay", str(self.path), f"--cell={int(cell)}", f"--sample={int(sample)}"]
+        if horizon is not None:
+            arguments.append(f"--horizon={float(horizon)!r}")
+        return Motion._simulated(arguments)
+
+    def verify(self) -> dict[str, Any]:
+        """Check every file of the run, and write again what can be: ``state``, and a list of ``files``.
+
+        Raises
+        ------
+        InputOutputError
+            If something is lost. The message says how to get it back.
+        """
+        findings: dict[str, Any] = call_json(["verify", self.path])
+        return findings
+
+    def export(self, format: Literal["csv", "json", "mat", "npz"], out: PathLike | None = None) -> Path:
+        """Write the surface for another program. Returns the path of the file.
+
+        Parameters
+        ----------
+        out
+            The file; by default ``surface.FORMAT`` in the run directory.
+        """
+        arguments = ["export", str(self.path), f"--format={format}"]
+        if out is not None:
+            arguments.append(f"--out={absolute(out)}")
+        return written(call(arguments))[0]
+
+    def plot(
+        self,
+        *,
+        of: Literal["probability", "sobol", "verdicts"] | None = None,
+        cell: int | None = None,
+        against: Run | PathLike | None = None,
+        columns: Literal[1, 2] | None = None,
+        out: PathLike | None = None,
+        threads: int | None = None,
+    ) -> Plot:
+        """Draw the surface.
+
+        Parameters
+        ----------
+        of
+            What to draw: ``"probability"`` by default.
+        cell
+            With ``of="sobol"``, the cell to draw.
+        against
+            Another run: draw the probabilities of this one minus those of the other.
+        columns
+            Columns of a paper that the figure fills: 1 is 84 mm wide, 2 (the default) are 174 mm.
+        out
+            One file, SVG or PNG by its name; by default both in the run directory.
+
+        Returns
+        -------
+        Plot
+            It shows itself in a notebook, and has the paths of the files.
+        """
+        arguments = ["plot", str(self.path), *_threads(threads)]
+        if against is not None:
+            other = against.path if isinstance(against, Run) else against
+            arguments.append(f"--against={expanded(other)}")
+        for name, value in (("of", of), ("cell", cell), ("columns", columns)):
+            if value is not None:
+                arguments.append(f"--{name}={value}")
+        if out is not None:
+            arguments.append(f"--out={absolute(out)}")
+        return Plot._of(written(call(arguments)))
+
+    def report(self, out: PathLike | None = None, *others: Run | PathLike) -> Report:
+        """Write a report: one HTML file with the answer, an interactive map and the job.
+
+        Parameters
+        ----------
+        out
+            The file; by default ``report.html`` in the run directory.
+        others
+            Further runs, each compared with this one. ``out`` must be given then.
+
+        Returns
+        -------
+        Report
+            It has the path of the file, and is a link in a notebook.
+        """
+        runs = [str(self.path), *(str(other.path) if isinstance(other, Run) else expanded(other) for other in others)]
+        file = [] if out is None else [f"--out={absolute(out)}"]
+        return Report(written(call(["report", *runs, *file]))[0])
+
+    def _table(self, name: str, why: str) -> pyarrow.Table:
+        path = self.path / name
+        if not path.is_file():
+            raise FileNotFoundError(f"{self.path} has no {name}: {why}")
+        return read(path)
+
+
+def run(
+    job: Job,
+    out: PathLike | None = None,
+    progress: bool = True,
+    *,
+    threads: int | None = None,
+    samples: int | None = None,
+    seed: int | None = None,
+    resume: bool = True,
+) -> Run:
+    """Run a job.
+
+    A run of the same job in the same directory counts: a finished one is returned as it is, one with fewer samples gets
+    those that are missing, and one that was interrupted is continued. The result is the same, bit for bit.
+
+    Parameters
+    ----------
+    job
+        The keys of a job spec as a dict, or the path of a TOML file.
+    out
+        The run directory; by default ``runs/NAME`` in the working directory, with the name of the job.
+    progress
+        Whether progress and notes are shown on ``sys.stderr``.
+    threads
+        All processors by default. The result does not depend on them.
+    samples, seed
+        In place of those of the job.
+    resume
+        ``False``: an unfinished run is not continued, but refused with :class:`CannotCreateError`.
+
+    Raises
+    ------
+    JobError
+        If the job is not valid, or the directory holds a run of another one.
+    CannotCreateError, InputOutputError, InUseError
+        If the directory cannot be made, written to, or is in use.
+    AuditError
+        If the result is written, but its audit failed.
+    Interrupted
+        With Ctrl-C, a ``KeyboardInterrupt``. What was finished is kept: ``interrupted.run.resume()``.
+    """
+    argument, stdin = as_argument(job)
+    directory = absolute(out if out is not None else Path("runs") / name_of(job))
+    options = [*_threads(threads), f"--out={directory}"]
+    for name, value in (("samples", samples), ("seed", seed)):
+        if value is not None:
+            options.append(f"--{name}={int(value)}")
+
+    def submit() -> str:
+        return call(["submit", argument, *options], stdin=stdin, progress=progress)
+
+    try:
+        try:
+            output = submit()
+        except CannotCreateError as error:
+            if not resume or _UNFINISHED not in str(error):
+                raise
+            output = Run._finished(directory, "").resume(threads=threads, progress=progress).output
+            if "then submit the job" in str(error):
+                # It was begun with fewer samples.
+                output = submit()
+    except Interrupted as interrupted:
+        interrupted.run = Run._finished(directory, "") if (directory / "job.toml").is_file() else None
+        raise
+    return Run._finished(directory, output)
+
+
+def _threads(threads: int | None) -> list[str]:
+    return [] if threads is None else [f"--threads={int(threads)}"]

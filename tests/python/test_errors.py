@@ -1,0 +1,117 @@
+"""Every way in which the program fails has an error of its own, with the whole message."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import LONG
+
+import stickslip
+
+
+def test_usage(small: dict[str, Any]) -> None:
+    with pytest.raises(stickslip.UsageError, match="0 is not in 1..=?1024|--threads") as caught:
+        stickslip.run(small, threads=0)
+    assert caught.value.exit_code == 64
+    assert not str(caught.value).startswith(("error", "stickslip"))
+
+
+def test_a_job_that_is_not_valid_tells_all_errors(small: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+    small["axes"]["preload"] = float("nan")
+    small["sampling"]["sampels"] = 100
+    with pytest.raises(stickslip.JobError) as caught:
+        stickslip.run(small)
+    assert caught.value.exit_code == 65
+    message = str(caught.value)
+    assert message.startswith("job:")
+    assert "axes.preload: NaN is not a finite number" in message
+    assert "sampels" in message and "samples" in message
+    assert "standard input" not in message
+    # It is said once, by the exception.
+    assert capsys.readouterr().err == ""
+    assert not Path("runs").exists()
+
+
+def test_a_job_without_a_name_or_that_is_no_toml(small: dict[str, Any], place: Path) -> None:
+    del small["name"]
+    with pytest.raises(stickslip.JobError, match="name"):
+        stickslip.run(small)
+    (place / "broken.toml").write_text("name = \n", encoding="utf-8")
+    with pytest.raises(stickslip.JobError, match="broken.toml:1"):
+        stickslip.run("broken.toml")
+
+
+@pytest.mark.parametrize(
+    ("message", "kind"),
+    [
+        ("the audit found the verdict map wrong", stickslip.AuditError),
+        ("internal error: a mistake; please report it", stickslip.InternalError),
+    ],
+)
+def test_audit_and_internal_error(stub: Any, message: str, kind: type[stickslip.Error]) -> None:
+    stub(f"import sys\nprint('stickslip: before', file=sys.stderr)\nsys.exit(print('stickslip: {message}', file=sys.stderr) or 70)")
+    with pytest.raises(kind) as caught:
+        stickslip.analyse()
+    assert (str(caught.value), caught.value.exit_code) == (message, 70)
+
+
+def test_what_cannot_be_created(small: dict[str, Any], place: Path) -> None:
+    (place / "taken").write_text("a file", encoding="utf-8")
+    with pytest.raises(stickslip.CannotCreateError, match="taken") as caught:
+        stickslip.run(small, "taken")
+    assert caught.value.exit_code == 73
+    assert (place / "taken").read_text(encoding="utf-8") == "a file"
+
+
+def test_files_that_are_not_there() -> None:
+    with pytest.raises(stickslip.InputOutputError, match="cannot read nothing.toml") as caught:
+        stickslip.run("nothing.toml")
+    assert caught.value.exit_code == 74
+    with pytest.raises(stickslip.Error, match="nothing"):
+        stickslip.Run("nothing")
+
+
+def test_a_run_that_is_in_use(place: Path) -> None:
+    script = f"import stickslip; stickslip.run({LONG!r}, 'busy', threads=1)"
+    other = subprocess.Popen([sys.executable, "-c", script], cwd=place)
+    try:
+        while not (place / "busy" / "job.toml").exists():
+            assert other.poll() is None
+            time.sleep(0.02)
+        with pytest.raises(stickslip.InUseError, match="busy") as caught:
+            stickslip.run(LONG, "busy", progress=False)
+        assert caught.value.exit_code == 75
+        assert stickslip.Run("busy").status()["in_use"]
+        with pytest.raises(FileNotFoundError, match="not finished"):
+            stickslip.Run("busy").surface()
+    finally:
+        other.kill()
+        other.wait()
+
+
+def test_a_program_that_is_killed(stub: Any) -> None:
+    stub("import os\nos.kill(os.getpid(), 9)")
+    with pytest.raises(stickslip.Error, match="ended with code 137 without a message") as caught:
+        stickslip.analyse()
+    assert caught.value.exit_code == 137
+
+
+def test_every_error_is_an_error() -> None:
+    kinds = [getattr(stickslip, name) for name in stickslip.__all__ if name.endswith("Error")]
+    assert len(kinds) == 9
+    assert all(issubclass(kind, stickslip.Error) for kind in kinds)
+    assert not issubclass(stickslip.Interrupted, Exception)
+
+
+def test_messages_of_many_lines_are_whole(stub: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = ["stickslip: a note", "stickslip: warning: odd", "stickslip: first", "    |", "second", "", "  third"]
+    stub(f"import sys\nsys.stderr.write({chr(10).join(lines)!r} + chr(10))\nsys.exit(65)")
+    with pytest.warns(stickslip.JobWarning, match="^odd$"), pytest.raises(stickslip.JobError) as caught:
+        stickslip.limit("job.toml", "preload", 0.1)
+    assert str(caught.value) == "first\n    |\nsecond\n\n  third"
+    assert capsys.readouterr().err == "stickslip: a note\n"

@@ -1,0 +1,128 @@
+"""Questions that need no run."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+
+import stickslip
+
+
+def told(*arguments: str) -> Any:
+    """What the program prints as JSON."""
+    command = [stickslip.program(), *arguments, "--json"]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def test_analyse_is_the_programs(small: dict[str, Any], place: Path) -> None:
+    # The figure is that of docs/reference/command-line.md.
+    assert stickslip.analyse()["critical_speed_rad_s"] == pytest.approx(15.5599, abs=5e-5)
+    wanted = told("analyse", "--set", "friction.static_coefficient=0.45", "--set", "pad.mass=0.12")
+    assert stickslip.analyse(friction={"static_coefficient": 0.45}, pad={"mass": np.float64(0.12)}) == wanted
+    assert stickslip.analyse({"friction.static_coefficient": 0.45, "pad.mass": 0.12}) == wanted
+    assert stickslip.analyse({"friction": {"static_coefficient": 0.45}}, pad={"mass": 0.12}) == wanted
+    (place / "small.toml").write_text(tomli_w.dumps(small), encoding="utf-8")
+    wanted = told("analyse", "--job", "small.toml", "--cell", "3")
+    run = stickslip.run(small, progress=False)
+    for job in (small, "small.toml", Path("small.toml"), run):
+        assert stickslip.analyse(job=job, cell=3) == wanted
+    with pytest.raises(stickslip.UsageError, match="friction.statik"):
+        stickslip.analyse(friction={"statik": 0.4})
+    with pytest.raises(TypeError, match="pad.mass: .* is a list"):
+        stickslip.analyse(pad={"mass": [0.1, 0.2]})
+    with pytest.raises(TypeError, match="a job is a dict or the path of a TOML file, not int"):
+        stickslip.analyse(job=3)  # type: ignore[arg-type]
+
+
+def test_a_motion_has_a_summary_a_table_and_a_plot(place: Path) -> None:
+    motion = stickslip.trajectory(operating_point={"rotating_speed": 10.0}, disc="rigid", start={"velocity": 0.1})
+    assert motion.summary["verdict"] == "unstable" and motion.summary["disc"] == "rigid"
+    assert "file" not in motion.summary
+    table = motion.table()
+    assert len(table) == motion.summary["moments"]
+    assert table["x_speed_m_s"][0] == pytest.approx(0.1)
+    # The settled motion is the last quarter.
+    settled = table["x_mm"][-len(table) // 4 :]
+    assert (settled.max() - settled.min()) / 2 == pytest.approx(motion.summary["amplitude_mm"], rel=1e-2)
+    assert motion.table("arrow").num_rows == motion.table("polars").height == len(table)
+    assert "verdict='unstable'" in repr(motion)
+    plot = motion.plot()
+    assert plot.svg is not None and plot.svg.is_file()
+    del motion
+    assert plot.svg.is_file()
+    assert stickslip.trajectory(horizon=50, disc="rigid").plot(out="motion.svg").svg == place / "motion.svg"
+
+
+def test_check_tells_cells_and_cost(small: dict[str, Any]) -> None:
+    answer = stickslip.check(small, threads=1)
+    assert answer["cells"] == 24 and answer["samples_at_most"] == 24_000
+    assert answer["seconds_of_a_sample"] > 0
+    with pytest.raises(stickslip.JobError):
+        stickslip.check({"name": "nothing"})
+
+
+def test_limits_are_where_the_probability_is_the_target(
+    small: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    small["sampling"] = {"method": "exact"}
+    small["axes"]["rotating_speed"] = 15.0
+    table = stickslip.limit(small, "preload", [0.2, 0.4])
+    assert len(table) == 8 and set(table["target"]) == {0.2, 0.4}
+    row = table[table["state"] == "rises"].iloc[0]
+    there = {**small, "name": "there", "axes": {"static_friction": row["static_friction"], "preload": row["limit"]}}
+    there["axes"]["rotating_speed"] = 15.0
+    p = stickslip.run(there, progress=False).surface()["p_unstable"][0]
+    assert p == pytest.approx(row["target"], abs=1e-9)
+    run = stickslip.run(small, progress=False)
+    assert stickslip.limit(run, of="preload", probability=np.float64(0.4), kind="arrow").num_rows == 4
+    # No word of the file in between.
+    assert "parquet" not in capsys.readouterr().err
+
+
+def test_bounds_hold_the_probabilities_between(small: dict[str, Any]) -> None:
+    small["axes"] = {"rotating_speed": {"between": [14.0, 16.0]}, "preload": 0.1}
+    small["sampling"] = {"method": "exact"}
+    table = stickslip.bounds(small)
+    assert len(table) == 1
+    small["axes"]["rotating_speed"] = [14.0, 15.0, 16.0]
+    between = stickslip.run(small, progress=False).surface()["p_unstable"]
+    assert table["p_lower"][0] == pytest.approx(between.min(), abs=1e-9)
+    assert table["p_upper"][0] == pytest.approx(between.max(), abs=1e-9)
+    assert between.min() < between[1] < between.max()
+
+
+def test_compare_tells_the_differences(small: dict[str, Any]) -> None:
+    first = stickslip.run(small, "first", progress=False)
+    small["random"]["relative_std"]["static_friction"] = 0.05
+    second = stickslip.run(small, "second", progress=False)
+    comparison = stickslip.compare(first, "second", progress=False, confidence=0.9)
+    table = comparison.table()
+    assert comparison.summary[0]["confidence"] == 0.9 and len(table) == 24
+    wanted = second.surface()["p_unstable"] - first.surface()["p_unstable"]
+    assert np.allclose(table["difference"], wanted, atol=1e-12)
+    assert comparison.summary[0]["mean_difference"] == pytest.approx(wanted.mean(), abs=1e-12)
+
+
+def test_fit_finds_the_friction_of_tests(small: dict[str, Any], place: Path) -> None:
+    counts = [(13, 39, 1), (14, 35, 5), (15, 30, 10), (16, 19, 21), (17, 7, 33), (18, 2, 38)]
+    rows = ["rotating_speed,preload,squealed,count"]
+    for speed, squealed, silent in counts:
+        rows += [f"{speed},0.1,1,{squealed}", f"{speed},0.1,0,{silent}"]
+    (place / "tests.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    small["axes"] = {"rotating_speed": [12.0, 15.0, 18.0], "preload": 0.1, "static_friction": 0.39}
+    small["random"]["relative_std"] = {"preload": 0.05, "static_friction": 0.1}
+    small["sampling"] = {"method": "exact"}
+    answer = stickslip.fit("tests.csv", small, out="fitted.toml")
+    # The figures are those of docs/how-to/fit-to-tests.md.
+    assert answer["tests"] == 240 and answer["squealed"] == 132
+    assert answer["estimates"]["static_friction"]["value"] == pytest.approx(0.4011, abs=5e-5)
+    assert answer["estimates"]["std.static_friction"]["low"] == pytest.approx(0.0754, abs=5e-5)
+    assert stickslip.check("fitted.toml")["name"] == "small-fitted"
+    one = stickslip.fit("tests.csv", small, estimate=["static_friction"])
+    assert list(one["estimates"]) == ["static_friction"]
