@@ -7,10 +7,9 @@ use std::collections::VecDeque;
 use std::fs::File;
 
 use bytes::Bytes;
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
 use parquet::file::reader::ChunkReader;
 
+use super::decode::ReadTable;
 use super::thrift::{Value, fields};
 use crate::panics::caught;
 
@@ -57,24 +56,18 @@ pub enum Known {
     Table(Option<u64>),
 }
 
-/// Lets `read` read the columns of a Parquet file that are wanted, after everything that it says of itself was checked.
+/// Reads the columns of a Parquet file that are wanted, after everything that it says of itself was checked.
 ///
 /// # Errors
 /// Why the file cannot be read, whatever it holds.
-pub fn read<R: ChunkReader + 'static, T>(
+pub fn read<R: ChunkReader + 'static>(
     file: R,
     known: Known,
     wanted: impl Fn(&str) -> bool,
-    read: impl FnOnce(ParquetRecordBatchReaderBuilder<R>) -> Result<T, String>,
-) -> Result<T, String> {
+) -> Result<ReadTable, String> {
     caught(|| {
         let columns = check(&file, known, &wanted)?;
-        // What Arrow adds to the description can name types that are not expected.
-        let options = ArrowReaderOptions::new().with_skip_arrow_metadata(matches!(known, Known::Piece));
-        let builder =
-            ParquetRecordBatchReaderBuilder::try_new_with_options(file, options).map_err(|error| error.to_string())?;
-        let mask = ProjectionMask::roots(builder.parquet_schema(), columns);
-        read(builder.with_projection(mask))
+        ReadTable::read(file, &columns)
     })
 }
 

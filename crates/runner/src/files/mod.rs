@@ -5,6 +5,14 @@ mod thrift;
 
 pub mod bounded;
 
+pub mod column;
+
+mod arrow_schema;
+
+pub mod encode;
+
+pub mod decode;
+
 pub mod foreign;
 
 #[cfg(test)]

@@ -1,28 +1,16 @@
 //! Tables other than the surface: columns of equal length, each with unit and meaning, in one Parquet file.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::path::Path;
-use std::sync::Arc;
 
-use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
-use arrow_schema::{DataType, Field, Schema};
-use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
 use serde_json::Value;
 
 use crate::failure::Failure;
+use crate::files::column::{Field, Kind, Values};
+use crate::files::encode::encoded;
 use crate::files::publish::publish;
-
-/// A field with its unit and meaning in its metadata.
-pub fn described_field(name: &str, unit: &str, long_name: &str, data_type: DataType, nullable: bool) -> Field {
-    let pairs = [("unit", unit), ("long_name", long_name)];
-    let metadata: HashMap<String, String> = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).into();
-    Field::new(name, data_type, nullable).with_metadata(metadata)
-}
 
 /// A column of real numbers, for figures.
 pub struct DescribedColumn {
@@ -38,22 +26,16 @@ pub struct DescribedColumn {
 
 /// Writes columns of equal length as `name` into `directory`, whole or not at all.
 pub fn write_columns(directory: &Path, name: &str, columns: &[DescribedColumn]) -> Result<(), Failure> {
-    let field = |c: &DescribedColumn| described_field(c.name, c.unit, c.long_name, DataType::Float64, false);
-    let array = |c: &DescribedColumn| -> ArrayRef { Arc::new(Float64Array::from(c.values.clone())) };
-    let (fields, arrays) = (columns.iter().map(field).collect(), columns.iter().map(array).collect());
-    let bytes = encoded(fields, arrays, None).map_err(|error| Failure::writing(&directory.join(name), error))?;
+    let fields = columns.iter().map(|column| Field {
+        name: column.name.into(),
+        unit: column.unit.into(),
+        long_name: column.long_name.into(),
+        kind: Kind::Real,
+    });
+    let values = columns.iter().map(|column| Values::Real(column.values.clone()));
+    let bytes = encoded(&fields.collect::<Vec<_>>(), values, &[], Compression::SNAPPY)
+        .map_err(|error| Failure::writing(&directory.join(name), error))?;
     publish(directory, name, &bytes)
-}
-
-/// Columns as one batch, as the bytes of a Parquet file.
-fn encoded(fields: Vec<Field>, arrays: Vec<ArrayRef>, footer: Option<Vec<KeyValue>>) -> Result<Vec<u8>, ParquetError> {
-    let schema = Arc::new(Schema::new(fields));
-    let batch = RecordBatch::try_new(schema.clone(), arrays)?;
-    let properties =
-        WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(footer).build();
-    let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties))?;
-    writer.write(&batch)?;
-    writer.into_inner()
 }
 
 /// The values of a [`TableColumn`].
@@ -94,33 +76,33 @@ impl TableColumn {
         }
     }
 
-    fn field(&self) -> Field {
-        let (data_type, nullable) = match &self.values {
-            TableValues::Integer(_) => (DataType::Int64, false),
-            TableValues::Real(_) => (DataType::Float64, true),
-            TableValues::Text(_) => (DataType::Utf8, false),
-            TableValues::Word(values) => (DataType::Utf8, values.contains(&None)),
-        };
-        described_field(&self.name, self.unit, &self.long_name, data_type, nullable)
+    fn field(&self, values: &Values) -> Field {
+        Field {
+            name: self.name.clone(),
+            unit: self.unit.into(),
+            long_name: self.long_name.clone(),
+            kind: values.kind(),
+        }
     }
 
-    fn array(&self) -> ArrayRef {
+    fn stored(&self) -> Values {
         match &self.values {
-            TableValues::Integer(values) => {
-                Arc::new(values.iter().map(|value| value.cast_signed()).collect::<Int64Array>())
-            }
-            TableValues::Real(values) => Arc::new(Float64Array::from(values.clone())),
-            TableValues::Text(values) => Arc::new(StringArray::from_iter_values(values)),
-            TableValues::Word(values) => Arc::new(values.iter().collect::<StringArray>()),
+            TableValues::Integer(values) => Values::Integer(values.iter().map(|value| value.cast_signed()).collect()),
+            TableValues::Real(values) => Values::OptionalReal(values.clone()),
+            TableValues::Text(values) => Values::Text(values.clone()),
+            TableValues::Word(values) => match values.iter().copied().collect::<Option<Vec<_>>>() {
+                Some(words) => Values::Text(words.into_iter().map(str::to_owned).collect()),
+                None => Values::OptionalText(values.clone()),
+            },
         }
     }
 }
 
 /// A table of columns of equal length as the bytes of a Parquet file, with pairs of key and value in its footer.
 pub fn encoded_table(columns: &[TableColumn], footer: &[(&str, String)]) -> Result<Vec<u8>, ParquetError> {
-    let pairs = footer.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone())).collect();
-    let fields = columns.iter().map(TableColumn::field).collect();
-    encoded(fields, columns.iter().map(TableColumn::array).collect(), Some(pairs))
+    let values: Vec<Values> = columns.iter().map(TableColumn::stored).collect();
+    let fields: Vec<Field> = columns.iter().zip(&values).map(|(column, values)| column.field(values)).collect();
+    encoded(&fields, values, footer, Compression::SNAPPY)
 }
 
 /// Writes a table of columns of equal length as `name` into `directory`, whole or not at all, with pairs of key and

@@ -4,25 +4,20 @@
 //! everything that their verdicts depend on (model, rotating speed, criterion), so that other jobs can use them.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use arrow_array::builder::{Float64Builder, ListBuilder};
-use arrow_array::{Array as _, ArrayRef, Float64Array, Int64Array, ListArray, RecordBatch};
-use arrow_schema::{DataType, Schema};
 use bytes::Bytes;
-use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
+use parquet::basic::Compression;
 use stickslip_core::verdict::Verdict;
 use stickslip_sampler::verdict_map::boundary_curve::{BoundaryCurve, NODES};
 use stickslip_sampler::verdict_map::tile::{Node, TILES, Tile, TileIndex};
 
 use crate::evaluate::maps::Maps;
 use crate::failure::Failure;
+use crate::files::column::{Field, Lists, Values};
+use crate::files::decode::{ReadTable, ReadValues};
+use crate::files::encode::encoded;
 use crate::files::folder::Folder;
 use crate::files::foreign::{self, Known};
-use crate::files::table::described_field;
 use crate::output::note;
 use crate::store::piece::{Defect, digest, is_piece_name, read_checked};
 
@@ -126,7 +121,7 @@ fn verdict(code: i64) -> Result<Verdict, String> {
 fn encode(key: &str, tiles: &[&(usize, TileIndex, Tile)]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
     let mut integers: [Vec<i64>; INTEGERS.len()] = Default::default();
     let mut guards = Vec::new();
-    let mut curves = [(); 2].map(|()| ListBuilder::new(Float64Builder::new()));
+    let mut curves: [Lists<f64>; CURVES.len()] = Default::default();
     for (_, index, tile) in tiles {
         let mut depths = vec![0; tile.nodes().len()];
         for (place, node) in tile.nodes().iter().enumerate() {
@@ -157,37 +152,25 @@ fn encode(key: &str, tiles: &[&(usize, TileIndex, Tile)]) -> Result<Vec<u8>, par
             };
             guards.push(guard);
             for (list, coefficients) in curves.iter_mut().zip(coefficients) {
-                list.values().append_slice(coefficients);
-                list.append(true);
+                list.push(coefficients.iter().copied());
             }
         }
     }
     let mut fields = Vec::new();
-    let mut columns: Vec<ArrayRef> = Vec::new();
-    for ((name, long_name), values) in INTEGERS.iter().zip(integers) {
-        fields.push(described_field(name, "1", long_name, DataType::Int64, false));
-        columns.push(Arc::new(Int64Array::from(values)));
+    let mut columns = Vec::new();
+    let mut add = |name: &'static str, long_name: &'static str, values: Values| {
+        fields.push(Field { name: name.into(), unit: "1".into(), long_name: long_name.into(), kind: values.kind() });
+        columns.push(values);
+    };
+    for ((name, long_name), values) in INTEGERS.into_iter().zip(integers) {
+        add(name, long_name, Values::Integer(values));
     }
-    fields.push(described_field(
-        GUARD,
-        "1",
-        "distance from the curves within which samples are simulated",
-        DataType::Float64,
-        false,
-    ));
-    columns.push(Arc::new(Float64Array::from(guards)));
-    for (name, mut list) in CURVES.into_iter().zip(curves) {
-        let list = list.finish();
-        let meaning = "Chebyshev coefficients, on the box, of the curve below which (lower) or above which (upper) the verdict is certain";
-        fields.push(described_field(name, "1", meaning, list.data_type().clone(), false));
-        columns.push(Arc::new(list));
+    add(GUARD, "distance from the curves within which samples are simulated", Values::Real(guards));
+    let meaning = "Chebyshev coefficients, on the box, of the curve below which (lower) or above which (upper) the verdict is certain";
+    for (name, lists) in CURVES.into_iter().zip(curves) {
+        add(name, meaning, Values::Reals(lists));
     }
-    let schema = Arc::new(Schema::new(fields));
-    let owner = KeyValue::new(KEY.to_owned(), key.to_owned());
-    let properties = WriterProperties::builder().set_key_value_metadata(Some(vec![owner])).build();
-    let mut writer = ArrowWriter::try_new(Vec::new(), schema.clone(), Some(properties))?;
-    writer.write(&RecordBatch::try_new(schema, columns)?)?;
-    writer.into_inner()
+    encoded(&fields, columns, &[(KEY, key.to_owned())], Compression::UNCOMPRESSED)
 }
 
 /// The tiles of a map, and the key of the map.
@@ -197,63 +180,54 @@ type OwnTiles = (String, Vec<(TileIndex, Tile)>);
 fn decode(bytes: Vec<u8>) -> Result<OwnTiles, String> {
     let is_wanted =
         |name: &str| name == GUARD || CURVES.contains(&name) || INTEGERS.iter().any(|(integer, _)| *integer == name);
-    foreign::read(Bytes::from(bytes), Known::Piece, is_wanted, decode_tiles)
+    decode_tiles(&foreign::read(Bytes::from(bytes), Known::Piece, is_wanted)?)
 }
 
-fn decode_tiles(builder: ParquetRecordBatchReaderBuilder<Bytes>) -> Result<OwnTiles, String> {
-    let text = |error: &dyn std::fmt::Display| error.to_string();
-    let metadata = builder.metadata().file_metadata().key_value_metadata();
-    let key = metadata.and_then(|pairs| pairs.iter().find(|pair| pair.key == KEY));
-    let key = key.and_then(|pair| pair.value.clone()).ok_or("it is not a piece of a verdict map")?;
+fn decode_tiles(table: &ReadTable) -> Result<OwnTiles, String> {
+    let key = table.pair(KEY).ok_or("it is not a piece of a verdict map")?.to_owned();
+    let mut integers = Vec::new();
+    for (name, _) in INTEGERS {
+        integers.push(table.integers(name)?);
+    }
+    let guards = table.reals(GUARD)?;
+    let mut curves = Vec::new();
+    for name in CURVES {
+        match table.column(name) {
+            Some(ReadValues::Reals(lists)) => curves.push(lists),
+            _ => return Err(format!("column {name} is not of lists of numbers")),
+        }
+    }
     let mut tiles: BTreeMap<TileIndex, (Vec<Node>, [u64; 2])> = BTreeMap::new();
-    for batch in builder.build().map_err(|e| text(&e))? {
-        let batch = batch.map_err(|e| text(&e))?;
-        let column = |name: &str| batch.column_by_name(name).ok_or_else(|| format!("column {name} is missing"));
-        let mut integers = Vec::new();
-        for (name, _) in INTEGERS {
-            let values = column(name)?.as_any().downcast_ref::<Int64Array>();
-            let values = values.filter(|values| values.null_count() == 0);
-            integers.push(values.ok_or_else(|| format!("column {name} is not of integers"))?);
-        }
-        let guards = column(GUARD)?.as_any().downcast_ref::<Float64Array>().ok_or("guards are not numbers")?;
-        if guards.null_count() > 0 {
-            return Err("a guard is missing".to_owned());
-        }
-        for row in 0..batch.num_rows() {
-            let value = |column: usize| integers[column].value(row);
-            let place = |column: usize| {
-                u32::try_from(value(column)).ok().filter(|&place| place < TILES).ok_or("a tile is out of range")
-            };
-            let index = TileIndex { column: place(0)?, row: place(1)? };
-            let coefficients = |name: &str| -> Result<[f64; NODES], String> {
-                let lists = column(name)?.as_any().downcast_ref::<ListArray>().ok_or("curves are not lists")?;
-                let list = lists.value(row);
-                let list = list.as_any().downcast_ref::<Float64Array>().filter(|list| list.null_count() == 0);
-                let list = list.ok_or("curves are not numbers")?;
-                list.values().to_vec().try_into().map_err(|_| "a curve has too few coefficients".to_owned())
-            };
-            let node = match value(3) {
-                0 => Node::Cut(u32::try_from(value(4)).map_err(|_| "a box is out of range")?),
-                1 => Node::Uniform(verdict(value(5))?),
-                kind @ (2 | 3) => Node::Crossed(BoundaryCurve {
-                    abscissa: (kind - 2) as usize,
-                    below: verdict(value(5))?,
-                    above: verdict(value(6))?,
-                    lower: coefficients(CURVES[0])?,
-                    upper: coefficients(CURVES[1])?,
-                    guard: guards.value(row),
-                }),
-                4 => Node::Unresolved,
-                kind => return Err(format!("{kind} is not a kind of box")),
-            };
-            let count = |column: usize| {
-                let count = u64::try_from(value(column)).ok().filter(|&count| count <= MOST_COUNTED);
-                count.ok_or_else(|| format!("{} is no number of simulations, nor their cost", value(column)))
-            };
-            let counts = [count(2)?, count(8)?];
-            let tile = tiles.entry(index).or_insert_with(|| (Vec::new(), counts));
-            tile.0.push(node);
-        }
+    for row in 0..table.rows {
+        let value = |column: usize| integers[column][row];
+        let place = |column: usize| {
+            u32::try_from(value(column)).ok().filter(|&place| place < TILES).ok_or("a tile is out of range")
+        };
+        let index = TileIndex { column: place(0)?, row: place(1)? };
+        let coefficients = |curve: usize| -> Result<[f64; NODES], String> {
+            curves[curve].row(row).try_into().map_err(|_| "a curve has too few coefficients".to_owned())
+        };
+        let node = match value(3) {
+            0 => Node::Cut(u32::try_from(value(4)).map_err(|_| "a box is out of range")?),
+            1 => Node::Uniform(verdict(value(5))?),
+            kind @ (2 | 3) => Node::Crossed(BoundaryCurve {
+                abscissa: (kind - 2) as usize,
+                below: verdict(value(5))?,
+                above: verdict(value(6))?,
+                lower: coefficients(0)?,
+                upper: coefficients(1)?,
+                guard: guards[row],
+            }),
+            4 => Node::Unresolved,
+            kind => return Err(format!("{kind} is not a kind of box")),
+        };
+        let count = |column: usize| {
+            let count = u64::try_from(value(column)).ok().filter(|&count| count <= MOST_COUNTED);
+            count.ok_or_else(|| format!("{} is no number of simulations, nor their cost", value(column)))
+        };
+        let counts = [count(2)?, count(8)?];
+        let tile = tiles.entry(index).or_insert_with(|| (Vec::new(), counts));
+        tile.0.push(node);
     }
     let tile = |(index, (nodes, [questions, cost])): (TileIndex, (Vec<Node>, [u64; 2]))| {
         Tile::from_nodes(nodes, questions, cost)

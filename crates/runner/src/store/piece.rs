@@ -5,16 +5,9 @@
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
-use std::sync::Arc;
 
-use arrow_array::builder::{Int64Builder, ListBuilder};
-use arrow_array::{Array as _, ArrayRef, Int64Array, ListArray, RecordBatch};
-use arrow_schema::{DataType, Field, Schema};
 use bytes::Bytes;
-use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
+use parquet::basic::Compression;
 use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
@@ -23,6 +16,9 @@ use stickslip_sampler::verdict_map::resolve::MAP_VERSION;
 
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
+use crate::files::column::{Field, Lists, Values};
+use crate::files::decode::{ReadTable, ReadValues};
+use crate::files::encode::encoded;
 use crate::files::folder::{Folder, is_no_file};
 use crate::files::foreign::{self, Known};
 use crate::files::publish::is_temporary;
@@ -208,11 +204,11 @@ pub fn digest(bytes: &[u8]) -> String {
 }
 
 fn encode(experiment: &str, units: &[FinishedUnit]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
-    let column = |value: fn(&FinishedUnit) -> u64| -> ArrayRef {
+    let column = |value: fn(&FinishedUnit) -> u64| {
         // Counts stay far below 2^63, see the limit on samples.
-        Arc::new(units.iter().map(|unit| value(unit).cast_signed()).collect::<Int64Array>())
+        Values::Integer(units.iter().map(|unit| value(unit).cast_signed()).collect())
     };
-    let mut columns = vec![
+    let counts = [
         column(|s| s.part),
         column(|s| s.samples.start),
         column(FinishedUnit::len),
@@ -221,79 +217,66 @@ fn encode(experiment: &str, units: &[FinishedUnit]) -> Result<Vec<u8>, parquet::
         column(|s| s.counts.undecided),
         column(|s| s.counts.failed),
     ];
-    let mut fields = COLUMNS.map(|name| Field::new(name, DataType::Int64, false)).to_vec();
+    let mut columns: Vec<(&'static str, Values)> = COLUMNS.into_iter().zip(counts).collect();
     if units.iter().any(|unit| unit.amplitudes.count() > 0) {
-        let mut bins = ListBuilder::new(Int64Builder::new());
+        let mut bins = Lists::default();
         for unit in units {
-            for (bin, count) in unit.amplitudes.bins() {
-                bins.values().append_slice(&[i64::from(bin), count.cast_signed()]);
-            }
-            bins.append(true);
+            bins.push(unit.amplitudes.bins().flat_map(|(bin, count)| [i64::from(bin), count.cast_signed()]));
         }
-        let bins = bins.finish();
-        fields.push(Field::new(AMPLITUDE_SUM, DataType::Int64, false));
-        columns.push(column(|s| s.amplitudes.sum()));
-        fields.push(Field::new(AMPLITUDE_BINS, bins.data_type().clone(), false));
-        columns.push(Arc::new(bins));
+        columns.push((AMPLITUDE_SUM, column(|s| s.amplitudes.sum())));
+        columns.push((AMPLITUDE_BINS, Values::Integers(bins)));
     }
     if units.iter().any(|unit| !unit.sums.is_empty()) {
-        let mut sums = ListBuilder::new(Int64Builder::new());
-        for unit in units {
-            sums.values().append_slice(&unit.sums);
-            sums.append(true);
-        }
-        let sums = sums.finish();
-        fields.push(Field::new(SUMS, sums.data_type().clone(), false));
-        columns.push(Arc::new(sums));
+        let mut sums = Lists::default();
+        units.iter().for_each(|unit| sums.push(unit.sums.iter().copied()));
+        columns.push((SUMS, Values::Integers(sums)));
     }
-    let schema = Arc::new(Schema::new(fields));
-    let mut owner = vec![KeyValue::new(EXPERIMENT_KEY.to_owned(), experiment.to_owned())];
-    owner.extend(VERSIONS.iter().map(|version| KeyValue::new(version.key.to_owned(), version.own.to_string())));
-    let properties = WriterProperties::builder().set_key_value_metadata(Some(owner)).build();
-    let mut writer = ArrowWriter::try_new(Vec::new(), schema.clone(), Some(properties))?;
-    writer.write(&RecordBatch::try_new(schema, columns)?)?;
-    writer.into_inner()
+    let field = |(name, values): &(&'static str, Values)| Field {
+        name: (*name).into(),
+        unit: "".into(),
+        long_name: "".into(),
+        kind: values.kind(),
+    };
+    let fields: Vec<Field> = columns.iter().map(field).collect();
+    let mut owner = vec![(EXPERIMENT_KEY, experiment.to_owned())];
+    owner.extend(VERSIONS.iter().map(|version| (version.key, version.own.to_string())));
+    encoded(&fields, columns.into_iter().map(|(_, values)| values), &owner, Compression::UNCOMPRESSED)
 }
 
 /// Reads a piece. Its checksum does not say who wrote it, so it may hold anything.
 fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<FinishedUnit>), String> {
     let is_wanted = |name: &str| COLUMNS.contains(&name) || [AMPLITUDE_SUM, AMPLITUDE_BINS, SUMS].contains(&name);
-    foreign::read(Bytes::from(bytes), Known::Piece, is_wanted, decode_units)
+    decode_units(&foreign::read(Bytes::from(bytes), Known::Piece, is_wanted)?)
 }
 
-fn decode_units(builder: ParquetRecordBatchReaderBuilder<Bytes>) -> Result<(Owner, Vec<FinishedUnit>), String> {
-    let text = |error: &dyn std::fmt::Display| error.to_string();
-    let metadata = builder.metadata().file_metadata().key_value_metadata();
-    let value_of = |key: &str| metadata?.iter().find(|pair| pair.key == key)?.value.clone();
-    let version_of = |key: &str| value_of(key)?.parse::<u32>().ok();
+fn decode_units(table: &ReadTable) -> Result<(Owner, Vec<FinishedUnit>), String> {
+    let version_of = |key: &str| table.pair(key)?.parse::<u32>().ok();
     let owner = Owner {
-        experiment: value_of(EXPERIMENT_KEY).ok_or("it does not name its job")?,
+        experiment: table.pair(EXPERIMENT_KEY).ok_or("it does not name its job")?.to_owned(),
         versions: VERSIONS.map(|version| version_of(version.key).unwrap_or(version.unnamed)),
     };
-    let mut units = Vec::new();
-    for batch in builder.build().map_err(|e| text(&e))? {
-        let batch = batch.map_err(|e| text(&e))?;
-        let mut columns = Vec::new();
-        for name in COLUMNS {
-            let column = batch.column_by_name(name).and_then(|column| column.as_any().downcast_ref::<Int64Array>());
-            let column = column.ok_or_else(|| format!("column {name} is missing"))?;
-            columns.push(without_gaps(column)?);
-        }
-        for row in 0..batch.num_rows() {
-            let value = |column: usize| count(columns[column].value(row));
-            let start = value(1)?;
-            let end = start.checked_add(value(2)?).ok_or("a range of samples overflows")?;
-            let counts =
-                VerdictCounts { stable: value(3)?, unstable: value(4)?, undecided: value(5)?, failed: value(6)? };
-            let amplitudes = decode_amplitudes(&batch, row)?;
-            let sums = match batch.column_by_name(SUMS) {
-                Some(sums) => integers(sums, row)?,
-                None => Vec::new(),
-            };
-            units.push(FinishedUnit { part: value(0)?, samples: start..end, counts, amplitudes, sums });
-        }
+    let mut columns = Vec::new();
+    for name in COLUMNS {
+        columns.push(table.integers(name)?);
     }
-    Ok((owner, units))
+    let amplitudes = match table.column(AMPLITUDE_SUM).and(lists(table, AMPLITUDE_BINS)?) {
+        Some(bins) => Some((table.integers(AMPLITUDE_SUM)?, bins)),
+        None => None,
+    };
+    let sums = lists(table, SUMS)?;
+    let unit = |row: usize| {
+        let value = |column: usize| count(columns[column][row]);
+        let start = value(1)?;
+        let end = start.checked_add(value(2)?).ok_or("a range of samples overflows")?;
+        let counts = VerdictCounts { stable: value(3)?, unstable: value(4)?, undecided: value(5)?, failed: value(6)? };
+        let amplitudes = match &amplitudes {
+            Some((sums, bins)) => decode_amplitudes(sums[row], bins.row(row))?,
+            None => Distribution::default(),
+        };
+        let sums = sums.map_or_else(Vec::new, |sums| sums.row(row).to_vec());
+        Ok(FinishedUnit { part: value(0)?, samples: start..end, counts, amplitudes, sums })
+    };
+    Ok((owner, (0..table.rows).map(unit).collect::<Result<_, String>>()?))
 }
 
 /// A count as it is stored, if it is possible.
@@ -302,18 +285,8 @@ fn count(stored: i64) -> Result<u64, String> {
     if count <= MOST_COUNTED { Ok(count) } else { Err(format!("a count is above {MOST_COUNTED}")) }
 }
 
-/// A column of integers, if it has a value in every row.
-fn without_gaps(column: &Int64Array) -> Result<&Int64Array, String> {
-    if column.null_count() == 0 { Ok(column) } else { Err("a value is missing".to_owned()) }
-}
-
-/// The settled amplitudes in one row; empty if the piece holds none.
-fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, String> {
-    let (Some(sums), Some(bins)) = (batch.column_by_name(AMPLITUDE_SUM), batch.column_by_name(AMPLITUDE_BINS)) else {
-        return Ok(Distribution::default());
-    };
-    let sums = without_gaps(sums.as_any().downcast_ref::<Int64Array>().ok_or("amplitudes are not integers")?)?;
-    let bins = integers(bins, row)?;
+/// The settled amplitudes of a unit, from their sum and their bins.
+fn decode_amplitudes(sum: i64, bins: &[i64]) -> Result<Distribution, String> {
     let mut pairs = Vec::with_capacity(bins.len() / 2);
     for pair in bins.chunks_exact(2) {
         let bin = u32::try_from(pair[0]).ok().filter(|&bin| Distribution::is_bin(bin));
@@ -323,15 +296,16 @@ fn decode_amplitudes(batch: &RecordBatch, row: usize) -> Result<Distribution, St
         }
         pairs.push((bin, count(pair[1])?));
     }
-    Ok(Distribution::from_parts(sums.value(row).cast_unsigned(), pairs))
+    Ok(Distribution::from_parts(sum.cast_unsigned(), pairs))
 }
 
-/// The list of integers in one row of a column.
-fn integers(column: &ArrayRef, row: usize) -> Result<Vec<i64>, String> {
-    let lists = column.as_any().downcast_ref::<ListArray>().ok_or("a column of lists of integers is not one")?;
-    let list = lists.value(row);
-    let list = list.as_any().downcast_ref::<Int64Array>().ok_or("a column of lists of integers is not one")?;
-    Ok(without_gaps(list)?.values().to_vec())
+/// A column of lists of integers, if there is one.
+fn lists<'a>(table: &'a ReadTable, name: &str) -> Result<Option<&'a Lists<i64>>, String> {
+    match table.column(name) {
+        Some(ReadValues::Integers(lists)) => Ok(Some(lists)),
+        Some(_) => Err(format!("column {name} is not of lists of integers")),
+        None => Ok(None),
+    }
 }
 
 #[cfg(test)]

@@ -3,8 +3,6 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, Float64Array, Int64Array};
-use arrow_schema::{DataType, Field};
 use stickslip_core::degree_of_freedom::DegreeOfFreedom;
 use stickslip_core::parameters::scalar;
 use stickslip_sampler::estimate::score::CellParameter;
@@ -15,7 +13,7 @@ use stickslip_sampler::inputs::Marginal;
 
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::SumLayout;
-use crate::files::table::described_field;
+use crate::files::column::{self, Field, Kind};
 use crate::job::{Effort, Job, RandomInput, SamplingMethod, StartValue};
 use crate::tables::row::SurfaceRow;
 
@@ -439,21 +437,25 @@ fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
 }
 
 impl Column {
+    /// What it is called and holds.
     pub fn field(&self) -> Field {
-        let (data_type, nullable) = match &self.values {
-            Values::Integer(_) => (DataType::Int64, false),
-            Values::Real(_) => (DataType::Float64, false),
-            Values::OptionalReal(_) => (DataType::Float64, true),
+        let kind = match &self.values {
+            Values::Integer(_) => Kind::Integer,
+            Values::Real(_) => Kind::Real,
+            Values::OptionalReal(_) => Kind::OptionalReal,
         };
-        described_field(&self.name, &self.unit, &self.long_name, data_type, nullable)
+        Field { name: self.name.clone(), unit: self.unit.clone(), long_name: self.long_name.clone(), kind }
     }
 
-    pub fn array(&self, rows: &[SurfaceRow]) -> ArrayRef {
+    /// Its values in some rows.
+    pub fn read(&self, rows: &[SurfaceRow]) -> column::Values {
         match &self.values {
             // Counts stay far below 2^63, see the limit on samples.
-            Values::Integer(value) => Arc::new(rows.iter().map(|row| value(row).cast_signed()).collect::<Int64Array>()),
-            Values::Real(value) => Arc::new(rows.iter().map(|row| Some(value(row))).collect::<Float64Array>()),
-            Values::OptionalReal(value) => Arc::new(rows.iter().map(value).collect::<Float64Array>()),
+            Values::Integer(value) => {
+                column::Values::Integer(rows.iter().map(|row| value(row).cast_signed()).collect())
+            }
+            Values::Real(value) => column::Values::Real(rows.iter().map(value).collect()),
+            Values::OptionalReal(value) => column::Values::OptionalReal(rows.iter().map(value).collect()),
         }
     }
 }

@@ -5,17 +5,16 @@ use std::fs::File;
 use std::mem;
 use std::path::Path;
 
-use arrow_array::{Array, Float64Array, Int64Array, RecordBatchReader as _};
-use arrow_schema::{DataType, Field};
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::file::reader::ChunkReader;
-
+use crate::evaluate::sums::SumLayout;
 use crate::failure::Failure;
+use crate::files::column::Field;
+use crate::files::decode::{ReadTable, ReadValues};
 use crate::files::foreign::{self, Known};
 use crate::job::Job;
 use crate::output::{note, quoted};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
+use crate::tables::columns::{self, Column};
 
 /// A finished run with a surface that is as it was written.
 pub struct FinishedSurface {
@@ -85,11 +84,25 @@ impl FinishedSurface {
     /// A file that cannot be read or is not the surface of the job, and columns that hold no numbers.
     pub fn columns(&self, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, Failure> {
         let file = self.directory.open_surface()?.ok_or_else(|| self.broken("it is gone"))?;
-        let columns = read_columns(file, Some(self.job.cells()), wanted).map_err(|why| self.broken(why))?;
+        let mut columns = read_columns(file, Some(self.job.cells()), wanted).map_err(|why| self.broken(why))?;
+        self.describe(&mut columns);
         let wrong = columns.iter().map(|column| column.values.len()).find(|rows| *rows as u64 != self.job.cells());
         match wrong {
             None => Ok(columns),
             Some(rows) => Err(self.broken(format!("it has {rows} rows, and the job {} cells", self.job.cells()))),
+        }
+    }
+
+    /// Gives columns the units and meanings that they have in a surface of this version. Other columns, of other
+    /// versions, keep none.
+    fn describe(&self, columns: &mut [FinishedColumn]) {
+        let described: Vec<Field> =
+            columns::of(&self.job, SumLayout::of(&self.job)).iter().map(Column::field).collect();
+        for column in columns {
+            if let Some(field) = described.iter().find(|field| field.name == column.name) {
+                (column.unit, column.long_name) =
+                    (field.unit.clone().into_owned(), field.long_name.clone().into_owned());
+            }
         }
     }
 
@@ -121,23 +134,23 @@ pub fn read_numbers<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Ve
 }
 
 fn read_columns(file: File, rows: Option<u64>, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, String> {
-    foreign::read(file, Known::Table(rows), wanted, columns_of)
+    columns_of(foreign::read(file, Known::Table(rows), wanted)?)
 }
 
-/// All columns that are to be read.
-fn columns_of<R: ChunkReader + 'static>(
-    builder: ParquetRecordBatchReaderBuilder<R>,
-) -> Result<Vec<FinishedColumn>, String> {
-    let reader = builder.build().map_err(|error| error.to_string())?;
-    let mut columns: Vec<FinishedColumn> =
-        reader.schema().fields().iter().map(|field| FinishedColumn::empty(field)).collect::<Result<_, _>>()?;
-    for batch in reader {
-        let batch = batch.map_err(|error| error.to_string())?;
-        for (column, array) in columns.iter_mut().zip(batch.columns()) {
-            column.extend(array.as_ref())?;
-        }
-    }
-    Ok(columns)
+/// All columns that were read.
+fn columns_of(table: ReadTable) -> Result<Vec<FinishedColumn>, String> {
+    let columns = table.columns.into_iter().map(|column| {
+        let values = match column.values {
+            ReadValues::Integer(values) => FinishedValues::Integer(values),
+            ReadValues::Real(values) => FinishedValues::Real(values),
+            ReadValues::Text(_) => return Err(format!("its column {} holds texts, not numbers", column.name)),
+            ReadValues::Integers(_) | ReadValues::Reals(_) => {
+                return Err(format!("its column {} holds lists, not numbers", column.name));
+            }
+        };
+        Ok(FinishedColumn { name: column.name, unit: String::new(), long_name: String::new(), values })
+    });
+    columns.collect()
 }
 
 /// The values of columns by their names, counts as numbers too.
@@ -167,29 +180,6 @@ impl FinishedValues {
     }
 }
 
-impl FinishedColumn {
-    /// A column without values yet.
-    fn empty(field: &Field) -> Result<Self, String> {
-        let values = match field.data_type() {
-            DataType::Int64 => FinishedValues::Integer(Vec::new()),
-            DataType::Float64 => FinishedValues::Real(Vec::new()),
-            other => return Err(format!("its column {} holds {other}, not numbers", field.name())),
-        };
-        let text = |key: &str| field.metadata().get(key).cloned().unwrap_or_default();
-        Ok(Self { name: field.name().clone(), unit: text("unit"), long_name: text("long_name"), values })
-    }
-
-    /// Adds the values of a batch.
-    fn extend(&mut self, array: &dyn Array) -> Result<(), String> {
-        let array = array.as_any();
-        match &mut self.values {
-            FinishedValues::Integer(values) => array.downcast_ref::<Int64Array>().map(|array| values.extend(array)),
-            FinishedValues::Real(values) => array.downcast_ref::<Float64Array>().map(|array| values.extend(array)),
-        }
-        .ok_or_else(|| format!("its column {} changes its type", self.name))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use bytes::Bytes;
@@ -214,7 +204,7 @@ mod tests {
         assert_eq!((time.len(), time[3], level[299]), (300, Some(0.1 * 3.0), Some(2.0)));
         let sound = [std::fs::read(path).unwrap()];
         assert_bounded("tables::finished::tests::forged_tables_are_read_or_refused", &sound, 1500, |bytes| {
-            foreign::read(Bytes::from(bytes), Known::Table(None), |_| true, columns_of).map(drop)
+            columns_of(foreign::read(Bytes::from(bytes), Known::Table(None), |_| true)?).map(drop)
         });
     }
 }

@@ -2,13 +2,8 @@
 
 use std::path::Path;
 
-use arrow_array::cast::AsArray as _;
-use arrow_array::types::{Float64Type, Int64Type};
-use arrow_array::{Array as _, StringArray};
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::file::reader::ChunkReader;
-
 use crate::failure::Failure;
+use crate::files::decode::{ReadTable, ReadValues};
 use crate::files::foreign::{self, Known, text_of_key};
 use crate::job::Job;
 use crate::output::quoted;
@@ -58,7 +53,8 @@ impl FinishedLimits {
         let open = || directory.root().open_file(LIMITS).map_err(|error| damaged(error.to_string()));
         let of = text_of_key(&open()?, "stickslip:of").ok_or_else(|| damaged("it names no axis".to_owned()))?;
         let is_wanted = |name: &str| COLUMNS.contains(&name);
-        let rows = foreign::read(open()?, Known::Table(None), is_wanted, rows_of).map_err(damaged)?;
+        let rows =
+            foreign::read(open()?, Known::Table(None), is_wanted).and_then(|table| rows_of(&table)).map_err(damaged)?;
         match rows.iter().find(|row| row.cell >= job.cells()) {
             None => Ok(Some(Self { of, rows })),
             Some(row) => Err(damaged(format!("it has a limit of cell {}, which the job does not have", row.cell))),
@@ -69,29 +65,17 @@ impl FinishedLimits {
 /// The columns that are read, in the order of the file.
 const COLUMNS: [&str; 4] = ["cell", "target", "state", "limit"];
 
-fn rows_of<R: ChunkReader + 'static>(
-    builder: ParquetRecordBatchReaderBuilder<R>,
-) -> Result<Vec<FinishedLimit>, String> {
-    let mut rows = Vec::new();
-    for batch in builder.build().map_err(|error| error.to_string())? {
-        let batch = batch.map_err(|error| error.to_string())?;
-        let column = |name: &str| batch.column_by_name(name).ok_or_else(|| format!("it has no column {name}"));
-        let [cell, target, state, limit] = COLUMNS.map(column);
-        let (cell, target, state, limit) = (cell?, target?, state?, limit?);
-        let (Some(cell), Some(target), Some(state), Some(limit)) = (
-            cell.as_primitive_opt::<Int64Type>(),
-            target.as_primitive_opt::<Float64Type>(),
-            state.as_any().downcast_ref::<StringArray>(),
-            limit.as_primitive_opt::<Float64Type>(),
-        ) else {
-            return Err("its columns are not those of limits".to_owned());
-        };
-        rows.extend((0..batch.num_rows()).map(|row| FinishedLimit {
-            cell: cell.value(row).cast_unsigned(),
-            target: target.value(row),
-            state: state.value(row).to_owned(),
-            value: limit.is_valid(row).then(|| limit.value(row)),
-        }));
-    }
-    Ok(rows)
+fn rows_of(table: &ReadTable) -> Result<Vec<FinishedLimit>, String> {
+    let (cells, targets) = (table.integers("cell")?, table.reals("target")?);
+    let (Some(ReadValues::Text(states)), Some(ReadValues::Real(limits))) =
+        (table.column("state"), table.column("limit"))
+    else {
+        return Err("its columns are not those of limits".to_owned());
+    };
+    let rows = cells.into_iter().zip(targets).zip(states.iter().zip(limits));
+    rows.map(|((cell, target), (state, value))| {
+        let state = state.clone().ok_or("a limit has no state")?;
+        Ok(FinishedLimit { cell: cell.cast_unsigned(), target, state, value: *value })
+    })
+    .collect()
 }

@@ -3,15 +3,9 @@
 use std::cell::OnceCell;
 use std::fmt;
 use std::io::{self, BufWriter, Write};
-use std::sync::Arc;
 
-use arrow_array::RecordBatch;
-use arrow_schema::Schema;
-use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
 use stickslip_core::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
 use stickslip_sampler::estimate::distribution::Distribution;
@@ -22,6 +16,8 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::randomised;
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
+use crate::files::column::Field;
+use crate::files::encode::TableWriter;
 use crate::job::{Effort, Job};
 use crate::store::digests::digest_of_file;
 use crate::store::directory::{JOB_HASH_KEY, JOB_KEY, RunDirectory};
@@ -185,29 +181,26 @@ impl<'a> Surface<'a> {
 
     fn encode<W: Write + Send>(&self, out: W, cells: u64) -> Result<W, ParquetError> {
         let columns = columns::of(self.job, self.layout);
-        let schema = Arc::new(Schema::new(columns.iter().map(Column::field).collect::<Vec<_>>()));
-        let mut writer = ArrowWriter::try_new(out, schema.clone(), Some(self.properties()))?;
+        let fields: Vec<Field> = columns.iter().map(Column::field).collect();
+        let mut writer = TableWriter::new(out, &fields, &self.footer(), Compression::SNAPPY)?;
         let mut first = 0;
         while first < cells {
             let end = cells.min(first + BATCH_ROWS);
             let rows: Vec<SurfaceRow> = (first..end).map(|cell| self.row(cell)).collect();
-            let arrays = columns.iter().map(|column| column.array(&rows)).collect();
-            writer.write(&RecordBatch::try_new(schema.clone(), arrays)?)?;
-            writer.flush()?;
+            writer.write(columns.iter().map(|column| column.read(&rows)))?;
             first = end;
         }
-        writer.into_inner()
+        writer.finish()
     }
 
     /// The footer: the job and the versions that its values depend on. Nothing in it differs between two runs of one
     /// job.
-    fn properties(&self) -> WriterProperties {
+    fn footer(&self) -> Vec<(&'static str, String)> {
         let mut footer = footer(self.job);
         if self.job.has_later_estimates() {
             footer.push(("stickslip:estimates_version", ESTIMATES_VERSION.to_string()));
         }
-        let pairs = footer.into_iter().map(|(key, value)| KeyValue::new(key.to_owned(), value)).collect();
-        WriterProperties::builder().set_compression(Compression::SNAPPY).set_key_value_metadata(Some(pairs)).build()
+        footer
     }
 }
 
