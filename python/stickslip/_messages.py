@@ -14,6 +14,9 @@ _BEGINNING_AT_TERMINAL = re.compile(r"(?:^|\r)((?:\x1b\[[0-9;?]*[A-Za-z])*)(?:st
 #: A job that Python hands over has no file. Its errors would name standard input, which nobody has seen.
 _ON_INPUT = re.compile(r"^standard input(?=:)", re.MULTILINE)
 
+#: There is no such option here.
+_ADVICE = "\n\nFor more information, try '--help'."
+
 
 class Messages:
     """Collects what the program says, and takes its warnings out of what is shown.
@@ -68,7 +71,7 @@ class Messages:
         beginnings = list(_BEGINNING.finditer(text))
         if beginnings:
             text = text[beginnings[-1].end() :]
-        return _ON_INPUT.sub("job", text)
+        return _ON_INPUT.sub("job", text.replace(_ADVICE, ""))
 
 
 def before_failure(text: str) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Union, overload
 
-from ._job import Job, JobOrRun, PathLike, absolute, as_argument, expanded, settings
+from ._job import Job, JobOrRun, PathLike, absolute, as_argument, expanded, settings, whole
 from ._motion import Motion
 from ._process import call, call_json
 from ._run import Run, _threads
@@ -42,7 +42,7 @@ def check(job: Job, *, threads: int | None = None, nodes: int | None = None) -> 
         If the job is not valid. The message has all errors.
     """
     argument, stdin = as_argument(job)
-    options = [*_threads(threads), *([] if nodes is None else [f"--nodes={int(nodes)}"])]
+    options = [*_threads(threads), *([] if nodes is None else [f"--nodes={whole(nodes, 'nodes')}"])]
     answer: dict[str, Any] = call_json(["check", argument, *options], stdin=stdin)
     return answer
 
@@ -308,7 +308,7 @@ def _brake(
         argument, stdin = as_argument(job)
         options.append(f"--job={argument}")
     if cell is not None:
-        options.append(f"--cell={int(cell)}")
+        options.append(f"--cell={whole(cell, 'cell')}")
     return [*options, *settings(parameters, sections)], stdin
 
 
