@@ -87,9 +87,7 @@ def _value(value: Any, place: str) -> Any:
     raise TypeError(f"{place}: {value!r} ({type(value).__name__}) has no place in a job{hint}")
 
 
-def settings(
-    parameters: Mapping[str, Any] | None, sections: Mapping[str, Any]
-) -> list[str]:
+def settings(parameters: Mapping[str, Any] | None, sections: Mapping[str, Any]) -> list[str]:
     """The options ``--set KEY=VALUE`` for parameters, given as nested dicts or by dotted names."""
     options = []
     for key, value in _flat({**(parameters or {}), **sections}, ""):

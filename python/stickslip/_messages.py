@@ -10,7 +10,9 @@ _CODES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 #: How the messages of the program, and those of its command line, begin.
 _BEGINNING = re.compile(r"^(?:stickslip: |error: )", re.MULTILINE)
 #: The same with the codes of a terminal, which may wipe a bar out first.
-_BEGINNING_AT_TERMINAL = re.compile(r"(?:^|\r)((?:\x1b\[[0-9;?]*[A-Za-z])*)(?:stickslip: |error(?:\x1b|:))", re.MULTILINE)
+_BEGINNING_AT_TERMINAL = re.compile(
+    r"(?:^|\r)((?:\x1b\[[0-9;?]*[A-Za-z])*)(?:stickslip: |error(?:\x1b|:))", re.MULTILINE
+)
 #: A job that Python hands over has no file. Its errors would name standard input, which nobody has seen.
 _ON_INPUT = re.compile(r"^standard input(?=:)", re.MULTILINE)
 

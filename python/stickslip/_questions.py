@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Union, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from ._job import Job, JobOrRun, PathLike, absolute, as_argument, expanded, settings, whole
 from ._motion import Motion
@@ -89,7 +89,7 @@ def trajectory(
     disc_modes: int | None = None,
     grid: str | None = None,
     allotment: Literal["nodal", "linear"] | None = None,
-    start: Union[str, Mapping[str, float], None] = None,
+    start: str | Mapping[str, float] | None = None,
     displacement: float | None = None,
     horizon: float | None = None,
     **sections: Any,
@@ -202,9 +202,7 @@ def bounds(
     job: Job, kind: Literal["polars"], *, threads: int | None = None, progress: bool = True
 ) -> polars.DataFrame: ...
 @overload
-def bounds(
-    job: Job, kind: Literal["arrow"], *, threads: int | None = None, progress: bool = True
-) -> pyarrow.Table: ...
+def bounds(job: Job, kind: Literal["arrow"], *, threads: int | None = None, progress: bool = True) -> pyarrow.Table: ...
 def bounds(job: Job, kind: TableKind = "pandas", *, threads: int | None = None, progress: bool = True) -> Table:
     """Bound the probability of a job with imprecise values, ``{"between": [12, 18]}`` or ``{"one_of": [...]}``.
 
@@ -288,8 +286,8 @@ def fit(
     Returns
     -------
     dict
-        The keys of ``fit --json``: ``estimates`` by parameter, each with ``value``, ``low`` and ``high``, ``cells`` with
-        predicted probabilities, and others.
+        The keys of ``fit --json``: ``estimates`` by parameter, each with ``value``, ``low`` and ``high``, ``cells``
+        with predicted probabilities, and others.
     """
     argument, stdin = as_argument(job)
     options = [] if estimate is None else [f"--estimate={','.join(estimate)}"]

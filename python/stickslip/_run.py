@@ -164,7 +164,13 @@ class Run:
         """
         with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
             file = Path(folder) / "samples.parquet"
-            arguments = ["samples", str(self.path), f"--cell={whole(cell, 'cell')}", f"--out={file}", *_threads(threads)]
+            arguments = [
+                "samples",
+                str(self.path),
+                f"--cell={whole(cell, 'cell')}",
+                f"--out={file}",
+                *_threads(threads),
+            ]
             call(arguments, progress=progress, unsaid=folder)
             return converted(read(file), kind)
 

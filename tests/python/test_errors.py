@@ -57,7 +57,7 @@ def test_a_job_without_a_name_or_that_is_no_toml(small: dict[str, Any], place: P
     ],
 )
 def test_audit_and_internal_error(stub: Any, message: str, kind: type[stickslip.Error]) -> None:
-    stub(f"import sys\nprint('stickslip: before', file=sys.stderr)\nsys.exit(print('stickslip: {message}', file=sys.stderr) or 70)")
+    stub(f"import sys\nsys.stderr.write('stickslip: before\\nstickslip: {message}\\n')\nsys.exit(70)")
     with pytest.raises(kind) as caught:
         stickslip.analyse()
     assert (str(caught.value), caught.value.exit_code) == (message, 70)
