@@ -9,7 +9,7 @@
 //! | `console exit=65` | the last command ends with this exit code, and the lines below it are its messages |
 //! | `toml` | a complete job, which `stickslip check` must accept |
 //! | `toml fragment` | merged into a small job and checked |
-//! | `python` | runs without error, if `STICKSLIP_PYTHON` names an interpreter |
+//! | `python` | runs without error, with the names of the blocks before it, if `STICKSLIP_PYTHON` names an interpreter |
 //! | `text output` | what the Python block before it prints |
 //! | any of them `ignore (why)` | not run |
 //!
@@ -265,14 +265,16 @@ fn check_job(place: &Place, block: &Block, number: usize) {
     assert!(!stderr.contains("warning"), "{}: {stderr}", block.place);
 }
 
-/// What a Python process runs: each line of its input is a directory, a name and a script. A mark ends each answer.
+/// What a Python process runs: each line of its input is a directory, a name and a script. The scripts of a directory share
+/// their names. A mark ends each answer.
 const PYTHON_DRIVER: &str = r#"
 import json, os, sys, traceback
+names = {}
 for line in sys.stdin:
     directory, place, script = json.loads(line)
     os.chdir(directory)
     try:
-        exec(compile(script, place, "exec"), {"__name__": "__main__"})
+        exec(compile(script, place, "exec"), names.setdefault(directory, {"__name__": "__main__"}))
     except BaseException:
         print("FAILED", traceback.format_exc())
     print("\x1e", end="", flush=True)

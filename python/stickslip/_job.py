@@ -6,7 +6,7 @@ import datetime
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, SupportsInt, Union
 
 import tomli_w
 
@@ -36,6 +36,8 @@ def as_argument(job: JobOrRun) -> tuple[str, str | None]:
         return expanded(job.path), None
     if isinstance(job, Mapping):
         return "-", to_toml(job)
+    if isinstance(job, str) and "\n" in job:
+        raise TypeError("a str is the path of a job; its text is read by tomllib.loads(text)")
     if isinstance(job, (str, os.PathLike)):
         return expanded(job), None
     raise TypeError(f"a job is a dict or the path of a TOML file, not {type(job).__name__}")
@@ -85,9 +87,7 @@ def _value(value: Any, place: str) -> Any:
     raise TypeError(f"{place}: {value!r} ({type(value).__name__}) has no place in a job{hint}")
 
 
-def settings(
-    parameters: Mapping[str, Any] | None, sections: Mapping[str, Any]
-) -> list[str]:
+def settings(parameters: Mapping[str, Any] | None, sections: Mapping[str, Any]) -> list[str]:
     """The options ``--set KEY=VALUE`` for parameters, given as nested dicts or by dotted names."""
     options = []
     for key, value in _flat({**(parameters or {}), **sections}, ""):
@@ -105,6 +105,14 @@ def _flat(table: Mapping[str, Any], place: str) -> Iterator[tuple[str, str]]:
             raise TypeError(f"{name}: {plain!r} is a list; one value is set here")
         else:
             yield name, str(plain).lower() if isinstance(plain, bool) else str(plain)
+
+
+def whole(value: SupportsInt, name: str) -> int:
+    """A whole number, which may be written as 1e5."""
+    number = int(value)
+    if number != value:
+        raise ValueError(f"{name} = {value!r} is not a whole number")
+    return number
 
 
 def absolute(path: PathLike) -> Path:

@@ -10,9 +10,14 @@ _CODES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 #: How the messages of the program, and those of its command line, begin.
 _BEGINNING = re.compile(r"^(?:stickslip: |error: )", re.MULTILINE)
 #: The same with the codes of a terminal, which may wipe a bar out first.
-_BEGINNING_AT_TERMINAL = re.compile(r"(?:^|\r)((?:\x1b\[[0-9;?]*[A-Za-z])*)(?:stickslip: |error(?:\x1b|:))", re.MULTILINE)
+_BEGINNING_AT_TERMINAL = re.compile(
+    r"(?:^|\r)((?:\x1b\[[0-9;?]*[A-Za-z])*)(?:stickslip: |error(?:\x1b|:))", re.MULTILINE
+)
 #: A job that Python hands over has no file. Its errors would name standard input, which nobody has seen.
 _ON_INPUT = re.compile(r"^standard input(?=:)", re.MULTILINE)
+
+#: There is no such option here.
+_ADVICE = "\n\nFor more information, try '--help'."
 
 
 class Messages:
@@ -68,7 +73,7 @@ class Messages:
         beginnings = list(_BEGINNING.finditer(text))
         if beginnings:
             text = text[beginnings[-1].end() :]
-        return _ON_INPUT.sub("job", text)
+        return _ON_INPUT.sub("job", text.replace(_ADVICE, ""))
 
 
 def before_failure(text: str) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Union, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
-from ._job import Job, JobOrRun, PathLike, absolute, as_argument, expanded, settings
+from ._job import Job, JobOrRun, PathLike, absolute, as_argument, expanded, settings, whole
 from ._motion import Motion
 from ._process import call, call_json
 from ._run import Run, _threads
@@ -42,7 +42,7 @@ def check(job: Job, *, threads: int | None = None, nodes: int | None = None) -> 
         If the job is not valid. The message has all errors.
     """
     argument, stdin = as_argument(job)
-    options = [*_threads(threads), *([] if nodes is None else [f"--nodes={int(nodes)}"])]
+    options = [*_threads(threads), *([] if nodes is None else [f"--nodes={whole(nodes, 'nodes')}"])]
     answer: dict[str, Any] = call_json(["check", argument, *options], stdin=stdin)
     return answer
 
@@ -89,7 +89,7 @@ def trajectory(
     disc_modes: int | None = None,
     grid: str | None = None,
     allotment: Literal["nodal", "linear"] | None = None,
-    start: Union[str, Mapping[str, float], None] = None,
+    start: str | Mapping[str, float] | None = None,
     displacement: float | None = None,
     horizon: float | None = None,
     **sections: Any,
@@ -202,9 +202,7 @@ def bounds(
     job: Job, kind: Literal["polars"], *, threads: int | None = None, progress: bool = True
 ) -> polars.DataFrame: ...
 @overload
-def bounds(
-    job: Job, kind: Literal["arrow"], *, threads: int | None = None, progress: bool = True
-) -> pyarrow.Table: ...
+def bounds(job: Job, kind: Literal["arrow"], *, threads: int | None = None, progress: bool = True) -> pyarrow.Table: ...
 def bounds(job: Job, kind: TableKind = "pandas", *, threads: int | None = None, progress: bool = True) -> Table:
     """Bound the probability of a job with imprecise values, ``{"between": [12, 18]}`` or ``{"one_of": [...]}``.
 
@@ -288,8 +286,8 @@ def fit(
     Returns
     -------
     dict
-        The keys of ``fit --json``: ``estimates`` by parameter, each with ``value``, ``low`` and ``high``, ``cells`` with
-        predicted probabilities, and others.
+        The keys of ``fit --json``: ``estimates`` by parameter, each with ``value``, ``low`` and ``high``, ``cells``
+        with predicted probabilities, and others.
     """
     argument, stdin = as_argument(job)
     options = [] if estimate is None else [f"--estimate={','.join(estimate)}"]
@@ -308,7 +306,7 @@ def _brake(
         argument, stdin = as_argument(job)
         options.append(f"--job={argument}")
     if cell is not None:
-        options.append(f"--cell={int(cell)}")
+        options.append(f"--cell={whole(cell, 'cell')}")
     return [*options, *settings(parameters, sections)], stdin
 
 

@@ -7,9 +7,9 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
-from ._errors import CannotCreateError, Interrupted
+from ._errors import CannotCreateError, InputOutputError, Interrupted
 from ._grid import dataset
-from ._job import Job, PathLike, absolute, as_argument, expanded
+from ._job import Job, PathLike, absolute, as_argument, expanded, whole
 from ._motion import Motion
 from ._name import name_of
 from ._pictures import Plot, Report, written
@@ -51,7 +51,8 @@ class Run:
     def __init__(self, path: PathLike) -> None:
         self.path: Path = absolute(path)
         self.output: str = ""
-        self.status()
+        if isinstance(self.status(), list):
+            raise InputOutputError(f"{self.path} is a folder of runs; name one of them", 74)
 
     @classmethod
     def _finished(cls, path: Path, output: str) -> Run:
@@ -163,7 +164,13 @@ class Run:
         """
         with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
             file = Path(folder) / "samples.parquet"
-            arguments = ["samples", str(self.path), f"--cell={int(cell)}", f"--out={file}", *_threads(threads)]
+            arguments = [
+                "samples",
+                str(self.path),
+                f"--cell={whole(cell, 'cell')}",
+                f"--out={file}",
+                *_threads(threads),
+            ]
             call(arguments, progress=progress, unsaid=folder)
             return converted(read(file), kind)
 
@@ -177,7 +184,7 @@ class Run:
         horizon
             Scaled time to simulate, 500 by default.
         """
-        arguments = ["replay", str(self.path), f"--cell={int(cell)}", f"--sample={int(sample)}"]
+        arguments = ["replay", str(self.path), f"--cell={whole(cell, 'cell')}", f"--sample={whole(sample, 'sample')}"]
         if horizon is not None:
             arguments.append(f"--horizon={float(horizon)!r}")
         return Motion._simulated(arguments)
@@ -319,7 +326,7 @@ def run(
     options = [*_threads(threads), f"--out={directory}"]
     for name, value in (("samples", samples), ("seed", seed)):
         if value is not None:
-            options.append(f"--{name}={int(value)}")
+            options.append(f"--{name}={whole(value, name)}")
 
     def submit() -> str:
         return call(["submit", argument, *options], stdin=stdin, progress=progress)
@@ -341,4 +348,4 @@ def run(
 
 
 def _threads(threads: int | None) -> list[str]:
-    return [] if threads is None else [f"--threads={int(threads)}"]
+    return [] if threads is None else [f"--threads={whole(threads, 'threads')}"]

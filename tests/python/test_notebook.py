@@ -14,11 +14,11 @@ from conftest import REPOSITORY
 
 STORED = REPOSITORY / "docs" / "first-surface.ipynb"
 
-# The preset (docs/reference/job-spec.md): friction, tangential damping, stiffness, and where the pad's middle is.
+# The preset (docs/reference/job-spec.md): friction, tangential damping, stiffness, the radius at which the pad slides.
 STATIC, KINETIC, STRIBECK = 0.39, 0.25, 0.72
 DAMPING = 369.0
 FORCE_PER_PRELOAD = 0.02 * 3.816e7 * 3.249e7 / (3.816e7 + 3.249e7)
-RADIUS = (0.135 + 0.135) / 2
+RADIUS = 0.135
 
 
 @pytest.fixture(scope="module")

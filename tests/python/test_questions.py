@@ -99,13 +99,13 @@ def test_bounds_hold_the_probabilities_between(small: dict[str, Any]) -> None:
 
 def test_compare_tells_the_differences(small: dict[str, Any]) -> None:
     first = stickslip.run(small, "first", progress=False)
-    small["random"]["relative_std"]["static_friction"] = 0.05
+    small["model"] = {"friction": {"stribeck_velocity": 0.6}}
     second = stickslip.run(small, "second", progress=False)
     comparison = stickslip.compare(first, "second", progress=False, confidence=0.9)
     table = comparison.table()
     assert comparison.summary[0]["confidence"] == 0.9 and len(table) == 24
     wanted = second.surface()["p_unstable"] - first.surface()["p_unstable"]
-    assert np.allclose(table["difference"], wanted, atol=1e-12)
+    assert np.allclose(table["difference"], wanted, atol=1e-12) and wanted.abs().max() > 0.1
     assert comparison.summary[0]["mean_difference"] == pytest.approx(wanted.mean(), abs=1e-12)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import polars as pl
 import pytest
 import tomli_w
 
@@ -37,11 +38,13 @@ def test_a_job_as_dict_is_the_same_as_a_file(small: dict[str, Any], place: Path)
 
 
 def test_numbers_and_arrays_of_numpy_are_those_of_python(small: dict[str, Any]) -> None:
+    small["axes"]["pad.mass"] = 0.1
     plain = stickslip.run(small, "plain", False)
     small["axes"] = {
-        "rotating_speed": np.array([10.0, 15.0, 20.0]),
+        "rotating_speed": pl.Series(np.array([10.0, 15.0, 20.0])),
         "preload": (np.float64(0.1), 0.2),
         "static_friction": pd.Series([0.3, 0.35, 0.4, 0.45]),
+        "pad.mass": np.array(0.1),
     }
     small["sampling"] = {"samples": np.int64(1000), "seed": np.uint8(7)}
     assert surface_bytes(stickslip.run(small, "numpy", False)) == surface_bytes(plain)
