@@ -1,0 +1,86 @@
+#!/bin/sh
+# The program for aarch64 of the wheel in a folder, in an emulator: it gives the pinned values, and writes the same bytes as
+# the program of this machine.
+#
+#     tests/dist/aarch64.sh FOLDER
+set -eu
+cd "$(dirname "$0")/../.."
+
+target=aarch64-unknown-linux-gnu
+place=$PWD/target/aarch64
+emulator="qemu-aarch64 -L /usr/aarch64-linux-gnu"
+cargo=${CARGO:-cargo}
+
+rm -rf "$place"
+mkdir -p "$place"
+python -B -c 'import sys, zipfile
+files = zipfile.ZipFile(sys.argv[1])
+[name] = [name for name in files.namelist() if name.endswith(".data/scripts/stickslip")]
+sys.stdout.buffer.write(files.read(name))' "$1"/stickslip-*_aarch64.whl >"$place/program"
+chmod 755 "$place/program"
+cat >"$place/stickslip" <<END
+#!/bin/sh
+exec $emulator "$place/program" "\$@"
+END
+chmod 755 "$place/stickslip"
+
+says() { echo "test-aarch64: $(date +%T) $*" >&2; }
+
+says "the program"
+"$place/stickslip" --version
+"$place/stickslip" --version | grep -x "target: *$target"
+"$place/stickslip" --version | grep -x "instruction set: *NEON"
+
+says "values that are pinned: eigenvalues, rigid and flexible discs, importance sampling and subsets"
+for pins in "determinism result_columns_are_pinned" "time_domain result_columns_are_pinned" \
+    "rare_events columns_of_rare_events_are_pinned"; do
+    # shellcheck disable=SC2086 # the test file, and the test in it
+    set -- $pins
+    STICKSLIP_TEST_PROGRAM="$place/stickslip" "$cargo" test --locked -p stickslip --test "$1" -- --exact "$2" |
+        tee "$place/tests.log"
+    # A test that was renamed would pass unseen.
+    grep -q '^test result: ok. 1 passed' "$place/tests.log"
+done
+
+says "the bytes of results, against the program of this machine"
+"$cargo" build --locked -p stickslip
+job() {
+    cat <<END
+name = "$1"
+[axes]
+rotating_speed = 15.0
+preload = { from = 0.05, to = 0.30, points = 4 }
+static_friction = { from = 0.28, to = 0.50, points = 4 }
+[random]
+inputs = ["preload", "static_friction"]
+relative_std = 0.2
+[criterion]
+$2
+[sampling]
+$3
+END
+}
+time_domain='kind = "time-domain"
+record = ["amplitude"]'
+job rigid "$time_domain
+disc = \"rigid\"
+start = \"rest\"" 'samples = 200
+seed = 5' >"$place/rigid.toml"
+job flexible "$time_domain" 'samples = 100
+seed = 5' >"$place/flexible.toml"
+job importance 'kind = "eigenvalue"' 'method = "importance"
+samples = 1024
+seed = 5' >"$place/importance.toml"
+cp jobs/fig14a.toml "$place"
+for name in fig14a rigid flexible importance; do
+    says "$name"
+    "$place/stickslip" submit "$place/$name.toml" --out "$place/there/$name" >/dev/null
+    target/debug/stickslip submit "$place/$name.toml" --out "$place/here/$name" >/dev/null
+    cmp "$place/here/$name/surface.parquet" "$place/there/$name/surface.parquet"
+    (cd "$place/there/$name" && sha256sum surface.parquet)
+done
+
+says "lanes against single samples, bit for bit"
+CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER=$emulator \
+    cargo-zigbuild test --locked --release --target $target.2.17 -p stickslip-core --lib lanes
+says "done"
