@@ -66,7 +66,7 @@ job rigid "$time_domain
 disc = \"rigid\"
 start = \"rest\"" 'samples = 200
 seed = 5' >"$place/rigid.toml"
-job flexible "$time_domain" 'samples = 100
+job flexible "$time_domain" 'samples = 20
 seed = 5' >"$place/flexible.toml"
 job importance 'kind = "eigenvalue"' 'method = "importance"
 samples = 1024
