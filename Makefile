@@ -110,7 +110,7 @@ test-reproducible: dist
 
 # The program for aarch64, run by an emulator: it gives what the program of this machine gives. Installs the emulator where
 # it is missing, for which it needs root and the packages of Debian.
-test-aarch64: $(PACKAGING)/ready
+test-aarch64: wheel
 	tests/dist/install-emulator.sh
 	$(MAKE) wheel DIST_TARGET=aarch64-unknown-linux-gnu
 	$(PACKAGED) tests/dist/aarch64.sh $(DIST)

@@ -1,11 +1,12 @@
 #!/bin/sh
-# The program for aarch64 of the wheel in a folder, in an emulator: it gives the pinned values, and writes the same bytes as
-# the program of this machine.
+# The program of the wheel for aarch64 in a folder, in an emulator: it gives the pinned values, and writes the same bytes as
+# that of the wheel for this machine.
 #
 #     tests/dist/aarch64.sh FOLDER
 set -eu
 cd "$(dirname "$0")/../.."
 
+folder=$1
 target=aarch64-unknown-linux-gnu
 place=$PWD/target/aarch64
 emulator="qemu-aarch64 -L /usr/aarch64-linux-gnu"
@@ -13,14 +14,20 @@ cargo=${CARGO:-cargo}
 
 rm -rf "$place"
 mkdir -p "$place"
-python -B -c 'import sys, zipfile
+# The program for a processor out of its wheel.
+unpack() {
+    python -B -c 'import sys, zipfile
 files = zipfile.ZipFile(sys.argv[1])
 [name] = [name for name in files.namelist() if name.endswith(".data/scripts/stickslip")]
-sys.stdout.buffer.write(files.read(name))' "$1"/stickslip-*_aarch64.whl >"$place/program"
-chmod 755 "$place/program"
+sys.stdout.buffer.write(files.read(name))' "$folder"/stickslip-*_"$1".whl >"$place/$1"
+    chmod 755 "$place/$1"
+}
+
+unpack aarch64
+unpack "$(uname -m)"
 cat >"$place/stickslip" <<END
 #!/bin/sh
-exec $emulator "$place/program" "\$@"
+exec $emulator "$place/aarch64" "\$@"
 END
 chmod 755 "$place/stickslip"
 
@@ -43,7 +50,6 @@ for pins in "determinism result_columns_are_pinned" "time_domain result_columns_
 done
 
 says "the bytes of results, against the program of this machine"
-"$cargo" build --locked -p stickslip
 job() {
     cat <<END
 name = "$1"
@@ -75,7 +81,7 @@ cp jobs/fig14a.toml "$place"
 for name in fig14a rigid flexible importance; do
     says "$name"
     "$place/stickslip" submit "$place/$name.toml" --out "$place/there/$name" >/dev/null
-    target/debug/stickslip submit "$place/$name.toml" --out "$place/here/$name" >/dev/null
+    "$place/$(uname -m)" submit "$place/$name.toml" --out "$place/here/$name" >/dev/null
     cmp "$place/here/$name/surface.parquet" "$place/there/$name/surface.parquet"
     (cd "$place/there/$name" && sha256sum surface.parquet)
 done
