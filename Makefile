@@ -77,6 +77,7 @@ wheel: $(PACKAGING)/ready
 
 # Where the program does not run on this machine, the one that does writes the manual.
 dist: wheel $(if $(filter $(HOST_TARGET),$(DIST_TARGET)),,program)
+	rm -f $(DIST)/stickslip-$(DIST_TARGET)-v*
 	$(PACKAGED) python -B packaging/archive.py $(DIST_TARGET) $(DIST_WHEEL) \
 		$(if $(filter $(HOST_TARGET),$(DIST_TARGET)),-,$(PROGRAM)) $(DIST)
 
@@ -115,7 +116,8 @@ test-aarch64: wheel
 	$(MAKE) wheel DIST_TARGET=aarch64-unknown-linux-gnu
 	$(PACKAGED) tests/dist/aarch64.sh $(DIST)
 
-# Installs the program, its manual and completions for the shells, as `make install PREFIX=/usr DESTDIR=stage`.
+# Installs the program, its manual and completions for the shells. `make install PREFIX=/usr DESTDIR=stage` puts them below
+# stage/usr, for packages.
 PREFIX = /usr/local
 DESTDIR =
 INSTALLED = bin/stickslip share/bash-completion/completions/stickslip share/zsh/site-functions/_stickslip \
@@ -126,8 +128,10 @@ install: program
 	packaging/share.sh "$(PROGRAM)" target/install
 	install -d "$(DESTDIR)$(PREFIX)/bin"
 	install -m 755 "$(PROGRAM)" "$(DESTDIR)$(PREFIX)/bin/stickslip"
-	cd target/install && find . -type f -exec sh -c 'for file; do \
-	    install -D -m 644 "$$file" "$(DESTDIR)$(PREFIX)/share/$$file" || exit 1; done' sh {} +
+	find target/install -type f | while read -r file; do \
+	    place="$(DESTDIR)$(PREFIX)/share/$${file#target/install/}"; \
+	    install -d "$${place%/*}" && install -m 644 "$$file" "$$place" || exit 1; \
+	done
 
 uninstall:
 	cd "$(DESTDIR)$(PREFIX)" && rm -rf $(INSTALLED) && rm -f share/man/man1/stickslip.1 share/man/man1/stickslip-*.1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 from pathlib import Path
@@ -58,7 +59,7 @@ def test_install_puts_everything_in_its_place_and_uninstall_takes_it_away(folder
     # Make splits the names of programs at spaces.
     (tmp_path / "program").symlink_to(program)
     stage, prefix = tmp_path / "a stage", "/opt/for everybody"
-    where = [f"PROGRAM={tmp_path / 'program'}", f"DESTDIR={stage}", f"PREFIX={prefix}"]
+    where = [f"PROGRAM={tmp_path / 'program'}", f"DESTDIR={os.path.relpath(stage, REPOSITORY)}", f"PREFIX={prefix}"]
     make = [tool("make"), "--no-print-directory", "-C", str(REPOSITORY)]
     output(*make, "install", *where, umask=0o077)
     place = Path(f"{stage}{prefix}")
