@@ -9,7 +9,7 @@ MDBOOK_VERSION = 0.5.4
 MDBOOK_ROOT = target/mdbook-$(MDBOOK_VERSION)
 MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 
-.PHONY: run test test-faults test-slurm test-parallel program check docs docs-pictures wheel test-python bench bench-cluster bench-peers validity coverage clean
+.PHONY: run test test-faults test-slurm test-parallel program check docs docs-pictures wheel dist test-python test-dist test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -59,17 +59,27 @@ test-slurm test-parallel: test-%: program
 program:
 	if [ "$(PROGRAM)" = "$(STICKSLIP)" ]; then $(CARGO) build --locked --release; fi
 
-# The Python package: a wheel with the program in target/dist, for every Linux with glibc 2.17 or newer (manylinux2014), to
-# which Zig links. The same commit gives the same wheel. Its tests install it into a new environment.
+# The program for those who have no toolchain, in target/dist: as a wheel, which is the Python package, and as an archive with
+# manual pages, completions, licences and a list of parts. Both hold the same program. It runs on every Linux with glibc 2.17
+# or newer (manylinux2014), to which Zig links. The same commit gives the same bytes. `make dist
+# DIST_TARGET=aarch64-unknown-linux-gnu` builds for another processor.
 PACKAGING = target/packaging
 DIST = target/dist
-DIST_TARGET = $(shell uname -m)-unknown-linux-gnu
+HOST_TARGET = $(shell uname -m)-unknown-linux-gnu
+DIST_TARGET = $(HOST_TARGET)
+DIST_WHEEL = $(DIST)/stickslip-*_$(firstword $(subst -, ,$(DIST_TARGET))).whl
 SOURCE_DATE_EPOCH ?= $(or $(shell git log -1 --format=%ct 2>/dev/null),315532800)
+PACKAGED = PATH="$(CURDIR)/$(PACKAGING)/bin:$$PATH" SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH)
 
 wheel: $(PACKAGING)/ready
-	rm -f $(DIST)/stickslip-*.whl
-	PATH="$(CURDIR)/$(PACKAGING)/bin:$$PATH" SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH) maturin build --release --locked --zig \
-		--compatibility manylinux2014 --target $(DIST_TARGET) --out $(DIST)
+	rm -f $(DIST_WHEEL)
+	$(PACKAGED) packaging/build.sh $(DIST_TARGET) $(DIST)
+
+# Where the program does not run on this machine, the one that does writes the manual.
+dist: wheel $(if $(filter $(HOST_TARGET),$(DIST_TARGET)),,program)
+	rm -f $(DIST)/stickslip-$(DIST_TARGET)-v*
+	$(PACKAGED) python -B packaging/archive.py $(DIST_TARGET) $(DIST_WHEEL) \
+		$(if $(filter $(HOST_TARGET),$(DIST_TARGET)),-,$(PROGRAM)) $(DIST)
 
 $(PACKAGING)/ready: packaging/requirements.txt
 	$(PYTHON) -m venv $(PACKAGING)
@@ -81,9 +91,50 @@ test-python: wheel
 	$(PYTHON) -m venv target/python-tests
 	target/python-tests/bin/python -m pip install --quiet --disable-pip-version-check -r tests/python/requirements.txt
 	target/python-tests/bin/python -m pip install --quiet --disable-pip-version-check \
-		"stickslip[pandas,polars,xarray,notebook] @ file://$(CURDIR)/$$(echo $(DIST)/stickslip-*.whl)"
+		"stickslip[pandas,polars,xarray,notebook] @ file://$(CURDIR)/$$(echo $(DIST_WHEEL))"
 	env -u STICKSLIP_PROGRAM target/python-tests/bin/python -m pytest tests/python
 	target/python-tests/bin/python -m mypy --strict python/stickslip
+
+# What is in the archive, and what `make install` does.
+test-dist: dist target/dist-tests/ready
+	$(PACKAGED) target/dist-tests/bin/python -B -m pytest -p no:cacheprovider tests/dist
+
+target/dist-tests/ready: tests/dist/requirements.txt
+	$(PYTHON) -m venv target/dist-tests
+	target/dist-tests/bin/python -m pip install --quiet --disable-pip-version-check -r $<
+	touch $@
+
+# Whether another copy of the commit, elsewhere and in other circumstances, gives the same bytes. It builds the program
+# again, which takes minutes.
+test-reproducible: dist
+	tests/dist/reproducible.sh $(DIST) $(DIST_TARGET)
+
+# The program for aarch64, run by an emulator: it gives what the program of this machine gives. Installs the emulator where
+# it is missing, for which it needs root and the packages of Debian.
+test-aarch64: wheel
+	tests/dist/install-emulator.sh
+	$(MAKE) wheel DIST_TARGET=aarch64-unknown-linux-gnu
+	$(PACKAGED) tests/dist/aarch64.sh $(DIST)
+
+# Installs the program, its manual and completions for the shells. `make install PREFIX=/usr DESTDIR=stage` puts them below
+# stage/usr, for packages.
+PREFIX = /usr/local
+DESTDIR =
+INSTALLED = bin/stickslip share/bash-completion/completions/stickslip share/zsh/site-functions/_stickslip \
+	share/fish/vendor_completions.d/stickslip.fish share/stickslip
+
+install: program
+	rm -rf target/install
+	packaging/share.sh "$(PROGRAM)" target/install
+	install -d "$(DESTDIR)$(PREFIX)/bin"
+	install -m 755 "$(PROGRAM)" "$(DESTDIR)$(PREFIX)/bin/stickslip"
+	find target/install -type f | while read -r file; do \
+	    place="$(DESTDIR)$(PREFIX)/share/$${file#target/install/}"; \
+	    install -d "$${place%/*}" && install -m 644 "$$file" "$$place" || exit 1; \
+	done
+
+uninstall:
+	cd "$(DESTDIR)$(PREFIX)" && rm -rf $(INSTALLED) && rm -f share/man/man1/stickslip.1 share/man/man1/stickslip-*.1
 
 # Formatting, licences of dependencies, lints, documentation and the order of imports; all warnings are errors.
 check:

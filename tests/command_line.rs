@@ -453,6 +453,33 @@ fn completions_and_manual_cover_every_command() {
 }
 
 #[test]
+fn every_command_has_a_manual_page_of_its_own() {
+    let place = Place::new();
+    let outcome = place.run("man --out share/man/man1").done();
+    assert!(outcome.stdout.contains("share/man/man1"), "{}", outcome.stdout);
+    let read = |name: &str| fs::read_to_string(place.path("share/man/man1").join(name)).unwrap();
+    let main = read("stickslip.1");
+    assert!(main.contains(".TH stickslip 1"), "{main}");
+    let help = place.run("--help").done().stdout;
+    let commands = help.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
+    let commands: Vec<&str> = commands.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
+    let commands: Vec<&str> = commands.into_iter().filter(|name| !name.is_empty() && *name != "help").collect();
+    assert!(commands.len() > 20, "{help}");
+    for command in &commands {
+        let page = read(&format!("stickslip-{command}.1"));
+        assert!(page.contains(&format!(".TH stickslip-{command} 1")), "{page}");
+        // The main page names all others.
+        assert!(main.contains(&format!("stickslip\\-{command}(1)")), "{command}: {main}");
+    }
+    assert_eq!(fs::read_dir(place.path("share/man/man1")).unwrap().count(), commands.len() + 1);
+    // The text in one is the pages, one after the other.
+    assert!(place.run("man").done().stdout.starts_with(&main));
+
+    place.write("file", "");
+    place.run("man --out file").refused(73, &["cannot create file"]);
+}
+
+#[test]
 fn parameters_beyond_the_range_of_numbers_are_refused_not_called_stable() {
     let place = Place::new();
     for change in

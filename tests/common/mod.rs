@@ -81,6 +81,12 @@ impl Outcome {
     }
 }
 
+/// The program under test: the one of this build, or what STICKSLIP_TEST_PROGRAM names, such as a program for another
+/// processor in an emulator (`make test-aarch64`).
+fn tested_program() -> PathBuf {
+    std::env::var_os("STICKSLIP_TEST_PROGRAM").map_or_else(|| env!("CARGO_BIN_EXE_stickslip").into(), PathBuf::from)
+}
+
 /// A command that obeys signals even where the tests were started with some of them ignored, as by `nohup` or in the
 /// background of a script.
 pub fn with_default_signals(program: impl AsRef<OsStr>) -> Command {
@@ -95,11 +101,7 @@ pub fn with_default_signals(program: impl AsRef<OsStr>) -> Command {
 
 impl Place {
     pub fn new() -> Self {
-        Self {
-            directory: tempfile::tempdir().unwrap(),
-            program: env!("CARGO_BIN_EXE_stickslip").into(),
-            environment: Vec::new(),
-        }
+        Self { directory: tempfile::tempdir().unwrap(), program: tested_program(), environment: Vec::new() }
     }
 
     /// Uses another build of stickslip.

@@ -113,7 +113,7 @@ fn dispatch(command: Command, interrupt: &Interrupt) -> Result<(), Failure> {
         Command::Verify(arguments) => commands::verify(&arguments),
         Command::Schema => commands::schema(),
         Command::Completions(arguments) => commands::completions(&arguments),
-        Command::Man => commands::man(),
+        Command::Man(arguments) => commands::man(&arguments),
     }
 }
 

@@ -83,8 +83,8 @@ pub enum Command {
     Schema,
     /// Print a completion script for a shell
     Completions(CompletionsArguments),
-    /// Print the manual page
-    Man,
+    /// Print the manual page, or write a page for each command
+    Man(ManArguments),
 }
 
 /// Arguments of `init`.
@@ -455,4 +455,12 @@ pub struct CompletionsArguments {
     /// bash, elvish, fish, powershell or zsh
     #[arg(value_name = "SHELL", value_enum)]
     pub shell: Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Debug, Args)]
+pub struct ManArguments {
+    /// Write a page for the program and one for each command into this folder, instead of printing them in one
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }

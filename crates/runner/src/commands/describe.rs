@@ -1,11 +1,14 @@
 //! `schema`, `completions` and `man`: descriptions of the engine for other programs.
 
+use std::fs;
+
 use clap::CommandFactory as _;
 
-use crate::cli::{Cli, CompletionsArguments};
+use crate::cli::{Cli, CompletionsArguments, ManArguments};
 use crate::failure::Failure;
+use crate::files::publish::publish;
 use crate::job::JobSpec;
-use crate::output::result;
+use crate::output::{quoted, result, shown};
 
 /// `stickslip schema`.
 pub fn schema() -> Result<(), Failure> {
@@ -20,16 +23,34 @@ pub fn completions(arguments: &CompletionsArguments) -> Result<(), Failure> {
     result(&String::from_utf8_lossy(&script))
 }
 
-/// `stickslip man`: the main page, then one for each command.
-pub fn man() -> Result<(), Failure> {
-    let mut page = Vec::new();
-    // The page is the same whichever machine prints it.
-    let mut command = Cli::command().long_version(None);
+/// `stickslip man`: the main page, then one for each command, in one text or in files of their own.
+pub fn man(arguments: &ManArguments) -> Result<(), Failure> {
+    // The pages are the same whichever machine makes them.
+    let mut command = Cli::command().long_version(None).disable_help_subcommand(true);
     command.build();
-    let render = |command: clap::Command, page: &mut Vec<u8>| clap_mangen::Man::new(command).render(page);
-    render(command.clone(), &mut page).map_err(|error| Failure::output(&error))?;
-    for subcommand in command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help") {
-        render(subcommand.clone(), &mut page).map_err(|error| Failure::output(&error))?;
+    let source = format!("stickslip {}", command.get_version().unwrap_or_default());
+    let page = |command: &clap::Command| {
+        let man = clap_mangen::Man::new(command.clone()).source(source.clone()).manual("stickslip");
+        let mut text = Vec::new();
+        man.render(&mut text).map_err(|error| Failure::output(&error))?;
+        Ok((man.get_filename(), text))
+    };
+    let mut pages = vec![page(&command)?];
+    for subcommand in command.get_subcommands() {
+        pages.push(page(subcommand)?);
     }
-    result(&String::from_utf8_lossy(&page))
+    let Some(folder) = &arguments.out else {
+        let text: Vec<u8> = pages.into_iter().flat_map(|(_, text)| text).collect();
+        return result(&String::from_utf8_lossy(&text));
+    };
+    fs::create_dir_all(folder).map_err(|error| Failure::creating(folder, error))?;
+    for (name, text) in &pages {
+        publish(folder, name, text)?;
+    }
+    result(&format!(
+        "Wrote {} pages to {}; read one: man -l {}\n",
+        pages.len(),
+        shown(folder),
+        quoted(&folder.join("stickslip.1"))
+    ))
 }

@@ -1,0 +1,228 @@
+"""What the program is built from: crates, and what else ends up in it, with licences and where their texts are."""
+
+from __future__ import annotations
+
+import gzip
+import html
+import json
+import os
+import re
+import subprocess
+from dataclasses import dataclass, field
+from pathlib import Path
+
+#: The root of the repository.
+REPOSITORY = Path(__file__).resolve().parent.parent
+
+#: The names of files with licences and notices.
+NOTICE = re.compile(r"(un)?licen[cs]e|copying|copyright|notice", re.IGNORECASE)
+
+#: Folders of a crate whose files are not part of a program that uses it.
+ASIDE = {"tests", "test", "examples", "benches", "fuzz", "docs", "target"}
+
+#: Licences whose text is the same whoever grants it, for crates that come without one. Reviewed: the text of the Apache
+#: licence holds no name of an author. That of MIT does, so a crate under it must bring its own.
+STANDARD = {"Apache-2.0": "LICENSE-APACHE"}
+
+
+class PackagingError(Exception):
+    """Something that must be mended before the program can be passed on."""
+
+
+@dataclass
+class Part:
+    """A crate, or something else that is in the program."""
+
+    name: str
+    version: str
+    licence: str
+    #: The identifier in lists of parts: a package URL.
+    url: str
+    #: The text of each licence and notice, by the name of its file.
+    texts: dict[str, str] = field(default_factory=dict)
+    #: The SHA-256 of the archive it came in; of crates in a registry only.
+    checksum: str | None = None
+    #: The identifiers of the parts that it needs.
+    needs: list[str] = field(default_factory=list)
+    description: str | None = None
+
+
+def run(*command: str) -> str:
+    """What a command prints."""
+    return subprocess.run(command, check=True, cwd=REPOSITORY, stdout=subprocess.PIPE, text=True).stdout
+
+
+def version() -> str:
+    """The version of the program."""
+    [program] = [package for package in _metadata("--no-deps")["packages"] if package["name"] == "stickslip"]
+    return program["version"]
+
+
+def crates(target: str) -> list[Part]:
+    """The program's own crate, and after it all crates that it is built from for a target, but for those that only its tests
+    and build scripts need. Procedural macros count, as what they write is compiled too."""
+    metadata = _metadata("--filter-platform", target)
+    packages = {package["id"]: package for package in metadata["packages"]}
+    needs = {
+        node["id"]: [need["pkg"] for need in node["deps"] if any(kind["kind"] is None for kind in need["dep_kinds"])]
+        for node in metadata["resolve"]["nodes"]
+    }
+    [root] = [name for name, package in packages.items() if package["name"] == "stickslip"]
+    reached: set[str] = set()
+    waiting = [root]
+    while waiting:
+        name = waiting.pop()
+        if name not in reached:
+            reached.add(name)
+            waiting.extend(needs[name])
+    checksums = _checksums()
+    ordered = sorted(reached - {root}, key=lambda name: (packages[name]["name"], packages[name]["version"]))
+    return [_crate(packages, name, needs[name], checksums) for name in [root, *ordered]]
+
+
+def embedded() -> list[Part]:
+    """What the crates of the program carry that others made."""
+    report = REPOSITORY / "crates" / "runner" / "src" / "report"
+    script = gzip.decompress((report / "plotly-cartesian.min.js.gz").read_bytes())[:400].decode()
+    plotly = re.search(r"plotly\.js .* v([0-9.]+)", script)
+    if plotly is None:
+        raise PackagingError("the head of plotly-cartesian.min.js.gz tells no version")
+    texts = {"LICENSE": _text(report / "plotly-license.txt")}
+    parts = [Part("plotly.js", plotly[1], "MIT", f"pkg:npm/plotly.js@{plotly[1]}", texts)]
+    for package in _metadata()["packages"]:
+        if package["name"] == "kuva":
+            fonts = Path(package["manifest_path"]).parent / "assets" / "fonts"
+            texts = {"LICENSE": _text(fonts / "LICENSE")}
+            url = f"pkg:generic/dejavu-fonts?from=kuva%40{package['version']}"
+            parts.append(Part("DejaVu fonts", f"of kuva {package['version']}", "Bitstream-Vera", url, texts))
+    return parts
+
+
+def toolchain() -> list[Part]:
+    """What the compiler and the linker add to every program. Zig, which links, is a package of this Python."""
+    import ziglang  # type: ignore[import-not-found]
+
+    compiler = re.search(r"^release: (.*)$", run("rustc", "--version", "--verbose"), re.MULTILINE)
+    if compiler is None:
+        raise PackagingError("rustc tells no release")
+    page = Path(run("rustc", "--print", "sysroot").strip()) / "share" / "doc" / "rust" / "COPYRIGHT-library.html"
+    zig = Path(ziglang.__file__).parent
+    linker = run(str(zig / "zig"), "version").strip()
+    library = zig / "lib"
+
+    def of_zig(name: str, licence: str, file: Path) -> Part:
+        return Part(name, f"of Zig {linker}", licence, f"pkg:generic/{name}?from=zig%40{linker}", {file.name: _text(file)})
+
+    return [
+        Part(
+            "rust-std",
+            compiler[1],
+            "MIT OR Apache-2.0",
+            f"pkg:generic/rust-std@{compiler[1]}",
+            _texts_of_page(page.read_text(encoding="utf-8")),
+        ),
+        of_zig("compiler_rt", "MIT", zig / "LICENSE"),
+        of_zig("libunwind", "Apache-2.0 WITH LLVM-exception", library / "libunwind" / "LICENSE.TXT"),
+        of_zig("glibc-start-files", "LGPL-2.1-or-later", library / "libc" / "glibc" / "LICENSES"),
+    ]
+
+
+def _metadata(*options: str) -> dict:
+    cargo = os.environ.get("CARGO", "cargo")
+    return json.loads(run(cargo, "metadata", "--locked", "--format-version", "1", *options))
+
+
+def _checksums() -> dict[tuple[str, str], str]:
+    """The checksums of Cargo.lock."""
+    lines = r'^name = "(.*)"\nversion = "(.*)"\nsource = ".*"\nchecksum = "(.*)"$'
+    found = re.findall(lines, (REPOSITORY / "Cargo.lock").read_text(encoding="utf-8"), re.MULTILINE)
+    return {(name, version): checksum for name, version, checksum in found}
+
+
+def _url(package: dict) -> str:
+    return f"pkg:cargo/{package['name']}@{package['version'].replace('+', '%2B')}"
+
+
+def _crate(packages: dict, name: str, needs: list[str], checksums: dict[tuple[str, str], str]) -> Part:
+    package = packages[name]
+    if package["license"] is None:
+        raise PackagingError(f"{package['name']} {package['version']} names no licence")
+    # Older crates write a slash for OR.
+    part = Part(package["name"], package["version"], package["license"].replace("/", " OR "), _url(package))
+    part.description = package["description"] and " ".join(package["description"].split())
+    part.needs = sorted({_url(packages[need]) for need in needs})
+    part.checksum = checksums.get((part.name, part.version))
+    # What has no source lies in the repository.
+    folder = REPOSITORY if package["source"] is None else Path(package["manifest_path"]).parent
+    if package["source"] is None:
+        part.texts = {path.name: _text(path) for path in sorted(folder.glob("LICENSE-*"))}
+    else:
+        part.texts = notices(folder) or _standard(part)
+    return part
+
+
+def notices(folder: Path) -> dict[str, str]:
+    """The texts of licences and notices in the folder of a crate."""
+    texts = {}
+    for place, folders, files in os.walk(folder):
+        folders[:] = sorted(set(folders) - ASIDE)
+        is_of_licences = re.fullmatch(r"licen[cs]es?", Path(place).name, re.IGNORECASE)
+        for name in sorted(files):
+            path = Path(place, name)
+            if (NOTICE.match(name) or is_of_licences) and path.suffix.lower() in {"", ".txt", ".md"} | _suffixes(name):
+                texts[path.relative_to(folder).as_posix()] = _text(path)
+    return texts
+
+
+def _suffixes(name: str) -> set[str]:
+    """What stands behind the last dot of a name such as LICENSE-Apache-2.0, where it is none of a kind of file."""
+    suffix = Path(name).suffix
+    return {suffix.lower()} if re.match(r"\.[0-9]", suffix) else set()
+
+
+def _standard(part: Part) -> dict[str, str]:
+    """The text of a licence for a crate that brings none, if it lets itself be passed on under one of `STANDARD`."""
+    choices = re.split(r"\s+OR\s+", part.licence.strip("()"))
+    for licence, file in STANDARD.items():
+        if licence in choices:
+            return {licence: _text(REPOSITORY / file)}
+    allowed = ", ".join(STANDARD)
+    raise PackagingError(
+        f"{part.name} {part.version} ({part.licence}) brings no text of its licence, and none of {allowed} applies"
+    )
+
+
+def _text(path: Path) -> str:
+    return _tidy(path.read_bytes().decode("utf-8", errors="replace"))
+
+
+def _tidy(text: str) -> str:
+    """A text without what differs between copies of the same: ends of lines, and empty lines before and after it."""
+    lines = [line.rstrip() for line in text.replace("\ufeff", "").splitlines()]
+    return "\n".join(lines).strip("\n") + "\n"
+
+
+def _texts_of_page(page: str) -> dict[str, str]:
+    """The notices of Rust's standard library as plain text, and beside them each text that they hold."""
+    texts: dict[str, str] = {}
+    crate = ""
+
+    def take(found: re.Match[str]) -> str:
+        if found["crate"]:
+            nonlocal crate
+            crate = html.unescape(found["crate"]).strip("📦 ")
+            return found[0]
+        file, text = html.unescape(found["file"]), _tidy(html.unescape(found["text"]))
+        texts[f"{crate}/{file}"] = text
+        return f"<p>Text: {crate}/{file}</p>"
+
+    block = (
+        r"<h3>(?P<crate>.*?)</h3>"
+        r"|<details>\s*<summary><code>(?P<file>.*?)</code></summary>\s*<pre>(?P<text>.*?)</pre>\s*</details>"
+    )
+    page = re.sub(r"<head>.*?</head>", "", page, flags=re.DOTALL)
+    page = re.sub(block, take, page, flags=re.DOTALL)
+    page = html.unescape(re.sub(r"<[^>]*>", "", page))
+    lines = [line.strip() for line in page.splitlines()]
+    overview = re.sub(r"\n{2,}", "\n", "\n".join(lines))
+    return {"COPYRIGHT-library": _tidy(overview), **texts}
