@@ -155,7 +155,7 @@ docs: docs-pictures $(MDBOOK)
 	rm -rf target/docs target/book
 	mkdir -p target/book/src
 	cp docs/book.toml target/book
-	cp -R README.md ARCHITECTURE.md SECURITY.md CITATION.cff docs jobs crates target/book/src
+	cp -R README.md ARCHITECTURE.md SECURITY.md CHANGELOG.md CITATION.cff docs jobs crates target/book/src
 	sed -e 's|](|](docs/|' -e 's|docs/\.\./||' docs/SUMMARY.md > target/book/src/SUMMARY.md
 	$(MDBOOK) build target/book --dest-dir "$(CURDIR)/target/docs"
 

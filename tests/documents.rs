@@ -91,7 +91,7 @@ impl Block {
 const CONTENTS: &str = "docs/SUMMARY.md";
 
 /// Pages of the site that lie at the root, beside the README.
-const AT_THE_ROOT: [&str; 2] = ["ARCHITECTURE.md", "SECURITY.md"];
+const AT_THE_ROOT: [&str; 3] = ["ARCHITECTURE.md", "SECURITY.md", "CHANGELOG.md"];
 
 /// README.md and the pages in docs/, by their path in the repository.
 fn pages() -> Vec<String> {
