@@ -14,18 +14,18 @@ use parquet::schema::types::Type;
 use super::arrow_schema::{self, ELEMENT};
 use super::column::{Field, Kind, Lists, Values};
 
-/// A Parquet file that is being written.
-pub struct TableWriter<W: Write + Send> {
-    writer: SerializedFileWriter<W>,
+/// A Parquet file that is being written, whatever to: the library's code is then built once.
+pub struct TableWriter<'a> {
+    writer: SerializedFileWriter<&'a mut (dyn Write + Send)>,
 }
 
-impl<W: Write + Send> TableWriter<W> {
+impl<'a> TableWriter<'a> {
     /// A file without rows yet, with pairs of key and value in its footer.
     ///
     /// # Errors
     /// If it cannot be written.
     pub fn new(
-        out: W,
+        out: &'a mut (dyn Write + Send),
         fields: &[Field],
         footer: &[(&str, String)],
         compression: Compression,
@@ -75,8 +75,8 @@ impl<W: Write + Send> TableWriter<W> {
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn finish(self) -> Result<W, ParquetError> {
-        self.writer.into_inner()
+    pub fn finish(self) -> Result<(), ParquetError> {
+        self.writer.into_inner().map(drop)
     }
 }
 
@@ -90,9 +90,11 @@ pub fn encoded(
     footer: &[(&str, String)],
     compression: Compression,
 ) -> Result<Vec<u8>, ParquetError> {
-    let mut writer = TableWriter::new(Vec::new(), fields, footer, compression)?;
+    let mut bytes = Vec::new();
+    let mut writer = TableWriter::new(&mut bytes, fields, footer, compression)?;
     writer.write(columns)?;
-    writer.finish()
+    writer.finish()?;
+    Ok(bytes)
 }
 
 /// A column as Parquet describes it.
@@ -259,9 +261,11 @@ mod tests {
     #[test]
     fn some_columns_and_several_groups_of_rows_are_read() {
         let (fields, _) = table();
-        let mut writer = TableWriter::new(Vec::new(), &fields, &[], Compression::UNCOMPRESSED).unwrap();
+        let mut bytes = Vec::new();
+        let mut writer = TableWriter::new(&mut bytes, &fields, &[], Compression::UNCOMPRESSED).unwrap();
         (0..3).for_each(|_| writer.write(table().1).unwrap());
-        let read = ReadTable::read(Bytes::from(writer.finish().unwrap()), &[0, 5]).unwrap();
+        writer.finish().unwrap();
+        let read = ReadTable::read(Bytes::from(bytes), &[0, 5]).unwrap();
         assert_eq!((read.rows, read.columns.len()), (9, 2));
         assert_eq!(read.integers("integer").unwrap(), [i64::MIN, 0, 7].repeat(3));
         let Some(ReadValues::Integers(lists)) = read.column("integers") else { panic!() };

@@ -147,8 +147,8 @@ impl<'a> Surface<'a> {
         // A hash compares the bytes without holding them in memory.
         let present = directory.open_surface().ok().flatten().and_then(|file| digest_of_file(file).ok());
         let Some(present) = present else { return Ok(false) };
-        let hasher = self.encode(blake3::Hasher::new(), self.job.cells());
-        let hasher = hasher.map_err(|error| Failure::writing(&directory.surface(), error))?;
+        let mut hasher = blake3::Hasher::new();
+        self.encode(&mut hasher, self.job.cells()).map_err(|error| Failure::writing(&directory.surface(), error))?;
         Ok(hasher.finalize().to_hex().as_str() == present)
     }
 
@@ -164,8 +164,8 @@ impl<'a> Surface<'a> {
         }
         let failed = |error: &dyn fmt::Display| Failure::writing(&directory.surface(), error);
         let mut file = directory.root().begin().map_err(|error| failed(&error))?;
-        let out = Hashed { out: BufWriter::new(&mut file), hasher: blake3::Hasher::new() };
-        let mut written = self.encode(out, self.job.cells()).map_err(|error| failed(&error))?;
+        let mut written = Hashed { out: BufWriter::new(&mut file), hasher: blake3::Hasher::new() };
+        self.encode(&mut written, self.job.cells()).map_err(|error| failed(&error))?;
         written.flush().map_err(|error| failed(&error))?;
         let digest = written.hasher.finalize().to_hex();
         drop(written);
@@ -175,11 +175,11 @@ impl<'a> Surface<'a> {
 
     /// Makes the first rows as they are made for the file, and writes them nowhere: to measure what they cost.
     pub fn try_rows(&self, cells: u64) -> Result<(), Failure> {
-        let written = self.encode(io::sink(), cells.min(self.job.cells()));
-        written.map(|_| ()).map_err(|error| Failure::InputOutput(error.to_string()))
+        let written = self.encode(&mut io::sink(), cells.min(self.job.cells()));
+        written.map_err(|error| Failure::InputOutput(error.to_string()))
     }
 
-    fn encode<W: Write + Send>(&self, out: W, cells: u64) -> Result<W, ParquetError> {
+    fn encode(&self, out: &mut (dyn Write + Send), cells: u64) -> Result<(), ParquetError> {
         let columns = columns::of(self.job, self.layout);
         let fields: Vec<Field> = columns.iter().map(Column::field).collect();
         let mut writer = TableWriter::new(out, &fields, &self.footer(), Compression::SNAPPY)?;
