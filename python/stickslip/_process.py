@@ -37,11 +37,16 @@ class _Program:
     def __init__(self) -> None:
         self.process: subprocess.Popen[bytes] | None = None
         self.interruptions = 0
+        #: It was interrupted before it began.
+        self.is_due = False
 
     def interrupt(self) -> None:
         """Ask it to keep what is finished and to end; a second time to end at once."""
         self.interruptions += 1
-        if self.process is None or self.process.returncode is not None:
+        if self.process is None:
+            self.is_due = True
+            return
+        if self.process.returncode is not None:
             return
         if self.interruptions > 2:
             self.process.kill()
@@ -98,7 +103,7 @@ def call(
             _running.add(running)
             try:
                 _end_with_python(process.pid, lifeline)
-                if running.interruptions:
+                if running.is_due:
                     process.send_signal(signal.SIGINT)
                 channel.close_end_of_program()
                 _pass_on(channel, messages, process)
@@ -110,13 +115,19 @@ def call(
                 _running.discard(running)
         output.seek(0)
         result = output.read().decode(errors="replace")
-    for warning in messages.warnings():
-        warnings.warn(warning, JobWarning, stacklevel=_depth_of_caller())
     code = process.returncode if process.returncode >= 0 else 128 - process.returncode
-    if code == _INTERRUPTED or (running.interruptions and code in (0, 128 + signal.SIGKILL)):
-        raise Interrupted(messages.failure() or "interrupted")
-    if code != 0:
-        raise error_of(code, messages.failure() or f"the program ended with code {code} without a message")
+    failure: BaseException | None = None
+    if code == _INTERRUPTED or running.interruptions:
+        failure = Interrupted(messages.failure() or "interrupted")
+    elif code != 0:
+        failure = error_of(code, messages.failure() or f"the program ended with code {code} without a message")
+    try:
+        for warning in messages.warnings():
+            warnings.warn(warning, JobWarning, stacklevel=_depth_of_caller())
+    finally:
+        # Where warnings are errors, what ended the program counts more.
+        if failure is not None:
+            raise failure
     return result
 
 

@@ -112,7 +112,7 @@ def _version_of(path: Path) -> str | None:
     """What a program says its version is; ``None`` if it is no stickslip."""
     try:
         answer = subprocess.run(
-            [path, "--version"],
+            [path, "-V"],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

@@ -120,8 +120,10 @@ class Run:
         ------
         FileNotFoundError
             If the run is not finished.
+        InputOutputError
+            If the file is not as it was written.
         """
-        table = self._table("surface.parquet", "the run is not finished; resume() it")
+        table = self._table("surface.parquet")
         return dataset(table) if kind == "xarray" else converted(table, kind)
 
     @overload
@@ -273,7 +275,13 @@ class Run:
         file = [] if out is None else [f"--out={absolute(out)}"]
         return Report(written(call(["report", *runs, *file]))[0])
 
-    def _table(self, name: str, why: str) -> pyarrow.Table:
+    def _table(self, name: str, why: str = "it is gone") -> pyarrow.Table:
+        """A result of the run, if the program says that it is finished and as it was written."""
+        state = self.status()["state"]
+        if state == "surface damaged":
+            raise InputOutputError(f"{self.path / name}: {state}; verify() writes it again", 74)
+        if state != "finished":
+            raise FileNotFoundError(f"{self.path} has no {name} yet: the run is {state}; resume() it")
         path = self.path / name
         if not path.is_file():
             raise FileNotFoundError(f"{self.path} has no {name}: {why}")

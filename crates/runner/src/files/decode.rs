@@ -9,6 +9,9 @@ use parquet::schema::types::ColumnDescriptor;
 
 use super::column::Lists;
 
+/// Most bytes of the texts of a column. A text that a file holds once may stand in every row.
+const MOST_TEXT: usize = 1 << 26;
+
 /// Columns of a Parquet file that were read.
 pub struct ReadTable {
     /// The pairs of key and value in the footer.
@@ -57,7 +60,10 @@ impl ReadTable {
         let mut leaves = Vec::new();
         for leaf in (0..schema.num_columns()).filter(|leaf| places.contains(&schema.get_column_root_idx(*leaf))) {
             let name = schema.get_column_root(leaf).name().to_owned();
-            let values = empty(&schema.column(leaf)).map_err(|other| format!("its column {name} holds {other}"))?;
+            let is_optional = schema.get_column_root(leaf).is_optional();
+            let values = empty(&schema.column(leaf), is_optional).map_err(|other| {
+                format!("its column {name} holds {other}; INT64, DOUBLE and lists of them are read, and texts")
+            })?;
             if leaves.last().is_some_and(|(root, _)| *root == schema.get_column_root_idx(leaf)) {
                 return Err(format!("its column {name} holds several values"));
             }
@@ -120,8 +126,14 @@ fn without_gaps<T: Copy>(name: &str, values: &[Option<T>]) -> Result<Vec<T>, Str
     values.iter().copied().collect::<Option<_>>().ok_or_else(|| format!("column {name} has a value missing"))
 }
 
-/// No values yet of the type of a column, or what else it holds.
-fn empty(column: &ColumnDescriptor) -> Result<ReadValues, String> {
+/// No values yet of the type of a column, or what else it holds. A list, or a value that is none, may be optional.
+fn empty(column: &ColumnDescriptor, is_optional: bool) -> Result<ReadValues, String> {
+    let is_list = column.max_rep_level() > 0;
+    let optional = column.self_type().is_optional() || (!is_list && is_optional);
+    let known = i16::from(optional) + if is_list { 1 + i16::from(is_optional) } else { 0 };
+    if column.max_def_level() != known {
+        return Err("values in groups".to_owned());
+    }
     let is_plain = column.logical_type_ref().is_none() && column.converted_type() == ConvertedType::NONE;
     let is_text = matches!(column.logical_type_ref(), Some(LogicalType::String))
         || column.converted_type() == ConvertedType::UTF8;
@@ -131,7 +143,7 @@ fn empty(column: &ColumnDescriptor) -> Result<ReadValues, String> {
         (PhysicalType::BYTE_ARRAY, 0) if is_text => ReadValues::Text(Vec::new()),
         (PhysicalType::INT64, 1) if is_plain => ReadValues::Integers(Lists::default()),
         (PhysicalType::DOUBLE, 1) if is_plain => ReadValues::Reals(Lists::default()),
-        (other, _) => return Err(format!("{other}, not numbers")),
+        (other, _) => return Err(other.to_string()),
     })
 }
 
@@ -146,7 +158,12 @@ impl ReadValues {
                 values.extend(Levelled::read(reader, column, rows)?.optional()?);
             }
             (Self::Text(values), ColumnReader::ByteArrayColumnReader(reader)) => {
+                let mut bytes: usize = values.iter().flatten().map(String::len).sum();
                 for value in Levelled::read(reader, column, rows)?.optional()? {
+                    bytes += value.as_ref().map_or(0, ByteArray::len);
+                    if bytes > MOST_TEXT {
+                        return Err(format!("its texts are longer than {MOST_TEXT} bytes"));
+                    }
                     let text = |bytes: ByteArray| String::from_utf8(bytes.data().to_vec());
                     values.push(value.map(text).transpose().map_err(|error| error.to_string())?);
                 }

@@ -5,7 +5,7 @@
 //!
 //! Random numbers are drawn sample by sample from the generator of the sample's block (see
 //! [`identity`](super::identity)). They become normal by `rand_distr`'s ziggurat. Its rare tail and rejection steps
-//! call `exp` and `ln`, which a build that enables `num-traits/std` (Arrow does) takes from the platform; golden values
+//! call `exp` and `ln`, which a build that enables `num-traits/std` (Parquet does) takes from the platform; golden values
 //! in the tests, and a run without FMA and AVX2, guard that no result depends on it.
 
 use std::ops::Range;
