@@ -2,9 +2,9 @@
 
     python packaging/archive.py TARGET WHEEL PROGRAM FOLDER
 
-Program, licences and list of parts are those of the wheel. PROGRAM is one that runs on this machine and writes the manual and the completions; "-"
-stands for that of the wheel. The archive goes to FOLDER, with its checksum beside it. SOURCE_DATE_EPOCH is the time of all
-files in it. The same commit gives the same bytes.
+Program, licences and list of parts are those of the wheel. PROGRAM is one that runs on this machine and writes the
+manual and the completions; "-" stands for that of the wheel. The archive goes to FOLDER, with its checksum beside it.
+SOURCE_DATE_EPOCH is the time of all files in it. The same commit gives the same bytes.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from pathlib import Path
 import parts
 from wheel import BILL, LICENCES, name_of_program
 
-#: What a user reads or runs besides the program. The jobs are those of README.md.
-DOCUMENTS = ["README.md", "CHANGELOG.md", "CITATION.cff", "LICENSE-*", "jobs/*.toml", "jobs/*.csv"]
+#: What a user reads or runs besides the program. The README is that of the archive.
+DOCUMENTS = ["CHANGELOG.md", "CITATION.cff", "LICENSE-*", "jobs/*.toml", "jobs/*.csv"]
 
 #: What lists the digests of all other files.
 CHECKSUMS = "SHA256SUMS"
@@ -44,6 +44,7 @@ def fill(folder: Path, wheel: Path, host_program: str) -> None:
     share = parts.REPOSITORY / "packaging" / "share.sh"
     subprocess.run([str(share), writer, str(folder / "share")], check=True)
     (folder / "jobs").mkdir()
+    shutil.copyfile(parts.REPOSITORY / "packaging" / "README.md", folder / "README.md")
     for pattern in DOCUMENTS:
         for path in parts.REPOSITORY.glob(pattern):
             shutil.copyfile(path, folder / path.relative_to(parts.REPOSITORY))

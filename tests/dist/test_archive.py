@@ -39,12 +39,13 @@ def test_it_holds_what_it_should(folder: Path) -> None:
         "share/fish/vendor_completions.d/stickslip.fish",
         "share/stickslip/completions/stickslip.elv",
         "share/stickslip/completions/stickslip.ps1",
+        "README.md",
         "THIRD-PARTY-LICENSES",
         "stickslip.cdx.json",
         "SHA256SUMS",
     ]:
         assert (folder / name).stat().st_size > 0, name
-    copied = ["README.md", "CHANGELOG.md", "CITATION.cff", "LICENSE-MIT", "LICENSE-APACHE"]
+    copied = ["CHANGELOG.md", "CITATION.cff", "LICENSE-MIT", "LICENSE-APACHE"]
     copied += [f"jobs/{path.name}" for path in (REPOSITORY / "jobs").iterdir()]
     for name in copied:
         assert (folder / name).read_bytes() == (REPOSITORY / name).read_bytes(), name

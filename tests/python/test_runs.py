@@ -6,7 +6,9 @@ import json
 import math
 import multiprocessing
 import pickle
+import subprocess
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -214,3 +216,28 @@ def test_runs_and_errors_go_through_pickle() -> None:
     interrupted = pickle.loads(pickle.dumps(stickslip.Interrupted("stopped", None)))
     assert str(interrupted) == "stopped" and interrupted.run is None
     assert isinstance(interrupted, KeyboardInterrupt)
+
+
+def test_a_surface_that_is_not_finished_or_damaged_is_not_read(small: dict[str, Any], place: Path) -> None:
+    (place / "small.toml").write_text(tomli_w.dumps(small), encoding="utf-8")
+    run = stickslip.run("small.toml", "run", False)
+    assert set(run.surface()["n_samples"]) == {1000}
+    part = [stickslip.program(), "submit", "small.toml", "--out=run", "--samples=9000", "--shard=1/2"]
+    subprocess.run(part, check=True, capture_output=True)
+    with pytest.raises(FileNotFoundError, match="the run is unfinished"):
+        run.surface()
+    assert set(run.resume(progress=False).surface()["n_samples"]) == {9000}
+    surface = run.path / "surface.parquet"
+    damaged = bytearray(surface.read_bytes())
+    damaged[len(damaged) // 2] ^= 1
+    surface.write_bytes(bytes(damaged))
+    with pytest.raises(stickslip.InputOutputError, match="damaged"):
+        run.surface("arrow")
+
+
+def test_warnings_that_are_errors_do_not_hide_what_ended_the_program(stub: Any) -> None:
+    stub("import sys\nprint('stickslip: warning: odd', file=sys.stderr)\nprint('stickslip: wrong', file=sys.stderr)\nsys.exit(65)")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(stickslip.JobError, match="wrong"):
+            stickslip.check({"name": "any"})

@@ -40,8 +40,8 @@ const TIGHTEST: i64 = 24;
 /// Largest page. Ours have about a megabyte.
 const LARGEST_PAGE: i64 = 1 << 28;
 
-/// Largest number of values in the columns that are read of a file without a number of rows that is known: half a
-/// gigabyte of numbers.
+/// Largest number of values in the columns that are read of a file without a number of rows that is known: less
+/// than a gigabyte in memory.
 const MOST_VALUES: u64 = 1 << 25;
 
 /// Largest number of values in a row of a surface.
