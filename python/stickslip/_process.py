@@ -146,7 +146,8 @@ def _pass_on(channel: Channel, messages: Messages, process: subprocess.Popen[byt
     """Show what the program says, until it ends. The message of a failure is left to the exception."""
     held = ""
     while True:
-        text = channel.read(timeout=0.1 if held else None)
+        # The system may give a signal to another thread, which does not wake this one; so it looks by itself.
+        text = channel.read(timeout=0.1 if held else 0.5)
         if text == "":
             break
         # What is not the last is no failure's message.

@@ -281,7 +281,8 @@ class Run:
         if state == "surface damaged":
             raise InputOutputError(f"{self.path / name}: {state}; verify() writes it again", 74)
         if state != "finished":
-            raise FileNotFoundError(f"{self.path} has no {name} yet: the run is {state}; resume() it")
+            remedy = "wait for the process that computes it" if state == "running" else "resume() it"
+            raise FileNotFoundError(f"{self.path} has no {name} yet: the run is not finished ({state}); {remedy}")
         path = self.path / name
         if not path.is_file():
             raise FileNotFoundError(f"{self.path} has no {name}: {why}")

@@ -224,7 +224,7 @@ def test_a_surface_that_is_not_finished_or_damaged_is_not_read(small: dict[str, 
     assert set(run.surface()["n_samples"]) == {1000}
     part = [stickslip.program(), "submit", "small.toml", "--out=run", "--samples=9000", "--shard=1/2"]
     subprocess.run(part, check=True, capture_output=True)
-    with pytest.raises(FileNotFoundError, match="the run is unfinished"):
+    with pytest.raises(FileNotFoundError, match=r"the run is not finished \(unfinished\)"):
         run.surface()
     assert set(run.resume(progress=False).surface()["n_samples"]) == {9000}
     surface = run.path / "surface.parquet"
