@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -39,7 +40,8 @@ LONG: dict[str, Any] = {
 
 
 def pytest_configure() -> None:
-    """These tests are of the wheel alone."""
+    """These tests are of the wheel alone, and send SIGINT, which a shell lets its background jobs ignore."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     assert "STICKSLIP_PROGRAM" not in os.environ, "unset STICKSLIP_PROGRAM"
     assert REPOSITORY / "python" not in Path(stickslip.__file__).parents, "install the wheel: make test-python"
 
