@@ -83,9 +83,15 @@ impl FinishedSurface {
     /// # Errors
     /// A file that cannot be read or is not the surface of the job, and columns that hold no numbers.
     pub fn columns(&self, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, Failure> {
-        let file = self.directory.open_surface()?.ok_or_else(|| self.broken("it is gone"))?;
-        let mut columns = read_columns(file, Some(self.job.cells()), wanted).map_err(|why| self.broken(why))?;
+        let mut columns = self.read(wanted)?;
         self.describe(&mut columns);
+        Ok(columns)
+    }
+
+    /// As [`FinishedSurface::columns`], without units and meanings.
+    fn read(&self, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, Failure> {
+        let file = self.directory.open_surface()?.ok_or_else(|| self.broken("it is gone"))?;
+        let columns = read_columns(file, Some(self.job.cells()), wanted).map_err(|why| self.broken(why))?;
         let wrong = columns.iter().map(|column| column.values.len()).find(|rows| *rows as u64 != self.job.cells());
         match wrong {
             None => Ok(columns),
@@ -111,7 +117,7 @@ impl FinishedSurface {
     /// # Errors
     /// As [`FinishedSurface::columns`], and a column that is missing.
     pub fn numbers<const N: usize>(&self, names: [&str; N]) -> Result<[Vec<Option<f64>>; N], Failure> {
-        let columns = self.columns(|name| names.contains(&name))?;
+        let columns = self.read(|name| names.contains(&name))?;
         numbers_of(columns, names).map_err(|why| self.broken(why))
     }
 
