@@ -6,6 +6,7 @@
 use std::io::{self, Write};
 
 use super::arrays::{AXES, GridArrays};
+use crate::version::VERSION;
 
 /// Types of elements.
 const INT8: u32 = 1;
@@ -28,7 +29,7 @@ const DOUBLE_CLASS: u32 = 6;
 /// Those of `out`, and an array of more than 4 GiB.
 pub fn write(arrays: &GridArrays<'_>, out: &mut dyn Write) -> io::Result<()> {
     // Spaces fill the text up to 116 bytes; 8 bytes of zeros say that there are no data of subsystems.
-    let text = format!("MATLAB 5.0 MAT-file, written by stickslip {}", env!("CARGO_PKG_VERSION"));
+    let text = format!("MATLAB 5.0 MAT-file, written by stickslip {VERSION}");
     out.write_all(format!("{text:<116.116}").as_bytes())?;
     out.write_all(&[0; 8])?;
     // Version 1.0, and the mark by which a reader knows the order of bytes: little end first.

@@ -21,6 +21,7 @@ pub use self::run::ReportedRun;
 use crate::failure::Failure;
 use crate::output::quoted;
 use crate::picture::answer::answer;
+use crate::version::VERSION;
 
 const PAGE: &str = include_str!("page.html");
 /// The style of pages, light and dark.
@@ -59,7 +60,7 @@ pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, 
         ("computed", all(computed)),
         ("reconstructed", reconstructed()),
         ("verdicts", verdicts(runs)),
-        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("version", VERSION.to_owned()),
         ("plotly", LIBRARY_VERSION.to_owned()),
         ("data", in_script(&data)),
         ("script", SCRIPT.to_owned()),
@@ -130,7 +131,7 @@ fn computed(run: &ReportedRun, has_name: bool) -> String {
         ("Cells", job.cells().to_string()),
         ("Samples", samples),
         ("Seed", job.sampling.seed.to_string()),
-        ("Program", format!("stickslip {}, results version {RESULTS_VERSION}", env!("CARGO_PKG_VERSION"))),
+        ("Program", format!("stickslip {VERSION}, results version {RESULTS_VERSION}")),
         ("Job", job.hash()),
         ("Computed by", run.programs.join("; ")),
         ("The same numbers", format!("stickslip submit {}", quoted(&again))),

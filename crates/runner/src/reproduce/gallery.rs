@@ -8,6 +8,7 @@ use crate::plot::canvas::Canvas;
 use crate::plot::chart;
 use crate::report::{STYLE, escaped, filled, reconstructed};
 use crate::target::Target;
+use crate::version::VERSION;
 
 const PAGE: &str = include_str!("gallery.html");
 const OWN_STYLE: &str = include_str!("gallery.css");
@@ -41,7 +42,7 @@ pub fn page(sections: &[Section]) -> Result<String, Failure> {
         ("style", format!("{STYLE}{OWN_STYLE}")),
         ("reconstructed", reconstructed()),
         ("contents", contents.collect()),
-        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("version", VERSION.to_owned()),
         ("sections", all),
     ];
     Ok(filled(PAGE, &parts))

@@ -25,6 +25,7 @@ use crate::store::layout::SURFACE;
 use crate::store::tally::Tally;
 use crate::tables::columns::{self, Column};
 use crate::tables::row::{SurfaceRow, unaudited, widened};
+use crate::version::VERSION;
 
 /// Number of rows that are held in memory at once, and in a row group.
 const BATCH_ROWS: u64 = 65_536;
@@ -210,7 +211,7 @@ pub fn footer(job: &Job) -> Vec<(&'static str, String)> {
         (JOB_KEY, job.normalised()),
         (JOB_HASH_KEY, job.hash()),
         ("stickslip:seed", job.sampling.seed.to_string()),
-        ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("stickslip:engine_version", VERSION.to_owned()),
         ("stickslip:results_version", RESULTS_VERSION.to_string()),
     ]
 }

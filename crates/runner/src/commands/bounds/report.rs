@@ -10,6 +10,7 @@ use crate::files::table::{TableColumn, TableValues};
 use crate::job::{ImpreciseJob, ImpreciseQuantity, JobSource, RandomInput, Values, What, axis_of};
 use crate::output::{aligned, counted, wrapped};
 use crate::picture::view::rounded;
+use crate::version::VERSION;
 
 /// Largest number of cells at the terminal.
 const MOST_CELLS: usize = 100;
@@ -282,7 +283,7 @@ impl Found<'_> {
         vec![
             ("stickslip:job", self.source.text.clone()),
             ("stickslip:imprecise", imprecise_json(self.job).to_string()),
-            ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("stickslip:engine_version", VERSION.to_owned()),
             ("stickslip:results_version", RESULTS_VERSION.to_string()),
         ]
     }

@@ -36,6 +36,7 @@ use crate::output::{note, output_file, result};
 use crate::picture::view::rounded;
 use crate::schedule::engine::Engine;
 use crate::store::layout::MAPS;
+use crate::version::VERSION;
 
 /// Confidence of the intervals in plots and reports, for all cells together.
 pub const CONFIDENCE: f64 = 0.95;
@@ -77,7 +78,7 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
         let footer = [
             ("stickslip:confidence", confidence.to_string()),
             ("stickslip:simultaneous", (!arguments.pointwise).to_string()),
-            ("stickslip:engine_version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("stickslip:engine_version", VERSION.to_owned()),
         ];
         write_table(&directory, &name, &table(&compared), &footer)?;
         note(format_args!("{}: {} rows", out.display(), rows(&compared)));
