@@ -9,7 +9,7 @@ MDBOOK_VERSION = 0.5.4
 MDBOOK_ROOT = target/mdbook-$(MDBOOK_VERSION)
 MDBOOK = $(MDBOOK_ROOT)/bin/mdbook
 
-.PHONY: run test test-faults test-slurm test-parallel program check docs docs-pictures wheel dist test-python test-dist test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
+.PHONY: run test test-faults test-slurm test-parallel program check packages docs docs-pictures wheel dist test-python test-dist test-reproducible test-aarch64 install uninstall bench bench-cluster bench-peers validity coverage clean
 .DEFAULT_GOAL := run
 
 # Build, and run the main job: Figure 14a.
@@ -64,14 +64,17 @@ program:
 # or newer (manylinux2014), to which Zig links. The same commit gives the same bytes. `make dist
 # DIST_TARGET=aarch64-unknown-linux-gnu` builds for another processor.
 PACKAGING = target/packaging
+CYCLONEDX_VERSION = 0.5.9
+CYCLONEDX_ROOT = target/cyclonedx-$(CYCLONEDX_VERSION)
+CYCLONEDX = $(CYCLONEDX_ROOT)/bin/cargo-cyclonedx
 DIST = target/dist
 HOST_TARGET = $(shell uname -m)-unknown-linux-gnu
 DIST_TARGET = $(HOST_TARGET)
 DIST_WHEEL = $(DIST)/stickslip-*_$(firstword $(subst -, ,$(DIST_TARGET))).whl
 SOURCE_DATE_EPOCH ?= $(or $(shell git log -1 --format=%ct 2>/dev/null),315532800)
-PACKAGED = PATH="$(CURDIR)/$(PACKAGING)/bin:$$PATH" SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH)
+PACKAGED = PATH="$(CURDIR)/$(PACKAGING)/bin:$(CURDIR)/$(CYCLONEDX_ROOT)/bin:$$PATH" SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH)
 
-wheel: $(PACKAGING)/ready
+wheel: $(PACKAGING)/ready $(CYCLONEDX)
 	rm -f $(DIST_WHEEL)
 	$(PACKAGED) packaging/build.sh $(DIST_TARGET) $(DIST)
 
@@ -85,6 +88,10 @@ $(PACKAGING)/ready: packaging/requirements.txt
 	$(PYTHON) -m venv $(PACKAGING)
 	$(PACKAGING)/bin/python -m pip install --quiet --disable-pip-version-check -r $<
 	touch $@
+
+# What lists the crates in the program. It is built as mdBook is, in a minute and a half of processor time.
+$(CYCLONEDX):
+	$(CARGO) install cargo-cyclonedx --version $(CYCLONEDX_VERSION) --locked --root $(CYCLONEDX_ROOT) --debug
 
 test-python: wheel
 	rm -rf target/python-tests
@@ -136,7 +143,8 @@ install: program
 uninstall:
 	cd "$(DESTDIR)$(PREFIX)" && rm -rf $(INSTALLED) && rm -f share/man/man1/stickslip.1 share/man/man1/stickslip-*.1
 
-# Formatting, licences of dependencies, lints, documentation and the order of imports; all warnings are errors.
+# Formatting, licences of dependencies, lints, documentation, the order of imports, and whether the crates can be packaged;
+# all warnings are errors. Building what was packaged takes minutes: `make packages` does.
 check:
 	$(CARGO) fmt --all --check
 	$(CARGO) test --locked --quiet -p stickslip --test licences
@@ -148,6 +156,11 @@ check:
 	$(CARGO) test --locked --quiet -p stickslip-core --test structure
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
+	$(CARGO) package --locked --quiet --workspace --allow-dirty --no-verify
+
+# The crates as others get them, each built from its package alone.
+packages:
+	$(CARGO) package --locked --workspace --allow-dirty
 
 # The documentation as a site in target/docs, to be opened in a browser: README.md, ARCHITECTURE.md and docs/. Pages and
 # what they link to keep their places, so that the same links work here and in a view of the repository.
@@ -155,7 +168,7 @@ docs: docs-pictures $(MDBOOK)
 	rm -rf target/docs target/book
 	mkdir -p target/book/src
 	cp docs/book.toml target/book
-	cp -R README.md ARCHITECTURE.md SECURITY.md CHANGELOG.md CITATION.cff docs jobs crates target/book/src
+	cp -RL README.md ARCHITECTURE.md SECURITY.md CHANGELOG.md CITATION.cff docs jobs crates target/book/src
 	sed -e 's|](|](docs/|' -e 's|docs/\.\./||' docs/SUMMARY.md > target/book/src/SUMMARY.md
 	$(MDBOOK) build target/book --dest-dir "$(CURDIR)/target/docs"
 
@@ -190,7 +203,7 @@ bench-cluster:
 	$(CARGO) build --locked --release
 	$(PYTHON) benches/cluster.py $(STICKSLIP)
 
-# The tables of the range of validity (docs of `stickslip_core::criterion::validity`): verdicts against references, case by case.
+# The tables of the range of validity (docs of `stickslip_core::models::pad_on_disc::criterion::validity`): verdicts against references, case by case.
 validity:
 	$(CARGO) bench --locked -p stickslip-core --bench validity
 

@@ -10,10 +10,10 @@
 use rand::SeedableRng;
 use rand_distr::{Binomial, Distribution};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
-use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_core::model::pair_boundary::PairBoundary;
+use stickslip_core::model::verdict::{Verdict, VerdictCounts};
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::draw::deviates::{DeviateStream, Points};
 use stickslip_sampler::estimate::conditional::{ConditionalPart, ProbabilitySums};
 use stickslip_sampler::estimate::difference::PairedCounts;
@@ -21,12 +21,12 @@ use stickslip_sampler::estimate::difference::{dependent_difference, paired_diffe
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
 use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 use stickslip_sampler::estimate::looks::{Looks, Precision};
-use stickslip_sampler::estimate::score::{CellParameter, ScoreSums, ScoreTotals};
+use stickslip_sampler::estimate::score::{ScoreSums, ScoreTotals};
 use stickslip_sampler::estimate::sobol_indices::{IndexCounts, indices};
 use stickslip_sampler::estimate::weighted::{self, WeightedPart, WeightedSums};
 use stickslip_sampler::estimate::{audit, conditional, randomisations};
-use stickslip_sampler::grid::{Cell, RelativeStd};
-use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw};
+use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw, PairParameter};
+use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::pair::Pair;
 use stickslip_sampler::rare::population::{Effort, Points as DeviatePoints, Population};
 use stickslip_sampler::rare::proposal::Proposal;
@@ -219,7 +219,7 @@ fn stopping() {
     }
 }
 
-fn boundary() -> StabilityBoundary {
+fn boundary() -> PairBoundary {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.set("operating_point.rotating_speed", 15.0).unwrap();
     PadOnDisc::new(parameters).unwrap().stability_boundary()
@@ -236,15 +236,14 @@ fn derivatives() {
         (0.1, 0.272, f64::INFINITY, 1000, 1000),
         (0.1, 0.272, f64::INFINITY, 100_000, 300),
     ] {
-        let relative_std = RelativeStd { preload: 0.2, static_friction: 0.1 };
-        let cell = Cell { index: 0, rotating_speed: 15.0, relative_std, preload, static_friction: friction };
+        let inputs = NormalPair { expected: [preload, friction], relative_std: [0.2, 0.1] };
         // P(unstable | decided), by the midpoint rule over the deviate of the preload.
         let probability = |friction: f64| {
             let (mut unstable, mut decided, step) = (0.0, 0.0, 1e-3);
             let steps = ((f64::min(undecided_above, 9.0) + 9.0) / step).round() as u32;
             for i in 0..steps {
                 let z = -9.0 + step * (f64::from(i) + 0.5);
-                let critical = boundary.critical_static_friction(preload * (1.0 + 0.2 * z));
+                let critical = boundary.critical_second(preload * (1.0 + 0.2 * z));
                 decided += normal::density(z);
                 unstable += normal::density(z) * normal::upper_tail((critical / friction - 1.0) / 0.1);
             }
@@ -260,13 +259,13 @@ fn derivatives() {
             for z in stream.draw(0, 0, 0..samples).chunks_exact(2) {
                 let by_boundary = boundary.verdict(preload * (1.0 + 0.2 * z[0]), friction * (1.0 + 0.1 * z[1]));
                 let verdict = if z[0] > undecided_above { Verdict::Undecided } else { by_boundary };
-                sums.add(&cell, Some(z[0]), Some(z[1]), verdict);
+                sums.add(&inputs, [Some(z[0]), Some(z[1])], verdict);
                 counts += verdict.into();
             }
             let sums: Vec<i128> = sums.sums().map(i128::from).collect();
             let totals = ScoreTotals::from_sums(&sums.try_into().unwrap());
             let p = counts.unstable as f64 / counts.decided() as f64;
-            if let Some((value, error)) = totals.derivative(CellParameter::StaticFriction, &cell, &counts, p) {
+            if let Some((value, error)) = totals.derivative(PairParameter::Expected(1), &inputs, &counts, p) {
                 given += 1;
                 covered += u64::from((value - truth).abs() <= 1.96 * error);
             }
@@ -359,7 +358,7 @@ fn conditional_probabilities() {
         let std = (2.0 * log_std * log_std + others as f64 * weight * weight).sqrt();
         let relative_std = (log_std * log_std).exp_m1().sqrt();
         let mean = (0.5 * log_std * log_std).exp();
-        let preload = boundary_with(1.0).critical_product() / 0.4 * (std * normal::quantile(tail)).exp();
+        let preload = boundary_with(1.0).critical_product / 0.4 * (std * normal::quantile(tail)).exp();
         let lognormal = |median: f64| InputDistribution::relative(&Marginal::Lognormal, median * mean, relative_std);
         let pair = Pair::new(lognormal(preload), lognormal(0.4));
         let given = |z: &[f64]| {

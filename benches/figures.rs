@@ -13,28 +13,25 @@ use std::time::{Duration, Instant};
 
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
-use stickslip_core::criterion::decision::Decision;
-use stickslip_core::criterion::settings::TimeDomainSettings;
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
-use stickslip_core::lanes::dispatch::InstructionSet;
-use stickslip_core::motion::moment::Moment;
-use stickslip_core::motion::start::Start;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::decision::Decision;
+use stickslip_core::model::verdict::VerdictCounts;
+use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
+use stickslip_core::models::pad_on_disc::criterion::time_domain::{DiscModel, TimeDomain};
+use stickslip_core::models::pad_on_disc::lanes::dispatch::InstructionSet;
+use stickslip_core::models::pad_on_disc::motion::moment::Moment;
+use stickslip_core::models::pad_on_disc::motion::start::Start;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_sampler::draw::deviates::{DeviateStream, Points};
 use stickslip_sampler::draw::identity::block_generator;
 use stickslip_sampler::draw::identity::{BLOCK_SAMPLES, Purpose};
-use stickslip_sampler::grid::{Cell, RelativeStd};
 use stickslip_sampler::inputs::{Correlation, InputColumns, Marginal};
+use stickslip_sampler::integrate::NormalPair;
 
-const CELL: Cell = Cell {
-    index: 17,
-    rotating_speed: 15.0,
-    relative_std: RelativeStd { preload: 0.2, static_friction: 0.2 },
-    preload: 0.1,
-    static_friction: 0.39,
-};
+/// A cell of Figure 14: its number, its rotating speed, and its preload and static friction.
+const CELL: u64 = 17;
+const SPEED: f64 = 15.0;
+const PAIR: NormalPair = NormalPair { expected: [0.1, 0.39], relative_std: [0.2, 0.2] };
 
 fn figure(name: &str, value: f64, unit: &str) {
     let digits = if value >= 1000.0 { 0 } else { 3 };
@@ -67,24 +64,23 @@ fn seconds(work: impl FnOnce()) -> f64 {
     started.elapsed().as_secs_f64()
 }
 
-/// Normal preload and static friction of a cell.
-fn scatter<'a>(cell: &Cell, independent: &'a Correlation) -> InputColumns<'a> {
-    let stds = [cell.relative_std.preload, cell.relative_std.static_friction];
-    InputColumns::new(&[Marginal::Normal, Marginal::Normal], independent, &[cell.preload, cell.static_friction], &stds)
+/// Normal preload and static friction.
+fn scatter<'a>(pair: &NormalPair, independent: &'a Correlation) -> InputColumns<'a> {
+    InputColumns::new(&[Marginal::Normal, Marginal::Normal], independent, &pair.expected, &pair.relative_std)
 }
 
 /// The loop over samples on one thread, alternately with and without verdicts.
 fn sampling() {
     const SAMPLES: u64 = 10_000_000;
     let mut parameters = Parameters::sui_ding_2018();
-    parameters.operating_point.rotating_speed = CELL.rotating_speed;
+    parameters.operating_point.rotating_speed = SPEED;
     let boundary = PadOnDisc::new(parameters).expect("the preset is valid").stability_boundary();
     let stream = DeviateStream { seed: 2018, common_random_numbers: false, dimensions: 2, points: Points::Random };
     let decided = || {
         let mut counts = VerdictCounts::default();
         let independent = Correlation::independent(2);
-        let scatter = scatter(&CELL, &independent);
-        stream.for_each_chunk(CELL.index, 0, 0..SAMPLES, |columns| {
+        let scatter = scatter(&PAIR, &independent);
+        stream.for_each_chunk(CELL, 0, 0..SAMPLES, |columns| {
             scatter.apply(columns);
             counts += boundary.count(&columns[0], &columns[1]);
         });
@@ -94,7 +90,7 @@ fn sampling() {
     let raw = || {
         let mut deviates = [[0.0_f64; 2]; 250];
         for block in 0..SAMPLES / BLOCK_SAMPLES {
-            let mut generator = block_generator(2018, Purpose::Inputs, CELL.index, block);
+            let mut generator = block_generator(2018, Purpose::Inputs, CELL, block);
             for _ in 0..BLOCK_SAMPLES / 250 {
                 for pair in &mut deviates {
                     *pair = [generator.sample(StandardNormal), generator.sample(StandardNormal)];
@@ -218,9 +214,9 @@ fn inputs(count: u64) -> Vec<RandomInputs> {
     let mut inputs = Vec::new();
     for index in 0..780 {
         let (preload, friction) = (0.01 + 0.01 * (index / 26) as f64, 0.25 + 0.01 * (index % 26) as f64);
-        let cell = Cell { index, preload, static_friction: friction, ..CELL };
+        let pair = NormalPair { expected: [preload, friction], ..PAIR };
         let independent = Correlation::independent(2);
-        let scatter = scatter(&cell, &independent);
+        let scatter = scatter(&pair, &independent);
         stream.for_each_chunk(index, 0, 0..count, |columns| {
             scatter.apply(columns);
             let pairs = columns[0].iter().zip(&columns[1]);
@@ -231,7 +227,7 @@ fn inputs(count: u64) -> Vec<RandomInputs> {
 }
 
 fn brake() -> PadOnDisc {
-    brake_at(CELL.rotating_speed)
+    brake_at(SPEED)
 }
 
 fn brake_at(rotating_speed: f64) -> PadOnDisc {

@@ -1,6 +1,6 @@
 //! Coverage of the intervals of `fit`, by simulation: the share of 500 synthetic sets of tests whose intervals contain
 //! the truth. Each case is a line with the share for the expected static friction, for its standard deviation and for a
-//! predicted probability, and how many sets were refused because they do not tell the parameters.
+//! predicted probability, and how many sets were refused because they do not determine the parameters.
 //!
 //! `make coverage` runs it. Sets are seeded.
 
@@ -9,10 +9,10 @@
 
 use rand::{RngExt as _, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_sampler::fit::{FitModel, FitParameter, FitValues, TestData, fit};
-use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw};
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::fit::{FitModel, FitValues, TestData, fit};
+use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw, PairParameter};
 use stickslip_sampler::integrate::pair::Pair;
 use stickslip_sampler::special_functions::normal;
 
@@ -106,7 +106,7 @@ impl Case {
                     let (first, second) = (deviate(), deviate());
                     let preload = if self.preload_std > 0.0 { preload_of(nominal).value(first) } else { nominal };
                     let friction = friction_of.value(self.correlation * first + rest * second);
-                    let is_unstable = friction > at_speed.critical_static_friction(preload);
+                    let is_unstable = friction > at_speed.critical_second(preload);
                     if !self.has_onsets || !is_unstable {
                         data.add_verdict(nominal, &at_speed, is_unstable, 1);
                         continue;
@@ -122,14 +122,10 @@ impl Case {
     }
 
     fn model(&self) -> FitModel {
-        let values = FitValues {
-            static_friction: 0.45,
-            preload_factor: 1.0,
-            preload_std: self.preload_std,
-            static_friction_std: 0.1,
-            correlation: self.correlation,
-        };
-        FitModel { marginals: [self.marginal.clone(), self.marginal.clone()], values }
+        let values =
+            FitValues { expected: [1.0, 0.45], relative_std: [self.preload_std, 0.1], correlation: self.correlation };
+        let names = ["preload", "static_friction"].map(str::to_owned);
+        FitModel { names, marginals: [self.marginal.clone(), self.marginal.clone()], values }
     }
 
     fn predicted(&self) -> f64 {
@@ -155,7 +151,7 @@ fn main() {
         let (model, mut covered, mut given) = (case.model(), [0_u32; 3], 0_u32);
         for seed in 0..SETS {
             let data = case.tests(seed);
-            let estimated = [FitParameter::StaticFriction, FitParameter::StaticFrictionStd];
+            let estimated = [PairParameter::Expected(1), PairParameter::RelativeStd(1)];
             let Ok(fit) = fit(&model, &data, &estimated, 0.95) else { continue };
             given += 1;
             let prediction = fit.predict(preload, &at);

@@ -40,7 +40,7 @@ LARGEST_Z = 6.0
 LARGEST_MEAN_SQUARE = 1.4
 
 # The parameters that decide linear stability: the preset "sui-ding-2018" of the job file, typed in again from
-# Parameters::sui_ding_2018 in crates/core/src/parameters.rs. SI units.
+# Parameters::sui_ding_2018 in crates/core/src/models/pad_on_disc/parameters.rs. SI units.
 DENSITY = 7800.0
 YOUNGS_MODULUS = 2.1e11
 POISSONS_RATIO = 0.3

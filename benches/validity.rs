@@ -1,5 +1,5 @@
 //! `make validity`: compares verdicts with references over the range of brakes, for the tables of
-//! `stickslip_core::criterion::validity`. With a rigid disc, the references come from an independent program. With a
+//! `stickslip_core::models::pad_on_disc::criterion::validity`. With a rigid disc, the references come from an independent program. With a
 //! flexible one, they are longer motions of the same equations with finer steps.
 //!
 //! `VALIDITY_BRAKES=20` or `VALIDITY_BRAKES=100..120` selects random brakes with a flexible disc.
@@ -29,12 +29,12 @@ use std::time::Instant;
 use brakes::random_brake;
 use fates::{FATES, FATES_AT_BOUNDARIES, cases};
 use reference::Equilibrium;
-use stickslip_core::criterion::settings::HORIZON;
-use stickslip_core::criterion::settings::TimeDomainSettings;
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
-use stickslip_core::motion::start::Start;
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
+use stickslip_core::models::pad_on_disc::criterion::settings::HORIZON;
+use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
+use stickslip_core::models::pad_on_disc::criterion::time_domain::{DiscModel, TimeDomain};
+use stickslip_core::models::pad_on_disc::motion::start::Start;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use table::{Held, Place, print_cases, print_table};
 
 /// Random brakes with a flexible disc, each with three starts.

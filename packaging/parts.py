@@ -10,6 +10,7 @@ import re
 import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 #: The root of the repository.
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -40,11 +41,6 @@ class Part:
     url: str
     #: The text of each licence and notice, by the name of its file.
     texts: dict[str, str] = field(default_factory=dict)
-    #: The SHA-256 of the archive it came in; of crates in a registry only.
-    checksum: str | None = None
-    #: The identifiers of the parts that it needs.
-    needs: list[str] = field(default_factory=list)
-    description: str | None = None
 
 
 def run(*command: str) -> str:
@@ -58,26 +54,19 @@ def version() -> str:
     return program["version"]
 
 
-def crates(target: str) -> list[Part]:
-    """The program's own crate, and after it all crates that it is built from for a target, but for those that only its tests
-    and build scripts need. Procedural macros count, as what they write is compiled too."""
-    metadata = _metadata("--filter-platform", target)
-    packages = {package["id"]: package for package in metadata["packages"]}
-    needs = {
-        node["id"]: [need["pkg"] for need in node["deps"] if any(kind["kind"] is None for kind in need["dep_kinds"])]
-        for node in metadata["resolve"]["nodes"]
-    }
-    [root] = [name for name, package in packages.items() if package["name"] == "stickslip"]
-    reached: set[str] = set()
-    waiting = [root]
-    while waiting:
-        name = waiting.pop()
-        if name not in reached:
-            reached.add(name)
-            waiting.extend(needs[name])
-    checksums = _checksums()
-    ordered = sorted(reached - {root}, key=lambda name: (packages[name]["name"], packages[name]["version"]))
-    return [_crate(packages, name, needs[name], checksums) for name in [root, *ordered]]
+def crates(bill: dict[str, Any]) -> list[Part]:
+    """The crates of a bill of materials that others made."""
+    packages = {(package["name"], package["version"]): package for package in _metadata()["packages"]}
+    found = []
+    for component in bill["components"]:
+        package = packages[component["name"], component["version"]]
+        # What has no source lies in the repository, and is under the licences of the program.
+        if package["source"] is not None:
+            [licence] = component["licenses"]
+            part = Part(component["name"], component["version"], licence["expression"], component["purl"])
+            part.texts = notices(Path(package["manifest_path"]).parent) or _standard(part)
+            found.append(part)
+    return sorted(found, key=lambda part: (part.name, part.version))
 
 
 def embedded() -> list[Part]:
@@ -130,35 +119,6 @@ def toolchain() -> list[Part]:
 def _metadata(*options: str) -> dict:
     cargo = os.environ.get("CARGO", "cargo")
     return json.loads(run(cargo, "metadata", "--locked", "--format-version", "1", *options))
-
-
-def _checksums() -> dict[tuple[str, str], str]:
-    """The checksums of Cargo.lock."""
-    lines = r'^name = "(.*)"\nversion = "(.*)"\nsource = ".*"\nchecksum = "(.*)"$'
-    found = re.findall(lines, (REPOSITORY / "Cargo.lock").read_text(encoding="utf-8"), re.MULTILINE)
-    return {(name, version): checksum for name, version, checksum in found}
-
-
-def _url(package: dict) -> str:
-    return f"pkg:cargo/{package['name']}@{package['version'].replace('+', '%2B')}"
-
-
-def _crate(packages: dict, name: str, needs: list[str], checksums: dict[tuple[str, str], str]) -> Part:
-    package = packages[name]
-    if package["license"] is None:
-        raise PackagingError(f"{package['name']} {package['version']} names no licence")
-    # Older crates write a slash for OR.
-    part = Part(package["name"], package["version"], package["license"].replace("/", " OR "), _url(package))
-    part.description = package["description"] and " ".join(package["description"].split())
-    part.needs = sorted({_url(packages[need]) for need in needs})
-    part.checksum = checksums.get((part.name, part.version))
-    # What has no source lies in the repository.
-    folder = REPOSITORY if package["source"] is None else Path(package["manifest_path"]).parent
-    if package["source"] is None:
-        part.texts = {path.name: _text(path) for path in sorted(folder.glob("LICENSE-*"))}
-    else:
-        part.texts = notices(folder) or _standard(part)
-    return part
 
 
 def notices(folder: Path) -> dict[str, str]:

@@ -1,53 +1,56 @@
-"""The parts of the program for other programs: a bill of materials in the format CycloneDX 1.5."""
+"""The parts of the program for other programs: a bill of materials in the format CycloneDX 1.5.
+
+cargo-cyclonedx lists the crates. What else is in the program is added here. With SOURCE_DATE_EPOCH set, the same program
+has the same bill.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import uuid
-from datetime import datetime, timezone
+import os
+import re
 from typing import Any
 
-from parts import Part
+from parts import REPOSITORY, Part, run
+
+#: The name under which cargo-cyclonedx writes a bill beside the manifest of every crate of the workspace.
+WRITTEN = "unfinished.cdx"
 
 
-def bill_of_materials(program: Part, parts: list[Part], binary: bytes, target: str, epoch: int) -> str:
-    """The bill of a program for a target. `epoch` is the time that it tells, in seconds."""
-    digest = hashlib.sha256(binary).hexdigest()
-    built_in = [part.url for part in parts if part.checksum is None and not part.url.startswith("pkg:cargo/")]
-    component = _component(program, "application")
-    component["hashes"] = [{"alg": "SHA-256", "content": digest}]
-    component["properties"] = [{"name": "stickslip:target", "value": target}]
-    dependencies = [{"ref": program.url, "dependsOn": sorted([*program.needs, *built_in])}]
-    dependencies += [{"ref": part.url, "dependsOn": part.needs} for part in parts]
-    bill = {
-        "$schema": "http://cyclonedx.org/schema/bom-1.5.schema.json",
-        "bomFormat": "CycloneDX",
-        "specVersion": "1.5",
-        # The same program has the same number.
-        "serialNumber": f"urn:uuid:{uuid.uuid5(uuid.NAMESPACE_URL, f'{program.url}#{target}#{digest}')}",
-        "version": 1,
-        "metadata": {
-            "timestamp": datetime.fromtimestamp(epoch, timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ"),
-            "component": component,
-        },
-        "components": [_component(part, "library") for part in parts],
-        "dependencies": dependencies,
-    }
+def bill_of_crates(target: str) -> dict[str, Any]:
+    """The bill of the crates that the program is built from for a target, but for those that only its tests and build
+    scripts need. Procedural macros count, as what they write is compiled too."""
+    options = ["--format", "json", "--spec-version", "1.5", "--no-build-deps", "--quiet", "--override-filename", WRITTEN]
+    try:
+        run(os.environ.get("CARGO", "cargo"), "cyclonedx", "--target", target, *options)
+        text = (REPOSITORY / "crates" / "runner" / f"{WRITTEN}.json").read_text(encoding="utf-8")
+    finally:
+        for written in REPOSITORY.glob(f"crates/*/{WRITTEN}.json"):
+            written.unlink()
+    # Crates of the repository are told by where it lies.
+    text = re.sub(r'path\+file://[^"#]*#', "pkg:cargo/", text)
+    return json.loads(re.sub(r'\?download_url=file:[^"#]*', "", text))
+
+
+def bill_of_materials(bill: dict[str, Any], others: list[Part], binary: bytes, target: str) -> str:
+    """The bill of a program for a target: that of its crates, and other parts."""
+    program = bill["metadata"]["component"]
+    program["hashes"] = [{"alg": "SHA-256", "content": hashlib.sha256(binary).hexdigest()}]
+    program["properties"] = [{"name": "stickslip:target", "value": target}]
+    bill["components"] += [_component(part) for part in others]
+    [needs] = [one for one in bill["dependencies"] if one["ref"] == program["bom-ref"]]
+    needs["dependsOn"] += [part.url for part in others]
+    bill["dependencies"] += [{"ref": part.url} for part in others]
     return json.dumps(bill, indent=1, ensure_ascii=False) + "\n"
 
 
-def _component(part: Part, kind: str) -> dict[str, Any]:
-    component: dict[str, Any] = {
-        "type": kind,
+def _component(part: Part) -> dict[str, Any]:
+    return {
+        "type": "library",
         "bom-ref": part.url,
         "name": part.name,
         "version": part.version,
         "licenses": [{"expression": part.licence}],
         "purl": part.url,
     }
-    if part.description:
-        component["description"] = part.description
-    if part.checksum:
-        component["hashes"] = [{"alg": "SHA-256", "content": part.checksum}]
-    return component

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import parts
 from licences import third_party_licences
-from sbom import bill_of_materials
+from sbom import bill_of_crates, bill_of_materials
 
 LICENCES = "THIRD-PARTY-LICENSES"
 BILL = "stickslip.cdx.json"
@@ -32,10 +32,8 @@ def name_of_program(files: zipfile.ZipFile) -> str:
 
 def complete(wheel: Path, target: str, epoch: int) -> None:
     """Adds the licences and the list of parts."""
-    own, *others = parts.crates(target)
-    others += parts.embedded() + parts.toolchain()
-    # The other crates of the repository are under the licences of the program.
-    foreign = [part for part in others if not part.name.startswith("stickslip-")]
+    bill = bill_of_crates(target)
+    others = parts.embedded() + parts.toolchain()
     with zipfile.ZipFile(wheel) as files:
         [information] = {name.split("/")[0] for name in files.namelist() if ".dist-info/" in name}
         binary = files.read(name_of_program(files))
@@ -46,8 +44,8 @@ def complete(wheel: Path, target: str, epoch: int) -> None:
         raise parts.PackagingError(f"no line {before!r} in METADATA")
     added = {
         f"{information}/METADATA": metadata.replace(before, f"{before}License-File: {LICENCES}\n").encode(),
-        f"{information}/licenses/{LICENCES}": third_party_licences(foreign).encode(),
-        f"{information}/sboms/{BILL}": bill_of_materials(own, others, binary, target, epoch).encode(),
+        f"{information}/licenses/{LICENCES}": third_party_licences(parts.crates(bill) + others).encode(),
+        f"{information}/sboms/{BILL}": bill_of_materials(bill, others, binary, target).encode(),
     }
     kept = [line for line in record.splitlines() if line.split(",")[0] not in added]
     lines = [f"{name},sha256={_digest(data)},{len(data)}" for name, data in added.items()]

@@ -184,7 +184,7 @@ fn refused_axes_and_starts_are_told_with_the_remedy() {
         (
             rigid("", "inputs = [\"preload\"]\nrelative_std = 0.1\nstd = { preload = 0.1 }", ""),
             &[
-                "random.std is for numbers of the start and friction.band; preload scatters in proportion to its expected value",
+                "random.std is for quantities whose expected value may be 0, as numbers of a start and friction.band; preload scatters in proportion to its expected value",
             ],
         ),
         (

@@ -7,14 +7,12 @@ mod common;
 use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::sync::Arc;
 use std::time::Duration;
 
-use arrow_array::{ArrayRef, Int64Array, RecordBatch, StringArray};
-use common::{Place, Table};
-use parquet::arrow::ArrowWriter;
+use arrow::array::StringArray;
+use common::{Place, Table, change_piece};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::file::properties::WriterProperties;
+use serde_json::Value;
 
 /// A job over 3 by 3 cells with further lines for `[criterion]` and `[sampling]`.
 fn job(name: &str, speed: f64, criterion: &str, sampling: &str) -> String {
@@ -142,7 +140,7 @@ fn a_run_over_starts_does_not_differ_from_itself() {
 fn a_run_does_not_differ_from_itself() {
     let place = runs(15.0, &[("same", RIGID, "samples = 200"), ("exact", EIGENVALUE, "method = \"exact\"")]);
     let outcome = place.run("compare runs/same runs/same runs/same --json").done();
-    let summaries: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    let summaries: Value = serde_json::from_str(&outcome.stdout).unwrap();
     assert_eq!(summaries.as_array().unwrap().len(), 2);
     for summary in summaries.as_array().unwrap() {
         assert_eq!(summary["cells_paired"], 9);
@@ -200,7 +198,7 @@ fn two_seeds_of_one_job_do_not_differ() {
     }
     let significant = |words: &str| {
         let outcome = place.run(&format!("compare runs/a runs/b --json{words}")).done();
-        let summary: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+        let summary: Value = serde_json::from_str(&outcome.stdout).unwrap();
         let count = |key: &str| summary[0][key].as_u64().unwrap();
         assert_eq!(summary[0]["simultaneous"], words.is_empty());
         count("cells_significantly_higher") + count("cells_significantly_lower")
@@ -315,25 +313,17 @@ fn cells_are_matched_by_their_values() {
 
 /// Replaces a piece of a verdict map by one with the opposite verdicts.
 fn exchange_verdicts(piece: &Path) {
-    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(piece).unwrap()).unwrap();
-    let (schema, pairs) = (builder.schema().clone(), builder.metadata().file_metadata().key_value_metadata().cloned());
-    let properties = WriterProperties::builder().set_key_value_metadata(pairs).build();
-    let mut writer = ArrowWriter::try_new(Vec::new(), schema.clone(), Some(properties)).unwrap();
-    for batch in builder.build().unwrap() {
-        let batch = batch.unwrap();
-        let exchanged = |name: &str| -> ArrayRef {
-            let column = batch.column_by_name(name).unwrap().as_any().downcast_ref::<Int64Array>().unwrap();
-            Arc::new(column.values().iter().map(|code| 1 - code).collect::<Int64Array>())
-        };
-        let columns = schema.fields().iter().map(|field| match field.name().as_str() {
-            name @ ("verdict_below" | "verdict_above") => exchanged(name),
-            name => batch.column_by_name(name).unwrap().clone(),
-        });
-        writer.write(&RecordBatch::try_new(schema.clone(), columns.collect()).unwrap()).unwrap();
-    }
-    let bytes = writer.into_inner().unwrap();
-    fs::remove_file(piece).unwrap();
-    fs::write(piece.with_file_name(format!("{}.parquet", &blake3::hash(&bytes).to_hex()[..32])), bytes).unwrap();
+    let exchange = |code: &mut Value| *code = (1 - code.as_i64().unwrap()).into();
+    change_piece(piece, |lines| {
+        for node in lines[1..].iter_mut().flat_map(|tile| tile[4].as_array_mut().unwrap()) {
+            if let Some(code) = node.get_mut("uniform") {
+                exchange(code);
+            } else if let Some(curve) = node.get_mut("crossed") {
+                exchange(&mut curve[1]);
+                exchange(&mut curve[2]);
+            }
+        }
+    });
 }
 
 #[test]

@@ -14,7 +14,7 @@ use stickslip_sampler::special_functions::normal;
 fn integrals_over_correlated_lognormal_inputs_are_those_of_a_normal_sum() {
     // Without kinetic friction a sample is unstable by the product of its inputs.
     let place = Place::new();
-    let critical = boundary(0.0).critical_product();
+    let critical = boundary(0.0).critical_product;
     for coefficient in [-0.7, 0.4] {
         let random = format!(
             "inputs = [\"preload\", \"static_friction\"]\nrelative_std = {{ preload = 0.2, static_friction = 0.1 }}\n\

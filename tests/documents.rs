@@ -402,8 +402,9 @@ fn links(page: &str) -> Vec<(String, String)> {
     let text = prose(page).join("\n");
     let folder = Path::new(page).parent().unwrap();
     let mut links = Vec::new();
-    for part in text.split("](").skip(1) {
-        let target = part.split(')').next().unwrap();
+    let definitions = text.lines().filter_map(|line| line.strip_prefix('[')?.split_once("]: "));
+    let inline = text.split("](").skip(1).map(|part| part.split(')').next().unwrap());
+    for target in inline.chain(definitions.map(|(_, target)| target)) {
         if target.starts_with("https:") {
             continue;
         }
@@ -443,7 +444,7 @@ fn every_link_leads_somewhere_and_every_page_is_linked() {
 fn copied_to_the_site() -> BTreeSet<String> {
     let makefile = read("Makefile");
     let mut lines = makefile.lines().map(str::trim);
-    let copied = lines.find_map(|line| line.strip_prefix("cp -R ")?.strip_suffix(" target/book/src")).unwrap();
+    let copied = lines.find_map(|line| line.strip_prefix("cp -RL ")?.strip_suffix(" target/book/src")).unwrap();
     copied.split(' ').map(str::to_owned).collect()
 }
 

@@ -120,7 +120,7 @@ fn the_scripts_are_shown_and_nothing_is_written() {
 
 #[test]
 fn a_verdict_map_is_a_stage_of_its_own() {
-    let place = Place::new();
+    let place = cluster();
     let sampling = "samples = 1000\nevaluate = \"boundary\"";
     place.write("job.toml", &job("mapped", SLOW, BOTH, sampling));
     let shown = place.run("submit job.toml --engine slurm --dry-run --shards 3").done().stdout;
@@ -129,16 +129,17 @@ fn a_verdict_map_is_a_stage_of_its_own() {
         scripts.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
         ["submit.sh", "map.sh", "shard.sh", "merge.sh"]
     );
-    assert!(scripts[0].1.contains("map=$(submitted --array=1-"), "{shown}");
-    assert!(
-        scripts[0].1.contains("--array=\"$tasks\" --dependency=\"afterany:$map\" \"$run/slurm/shard.sh\""),
-        "{shown}"
-    );
-    assert!(scripts[1].1.contains(" --map-only --threads"), "{shown}");
+    assert!(scripts[1].1.contains(" --threads \"$SLURM_CPUS_PER_TASK\" --map-only &\n"), "{shown}");
     assert!(!scripts[2].1.contains("--map-only"), "{shown}");
+    assert_eq!(place.run("submit job.toml --engine slurm --shards 3").done().stdout, "101 102 103\n");
+    let sent = record(&place);
+    assert!(sent[0].contains("--array=1-") && sent[0].trim_end().ends_with("slurm/map.sh"), "{sent:?}");
+    assert!(sent[1].contains("--array=1-3 --dependency=afterany:101 "), "{sent:?}");
+    assert!(sent[2].contains("--dependency=afterany:102 "), "{sent:?}");
     place.write("hosts", ":\n");
     let shown = place.run("submit job.toml --engine parallel --dry-run --shards 3 --hosts hosts").done().stdout;
-    let map = shown.find("\non_all map $(seq 1 ").unwrap();
+    assert!(shown.contains("\nmap_shards=") && !shown.contains("\nmap_shards=\n"), "{shown}");
+    let map = shown.find("then on_all map ").unwrap();
     assert!(map < shown.find("\non_all shard \"$@\"").unwrap(), "{shown}");
 }
 

@@ -29,7 +29,7 @@ fn shares_of_random_starts_are_those_of_the_published_oscillator() {
     place.run(&format!("submit {}", repository().join("jobs/bstab.toml").display())).done();
     let table = Table::read(&place.path("runs/bstab/surface.parquet"));
     let of = |name: &str, speed: f64| {
-        let row = table.column("rotating_speed_rad_s").iter().position(|&value| value == speed).unwrap();
+        let row = table.column("belt_speed").iter().position(|&value| value == speed).unwrap();
         table.column(name)[row]
     };
     for (speed, printed, area) in SHARES {
@@ -58,6 +58,25 @@ fn the_limits_of_published_oscillators_are_reproduced() {
         assert!(line.ends_with(" yes") && line.matches(value).count() == 2, "{line}");
     }
     assert!(printed.matches("holds").count() == 5 && !printed.contains("DOES NOT"), "{printed}");
+}
+
+#[test]
+fn oscillators_are_analysed_in_metres_and_seconds() {
+    let place = Place::new();
+    for (name, critical, end) in [("bstab", 1.151293, 1.836601), ("veraszto", 0.190616, 0.271789)] {
+        let job = repository().join(format!("jobs/{name}.toml"));
+        let printed = place.run(&format!("analyse --job {} --json", job.display())).done().stdout;
+        let analysis: serde_json::Value = serde_json::from_str(&printed).unwrap();
+        let number = |key: &str| analysis[key].as_f64().unwrap();
+        assert!((number("critical_speed") - critical).abs() < 1e-6, "{printed}");
+        assert!((number("end_of_stick_slip") - end).abs() < 1e-6, "{printed}");
+        assert!(analysis["limit_cycle"]["period"].as_f64().unwrap() > 0.0, "{printed}");
+        let text = place.run(&format!("analyse --job {}", job.display())).done().stdout;
+        assert!(text.contains("end of stick-slip") && !text.contains("preload"), "{text}");
+        place
+            .run(&format!("analyse --job {} --set pad.mass=1", job.display()))
+            .refused(64, &["change the value in the job instead"]);
+    }
 }
 
 #[test]

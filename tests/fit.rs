@@ -184,7 +184,9 @@ fn jobs_that_do_not_say_enough_are_refused() {
     }
     // A redundant set is told by its names.
     let all = "--estimate static_friction,preload_factor,std.static_friction";
-    place.run(&format!("fit data.csv --job job.toml {all}")).refused(65, &["the tests do not tell", "estimate fewer"]);
+    place
+        .run(&format!("fit data.csv --job job.toml {all}"))
+        .refused(65, &["the tests do not determine", "estimate fewer"]);
     place.run("fit data.csv --job job.toml --estimate friction").refused(64, &["static_friction"]);
 }
 

@@ -10,8 +10,8 @@ use std::fs::{self, File};
 
 use common::{Place, Table};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 /// A job of one cell, with the given keys of `[random]` and `[sampling]`.
 fn job(random: &str, sampling: &str) -> String {
@@ -32,7 +32,7 @@ fn submitted(place: &Place, name: &str, text: &str) -> Table {
 fn critical_damping() -> f64 {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.set("operating_point.rotating_speed", 15.0).unwrap();
-    0.1 * (0.385 - 0.25) / PadOnDisc::new(parameters).unwrap().stability_boundary().critical_product()
+    0.1 * (0.385 - 0.25) / PadOnDisc::new(parameters).unwrap().stability_boundary().critical_product
 }
 
 #[test]
@@ -315,7 +315,11 @@ fn samples_outside_physics_are_counted_and_treated_as_the_job_specifies() {
     assert_eq!(failed, [failed[0], stable[1] - stable[0], stable[2], stable[0], failed[4]]);
     assert!((failed[4] - stable[2] / (samples - stable[0])).abs() < 1e-12);
     let outcome = place.run("submit stable.toml").done();
-    assert!(outcome.stdout.contains("friction that rises with speed"), "{}", outcome.stdout);
+    assert!(
+        outcome.stdout.contains("lie outside the model: preload at or below 0, or f_s < f_c; "),
+        "{}",
+        outcome.stdout
+    );
 
     // The same samples are outside physics with every criterion, with a map, and with derivatives.
     for (name, criterion, sampling) in [

@@ -164,7 +164,7 @@ fn samples_between_two_looks_are_kept() {
 /// A job with a verdict map that is integrated over it and audited at length, so that a signal comes in time.
 const MAPPED: &str = "name = \"mapped\"\n[axes]\nrotating_speed = 15.0\npreload = { from = 0.03, to = 0.3, points = 3 }\n\
     static_friction = { from = 0.27, to = 0.5, points = 3 }\n[random]\ninputs = [\"preload\", \"static_friction\"]\n\
-    relative_std = 0.2\n[criterion]\nkind = \"time-domain\"\n[sampling]\nmethod = \"exact\"\naudit = 1500\n";
+    relative_std = 0.2\n[criterion]\nkind = \"time-domain\"\n[sampling]\nmethod = \"exact\"\naudit = 6000\n";
 
 #[test]
 fn tiles_and_audits_that_are_finished_are_kept() {

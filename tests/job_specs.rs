@@ -4,16 +4,11 @@
 
 mod common;
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::Write as _;
-use std::path::Path;
 use std::process::Stdio;
 
 use common::{Outcome, Place, surface_job};
-use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
 
 /// A job of four cells with a change.
 fn changed(from: &str, to: &str) -> String {
@@ -295,8 +290,8 @@ fn a_job_is_read_from_standard_input() {
         Outcome { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
     };
     let text = surface_job("piped", 2, 100, 7);
-    assert!(given("check -", &text).done().stdout.contains("# standard input is valid."));
-    given("check -", &text.replace("samples", "sampels")).refused(65, &["standard input:16:1: unknown key `sampels`"]);
+    assert!(given("check -", &text).done().stdout.contains("# job is valid."));
+    given("check -", &text.replace("samples", "sampels")).refused(65, &["job:16:1: unknown key `sampels`"]);
     given("submit -", &text).done();
     assert_eq!(fs::read_to_string(place.path("runs/piped/job.toml")).unwrap(), text);
 }
@@ -320,37 +315,5 @@ fn summaries_name_every_input_and_count_in_words() {
         "on 1 thread ",
     ] {
         assert!(said.contains(text), "{text} is not in: {said}");
-    }
-}
-
-/// A piece as it was written before pieces said how their job is identified.
-fn of_an_earlier_identity(piece: &Path) -> Vec<u8> {
-    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(piece).unwrap()).unwrap();
-    let mut pairs = builder.metadata().file_metadata().key_value_metadata().cloned().unwrap();
-    pairs.retain(|pair| pair.key == "stickslip:verdicts_version");
-    pairs.push(KeyValue::new("stickslip:experiment".to_owned(), "a hash of the job's text".to_owned()));
-    let properties = WriterProperties::builder().set_key_value_metadata(Some(pairs)).build();
-    let mut writer = ArrowWriter::try_new(Vec::new(), builder.schema().clone(), Some(properties)).unwrap();
-    for batch in builder.build().unwrap() {
-        writer.write(&batch.unwrap()).unwrap();
-    }
-    writer.into_inner().unwrap()
-}
-
-#[test]
-fn a_run_of_an_earlier_version_says_so() {
-    let place = Place::new();
-    place.write("job.toml", &surface_job("old", 2, 100, 7));
-    place.run("submit job.toml").done();
-    let shards = place.path("runs/old/shards");
-    let piece = fs::read_dir(&shards).unwrap().next().unwrap().unwrap().path();
-    let bytes = of_an_earlier_identity(&piece);
-    fs::remove_file(&piece).unwrap();
-    fs::write(shards.join(format!("{}.parquet", &blake3::hash(&bytes).to_hex()[..32])), bytes).unwrap();
-    for command in ["resume runs/old", "submit job.toml", "status runs/old"] {
-        place.run(command).refused(
-            65,
-            &["was written by an earlier version of stickslip", "Submit the run's job.toml again", "--out"],
-        );
     }
 }

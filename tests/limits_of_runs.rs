@@ -155,7 +155,7 @@ fn what_is_wrong_with_the_table_is_told_with_its_line() {
     refused(EXACT, &table("\"static_friction\"", "0.01"), 2, &["one value, 0.39", "two or more"]);
     refused(EXACT, &table("\"pad.mass\"", "0.01"), 2, &["has no such axis", "[axes]"]);
     refused("until = { half_width = 0.01 }", LIMIT, 2, &["limit.of", "sampling.samples in place of sampling.until"]);
-    refused(EXACT, "[limit]\nprobability = 0.1\n", 1, &["missing key `of` in [limit]", "of = \"preload\""]);
+    refused(EXACT, "[limit]\nprobability = 0.1\n", 1, &["missing key `of` in [limit]", "of = \"AXIS\""]);
     refused(EXACT, "[limit]\nof = \"preload\"\n", 1, &["missing key `probability` in [limit]"]);
     refused(
         EXACT,

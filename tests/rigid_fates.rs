@@ -6,8 +6,8 @@
 mod fates;
 
 use fates::{FATES, FATES_AT_BOUNDARIES, cases};
-use stickslip_core::criterion::decision::Decision;
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::decision::Decision;
+use stickslip_core::model::verdict::Verdict;
 
 /// Decides every case of a file with steps divided by `divisor`, asserts that no verdict is wrong, and returns the
 /// number of undecided ones.

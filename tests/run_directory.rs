@@ -158,7 +158,7 @@ fn verify_does_not_take_a_folder_with_a_job_for_a_run_and_does_not_forget_lost_p
     fs::copy(place.path("job.toml"), place.path("mine/job.toml")).unwrap();
     place.run("verify mine").refused(74, &["mine is not a run directory"]);
     assert_eq!(fs::read_dir(place.path("mine")).unwrap().count(), 1, "something was written");
-    for piece in files(&place.path("run/shards"), "parquet") {
+    for piece in files(&place.path("run/shards"), "jsonl") {
         fs::remove_file(piece).unwrap();
     }
     for _ in 0..2 {
@@ -171,7 +171,7 @@ fn verify_does_not_take_a_folder_with_a_job_for_a_run_and_does_not_forget_lost_p
 fn directories_in_place_of_files_are_set_aside() {
     let place = finished();
     let sound = place.surface("run");
-    let piece = files(&place.path("run/shards"), "parquet").remove(0);
+    let piece = files(&place.path("run/shards"), "jsonl").remove(0);
     let piece = format!("shards/{}", piece.file_name().unwrap().to_string_lossy());
     for name in ["surface.parquet", "job.toml", "run.json", "digests.json", &piece] {
         let path = place.path("run").join(name);
@@ -215,14 +215,14 @@ fn verify_names_what_is_damaged_and_resume_computes_it_again() {
     {
         assert!(verified.stdout.contains(line), "{line}: {}", verified.stdout);
     }
-    let piece = files(&place.path("run/shards"), "parquet").remove(0);
+    let piece = files(&place.path("run/shards"), "jsonl").remove(0);
     let mut bytes = fs::read(&piece).unwrap();
     bytes[40] ^= 4;
     fs::write(&piece, bytes).unwrap();
     fs::write(place.path("run/run.json"), "{").unwrap();
     let verified = place.run("verify run").refused(74, &["damaged: shards/", "stickslip resume run"]);
     assert!(verified.stdout.contains("1 of them damaged"), "{}", verified.stdout);
-    assert!(piece.with_extension("parquet.damaged").exists() && place.path("run/run.json.damaged").exists());
+    assert!(piece.with_extension("jsonl.damaged").exists() && place.path("run/run.json.damaged").exists());
     place.run("resume run").done();
     assert!(place.surface("run") == sound);
     let json = place.run("verify run --json").done().stdout;
@@ -248,8 +248,8 @@ fn pipes_links_and_directories_in_place_of_files_are_not_waited_for() {
     place.write("job.toml", &boundary);
     place.run("submit job.toml --out sound").done();
     let sound = place.surface("sound");
-    let tile = files(&place.path("sound/map"), "parquet").remove(0);
-    let piece = files(&place.path("sound/shards"), "parquet").remove(0);
+    let tile = files(&place.path("sound/map"), "jsonl").remove(0);
+    let piece = files(&place.path("sound/shards"), "jsonl").remove(0);
     let inside = |path: &Path| path.strip_prefix(place.path("sound")).unwrap().to_owned();
     let places = ["job.toml", "run.json", "surface.parquet", "digests.json", "run.lock"].map(PathBuf::from);
     for name in places.into_iter().chain([inside(&tile), inside(&piece)]) {
@@ -287,7 +287,7 @@ fn foreign_files_are_left_alone_and_unread() {
         fs::write(place.path(folder).join(".DS_Store"), "x").unwrap();
     }
     // Sparse files: three GiB that take no room, unless somebody reads them.
-    for name in ["run/shards/copy of a piece.parquet", "run/shards/0123456789abcdef0123456789abcdef.parquet"] {
+    for name in ["run/shards/copy of a piece.jsonl", "run/shards/0123456789abcdef0123456789abcdef.jsonl"] {
         File::create(place.path(name)).unwrap().set_len(3 << 30).unwrap();
     }
     let started = Instant::now();
@@ -296,7 +296,7 @@ fn foreign_files_are_left_alone_and_unread() {
     assert!(status.stderr.contains("has more than"), "{}", status.stderr);
     place.run("resume run").done();
     assert!(started.elapsed() < SOON && place.surface("run") == sound);
-    assert!(place.path("run/shards/copy of a piece.parquet").exists());
+    assert!(place.path("run/shards/copy of a piece.jsonl").exists());
 }
 
 /// A job that takes some seconds on one thread and saves pieces all along.

@@ -7,7 +7,7 @@ mod common;
 use std::fs::{self, File};
 use std::path::Path;
 
-use arrow_array::{Array as _, StringArray};
+use arrow::array::{Array as _, StringArray};
 use common::{BOTH, EIGENVALUE, Place, Table, job, submitted};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value;

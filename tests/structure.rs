@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use syn::visit::Visit;
-use syn::{Attribute, Item, ItemMod, ItemUse, UseTree};
+use syn::{Attribute, Item, ItemMod, ItemUse, UseName, UseRename, UseTree};
 
 /// Crates in the order in which they build on each other, with their root file.
 const CRATES: [(&str, &str); 3] = [("core", "lib.rs"), ("sampler", "lib.rs"), ("runner", "main.rs")];
@@ -29,6 +29,8 @@ struct Modules {
     children: BTreeMap<Vec<String>, Vec<String>>,
     /// Paths as written, resolved to segments after `crate`.
     named: BTreeMap<Vec<String>, BTreeSet<Vec<String>>>,
+    /// The code of each.
+    texts: BTreeMap<Vec<String>, String>,
 }
 
 impl Modules {
@@ -45,6 +47,7 @@ impl Modules {
         let mut names = Names { module: &module, found: BTreeSet::new() };
         names.visit_file(&syntax);
         self.named.insert(module.clone(), names.found);
+        self.texts.insert(module.clone(), text);
         let mut children = Vec::new();
         for item in &syntax.items {
             if let Item::Mod(ItemMod { ident, content: None, attrs, .. }) = item
@@ -220,26 +223,193 @@ fn a_circle_is_found() {
     }
 }
 
-/// For each crate its modules in order, each with the modules of the same crate that it imports.
+/// Modules of the runner that are about the pad on the disc, or read the tables of a model. All others know no model.
+const ABOUT_A_MODEL: [&str; 17] = [
+    "job::models",
+    "commands::analyse",
+    "commands::trajectory",
+    "commands::motion_report",
+    "commands::one_brake",
+    "commands::parameters",
+    "commands::fit",
+    "commands::fitted_job",
+    "commands::brake_tests",
+    "commands::replay",
+    "cli::pad_on_disc",
+    "cli::start",
+    "reproduce",
+    "plot::motion",
+    // Names the instruction set of the lanes.
+    "version",
+    // Hand the pad on the disc of a job to the commands about it.
+    "job::model",
+    "job::validated",
+];
+
+/// Collects what code names of a model: paths into `stickslip_core::models`, and the word preload. Tests and comments do not
+/// count.
+#[derive(Default)]
+struct OfModels {
+    found: BTreeSet<String>,
+}
+
+impl OfModels {
+    fn read(text: &str) -> BTreeSet<String> {
+        let mut found = Self::default();
+        found.visit_file(&syn::parse_file(text).unwrap());
+        found.found
+    }
+
+    fn add_word(&mut self, text: &str) {
+        if text.to_lowercase().contains("preload") {
+            self.found.insert(format!("has the word preload: {text}"));
+        }
+    }
+
+    fn add_tree(&mut self, tree: &UseTree, mut before: Vec<String>) {
+        match tree {
+            UseTree::Path(path) => {
+                before.push(path.ident.to_string());
+                self.add_path(&before);
+                self.add_tree(&path.tree, before);
+            }
+            UseTree::Group(group) => group.items.iter().for_each(|tree| self.add_tree(tree, before.clone())),
+            UseTree::Name(UseName { ident }) | UseTree::Rename(UseRename { ident, .. }) => {
+                before.push(ident.to_string());
+                self.add_path(&before);
+            }
+            UseTree::Glob(_) => {}
+        }
+    }
+
+    fn add_path(&mut self, segments: &[String]) {
+        if matches!(segments, [first, second, ..] if first == "stickslip_core" && second == "models") {
+            self.found.insert("imports stickslip_core::models".to_owned());
+        }
+    }
+}
+
+impl<'ast> Visit<'ast> for OfModels {
+    fn visit_item_mod(&mut self, item: &'ast ItemMod) {
+        if !is_for_tests(&item.attrs) {
+            syn::visit::visit_item_mod(self, item);
+        }
+    }
+
+    fn visit_item_use(&mut self, item: &'ast ItemUse) {
+        if !is_for_tests(&item.attrs) {
+            self.add_tree(&item.tree, Vec::new());
+            syn::visit::visit_item_use(self, item);
+        }
+    }
+
+    fn visit_path(&mut self, path: &'ast syn::Path) {
+        let segments: Vec<String> = path.segments.iter().map(|segment| segment.ident.to_string()).collect();
+        self.add_path(&segments);
+        syn::visit::visit_path(self, path);
+    }
+
+    fn visit_ident(&mut self, ident: &'ast syn::Ident) {
+        self.add_word(&ident.to_string());
+    }
+
+    fn visit_lit_str(&mut self, text: &'ast syn::LitStr) {
+        self.add_word(&text.value());
+    }
+
+    fn visit_macro(&mut self, called: &'ast syn::Macro) {
+        self.add_word(&called.tokens.to_string());
+        syn::visit::visit_macro(self, called);
+    }
+
+    fn visit_attribute(&mut self, attribute: &'ast Attribute) {
+        // Doc comments are attributes of this name.
+        if !attribute.path().is_ident("doc") {
+            if let Ok(list) = attribute.meta.require_list() {
+                self.add_word(&list.tokens.to_string());
+            }
+            syn::visit::visit_attribute(self, attribute);
+        }
+    }
+}
+
+#[test]
+fn only_modules_about_a_model_know_one() {
+    let mut complaints = Vec::new();
+    for (name, file) in &CRATES[1..] {
+        let modules = Modules::read(&root().join("crates").join(name).join("src"), file);
+        assert!(modules.texts.len() > 40, "{name}: only {} modules", modules.texts.len());
+        for (module, text) in &modules.texts {
+            let path = module.join("::");
+            let is_about =
+                |own: &&str| path == **own || path.strip_prefix(*own).is_some_and(|rest| rest.starts_with("::"));
+            if *name != "runner" || !ABOUT_A_MODEL.iter().any(is_about) {
+                complaints.extend(OfModels::read(text).iter().map(|why| format!("{name}: {path} {why}")));
+            }
+        }
+    }
+    assert!(complaints.is_empty(), "{} places know a model:\n{}", complaints.len(), complaints.join("\n"));
+}
+
+#[test]
+fn code_that_knows_a_model_is_found() {
+    let planted = [
+        "use stickslip_core::models::pad_on_disc::model::PadModel;",
+        "use stickslip_core::{grid, models};",
+        "fn f(pad: &stickslip_core::models::pad_on_disc::model::PadModel) {}",
+        "fn f() { let preload = 1.0; }",
+        "struct Preload;",
+        "const NAME: &str = \"preload\";",
+        "fn f() { println!(\"the preload\"); }",
+        "#[arg(default_value = \"preload\")] struct A;",
+    ];
+    for code in planted {
+        assert_eq!(OfModels::read(code).len(), 1, "{code}");
+    }
+    let harmless = [
+        "/// Such as a preload.\nstruct A;\n// preload\n",
+        "use stickslip_core::model::Model;",
+        "#[cfg(test)]\nmod tests { use stickslip_core::models::pad_on_disc; const A: &str = \"preload\"; }",
+    ];
+    for code in harmless {
+        assert!(OfModels::read(code).is_empty(), "{code}");
+    }
+}
+
+/// The modules whose children the picture shows, too.
+const OPENED: [&[&str]; 2] = [&["models"], &["models", "pad_on_disc"]];
+
+/// For each crate its modules in order, each with the modules beside it that it imports.
 fn picture() -> String {
     let mut text = String::new();
     for (name, file) in CRATES {
         let modules = Modules::read(&root().join("crates").join(name).join("src"), file);
         text += &format!("{name}\n");
-        for child in &modules.children[&Vec::new()] {
-            let imported: Vec<&str> = modules.children[&Vec::new()]
-                .iter()
-                .filter(|other| {
-                    *other != child
-                        && modules.imports().any(|(from, to)| from.first() == Some(child) && to.first() == Some(*other))
-                })
-                .map(String::as_str)
-                .collect();
-            let arrow = if imported.is_empty() { String::new() } else { format!(" <- {}", imported.join(", ")) };
-            text += &format!("  {child}{arrow}\n");
-        }
+        let imports: Vec<_> = modules.imports().collect();
+        add_children(&modules, &imports, &[], &mut text);
     }
     text
+}
+
+/// Adds the children of a module to the picture.
+fn add_children(modules: &Modules, imports: &[(&[String], &[String])], parent: &[String], text: &mut String) {
+    let depth = parent.len();
+    let child_on = |path: &[String]| path.starts_with(parent).then(|| path.get(depth).cloned()).flatten();
+    for child in &modules.children[parent] {
+        let is_imported = |other: &&String| {
+            let imports_it = |(from, to): &(&[String], &[String])| {
+                child_on(from).as_ref() == Some(child) && child_on(to).as_ref() == Some(*other)
+            };
+            *other != child && imports.iter().any(imports_it)
+        };
+        let imported: Vec<&str> = modules.children[parent].iter().filter(is_imported).map(String::as_str).collect();
+        let arrow = if imported.is_empty() { String::new() } else { format!(" <- {}", imported.join(", ")) };
+        *text += &format!("{}{child}{arrow}\n", "  ".repeat(depth + 1));
+        let path = [parent, std::slice::from_ref(child)].concat();
+        if OPENED.iter().any(|opened| path == *opened) {
+            add_children(modules, imports, &path, text);
+        }
+    }
 }
 
 #[test]

@@ -5,11 +5,6 @@
 
 mod common;
 
-use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
-
 use common::{Place, Table, other_build, repository, surface_job};
 
 /// A job over `points` by `points` cells around Figure 14b; `criterion` are lines after `kind = "time-domain"`.
@@ -316,34 +311,6 @@ fn unstable_samples_are_counted_by_what_feeds_them_and_flutter_is_not_mapped() {
     // `compare` simulates its samples again, and finds the verdicts that were counted.
     let outcome = place.run("compare runs/rising runs/rising").done();
     assert!(!outcome.stderr.contains("differ") && !outcome.stderr.contains("map"), "{}", outcome.stderr);
-}
-
-#[test]
-fn a_run_of_other_verdicts_is_refused_with_the_remedy() {
-    let place = Place::new();
-    place.write("job.toml", &job("old", 2, 20, "disc = \"rigid\""));
-    place.run("submit job.toml").done();
-    // A piece as the previous version wrote it: of another experiment, and without a version of verdicts.
-    let shards = place.path("runs/old/shards");
-    let piece = std::fs::read_dir(&shards).unwrap().next().unwrap().unwrap().path();
-    let bytes = rewritten_without_version(&piece);
-    std::fs::remove_file(&piece).unwrap();
-    std::fs::write(shards.join(format!("{}.parquet", &blake3::hash(&bytes).to_hex()[..32])), bytes).unwrap();
-    for command in ["resume runs/old", "submit job.toml"] {
-        place.run(command).refused(65, &["an earlier version of stickslip", "verdicts version 2", "has 4", "--out"]);
-    }
-}
-
-/// The bytes of a piece, changed to belong to another experiment and to name no version of verdicts.
-fn rewritten_without_version(piece: &std::path::Path) -> Vec<u8> {
-    let builder = ParquetRecordBatchReaderBuilder::try_new(std::fs::File::open(piece).unwrap()).unwrap();
-    let owner = KeyValue::new("stickslip:experiment".to_owned(), "of an older version".to_owned());
-    let properties = WriterProperties::builder().set_key_value_metadata(Some(vec![owner])).build();
-    let mut writer = ArrowWriter::try_new(Vec::new(), builder.schema().clone(), Some(properties)).unwrap();
-    for batch in builder.build().unwrap() {
-        writer.write(&batch.unwrap()).unwrap();
-    }
-    writer.into_inner().unwrap()
 }
 
 #[test]

@@ -2,13 +2,13 @@
 
 use std::ops::RangeInclusive;
 
-use stickslip_core::flexible_disc::brake::DISC_MODES;
-use stickslip_core::flexible_disc::brake::FlexibleBrake;
-use stickslip_core::flexible_disc::error::FlexibleError;
-use stickslip_core::motion::start::Start;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::parameters::SCALARS;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::flexible_disc::brake::DISC_MODES;
+use stickslip_core::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
+use stickslip_core::models::pad_on_disc::flexible_disc::error::FlexibleError;
+use stickslip_core::models::pad_on_disc::motion::start::Start;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::parameters::SCALARS;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 /// v / v_s. On slower discs a pad sticks for longer than the horizon before anything happens.
 const SPEED_RATIOS: RangeInclusive<f64> = 1e-3..=1e3;

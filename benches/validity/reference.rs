@@ -12,14 +12,14 @@
 //! | at the end: without sticking, the swing falls in each length, and as fast as before | stable |
 //! | at the end: anything else | none |
 
-use stickslip_core::criterion::settings::TimeDomainSettings;
-use stickslip_core::criterion::time_domain::TimeDomain;
-use stickslip_core::flexible_disc::brake::FlexibleBrake;
-use stickslip_core::flexible_disc::linear_stability::LinearStability;
-use stickslip_core::motion::start::Start;
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::trajectory::sweep::sweep;
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
+use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
+use stickslip_core::models::pad_on_disc::criterion::time_domain::TimeDomain;
+use stickslip_core::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
+use stickslip_core::models::pad_on_disc::flexible_disc::linear_stability::LinearStability;
+use stickslip_core::models::pad_on_disc::motion::start::Start;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::models::pad_on_disc::trajectory::sweep::sweep;
 
 /// Lengths of the motions: to three times the horizon of the verdicts.
 const LENGTHS: [f64; 7] = [60.0, 180.0, 540.0, 1620.0, 4860.0, 14_580.0, 30_000.0];

@@ -1,9 +1,9 @@
 //! Verdicts beside their references, binned and printed as Markdown.
 
-use stickslip_core::criterion::validity::Quantity;
-use stickslip_core::motion::start::Start;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
+use stickslip_core::models::pad_on_disc::criterion::validity::Quantity;
+use stickslip_core::models::pad_on_disc::motion::start::Start;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 use crate::is_decided;
 

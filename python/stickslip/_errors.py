@@ -2,28 +2,55 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from ._run import Run
+from pathlib import Path
+from typing import Any, Protocol
 
 
-class Error(Exception):
+class Unfinished(Protocol):
+    """What an interrupted run can do: a :class:`Run`."""
+
+    path: Path
+
+    def status(self) -> dict[str, Any]:
+        """How far it is."""
+
+    def resume(self, *, threads: int | None = None, progress: bool = True) -> Any:
+        """Continue it."""
+
+
+class _Told:
+    """What the program tells of a failure beside its text.
+
+    Attributes
+    ----------
+    code : str or None
+        What it is about, a word such as ``"job-spec"`` or ``"run-in-use"``. Decide by it. The program documents them
+        under "Messages for programs"; ``None`` if the program did not say.
+    place : dict or None
+        Where it is, as far as it is known: ``file``, ``line``, ``column`` and ``key``.
+    remedy : str or None
+        The command, option or action that helps, if one is named.
+    """
+
+    code: str | None = None
+    place: dict[str, Any] | None = None
+    remedy: str | None = None
+
+
+class Error(_Told, Exception):
     """The program failed. The text is its message, whole.
 
     Attributes
     ----------
     exit_code : int or None
         The exit code of the program; ``None`` if it could not be started. A signal ends it with 128 and its number.
+    code, place, remedy
+        What the message is about, where, and what helps.
     """
 
     def __init__(self, message: str, exit_code: int | None = None) -> None:
         super().__init__(message)
         self.exit_code = exit_code
-
-    def __reduce__(self) -> tuple[type[Error], tuple[str, int | None]]:
-        """For other processes, as in ``multiprocessing``."""
-        return type(self), (str(self), self.exit_code)
 
 
 class UsageError(Error):
@@ -58,22 +85,20 @@ class ProgramNotFoundError(Error):
     """There is no program that belongs to this package."""
 
 
-class Interrupted(KeyboardInterrupt):
+class Interrupted(_Told, KeyboardInterrupt):
     """Ctrl-C, after the program has kept what is finished.
 
     Attributes
     ----------
     run : Run or None
         The run that was interrupted: ``run.resume()`` goes on with it. ``None`` if there is nothing to go on with.
+    code, place, remedy
+        As of an :class:`Error`.
     """
 
-    def __init__(self, message: str = "interrupted", run: Run | None = None) -> None:
+    def __init__(self, message: str = "interrupted", run: Unfinished | None = None) -> None:
         super().__init__(message)
         self.run = run
-
-    def __reduce__(self) -> tuple[type[Interrupted], tuple[str, Run | None]]:
-        """For other processes, as in ``multiprocessing``."""
-        return type(self), (str(self), self.run)
 
 
 class JobWarning(UserWarning):
@@ -90,8 +115,7 @@ _CLASSES: dict[int, type[Error]] = {
 }
 
 
-def error_of(exit_code: int, message: str) -> Error:
+def error_of(exit_code: int, message: str, code: str | None) -> Error:
     """The error for an exit code and the message of the program."""
-    if exit_code == 70 and message.startswith("internal error"):
-        return InternalError(message, exit_code)
-    return _CLASSES.get(exit_code, Error)(message, exit_code)
+    kind = InternalError if exit_code == 70 and code == "internal-error" else _CLASSES.get(exit_code, Error)
+    return kind(message, exit_code)

@@ -6,19 +6,14 @@ import datetime
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, SupportsInt, Union
+from typing import Any, SupportsInt, Union
 
 import tomli_w
 
-if TYPE_CHECKING:
-    from ._run import Run
-
-#: A path, with ``~`` for the home directory.
+#: A path, with ``~`` for the home directory. A :class:`Run` is one, too: that of its directory.
 PathLike = Union[str, "os.PathLike[str]"]
 #: A job: the keys of a job spec, or the path of a TOML file.
 Job = Union[Mapping[str, Any], PathLike]
-#: A job, or a run that has one.
-JobOrRun = Union[Mapping[str, Any], PathLike, "Run"]
 
 
 def expanded(path: PathLike) -> str:
@@ -28,12 +23,8 @@ def expanded(path: PathLike) -> str:
     return os.path.join(".", text) if text.startswith("-") else text
 
 
-def as_argument(job: JobOrRun) -> tuple[str, str | None]:
+def as_argument(job: Job) -> tuple[str, str | None]:
     """The argument for a job, and what goes to standard input."""
-    from ._run import Run
-
-    if isinstance(job, Run):
-        return expanded(job.path), None
     if isinstance(job, Mapping):
         return "-", to_toml(job)
     if isinstance(job, str) and "\n" in job:
@@ -113,6 +104,11 @@ def whole(value: SupportsInt, name: str) -> int:
     if number != value:
         raise ValueError(f"{name} = {value!r} is not a whole number")
     return number
+
+
+def threads_option(threads: SupportsInt | None) -> list[str]:
+    """The option for a number of threads, if one is given."""
+    return [] if threads is None else [f"--threads={whole(threads, 'threads')}"]
 
 
 def absolute(path: PathLike) -> Path:

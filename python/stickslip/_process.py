@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -20,10 +21,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from ._errors import Interrupted, JobWarning, error_of
-from ._messages import Messages, before_failure
+from ._display import Display
+from ._errors import Error, Interrupted, JobWarning, error_of
+from ._messages import NOTES, Message, parsed
 from ._program import program
-from ._terminal import Channel
 
 _INTERRUPTED = 130
 
@@ -73,8 +74,8 @@ def call(
 ) -> str:
     """Run the program, and return what it writes to standard output.
 
-    Its messages go to ``sys.stderr`` with ``progress``, but for those that name ``unsaid``, a temporary folder. Its
-    warnings become :class:`JobWarning`.
+    Its progress and notes go to ``sys.stderr`` with ``progress``, but for those with the code ``unsaid``. Its warnings
+    become :class:`JobWarning`.
 
     Raises
     ------
@@ -83,19 +84,21 @@ def call(
     Interrupted
         If Ctrl-C ended it.
     """
-    command = [os.fspath(word) for word in (program(), *arguments)]
+    command = [os.fspath(word) for word in (program(), "--messages=json", *arguments)]
     running = _Program()
-    messages = Messages(unsaid)
+    display = Display(sys.stderr if progress else None)
+    told: list[Message] = []
     with _ctrl_c(running) as is_forwarded, tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as given:
         if stdin is not None:
             given.write(stdin.encode())
             given.seek(0)
-        with Channel(progress) as channel, _lifeline() as lifeline:
+        with _lifeline() as lifeline:
             process = subprocess.Popen(
                 command,
                 stdin=given if stdin is not None else subprocess.DEVNULL,
                 stdout=output,
-                stderr=channel.end_of_program,
+                stderr=subprocess.PIPE,
+                bufsize=0,
                 start_new_session=is_forwarded,
                 pass_fds=lifeline,
             )
@@ -105,30 +108,52 @@ def call(
                 _end_with_python(process.pid, lifeline)
                 if running.is_due:
                     process.send_signal(signal.SIGINT)
-                channel.close_end_of_program()
-                _pass_on(channel, messages, process)
+                for message in _messages(process):
+                    if message.code == "progress":
+                        display.progress(message)
+                    elif message.code not in NOTES:
+                        told.append(message)
+                    elif message.code != unsaid:
+                        display.note(message.text)
+                process.wait()
             except BaseException:
                 process.terminate()
                 process.wait()
                 raise
             finally:
                 _running.discard(running)
+                display.clear()
+                process.stderr.close()  # type: ignore[union-attr]
         output.seek(0)
         result = output.read().decode(errors="replace")
     code = process.returncode if process.returncode >= 0 else 128 - process.returncode
-    failure: BaseException | None = None
-    if code == _INTERRUPTED or running.interruptions:
-        failure = Interrupted(messages.failure() or "interrupted")
-    elif code != 0:
-        failure = error_of(code, messages.failure() or f"the program ended with code {code} without a message")
+    failure = _failure(code, running, [message for message in told if message.code != "warning"])
     try:
-        for warning in messages.warnings():
-            warnings.warn(warning, JobWarning, stacklevel=_depth_of_caller())
+        for message in told:
+            if message.code == "warning":
+                warnings.warn(message.text, JobWarning, stacklevel=_depth_of_caller())
     finally:
         # Where warnings are errors, what ended the program counts more.
         if failure is not None:
             raise failure
     return result
+
+
+def _failure(code: int, running: _Program, told: list[Message]) -> Error | Interrupted | None:
+    """What is raised at the end of the program."""
+    last = told[-1] if told else Message(None, "")
+    if last.code is None:
+        # Lines of somebody else, such as the system that cannot start the program.
+        last = Message(None, "\n".join(message.text for message in told if message.code is None))
+    failure: Error | Interrupted
+    if code == _INTERRUPTED or running.interruptions:
+        failure = Interrupted(last.text or "interrupted")
+    elif code != 0:
+        failure = error_of(code, last.text or f"the program ended with code {code} without a message", last.code)
+    else:
+        return None
+    failure.code, failure.place, failure.remedy = last.code, last.place, last.remedy
+    return failure
 
 
 def call_json(
@@ -142,19 +167,22 @@ def call_json(
     return json.loads(call([*arguments, "--json"], stdin=stdin, progress=progress, unsaid=unsaid))
 
 
-def _pass_on(channel: Channel, messages: Messages, process: subprocess.Popen[bytes]) -> None:
-    """Show what the program says, until it ends. The message of a failure is left to the exception."""
-    held = ""
+def _messages(process: subprocess.Popen[bytes]) -> Iterator[Message]:
+    """What the program says, as it comes, until it ends."""
+    said = process.stderr
+    assert said is not None
+    held = b""
     while True:
         # The system may give a signal to another thread, which does not wake this one; so it looks by itself.
-        text = channel.read(timeout=0.1 if held else 0.5)
-        if text == "":
-            break
-        # What is not the last is no failure's message.
-        channel.show(held)
-        held = messages.take(text) if text else ""
-    held += messages.rest()
-    channel.show(held if process.wait() == 0 else before_failure(held))
+        if not select.select([said], [], [], 0.5)[0]:
+            continue
+        data = said.read(1 << 16)
+        *lines, held = (held + data).split(b"\n")
+        yield from map(parsed, lines)
+        if not data:
+            if held:
+                yield parsed(held)
+            return
 
 
 @contextmanager

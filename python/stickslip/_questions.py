@@ -7,10 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
-from ._job import Job, JobOrRun, PathLike, absolute, as_argument, expanded, settings, whole
+from ._job import Job, PathLike, absolute, as_argument, expanded, settings, threads_option, whole
 from ._motion import Motion
 from ._process import call, call_json
-from ._run import Run, _threads
 from ._tables import Table, TableKind, converted, read
 
 if TYPE_CHECKING:
@@ -42,7 +41,7 @@ def check(job: Job, *, threads: int | None = None, nodes: int | None = None) -> 
         If the job is not valid. The message has all errors.
     """
     argument, stdin = as_argument(job)
-    options = [*_threads(threads), *([] if nodes is None else [f"--nodes={whole(nodes, 'nodes')}"])]
+    options = [*threads_option(threads), *([] if nodes is None else [f"--nodes={whole(nodes, 'nodes')}"])]
     answer: dict[str, Any] = call_json(["check", argument, *options], stdin=stdin)
     return answer
 
@@ -51,7 +50,7 @@ def analyse(
     parameters: Mapping[str, Any] | None = None,
     /,
     *,
-    job: JobOrRun | None = None,
+    job: Job | None = None,
     cell: int | None = None,
     **sections: Any,
 ) -> dict[str, Any]:
@@ -83,7 +82,7 @@ def trajectory(
     parameters: Mapping[str, Any] | None = None,
     /,
     *,
-    job: JobOrRun | None = None,
+    job: Job | None = None,
     cell: int | None = None,
     disc: Literal["rigid", "flexible", "finite-difference"] | None = None,
     disc_modes: int | None = None,
@@ -132,7 +131,7 @@ def trajectory(
 
 @overload
 def limit(
-    job: JobOrRun,
+    job: Job,
     of: str | None = None,
     probability: float | Sequence[float] | None = None,
     kind: Literal["pandas"] = "pandas",
@@ -142,7 +141,7 @@ def limit(
 ) -> pandas.DataFrame: ...
 @overload
 def limit(
-    job: JobOrRun,
+    job: Job,
     of: str | None = None,
     probability: float | Sequence[float] | None = None,
     *,
@@ -152,7 +151,7 @@ def limit(
 ) -> polars.DataFrame: ...
 @overload
 def limit(
-    job: JobOrRun,
+    job: Job,
     of: str | None = None,
     probability: float | Sequence[float] | None = None,
     *,
@@ -161,7 +160,7 @@ def limit(
     progress: bool = True,
 ) -> pyarrow.Table: ...
 def limit(
-    job: JobOrRun,
+    job: Job,
     of: str | None = None,
     probability: float | Sequence[float] | None = None,
     kind: TableKind = "pandas",
@@ -187,7 +186,7 @@ def limit(
         ``limit_high``, and the probabilities at both ends of the axis.
     """
     argument, stdin = as_argument(job)
-    options = [*_threads(threads), *([] if of is None else [f"--of={of}"])]
+    options = [*threads_option(threads), *([] if of is None else [f"--of={of}"])]
     targets = [probability] if not isinstance(probability, Iterable) else probability
     options += [f"--probability={float(target)!r}" for target in targets if target is not None]
     return _table(["limit", argument, *options], stdin, kind, progress)
@@ -212,7 +211,7 @@ def bounds(job: Job, kind: TableKind = "pandas", *, threads: int | None = None, 
         A row for each cell: ``p_lower``, ``p_upper``, and with which values they are reached.
     """
     argument, stdin = as_argument(job)
-    return _table(["bounds", argument, *_threads(threads)], stdin, kind, progress)
+    return _table(["bounds", argument, *threads_option(threads)], stdin, kind, progress)
 
 
 class Comparison:
@@ -241,8 +240,8 @@ class Comparison:
 
 
 def compare(
-    first: Run | PathLike,
-    *others: Run | PathLike,
+    first: PathLike,
+    *others: PathLike,
     confidence: float | None = None,
     pointwise: bool = False,
     threads: int | None = None,
@@ -257,13 +256,13 @@ def compare(
     pointwise
         Intervals that hold for each cell by itself.
     """
-    options = [*_threads(threads), *(["--pointwise"] if pointwise else [])]
+    options = [*threads_option(threads), *(["--pointwise"] if pointwise else [])]
     if confidence is not None:
         options.append(f"--confidence={float(confidence)!r}")
-    runs = [str(run.path) if isinstance(run, Run) else expanded(run) for run in (first, *others)]
+    runs = map(expanded, (first, *others))
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         file = Path(folder) / "compare.parquet"
-        summary = call_json(["compare", *runs, *options, f"--out={file}"], progress=progress, unsaid=folder)
+        summary = call_json(["compare", *runs, *options, f"--out={file}"], progress=progress, unsaid="file-written")
         return Comparison(summary, read(file))
 
 
@@ -298,7 +297,7 @@ def fit(
 
 
 def _brake(
-    job: JobOrRun | None, cell: int | None, parameters: Mapping[str, Any] | None, sections: Mapping[str, Any]
+    job: Job | None, cell: int | None, parameters: Mapping[str, Any] | None, sections: Mapping[str, Any]
 ) -> tuple[list[str], str | None]:
     """The options that say which brake."""
     options, stdin = [], None
@@ -314,7 +313,7 @@ def _table(arguments: Sequence[str], stdin: str | None, kind: str, progress: boo
     """The table that a command writes."""
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         file = Path(folder) / "table.parquet"
-        call([*arguments, f"--out={file}"], stdin=stdin, progress=progress, unsaid=folder)
+        call([*arguments, f"--out={file}"], stdin=stdin, progress=progress, unsaid="file-written")
         return converted(read(file), kind)
 
 

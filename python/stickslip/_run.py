@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 from ._errors import CannotCreateError, InputOutputError, Interrupted
 from ._grid import dataset
-from ._job import Job, PathLike, absolute, as_argument, expanded, whole
+from ._job import Job, PathLike, absolute, as_argument, expanded, threads_option, whole
 from ._motion import Motion
 from ._name import name_of
 from ._pictures import Plot, Report, written
@@ -22,12 +22,9 @@ if TYPE_CHECKING:
     import pyarrow
     import xarray
 
-#: What the program says of a run that it has not finished.
-_UNFINISHED = "holds an unfinished run of this job"
-
 
 class Run:
-    """A run directory.
+    """A run directory. It is a path for the functions of this package and others (``os.PathLike``).
 
     Parameters
     ----------
@@ -64,6 +61,9 @@ class Run:
     def __repr__(self) -> str:
         return f"stickslip.Run({str(self.path)!r})"
 
+    def __fspath__(self) -> str:
+        return str(self.path)
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Run) and self.path == other.path
 
@@ -91,7 +91,7 @@ class Run:
             With Ctrl-C. What was finished is kept.
         """
         try:
-            output = call(["resume", *_threads(threads), self.path], progress=progress)
+            output = call(["resume", *threads_option(threads), self.path], progress=progress)
         except Interrupted as interrupted:
             interrupted.run = self
             raise
@@ -171,9 +171,9 @@ class Run:
                 str(self.path),
                 f"--cell={whole(cell, 'cell')}",
                 f"--out={file}",
-                *_threads(threads),
+                *threads_option(threads),
             ]
-            call(arguments, progress=progress, unsaid=folder)
+            call(arguments, progress=progress, unsaid="file-written")
             return converted(read(file), kind)
 
     def replay(self, cell: int, sample: int, *, horizon: float | None = None) -> Motion:
@@ -220,7 +220,7 @@ class Run:
         *,
         of: Literal["probability", "sobol", "verdicts"] | None = None,
         cell: int | None = None,
-        against: Run | PathLike | None = None,
+        against: PathLike | None = None,
         columns: Literal[1, 2] | None = None,
         out: PathLike | None = None,
         threads: int | None = None,
@@ -245,10 +245,9 @@ class Run:
         Plot
             It shows itself in a notebook, and has the paths of the files.
         """
-        arguments = ["plot", str(self.path), *_threads(threads)]
+        arguments = ["plot", str(self.path), *threads_option(threads)]
         if against is not None:
-            other = against.path if isinstance(against, Run) else against
-            arguments.append(f"--against={expanded(other)}")
+            arguments.append(f"--against={expanded(against)}")
         for name, value in (("of", of), ("cell", cell), ("columns", columns)):
             if value is not None:
                 arguments.append(f"--{name}={value}")
@@ -256,7 +255,7 @@ class Run:
             arguments.append(f"--out={absolute(out)}")
         return Plot._of(written(call(arguments)))
 
-    def report(self, out: PathLike | None = None, *others: Run | PathLike) -> Report:
+    def report(self, out: PathLike | None = None, *others: PathLike) -> Report:
         """Write a report: one HTML file with the answer, an interactive map and the job.
 
         Parameters
@@ -271,7 +270,7 @@ class Run:
         Report
             It has the path of the file, and is a link in a notebook.
         """
-        runs = [str(self.path), *(str(other.path) if isinstance(other, Run) else expanded(other) for other in others)]
+        runs = map(expanded, (self, *others))
         file = [] if out is None else [f"--out={absolute(out)}"]
         return Report(written(call(["report", *runs, *file]))[0])
 
@@ -332,7 +331,7 @@ def run(
     """
     argument, stdin = as_argument(job)
     directory = absolute(out if out is not None else Path("runs") / name_of(job))
-    options = [*_threads(threads), f"--out={directory}"]
+    options = [*threads_option(threads), f"--out={directory}"]
     for name, value in (("samples", samples), ("seed", seed)):
         if value is not None:
             options.append(f"--{name}={whole(value, name)}")
@@ -344,17 +343,12 @@ def run(
         try:
             output = submit()
         except CannotCreateError as error:
-            if not resume or _UNFINISHED not in str(error):
+            if not resume or error.code not in ("run-unfinished", "run-to-extend"):
                 raise
             output = Run._finished(directory, "").resume(threads=threads, progress=progress).output
-            if "then submit the job" in str(error):
-                # It was begun with fewer samples.
+            if error.code == "run-to-extend":
                 output = submit()
     except Interrupted as interrupted:
         interrupted.run = Run._finished(directory, "") if (directory / "job.toml").is_file() else None
         raise
     return Run._finished(directory, output)
-
-
-def _threads(threads: int | None) -> list[str]:
-    return [] if threads is None else [f"--threads={whole(threads, 'threads')}"]

@@ -13,8 +13,9 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use arrow_array::{Array as _, Float64Array, Int64Array};
+use arrow::array::{Array as _, Float64Array, Int64Array};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// The targets of `reproduce`.
@@ -44,6 +45,25 @@ pub const TARGETS: [&str; 20] = [
 /// The root of the repository.
 pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+}
+
+/// The lines of a piece: whose it is, then its units or tiles.
+pub fn lines_of(piece: &Path) -> Vec<Value> {
+    fs::read_to_string(piece).unwrap().lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// Writes lines as a piece into a folder, under the name that says what is in it.
+pub fn write_piece(folder: &Path, lines: &[Value]) {
+    let text = lines.iter().map(Value::to_string).collect::<Vec<_>>().join("\n");
+    fs::write(folder.join(format!("{}.jsonl", &blake3::hash(text.as_bytes()).to_hex()[..32])), text).unwrap();
+}
+
+/// Changes the lines of a piece, and its name with them.
+pub fn change_piece(piece: &Path, change: impl FnOnce(&mut [Value])) {
+    let mut lines = lines_of(piece);
+    change(&mut lines);
+    fs::remove_file(piece).unwrap();
+    write_piece(piece.parent().unwrap(), &lines);
 }
 
 /// A directory of its own for one test.
@@ -122,7 +142,7 @@ impl Place {
     /// The number of finished pieces or tiles in a directory; files that are being written are none.
     pub fn pieces(&self, directory: &str) -> usize {
         let entries = fs::read_dir(self.path(directory)).into_iter().flatten();
-        entries.filter(|entry| entry.as_ref().unwrap().path().extension() == Some("parquet".as_ref())).count()
+        entries.filter(|entry| entry.as_ref().unwrap().path().extension() == Some("jsonl".as_ref())).count()
     }
 
     /// Writes a file.

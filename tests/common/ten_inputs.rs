@@ -1,14 +1,14 @@
 //! A job of ten random inputs whose probabilities are known in closed form: without kinetic friction, a brake is unstable
 //! by a product of powers of its parameters.
 
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::special_functions::normal;
 
 use super::{EIGENVALUE, Table};
 
-pub fn boundary(kinetic_coefficient: f64) -> StabilityBoundary {
+pub fn boundary(kinetic_coefficient: f64) -> PairBoundary {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.set("operating_point.rotating_speed", 15.0).unwrap();
     parameters.set("friction.kinetic_coefficient", kinetic_coefficient).unwrap();
@@ -61,7 +61,7 @@ pub fn job_of_ten(name: &str, sampling: &str) -> String {
 
 /// The probabilities of its cells, each the tail of a sum of normal logarithms.
 pub fn expected_of_ten(table: &Table) -> Vec<f64> {
-    let critical = boundary(0.0).critical_product();
+    let critical = boundary(0.0).critical_product;
     let logarithms = TEN.map(|(_, std, power)| {
         let (mean, log_std) = logarithm(1.0, std);
         (power * mean, power * log_std)

@@ -2,13 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a file that cannot be read should say so and stop")]
 
-use stickslip_core::criterion::decision::Decision;
-use stickslip_core::criterion::settings::TimeDomainSettings;
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
-use stickslip_core::motion::start::Start;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::decision::Decision;
+use stickslip_core::model::verdict::Verdict;
+use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
+use stickslip_core::models::pad_on_disc::criterion::time_domain::{DiscModel, TimeDomain};
+use stickslip_core::models::pad_on_disc::motion::start::Start;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 
 /// 400 brakes of all kinds.
 pub const FATES: &str = include_str!("rigid-fates.csv");

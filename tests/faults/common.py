@@ -215,7 +215,7 @@ class Place:
 
     def pieces(self) -> set:
         """Everything that is finished: pieces of samples and tiles."""
-        return {path.relative_to(self.run) for path in self.run.glob("*/*.parquet")}
+        return {path.relative_to(self.run) for path in self.run.glob("*/*.jsonl")}
 
     def samples_done(self) -> Optional[int]:
         """The samples that `status` counts; none if there is no run yet."""

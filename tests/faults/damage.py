@@ -13,7 +13,7 @@ def files(run: Path) -> list:
     """One file of each sort in a run."""
     found = [Path(name) for name in (*SMALL, "surface.parquet")]
     for folder in ("shards", "map", "audit"):
-        found += sorted(path.relative_to(run) for path in (run / folder).glob("*.parquet"))[:1]
+        found += sorted(path.relative_to(run) for path in (run / folder).glob("*.jsonl"))[:1]
     return found
 
 

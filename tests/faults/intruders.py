@@ -72,9 +72,9 @@ def in_place_of_files(suite: Suite) -> Iterator[Try]:
             run = getattr(suite.reference(kind, True), state)
             names = [path.relative_to(run) for path in sorted(run.rglob("*"))]
             # One piece stands for all.
-            names = [name for name in names if name.suffix != ".parquet" or name.parent == Path(".")]
-            names += [sorted(run.glob(f"{folder}/*.parquet"))[0].relative_to(run) for folder in ("shards", "map")
-                      if any(run.glob(f"{folder}/*.parquet"))]
+            names = [name for name in names if name.suffix != ".jsonl"]
+            names += [sorted(run.glob(f"{folder}/*.jsonl"))[0].relative_to(run) for folder in ("shards", "map")
+                      if any(run.glob(f"{folder}/*.jsonl"))]
             # A surface may be as large as a job makes it, and is read as a whole.
             pairs = [
                 (name, thing)
@@ -144,11 +144,11 @@ def foreign(place: Place, state: str, other: str, seed: int) -> str:
     place.stickslip("submit", "other.toml", "--out", "other", "--threads", 1)
     put = []
     for folder in ("shards", "map"):
-        for piece in sorted((place.path / "other" / folder).glob("*.parquet")):
+        for piece in sorted((place.path / "other" / folder).glob("*.jsonl")):
             (place.run / folder).mkdir(exist_ok=True)
             put.append(place.run / folder / piece.name)
             shutil.copy(piece, put[-1])
-    own = {path.name for path in getattr(place.reference, state).rglob("*.parquet")}
+    own = {path.name for path in getattr(place.reference, state).rglob("*.jsonl")}
     put = [path for path in put if path.name not in own]
     check(any(path.parent.name == "shards" for path in put), "there is nothing foreign")
     for words in ("status run", "resume run"):
@@ -161,23 +161,23 @@ def foreign(place: Place, state: str, other: str, seed: int) -> str:
 
 def renamed(place: Place) -> Path:
     """A sound piece under the name of another content."""
-    piece = sorted(place.run.glob("shards/*.parquet"))[0]
-    path = piece.with_name("0123456789abcdef0123456789abcdef.parquet")
+    piece = sorted(place.run.glob("shards/*.jsonl"))[0]
+    path = piece.with_name("0123456789abcdef0123456789abcdef.jsonl")
     shutil.copy(piece, path)
     return path
 
 
 def copied(place: Place) -> Path:
     """A sound piece that lies there twice."""
-    piece = sorted(place.run.glob("shards/*.parquet"))[0]
-    path = piece.with_name(f"{piece.stem} (1).parquet")
+    piece = sorted(place.run.glob("shards/*.jsonl"))[0]
+    path = piece.with_name(f"{piece.stem} (1).jsonl")
     shutil.copy(piece, path)
     return path
 
 
 def misplaced(place: Place) -> Path:
     """A sound piece among the tiles."""
-    piece = sorted(place.run.glob("shards/*.parquet"))[0]
+    piece = sorted(place.run.glob("shards/*.jsonl"))[0]
     (place.run / "map").mkdir(exist_ok=True)
     path = place.run / "map" / piece.name
     shutil.copy(piece, path)
@@ -185,8 +185,8 @@ def misplaced(place: Place) -> Path:
 
 
 def surface_as_piece(place: Place) -> Path:
-    """A surface among the pieces."""
-    path = place.run / "shards" / "surface.parquet"
+    """A surface among the pieces, as if it were one."""
+    path = place.run / "shards" / "surface.jsonl"
     shutil.copy(place.reference.whole / "surface.parquet", path)
     return path
 

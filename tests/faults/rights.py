@@ -92,7 +92,7 @@ def unreadable_pieces(place: Place) -> str:
     place.stickslip(*SUBMIT, "--shard", "1/2")
     for folder in (place.run, *(path for path in place.run.iterdir() if path.is_dir())):
         folder.chmod(0o777)
-    pieces = sorted(place.run.glob("*/*.parquet"))
+    pieces = sorted(place.run.glob("*/*.jsonl"))
     for piece in pieces:
         piece.chmod(0)
     ended = place.stickslip("resume", "run", "--threads", 1, before=AS_OTHER, expect={DONE, INPUT_OUTPUT})

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import pickle
 import subprocess
 import sys
+import textwrap
 import time
 from pathlib import Path
 from typing import Any
@@ -19,6 +22,7 @@ def test_usage(small: dict[str, Any]) -> None:
         stickslip.run(small, threads=0)
     assert caught.value.exit_code == 64
     assert str(caught.value) == "invalid value '0' for '--threads <N>': 0 is not in 1..=1024"
+    assert caught.value.code == "usage"
     with pytest.raises(ValueError, match="samples = 1.5 is not a whole number"):
         stickslip.run(small, samples=1.5)  # type: ignore[arg-type]
     assert set(stickslip.run(small, samples=1e3, progress=False).surface()["n_samples"]) == {1000}  # type: ignore[arg-type]
@@ -29,7 +33,8 @@ def test_a_job_that_is_not_valid_tells_all_errors(small: dict[str, Any], capsys:
     small["sampling"]["sampels"] = 100
     with pytest.raises(stickslip.JobError) as caught:
         stickslip.run(small)
-    assert caught.value.exit_code == 65
+    assert (caught.value.exit_code, caught.value.code) == (65, "job-spec")
+    assert caught.value.place == {"file": "job", "line": 9, "column": 11, "key": "axes.preload"}
     message = str(caught.value)
     assert message.startswith("job:")
     assert "axes.preload: NaN is not a finite number" in message
@@ -49,18 +54,55 @@ def test_a_job_without_a_name_or_that_is_no_toml(small: dict[str, Any], place: P
         stickslip.run("broken.toml")
 
 
+def says(*messages: dict[str, Any], code: int) -> str:
+    """A program that says this and ends with a code."""
+    lines = "".join(json.dumps(message) + "\n" for message in messages)
+    return f"import sys\nsys.stderr.write({lines!r})\nsys.exit({code})"
+
+
 @pytest.mark.parametrize(
-    ("message", "kind"),
-    [
-        ("the audit found the verdict map wrong", stickslip.AuditError),
-        ("internal error: a mistake; please report it", stickslip.InternalError),
-    ],
+    ("code", "kind"), [("audit", stickslip.AuditError), ("internal-error", stickslip.InternalError)]
 )
-def test_audit_and_internal_error(stub: Any, message: str, kind: type[stickslip.Error]) -> None:
-    stub(f"import sys\nsys.stderr.write('stickslip: before\\nstickslip: {message}\\n')\nsys.exit(70)")
+def test_audit_and_internal_error_differ_by_their_code(stub: Any, code: str, kind: type[stickslip.Error]) -> None:
+    stub(says({"code": "note", "text": "before"}, {"code": code, "text": "other words"}, code=70))
     with pytest.raises(kind) as caught:
         stickslip.analyse()
-    assert (str(caught.value), caught.value.exit_code) == (message, 70)
+    assert (str(caught.value), caught.value.exit_code, caught.value.code) == ("other words", 70, code)
+
+
+def test_no_word_of_the_program_decides(stub: Any, small: dict[str, Any], place: Path) -> None:
+    """Whether a run goes on depends on codes alone."""
+    script = """
+        import json, sys
+        with open("calls", "a") as calls:
+            calls.write(sys.argv[2] + "\\n")
+        if sys.argv[2] == "submit" and open("calls").read().count("submit") == 1:
+            print(json.dumps({"code": CODE, "text": "xyzzy", "remedy": "plugh"}), file=sys.stderr)
+            sys.exit(73)
+        print("done")
+    """
+    for code, calls in (("run-unfinished", "submit resume"), ("run-to-extend", "submit resume submit")):
+        stub(textwrap.dedent(script).replace("CODE", repr(code)))
+        (place / "calls").unlink(missing_ok=True)
+        assert stickslip.run(small).output == "done\n"
+        assert (place / "calls").read_text().split() == calls.split()
+    stub(textwrap.dedent(script).replace("CODE", "'cannot-create'"))
+    (place / "calls").unlink()
+    with pytest.raises(stickslip.CannotCreateError) as caught:
+        stickslip.run(small)
+    assert (caught.value.code, caught.value.remedy, str(caught.value)) == ("cannot-create", "plugh", "xyzzy")
+
+
+def test_errors_cross_processes_whole(small: dict[str, Any]) -> None:
+    small["axes"]["preload"] = 7
+    with pytest.raises(stickslip.JobError) as caught:
+        stickslip.check(small)
+    copied = pickle.loads(pickle.dumps(caught.value))
+    assert type(copied) is stickslip.JobError and str(copied) == str(caught.value)
+    assert vars(copied) == vars(caught.value) and copied.place["key"] == "axes.preload"
+    interrupted = stickslip.Interrupted("now")
+    interrupted.remedy = "again"
+    assert pickle.loads(pickle.dumps(interrupted)).remedy == "again"
 
 
 def test_what_cannot_be_created(small: dict[str, Any], place: Path) -> None:
@@ -93,7 +135,7 @@ def test_a_run_that_is_in_use(place: Path) -> None:
             time.sleep(0.02)
         with pytest.raises(stickslip.InUseError, match="busy") as caught:
             stickslip.run(LONG, "busy", progress=False)
-        assert caught.value.exit_code == 75
+        assert (caught.value.exit_code, caught.value.code) == (75, "run-in-use")
         assert stickslip.Run("busy").status()["in_use"]
         with pytest.raises(FileNotFoundError, match="not finished"):
             stickslip.Run("busy").surface()
@@ -117,9 +159,18 @@ def test_every_error_is_an_error() -> None:
 
 
 def test_messages_of_many_lines_are_whole(stub: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    lines = ["stickslip: a note", "stickslip: warning: odd", "stickslip: first", "    |", "second", "", "  third"]
-    stub(f"import sys\nsys.stderr.write({chr(10).join(lines)!r} + chr(10))\nsys.exit(65)")
+    text = "first\n    |\nsecond\n\n  third"
+    told = [("note", "a note"), ("warning", "odd"), ("job-spec", text)]
+    stub(says(*({"code": code, "text": text} for code, text in told), code=65))
     with pytest.warns(stickslip.JobWarning, match="^odd$"), pytest.raises(stickslip.JobError) as caught:
         stickslip.limit("job.toml", "preload", 0.1)
-    assert str(caught.value) == "first\n    |\nsecond\n\n  third"
+    assert str(caught.value) == text
     assert capsys.readouterr().err == "stickslip: a note\n"
+
+
+def test_lines_that_are_no_messages_are_the_error_of_a_program_that_does_not_start(stub: Any) -> None:
+    stub("import sys\nsys.stderr.write('libc.so.6: version not found\\n{\\n')\nsys.exit(1)")
+    with pytest.raises(stickslip.Error) as caught:
+        stickslip.analyse()
+    assert str(caught.value) == "libc.so.6: version not found\n{"
+    assert (caught.value.exit_code, caught.value.code) == (1, None)

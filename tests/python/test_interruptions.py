@@ -83,8 +83,10 @@ def test_an_interrupted_run_goes_on_to_the_same_bytes(whom: str, place: Path, wh
 
 def test_run_goes_on_with_an_interrupted_run(place: Path, whole: bytes) -> None:
     interrupted_run(place)
-    with pytest.raises(stickslip.CannotCreateError, match="holds an unfinished run of this job"):
+    with pytest.raises(stickslip.CannotCreateError) as caught:
         stickslip.run(LONG, "long", progress=False, resume=False)
+    assert caught.value.code == "run-unfinished"
+    assert caught.value.remedy is not None and caught.value.remedy.startswith("stickslip resume ")
     run = stickslip.run(LONG, "long", progress=False)
     assert (run.path / "surface.parquet").read_bytes() == whole
     assert "60,000 samples each" in run.output
@@ -104,6 +106,7 @@ def interrupted_run(place: Path) -> None:
         stickslip.run(LONG, "long", progress=False, threads=1)
     timer.join()
     assert isinstance(caught.value, stickslip.Interrupted)
+    assert caught.value.code == "interrupted" and "stickslip resume " in (caught.value.remedy or "")
     assert caught.value.run == stickslip.Run("long")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 

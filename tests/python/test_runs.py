@@ -236,8 +236,9 @@ def test_a_surface_that_is_not_finished_or_damaged_is_not_read(small: dict[str, 
 
 
 def test_warnings_that_are_errors_do_not_hide_what_ended_the_program(stub: Any) -> None:
-    stub("import sys\nprint('stickslip: warning: odd', file=sys.stderr)\nprint('stickslip: wrong', file=sys.stderr)\nsys.exit(65)")
+    lines = '{"code": "warning", "text": "odd"}\n{"code": "job-spec", "text": "wrong"}\n'
+    stub(f"import sys\nsys.stderr.write({lines!r})\nsys.exit(65)")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(stickslip.JobError, match="wrong"):
+        with pytest.raises(stickslip.JobError, match="^wrong$"):
             stickslip.check({"name": "any"})

@@ -1,4 +1,4 @@
-"""What a user sees at a terminal: the bar of the program, each message once, and errors as exceptions."""
+"""What a user sees at a terminal: a bar, each message once, and errors as exceptions."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ except stickslip.Interrupted as interrupted:
     assert code == 0, seen
     before, after = seen.split("CAUGHT")
     for bar in (before, after):
-        assert "█" in bar and "samples/s" in bar
+        assert "░" in bar and "samples/s" in bar
     assert seen.count("interrupted: saving what is finished") == 1
     # The message of the end is that of the exception, and is not shown besides.
     assert "samples are kept" not in before and "samples are kept; continue with" in after

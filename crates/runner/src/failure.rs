@@ -8,6 +8,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::low_level::signal_name;
 use thiserror::Error;
 
+use crate::messages::{Code, Message, Place};
 use crate::shell::shown;
 
 /// The signal that ended a command early, by its number.
@@ -64,6 +65,55 @@ pub enum Failure {
         /// What is kept, and how to continue.
         message: String,
     },
+    /// One of the others, of which programs are told more.
+    #[error("{}", .0.failure)]
+    Detailed(Box<Detailed>),
+}
+
+/// What programs are told of a failure beside its text.
+#[derive(Debug)]
+pub struct Detailed {
+    failure: Failure,
+    code: Option<Code>,
+    place: Option<Place>,
+    remedy: Option<String>,
+}
+
+/// What is said of work that ended early: what is kept of it, and mostly how to continue.
+#[derive(Debug, Clone, Default)]
+pub struct Advice {
+    text: String,
+    /// The command or action that the text names.
+    remedy: Option<String>,
+}
+
+impl Advice {
+    /// Words that end before a command.
+    pub fn command(words: &str, command: &str) -> Self {
+        Self { text: format!("{words} `{command}`"), remedy: Some(command.to_owned()) }
+    }
+
+    /// An action.
+    pub fn action(action: &str) -> Self {
+        Self { text: action.to_owned(), remedy: Some(action.to_owned()) }
+    }
+
+    /// The command or action that it names.
+    pub fn remedy(&self) -> Option<&str> {
+        self.remedy.as_deref()
+    }
+}
+
+impl From<&str> for Advice {
+    fn from(text: &str) -> Self {
+        Self { text: text.to_owned(), remedy: None }
+    }
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
 }
 
 impl Failure {
@@ -77,30 +127,111 @@ impl Failure {
             Self::InputOutput(_) => 74,
             Self::Busy(_) => 75,
             Self::Stopped { signal, .. } => signal.exit_code(),
+            Self::Detailed(detailed) => detailed.failure.exit_code(),
+        }
+    }
+
+    /// What it is about, unless more was told of it.
+    fn code(&self) -> Code {
+        match self {
+            Self::Usage(_) => Code::Usage,
+            Self::Job(_) => Code::JobRefused,
+            Self::CannotCreate(_) => Code::CannotCreate,
+            Self::InputOutput(_) => Code::InputOutput,
+            Self::Audit(_) => Code::Audit,
+            Self::Internal(_) => Code::InternalError,
+            Self::Busy(_) => Code::RunInUse,
+            Self::Stopped { .. } => Code::Interrupted,
+            Self::Detailed(detailed) => detailed.code.unwrap_or_else(|| detailed.failure.code()),
+        }
+    }
+
+    /// Whether it is about the job, the run or data.
+    pub fn is_of_job(&self) -> bool {
+        self.exit_code() == 65
+    }
+
+    /// Whether another process is working in the run directory.
+    pub fn is_in_use(&self) -> bool {
+        self.exit_code() == 75
+    }
+
+    /// Whether a file or directory cannot be created.
+    pub fn is_of_creating(&self) -> bool {
+        self.exit_code() == 73
+    }
+
+    /// The message of it.
+    pub fn message(&self) -> Message {
+        let mut message = Message::new(self.code(), &self.to_string());
+        if let Self::Detailed(detailed) = self {
+            message.place.clone_from(&detailed.place);
+            message.remedy.clone_from(&detailed.remedy);
+        }
+        message
+    }
+
+    /// A signal ended the run; `kept` says how to continue.
+    pub fn stopped(signal: Signal, kept: &Advice) -> Self {
+        Self::Stopped { signal, message: kept.text.clone() }.advised(kept)
+    }
+
+    fn detailed(self) -> Box<Detailed> {
+        match self {
+            Self::Detailed(detailed) => detailed,
+            failure => Box::new(Detailed { failure, code: None, place: None, remedy: None }),
+        }
+    }
+
+    /// Tells programs what exactly it is about.
+    pub fn coded(self, code: Code) -> Self {
+        Self::Detailed(Box::new(Detailed { code: Some(code), ..*self.detailed() }))
+    }
+
+    /// Tells programs where it is.
+    pub fn at(self, place: Place) -> Self {
+        Self::Detailed(Box::new(Detailed { place: Some(place), ..*self.detailed() }))
+    }
+
+    /// Tells programs the command or action that its text names.
+    pub fn remedied(self, remedy: impl Into<String>) -> Self {
+        Self::Detailed(Box::new(Detailed { remedy: Some(remedy.into()), ..*self.detailed() }))
+    }
+
+    /// Tells programs the command or action of an advice that its text holds.
+    fn advised(self, advice: &Advice) -> Self {
+        match advice.remedy() {
+            Some(remedy) => self.remedied(remedy),
+            None => self,
         }
     }
 
     /// Adds to an I/O error how to continue with the work that is kept.
-    pub fn with_remedy(self, remedy: &str) -> Self {
+    pub fn with_advice(self, advice: &Advice) -> Self {
         match self {
-            Self::InputOutput(message) => Self::InputOutput(format!("{message}; {remedy}")),
+            Self::InputOutput(message) => Self::InputOutput(format!("{message}; {advice}")).advised(advice),
+            Self::Detailed(detailed) => {
+                let Detailed { failure, code, place, remedy } = *detailed;
+                let told = failure.with_advice(advice).detailed();
+                Self::Detailed(Box::new(Detailed { code, place, remedy: told.remedy.or(remedy), ..*told }))
+            }
             other => other,
         }
     }
 
     /// A file could not be read.
     pub fn reading(path: &Path, error: impl fmt::Display) -> Self {
-        Self::InputOutput(format!("cannot read {}: {error}", shown(path)))
+        Self::InputOutput(format!("cannot read {}: {error}", shown(path))).at(Place::file(path))
     }
 
     /// A file could not be written.
     pub fn writing(path: &Path, error: impl fmt::Display) -> Self {
-        Self::InputOutput(format!("cannot write {}: {error}", shown(path)))
+        Self::InputOutput(format!("cannot write {}: {error}", shown(path))).at(Place::file(path))
     }
 
     /// A file or directory could not be created.
     pub fn creating(path: &Path, error: impl fmt::Display) -> Self {
-        Self::CannotCreate(format!("cannot create {}: {error}", shown(path)))
+        Self::CannotCreate(format!("cannot create {}: {error}", shown(path))).at(Place::file(path))
     }
 
     /// A result could not be written to standard output.

@@ -8,6 +8,7 @@
 //! A signal that was ignored when the process began (`nohup`, `trap '' HUP`) stays so. SIGPIPE is ignored: the write
 //! fails. So it is with SIGXFSZ. Faults of the processor (SIGSEGV, SIGBUS, SIGILL, SIGFPE) are left to the system.
 
+use std::fmt;
 use std::fs;
 use std::io;
 use std::path::PathBuf;
@@ -25,8 +26,8 @@ use signal_hook::flag;
 use signal_hook::iterator::Signals;
 use signal_hook::low_level;
 
-use crate::failure::{Failure, Signal};
-use crate::output::note_over_bar;
+use crate::failure::{Advice, Failure, Signal};
+use crate::messages::{Code, Message};
 use crate::unfinished;
 
 /// The signals that end a process which does not handle them, on every system. The others are in [`ending`].
@@ -75,16 +76,25 @@ struct Shared {
 /// What is said after a signal.
 #[derive(Debug, Default)]
 struct Remark {
-    text: String,
+    advice: Option<Advice>,
     /// It is said only if this file is there then.
     condition: Option<PathBuf>,
 }
 
 impl Remark {
-    /// The words that follow the name of the signal.
-    fn now(&self) -> String {
+    /// What is said now.
+    fn now(&self) -> Option<&Advice> {
         let is_true = self.condition.as_ref().is_none_or(|file| file.exists());
-        if is_true && !self.text.is_empty() { format!("; {}", self.text) } else { String::new() }
+        self.advice.as_ref().filter(|_| is_true)
+    }
+
+    /// Says what a signal does, and what is kept of what it interrupts.
+    fn say(&self, code: Code, what: &str) {
+        let (rest, remedy) = match self.now() {
+            Some(advice) => (format!("; {advice}"), advice.remedy().map(str::to_owned)),
+            None => (String::new(), None),
+        };
+        Message { remedy, ..Message::new(code, &format!("{what}{rest}")) }.send_over_bar();
     }
 }
 
@@ -125,13 +135,13 @@ impl Interrupt {
     }
 
     /// Tells what is kept from now on of what is interrupted, and how to continue it.
-    pub fn remark(&self, remark: &str) {
-        *lock(&self.shared.remark) = Remark { text: remark.to_owned(), condition: None };
+    pub fn remark(&self, remark: impl Into<Advice>) {
+        *lock(&self.shared.remark) = Remark { advice: Some(remark.into()), condition: None };
     }
 
     /// The same, true as soon as a file is there.
-    pub fn remark_once_there(&self, file: PathBuf, remark: &str) {
-        *lock(&self.shared.remark) = Remark { text: remark.to_owned(), condition: Some(file) };
+    pub fn remark_once_there(&self, file: PathBuf, remark: impl Into<Advice>) {
+        *lock(&self.shared.remark) = Remark { advice: Some(remark.into()), condition: Some(file) };
     }
 
     /// Begins a stretch of work. A signal during it leaves time to hand over its results.
@@ -152,14 +162,15 @@ impl Shared {
         let Some(signal) = signals.forever().find_map(|number| u8::try_from(number).ok().map(Signal)) else { return };
         let received = Instant::now();
         self.signal.store(signal.0, Ordering::SeqCst);
-        let remark = lock(&self.remark).now();
+        let say = |code: Code, what: fmt::Arguments<'_>| lock(&self.remark).say(code, &what.to_string());
         if self.working.load(Ordering::SeqCst) == 0 {
-            note_over_bar(format_args!("{signal}{remark}"));
+            say(Code::Interrupted, format_args!("{signal}"));
             end(signal);
         }
-        note_over_bar(format_args!(
-            "{signal}: saving what is finished, within 2 seconds (a second signal ends at once){remark}"
-        ));
+        say(
+            Code::Interrupting,
+            format_args!("{signal}: saving what is finished, within 2 seconds (a second signal ends at once)"),
+        );
         loop {
             thread::sleep(PAUSE);
             // All that are pending are taken, so that they do not count later.
@@ -171,7 +182,7 @@ impl Shared {
             if received.elapsed() >= GRACE
                 && let Ok(_saving) = self.saving.try_lock()
             {
-                note_over_bar(format_args!("{signal}; what takes longer is given up{remark}"));
+                say(Code::Interrupted, format_args!("{signal}; what takes longer is given up"));
                 end(signal);
             }
         }
@@ -233,11 +244,11 @@ mod tests {
     fn what_is_true_later_is_not_said_before() {
         let directory = tempfile::tempdir().unwrap();
         let (interrupt, file) = (Interrupt::unwatched(), directory.path().join("job.toml"));
-        let said = || lock(&interrupt.shared.remark).now();
-        assert_eq!(said(), "");
+        let said = || lock(&interrupt.shared.remark).now().map(ToString::to_string);
+        assert_eq!(said(), None);
         interrupt.remark_once_there(file.clone(), "go on");
-        assert_eq!(said(), "");
+        assert_eq!(said(), None);
         fs::write(&file, "").unwrap();
-        assert_eq!(said(), "; go on");
+        assert_eq!(said().unwrap(), "go on");
     }
 }

@@ -3,9 +3,11 @@
 //!
 //! Modules are declared in reading order; physics is in `stickslip-core`, statistics in `stickslip-sampler`.
 
-mod memory;
-
 mod shell;
+
+mod messages;
+
+mod memory;
 
 mod failure;
 
@@ -23,9 +25,9 @@ mod interrupt;
 
 mod files;
 
-mod job;
-
 mod version;
+
+mod job;
 
 mod evaluate;
 
@@ -53,6 +55,7 @@ mod commands;
 
 mod reproduce;
 
+use std::env;
 use std::panic;
 use std::process::ExitCode;
 
@@ -71,19 +74,35 @@ fn main() -> ExitCode {
 fn run() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => {
-            let is_output = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
-            return match (error.print(), is_output) {
-                (Ok(()), true) => ExitCode::SUCCESS,
-                (Err(error), true) => fail(&Failure::output(&error)),
-                (_, false) => ExitCode::from(64),
-            };
-        }
+        Err(error) => return no_command(&error),
     };
+    messages::choose(cli.messages);
     match Interrupt::watch().and_then(|interrupt| dispatch(cli.command, &interrupt)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => fail(&failure),
     }
+}
+
+/// The end of a command line that asks for help or the version, or for something that does not exist.
+fn no_command(error: &clap::Error) -> ExitCode {
+    messages::choose(messages::form_of(env::args_os()));
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        return error.print().map_or_else(|error| fail(&Failure::output(&error)), |()| ExitCode::SUCCESS);
+    }
+    let said = error.to_string();
+    let (text, advice) = match said.trim_end().rsplit_once("\n\n") {
+        Some((text, advice)) if error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            (text.trim_start_matches("error: "), advice)
+        }
+        _ => (said.as_str(), "stickslip --help"),
+    };
+    let failure = Failure::Usage(text.to_owned()).remedied(advice);
+    if messages::are_json() {
+        return fail(&failure);
+    }
+    // In colours, where there are some. There is nobody left to tell if it fails.
+    let _ = error.print();
+    ExitCode::from(failure.exit_code())
 }
 
 fn dispatch(command: Command, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -118,6 +137,9 @@ fn dispatch(command: Command, interrupt: &Interrupt) -> Result<(), Failure> {
 }
 
 fn fail(failure: &Failure) -> ExitCode {
-    output::note(format_args!("{failure}"));
+    failure.message().send();
     ExitCode::from(failure.exit_code())
 }
+
+#[cfg(test)]
+mod any_model;

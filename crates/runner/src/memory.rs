@@ -5,6 +5,8 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::{Cursor, Write as _};
 
+use crate::messages::{Code, are_json};
+
 /// The exit code: that of input and output.
 const EXIT_CODE: i32 = 74;
 
@@ -48,12 +50,19 @@ fn granted(pointer: *mut u8, size: usize) -> *mut u8 {
 /// Ends the process. Nothing here takes memory.
 #[cold]
 fn end(size: usize) -> ! {
-    let mut line = Cursor::new([0; 256]);
-    let _ = writeln!(
+    let mut line = Cursor::new([0; 512]);
+    // Nothing in the text needs an escape in JSON.
+    let _ = if are_json() {
+        write!(line, "{{\"code\":\"{}\",\"text\":\"", Code::InternalError.name())
+    } else {
+        write!(line, "stickslip: ")
+    };
+    let _ = write!(
         line,
-        "stickslip: out of memory: {size} bytes more were refused. Finished work that is on disk is kept; allow more memory, \
+        "out of memory: {size} bytes more were refused. Finished work that is on disk is kept; allow more memory, \
          or give fewer threads with --threads"
     );
+    let _ = writeln!(line, "{}", if are_json() { "\"}" } else { "" });
     let length = line.position() as usize;
     let _ = rustix::io::write(rustix::stdio::stderr(), &line.get_ref()[..length]);
     signal_hook::low_level::exit(EXIT_CODE)

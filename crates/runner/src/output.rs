@@ -11,7 +11,7 @@ use anstream::adapter::strip_str;
 use indicatif::HumanCount;
 
 use crate::failure::Failure;
-use crate::shell::without_controls;
+use crate::messages::{Code, Message, Place};
 pub use crate::shell::{quoted, shown};
 
 /// Writes a result to standard output. Its colours are left out where that is no terminal, and at one that has none or
@@ -110,26 +110,25 @@ pub fn broken(line: &str, width: usize) -> Vec<String> {
 /// that goes on.
 pub const FREE_SPACE: &str = "mend that, or where a disk is full free space, then";
 
-/// Writes a message to standard error. Errors are ignored, as there is no other place to report them.
+/// Writes a note to standard error.
 pub fn note(text: fmt::Arguments<'_>) {
-    write_message("", text);
+    tell(Code::Note, text);
 }
 
-/// Writes a message to standard error where a progress bar may be.
-pub fn note_over_bar(text: fmt::Arguments<'_>) {
-    write_message(if io::stderr().is_terminal() { "\r\x1b[2K" } else { "" }, text);
-}
-
-/// Writes a message as a whole, so that those of several processes do not mix. What would move the cursor or change
-/// colours, such as in the name of a file, is shown as text.
-fn write_message(before: &str, text: fmt::Arguments<'_>) {
-    let message = format!("{before}stickslip: {}\n", without_controls(&text.to_string()));
-    let _ = io::stderr().lock().write_all(message.as_bytes());
+/// Writes a message to standard error that programs know by its code.
+pub fn tell(code: Code, text: fmt::Arguments<'_>) {
+    Message::new(code, &text.to_string()).send();
 }
 
 /// Writes warnings to standard error.
 pub fn warn(warnings: impl IntoIterator<Item = String>) {
-    warnings.into_iter().for_each(|warning| note(format_args!("warning: {warning}")));
+    warnings.into_iter().for_each(|warning| tell(Code::Warning, format_args!("{warning}")));
+}
+
+/// Writes a warning about a file to standard error. Its text begins with the path.
+pub fn warn_of(path: &Path, text: fmt::Arguments<'_>) {
+    let message = Message::new(Code::Warning, &format!("{}{text}", path.display()));
+    Message { place: Some(Place::file(path)), ..message }.send();
 }
 
 /// The directory and name of the file of `--out`, if it can be written.

@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::env;
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 
-use crate::output::note_over_bar;
+use crate::messages::{Code, Message};
 
 /// The exit code after a panic.
 pub const EXIT_CODE: u8 = 70;
@@ -34,9 +34,8 @@ fn say(panic: &PanicHookInfo<'_>) {
     let place = panic.location().map(|place| format!(" ({}:{})", place.file(), place.line())).unwrap_or_default();
     let wants_trace = env::var_os("RUST_BACKTRACE").is_some_and(|value| value == "full");
     let trace = if wants_trace { format!("\n{}", Backtrace::force_capture()) } else { String::new() };
-    note_over_bar(format_args!(
-        "internal error: {what}{place}; please report it. Finished work that is on disk is kept{trace}"
-    ));
+    let text = format!("internal error: {what}{place}; please report it. Finished work that is on disk is kept{trace}");
+    Message::new(Code::InternalError, &text).send_over_bar();
 }
 
 /// Runs `work`, and returns what a panic said as an error.
@@ -59,7 +58,10 @@ fn text(payload: &(dyn Any + Send)) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::process::Command;
+
     use super::*;
+    use crate::messages;
 
     #[test]
     fn a_panic_becomes_an_error() {
@@ -67,5 +69,29 @@ mod tests {
         assert_eq!(divided(5), Ok(2));
         assert_eq!(divided(0), Err("no quotient".to_owned()));
         assert!(!IS_CAUGHT.get());
+    }
+
+    /// Set in the process that panics.
+    const VARIABLE: &str = "STICKSLIP_TEST_PANIC";
+
+    #[test]
+    fn a_panic_is_one_object_for_programs() {
+        if env::var_os(VARIABLE).is_some() {
+            messages::choose(messages::Form::Json);
+            say_in_a_line();
+            assert!(panic::catch_unwind(|| panic!("\u{1b}[31mred\n\"quoted\"")).is_err());
+            return;
+        }
+        let mut command = Command::new(env::current_exe().unwrap());
+        command.args(["--exact", "panics::tests::a_panic_is_one_object_for_programs", "--nocapture"]);
+        let output = command.env(VARIABLE, "1").env_remove("RUST_BACKTRACE").output().unwrap();
+        assert!(output.status.success());
+        let object: serde_json::Value = serde_json::from_slice(&output.stderr).unwrap();
+        assert_eq!(object["code"], "internal-error");
+        let text = object["text"].as_str().unwrap();
+        assert!(
+            text.starts_with("internal error: \\u{1b}[31mred \"quoted\" (") && text.contains("report it"),
+            "{text}"
+        );
     }
 }

@@ -58,17 +58,17 @@ impl Target {
     /// The job spec of a target, if it has one.
     pub fn job(self) -> Option<&'static str> {
         match self {
-            Self::Table2 => Some(include_str!("../../../jobs/table2.toml")),
-            Self::Table3 => Some(include_str!("../../../jobs/table3.toml")),
-            Self::Fig4 => Some(include_str!("../../../jobs/fig4.toml")),
-            Self::Fig12 => Some(include_str!("../../../jobs/fig12.toml")),
-            Self::Fig13 => Some(include_str!("../../../jobs/fig13.toml")),
-            Self::Fig14a => Some(include_str!("../../../jobs/fig14a.toml")),
-            Self::Fig14b => Some(include_str!("../../../jobs/fig14b.toml")),
-            Self::Fig14c => Some(include_str!("../../../jobs/fig14c.toml")),
-            Self::Fig14d => Some(include_str!("../../../jobs/fig14d.toml")),
-            Self::Fig15a => Some(include_str!("../../../jobs/fig15a.toml")),
-            Self::Fig15b => Some(include_str!("../../../jobs/fig15b.toml")),
+            Self::Table2 => Some(include_str!("../jobs/table2.toml")),
+            Self::Table3 => Some(include_str!("../jobs/table3.toml")),
+            Self::Fig4 => Some(include_str!("../jobs/fig4.toml")),
+            Self::Fig12 => Some(include_str!("../jobs/fig12.toml")),
+            Self::Fig13 => Some(include_str!("../jobs/fig13.toml")),
+            Self::Fig14a => Some(include_str!("../jobs/fig14a.toml")),
+            Self::Fig14b => Some(include_str!("../jobs/fig14b.toml")),
+            Self::Fig14c => Some(include_str!("../jobs/fig14c.toml")),
+            Self::Fig14d => Some(include_str!("../jobs/fig14d.toml")),
+            Self::Fig15a => Some(include_str!("../jobs/fig15a.toml")),
+            Self::Fig15b => Some(include_str!("../jobs/fig15b.toml")),
             Self::Fig5 | Self::Fig6 | Self::Fig7 | Self::Fig8 | Self::Fig9 | Self::Fig10 | Self::Fig11 => None,
             Self::External | Self::Scoreboard | Self::All => None,
         }

@@ -1,7 +1,5 @@
 //! SI numbers as text, with their units.
 
-use stickslip_core::rigid_disc::pad_on_disc::Scales;
-
 /// Four significant digits without an exponent between 1e-4 and 1e6, else with one.
 pub fn significant(value: f64) -> String {
     let text = format!("{value:.3e}");
@@ -54,17 +52,6 @@ pub fn growth_rate(per_second: f64) -> String {
 pub fn range(from: f64, to: f64) -> String {
     let (from, to) = (significant(from), significant(to));
     if from == to { from } else { format!("{from} to {to}") }
-}
-
-/// What scaled numbers are in units of.
-pub fn scales_line(scales: &Scales) -> String {
-    format!(
-        "Scaled units: length {} (the disc's thickness h), time {:.4e} s,\n    frequency {}, speed {}.\n",
-        length(scales.length),
-        scales.time,
-        frequency(scales.hertz(1.0)),
-        speed(scales.speed)
-    )
 }
 
 /// A row of a table: what it is, in scaled units, in SI.

@@ -3,14 +3,15 @@
 
 use std::sync::LazyLock;
 
-use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
-use stickslip_core::lanes::dispatch::InstructionSet;
-use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
-
-use crate::job::IDENTITY_VERSION;
+use stickslip_core::models::pad_on_disc::lanes::dispatch::InstructionSet;
+use stickslip_sampler::draw::identity::RESULTS_VERSION;
 
 /// Its version.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Version of the files from which a run resumes, and of how a job is identified in them. It changes whenever this program
+/// could no longer go on with what the one before wrote, or the other way round.
+pub const FORMAT_VERSION: u32 = 1;
 
 /// The commit that it was built from, as far as its build script knew.
 pub const COMMIT: &str = env!("STICKSLIP_BUILD_COMMIT");
@@ -31,9 +32,7 @@ pub fn in_full() -> &'static str {
             ("target", TARGET.to_owned()),
             ("instruction set", instruction_set().to_owned()),
             ("results version", RESULTS_VERSION.to_string()),
-            ("verdicts version", VERDICTS_VERSION.to_string()),
-            ("estimates version", ESTIMATES_VERSION.to_string()),
-            ("identity version", IDENTITY_VERSION.to_string()),
+            ("format version", FORMAT_VERSION.to_string()),
             ("licence", env!("CARGO_PKG_LICENSE").to_owned()),
         ];
         lines.iter().fold(VERSION.to_owned(), |text, (name, value)| format!("{text}\n{name}: {value}"))

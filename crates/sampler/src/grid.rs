@@ -1,7 +1,9 @@
 //! The grid of a job: the cells are the product of its axes.
 //!
-//! Four axes are always there: rotating speed, relative standard deviation, preload and static friction. A grid may
-//! have further axes, which vary more slowly. Each has a name, which this crate does not interpret.
+//! An axis holds the values of one quantity of the model. This crate knows a quantity only by its place in the model's
+//! list. One more axis, that of scatter, holds the relative standard deviations of the random inputs.
+
+use std::iter::once;
 
 use thiserror::Error;
 
@@ -141,152 +143,142 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.13e}").parse().unwrap_or(value)
 }
 
-/// Relative standard deviations (standard deviation over expected value) of preload and static friction; 0 for an input
-/// that does not scatter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RelativeStd {
-    /// Of the preload.
-    pub preload: f64,
-    /// Of the static friction coefficient.
-    pub static_friction: f64,
-}
-
-/// One cell of a job: the expected inputs and their relative standard deviations. [`Grid::further_values`] has its
-/// values on further axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// One cell of a job: the expected values of the quantities of the model, and how much its random inputs scatter.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     /// Position in the grid, from 0.
     pub index: u64,
-    /// Rotating speed Omega, rad/s.
-    pub rotating_speed: f64,
-    /// Relative standard deviations.
-    pub relative_std: RelativeStd,
-    /// Expected preload Delta, dimensionless.
-    pub preload: f64,
-    /// Expected static friction coefficient f_s.
-    pub static_friction: f64,
+    /// The expected value of each quantity of the model, in the model's order.
+    pub expected: Vec<f64>,
+    /// Position on the axis of scatter.
+    pub scatter: usize,
 }
 
-/// An axis of a quantity that has none in every grid.
+/// An axis of a grid: values of one quantity of the model, which is known by its place in the model's list.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FurtherAxis {
-    /// Which quantity, as the caller names it.
-    pub name: String,
+pub struct GridAxis {
+    /// The place of the quantity in the model's list.
+    pub quantity: usize,
     /// Its values.
     pub axis: Axis,
 }
 
-/// The product of the axes. `static_friction` varies fastest, then `preload`, `relative_std`, `rotating_speed` and the
-/// further axes, the last of them first.
+/// The product of axes over quantities.
 ///
-/// A *brake* is a combination of values of the axes of the brake and a rotating speed: what cells have in common that
-/// differ only in the inputs, their scatter and the start.
+/// A *configuration* is a combination of values of those axes that make one: what cells have in common that differ only
+/// in other quantities and in scatter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Further axes of the brake, slowest first.
-    pub of_brake: Vec<FurtherAxis>,
-    /// Further axes of the start of a motion, slowest first. They vary faster than those of the brake.
-    pub of_start: Vec<FurtherAxis>,
-    /// Rotating speeds, rad/s.
-    pub rotating_speed: Axis,
-    /// Relative standard deviations; never empty.
-    pub relative_std: Vec<RelativeStd>,
-    /// Expected preloads.
-    pub preload: Axis,
-    /// Expected static friction coefficients.
-    pub static_friction: Axis,
+    /// The expected values of all quantities of the model, in the model's order, where they are no axis. NaN: not given.
+    pub expected: Vec<f64>,
+    /// The axes, slowest first; no quantity has two.
+    pub axes: Vec<GridAxis>,
+    /// Number of values of the axis of scatter (relative standard deviations of the random inputs); at least 1.
+    pub scatters: usize,
+    /// How many of the axes vary more slowly than the scatter.
+    pub slower_than_scatter: usize,
+    /// For each quantity of the model, whether a configuration is made of it.
+    pub of_configuration: Vec<bool>,
 }
 
 impl Grid {
+    /// All axes, slowest first, each with its number of values. `None` is the axis of scatter.
+    fn radices(&self) -> impl DoubleEndedIterator<Item = (Option<&GridAxis>, u64)> {
+        let (slower, faster) = self.axes.split_at(self.slower_than_scatter);
+        let with_length = |axis| (Some(axis), length(axis));
+        let scatter = once((None, self.scatters as u64));
+        slower.iter().map(with_length).chain(scatter).chain(faster.iter().map(with_length))
+    }
+
+    /// Whether an axis makes configurations.
+    fn makes_configurations(&self, axis: Option<&GridAxis>) -> bool {
+        axis.is_some_and(|axis| self.of_configuration[axis.quantity])
+    }
+
     /// The number of cells, or `None` if it exceeds 64 bits.
     #[must_use]
     pub fn checked_len(&self) -> Option<u64> {
-        self.lengths().iter().try_fold(1u64, |product, &length| product.checked_mul(length))
+        self.radices().try_fold(1u64, |product, (_, length)| product.checked_mul(length))
     }
 
-    /// The further axes, slowest first.
-    #[must_use]
-    pub fn further(&self) -> impl DoubleEndedIterator<Item = &FurtherAxis> {
-        self.of_brake.iter().chain(&self.of_start)
-    }
-
-    /// The number of values on each axis, slowest first; the last four are always there.
+    /// The number of values on each axis and on that of scatter, slowest first.
     #[must_use]
     pub fn lengths(&self) -> Vec<u64> {
-        let mut lengths: Vec<u64> = self.further().map(|further| further.axis.0.len() as u64).collect();
-        lengths.extend(self.usual_lengths());
-        lengths
-    }
-
-    /// The numbers of rotating speeds, standard deviations, preloads and static friction coefficients.
-    fn usual_lengths(&self) -> [u64; 4] {
-        let lengths = [&self.rotating_speed, &self.preload, &self.static_friction].map(|axis| axis.0.len() as u64);
-        [lengths[0], self.relative_std.len() as u64, lengths[1], lengths[2]]
-    }
-
-    /// The number of brakes.
-    #[must_use]
-    pub fn brakes(&self) -> usize {
-        let of_brake: usize = self.of_brake.iter().map(|further| further.axis.0.len()).product();
-        of_brake * self.rotating_speed.0.len()
-    }
-
-    /// The brake of the cell at `index`, below [`Grid::brakes`]. Without further axes it is the position on the axis of
-    /// rotating speeds.
-    #[must_use]
-    pub fn brake_index(&self, index: u64) -> usize {
-        let [speeds, stds, preloads, frictions] = self.usual_lengths();
-        let starts: u64 = self.of_start.iter().map(|further| further.axis.0.len() as u64).product();
-        let place = index / (frictions * preloads * stds);
-        (place / speeds / starts * speeds + place % speeds) as usize
-    }
-
-    /// The first cell with a brake, which must be below [`Grid::brakes`].
-    #[must_use]
-    pub fn first_cell_with(&self, brake: usize) -> Cell {
-        let [speeds, stds, preloads, frictions] = self.usual_lengths();
-        let starts: u64 = self.of_start.iter().map(|further| further.axis.0.len() as u64).product();
-        let brake = brake as u64;
-        self.cell((brake / speeds * starts * speeds + brake % speeds) * stds * preloads * frictions)
-    }
-
-    /// The position on the axis of relative standard deviations of the cell at `index`.
-    #[must_use]
-    pub fn relative_std_index(&self, index: u64) -> usize {
-        let [_, stds, preloads, frictions] = self.usual_lengths();
-        (index / (frictions * preloads) % stds) as usize
-    }
-
-    /// The values of the further axes in the cell at `index`, in their order.
-    #[must_use]
-    pub fn further_values(&self, index: u64) -> Vec<f64> {
-        let [speeds, stds, preloads, frictions] = self.usual_lengths();
-        let mut place = index / (frictions * preloads * stds * speeds);
-        let mut values = Vec::new();
-        for FurtherAxis { axis, .. } in self.further().rev() {
-            let length = axis.0.len() as u64;
-            values.push(axis.0[(place % length) as usize]);
-            place /= length;
-        }
-        values.reverse();
-        values
+        self.radices().map(|(_, length)| length).collect()
     }
 
     /// The cell at `index`, which must be below the number of cells.
     #[must_use]
     pub fn cell(&self, index: u64) -> Cell {
-        let [speeds, stds, preloads, frictions] = self.usual_lengths();
-        let friction = index % frictions;
-        let preload = index / frictions % preloads;
-        let speed = index / (frictions * preloads * stds) % speeds;
-        Cell {
-            index,
-            rotating_speed: self.rotating_speed.0[speed as usize],
-            relative_std: self.relative_std[self.relative_std_index(index)],
-            preload: self.preload.0[preload as usize],
-            static_friction: self.static_friction.0[friction as usize],
+        let mut cell = Cell { index, expected: self.expected.clone(), scatter: 0 };
+        let mut rest = index;
+        for (axis, length) in self.radices().rev() {
+            let place = (rest % length) as usize;
+            match axis {
+                Some(GridAxis { quantity, axis }) => cell.expected[*quantity] = axis.0[place],
+                None => cell.scatter = place,
+            }
+            rest /= length;
         }
+        cell
     }
+
+    /// The number of configurations.
+    #[must_use]
+    pub fn configurations(&self) -> usize {
+        self.axes.iter().filter(|&axis| self.makes_configurations(Some(axis))).map(|axis| axis.axis.0.len()).product()
+    }
+
+    /// The configuration of the cell at `index`, below [`Grid::configurations`].
+    #[must_use]
+    pub fn configuration_index(&self, index: u64) -> usize {
+        let (mut configuration, mut stride, mut rest) = (0, 1, index);
+        for (axis, length) in self.radices().rev() {
+            if self.makes_configurations(axis) {
+                configuration += rest % length * stride;
+                stride *= length;
+            }
+            rest /= length;
+        }
+        configuration as usize
+    }
+
+    /// The first cell with a configuration, which must be below [`Grid::configurations`].
+    #[must_use]
+    pub fn first_cell_with(&self, configuration: usize) -> Cell {
+        let (mut index, mut stride, mut rest) = (0, 1, configuration as u64);
+        for (axis, length) in self.radices().rev() {
+            if self.makes_configurations(axis) {
+                index += rest % length * stride;
+                rest /= length;
+            }
+            stride *= length;
+        }
+        self.cell(index)
+    }
+
+    /// The axis of a quantity, if it has one.
+    #[must_use]
+    pub fn axis_of(&self, quantity: usize) -> Option<&Axis> {
+        self.axes.iter().find(|axis| axis.quantity == quantity).map(|axis| &axis.axis)
+    }
+
+    /// The values of a quantity: those of its axis, or the one expected value.
+    #[must_use]
+    pub fn values_of(&self, quantity: usize) -> Vec<f64> {
+        self.axis_of(quantity).map_or_else(|| vec![self.expected[quantity]], |axis| axis.0.clone())
+    }
+
+    /// The smallest and the largest value of a quantity.
+    #[must_use]
+    pub fn extremes_of(&self, quantity: usize) -> [f64; 2] {
+        self.axis_of(quantity).map_or([self.expected[quantity]; 2], Axis::extremes)
+    }
+}
+
+/// The number of values of an axis.
+fn length(axis: &GridAxis) -> u64 {
+    axis.axis.0.len() as u64
 }
 
 #[cfg(test)]
@@ -313,32 +305,50 @@ mod tests {
         assert!(matches!(Axis::evenly_spaced(0.0, f64::INFINITY, 3), Err(AxisError::NotFinite { .. })));
     }
 
+    fn axis(quantity: usize, values: &[f64]) -> GridAxis {
+        GridAxis { quantity, axis: Axis::from_values(values.to_vec()).unwrap() }
+    }
+
     #[test]
-    fn static_friction_varies_fastest_and_rotating_speed_slowest() {
-        let std = |value| RelativeStd { preload: value, static_friction: value };
+    fn the_last_axis_varies_fastest_and_the_scatter_in_its_place() {
+        // Quantities: preload, static friction, rotating speed, and one without an axis.
         let grid = Grid {
-            of_brake: Vec::new(),
-            of_start: Vec::new(),
-            rotating_speed: Axis::from_values(vec![10.0, 15.0]).unwrap(),
-            relative_std: vec![std(0.1), std(0.2), std(0.3)],
-            preload: Axis::from_values(vec![0.1, 0.2]).unwrap(),
-            static_friction: Axis::from_values(vec![0.3, 0.4, 0.5, 0.6]).unwrap(),
+            expected: vec![f64::NAN, f64::NAN, f64::NAN, 7.0],
+            axes: vec![axis(2, &[10.0, 15.0]), axis(0, &[0.1, 0.2]), axis(1, &[0.3, 0.4, 0.5, 0.6])],
+            scatters: 3,
+            slower_than_scatter: 1,
+            of_configuration: vec![false, false, true, true],
         };
-        assert_eq!(grid.checked_len(), Some(48));
-        let mut expected = 0;
-        for &speed in grid.rotating_speed.values() {
-            for &relative_std in &grid.relative_std {
-                for &preload in grid.preload.values() {
-                    for &static_friction in grid.static_friction.values() {
-                        let cell = grid.cell(expected);
-                        assert_eq!((cell.rotating_speed, cell.relative_std), (speed, relative_std));
-                        assert_eq!((cell.preload, cell.static_friction), (preload, static_friction));
-                        assert_eq!((cell.index, grid.further_values(expected)), (expected, Vec::new()));
-                        expected += 1;
+        assert_eq!((grid.checked_len(), grid.lengths()), (Some(48), vec![2, 3, 2, 4]));
+        let mut index = 0;
+        for speed in [10.0, 15.0] {
+            for scatter in 0..3 {
+                for preload in [0.1, 0.2] {
+                    for friction in [0.3, 0.4, 0.5, 0.6] {
+                        let expected = vec![preload, friction, speed, 7.0];
+                        assert_eq!(grid.cell(index), Cell { index, expected, scatter });
+                        index += 1;
                     }
                 }
             }
         }
+        assert_eq!((grid.axis_of(3), grid.values_of(3), grid.extremes_of(3)), (None, vec![7.0], [7.0; 2]));
+        assert_eq!((grid.values_of(0), grid.extremes_of(1)), (vec![0.1, 0.2], [0.3, 0.6]));
+    }
+
+    #[test]
+    fn more_cells_than_64_bits_count_are_refused() {
+        let long: Vec<f64> = (0..1 << 16).map(f64::from).collect();
+        let mut grid = Grid {
+            expected: vec![0.0; 4],
+            axes: (0..3).map(|quantity| axis(quantity, &long)).collect(),
+            scatters: 1 << 15,
+            slower_than_scatter: 0,
+            of_configuration: vec![false; 4],
+        };
+        assert_eq!(grid.checked_len(), Some(1 << 63));
+        grid.axes.push(axis(3, &long));
+        assert_eq!(grid.checked_len(), None);
     }
 
     #[test]
@@ -357,42 +367,43 @@ mod tests {
     }
 
     #[test]
-    fn further_axes_vary_slowest_and_those_of_the_start_make_no_brake() {
-        let axis = |name: &str, values: &[f64]| FurtherAxis {
-            name: name.to_owned(),
-            axis: Axis::from_values(values.to_vec()).unwrap(),
-        };
-        let of = |values: &[f64]| Axis::from_values(values.to_vec()).unwrap();
+    fn cells_have_one_configuration_however_axes_of_other_quantities_lie_between() {
+        // As for a brake: two axes of it, one of the start of a motion, the speed, the scatter, and the two inputs.
         let grid = Grid {
-            of_brake: vec![axis("a", &[1.0, 2.0]), axis("b", &[3.0, 4.0, 5.0])],
-            of_start: vec![axis("c", &[6.0, 7.0])],
-            rotating_speed: of(&[10.0, 15.0]),
-            relative_std: vec![RelativeStd { preload: 0.1, static_friction: 0.0 }],
-            preload: of(&[0.1, 0.2]),
-            static_friction: of(&[0.3, 0.4, 0.5]),
+            expected: vec![f64::NAN; 6],
+            axes: vec![
+                axis(3, &[1.0, 2.0]),
+                axis(4, &[3.0, 4.0, 5.0]),
+                axis(5, &[6.0, 7.0]),
+                axis(2, &[10.0, 15.0]),
+                axis(0, &[0.1, 0.2]),
+                axis(1, &[0.3, 0.4, 0.5]),
+            ],
+            scatters: 2,
+            slower_than_scatter: 4,
+            of_configuration: vec![false, false, true, true, true, false],
         };
-        assert_eq!(grid.checked_len(), Some(144));
-        assert_eq!(grid.brakes(), 12);
+        assert_eq!(grid.checked_len(), Some(288));
+        assert_eq!(grid.configurations(), 12);
         let mut index = 0;
         for (ab, first) in [1.0, 2.0].into_iter().flat_map(|a| [3.0, 4.0, 5.0].map(|b| (a, b))).enumerate() {
             for c in [6.0, 7.0] {
                 for (speed, rotating_speed) in [10.0, 15.0].into_iter().enumerate() {
-                    for place in 0..6 {
-                        let cell = grid.cell(index);
-                        assert_eq!(grid.further_values(index), [first.0, first.1, c]);
-                        assert_eq!(cell.rotating_speed, rotating_speed);
-                        assert_eq!(cell.static_friction, [0.3, 0.4, 0.5][place % 3]);
-                        assert_eq!(grid.brake_index(index), 2 * ab + speed);
+                    for place in 0..12 {
+                        let inputs = [[0.1, 0.2][place / 3 % 2], [0.3, 0.4, 0.5][place % 3]];
+                        let expected = vec![inputs[0], inputs[1], rotating_speed, first.0, first.1, c];
+                        assert_eq!(grid.cell(index), Cell { index, expected, scatter: place / 6 });
+                        assert_eq!(grid.configuration_index(index), 2 * ab + speed);
                         index += 1;
                     }
                 }
             }
         }
-        for brake in 0..grid.brakes() {
-            let cell = grid.first_cell_with(brake);
-            assert_eq!(grid.brake_index(cell.index), brake);
-            let before = (0..cell.index).any(|index| grid.brake_index(index) == brake);
-            assert!(!before, "the first of brake {brake}");
+        for configuration in 0..grid.configurations() {
+            let cell = grid.first_cell_with(configuration);
+            assert_eq!(grid.configuration_index(cell.index), configuration);
+            let before = (0..cell.index).any(|index| grid.configuration_index(index) == configuration);
+            assert!(!before, "the first of configuration {configuration}");
         }
     }
 }

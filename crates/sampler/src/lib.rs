@@ -1,8 +1,26 @@
-//! Statistics of the stability of a brake: the cells of a job, the random samples of each cell, and the probability of
-//! instability with its confidence interval.
+#![doc = include_str!("../README.md")]
 //!
-//! A job is a grid of [cells](grid::Cell). A cell is an expected preload and static friction coefficient with their
-//! relative standard deviations, at one rotating speed. Sample `j` of a cell is a pure function of the seed, the cell,
+//! # Which door to open
+//!
+//! | you want | open |
+//! |---|---|
+//! | to draw the samples of a cell | [`DeviateStream`](draw::deviates::DeviateStream), [`InputColumns`](inputs::InputColumns) |
+//! | a probability and its interval from counted verdicts | [`BinomialInterval`](estimate::interval::BinomialInterval) |
+//! | to stop when an estimate is precise enough | [`Looks`](estimate::looks::Looks) |
+//! | a narrower interval from Sobol points | [`Points::Sobol`](draw::deviates::Points), [`estimate::randomisations`] |
+//! | a probability without samples | [`integrate`] |
+//! | few simulations for many samples of two inputs | [`verdict_map`] |
+//! | a probability below one in a million | [`rare`] |
+//! | which input matters, and derivatives | [`estimate::sobol_indices`], [`estimate::score`] |
+//! | the value of an axis at which a probability is reached | [`limits`] |
+//! | bounds over inputs that are known as intervals | [`imprecise`] |
+//! | distributions from tests | [`fit`] |
+//! | what a method assumes, and how you notice that it fails | [`methods`] |
+//!
+//! # Cells and modules
+//!
+//! A job is a grid of [cells](grid::Cell). A cell is the expected values of the quantities of a model, with the relative
+//! standard deviations of those that are random. Sample `j` of a cell is a pure function of the seed, the cell,
 //! `j` and the [results version](draw::identity::RESULTS_VERSION). Its verdict comes from `stickslip-core`.
 //!
 //! | module | contents |
@@ -11,16 +29,16 @@
 //! | [`special_functions`] | the normal and the beta distribution |
 //! | [`inputs`] | marginal distributions and correlation of random inputs |
 //! | [`draw`] | the identity of a sample, its deviates, Sobol points |
-//! | [`verdict_map`] | the verdict as a function of preload and static friction |
+//! | [`verdict_map`] | the verdict as a function of two inputs |
 //! | [`integrate`] | probabilities without samples: in closed form, and from a verdict map |
 //! | [`imprecise`] | the least and the greatest probability over inputs that are known as intervals |
 //! | [`estimate`] | intervals, sequential looks, randomisations, audits, differences, derivatives, Sobol indices |
-//! | [`fit`] | distributions of the inputs from tests of brakes, by maximum likelihood |
+//! | [`fit`] | distributions of two inputs from tests, by maximum likelihood |
 //! | [`limits`] | at which values of an axis the probability passes a target |
 //! | [`rare`] | where samples of rare events are drawn, and with which weights |
 //! | [`methods`] | which method answers which question, and how to notice that it has failed |
 //!
-//! Each module uses only those above it. The crate does not know threads, files or the terminal.
+//! Each module uses only those above it.
 
 // Tests compare with formulas as a textbook writes them.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]

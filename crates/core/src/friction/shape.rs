@@ -3,12 +3,14 @@
 use crate::friction::measured_curve::SharedCurve;
 use crate::numerics::exponential::exp;
 use crate::numerics::logarithm::power;
+use crate::numerics::row::{Number, shared_by_lanes};
 
 /// How friction depends on the sliding speed, without any coefficient: what all samples in the lanes of a register have
 /// in common. It is matched outside of loops over lanes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) enum Shape {
     /// Stribeck's law with the exponent 1.
+    #[default]
     Tustin,
     /// Stribeck's law with the exponent 2.
     Gaussian,
@@ -37,55 +39,33 @@ impl Shape {
     /// negative `r` so that the step keeps its order: smoothly for the exponents 1 and 2, the rational law and a table
     /// that begins at rest, as an even function for other exponents, whose derivatives at rest are infinite in any
     /// case.
+    /// Every lane has its own exponent, which counts for [`Shape::Stribeck`] alone.
     #[inline(always)]
-    pub fn parts(self, r: f64, exponent: f64) -> (f64, f64) {
-        let (mut a, mut b) = ([0.0], [0.0]);
-        self.parts_of_lanes(&[r], &[exponent], &mut a, &mut b);
-        (a[0], b[0])
-    }
-
-    /// [`Shape::parts`] of many lanes, with the same bits. Every lane has its own exponent, which counts for
-    /// [`Shape::Stribeck`] alone.
-    #[inline(always)]
-    pub fn parts_of_lanes<const N: usize>(self, r: &[f64; N], exponent: &[f64; N], a: &mut [f64; N], b: &mut [f64; N]) {
-        match self {
-            Self::Tustin => {
-                for i in 0..N {
-                    a[i] = exp(-tustin_power(r[i]));
+    pub fn parts<N: Number>(self, r: N, exponent: N) -> (N, N) {
+        let (mut a, mut b) = (r, r);
+        let (r, exponent) = (r.lanes(), exponent.lanes());
+        // A macro and no closure: a closure is inlined only if it does little.
+        macro_rules! each_lane {
+            (|$l:ident| $parts:expr) => {
+                for $l in 0..r.len() {
+                    (a.lanes_mut()[$l], b.lanes_mut()[$l]) = $parts;
                 }
-                *b = *r;
-            }
-            Self::Gaussian => {
-                for i in 0..N {
-                    a[i] = exp(-(r[i] * r[i]));
-                }
-                *b = *r;
-            }
-            Self::Stribeck => {
-                for i in 0..N {
-                    a[i] = exp(-stribeck_power(r[i], exponent[i]));
-                }
-                *b = *r;
-            }
-            Self::Rational => {
-                for i in 0..N {
-                    a[i] = rational(r[i]);
-                }
-                *b = *r;
-            }
-            Self::Table(curve) if curve.deviations().is_none() => {
-                for i in 0..N {
-                    (a[i], b[i]) = (curve.shape_alone(r[i]), 0.0);
-                }
-            }
-            Self::Table(curve) => {
-                for i in 0..N {
-                    (a[i], b[i]) = curve.values(r[i]);
-                }
-            }
+            };
         }
+        match self {
+            Self::Tustin => each_lane!(|l| (exp(-tustin_power(r[l])), r[l])),
+            Self::Gaussian => each_lane!(|l| (exp(-(r[l] * r[l])), r[l])),
+            Self::Stribeck => each_lane!(|l| (exp(-stribeck_power(r[l], exponent[l])), r[l])),
+            Self::Rational => each_lane!(|l| (rational(r[l]), r[l])),
+            Self::Table(curve) if curve.deviations().is_none() => each_lane!(|l| (curve.shape_alone(r[l]), 0.0)),
+            Self::Table(curve) => each_lane!(|l| curve.values(r[l])),
+        }
+        (a, b)
     }
 }
+
+// The lanes of a register have the shape of their friction law in common.
+shared_by_lanes!(Shape);
 
 /// `r^delta` for the exponent 1, down to `r = -1`.
 #[inline(always)]
@@ -111,6 +91,7 @@ mod tests {
     use super::*;
     use crate::friction::law::FrictionLaw;
     use crate::friction::measured_curve::MeasuredCurve;
+    use crate::numerics::row::Row;
 
     fn curve() -> SharedCurve {
         let curve = MeasuredCurve::new(&[0.0, 0.4, 1.0, 3.0], &[0.5, 0.3, 0.35, 0.4], Some(&[0.1, 0.0, 0.1, 0.2]));
@@ -140,10 +121,9 @@ mod tests {
     fn lanes_have_the_bits_of_single_values() {
         for law in laws() {
             let r: [f64; 64] = std::array::from_fn(|i| -0.9 + 0.13 * i as f64);
-            let (mut a, mut b) = ([0.0; 64], [0.0; 64]);
-            law.shape.parts_of_lanes(&r, &[law.exponent; 64], &mut a, &mut b);
-            for i in 0..64 {
-                assert_eq!((a[i], b[i]), law.shape.parts(r[i], law.exponent), "{law:?} {}", r[i]);
+            let (a, b) = law.shape.parts(Row(r), Row::of(law.exponent));
+            for (i, r) in r.into_iter().enumerate() {
+                assert_eq!((a.0[i], b.0[i]), law.shape.parts(r, law.exponent), "{law:?} {r}");
             }
         }
     }

@@ -49,6 +49,12 @@ pub(crate) fn step<const N: usize>(
     (next, error.map(|error| h * error))
 }
 
+/// How many times longer the next step may be after one with this error over the allowed one; below 1 where the step is
+/// to be taken again.
+pub(crate) fn growth(error: f64) -> f64 {
+    (0.9 * libm::pow(error.max(1e-10), -0.2)).clamp(0.2, 5.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

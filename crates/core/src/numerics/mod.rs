@@ -15,3 +15,7 @@ pub(crate) mod sine_cosine;
 pub(crate) mod root_location;
 
 pub(crate) mod dormand_prince;
+
+pub(crate) mod row;
+
+pub(crate) mod runge_kutta;

@@ -113,6 +113,38 @@ enum Moved {
     Late,
 }
 
+/// A point in a range at which a function with one maximum is not negative, where it is negative at both ends; by golden
+/// section towards the maximum, near which values differ by no more than `unresolved`.
+pub(crate) fn rise_to_zero((low, high): (f64, f64), unresolved: f64, value: impl Fn(f64) -> f64) -> Option<f64> {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut low, mut high) = (low, high);
+    let mut left = high - GOLDEN * (high - low);
+    let mut right = low + GOLDEN * (high - low);
+    let (mut at_left, mut at_right) = (value(left), value(right));
+    for _ in 0..40 {
+        if at_left >= 0.0 {
+            return Some(left);
+        }
+        if at_right >= 0.0 {
+            return Some(right);
+        }
+        // Closer to its maximum the function differs by less than it is resolved.
+        if (at_left - at_right).abs() <= unresolved {
+            break;
+        }
+        if at_left > at_right {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - GOLDEN * (high - low);
+            at_left = value(left);
+        } else {
+            (low, left, at_left) = (left, right, at_right);
+            right = low + GOLDEN * (high - low);
+            at_right = value(right);
+        }
+    }
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;

@@ -1,58 +1,11 @@
-//! Arguments of the commands that answer how large, how likely and how sure: `fit`, `limit` and `bounds`.
+//! Arguments of the commands that answer how large and how sure: `limit` and `bounds`.
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::threads::ThreadsArgument;
 use super::values::{parquet_file, probability};
-
-/// Arguments of `fit`.
-#[derive(Debug, Args)]
-pub struct FitArguments {
-    /// The tests: a CSV file with the columns rotating_speed, preload, squealed and perhaps count, or onset_speed, preload
-    /// and perhaps censored
-    #[arg(value_name = "DATA.csv")]
-    pub data: PathBuf,
-    /// The job whose brake was tested; - reads it from standard input
-    #[arg(long, value_name = "JOB.toml")]
-    pub job: PathBuf,
-    /// What to estimate, separated by commas; the rest is taken from the job
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_enum,
-        value_delimiter = ',',
-        default_values = ["static_friction", "std.static_friction"]
-    )]
-    pub estimate: Vec<EstimateArgument>,
-    /// Write a job with the estimates in place
-    #[arg(long, value_name = "NEW_JOB.toml")]
-    pub out: Option<PathBuf>,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// What may be estimated from tests.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum EstimateArgument {
-    /// The expected static friction coefficient
-    #[value(name = "static_friction")]
-    StaticFriction,
-    /// The true preload over the nominal one
-    #[value(name = "preload_factor")]
-    PreloadFactor,
-    /// The relative standard deviation of the preload
-    #[value(name = "std.preload")]
-    PreloadStd,
-    /// The relative standard deviation of the static friction coefficient
-    #[value(name = "std.static_friction")]
-    StaticFrictionStd,
-    /// The correlation of both
-    #[value(name = "correlation")]
-    Correlation,
-}
 
 /// Arguments of `limit`.
 #[derive(Debug, Args)]

@@ -8,19 +8,27 @@ mod engine;
 
 mod decisions;
 
+mod start;
+
+mod pad_on_disc;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
-use stickslip_core::finite_difference::brake::DiscGrid;
 
-pub use self::decisions::{BoundsArguments, EstimateArgument, FitArguments, LimitArguments};
+pub use self::decisions::{BoundsArguments, LimitArguments};
 pub use self::engine::{EngineArguments, EngineKind, ListFormat, ShardArgument};
+pub use self::pad_on_disc::{
+    AllotmentArgument, AnalyseArguments, BrakeArguments, DiscArgument, EstimateArgument, FitArguments,
+    ParametersArguments, TrajectoryArguments,
+};
+pub use self::start::StartArgument;
 pub use self::threads::ThreadsArgument;
-pub use self::values::StartArgument;
-use self::values::{grid, html_file, parquet_file, plot_file, seed, start, whole_number};
+use self::values::{html_file, parquet_file, plot_file, seed, whole_number};
 use crate::export::format::Format;
 use crate::job::MOST_SHARDS;
+use crate::messages::Form;
 use crate::target::Target;
 use crate::version;
 
@@ -31,6 +39,9 @@ use crate::version;
     70 an audit found that the verdict map is wrong somewhere (the result is written), or an internal error; 73 cannot create output; 74 I/O error; 75 the run directory is in use; 128 + number ended by \
     a signal, such as 130 by Ctrl-C (finished work is kept).")]
 pub struct Cli {
+    /// How messages on standard error are written: lines for people, or one JSON object a line for programs
+    #[arg(long, global = true, value_enum, value_name = "FORM", default_value = "text")]
+    pub messages: Form,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
@@ -182,106 +193,6 @@ pub struct CheckArguments {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
-}
-
-/// Arguments of `parameters`.
-#[derive(Debug, Args)]
-pub struct ParametersArguments {
-    /// Change a value of the preset, for example friction.static_coefficient=0.45; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// The brake to look at.
-#[derive(Debug, Args)]
-pub struct BrakeArguments {
-    /// Take the brake of a job, in place of the preset: a job spec (- reads it from standard input) or a run directory
-    #[arg(long, value_name = "JOB.toml|RUN_DIR")]
-    pub job: Option<PathBuf>,
-    /// The cell of the job whose expected values are taken [default: the middle of its axes]
-    #[arg(long, value_name = "I", value_parser = whole_number, requires = "job")]
-    pub cell: Option<u64>,
-    /// Change a value, for example friction.static_coefficient=0.45; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-}
-
-/// Arguments of `analyse`.
-#[derive(Debug, Args)]
-pub struct AnalyseArguments {
-    #[command(flatten)]
-    pub brake: BrakeArguments,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Arguments of `trajectory`.
-#[derive(Debug, Args)]
-pub struct TrajectoryArguments {
-    #[command(flatten)]
-    pub brake: BrakeArguments,
-    /// The disc under the pad [default: the job's, or flexible]
-    #[arg(long, value_enum)]
-    pub disc: Option<DiscArgument>,
-    /// Number of modes of the flexible disc, lowest frequencies first [default: the job's, or as many as the growth rate
-    /// needs]
-    #[arg(long, value_name = "N")]
-    pub disc_modes: Option<usize>,
-    /// Grid of the finite-difference disc: radial intervals, elements under the pad (6 N around the disc) [default:
-    /// 8x8]
-    #[arg(long, value_name = "RxN", value_parser = grid)]
-    pub grid: Option<DiscGrid>,
-    /// How the moving load of the finite-difference disc is shared among nodes [default: linear]
-    #[arg(long, value_enum)]
-    pub allotment: Option<AllotmentArgument>,
-    /// Where the motion starts: near-equilibrium, rest, limit-cycle, or numbers, for example
-    /// velocity=0.3,tangential=1e-4 (m/s, m, rad; also normal, angle, from_equilibrium and units=scaled) [default: the
-    /// job's, or near-equilibrium]
-    #[arg(long, value_name = "START", value_parser = start)]
-    pub start: Option<StartArgument>,
-    /// Relative displacement from the equilibrium at the start [default: the job's, or 0.01]
-    #[arg(long, value_name = "D", allow_negative_numbers = true)]
-    pub displacement: Option<f64>,
-    /// Scaled time to simulate [default: 500]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    pub horizon: Option<f64>,
-    /// Write the time series to a Parquet file
-    #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
-    pub out: Option<PathBuf>,
-    /// Print the summary as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// The disc of a trajectory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DiscArgument {
-    /// No disc: the pad alone, sin(phi) = 0
-    Rigid,
-    /// An annular plate, by its modes
-    Flexible,
-    /// The paper's polar grid with a moving load, a reference for the modes; takes seconds to minutes
-    FiniteDifference,
-}
-
-/// How the moving load of the finite-difference disc is shared among nodes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum AllotmentArgument {
-    /// It jumps from node to node (the paper's condition a)
-    Nodal,
-    /// The two nodes around it share it linearly (condition b)
-    Linear,
-}
-
-impl DiscArgument {
-    /// Its name on the command line.
-    pub fn name(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-    }
 }
 
 /// Arguments of `replay`.

@@ -17,6 +17,10 @@ const SHARDS_OF_A_MACHINE: u64 = 4;
 /// Seconds that such a shard takes at least: long against the start of a program by ssh.
 const SHORTEST: f64 = 10.0;
 
+/// The scripts: what runs the others on all machines, and what a machine runs for a number.
+const RUN: &str = include_str!("gnu_parallel/run.sh");
+const TASK: &str = include_str!("gnu_parallel/task.sh");
+
 /// The machines of a file with one login of ssh in each line.
 #[derive(Debug)]
 pub struct Machines {
@@ -75,66 +79,11 @@ pub struct SharedRun<'a> {
 impl SharedRun<'_> {
     /// All scripts, the one that runs the others first.
     pub fn scripts(&self) -> Vec<Script> {
-        let map = |shards: u64| {
-            format!("# What is missing of the map is resolved by the shards.\non_all map $(seq 1 {shards})\n")
-        };
-        let map = self.map_shards.map_or(String::new(), map);
-        let run = format!(
-            "#!/bin/sh
-# Runs the shards of a run over GNU parallel and ssh, one at a time on each machine.
-#   sh run.sh         all shards
-#   sh run.sh 3 7 12  these shards
-set -eu
-{}hosts={}
-if [ \"$#\" -eq 0 ]; then set -- $(seq 1 {}); fi
-
-program=
-stopped=
-# The first signal asks GNU parallel to start no more, the second one to end.
-pass_on() {{
-    stopped=yes
-    if [ -n \"$program\" ]; then kill -TERM \"$program\" 2>/dev/null || :; fi
-}}
-trap pass_on TERM INT HUP
-
-# on_all SCRIPT NUMBER...: runs the script for each number. What fails is tried again elsewhere.
-on_all() {{
-    script=$1
-    shift
-    parallel --sshloginfile \"$hosts\" --jobs 1 --retries 4 --joblog \"$run/parallel/$script.log\" \\
-        sh '{{1}}' '{{2}}' ::: \"$run/parallel/$script.sh\" ::: \"$@\" &
-    program=$!
-    code=0
-    wait \"$program\" || code=$?
-    # A signal ends the waiting, not the program.
-    while kill -0 \"$program\" 2>/dev/null; do
-        code=0
-        wait \"$program\" || code=$?
-    done
-    if [ -n \"$stopped\" ]; then exit 143; fi
-}}
-
-{map}on_all shard \"$@\"
-exit \"$code\"
-",
-            self.task.variables(),
-            quoted(&self.machines.file),
-            self.task.shards,
-        );
-        let mut scripts = vec![Script { name: "run.sh", text: run }];
-        if let Some(shards) = self.map_shards {
-            let what = "Resolves a share of the verdict map of the run";
-            scripts.push(Script { name: "map.sh", text: self.step(what, shards, " --map-only") });
-        }
-        let what = "Computes one shard of the run";
-        scripts.push(Script { name: "shard.sh", text: self.step(what, self.task.shards, "") });
-        scripts
-    }
-
-    /// A script that a machine runs for a number.
-    fn step(&self, what: &str, shards: u64, more: &str) -> String {
+        let map_shards = self.map_shards.map_or(String::new(), |shards| shards.to_string());
+        let values = [("hosts", quoted(&self.machines.file)), ("map_shards", map_shards)];
+        let mut scripts = vec![self.task.script("run.sh", RUN, &values)];
         let threads = self.threads.map_or(String::new(), |threads| format!(" --threads {threads}"));
-        let command = self.task.command("$1", shards, &format!("{more}{threads}"));
-        format!("#!/bin/sh\n# {what}, whose number is given.\nset -eu\n{}exec {command}\n", self.task.variables())
+        scripts.extend(self.task.steps(TASK, self.map_shards, |_| vec![("threads", threads.clone())]));
+        scripts
     }
 }

@@ -17,8 +17,11 @@ const SHORTEST_LEAD: u64 = 5;
 /// How often a task is started again: a sample that takes longer than the time limit would never be finished.
 pub const RESTARTS: u64 = 100;
 
-/// How often the merge submits what is missing.
-const ROUNDS: u64 = 3;
+/// The scripts: what submits the tasks of a round and the merge after them, a task that is started again at its time limit,
+/// and the merge.
+const SUBMIT: &str = include_str!("slurm/submit.sh");
+const TASK: &str = include_str!("slurm/task.sh");
+const MERGE: &str = include_str!("slurm/merge.sh");
 
 /// A job array and what comes before and after it.
 #[derive(Debug)]
@@ -38,14 +41,15 @@ pub struct JobArray<'a> {
 impl JobArray<'_> {
     /// All scripts, the one that submits first.
     pub fn scripts(&self) -> Vec<Script> {
-        let mut scripts = vec![Script { name: "submit.sh", text: self.submission() }];
-        if let Some(shards) = self.map_shards {
-            let what = "Resolves a share of the verdict map of the run";
-            scripts.push(Script { name: "map.sh", text: self.stage("map", what, shards, " --map-only") });
-        }
-        let what = "Computes one shard of the run";
-        scripts.push(Script { name: "shard.sh", text: self.stage("shard", what, self.task.shards, "") });
-        scripts.push(Script { name: "merge.sh", text: self.merge() });
+        let map_tasks = self.map_shards.map_or(String::new(), |shards| format!("1-{shards}"));
+        let mut scripts = vec![self.task.script("submit.sh", SUBMIT, &[("map_tasks", map_tasks)])];
+        scripts.extend(self.task.steps(TASK, self.map_shards, |step| {
+            let header = self.header(step, self.cpus, &format!("{step}-%a"), Some(self.warning()));
+            vec![("header", header), ("restarts", RESTARTS.to_string())]
+        }));
+        let again = format!("sh {}", quoted(&format!("{}/slurm/submit.sh", self.task.run())));
+        let values = [("header", self.header("merge", 1, "merge", None)), ("again", quoted(&again))];
+        scripts.push(self.task.script("merge.sh", MERGE, &values));
         scripts
     }
 
@@ -68,120 +72,6 @@ impl JobArray<'_> {
     /// What makes Slurm warn the shell of a task before its time limit.
     fn warning(&self) -> String {
         format!("--signal=B:USR1@{}", self.settings.time.as_ref().map_or(LONGEST_LEAD, lead))
-    }
-
-    /// What submits the tasks of a round and the merge after them, and prints the numbers of the jobs.
-    fn submission(&self) -> String {
-        let mut text = format!(
-            "#!/bin/sh
-# Submits the shards of a run to Slurm, and the merge after them. Prints the numbers of the jobs.
-#   sh submit.sh            all shards
-#   sh submit.sh 3,7,12-15  these shards
-set -eu
-{}tasks=${{1:-1-{}}}
-round=${{2:-1}}
-# A federation adds the name of the cluster to the number of a job.
-submitted() {{
-    job=$(sbatch --parsable --chdir=\"$run\" \"$@\")
-    job=${{job%%;*}}
-    echo \"$job\"
-}}
-",
-            self.task.variables(),
-            self.task.shards
-        );
-        let mut after = "";
-        if let Some(shards) = self.map_shards {
-            text += &format!("map=$(submitted --array=1-{shards} \"$run/slurm/map.sh\")\n");
-            // What a task leaves of the map is resolved by the shards.
-            after = " --dependency=\"afterany:$map\"";
-        }
-        text += &format!("shards=$(submitted --array=\"$tasks\"{after} \"$run/slurm/shard.sh\")\n");
-        text += "merge=$(submitted --dependency=\"afterany:$shards\" \"$run/slurm/merge.sh\" \"$round\" \"$shards\")\n";
-        text + if self.map_shards.is_some() { "echo \"$map $shards $merge\"\n" } else { "echo \"$shards $merge\"\n" }
-    }
-
-    /// A stage whose tasks are started again at their time limit.
-    fn stage(&self, stage: &str, what: &str, shards: u64, more: &str) -> String {
-        let more = format!("{more} --threads \"$SLURM_CPUS_PER_TASK\"");
-        format!(
-            "#!/bin/sh
-{header}# {what}: a task of a job array of Slurm.
-set -u
-{variables}program=
-at_limit=no
-stop() {{
-    if [ -n \"$program\" ]; then kill -TERM \"$program\" 2>/dev/null; fi
-}}
-# USR1 tells that the time limit is near. TERM comes with scancel, and is obeyed.
-trap 'at_limit=yes; stop' USR1
-trap stop TERM
-
-{command} &
-program=$!
-wait \"$program\"
-code=$?
-# A signal ends the waiting, not the program.
-while kill -0 \"$program\" 2>/dev/null; do
-    wait \"$program\"
-    code=$?
-done
-if [ \"$at_limit\" = yes ] && [ \"$code\" -eq 143 ] && [ \"${{SLURM_RESTART_COUNT:-0}}\" -lt {RESTARTS} ]; then
-    # What is finished is saved, and the task goes on from there.
-    scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID\"
-fi
-exit \"$code\"
-",
-            header = self.header(stage, self.cpus, &format!("{stage}-%a"), Some(self.warning())),
-            variables = self.task.variables(),
-            command = self.task.command("$SLURM_ARRAY_TASK_ID", shards, &more),
-        )
-    }
-
-    /// The merge. It submits the shards that are missing, a few times.
-    fn merge(&self) -> String {
-        format!(
-            "#!/bin/sh
-{header}# Writes the surface of the run, after its shards. If some are missing, they are submitted again.
-#   merge.sh ROUND ARRAY
-set -u
-{variables}round=$1
-array=$2
-
-attempt=1
-while :; do
-    \"$stickslip\" merge \"$run\" --wait 0
-    code=$?
-    # 75: a task that Slurm believes to be lost is still at work.
-    if [ \"$code\" -ne 75 ] || [ \"$attempt\" -ge 60 ]; then break; fi
-    attempt=$((attempt + 1))
-    sleep 10
-done
-if [ \"$code\" -ne 65 ]; then exit \"$code\"; fi
-missing=$(\"$stickslip\" status \"$run\" --missing --format slurm) || exit
-if [ -z \"$missing\" ]; then exit \"$code\"; fi
-if scontrol show job \"$array\" --oneliner 2>/dev/null | grep -q JobState=CANCELLED; then
-    why=\"tasks were cancelled\"
-elif [ \"$round\" -ge {ROUNDS} ]; then
-    why=\"this was round $round\"
-else
-    echo \"submitting shards $missing again\"
-    sh \"$run/slurm/submit.sh\" \"$missing\" \"$((round + 1))\"
-    exit
-fi
-echo \"shards $missing are missing, and $why. Submit them again with\"
-printf '%s\\n' {again}\" $missing\"
-exit \"$code\"
-",
-            header = self.header("merge", 1, "merge", None),
-            variables = self.task.variables(),
-            again = quoted(&self.again()),
-        )
-    }
-
-    /// The command that submits shards, whose list follows.
-    fn again(&self) -> String {
-        format!("sh {}", quoted(&format!("{}/slurm/submit.sh", self.task.run())))
     }
 }
 

@@ -46,15 +46,43 @@ impl ShardTask {
         &self.run
     }
 
-    /// The lines that set what the other lines of a script use.
-    pub fn variables(&self) -> String {
-        format!("stickslip={}\nrun={}\n", quoted(&self.program), quoted(&self.run))
+    /// A script, from a template in which `{{name}}` stands for a value of that name.
+    pub fn script(&self, name: &'static str, template: &str, values: &[(&str, String)]) -> Script {
+        let common =
+            [("program", quoted(&self.program)), ("run", quoted(&self.run)), ("shards", self.shards.to_string())];
+        let value = |name: &str| values.iter().chain(&common).find(|(other, _)| *other == name);
+        let mut parts = template.split("{{");
+        let mut text = parts.next().unwrap_or_default().to_owned();
+        for (name, rest) in parts.filter_map(|part| part.split_once("}}")) {
+            debug_assert!(value(name).is_some(), "no value of {name}");
+            text.extend(value(name).map(|(_, value)| value.as_str()));
+            text.push_str(rest);
+        }
+        Script { name, text }
     }
 
-    /// The command that computes the shard with this index, a word of a script. `more` are further words.
-    pub fn command(&self, index: &str, shards: u64, more: &str) -> String {
+    /// The scripts that compute a part of the run by its number, from one template: a share of the verdict map, if that is
+    /// resolved first, and a shard. `values` are further ones, by the name of the step.
+    pub fn steps(
+        &self,
+        template: &str,
+        map_shards: Option<u64>,
+        values: impl Fn(&str) -> Vec<(&'static str, String)>,
+    ) -> Vec<Script> {
         let maps: String = self.maps.iter().map(|run| format!(" --map {}", quoted(run))).collect();
-        format!("\"$stickslip\" submit \"$run/job.toml\" --out \"$run\" --shard \"{index}/{shards}\"{more}{maps}")
+        let step = |step: &str, file: &'static str, what: &str, shards: u64, option: &str| {
+            let mut values = values(step);
+            values.extend([
+                ("what", what.to_owned()),
+                ("shards", shards.to_string()),
+                ("options", format!("{option}{maps}")),
+            ]);
+            self.script(file, template, &values)
+        };
+        let what = "Resolves a share of the verdict map of the run";
+        let map = map_shards.map(|shards| step("map", "map.sh", what, shards, " --map-only"));
+        let shard = step("shard", "shard.sh", "Computes one shard of the run", self.shards, "");
+        map.into_iter().chain([shard]).collect()
     }
 }
 

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
+use crate::messages::Code;
 use crate::output::{note, quoted};
 use crate::store::directory::RunDirectory;
 use crate::store::layout::JOB;
@@ -59,14 +60,18 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
         return Err(Failure::Job(format!(
             "{path} holds a run of another job: {}. Choose another directory with --out",
             first_difference(&existing.normalised(), &job.normalised())
-        )));
+        ))
+        .coded(Code::JobDiffers)
+        .remedied("--out"));
     }
     let (wanted, there) = (job.sampling.samples, existing.sampling.samples);
     let at_most = if job.stops_by_precision() { "at most " } else { "" };
     if wanted < there {
         return Err(Failure::Job(format!(
             "{path} holds a run of this job with {at_most}{there} samples in each cell, more than the {wanted} of this one. Use --samples {there}, or choose another directory with --out"
-        )));
+        ))
+        .coded(Code::JobDiffers)
+        .remedied(format!("--samples {there}")));
     }
     let tally = directory.tally(&existing)?;
     let finished = Parts::new(&existing).are_complete(&tally);
@@ -74,9 +79,12 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
         return Ok((existing, if finished { RunState::Finished(tally) } else { RunState::Unfinished(tally) }));
     }
     if !finished {
+        let resume = format!("stickslip resume {path}");
         return Err(Failure::CannotCreate(format!(
-            "{path} holds an unfinished run of this job with {at_most}{there} samples in each cell; finish it with `stickslip resume {path}`, then submit the job with {wanted}"
-        )));
+            "{path} holds an unfinished run of this job with {at_most}{there} samples in each cell; finish it with `{resume}`, then submit the job with {wanted}"
+        ))
+        .coded(Code::RunToExtend)
+        .remedied(resume));
     }
     note(format_args!("{path}: from {at_most}{there} to {at_most}{wanted} samples in each cell"));
     directory.freeze(source, &job)?;
@@ -101,7 +109,7 @@ pub fn adopt_as_shard(out: &Path, source: &JobSource, job: &Job) -> Result<(RunD
                 let (job, state) = adopt(&directory, source, job.clone())?;
                 return Ok((directory.share()?, job, state));
             }
-            Err(busy @ Failure::Busy(_)) => busy,
+            Err(busy) if busy.is_in_use() => busy,
             Err(other) => return Err(other),
         };
         // Other shards are at work, or soon will be.

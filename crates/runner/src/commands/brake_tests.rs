@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::fit::TestData;
 
 use crate::failure::Failure;
 use crate::job::{read_csv, unreadable};
+use crate::messages::Place;
 use crate::output::shown;
 
 /// Most rows that are read.
@@ -47,7 +48,7 @@ struct Brake<'a> {
 }
 
 impl Brake<'_> {
-    fn boundary(&self, rotating_speed: f64) -> Result<StabilityBoundary, String> {
+    fn boundary(&self, rotating_speed: f64) -> Result<PairBoundary, String> {
         let mut parameters = self.parameters.clone();
         parameters.operating_point.rotating_speed = rotating_speed;
         PadOnDisc::new(parameters).map(|brake| brake.stability_boundary()).map_err(|error| error.to_string())
@@ -65,28 +66,26 @@ struct Rows<'a> {
 /// # Errors
 /// A file that cannot be read, and a row that cannot be right, with line, column, value and remedy.
 pub fn read_tests(path: &Path, brake: &PadOnDisc) -> Result<BrakeTests, Failure> {
-    let bytes = read_csv(path).map_err(Failure::InputOutput)?;
+    let bytes = read_csv(path).map_err(|why| Failure::InputOutput(why).at(Place::file(path)))?;
     let brake = Brake { parameters: brake.parameters(), steepest: brake.steepest_speed() };
-    read(path, &bytes, &brake).map_err(Failure::Job)
+    read(path, &bytes, &brake)
 }
 
-fn read(path: &Path, bytes: &[u8], brake: &Brake<'_>) -> Result<BrakeTests, String> {
+fn read(path: &Path, bytes: &[u8], brake: &Brake<'_>) -> Result<BrakeTests, Failure> {
     let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(bytes);
-    let names = reader.headers().map_err(|error| unreadable(path, &error))?.clone();
+    let names = reader.headers().map_err(|error| Failure::Job(unreadable(path, &error)).at(Place::file(path)))?.clone();
     let rows = Rows { path, names };
     let has_onsets = rows.check_names()?;
     let steepest = match (has_onsets, brake.steepest) {
         (true, None) => {
-            return Err(format!(
-                "{}:1: onset speeds cannot be used with friction.law = \"table\", whose curve may fall in several places; give verdicts: the columns rotating_speed, preload, squealed",
-                shown(path)
-            ));
+            let why = "onset speeds cannot be used with friction.law = \"table\", whose curve may fall in several places; give verdicts: the columns rotating_speed, preload, squealed";
+            return Err(refused(path, 1, why));
         }
         (_, steepest) => steepest.unwrap_or(0.0),
     };
     let mut data = TestData::default();
     for (number, record) in (1..).zip(reader.records()) {
-        let record = record.map_err(|error| unreadable(path, &error))?;
+        let record = record.map_err(|error| Failure::Job(unreadable(path, &error)).at(Place::file(path)))?;
         let row = Row { rows: &rows, line: line_of(&record, bytes), record: &record };
         if number > MOST_ROWS {
             return Err(
@@ -107,6 +106,11 @@ fn read(path: &Path, bytes: &[u8], brake: &Brake<'_>) -> Result<BrakeTests, Stri
     Ok(BrakeTests { data, has_onsets })
 }
 
+/// What is wrong in a line of the file.
+fn refused(path: &Path, line: u64, message: &str) -> Failure {
+    Failure::Job(format!("{}:{line}: {message}", shown(path))).at(Place::line(path, line))
+}
+
 /// The line of a record, whose position is before the empty lines that it follows.
 fn line_of(record: &StringRecord, bytes: &[u8]) -> u64 {
     record.position().map_or(0, |position| {
@@ -118,9 +122,9 @@ fn line_of(record: &StringRecord, bytes: &[u8]) -> u64 {
 
 impl Rows<'_> {
     /// Checks the first line, and says whether the tests tell onset speeds.
-    fn check_names(&self) -> Result<bool, String> {
+    fn check_names(&self) -> Result<bool, Failure> {
         let has = |name: &str| self.place(name).is_some();
-        let wrong = |message: String| Err(format!("{}:1: {message}; {HEADERS}", shown(self.path)));
+        let wrong = |message: String| Err(refused(self.path, 1, &format!("{message}; {HEADERS}")));
         let (columns, needed): (&[&str], usize) = match (has("onset_speed"), has("rotating_speed")) {
             (true, true) => return wrong("there are both onset_speed and rotating_speed".to_owned()),
             (false, false) if self.names.iter().all(str::is_empty) => {
@@ -162,8 +166,8 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    fn wrong(&self, message: &str) -> String {
-        format!("{}:{}: {message}", shown(self.rows.path), self.line)
+    fn wrong(&self, message: &str) -> Failure {
+        refused(self.rows.path, self.line, message)
     }
 
     /// The text in a column; `None` without that column.
@@ -172,7 +176,7 @@ impl Row<'_> {
     }
 
     /// A number in a column, from `least` to `most`.
-    fn number(&self, column: &str, least: f64, most: f64, unit: &str) -> Result<f64, String> {
+    fn number(&self, column: &str, least: f64, most: f64, unit: &str) -> Result<f64, Failure> {
         let text = self.text(column).unwrap_or_default();
         let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
         let Some(number) = number else {
@@ -186,16 +190,16 @@ impl Row<'_> {
         )))
     }
 
-    fn speed(&self, column: &str) -> Result<f64, String> {
+    fn speed(&self, column: &str) -> Result<f64, Failure> {
         self.number(column, 1e-6, 1e5, " (rad/s; rpm times 0.10472)")
     }
 
-    fn preload(&self) -> Result<f64, String> {
+    fn preload(&self) -> Result<f64, Failure> {
         self.number("preload", 1e-6, 1.0, " (displacement of the calliper over the thickness of the disc)")
     }
 
     /// A column of 0 and 1.
-    fn flag(&self, column: &str) -> Result<Option<bool>, String> {
+    fn flag(&self, column: &str) -> Result<Option<bool>, Failure> {
         match self.text(column) {
             None => Ok(None),
             Some("0") => Ok(Some(false)),
@@ -204,7 +208,7 @@ impl Row<'_> {
         }
     }
 
-    fn count(&self) -> Result<u64, String> {
+    fn count(&self) -> Result<u64, Failure> {
         let Some(text) = self.text("count") else { return Ok(1) };
         let count = text.parse().ok().filter(|count| (1..=MOST_BRAKES).contains(count));
         count.ok_or_else(|| {
@@ -214,7 +218,7 @@ impl Row<'_> {
         })
     }
 
-    fn add_verdict(&self, data: &mut TestData, brake: &Brake<'_>) -> Result<(), String> {
+    fn add_verdict(&self, data: &mut TestData, brake: &Brake<'_>) -> Result<(), Failure> {
         let (speed, preload) = (self.speed("rotating_speed")?, self.preload()?);
         let squealed = self.flag("squealed")?.unwrap_or(false);
         let boundary = brake.boundary(speed).map_err(|error| self.wrong(&error))?;
@@ -222,7 +226,7 @@ impl Row<'_> {
         Ok(())
     }
 
-    fn add_onset(&self, data: &mut TestData, brake: &Brake<'_>, steepest: f64) -> Result<(), String> {
+    fn add_onset(&self, data: &mut TestData, brake: &Brake<'_>, steepest: f64) -> Result<(), Failure> {
         let (speed, preload) = (self.speed("onset_speed")?, self.preload()?);
         let boundary = |speed: f64| brake.boundary(speed).map_err(|error| self.wrong(&error));
         if self.flag("censored")?.unwrap_or(false) {

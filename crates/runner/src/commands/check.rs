@@ -2,7 +2,7 @@
 
 use indicatif::HumanCount;
 use serde_json::{Value, json};
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
 use super::bounds;
@@ -17,7 +17,6 @@ use crate::schedule::cluster_cost::{Load, Nodes};
 use crate::schedule::engine::Engine;
 use crate::schedule::time_left::Prediction;
 use crate::schedule::trial::{SampleTrial, UntilStop};
-use crate::units::force;
 
 /// The measured cost of a job.
 struct Cost {
@@ -77,20 +76,13 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
             "# method = \"exact\" draws no samples that nodes could share; one node computes it\n".to_owned()
         }
     };
-    let lengths = job.grid.lengths();
-    let usual = lengths.len() - 4;
-    let further: String =
-        job.grid.further().zip(&lengths).map(|(further, length)| format!("{length} {} x ", further.name)).collect();
     result(&format!(
-        "{}\n# {} is valid.\n# {}: {further}{} x {} x {} x {}\n{}{}{cluster}",
+        "{}\n# {} is valid.\n# {}: {}\n{}{}{cluster}",
         job.normalised(),
         source.path.display(),
         counted(job.cells().into(), "cell", "cells"),
-        counted(lengths[usual].into(), "rotating speed", "rotating speeds"),
-        counted(lengths[usual + 1].into(), "standard deviation", "standard deviations"),
-        counted(lengths[usual + 2].into(), "preload", "preloads"),
-        counted(lengths[usual + 3].into(), "static friction coefficient", "static friction coefficients"),
-        contact_forces(&job),
+        axes(&job),
+        job.model.remarks(&job.grid),
         cost.text,
     ))
 }
@@ -124,19 +116,34 @@ fn load_of(job: &Job, parts: &Parts, trial: &SampleTrial) -> Load {
     }
 }
 
-/// The contact forces of the expected preloads, which say more than these.
-fn contact_forces(job: &Job) -> String {
-    // They grow with each value that they depend on.
-    let Ok(brakes) = job.brakes().at_extremes(&job.grid.rotating_speed.extremes()[..1]) else { return String::new() };
-    let forces = |preload: f64| {
-        let brakes = brakes.iter().filter_map(|parameters| PadOnDisc::new(parameters.clone()).ok());
-        brakes.map(move |brake| brake.contact_force(preload)).collect::<Vec<f64>>()
-    };
-    let [least, most] = job.grid.preload.extremes();
-    let least = forces(least).into_iter().fold(f64::INFINITY, f64::min);
-    let most = forces(most).into_iter().fold(0.0, f64::max);
-    let range = if least < most { format!("{} to {}", force(least), force(most)) } else { force(most) };
-    format!("# expected contact force on a rigid disc: {range}\n")
+/// How many values each axis has, slowest first.
+fn axes(job: &Job) -> String {
+    let mut axes: Vec<String> = job
+        .grid
+        .axes
+        .iter()
+        .map(|axis| {
+            let (quantity, length) = (job.quantity(axis.quantity), axis.axis.values().len());
+            let name = short_name(quantity);
+            if quantity.is_always_shown {
+                counted(length as u128, name, &format!("{name}s"))
+            } else {
+                format!("{length} {name}")
+            }
+        })
+        .collect();
+    let stds = counted(job.grid.scatters as u128, "standard deviation", "standard deviations");
+    axes.insert(job.grid.slower_than_scatter, stds);
+    axes.join(" x ")
+}
+
+/// What an axis has the values of.
+fn short_name(quantity: &Quantity) -> &str {
+    match (quantity.is_always_shown, quantity.role) {
+        (true, Role::Input) => quantity.noun(),
+        (true, _) => &quantity.label,
+        (false, _) => &quantity.name,
+    }
 }
 
 /// The cost of samples that are decided one by one.

@@ -174,17 +174,18 @@ fn outside_physics(job: &Job, summary: &Summary) -> String {
     }
     let share = |share: f64| format!("{:.2} %", 100.0 * share);
     format!(
-        "{} samples ({}, in one cell up to {}) have no preload or friction that rises with speed (f_s < f_c); {}\n",
+        "{} samples ({}, in one cell up to {}) lie outside the model: {}; {}\n",
         HumanCount(outside),
         share(outside as f64 / summary.counted as f64),
         share(summary.outside_of_a_cell),
+        job.model().outside_meaning(),
         match job.outside_physics {
-            OutsidePhysics::Stable if job.has_flexible_disc() => {
+            OutsidePhysics::Stable if !job.model().sources().is_empty() => {
                 "they are decided as they are, see criterion.outside_physics"
             }
             OutsidePhysics::Stable => "they count as stable, see criterion.outside_physics",
             OutsidePhysics::Failed => "they count as failed",
-            OutsidePhysics::Clamp => "they are moved to Delta = 0 or f_s = f_c",
+            OutsidePhysics::Clamp => "they are moved to its edge",
         }
     )
 }

@@ -9,11 +9,12 @@ use super::adoption::adopt;
 use super::limit::publish_limits;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
-use crate::failure::Failure;
+use crate::failure::{Advice, Failure};
 use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource};
-use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, rate, warn};
+use crate::messages::Code;
+use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, rate, tell, warn};
 use crate::schedule::engine::{Engine, Outcome, Samples};
 use crate::schedule::mapping::{CompletedMaps, Mapping};
 use crate::schedule::plan::{Plan, Shard};
@@ -24,6 +25,7 @@ use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::map_pieces;
 use crate::store::provenance::Session;
 use crate::store::tally::Tally;
+use crate::tables::cell_columns::names_of_pair;
 use crate::tables::surface::Surface;
 
 /// A run with all its samples counted and its surface written.
@@ -84,8 +86,8 @@ pub fn complete_run(
 }
 
 /// What is said of an interrupted run.
-pub fn kept_and_continued(run: &Path, shard: Option<Shard>) -> String {
-    format!("what is finished is kept; continue with `{}`", how_to_go_on(run, shard))
+pub fn kept_and_continued(run: &Path, shard: Option<Shard>) -> Advice {
+    Advice::command("what is finished is kept; continue with", &how_to_go_on(run, shard))
 }
 
 /// The command that continues a run, or a shard of it.
@@ -113,11 +115,11 @@ pub fn compute(
     let started = Instant::now();
     let before = tally.counted();
     let how = how_to_go_on(directory.path(), shard);
-    interrupt.remark(&kept_and_continued(directory.path(), shard));
-    let resumed = format!("what is on disk already is kept; {FREE_SPACE} `{how}`");
+    interrupt.remark(kept_and_continued(directory.path(), shard));
+    let resumed = Advice::command(&format!("what is on disk already is kept; {FREE_SPACE}"), &how);
     let kept = |failure: Failure, directory: &RunDirectory| match directory.root().require_in_place() {
-        Ok(()) => failure.with_remedy(&resumed),
-        Err(_) => failure.with_remedy("resume the run where it is now"),
+        Ok(()) => failure.with_advice(&resumed),
+        Err(_) => failure.with_advice(&Advice::action("resume the run where it is now")),
     };
     let engine = Engine::new(threads)?;
     let mut evaluator = Evaluator::new(&job)?;
@@ -155,25 +157,26 @@ pub fn compute(
             // The samples are what counts, and how to continue.
             warn(session.record(&directory, &signal.to_string(), computed).err().map(|error| error.to_string()));
         }
-        let message = if job.is_integrated() {
-            format!("finished tiles of the verdict map and finished audits are kept; continue with `{how}`")
+        let kept = if job.is_integrated() {
+            "finished tiles of the verdict map and finished audits are kept; continue with".to_owned()
         } else {
             format!(
-                "{} of {}{} samples{} are kept; continue with `{how}`",
+                "{} of {}{} samples{} are kept; continue with",
                 HumanCount128(tally.counted()),
                 if job.stops_by_precision() { "at most " } else { "" },
                 HumanCount128(job.total_samples()),
                 if job.uses_maps() { " and the finished tiles of the verdict map" } else { "" }
             )
         };
-        return Err(Failure::Stopped { signal, message });
+        return Err(Failure::stopped(signal, &Advice::command(&kept, &how)));
     }
     let mut run = FinishedRun { directory, job, tally, limits: None, integrated };
     if shard.is_none() {
         let surface = run.surface();
         let is_new = surface.publish(&run.directory).map_err(|failure| kept(failure, &run.directory))?;
         if run.job.is_integrated() && !is_new {
-            note(format_args!("{} is finished already; its surface is unchanged", run.directory.path().display()));
+            let path = run.directory.path().display();
+            tell(Code::RunFinished, format_args!("{path} is finished already; its surface is unchanged"));
         }
         if computed > 0 || is_new {
             session.lookups(surface.lookups());
@@ -270,7 +273,7 @@ pub fn map_only(
     let submit = format!("stickslip submit {path}/job.toml --out {path}");
     let share = work.shard.map_or(String::new(), |shard| format!(" --shard {shard}"));
     let again = format!("{submit} --map-only{share}");
-    interrupt.remark(&format!("finished tiles of the verdict map are kept; continue with `{again}`"));
+    interrupt.remark(Advice::command("finished tiles of the verdict map are kept; continue with", &again));
     let next = match job.is_integrated() {
         true => format!("`stickslip resume {path}`"),
         false => format!("`stickslip resume {path}`, or shard by shard with `{submit} --shard I/N`"),
@@ -284,12 +287,12 @@ pub fn map_only(
     let engine = Engine::new(work.threads)?;
     let mut evaluator = Evaluator::new(job)?;
     let completed = complete_maps(&engine, &mut evaluator, directory, work, interrupt)
-        .map_err(|failure| failure.with_remedy(&format!("finished tiles are kept; continue with `{again}`")))?;
+        .map_err(|failure| failure.with_advice(&Advice::command("finished tiles are kept; continue with", &again)))?;
     let needed = HumanCount(evaluator.maps().needed() as u64);
     if let Outcome::Stopped(signal) = completed.outcome {
         let tiles = HumanCount(completed.tiles);
-        let message = format!("{tiles} of {needed} tiles of the verdict map are kept; continue with `{again}`");
-        return Err(Failure::Stopped { signal, message });
+        let kept = format!("{tiles} of {needed} tiles of the verdict map are kept; continue with");
+        return Err(Failure::stopped(signal, &Advice::command(&kept, &again)));
     }
     let seconds = started.elapsed().as_secs_f64();
     let new = HumanCount(completed.simulations);
@@ -336,9 +339,10 @@ pub fn evaluator_again<'a>(
         ));
     }
     if job.is_conditional() {
-        return Err(Failure::Usage(
-            "this run integrates over preload and static friction at each of its samples (method = \"conditional\"), so they have no verdicts to replay or to write; submit the job with method = \"sobol\" into another directory to look at samples".to_owned(),
-        ));
+        return Err(Failure::Usage(format!(
+            "this run integrates over {} at each of its samples (method = \"conditional\"), so they have no verdicts to replay or to write; submit the job with method = \"sobol\" into another directory to look at samples",
+            names_of_pair(job.model())
+        )));
     }
     let mut evaluator = Evaluator::new(job)?;
     if job.uses_maps() && was_counted_without_map(job, tally) {

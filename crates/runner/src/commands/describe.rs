@@ -7,13 +7,12 @@ use clap::CommandFactory as _;
 use crate::cli::{Cli, CompletionsArguments, ManArguments};
 use crate::failure::Failure;
 use crate::files::publish::publish;
-use crate::job::JobSpec;
+use crate::job;
 use crate::output::{quoted, result, shown};
 
 /// `stickslip schema`.
 pub fn schema() -> Result<(), Failure> {
-    let schema = schemars::schema_for!(JobSpec);
-    result(&format!("{:#}\n", schema.as_value()))
+    result(&format!("{:#}\n", job::schema().as_value()))
 }
 
 /// `stickslip completions`.

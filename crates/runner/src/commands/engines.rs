@@ -1,7 +1,7 @@
 //! `submit --engine`: sharing a job among the machines of a cluster.
 
 use std::fs;
-use std::io;
+use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf, absolute};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
@@ -17,10 +17,11 @@ use crate::cluster::slurm::{JobArray, RESTARTS, array_limit, longest_task};
 use crate::cluster::task_list::ranges;
 use crate::cluster::{Script, ShardTask, again};
 use crate::evaluate::parts::Parts;
-use crate::failure::Failure;
+use crate::failure::{Advice, Failure};
 use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
 use crate::job::{EngineSettings, Job, JobSource, Overrides, TimeLimit};
+use crate::messages::are_json;
 use crate::output::{counted, note, quoted, result, warn};
 use crate::schedule::engine::Engine;
 use crate::schedule::plan::Plan;
@@ -61,8 +62,9 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
         run: &out,
     };
     if RunDirectory::view(&out).is_ok_and(|directory| directory.in_use()) {
-        let message = format!("{} is in use by another stickslip; wait until it ends, or stop it", out.display());
-        return Err(Failure::Busy(message));
+        let remedy = "wait until it ends, or stop it";
+        let message = format!("{} is in use by another stickslip; {remedy}", out.display());
+        return Err(Failure::Busy(message).remedied(remedy));
     }
     if arguments.engine.dry_run {
         let tally = Tally::new(&Parts::new(&job));
@@ -280,16 +282,21 @@ impl Request<'_> {
     fn submit_array(&self, missing: &[u64]) -> Result<(), Failure> {
         let mut command = Command::new("sh");
         command.arg(self.script("slurm/submit.sh")?).arg(ranges(missing));
-        let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
-        let output = output.map_err(|error| Failure::InputOutput(format!("cannot run sh: {error}")))?;
+        let cannot = |error: io::Error| Failure::InputOutput(format!("cannot run sh: {error}"));
+        let mut child =
+            command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(its_errors()).spawn().map_err(cannot)?;
+        let passing_on = child.stderr.take().map(|errors| thread::spawn(|| pass_on(errors)));
+        let output = child.wait_with_output().map_err(cannot)?;
+        let _ = passing_on.map(thread::JoinHandle::join);
         let jobs = String::from_utf8_lossy(&output.stdout).trim().to_owned();
         if !output.status.success() || jobs.is_empty() {
+            let again = self.again(missing);
             return Err(Failure::InputOutput(format!(
-                "Slurm did not take the job ({}); the scripts are in {}: change them and run `{}`",
+                "Slurm did not take the job ({}); the scripts are in {}: change them and run `{again}`",
                 output.status,
                 quoted(&self.run.join("slurm")),
-                self.again(missing)
-            )));
+            ))
+            .remedied(again));
         }
         note(format_args!(
             "submitted; `stickslip status {}` tells how far it is, `scancel {jobs}` stops it",
@@ -300,19 +307,22 @@ impl Request<'_> {
 
     /// Runs the shards over GNU parallel, and merges them.
     fn run_shards(&self, missing: &[u64], interrupt: &Interrupt) -> Result<(), Failure> {
-        interrupt.remark(&format!(
-            "shards that other machines have begun go on, and what is finished is kept; continue with `{}`",
-            self.again(missing)
+        let again = self.again(missing);
+        interrupt.remark(Advice::command(
+            "shards that other machines have begun go on, and what is finished is kept; continue with",
+            &again,
         ));
         let mut command = Command::new("sh");
         command.arg(self.script("parallel/run.sh")?);
         command.args(missing.iter().map(u64::to_string)).stdin(Stdio::null());
         let cannot = |error: io::Error| Failure::InputOutput(format!("cannot run parallel: {error}"));
-        let status = wait(command.spawn().map_err(cannot)?, interrupt).map_err(cannot)?;
+        let mut child = command.stderr(its_errors()).spawn().map_err(cannot)?;
+        let passing_on = child.stderr.take().map(|errors| thread::spawn(|| pass_on(errors)));
+        let status = wait(child, interrupt).map_err(cannot)?;
         if let Some(signal) = interrupt.signal() {
-            let message = format!("what is finished is kept; continue with `{}`", self.again(missing));
-            return Err(Failure::Stopped { signal, message });
+            return Err(Failure::stopped(signal, &Advice::command("what is finished is kept; continue with", &again)));
         }
+        let _ = passing_on.map(thread::JoinHandle::join);
         if !status.success() {
             note(format_args!(
                 "not every shard has ended well ({status}); see {}",
@@ -332,6 +342,18 @@ impl Request<'_> {
 /// The threads that measure what a job costs.
 fn measuring() -> Result<Engine, Failure> {
     Engine::new(thread::available_parallelism().map_or(1, std::num::NonZero::get))
+}
+
+/// Where the messages of another program go.
+fn its_errors() -> Stdio {
+    if are_json() { Stdio::piped() } else { Stdio::inherit() }
+}
+
+/// Passes on the messages of another program, each line as a note.
+fn pass_on(errors: impl io::Read) {
+    for line in BufReader::new(errors).split(b'\n').map_while(Result::ok) {
+        note(format_args!("{}", String::from_utf8_lossy(&line)));
+    }
 }
 
 /// Waits for a program to end, and ends it after a signal.

@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_sampler::fit::{Fit, FitModel, FitParameter, FitValues, Prediction, fit as estimate};
-use stickslip_sampler::inputs::Marginal;
+use stickslip_core::models::pad_on_disc::model::{PRELOAD, PadModel, ROTATING_SPEED, STATIC_FRICTION};
+use stickslip_sampler::fit::{ESTIMABLE, Fit, FitModel, FitValues, Prediction, fit as estimate};
+use stickslip_sampler::inputs::{Marginal, PairParameter};
 
 use super::brake_tests::{BrakeTests, read_tests};
 use super::fitted_job::fitted_job;
 use crate::cli::{EstimateArgument, FitArguments};
 use crate::failure::Failure;
 use crate::files::publish::publish_first;
-use crate::job::{Criterion, Job, JobSource, OutsidePhysics};
+use crate::job::{Job, JobSource, OutsidePhysics};
 use crate::output::{note, output_file, quoted, result, shown, warn};
 use crate::picture::view::rounded;
 
@@ -30,13 +30,13 @@ struct PredictedCell {
     prediction: Prediction,
 }
 
-impl From<EstimateArgument> for FitParameter {
+impl From<EstimateArgument> for PairParameter {
     fn from(argument: EstimateArgument) -> Self {
         match argument {
-            EstimateArgument::StaticFriction => Self::StaticFriction,
-            EstimateArgument::PreloadFactor => Self::PreloadFactor,
-            EstimateArgument::PreloadStd => Self::PreloadStd,
-            EstimateArgument::StaticFrictionStd => Self::StaticFrictionStd,
+            EstimateArgument::StaticFriction => Self::Expected(1),
+            EstimateArgument::PreloadFactor => Self::Expected(0),
+            EstimateArgument::PreloadStd => Self::RelativeStd(0),
+            EstimateArgument::StaticFrictionStd => Self::RelativeStd(1),
             EstimateArgument::Correlation => Self::Correlation,
         }
     }
@@ -48,33 +48,32 @@ pub fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     let source = JobSource::read(&arguments.job)?;
     let job = source.job()?;
     warn(job.warnings());
-    let mut estimated: Vec<FitParameter> = arguments.estimate.iter().map(|&argument| argument.into()).collect();
-    estimated.sort_unstable();
-    estimated.dedup();
+    let estimated: Vec<PairParameter> = arguments.estimate.iter().map(|&argument| argument.into()).collect();
+    let pad = job.pad()?;
     let model =
         model(&job, &estimated).map_err(|message| Failure::Job(format!("{}: {message}", shown(&source.path))))?;
-    let brake = job.brake(0).map_err(|error| Failure::Job(error.to_string()))?;
+    let brake = pad.brake(&job.grid.cell(0).expected).map_err(|error| Failure::Job(error.to_string()))?;
     let tests = read_tests(&arguments.data, &brake)?;
     let confidence = job.sampling.confidence;
     let fit = estimate(&model, &tests.data, &estimated, confidence)
         .map_err(|error| Failure::Job(format!("{}: {error}", shown(&arguments.data))))?;
     let new_job = match &out {
         Some((directory, name)) => {
-            let text = new_text(&job, &source, arguments, &tests, &fit)?;
+            let text = new_text(&job, &source, arguments, &tests, (&model, &fit))?;
             Some((directory, name, text))
         }
         None => None,
     };
-    let cells = predictions(&job, &brake, &fit)?;
+    let cells = predictions(&job, pad, &fit)?;
     if let Some((directory, name, text)) = new_job
         && !publish_first(directory, name, text.as_bytes())?
     {
         return Err(taken(&directory.join(name)));
     }
     if arguments.json {
-        return result(&format!("{:#}\n", as_json(&job, arguments, &tests, &fit, &cells)));
+        return result(&format!("{:#}\n", as_json(&job, arguments, &tests, (&model, &fit), &cells)));
     }
-    result(&as_text(&job, arguments, &tests, &fit, &cells))
+    result(&as_text(&job, arguments, &tests, (&model, &fit), &cells))
 }
 
 /// The folder and name of the new job, which replaces no file.
@@ -88,8 +87,8 @@ fn taken(out: &Path) -> Failure {
 }
 
 /// What the job says of the inputs, if its brakes can be compared with tests.
-fn model(job: &Job, estimated: &[FitParameter]) -> Result<FitModel, String> {
-    if !matches!(job.criterion, Criterion::Eigenvalue) {
+fn model(job: &Job, estimated: &[PairParameter]) -> Result<FitModel, String> {
+    if !job.has_closed_form() {
         return Err("fit needs the boundary of stability in closed form: criterion.kind = \"eigenvalue\"".to_owned());
     }
     if job.outside_physics != OutsidePhysics::Stable {
@@ -98,53 +97,55 @@ fn model(job: &Job, estimated: &[FitParameter]) -> Result<FitModel, String> {
     if let Some(other) = job.random.other() {
         return Err(format!(
             "random.inputs lists {}; fit knows preload and static_friction only, so remove it",
-            other.name()
+            job.quantity(other).name
         ));
     }
-    if let Some(further) = job.grid.further().find(|further| further.axis.values().len() > 1) {
-        return Err(format!("axes.{} has several values; give the one of the brakes that were tested", further.name));
+    let further = job.grid.axes.iter().filter(|axis| !job.quantity(axis.quantity).is_always_shown);
+    if let Some(further) = further.into_iter().find(|axis| axis.axis.values().len() > 1) {
+        let name = &job.quantity(further.quantity).name;
+        return Err(format!("axes.{name} has several values; give the one of the brakes that were tested"));
     }
     if job.random.relative_stds.len() > 1 {
         return Err(
             "random.relative_std lists several values; give one, which stands where it is not estimated".to_owned()
         );
     }
-    let frictions = job.grid.static_friction.values();
-    if frictions.len() > 1 && !estimated.contains(&FitParameter::StaticFriction) {
+    let frictions = job.grid.values_of(STATIC_FRICTION);
+    if frictions.len() > 1 && !estimated.contains(&PairParameter::Expected(1)) {
         return Err("axes.static_friction has several values; give the one of the brakes that were tested, or estimate static_friction".to_owned());
     }
     let pair = job.random.pair();
-    let needs = |parameter: FitParameter, input: usize| {
-        let name = ["preload", "static_friction"][input];
-        let is_missing = estimated.contains(&parameter) && pair[input].is_none();
-        is_missing.then(|| {
-            format!("{} is to be estimated, but random.inputs does not list {name}; add it, with random.relative_std of about 0.1", parameter.name())
-        })
-    };
-    let missing = needs(FitParameter::PreloadStd, 0)
-        .or_else(|| needs(FitParameter::StaticFrictionStd, 1))
-        .or_else(|| needs(FitParameter::Correlation, 0))
-        .or_else(|| needs(FitParameter::Correlation, 1));
-    if let Some(message) = missing {
-        return Err(message);
-    }
     let of = |position: Option<usize>| {
         let std = |position: usize| job.random.relative_stds.first().map_or(0.0, |stds| stds[position]);
         position.map_or((Marginal::Normal, 0.0), |position| (job.random.marginals[position].clone(), std(position)))
     };
-    let [(preload, preload_std), (static_friction, static_friction_std)] = pair.map(of);
-    let stds = [FitParameter::PreloadStd, FitParameter::StaticFrictionStd];
-    if preload_std == 0.0 && static_friction_std == 0.0 && !stds.iter().any(|std| estimated.contains(std)) {
-        return Err("nothing scatters, so that each verdict is certain; give random.inputs and random.relative_std, or estimate std.static_friction".to_owned());
-    }
+    let [first, second] = pair.map(of);
     let values = FitValues {
-        static_friction: frictions[frictions.len() / 2],
-        preload_factor: 1.0,
-        preload_std,
-        static_friction_std,
+        expected: [1.0, frictions[frictions.len() / 2]],
+        relative_std: [first.1, second.1],
         correlation: job.random.pairs.first().map_or(0.0, |&(_, _, coefficient)| coefficient),
     };
-    Ok(FitModel { marginals: [preload, static_friction], values })
+    let names = [PRELOAD, STATIC_FRICTION].map(|place| job.quantity(place).name.to_string());
+    let model = FitModel { names, marginals: [first.0, second.0], values };
+    let needs = |parameter: PairParameter, input: usize| {
+        let name = &model.names[input];
+        let is_missing = estimated.contains(&parameter) && pair[input].is_none();
+        is_missing.then(|| {
+            format!("{} is to be estimated, but random.inputs does not list {name}; add it, with random.relative_std of about 0.1", model.name(parameter))
+        })
+    };
+    let missing = needs(PairParameter::RelativeStd(0), 0)
+        .or_else(|| needs(PairParameter::RelativeStd(1), 1))
+        .or_else(|| needs(PairParameter::Correlation, 0))
+        .or_else(|| needs(PairParameter::Correlation, 1));
+    if let Some(message) = missing {
+        return Err(message);
+    }
+    let stds = [0, 1].map(PairParameter::RelativeStd);
+    if model.values.relative_std == [0.0; 2] && !stds.iter().any(|std| estimated.contains(std)) {
+        return Err("nothing scatters, so that each verdict is certain; give random.inputs and random.relative_std, or estimate std.static_friction".to_owned());
+    }
+    Ok(model)
 }
 
 /// The job with the estimates, if it is one.
@@ -153,7 +154,7 @@ fn new_text(
     source: &JobSource,
     arguments: &FitArguments,
     tests: &BrakeTests,
-    fit: &Fit<'_>,
+    (model, fit): (&FitModel, &Fit<'_>),
 ) -> Result<String, Failure> {
     let origin = format!(
         "# Written by stickslip fit from the tests {:?} and the job {:?}.\n# {}. Estimates, with {} % intervals of the profile likelihood:\n",
@@ -162,7 +163,7 @@ fn new_text(
         counted(tests),
         rounded(100.0 * job.sampling.confidence)
     );
-    let text = fitted_job(job, &source.text, fit, &origin)
+    let text = fitted_job(job, &source.text, model, fit, &origin)
         .ok_or_else(|| Failure::Internal("the job with the estimates is not representable".to_owned()))?;
     let path = arguments.out.clone().unwrap_or_default();
     let new = JobSource { path, text };
@@ -182,8 +183,8 @@ fn counted(tests: &BrakeTests) -> String {
 }
 
 /// The probability of squeal in each cell of the job, with its own preloads as nominal ones; none if there are too many.
-fn predictions(job: &Job, brake: &PadOnDisc, fit: &Fit<'_>) -> Result<Vec<PredictedCell>, Failure> {
-    let (speeds, preloads) = (job.grid.rotating_speed.values(), job.grid.preload.values());
+fn predictions(job: &Job, pad: &PadModel, fit: &Fit<'_>) -> Result<Vec<PredictedCell>, Failure> {
+    let (speeds, preloads) = (job.grid.values_of(ROTATING_SPEED), job.grid.values_of(PRELOAD));
     let cells = (speeds.len() * preloads.len()) as u64;
     if cells > MOST_CELLS {
         note(format_args!(
@@ -191,11 +192,11 @@ fn predictions(job: &Job, brake: &PadOnDisc, fit: &Fit<'_>) -> Result<Vec<Predic
         ));
         return Ok(Vec::new());
     }
+    let mut expected = job.grid.cell(0).expected;
     let mut predicted = Vec::new();
-    for &rotating_speed in speeds {
-        let mut parameters = brake.parameters().clone();
-        parameters.operating_point.rotating_speed = rotating_speed;
-        let brake = PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))?;
+    for rotating_speed in speeds {
+        expected[ROTATING_SPEED] = rotating_speed;
+        let brake = pad.brake(&expected).map_err(|error| Failure::Job(error.to_string()))?;
         let boundary = brake.stability_boundary();
         let cell =
             |&preload: &f64| PredictedCell { rotating_speed, preload, prediction: fit.predict(preload, &boundary) };
@@ -204,18 +205,24 @@ fn predictions(job: &Job, brake: &PadOnDisc, fit: &Fit<'_>) -> Result<Vec<Predic
     Ok(predicted)
 }
 
-fn as_json(job: &Job, arguments: &FitArguments, tests: &BrakeTests, fit: &Fit<'_>, cells: &[PredictedCell]) -> Value {
+fn as_json(
+    job: &Job,
+    arguments: &FitArguments,
+    tests: &BrakeTests,
+    (model, fit): (&FitModel, &Fit<'_>),
+    cells: &[PredictedCell],
+) -> Value {
     let [squealed, quiet] = tests.data.counts();
-    let estimate = |parameter: FitParameter| fit.parameters.iter().find(|fitted| fitted.parameter == parameter);
+    let estimate = |parameter: PairParameter| fit.parameters.iter().find(|fitted| fitted.parameter == parameter);
     let mut estimates = Map::new();
     let mut fixed = Map::new();
-    for parameter in FitParameter::ALL {
+    for parameter in ESTIMABLE {
         match estimate(parameter) {
             Some(fitted) => estimates.insert(
-                parameter.name().to_owned(),
+                model.name(parameter),
                 json!({ "value": fitted.value, "low": fitted.low, "high": fitted.high }),
             ),
-            None => fixed.insert(parameter.name().to_owned(), json!(fit.values.get(parameter))),
+            None => fixed.insert(model.name(parameter), json!(fit.values.get(parameter))),
         };
     }
     let cell = |cell: &PredictedCell| {
@@ -241,18 +248,24 @@ fn as_json(job: &Job, arguments: &FitArguments, tests: &BrakeTests, fit: &Fit<'_
     })
 }
 
-fn as_text(job: &Job, arguments: &FitArguments, tests: &BrakeTests, fit: &Fit<'_>, cells: &[PredictedCell]) -> String {
+fn as_text(
+    job: &Job,
+    arguments: &FitArguments,
+    tests: &BrakeTests,
+    (model, fit): (&FitModel, &Fit<'_>),
+    cells: &[PredictedCell],
+) -> String {
     let percent = rounded(100.0 * job.sampling.confidence);
     let mut text = format!("{}: {}\n\n", shown(&arguments.data), counted(tests));
     text += &format!("{:<22}{:>12}   {percent} % interval\n", "parameter", "estimate");
-    for parameter in FitParameter::ALL {
+    for parameter in ESTIMABLE {
         let value = format!("{:.4}", fit.values.get(parameter));
         let end = |end: Option<f64>| end.map_or("open".to_owned(), |end| format!("{end:.4}"));
         let interval = fit.parameters.iter().find(|fitted| fitted.parameter == parameter).map_or_else(
             || "as in the job".to_owned(),
             |fitted| format!("{} to {}", end(fitted.low), end(fitted.high)),
         );
-        text += &format!("{:<22}{value:>12}   {interval}\n", parameter.name());
+        text += &format!("{:<22}{value:>12}   {interval}\n", model.name(parameter));
     }
     if !cells.is_empty() {
         text += &format!("\n{:<22}{:>12}{:>12}   {percent} % interval\n", "speed, rad/s", "preload", "P(squeal)");

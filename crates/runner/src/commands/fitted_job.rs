@@ -1,6 +1,7 @@
 //! A job with what `fit` has estimated.
 
-use stickslip_sampler::fit::{Fit, FitParameter};
+use stickslip_sampler::fit::{Fit, FitModel};
+use stickslip_sampler::inputs::PairParameter;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Value};
 
 use crate::job::Job;
@@ -19,20 +20,22 @@ fn short(value: f64) -> f64 {
 
 /// The text of `job` with the estimates in place, after comments that `origin` begins. `source` is its own text, of which
 /// the table `[engine]` is kept. `None` if it cannot be written as TOML.
-pub fn fitted_job(job: &Job, source: &str, fit: &Fit<'_>, origin: &str) -> Option<String> {
+pub fn fitted_job(job: &Job, source: &str, model: &FitModel, fit: &Fit<'_>, origin: &str) -> Option<String> {
     let mut document: DocumentMut = job.normalised().parse().ok()?;
     let kept = job.name.len().min(LONGEST_NAME - SUFFIX.len());
     document["name"] = toml_edit::value(format!("{}{SUFFIX}", job.name.get(..kept)?));
-    let is_estimated = |parameter: FitParameter| fit.parameters.iter().any(|fitted| fitted.parameter == parameter);
+    let is_estimated = |parameter: PairParameter| fit.parameters.iter().any(|fitted| fitted.parameter == parameter);
     let one = |value: f64| Item::Value(Value::Array(Array::from_iter([short(value)])));
-    if is_estimated(FitParameter::StaticFriction) {
-        document["axes"]["static_friction"] = one(fit.values.static_friction);
+    let pair = job.model().pair()?;
+    let [first, second] = pair.map(|place| &*job.quantity(place).name);
+    if is_estimated(PairParameter::Expected(1)) {
+        document["axes"][second] = one(fit.values.expected[1]);
     }
-    if is_estimated(FitParameter::PreloadFactor) {
-        let preloads = job.grid.preload.values().iter().map(|preload| short(preload * fit.values.preload_factor));
-        document["axes"]["preload"] = Item::Value(Value::Array(preloads.collect()));
+    if is_estimated(PairParameter::Expected(0)) {
+        let values = job.grid.values_of(pair[0]).into_iter().map(|value| short(value * fit.values.expected[0]));
+        document["axes"][first] = Item::Value(Value::Array(values.collect()));
     }
-    let stds = [("preload", FitParameter::PreloadStd), ("static_friction", FitParameter::StaticFrictionStd)];
+    let stds = [(first, PairParameter::RelativeStd(0)), (second, PairParameter::RelativeStd(1))];
     if stds.iter().any(|(_, parameter)| is_estimated(*parameter)) {
         let mut table = InlineTable::new();
         let random = &job.random;
@@ -49,8 +52,8 @@ pub fn fitted_job(job: &Job, source: &str, fit: &Fit<'_>, origin: &str) -> Optio
         document["random"].as_table_like_mut()?.remove("relative_std");
         document["random"]["relative_std"] = Item::Value(Value::InlineTable(table));
     }
-    if is_estimated(FitParameter::Correlation) {
-        let mut pair = Array::from_iter(["preload", "static_friction"]);
+    if is_estimated(PairParameter::Correlation) {
+        let mut pair = Array::from_iter([first, second]);
         pair.push(short(fit.values.correlation));
         document["random"]["correlation"] = Item::Value(Value::Array(Array::from_iter([pair])));
     }
@@ -62,14 +65,14 @@ pub fn fitted_job(job: &Job, source: &str, fit: &Fit<'_>, origin: &str) -> Optio
         let end = |end: Option<f64>| end.map_or("open".to_owned(), rounded);
         comments += &format!(
             "#   {} = {} ({} to {})\n",
-            fitted.parameter.name(),
+            model.name(fitted.parameter),
             rounded(fitted.value),
             end(fitted.low),
             end(fitted.high)
         );
     }
-    if is_estimated(FitParameter::PreloadFactor) {
-        comments += "# axes.preload holds the true preloads: the nominal ones times preload_factor.\n";
+    if is_estimated(PairParameter::Expected(0)) {
+        comments += &format!("# axes.{first} holds the true {first}s: the nominal ones times {first}_factor.\n");
     }
     Some(format!("{comments}\n{document}"))
 }

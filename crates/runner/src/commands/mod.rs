@@ -20,6 +20,8 @@ mod check;
 
 mod one_brake;
 
+mod motion_report;
+
 mod analyse;
 
 mod parameters;
@@ -38,8 +40,6 @@ mod submit;
 
 mod engines;
 mod verify;
-
-mod motion_report;
 
 mod trajectory;
 
@@ -72,7 +72,7 @@ pub use export::export;
 pub use fit::fit;
 pub use init::init;
 pub use limit::limit;
-pub use motion_report::columns;
+pub use motion_report::{columns, scales_line};
 pub use parameters::parameters;
 pub use plot::plot;
 pub use replay::replay;

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
-use stickslip_core::motion::moment::Moment;
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs, Scales};
-use stickslip_core::trajectory::recording::Trajectory;
-use stickslip_core::trajectory::settled::SettledMotion;
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
+use stickslip_core::models::pad_on_disc::motion::moment::Moment;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs, Scales};
+use stickslip_core::models::pad_on_disc::trajectory::recording::Trajectory;
+use stickslip_core::models::pad_on_disc::trajectory::settled::SettledMotion;
 
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
@@ -28,6 +28,17 @@ pub fn name(verdict: Verdict) -> &'static str {
         Verdict::Undecided => "undecided",
         Verdict::Failed => "failed",
     }
+}
+
+/// What scaled numbers are in units of.
+pub fn scales_line(scales: &Scales) -> String {
+    format!(
+        "Scaled units: length {} (the disc's thickness h), time {:.4e} s,\n    frequency {}, speed {}.\n",
+        length(scales.length),
+        scales.time,
+        frequency(scales.hertz(1.0)),
+        speed(scales.speed)
+    )
 }
 
 /// What a motion belongs to: keys for JSON, and lines for the terminal.

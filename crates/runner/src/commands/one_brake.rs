@@ -2,19 +2,20 @@
 
 use std::path::Path;
 
-use stickslip_core::criterion::settings::TimeDomainSettings;
-use stickslip_core::criterion::time_domain::DiscModel;
 use stickslip_core::friction::law::LawKind;
-use stickslip_core::motion::start::Start;
-use stickslip_core::parameters::{ParameterError, Parameters};
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
+use stickslip_core::models::pad_on_disc::criterion::time_domain::DiscModel;
+use stickslip_core::models::pad_on_disc::model::{Criterion, PadModel};
+use stickslip_core::models::pad_on_disc::motion::start::Start;
+use stickslip_core::models::pad_on_disc::parameters::{ParameterError, Parameters};
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::grid::Cell;
 
 use crate::cli::BrakeArguments;
 use crate::failure::Failure;
 use crate::job::friction::{LawSpec, check_band, read_curve};
-use crate::job::preload_force::{self, PRELOAD};
-use crate::job::{Criterion, Job, JobSource, plausibility, unknown_parameter};
+use crate::job::models::pad_on_disc::preload_force::{self, PRELOAD};
+use crate::job::{Job, JobSource, plausibility, unknown_parameter};
 use crate::output::{note, warn};
 use crate::store::directory::RunDirectory;
 
@@ -34,46 +35,55 @@ pub struct LookedAt {
 impl OneBrake {
     /// The brake that the command line names; warns of values that are not plausible.
     pub fn chosen(arguments: &BrakeArguments) -> Result<Self, Failure> {
-        let Some(path) = &arguments.job else {
-            return Ok(Self { brake: changed_preset(&arguments.set)?, model: None });
+        Self::of(chosen_cell(arguments)?, &arguments.set)
+    }
+
+    /// The brake of a cell of a job, or else the preset, with changes; warns of values that are not plausible.
+    pub fn of(chosen: Option<(Job, Cell)>, changes: &[String]) -> Result<Self, Failure> {
+        let Some((job, cell)) = chosen else {
+            return Ok(Self { brake: changed_preset(changes)?, model: None });
         };
-        let job = if path.is_dir() { RunDirectory::view(path)?.job()? } else { JobSource::read(path)?.job()? };
-        let last = job.cells() - 1;
-        let index = match arguments.cell {
-            Some(cell) if cell > last => {
-                let message = format!("--cell {cell}: the job \"{}\" has cells 0 to {last}", job.name);
-                return Err(Failure::Usage(message));
-            }
-            Some(cell) => cell,
-            None => middle(&job),
-        };
-        if arguments.cell.is_none() && last > 0 {
-            note(format_args!(
-                "cell {index} of 0 to {last} of the job \"{}\", the middle of its axes; choose another with --cell",
-                job.name
-            ));
-        }
-        let cell = job.grid.cell(index);
-        let parameters = parameters_in(&job, &cell).map_err(|error| Failure::Job(error.to_string()))?;
-        let model = Some(LookedAt::by(&job, &cell));
-        Ok(Self { brake: changed(parameters, &arguments.set)?, model })
+        let pad = job.pad()?;
+        let brake = pad.complete_brake(&cell.expected).map_err(|error| Failure::Job(error.to_string()))?;
+        let model = Some(LookedAt::by(pad, &cell.expected));
+        Ok(Self { brake: changed(brake.parameters().clone(), changes)?, model })
     }
 }
 
+/// The job that the command line names, with the cell whose values are taken; `None` if it names none.
+pub fn chosen_cell(arguments: &BrakeArguments) -> Result<Option<(Job, Cell)>, Failure> {
+    let Some(path) = &arguments.job else { return Ok(None) };
+    let job = if path.is_dir() { RunDirectory::view(path)?.job()? } else { JobSource::read(path)?.job()? };
+    let last = job.cells() - 1;
+    let index = match arguments.cell {
+        Some(cell) if cell > last => {
+            let message = format!("--cell {cell}: the job \"{}\" has cells 0 to {last}", job.name);
+            return Err(Failure::Usage(message));
+        }
+        Some(cell) => cell,
+        None => middle(&job),
+    };
+    if arguments.cell.is_none() && last > 0 {
+        note(format_args!(
+            "cell {index} of 0 to {last} of the job \"{}\", the middle of its axes; choose another with --cell",
+            job.name
+        ));
+    }
+    let cell = job.grid.cell(index);
+    Ok(Some((job, cell)))
+}
+
 impl LookedAt {
-    /// The disc and the motion that decide a cell. A job that does not look at motions gets one of the model that it
-    /// looks at.
-    pub fn by(job: &Job, cell: &Cell) -> Self {
-        match &job.criterion {
+    /// The disc and the motion that decide samples with these values. A job that does not look at motions gets one of
+    /// the model that it looks at.
+    pub fn by(pad: &PadModel, values: &[f64]) -> Self {
+        match pad.criterion() {
             Criterion::Eigenvalue => Self { disc: DiscModel::Rigid, settings: TimeDomainSettings::default() },
             Criterion::CoupledEigenvalue { modes } => {
                 Self { disc: DiscModel::Flexible { modes: *modes }, settings: TimeDomainSettings::default() }
             }
             Criterion::TimeDomain { disc, settings } => {
-                let start = match settings.start {
-                    Start::Given(start) => Start::Given(job.brakes().start_in_cell(start, cell)),
-                    named => named,
-                };
+                let start = pad.given_start(values).map_or(settings.start, Start::Given);
                 Self { disc: disc.clone(), settings: TimeDomainSettings { start, ..*settings } }
             }
         }
@@ -91,14 +101,6 @@ impl LookedAt {
 /// The cell in the middle of every axis, of two the one before.
 fn middle(job: &Job) -> u64 {
     job.grid.lengths().iter().fold(0, |index, length| index * length + (length - 1) / 2)
-}
-
-/// The expected values in a cell.
-fn parameters_in(job: &Job, cell: &Cell) -> Result<Parameters, ParameterError> {
-    let mut parameters = job.brakes().in_cell(cell)?;
-    parameters.set(PRELOAD, cell.preload)?;
-    parameters.set("friction.static_coefficient", cell.static_friction)?;
-    Ok(parameters)
 }
 
 /// The preset with `KEY=VALUE` changes; warns of values that are not plausible.

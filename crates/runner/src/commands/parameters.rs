@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use serde_json::{Value, json};
-use stickslip_core::parameters::{Limits, Parameters, SCALARS, Scalar};
+use stickslip_core::model::quantity::Limits;
+use stickslip_core::models::pad_on_disc::parameters::{Parameters, SCALARS, Scalar};
 
 use super::one_brake::changed_preset;
 use crate::cli::ParametersArguments;

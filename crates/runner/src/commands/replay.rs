@@ -1,8 +1,10 @@
 //! `replay`: one sample of a run again, with its motion.
 
-use stickslip_core::criterion::time_domain::TimeDomain;
-use stickslip_core::motion::start::Start;
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::quantity::Role;
+use stickslip_core::model::verdict::Verdict;
+use stickslip_core::models::pad_on_disc::criterion::time_domain::TimeDomain;
+use stickslip_core::models::pad_on_disc::model::{PadModel, ROTATING_SPEED, inputs};
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 use super::completion::evaluator_again;
 use super::motion_report::{Facts, name, report};
@@ -11,7 +13,7 @@ use super::trajectory::simulate;
 use crate::cli::ReplayArguments;
 use crate::evaluate::evaluator::{EvaluatedSample, Evaluator};
 use crate::failure::Failure;
-use crate::job::{Job, OutsidePhysics, RandomInput, StartValue};
+use crate::job::{Job, OutsidePhysics};
 use crate::output::result;
 use crate::store::directory::RunDirectory;
 use crate::store::tally::Tally;
@@ -28,64 +30,93 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     let verdict = sample.decision.verdict;
     let (place, number) = evaluator.parts().locate(arguments.sample);
     let is_counted = tally.contains(evaluator.parts().of(arguments.cell).start + place as u64, number);
-    let facts = facts(arguments, &job, &sample, is_counted);
-    let LookedAt { disc, mut settings } = LookedAt::by(&job, &job.grid.cell(arguments.cell));
-    settings.start = sample.start.unwrap_or(settings.start);
-    let outside = match &sample.brake {
-        None => Some("failed: one of its values is not admissible; there is no motion to simulate"),
-        Some(_) if sample.is_outside_physics && verdict == Verdict::Failed => {
-            Some("failed: no preload, or friction that rises with speed, and criterion.outside_physics = \"failed\"")
+    let pad = job.model.as_pad();
+    let brake = pad.and_then(|pad| pad.brake(&sample.decided).ok());
+    let facts = facts(arguments, &job, &sample, is_counted, brake.as_ref());
+    let meaning = job.model().outside_meaning();
+    let why_none = match (pad, &brake) {
+        (None, _) => Some(format!("{}; motions of this model are not shown", name(verdict))),
+        (_, None) => Some("failed: one of its values is not admissible; there is no motion to simulate".to_owned()),
+        _ if sample.is_outside && verdict == Verdict::Failed => {
+            Some(format!("failed: it lies outside the model ({meaning}), and criterion.outside_physics = \"failed\""))
         }
-        Some(pad) if pad.is_outside_physics(sample.inputs) && verdict == Verdict::Stable => {
-            Some("stable by definition: no preload, or friction that rises with speed; there is no motion to simulate")
+        (_, Some(brake)) if brake.is_outside_physics(inputs(&sample.decided)) && verdict == Verdict::Stable => {
+            Some(format!("stable by definition: it lies outside the model ({meaning}); there is no motion to simulate"))
         }
-        Some(_) => None,
+        _ => None,
     };
-    let without_motion = |why: &str| {
-        if arguments.out.is_some() {
-            return Err(Failure::Usage(format!("--out: this sample is {why}")));
-        }
-        let why = if arguments.json { String::new() } else { format!("{why}\n") };
-        result(&format!("{}{why}", facts.text(arguments.json)))
-    };
-    let (Some(pad), None) = (&sample.brake, outside) else { return without_motion(outside.unwrap_or_default()) };
-    if let Err(error) = TimeDomain::new(pad, &disc, settings) {
-        return without_motion(&format!("{}; its motion cannot be simulated: {error}", name(verdict)));
+    match (pad, &brake, why_none) {
+        (Some(pad), Some(brake), None) => show_motion(arguments, facts, pad, brake, &sample),
+        (_, _, why) => without_motion(arguments, &facts, &why.unwrap_or_default()),
     }
-    let trajectory = simulate(pad, &disc, settings, sample.inputs, arguments.horizon)?;
-    report(facts, pad.scales(), &trajectory, arguments.out.as_deref(), arguments.json)
+}
+
+/// Shows the sample alone.
+fn without_motion(arguments: &ReplayArguments, facts: &Facts, why: &str) -> Result<(), Failure> {
+    if arguments.out.is_some() {
+        return Err(Failure::Usage(format!("--out: this sample is {why}")));
+    }
+    let why = if arguments.json { String::new() } else { format!("{why}\n") };
+    result(&format!("{}{why}", facts.text(arguments.json)))
+}
+
+/// Simulates the motion of the sample again, and shows it.
+fn show_motion(
+    arguments: &ReplayArguments,
+    facts: Facts,
+    pad: &PadModel,
+    brake: &PadOnDisc,
+    sample: &EvaluatedSample,
+) -> Result<(), Failure> {
+    let LookedAt { disc, settings } = LookedAt::by(pad, &sample.decided);
+    if let Err(error) = TimeDomain::new(brake, &disc, settings) {
+        let verdict = name(sample.decision.verdict);
+        return without_motion(arguments, &facts, &format!("{verdict}; its motion cannot be simulated: {error}"));
+    }
+    let trajectory = simulate(brake, &disc, settings, inputs(&sample.decided), arguments.horizon)?;
+    report(facts, brake.scales(), &trajectory, arguments.out.as_deref(), arguments.json)
 }
 
 /// What the run drew and decided.
-fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample, is_counted: bool) -> Facts {
+fn facts(
+    arguments: &ReplayArguments,
+    job: &Job,
+    sample: &EvaluatedSample,
+    is_counted: bool,
+    brake: Option<&PadOnDisc>,
+) -> Facts {
     let mut facts = Facts::default();
     facts.add("run", arguments.run.display().to_string());
     facts.add("cell", arguments.cell);
     facts.add("sample", arguments.sample);
-    let mut rotating_speed = job.grid.cell(arguments.cell).rotating_speed;
-    for (input, &value) in job.random.inputs.iter().zip(&sample.values) {
-        if input.is_rotating_speed() {
-            rotating_speed = value;
+    let unit = |place: usize| match &*job.quantity(place).unit {
+        "1" => String::new(),
+        unit => unit.to_owned(),
+    };
+    let places = || 0..sample.drawn.len();
+    if job.model.as_pad().is_some() {
+        facts.add_operating_point(sample.drawn[ROTATING_SPEED], inputs(&sample.drawn), brake);
+    } else {
+        for place in places().filter(|&place| job.quantity(place).is_always_shown) {
+            let quantity = job.quantity(place);
+            facts.add_with_unit(&quantity.column, &quantity.label, sample.drawn[place], &unit(place));
         }
     }
-    facts.add_operating_point(rotating_speed, sample.drawn, sample.brake.as_ref());
-    for (input, &value) in job.random.inputs.iter().zip(&sample.values) {
-        if let RandomInput::Other(scalar) = input
-            && !input.is_rotating_speed()
-        {
-            let unit = if scalar.unit == "1" { "" } else { scalar.unit };
-            facts.add_with_unit(scalar.key, scalar.key, value, unit);
-        }
+    let random = job.random.inputs.iter().copied();
+    let others = random.filter(|&place| {
+        let quantity = job.quantity(place);
+        quantity.role == Role::Configuration && !quantity.is_always_shown
+    });
+    // Without other inputs and axes of the start, all motions start alike.
+    let has_own_start =
+        job.random.other().is_some() || job.varying().iter().any(|&place| job.quantity(place).role == Role::Start);
+    let start = places()
+        .filter(|&place| has_own_start && job.quantity(place).role == Role::Start && !sample.drawn[place].is_nan());
+    for place in others.chain(start) {
+        let name = &job.quantity(place).name;
+        facts.add_with_unit(name, name, sample.drawn[place], &unit(place));
     }
-    if let Some(Start::Given(start)) = &sample.start {
-        for number in StartValue::ALL {
-            if let Some(value) = number.of(start) {
-                let unit = number.unit(start.units);
-                facts.add_with_unit(number.key(), number.key(), value, if unit == "1" { "" } else { unit });
-            }
-        }
-    }
-    if sample.is_outside_physics {
+    if sample.is_outside {
         let meaning = match job.outside_physics {
             OutsidePhysics::Stable => "decided as it is",
             OutsidePhysics::Failed => "counts as failed",
@@ -93,8 +124,9 @@ fn facts(arguments: &ReplayArguments, job: &Job, sample: &EvaluatedSample, is_co
         };
         facts.add("outside_physics", meaning);
         if job.outside_physics == OutsidePhysics::Clamp {
-            facts.add("preload_decided", sample.inputs.preload);
-            facts.add("static_friction_decided", sample.inputs.static_friction);
+            for place in job.model().pair().into_iter().flatten() {
+                facts.add(&format!("{}_decided", job.quantity(place).column), sample.decided[place]);
+            }
         }
     }
     let verdict = sample.decision.verdict;

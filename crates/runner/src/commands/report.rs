@@ -29,7 +29,7 @@ fn comparisons(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<Vec
     let runs: Vec<Run> = arguments.runs.iter().map(|path| Run::open(path)).collect::<Result<_, _>>()?;
     let engine = Engine::new(arguments.threads.count())?;
     let compared = match differences_of(&runs, CONFIDENCE, false, &engine, interrupt) {
-        Err(Failure::Job(why)) => {
+        Err(why) if why.is_of_job() => {
             note(format_args!("the runs stand beside each other without a comparison: {why}"));
             return Ok(Vec::new());
         }

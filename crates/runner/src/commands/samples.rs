@@ -6,27 +6,27 @@
 use std::ops::Range;
 
 use indicatif::HumanCount;
-use stickslip_core::criterion::decision::Decision;
-use stickslip_core::degree_of_freedom::DegreeOfFreedom;
-use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_core::model::decision::Decision;
+use stickslip_core::model::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
 use super::completion::evaluator_again;
 use super::motion_report::name;
 use crate::cli::SamplesArguments;
-use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::samples::Samples;
 use crate::failure::Failure;
 use crate::files::table::{TableColumn, TableValues, write_table};
 use crate::interrupt::Interrupt;
-use crate::job::{Job, RandomInput};
+use crate::job::Job;
+use crate::messages::Code;
 use crate::output::{counted, output_file, quoted, result};
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::progress::Progress;
 use crate::store::directory::RunDirectory;
 use crate::store::tally::Tally;
 use crate::tables::surface::footer;
+use stickslip_core::model::IsStopped;
 
 /// Largest number of samples, which are held in memory.
 const MOST_SAMPLES: u64 = 10_000_000;
@@ -79,12 +79,14 @@ fn finished_counts(
     let SamplesArguments { run, cell, .. } = arguments;
     let counts = evaluator.parts().counts(tally, *cell);
     if !evaluator.parts().is_complete(tally, *cell) {
+        let resume = format!("stickslip resume {}", quoted(run));
         return Err(Failure::Job(format!(
-            "cell {cell} of {} is not finished, it has {}; compute the others with `stickslip resume {}`",
+            "cell {cell} of {} is not finished, it has {}; compute the others with `{resume}`",
             run.display(),
             counted(counts.total().into(), "sample", "samples"),
-            quoted(run)
-        )));
+        ))
+        .coded(Code::Incomplete)
+        .remedied(resume));
     }
     if counts.total() > MOST_SAMPLES {
         return Err(Failure::Usage(format!(
@@ -103,7 +105,7 @@ struct DrawnSamples {
     /// The values of each random input, in the job's order.
     values: Vec<Vec<f64>>,
     decisions: Vec<Decision>,
-    are_outside_physics: Vec<bool>,
+    are_outside: Vec<bool>,
 }
 
 /// Draws and decides all samples of the cell.
@@ -128,7 +130,8 @@ fn draw(
     let evaluate = |index: u64, is_stopped: IsStopped<'_>| {
         let (part, samples) = units[index as usize].clone();
         let mut unit = DrawnSamples::default();
-        evaluator.each_decided(part, samples, is_stopped, |chunk, decisions| unit.add(chunk, decisions));
+        evaluator
+            .each_decided(part, samples, is_stopped, |chunk, decisions, outside| unit.add(chunk, decisions, outside));
         (index as usize, unit)
     };
     let engine = Engine::new(arguments.threads.count())?;
@@ -140,20 +143,19 @@ fn draw(
     progress.finish();
     match outcome {
         Outcome::Finished => Ok(drawn.into_iter().fold(DrawnSamples::default(), DrawnSamples::followed_by)),
-        Outcome::Stopped(signal) => Err(Failure::Stopped { signal, message: "nothing was written".to_owned() }),
+        Outcome::Stopped(signal) => Err(Failure::stopped(signal, &"nothing was written".into())),
     }
 }
 
 impl DrawnSamples {
     /// Adds the samples of a chunk.
-    fn add(&mut self, chunk: &Samples, decisions: &[Decision]) {
-        let inputs = chunk.values(0).count();
-        self.values.resize(inputs, Vec::new());
-        for (input, values) in self.values.iter_mut().enumerate() {
-            values.extend_from_slice(&chunk.values_of(input)[..decisions.len()]);
+    fn add(&mut self, chunk: &Samples, decisions: &[Decision], outside: Option<Vec<bool>>) {
+        self.values.resize(chunk.values(0).count(), Vec::new());
+        for sample in 0..decisions.len() {
+            self.values.iter_mut().zip(chunk.values(sample)).for_each(|(column, value)| column.push(value));
         }
         self.decisions.extend_from_slice(decisions);
-        self.are_outside_physics.extend((0..decisions.len()).map(|sample| chunk.is_outside_physics(sample)));
+        self.are_outside.extend(outside.unwrap_or_else(|| vec![false; decisions.len()]));
     }
 
     /// These and those after them.
@@ -163,7 +165,7 @@ impl DrawnSamples {
             values.extend(further);
         }
         self.decisions.extend(next.decisions);
-        self.are_outside_physics.extend(next.are_outside_physics);
+        self.are_outside.extend(next.are_outside);
         self
     }
 
@@ -173,42 +175,40 @@ impl DrawnSamples {
 
     /// One row for each sample.
     fn columns(self, job: &Job) -> Vec<TableColumn> {
-        let Self { values, decisions, are_outside_physics } = self;
-        let column = |name: &'static str, unit, long_name: &str, values| TableColumn {
+        let Self { values, decisions, are_outside } = self;
+        let column = |name: &'static str, unit: &'static str, long_name: &str, values| TableColumn {
             name: name.into(),
-            unit,
+            unit: unit.into(),
             long_name: long_name.to_owned().into(),
             values,
         };
         let numbers = TableValues::Integer((0..decisions.len() as u64).collect());
         let mut columns =
             vec![column("sample", "1", "0-based number of the sample in its cell, as replay takes it", numbers)];
-        let start = job.criterion.given_start().unwrap_or_default();
-        for (input, values) in job.random.inputs.iter().zip(values) {
-            let (name, unit, meaning) = match input {
-                RandomInput::Preload => {
-                    ("preload", "1", "preload, calliper displacement over disc thickness".to_owned())
-                }
-                RandomInput::StaticFriction => ("static_friction", "1", "static friction coefficient".to_owned()),
-                RandomInput::Other(scalar) if input.is_rotating_speed() => {
-                    ("rotating_speed_rad_s", scalar.unit, scalar.description.to_owned())
-                }
-                RandomInput::Other(scalar) => (scalar.key, scalar.unit, scalar.description.to_owned()),
-                RandomInput::Start(number) => (number.key(), number.unit(start.units), number.description(&start)),
-            };
-            let values = TableValues::Real(values.into_iter().map(Some).collect());
-            columns.push(column(name, unit, &format!("{meaning}, as drawn"), values));
+        for (&input, values) in job.random.inputs.iter().zip(values) {
+            let quantity = job.quantity(input);
+            columns.push(TableColumn {
+                name: quantity.column.clone(),
+                unit: quantity.unit.clone(),
+                long_name: format!("{}, as drawn", quantity.description).into(),
+                values: TableValues::Real(values.into_iter().map(Some).collect()),
+            });
         }
         let verdicts = decisions.iter().map(|decision| Some(name(decision.verdict))).collect();
         let meaning = "verdict that the run counts: stable, unstable, undecided or failed";
         columns.push(column("verdict", "1", meaning, TableValues::Word(verdicts)));
-        let outside = TableValues::Integer(are_outside_physics.into_iter().map(u64::from).collect());
-        let meaning = "1 for a sample without preload or with friction that rises with speed, decided as criterion.outside_physics specifies, otherwise 0";
-        columns.push(column("outside_physics", "1", meaning, outside));
-        if job.has_flexible_disc() {
-            let fed_by = decisions.iter().map(|decision| decision.fed_by.map(freedom)).collect();
-            let meaning = "what feeds an unstable sample: tangential, normal, angular or disc";
-            columns.push(column("fed_by", "1", meaning, TableValues::Word(fed_by)));
+        let outside = TableValues::Integer(are_outside.into_iter().map(u64::from).collect());
+        let meaning = format!(
+            "1 for a sample outside the model ({}), decided as criterion.outside_physics specifies, otherwise 0",
+            job.model().outside_meaning()
+        );
+        columns.push(column("outside_physics", "1", &meaning, outside));
+        let sources = job.model().sources();
+        if let Some((last, others)) = sources.split_last() {
+            let name = |decision: &Decision| decision.fed_by.map(|source| sources[source].name);
+            let others: Vec<&str> = others.iter().map(|source| source.name).collect();
+            let meaning = format!("what feeds an unstable sample: {} or {}", others.join(", "), last.name);
+            columns.push(column("fed_by", "1", &meaning, TableValues::Word(decisions.iter().map(name).collect())));
         }
         if job.records_amplitude() {
             let meaning = "settled amplitude of an unstable sample, half peak to peak of x over disc thickness";
@@ -216,15 +216,5 @@ impl DrawnSamples {
             columns.push(column("amplitude", "1", meaning, TableValues::Real(amplitudes)));
         }
         columns
-    }
-}
-
-/// As the columns of the surface name it.
-fn freedom(freedom: DegreeOfFreedom) -> &'static str {
-    match freedom {
-        DegreeOfFreedom::Tangential => "tangential",
-        DegreeOfFreedom::Normal => "normal",
-        DegreeOfFreedom::Angular => "angular",
-        DegreeOfFreedom::Disc => "disc",
     }
 }

@@ -11,10 +11,11 @@ use super::shard_progress::how_to_submit_missing;
 use crate::cli::{MergeArguments, ResumeArguments, ShardArgument, SubmitArguments};
 use crate::cluster::array_task::ArrayTask;
 use crate::evaluate::parts::Parts;
-use crate::failure::Failure;
+use crate::failure::{Advice, Failure};
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
-use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, warn};
+use crate::messages::Code;
+use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, tell, warn};
 use crate::schedule::engine::Engine;
 use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::RunDirectory;
@@ -44,7 +45,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
     let threads = arguments.threads.count();
     // From the moment that there is a run.
-    interrupt.remark_once_there(out.join(JOB), &kept_and_continued(&out, shard));
+    interrupt.remark_once_there(out.join(JOB), kept_and_continued(&out, shard));
     let (directory, job, state) = match shard {
         Some(_) => adopt_as_shard(&out, &source, &job)?,
         None => {
@@ -61,10 +62,11 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     }
     match state {
         RunState::Finished(tally) if shard.is_none() && !job.is_integrated() => {
-            note(format_args!("{} is finished already; nothing to do", out.display()));
+            tell(Code::RunFinished, format_args!("{} is finished already; nothing to do", out.display()));
             // A lost or damaged surface is written again from the pieces.
-            let resumed = format!("all samples are kept; {FREE_SPACE} `stickslip resume {}`", quoted(&out));
-            let kept = |failure: Failure| failure.with_remedy(&resumed);
+            let resume = format!("stickslip resume {}", quoted(&out));
+            let resumed = Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &resume);
+            let kept = |failure: Failure| failure.with_advice(&resumed);
             let surface = Surface::new(&job, &tally);
             if surface.publish(&directory).map_err(kept)? {
                 note(format_args!("{} was missing or differed; it is written again", directory.surface().display()));
@@ -72,13 +74,17 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
             let limits = publish_limits(&directory, &job, &Engine::new(threads)?, interrupt).map_err(kept)?;
             report(&directory, &job, &surface, limits.as_deref())
         }
-        RunState::Unfinished(tally) if shard.is_none() => Err(Failure::CannotCreate(format!(
-            "{} holds an unfinished run of this job ({} of {} samples); continue it with `stickslip resume {}`",
-            out.display(),
-            HumanCount128(tally.counted()),
-            HumanCount128(job.total_samples()),
-            quoted(&out)
-        ))),
+        RunState::Unfinished(tally) if shard.is_none() => {
+            let resume = format!("stickslip resume {}", quoted(&out));
+            Err(Failure::CannotCreate(format!(
+                "{} holds an unfinished run of this job ({} of {} samples); continue it with `{resume}`",
+                out.display(),
+                HumanCount128(tally.counted()),
+                HumanCount128(job.total_samples()),
+            ))
+            .coded(Code::RunUnfinished)
+            .remedied(resume))
+        }
         RunState::Finished(tally) | RunState::Unfinished(tally) | RunState::New(tally) => {
             if let (Some(ShardArgument::Slurm), Some(shard)) = (arguments.shard, shard) {
                 keep_number(shard, &directory)?;
@@ -108,7 +114,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
     if !job.is_integrated() && Parts::new(&job).are_complete(&tally) {
-        note(format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
+        tell(Code::RunFinished, format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let threads = arguments.threads.count();
@@ -188,31 +194,31 @@ pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Fa
     sharing::tidy(directory.path());
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
+    let resume = format!("stickslip resume {}", quoted(&arguments.run));
     if job.is_integrated() {
-        let message = format!(
-            "method = \"exact\" has no shards; write the surface with `stickslip resume {}`",
-            quoted(&arguments.run)
-        );
-        return Err(Failure::Job(message));
+        let message = format!("method = \"exact\" has no shards; write the surface with `{resume}`");
+        return Err(Failure::Job(message).remedied(resume));
     }
     let complete = Parts::new(&job).complete_cells(&tally);
     if complete < job.cells() {
         return Err(Failure::Job(format!(
-            "{} is not complete: {} of {} cells, {} of {} samples. {}, or compute what is missing here with `stickslip resume {}`",
+            "{} is not complete: {} of {} cells, {} of {} samples. {}, or compute what is missing here with `{resume}`",
             arguments.run.display(),
             complete,
             job.cells(),
             HumanCount128(tally.counted()),
             HumanCount128(job.total_samples()),
             how_to_submit_missing(directory.path(), &job, &tally),
-            quoted(&arguments.run)
-        )));
+        ))
+        .coded(Code::Incomplete)
+        .remedied(resume));
     }
     directory.tidy()?;
     let session = Session::start("merge", 1);
     let surface = Surface::new(&job, &tally);
     let kept = |failure: Failure| {
-        failure.with_remedy(&format!("all samples are kept; {FREE_SPACE} `stickslip merge {}`", quoted(&arguments.run)))
+        let merge = format!("stickslip merge {}", quoted(&arguments.run));
+        failure.with_advice(&Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &merge))
     };
     surface.publish(&directory).map_err(kept)?;
     session.record(&directory, "finished", 0).map_err(kept)?;

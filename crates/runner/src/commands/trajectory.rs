@@ -1,20 +1,22 @@
 //! `trajectory`: one motion in time.
 
-use stickslip_core::criterion::settings::TimeDomainSettings;
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainError};
-use stickslip_core::finite_difference::brake::{Allotment, DiscGrid, FiniteDifferenceBrake, FiniteDifferenceError};
-use stickslip_core::flexible_disc::brake::DISC_MODES;
-use stickslip_core::flexible_disc::mode_count::{ModeStudy, representative_inputs};
-use stickslip_core::motion::start::Start;
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::trajectory::recording::Trajectory;
+use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
+use stickslip_core::models::pad_on_disc::criterion::time_domain::{DiscModel, TimeDomain, TimeDomainError};
+use stickslip_core::models::pad_on_disc::finite_difference::brake::{
+    Allotment, DiscGrid, FiniteDifferenceBrake, FiniteDifferenceError,
+};
+use stickslip_core::models::pad_on_disc::flexible_disc::brake::DISC_MODES;
+use stickslip_core::models::pad_on_disc::flexible_disc::mode_count::{ModeStudy, representative_inputs};
+use stickslip_core::models::pad_on_disc::motion::start::Start;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
+use stickslip_core::models::pad_on_disc::trajectory::recording::Trajectory;
 
 use super::motion_report::{Facts, report};
 use super::one_brake::OneBrake;
 use crate::cli::{AllotmentArgument, DiscArgument, StartArgument, TrajectoryArguments};
 use crate::failure::Failure;
 use crate::job::plausibility;
-use crate::output::{note, warn};
+use crate::output::warn;
 
 /// Scaled time that a trajectory covers by default: some 150 cycles of the pad.
 const HORIZON: f64 = 500.0;
@@ -70,7 +72,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
                     if let Ok(check) = study.and_then(|study| study.check(modes))
                         && !check.is_enough
                     {
-                        note(format_args!("warning: {check}; leave out --disc-modes"));
+                        warn([format!("{check}; leave out --disc-modes")]);
                     }
                     modes
                 }

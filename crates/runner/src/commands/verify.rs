@@ -8,10 +8,11 @@ use serde_json::json;
 use super::limit::check_limits;
 use crate::cli::VerifyArguments;
 use crate::evaluate::parts::Parts;
-use crate::failure::Failure;
+use crate::failure::{Advice, Failure};
 use crate::files::folder::Folder;
 use crate::job::Job;
-use crate::output::{counted, note, quoted, result};
+use crate::messages::{Code, Place};
+use crate::output::{counted, quoted, result, warn_of};
 use crate::store::digests::{DIGESTS, Digests, Known, digest_of_file};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
@@ -25,11 +26,11 @@ use crate::tables::surface::Surface;
 pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
     let (directory, can_mend) = match RunDirectory::open_any(&arguments.run, Access::Alone) {
         // An archived run can be checked, too.
-        Err(Failure::CannotCreate(_)) => (RunDirectory::open_any(&arguments.run, Access::Reading)?, false),
+        Err(failure) if failure.is_of_creating() => (RunDirectory::open_any(&arguments.run, Access::Reading)?, false),
         opened => (opened?, true),
     };
     let mut check = Check { directory: &directory, can_mend, findings: Vec::new() };
-    let remedy = check.all()?;
+    let advice = check.all()?;
     let findings = check.findings;
     let worst = findings.iter().map(|finding| finding.state).max().unwrap_or(State::Sound);
     let run = arguments.run.display();
@@ -50,7 +51,8 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
     if broken.is_empty() {
         return Ok(());
     }
-    Err(Failure::InputOutput(format!("{run}: damaged: {}; {remedy}", broken.join(", "))))
+    let text = format!("{run}: damaged: {}", broken.join(", "));
+    Err(Failure::InputOutput(text).coded(Code::Damaged).at(Place::file(&arguments.run)).with_advice(&advice))
 }
 
 /// How a file was found.
@@ -99,7 +101,7 @@ impl Check<'_> {
     }
 
     /// Checks everything; returns what to do about what stays damaged.
-    fn all(&mut self) -> Result<String, Failure> {
+    fn all(&mut self) -> Result<Advice, Failure> {
         let directory = self.directory;
         if self.can_mend {
             directory.tidy()?;
@@ -107,9 +109,7 @@ impl Check<'_> {
         let known = Known::read(directory.root())?;
         match &known {
             Known::Digests(_) => self.find(DIGESTS, State::Sound, "sound"),
-            Known::Nothing => {
-                self.find(DIGESTS, State::Sound, "none; it was removed, or the run is of an earlier version");
-            }
+            Known::Nothing => self.find(DIGESTS, State::Sound, "none; it was removed"),
             Known::Damaged => {
                 let again = if self.can_mend { " and written again" } else { "" };
                 self.find(DIGESTS, self.mended(), format!("damaged{again}; the other files were checked without it"));
@@ -117,7 +117,8 @@ impl Check<'_> {
         }
         let run = quoted(directory.path());
         let Some(job) = self.job()? else {
-            return Ok(format!("submit the job again to this directory with `--out {run}`; finished pieces are kept"));
+            let again = format!("submit the job again to this directory with `--out {run}`; finished pieces are kept");
+            return Ok(Advice::action(&again));
         };
         self.pieces(SHARDS, directory.shards());
         for (name, folder) in [(MAPS, directory.maps()?), (AUDITS, directory.audits()?)] {
@@ -130,9 +131,9 @@ impl Check<'_> {
             self.write_digests()?;
         }
         Ok(if self.can_mend {
-            format!("compute what is lost again with `stickslip resume {run}`")
+            Advice::command("compute what is lost again with", &format!("stickslip resume {run}"))
         } else {
-            "nothing can be written in this directory; verify a copy of it".to_owned()
+            Advice::action("nothing can be written in this directory; verify a copy of it")
         })
     }
 
@@ -177,7 +178,7 @@ impl Check<'_> {
             match defect {
                 Defect::Damaged(why) if self.can_mend => self.directory.set_aside(folder, name, why),
                 Defect::Damaged(why) | Defect::Unread(why) => {
-                    note(format_args!("warning: {}: {why}", folder.path().join(name).display()));
+                    warn_of(&folder.path().join(name), format_args!(": {why}"));
                 }
             }
         }

@@ -1,19 +1,16 @@
-//! Samples of the inputs other than preload and static friction: the probability of instability over these two, given
-//! the others.
+//! Samples of the inputs other than the pair of the model: the probability of instability over these two, given the
+//! others.
 
 use std::ops::Range;
 
-use stickslip_core::parameters::ParameterError;
-use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
-use stickslip_core::rigid_disc::varying_brake::VaryingBrake;
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
+use stickslip_core::model::{Configuration, ModelError};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::{Correlation, InputDistribution};
 use stickslip_sampler::integrate::pair::Pair;
 
-use crate::evaluate::control::IsStopped;
 use crate::job::Job;
+use stickslip_core::model::IsStopped;
 
 /// Samples between two questions whether to stop.
 const AT_ONCE: u64 = 20;
@@ -28,7 +25,7 @@ const HALF: f64 = 0.5;
 pub struct Conditional {
     /// The positions of the inputs that are drawn.
     others: Vec<usize>,
-    /// The correlation of these, followed by preload and static friction.
+    /// The correlation of these, followed by the pair.
     correlation: Correlation,
 }
 
@@ -37,12 +34,13 @@ pub(super) struct ConditionalCell<'a> {
     conditional: &'a Conditional,
     distributions: Vec<InputDistribution>,
     pair: Pair,
-    varying: VaryingBrake,
-    expected: RandomInputs,
+    configuration: Box<dyn Configuration>,
+    /// Expected values of the pair.
+    expected: [f64; 2],
 }
 
 impl Conditional {
-    /// Prepares a job; `None` if it draws preload and static friction.
+    /// Prepares a job; `None` if it draws the pair.
     pub fn new(job: &Job) -> Option<Self> {
         let correlation = job.integrates_pair().then(|| job.random.correlation_with_pair_last().ok())??;
         Some(Self { others: job.random.others(), correlation })
@@ -54,7 +52,7 @@ impl Conditional {
     }
 
     /// Evaluates samples of a randomisation of a cell, and hands each to `add`: its verdict, unstable where its
-    /// probability is above one half, and that probability. A sample of which no brake can be made fails. False if it is
+    /// probability is above one half, and that probability. A sample with a value that is not admissible fails. False if it is
     /// stopped before.
     pub fn evaluate(
         &self,
@@ -72,7 +70,7 @@ impl Conditional {
         let stream = job.deviates(self.others.len(), job.points());
         let mut deviates = stream.start(cell.index, randomisation as u64, samples.start);
         let mut columns = vec![Vec::new(); self.others.len()];
-        // Two zeros stand for preload and static friction, of which only the law is asked for.
+        // Two zeros stand for the pair, of which only the law is asked for.
         let mut sample = vec![0.0; self.others.len() + 2];
         let mut first = samples.start;
         while first < samples.end {
@@ -98,27 +96,29 @@ impl Conditional {
 }
 
 impl<'a> ConditionalCell<'a> {
-    pub(super) fn new(conditional: &'a Conditional, job: &Job, cell: &Cell) -> Result<Self, ParameterError> {
+    pub(super) fn new(conditional: &'a Conditional, job: &Job, cell: &Cell) -> Result<Self, ModelError> {
         let others = || conditional.others.iter();
-        let brake = job.brake(job.grid.brake_index(cell.index))?;
-        let scalars = others().filter_map(|&position| job.random.inputs[position].scalar()).collect();
+        let pair = job.model().pair().unwrap_or_default();
+        let varying: Vec<usize> =
+            pair.into_iter().chain(others().map(|&position| job.random.inputs[position])).collect();
         Ok(Self {
             conditional,
             distributions: others().map(|&position| job.distribution(position, cell)).collect(),
             pair: job.pair(cell),
-            varying: VaryingBrake::new(brake, scalars),
-            expected: RandomInputs { preload: cell.preload, static_friction: cell.static_friction },
+            configuration: job.model().configure(&cell.expected, &varying, None)?,
+            expected: pair.map(|place| cell.expected[place]),
         })
     }
 
     /// The probability of instability given the independent deviates of the other inputs, followed by two zeros for
-    /// preload and static friction; all are replaced. `None` if a value is not admissible.
+    /// the pair; all are replaced. `None` if a value is not admissible.
     pub(super) fn probability(&self, deviates: &mut [f64]) -> Option<f64> {
         let Conditional { others, correlation } = self.conditional;
         let law = correlation.law_of_last_two(&deviates[..others.len()]);
         correlation.apply(deviates);
-        let value = |i: usize| self.distributions[i].value(deviates[i]);
-        let boundary: StabilityBoundary = self.varying.brake(self.expected, value)?.stability_boundary();
+        let drawn = self.distributions.iter().zip(&*deviates).map(|(input, deviate)| input.value(*deviate));
+        let values: Vec<f64> = self.expected.into_iter().chain(drawn).collect();
+        let boundary = self.configuration.closed_form()?.boundary_of(&values)?;
         deviates[others.len()..].fill(0.0);
         Some(self.pair.probability(&boundary, &law, TOLERANCE))
     }

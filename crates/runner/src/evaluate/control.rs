@@ -10,7 +10,3 @@ pub enum Control {
     /// Hand over the samples that are finished, and return.
     Stop,
 }
-
-/// Tells whether what is being decided is no longer wanted, as after a signal. It is asked about once a millisecond, so
-/// that not even a long motion makes anybody wait.
-pub type IsStopped<'a> = &'a dyn Fn() -> bool;

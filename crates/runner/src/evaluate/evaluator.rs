@@ -7,10 +7,9 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use stickslip_core::criterion::decision::Decision;
-use stickslip_core::motion::start::Start;
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
-use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_core::model::Columns;
+use stickslip_core::model::decision::Decision;
+use stickslip_core::model::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::draw::deviates::{CHUNK_SAMPLES, Points};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use stickslip_sampler::estimate::audit;
@@ -19,7 +18,6 @@ use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::grid::Cell;
 
 use crate::evaluate::conditional::{Conditional, ConditionalCell};
-use crate::evaluate::control::IsStopped;
 use crate::evaluate::criteria::Criteria;
 use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
@@ -28,7 +26,8 @@ use crate::evaluate::samples::{Drawing, Samples};
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
-use crate::job::{Audit, Criterion, Effort, Job, OutsidePhysics};
+use crate::job::{Audit, Effort, Job, OutsidePhysics};
+use stickslip_core::model::IsStopped;
 
 /// Samples in a chunk if some are simulated: enough to keep the vector lanes busy, few enough for the memory.
 const SIMULATED_CHUNK: usize = 100 * BLOCK_SAMPLES as usize;
@@ -41,7 +40,7 @@ pub struct Evaluator<'a> {
     pub(super) maps: Maps,
     layout: SumLayout,
     pub(super) chunk: usize,
-    /// In jobs that integrate over preload and static friction at every sample.
+    /// In jobs that integrate over the pair of the model at every sample.
     conditional: Option<Conditional>,
     /// In jobs whose samples have weights.
     rare_events: Option<RareEvents>,
@@ -49,19 +48,12 @@ pub struct Evaluator<'a> {
 
 /// One sample of a run, with everything that is known about it.
 pub struct EvaluatedSample {
-    /// Preload and static friction as drawn.
-    pub drawn: RandomInputs,
-    /// Preload and static friction that the verdict is for. They differ from the drawn ones only if the job clamps
-    /// samples outside physics.
-    pub inputs: RandomInputs,
-    /// Whether the drawn values are outside physics.
-    pub is_outside_physics: bool,
-    /// Every random input, in the job's order.
-    pub values: Vec<f64>,
-    /// The brake; `None` if a value is not admissible.
-    pub brake: Option<PadOnDisc>,
-    /// Where its motion starts, if that is not the same for all samples of the job.
-    pub start: Option<Start>,
+    /// The values of all quantities of the model, as drawn.
+    pub drawn: Vec<f64>,
+    /// Those that the verdict is for. They differ from the drawn ones only if the job clamps samples outside the model.
+    pub decided: Vec<f64>,
+    /// Whether the drawn values are outside the model.
+    pub is_outside: bool,
     /// The decision of the criterion.
     pub decision: Decision,
     /// The verdict from the map, which the run counts instead, if the sample is looked up.
@@ -72,7 +64,7 @@ impl<'a> Evaluator<'a> {
     /// An evaluator for a job. Its maps have no tiles yet.
     pub fn new(job: &'a Job) -> Result<Self, Failure> {
         let criteria = Criteria::new(job).map_err(|error| Failure::Job(error.to_string()))?;
-        let is_closed = matches!(job.criterion, Criterion::Eigenvalue);
+        let is_closed = job.has_closed_form();
         let conditional = Conditional::new(job);
         let dimensions = conditional.as_ref().map_or(job.random.inputs.len(), Conditional::dimensions);
         Ok(Self {
@@ -119,7 +111,7 @@ impl<'a> Evaluator<'a> {
     pub fn count(&self, part: u64, samples: Range<u64>, is_stopped: IsStopped<'_>) -> Option<FinishedUnit> {
         let (cell, place) = self.parts.place(part);
         let cell = self.job.grid.cell(cell);
-        let brake = self.job.grid.brake_index(cell.index);
+        let configuration = self.job.grid.configuration_index(cell.index);
         let mut unit = self.empty_unit(part, samples.clone());
         if let Some(rare_events) = &self.rare_events {
             let mut values = self.values(&cell, is_stopped);
@@ -142,11 +134,10 @@ impl<'a> Evaluator<'a> {
         let mut second = self.has_second_samples().then(|| self.draw(&cell, place, &samples, Points::SecondRandom));
         while let Some(chunk) = drawing.next_chunk(self.chunk) {
             if !self.layout.need_samples()
-                && let Some(mut counted) = self.criteria.count(self.job, brake, chunk)
+                && let Some((mut counted, outside)) = self.criteria.count(self.job, configuration, chunk)
             {
-                let outside = chunk.count_outside_physics();
                 self.layout.add_outside_physics(&mut unit.sums, outside);
-                // The closed form finds samples outside physics stable.
+                // The closed form finds samples outside the model stable.
                 if self.job.outside_physics == OutsidePhysics::Failed {
                     counted.stable -= outside;
                     counted.failed += outside;
@@ -226,7 +217,9 @@ impl<'a> Evaluator<'a> {
     /// the second and on the mixed samples.
     pub(super) fn record(&self, unit: &mut FinishedUnit, cell: &Cell, samples: &Samples, sets: &[Vec<Decision>]) {
         let Some(decisions) = sets.first() else { return };
-        self.layout.add_outside_physics(&mut unit.sums, samples.count_outside_physics());
+        let outside = self.outside(cell, samples);
+        let count = outside.iter().flatten().filter(|is_outside| **is_outside).count();
+        self.layout.add_outside_physics(&mut unit.sums, count as u64);
         for decision in decisions {
             unit.counts += decision.verdict.into();
             if let (Verdict::Unstable, Some(amplitude), true) =
@@ -237,7 +230,7 @@ impl<'a> Evaluator<'a> {
         }
         self.layout.add_sources(&mut unit.sums, decisions);
         let verdicts: Vec<Vec<Verdict>> = sets.iter().map(|decisions| verdicts_of(decisions)).collect();
-        self.layout.add_scores(&mut unit.sums, cell, samples, &verdicts[0]);
+        self.layout.add_scores(&mut unit.sums, &self.job.normal_pair(cell), samples, &verdicts[0]);
         if let [first, second, mixed @ ..] = &verdicts[..] {
             self.layout.add_sensitivity(&mut unit.sums, first, second, mixed);
         }
@@ -271,19 +264,19 @@ impl<'a> Evaluator<'a> {
             }
             let of_part = drawn.start - first..drawn.end - first;
             let part = self.parts.of(cell).start + part as u64;
-            self.each_decided(part, of_part, is_stopped, |_, decisions| verdicts.extend(verdicts_of(decisions)));
+            self.each_decided(part, of_part, is_stopped, |_, decisions, _| verdicts.extend(verdicts_of(decisions)));
         }
         verdicts
     }
 
-    /// Passes samples of a part, numbered within it, to `visit` chunk by chunk, with what a run counts of them, up to
-    /// where it is stopped.
+    /// Passes samples of a part, numbered within it, to `visit` chunk by chunk, with what a run counts of them and which lie
+    /// outside the model, up to where it is stopped.
     pub fn each_decided(
         &self,
         part: u64,
         samples: Range<u64>,
         is_stopped: IsStopped<'_>,
-        mut visit: impl FnMut(&Samples, &[Decision]),
+        mut visit: impl FnMut(&Samples, &[Decision], Option<Vec<bool>>),
     ) {
         let (cell, place) = self.parts.place(part);
         let cell = self.job.grid.cell(cell);
@@ -292,7 +285,7 @@ impl<'a> Evaluator<'a> {
             let audited = self.audited(part, chunk.numbers());
             let decided = self.decide(&cell, chunk, &audited, &mut Lookups::default(), is_stopped);
             let Some(decisions) = decided else { return };
-            visit(chunk, &decisions);
+            visit(chunk, &decisions, self.outside(&cell, chunk));
         }
     }
 
@@ -306,18 +299,22 @@ impl<'a> Evaluator<'a> {
         // As in an audit, the sample is simulated even if a map has its verdict.
         let decision = self.decide(&place, samples, &[true], &mut Lookups::default(), &|| false)?.pop()?;
         let is_audited = self.audited(self.parts.of(cell).start + part as u64, samples.numbers());
-        let fails = self.fails(samples, 0);
-        let map = self.maps.get(self.job.grid.brake_index(cell)).filter(|_| !is_audited.contains(&true) && !fails);
-        let inputs = self.within_physics(samples).pair(0);
+        let outside = self.outside(&place, samples);
+        let is_outside = outside.is_some_and(|outside| outside[0]);
+        let fails = is_outside && self.job.outside_physics == OutsidePhysics::Failed;
+        let map = self.maps.get(self.job.grid.configuration_index(cell));
+        let map = map.filter(|_| !is_audited.contains(&true) && !fails);
+        let within = self.within(&place, samples);
+        let complete = |samples: &Samples| {
+            Columns::new(samples.len(), &samples.columns()).complete(0, &place.expected, self.criteria.varying())
+        };
+        let [first, second] = within.pair(0);
         Some(EvaluatedSample {
-            drawn: samples.pair(0),
-            inputs,
-            is_outside_physics: samples.is_outside_physics(0),
-            values: samples.values(0).collect(),
-            brake: self.criteria.brake(self.job, &place, samples, 0),
-            start: self.criteria.start(self.job, &place, samples, 0),
+            drawn: complete(samples),
+            decided: complete(&within),
+            is_outside,
             decision,
-            looked_up: map.and_then(|map| map.look_up(inputs.preload, inputs.static_friction)),
+            looked_up: map.and_then(|map| map.look_up(first, second)),
         })
     }
 
@@ -345,7 +342,7 @@ impl<'a> Evaluator<'a> {
         self.criteria.decide(self.job, &place, chunk, &all, &|| false).unwrap_or_default()
     }
 
-    /// Decides samples, those outside physics as the job specifies; `None` if it is stopped before.
+    /// Decides samples, those outside the model as the job specifies; `None` if it is stopped before.
     fn decide(
         &self,
         cell: &Cell,
@@ -354,29 +351,39 @@ impl<'a> Evaluator<'a> {
         lookups: &mut Lookups,
         is_stopped: IsStopped<'_>,
     ) -> Option<Vec<Decision>> {
-        let mut decisions = self.decide_all(cell, &self.within_physics(samples), audited, lookups, is_stopped)?;
-        for (sample, decision) in decisions.iter_mut().enumerate() {
-            if self.fails(samples, sample) {
+        let mut decisions = self.decide_all(cell, &self.within(cell, samples), audited, lookups, is_stopped)?;
+        for (decision, fails) in decisions.iter_mut().zip(self.failing(cell, samples).into_iter().flatten()) {
+            if fails {
                 *decision = Verdict::Failed.into();
             }
         }
         Some(decisions)
     }
 
-    /// The samples that are decided: those outside physics are clamped if the job says so.
-    fn within_physics<'s>(&self, samples: &'s Samples) -> Cow<'s, Samples> {
-        self.clamped(samples).map_or(Cow::Borrowed(samples), Cow::Owned)
+    /// Which samples of a cell lie outside the model; none where it has no such samples.
+    fn outside(&self, cell: &Cell, samples: &Samples) -> Option<Vec<bool>> {
+        let configuration = self.criteria.configuration(self.job, self.job.grid.configuration_index(cell.index))?;
+        configuration.outside(&Columns::new(samples.len(), &samples.columns()))
     }
 
-    /// The samples with those outside physics clamped; `None` if nothing is to be clamped.
-    pub(super) fn clamped(&self, samples: &Samples) -> Option<Samples> {
-        let clamps = self.job.outside_physics == OutsidePhysics::Clamp && samples.count_outside_physics() > 0;
-        clamps.then(|| samples.clamped())
+    /// The samples that are decided: those outside the model are clamped if the job says so.
+    fn within<'s>(&self, cell: &Cell, samples: &'s Samples) -> Cow<'s, Samples> {
+        self.clamped(cell, samples).map_or(Cow::Borrowed(samples), Cow::Owned)
     }
 
-    /// Whether a sample fails because it is outside physics.
-    pub(super) fn fails(&self, samples: &Samples, sample: usize) -> bool {
-        self.job.outside_physics == OutsidePhysics::Failed && samples.is_outside_physics(sample)
+    /// The samples with those outside the model clamped; `None` if nothing is to be clamped.
+    pub(super) fn clamped(&self, cell: &Cell, samples: &Samples) -> Option<Samples> {
+        if self.job.outside_physics != OutsidePhysics::Clamp || !self.outside(cell, samples)?.contains(&true) {
+            return None;
+        }
+        let configuration = self.criteria.configuration(self.job, self.job.grid.configuration_index(cell.index))?;
+        let pair = configuration.clamped(&Columns::new(samples.len(), &samples.columns()))?;
+        Some(samples.with_pair(pair))
+    }
+
+    /// Which samples fail because they lie outside the model, where that is what becomes of them.
+    pub(super) fn failing(&self, cell: &Cell, samples: &Samples) -> Option<Vec<bool>> {
+        if self.job.outside_physics == OutsidePhysics::Failed { self.outside(cell, samples) } else { None }
     }
 
     /// Decides samples. Those that a map has a verdict for are looked up; the others, and those that are audited, are
@@ -389,14 +396,14 @@ impl<'a> Evaluator<'a> {
         lookups: &mut Lookups,
         is_stopped: IsStopped<'_>,
     ) -> Option<Vec<Decision>> {
-        let Some(map) = self.maps.get(self.job.grid.brake_index(cell.index)) else {
+        let Some(map) = self.maps.get(self.job.grid.configuration_index(cell.index)) else {
             lookups.simulated += samples.len() as u64;
             let all: Vec<usize> = (0..samples.len()).collect();
             return self.criteria.decide(self.job, cell, samples, &all, is_stopped);
         };
         let look_up = |sample: usize| {
-            let RandomInputs { preload, static_friction } = samples.pair(sample);
-            map.look_up(preload, static_friction)
+            let [first, second] = samples.pair(sample);
+            map.look_up(first, second)
         };
         let looked_up: Vec<Option<Verdict>> = (0..samples.len()).map(look_up).collect();
         let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);

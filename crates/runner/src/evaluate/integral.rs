@@ -1,11 +1,13 @@
 //! The probability of a cell by integration instead of samples.
 
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
-use stickslip_sampler::inputs::PairLaw;
+use stickslip_sampler::inputs::{InputDistribution, PairLaw};
+use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::closed_form::{self, ExactProbability};
 use stickslip_sampler::integrate::derivatives::Derivatives;
+use stickslip_sampler::integrate::pair::Pair;
 use stickslip_sampler::integrate::verdict_map::{BoundedProbability, MapRegions};
 
 use crate::evaluate::evaluator::Evaluator;
@@ -37,35 +39,53 @@ impl IntegratedCell {
     }
 }
 
-/// The probability of a cell whose boundary of stability is known in closed form, where only preload and static friction
-/// scatter.
-pub fn exact_probability(job: &Job, boundary: &StabilityBoundary, cell: &Cell) -> ExactProbability {
-    if job.random.is_plain() {
-        return closed_form::probability(boundary, cell);
-    }
+/// The probability of instability with a boundary of stability, where only the pair of the model scatters: with these
+/// expected values and standard deviations. The inputs are normal and independent without a correlation, and have the
+/// distributions of the job with one.
+pub fn exact_probability(
+    job: &Job,
+    boundary: &PairBoundary,
+    pair: &NormalPair,
+    correlation: Option<f64>,
+) -> ExactProbability {
+    let Some(correlation) = correlation else { return closed_form::probability(boundary, pair) };
+    let of = |which: usize| match job.random.pair()[which] {
+        Some(position) => {
+            let marginal = &job.random.marginals[position];
+            InputDistribution::relative(marginal, pair.expected[which], pair.relative_std[which])
+        }
+        None => InputDistribution::fixed(pair.expected[which]),
+    };
+    Pair::new(of(0), of(1)).exact_probability(boundary, &PairLaw::correlated(correlation))
+}
+
+/// The correlation of the pair of a job in which nothing else scatters, which may be 0; `None` where both are normal and
+/// independent.
+pub fn correlation_of_pair(job: &Job) -> Option<f64> {
     let coefficient = job.random.pairs.first().map_or(0.0, |&(_, _, coefficient)| coefficient);
-    job.pair(cell).exact_probability(boundary, &PairLaw::correlated(coefficient))
+    (!job.random.is_plain()).then_some(coefficient)
 }
 
 impl Evaluator<'_> {
-    /// The regions of the maps, one for each brake; none without maps.
+    /// The regions of the maps, one for each configuration; none without maps.
     pub fn regions(&self) -> Vec<MapRegions> {
-        (0..self.job.grid.brakes()).filter_map(|brake| self.maps.get(brake)).map(MapRegions::new).collect()
+        (0..self.job.grid.configurations()).filter_map(|index| self.maps.get(index)).map(MapRegions::new).collect()
     }
 
     /// The probability of a cell, in closed form or from `regions`; `lookups` is the audit of its map.
     pub fn integrate(&self, cell: &Cell, regions: &[MapRegions], lookups: Lookups) -> IntegratedCell {
-        let brake = self.job.grid.brake_index(cell.index);
-        if let Some(boundary) = &self.criteria.boundary(self.job, brake) {
-            let exact = exact_probability(self.job, boundary, cell);
+        let index = self.job.grid.configuration_index(cell.index);
+        let pair = self.job.normal_pair(cell);
+        if let Some(boundary) = &self.criteria.boundary(self.job, index) {
+            let exact = exact_probability(self.job, boundary, &pair, correlation_of_pair(self.job));
             let low = (exact.value - exact.error_bound).max(0.0);
             let high = (exact.value + exact.error_bound).min(1.0);
             let wanted = self.job.sampling.derivatives;
-            let derivatives = if wanted { closed_form::derivatives(boundary, cell) } else { Derivatives::default() };
+            let derivatives = if wanted { closed_form::derivatives(boundary, &pair) } else { Derivatives::default() };
             let estimate = Estimate { probability: Some(exact.value), low, high };
             return IntegratedCell { estimate, derivatives, ..IntegratedCell::unknown() };
         }
-        let mapped = regions[brake].probability(cell);
+        let mapped = regions[index].probability(&pair);
         let estimate = Estimate { probability: mapped.value, low: mapped.low, high: mapped.high };
         let BoundedProbability { derivatives, undecided, .. } = mapped;
         IntegratedCell { estimate, derivatives, undecided, lookups }

@@ -1,24 +1,22 @@
 //! Limits along an axis of a job, in one combination of the other axes.
 
-use stickslip_core::parameters::{ParameterError, Parameters, scalar};
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::randomisations;
 use stickslip_sampler::grid::Cell;
+use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::verdict_map::MapRegions;
 use stickslip_sampler::limits::randomised::GroupedSweeps;
 use stickslip_sampler::limits::scan::{Scan, scanned_values};
-use stickslip_sampler::limits::spans::{OutsidePhysics as Outside, Sample, Spans, Varied};
+use stickslip_sampler::limits::spans::{OutsidePhysics as Outside, Sample, Spans};
 use stickslip_sampler::limits::sweep::{SortedSweep, Sweep};
 
-use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
-use crate::evaluate::integral::exact_probability;
+use crate::evaluate::open_cell::{Open, OpenCell};
 use crate::evaluate::randomised;
 use crate::evaluate::weighted_limits::{CombinationLimits, Ended, WeightedSearch};
 use crate::job::{Effort, Job, LimitAxis, LimitMethod, OutsidePhysics};
+use stickslip_core::model::IsStopped;
 
 /// Least numbers of intervals of a scan: of a probability that takes little to compute, over a map, and of samples that are
 /// all evaluated at each value.
@@ -72,19 +70,23 @@ impl<'a> LimitSearch<'a> {
         let go_on = || if is_stopped() { Err(Ended::Stopped) } else { Ok(()) };
         match self.method {
             LimitMethod::Integral => {
-                let open = OpenCell::new(self.job, self.axis, cell)
-                    .map_err(|error| Ended::NoSuchBrake(self.axis.values[0], error))?;
+                let no_such = |value: f64| move |error| Ended::NoSuchConfiguration(value, error);
+                let open =
+                    OpenCell::new(self.job, cell, vec![Open::Expected(self.axis.quantity)], &[self.axis.values[0]]);
+                let open = open.map_err(no_such(self.axis.values[0]))?;
                 let estimate = |value: f64| {
                     go_on()?;
-                    open.probability(value).map_err(|error| Ended::NoSuchBrake(value, error))
+                    let found = open.probability(&[value]).map_err(no_such(value))?;
+                    let [low, high] = found.bounds();
+                    Ok(Estimate { probability: Some(found.value), low, high })
                 };
                 self.scan(targets, TOLERANCES[0], &[], estimate)
             }
             LimitMethod::MapIntegral => {
-                let (place, brake) = (self.job.grid.cell(cell), self.job.grid.brake_index(cell));
+                let (place, index) = (self.job.grid.cell(cell), self.job.grid.configuration_index(cell));
                 let estimate = |value: f64| {
                     go_on()?;
-                    let found = self.regions[brake].probability(&self.moved(&place, value));
+                    let found = self.regions[index].probability(&self.moved(&place, value));
                     Ok(Estimate { probability: found.value, low: found.low, high: found.high })
                 };
                 self.scan(targets, TOLERANCES[1], &[], estimate)
@@ -127,7 +129,7 @@ impl<'a> LimitSearch<'a> {
     fn by_critical_values(
         &self,
         cell: u64,
-        varied: Varied,
+        varied: usize,
         targets: &[f64],
         is_stopped: IsStopped<'_>,
     ) -> Result<CombinationLimits, Ended> {
@@ -147,9 +149,8 @@ impl<'a> LimitSearch<'a> {
 
     /// The estimate from the samples of a cell with another value of the axis.
     fn of_samples(&self, cell: u64, value: f64, is_stopped: IsStopped<'_>) -> Result<Estimate, Ended> {
-        let no_brake = |error| Ended::NoSuchBrake(value, error);
         let job = self.axis.job_at(self.job, value);
-        job.brake(job.grid.brake_index(cell)).map_err(no_brake)?;
+        job.configuration_in(&job.grid.cell(cell)).map_err(|error| Ended::NoSuchConfiguration(value, error))?;
         let evaluator = Evaluator::new(&job).map_err(Ended::Failed)?;
         let parts = evaluator.count_cell(cell, is_stopped).ok_or(Ended::Stopped)?;
         Ok(match job.sampling.effort {
@@ -161,90 +162,34 @@ impl<'a> LimitSearch<'a> {
         })
     }
 
-    /// A cell with another value of the axis, if that is preload or static friction.
-    fn moved(&self, cell: &Cell, value: f64) -> Cell {
-        match self.axis.varied() {
-            Some(Varied::Preload) => Cell { preload: value, ..*cell },
-            Some(Varied::StaticFriction) => Cell { static_friction: value, ..*cell },
-            None => *cell,
+    /// The pair in a cell with another value of the axis, if that is one of the pair.
+    fn moved(&self, cell: &Cell, value: f64) -> NormalPair {
+        let mut pair = self.job.normal_pair(cell);
+        if let Some(varied) = self.axis.varied {
+            pair.expected[varied] = value;
         }
-    }
-}
-
-/// A cell in which one parameter may have any value, for integrals.
-struct OpenCell<'a> {
-    job: &'a Job,
-    axis: &'a LimitAxis,
-    cell: Cell,
-    /// Those of the brake, with the expected values of the cell.
-    parameters: Parameters,
-    /// The boundary of the brake, unless it depends on the parameter.
-    boundary: Option<StabilityBoundary>,
-}
-
-impl<'a> OpenCell<'a> {
-    /// A cell of a job.
-    ///
-    /// # Errors
-    /// If no such brake exists.
-    fn new(job: &'a Job, axis: &'a LimitAxis, cell: u64) -> Result<Self, ParameterError> {
-        let cell = job.grid.cell(cell);
-        let parameters = job.brakes().in_cell(&cell)?;
-        let boundary = axis.varied().map(|_| PadOnDisc::new(parameters.clone())).transpose()?;
-        Ok(Self { job, axis, cell, parameters, boundary: boundary.map(|brake| brake.stability_boundary()) })
-    }
-
-    /// The exact probability at a value of the parameter.
-    ///
-    /// # Errors
-    /// If no such brake exists.
-    fn probability(&self, value: f64) -> Result<Estimate, ParameterError> {
-        let mut cell = self.cell;
-        match self.axis.varied() {
-            Some(Varied::Preload) => cell.preload = value,
-            Some(Varied::StaticFriction) => cell.static_friction = value,
-            None => {}
-        }
-        let found = match &self.boundary {
-            Some(boundary) => exact_probability(self.job, boundary, &cell),
-            None => {
-                let mut parameters = self.parameters.clone();
-                parameters.set(self.axis.scalar.key, value)?;
-                exact_probability(self.job, &PadOnDisc::new(parameters)?.stability_boundary(), &cell)
-            }
-        };
-        let [low, high] = found.bounds();
-        Ok(Estimate { probability: Some(found.value), low, high })
+        pair
     }
 }
 
 impl Evaluator<'_> {
-    /// The samples of each part of a cell for all expected values of preload or static friction in a range; `None` if it
+    /// The samples of each part of a cell for all expected values of one of the pair in a range; `None` if it
     /// is stopped before. The job decides in closed form.
     ///
     /// Deviates and all other inputs are those of the samples of the cell.
-    fn sweeps(
-        &self,
-        cell: u64,
-        varied: Varied,
-        range: [f64; 2],
-        is_stopped: IsStopped<'_>,
-    ) -> Option<Vec<SortedSweep>> {
+    fn sweeps(&self, cell: u64, varied: usize, range: [f64; 2], is_stopped: IsStopped<'_>) -> Option<Vec<SortedSweep>> {
         let mut cell = self.job.grid.cell(cell);
         // Every input is its expected value times a ratio: at 1 it is the ratio.
-        match varied {
-            Varied::Preload => cell.preload = 1.0,
-            Varied::StaticFriction => cell.static_friction = 1.0,
-        }
+        let pair = self.job.model().pair()?;
+        cell.expected[pair[varied]] = 1.0;
         let outside = match self.job.outside_physics {
             OutsidePhysics::Stable => Outside::Stable,
             OutsidePhysics::Clamp => Outside::Clamped,
             OutsidePhysics::Failed => Outside::WithoutVerdict,
         };
-        // Where every sample has a brake of its own, its friction must be admissible.
-        let has_own_brakes = self.job.random.other().is_some();
-        let limits = scalar("friction.static_coefficient").filter(|_| has_own_brakes).map(|scalar| scalar.limits);
-        let most_friction = limits.map_or(f64::INFINITY, |limits| limits.maximum);
+        // Where every sample has a configuration of its own, its second quantity must be admissible.
+        let has_own = self.job.random.other().is_some();
+        let most_second = if has_own { self.job.quantity(pair[1]).limits.maximum } else { f64::INFINITY };
         let mut sweeps = Vec::with_capacity(self.parts.of_a_cell());
         for place in 0..self.parts.of_a_cell() {
             let mut sweep = Sweep::new(range);
@@ -256,11 +201,8 @@ impl Evaluator<'_> {
                 let boundaries = self.criteria.boundaries(self.job, &cell, samples);
                 for (i, boundary) in boundaries.into_iter().enumerate() {
                     let pair = samples.pair(i);
-                    let (ratio, other) = match varied {
-                        Varied::Preload => (pair.preload, pair.static_friction),
-                        Varied::StaticFriction => (pair.static_friction, pair.preload),
-                    };
-                    let of = |boundary| Sample { boundary, ratio, other, most_friction };
+                    let (ratio, other) = (pair[varied], pair[1 - varied]);
+                    let of = |boundary| Sample { boundary, ratio, other, most_second };
                     let spans = boundary.map(|boundary| Spans::of(&of(boundary), varied, outside));
                     sweep.add(&spans.unwrap_or_else(Spans::without_verdict));
                 }

@@ -6,17 +6,17 @@ use stickslip_sampler::verdict_map::boundary_curve::Box2;
 use stickslip_sampler::verdict_map::map::VerdictMap;
 use stickslip_sampler::verdict_map::tile::{TILES, Tile, TileIndex};
 
-use crate::job::{Job, RandomInput};
+use crate::job::Job;
 
 /// Radius of the mapped region in standard deviations of both inputs together. One sample in 6.6e7 is outside and is
 /// simulated.
 const REACH: f64 = 6.0;
 
-/// A verdict map for each rotating speed of a job.
+/// A verdict map for each configuration of a job.
 #[derive(Debug)]
 pub struct Maps {
     keys: Vec<String>,
-    /// The tiles that the job's samples need, for each speed.
+    /// The tiles that the job's samples need, for each configuration.
     needed: Vec<Vec<TileIndex>>,
     maps: Vec<VerdictMap>,
     /// Largest cost of all needed tiles. Beyond it, simulating the samples costs less than the maps and their audit.
@@ -29,11 +29,11 @@ impl Maps {
         if !job.uses_maps() {
             return Self { keys: Vec::new(), needed: Vec::new(), maps: Vec::new(), most: None };
         }
-        let brakes = || 0..job.grid.brakes();
+        let configurations = || 0..job.grid.configurations();
         Self {
-            keys: brakes().map(|brake| job.map_key(brake)).collect(),
-            needed: brakes().map(|brake| needed_tiles(job, brake)).collect(),
-            maps: brakes().map(|brake| VerdictMap::new(kinetic_coefficient(job, brake))).collect(),
+            keys: configurations().map(|index| job.map_key(index)).collect(),
+            needed: configurations().map(|index| needed_tiles(job, index)).collect(),
+            maps: configurations().map(|index| VerdictMap::new(origin(job, index))).collect(),
             most: None,
         }
     }
@@ -100,7 +100,7 @@ impl Maps {
     }
 
     /// The brake whose verdicts have this key.
-    pub fn brake_of(&self, key: &str) -> Option<usize> {
+    pub fn configuration_of(&self, key: &str) -> Option<usize> {
         self.keys.iter().position(|own| own == key)
     }
 
@@ -126,24 +126,24 @@ impl Maps {
     }
 }
 
-/// The kinetic friction coefficient of a brake.
-fn kinetic_coefficient(job: &Job, brake: usize) -> f64 {
-    let parameters = job.brakes().parameters_of(brake);
-    parameters.map_or(f64::NAN, |parameters| parameters.friction.kinetic_coefficient)
+/// The second quantity at which the map of a configuration begins.
+fn origin(job: &Job, index: usize) -> f64 {
+    let configuration = job.configuration_in(&job.grid.first_cell_with(index)).ok();
+    configuration.and_then(|configuration| configuration.map_origin()).unwrap_or(f64::NAN)
 }
 
 /// The tiles that samples of any cell with a brake may fall in, sorted. Jobs with maps have no axes of the start, so
 /// that these cells follow each other.
 fn needed_tiles(job: &Job, brake: usize) -> Vec<TileIndex> {
     let mut needed = vec![false; (TILES * TILES) as usize];
-    let kinetic_coefficient = kinetic_coefficient(job, brake);
-    let cells = job.cells() / job.grid.brakes() as u64;
+    let origin = origin(job, brake);
+    let cells = job.cells() / job.grid.configurations() as u64;
     let first = job.grid.first_cell_with(brake).index;
     for index in first..first + cells {
         let cell = job.grid.cell(index);
-        let [preload, falling] = spread(job, &cell, kinetic_coefficient);
-        let columns = preload.tiles(|tile| TileIndex { column: tile, row: 0 }.bounds(), 0);
-        let rows = falling.tiles(|tile| TileIndex { column: 0, row: tile }.bounds(), 1);
+        let [first_spread, second_spread] = spread(job, &cell, origin);
+        let columns = first_spread.tiles(|tile| TileIndex { column: tile, row: 0 }.bounds(), 0);
+        let rows = second_spread.tiles(|tile| TileIndex { column: 0, row: tile }.bounds(), 1);
         for &(row, row_distance) in &rows {
             for &(column, column_distance) in &columns {
                 if row_distance * row_distance + column_distance * column_distance <= REACH * REACH {
@@ -185,13 +185,16 @@ impl Spread {
     }
 }
 
-/// The ranges of the samples of a cell in preload and falling friction.
-fn spread(job: &Job, cell: &Cell, kinetic_coefficient: f64) -> [Spread; 2] {
+/// The ranges of the samples of a cell in the two coordinates of a map.
+fn spread(job: &Job, cell: &Cell, origin: f64) -> [Spread; 2] {
     let random = &job.random;
-    let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
-    let of = |wanted: fn(&RandomInput) -> bool, expected: f64, shift: f64| {
-        let at = random.inputs.iter().position(wanted);
-        let Some(at) = at else { return Spread { low: expected - shift, high: expected - shift, normal: None } };
+    let stds = &random.relative_stds[cell.scatter];
+    let expected = job.normal_pair(cell).expected;
+    let of = |which: usize, shift: f64| {
+        let expected = expected[which];
+        let Some(at) = random.pair()[which] else {
+            return Spread { low: expected - shift, high: expected - shift, normal: None };
+        };
         let end = |z: f64| random.marginals[at].value(expected, stds[at], z) - shift;
         let is_plain = random.is_plain() && random.marginals[at] == Marginal::Normal;
         let std = expected * stds[at];
@@ -201,8 +204,5 @@ fn spread(job: &Job, cell: &Cell, kinetic_coefficient: f64) -> [Spread; 2] {
             normal: (is_plain && std > 0.0).then_some((expected - shift, std)),
         }
     };
-    [
-        of(|input| matches!(input, RandomInput::Preload), cell.preload, 0.0),
-        of(|input| matches!(input, RandomInput::StaticFriction), cell.static_friction, kinetic_coefficient),
-    ]
+    [of(0, 0.0), of(1, origin)]
 }

@@ -25,6 +25,8 @@ pub mod tiles;
 
 pub mod integral;
 
+pub mod open_cell;
+
 pub mod randomised;
 
 pub mod weighted_limits;

@@ -1,16 +1,16 @@
 //! The probability of a cell from parts that are counted apart: randomisations and populations.
 
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::estimate::conditional::{self, ConditionalPart};
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::randomisations;
 use stickslip_sampler::estimate::weighted::{self, WeightedEstimate, WeightedPart};
 
-use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::rare_events::populations;
 use crate::evaluate::sums::SumLayout;
 use crate::job::{Job, SamplingMethod};
+use stickslip_core::model::IsStopped;
 
 /// What is counted of a part.
 #[derive(Debug, Clone)]

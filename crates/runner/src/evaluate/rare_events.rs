@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
 use stickslip_sampler::draw::deviates::Points as Source;
 use stickslip_sampler::draw::identity::{Purpose, block_generator};
 use stickslip_sampler::estimate::weighted::WeightedSums;

@@ -1,13 +1,12 @@
-//! Consecutive samples of one cell: their deviates, and the inputs that these are transformed to.
+//! Consecutive samples of one cell: their deviates, and the values that these are transformed to.
 
 use std::ops::Range;
 
-use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
 use stickslip_sampler::draw::deviates::{Deviates, Points};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::InputColumns;
 
-use crate::job::{Job, RandomInput};
+use crate::job::Job;
 
 /// Consecutive samples of one cell, in columns.
 #[derive(Debug, Clone)]
@@ -18,19 +17,19 @@ pub struct Samples {
     deviates: Vec<Vec<f64>>,
     /// The values of the random inputs, likewise.
     values: Vec<Vec<f64>>,
-    /// Preload, static friction, and the static friction below which a sample is outside physics.
-    columns: [Column; 3],
+    /// The quantities that vary, see [`Job::varying`].
+    columns: Vec<Column>,
+    /// Which random inputs the pair of the model are.
+    pair: [Option<usize>; 2],
 }
 
-/// Where the values of a parameter are stored.
+/// Where the values of a quantity are stored.
 #[derive(Debug, Clone)]
 enum Column {
     /// In the column of a random input.
     Random(usize),
-    /// Here, as the parameter does not scatter: one value for each sample, perhaps more.
+    /// Here, as the quantity does not scatter: one value for each sample, perhaps more.
     Fixed(Vec<f64>),
-    /// Here, a multiple of a random input.
-    Multiple { input: usize, factor: f64, values: Vec<f64> },
 }
 
 impl Samples {
@@ -44,58 +43,31 @@ impl Samples {
         self.numbers.clone()
     }
 
-    /// The preload of each sample.
-    pub fn preloads(&self) -> &[f64] {
-        self.column(0)
+    /// The columns of the quantities that vary.
+    pub fn columns(&self) -> Vec<&[f64]> {
+        let of = |column| match column {
+            &Column::Random(input) => &self.values[input][..],
+            Column::Fixed(values) => &values[..self.len()],
+        };
+        self.columns.iter().map(of).collect()
     }
 
-    /// The static friction coefficient of each sample.
-    pub fn static_frictions(&self) -> &[f64] {
-        self.column(1)
-    }
-
-    fn column(&self, which: usize) -> &[f64] {
-        match &self.columns[which] {
-            Column::Random(input) => &self.values[*input],
-            Column::Fixed(values) | Column::Multiple { values, .. } => &values[..self.len()],
-        }
-    }
-
-    /// Whether a sample is outside physics, see [`RandomInputs::are_outside_physics`].
-    pub fn is_outside_physics(&self, sample: usize) -> bool {
-        self.pair(sample).are_outside_physics(self.column(2)[sample])
-    }
-
-    /// The number of samples outside physics.
-    #[inline]
-    pub fn count_outside_physics(&self) -> u64 {
-        let pairs = self.preloads().iter().zip(self.static_frictions());
-        let pairs = pairs.map(|(&preload, &static_friction)| RandomInputs { preload, static_friction });
-        // One number for all samples: the usual case, and the faster one.
-        if let Column::Fixed(values) = &self.columns[2] {
-            let least = values.first().copied().unwrap_or(0.0);
-            return pairs.map(|inputs| u64::from(inputs.are_outside_physics(least))).sum();
-        }
-        pairs.zip(self.column(2)).map(|(inputs, &least)| u64::from(inputs.are_outside_physics(least))).sum()
-    }
-
-    /// A copy in which preload is at least 0, and static friction not outside physics.
-    pub fn clamped(&self) -> Self {
-        let mut clamped = self.clone();
-        let preloads = self.preloads().iter().map(|preload| preload.max(0.0)).collect();
-        let frictions = self.static_frictions().iter().zip(self.column(2)).map(|(f, least)| f.max(*least)).collect();
-        for (which, values) in [(0, preloads), (1, frictions)] {
-            match &mut clamped.columns[which] {
-                Column::Random(input) => clamped.values[*input] = values,
+    /// A copy with other values of the pair.
+    pub fn with_pair(&self, pair: [Vec<f64>; 2]) -> Self {
+        let mut changed = self.clone();
+        for (column, values) in changed.columns.iter_mut().zip(pair) {
+            match column {
+                Column::Random(input) => changed.values[*input] = values,
                 fixed => *fixed = Column::Fixed(values),
             }
         }
-        clamped
+        changed
     }
 
-    /// Preload and static friction of one sample.
-    pub fn pair(&self, sample: usize) -> RandomInputs {
-        RandomInputs { preload: self.preloads()[sample], static_friction: self.static_frictions()[sample] }
+    /// The values of the pair in one sample; of a model without, nothing of meaning.
+    pub fn pair(&self, sample: usize) -> [f64; 2] {
+        let columns = self.columns();
+        [0, 1].map(|which| columns.get(which).map_or(f64::NAN, |column| column[sample]))
     }
 
     /// Every random input of one sample, in the job's order.
@@ -103,17 +75,9 @@ impl Samples {
         self.values.iter().map(move |column| column[sample])
     }
 
-    /// The values of one random input.
-    pub fn values_of(&self, input: usize) -> &[f64] {
-        &self.values[input]
-    }
-
-    /// The deviates of preload and static friction of one sample; `None` for one that does not scatter.
+    /// The deviates of the pair in one sample; `None` for a quantity that does not scatter.
     pub fn deviates(&self, sample: usize) -> [Option<f64>; 2] {
-        [0, 1].map(|which| match &self.columns[which] {
-            Column::Random(input) => Some(self.deviates[*input][sample]),
-            Column::Fixed(_) | Column::Multiple { .. } => None,
-        })
+        self.pair.map(|input| input.map(|input| self.deviates[input][sample]))
     }
 
     /// A copy of some of the samples, by their places here.
@@ -125,6 +89,7 @@ impl Samples {
             deviates: of(&self.deviates),
             values: of(&self.values),
             columns: self.columns.clone(),
+            pair: self.pair,
         };
         part.complete_columns();
         part
@@ -143,17 +108,10 @@ impl Samples {
     fn complete_columns(&mut self) {
         let len = self.len();
         for column in &mut self.columns {
-            match column {
-                Column::Random(_) => {}
-                Column::Fixed(values) => {
-                    if let (Some(&value), true) = (values.first(), values.len() < len) {
-                        values.resize(len, value);
-                    }
-                }
-                Column::Multiple { input, factor, values } => {
-                    values.clear();
-                    values.extend(self.values[*input].iter().map(|value| *factor * value));
-                }
+            if let Column::Fixed(values) = column
+                && let (Some(&value), true) = (values.first(), values.len() < len)
+            {
+                values.resize(len, value);
             }
         }
     }
@@ -175,30 +133,17 @@ impl<'a> Drawing<'a> {
     pub fn new(job: &'a Job, cell: &Cell, place: usize, range: Range<u64>, points: Points) -> Self {
         let random = &job.random;
         let stream = job.deviates(random.inputs.len(), points);
-        let expected: Vec<f64> = random.inputs.iter().map(|input| job.expected(*input, cell)).collect();
-        let stds = &random.relative_stds[job.grid.relative_std_index(cell.index)];
+        let expected: Vec<f64> = random.inputs.iter().map(|input| cell.expected[*input]).collect();
+        let stds = &random.relative_stds[cell.scatter];
         let mut relative_stds = stds.clone();
         random.absolute().for_each(|input| relative_stds[input] = 0.0);
         let mut inputs = InputColumns::new(&random.marginals, &random.correlation, &expected, &relative_stds);
         for input in random.absolute() {
             inputs.scatter_absolutely(input, &random.marginals[input], expected[input], stds[input]);
         }
-        let column = |wanted: fn(&RandomInput) -> bool, fixed: f64| match random.inputs.iter().position(wanted) {
+        let column = |place: usize| match random.position(place) {
             Some(input) => Column::Random(input),
-            None => Column::Fixed(vec![fixed]),
-        };
-        // See `FrictionLaw::least_static_coefficient`.
-        let (decisive, factor) = match job.parameters.friction.law.table() {
-            Some(curve) => ("friction.band", -curve.deviation(0.0)),
-            None => ("friction.kinetic_coefficient", 1.0),
-        };
-        let least = match random.inputs.iter().position(|input| input.name() == decisive) {
-            Some(input) if factor == 1.0 => Column::Random(input),
-            Some(input) => Column::Multiple { input, factor, values: Vec::new() },
-            None => {
-                let value = job.value_in(decisive, cell).unwrap_or(f64::NAN);
-                Column::Fixed(vec![factor * value])
-            }
+            None => Column::Fixed(vec![cell.expected[place]]),
         };
         Self {
             deviates: stream.start(cell.index, place as u64, range.start),
@@ -208,11 +153,8 @@ impl<'a> Drawing<'a> {
                 numbers: range.start..range.start,
                 deviates: vec![Vec::new(); random.inputs.len()],
                 values: vec![Vec::new(); random.inputs.len()],
-                columns: [
-                    column(|input| matches!(input, RandomInput::Preload), cell.preload),
-                    column(|input| matches!(input, RandomInput::StaticFriction), cell.static_friction),
-                    least,
-                ],
+                columns: job.varying().into_iter().map(column).collect(),
+                pair: random.pair(),
             },
         }
     }

@@ -8,11 +8,9 @@
 use std::cell::Cell as Shared;
 use std::ops::Range;
 
-use stickslip_core::criterion::decision::Decision;
-use stickslip_core::lanes::batch::decide_queue;
-use stickslip_core::lanes::queue::{QueuedSample, SampleQueue};
-use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::decision::Decision;
+use stickslip_core::model::verdict::Verdict;
+use stickslip_core::model::{QueuedSample, SampleQueue, Simulation};
 use stickslip_sampler::draw::deviates::Points;
 use stickslip_sampler::grid::Cell;
 
@@ -26,6 +24,7 @@ use crate::evaluate::unit::FinishedUnit;
 /// Simulates the units of work that `next` returns, see [`Evaluator::work`].
 pub(super) fn work(
     evaluator: &Evaluator<'_>,
+    simulation: &dyn Simulation,
     next: &dyn Fn() -> Option<(u64, Range<u64>)>,
     emit: &mut dyn FnMut(FinishedUnit),
     control: &dyn Fn() -> Control,
@@ -33,7 +32,7 @@ pub(super) fn work(
     let state = Shared::new(Control::Continue);
     let mut stream = Stream { evaluator, next, emit, control, state, units: Vec::new(), current: None, handed_out: 0 };
     // A queue that runs empty ends the lanes; one that is stopped leaves units incomplete.
-    decide_queue(&mut stream);
+    simulation.run(&mut stream);
     stream.flush();
 }
 
@@ -60,7 +59,7 @@ struct Unit<'q> {
     first: u64,
     /// Its samples; for Sobol indices also the second and the mixed ones.
     sets: Vec<Set>,
-    /// What simulates them; `None` if there is no such brake.
+    /// What simulates them; `None` if there is no such configuration.
     motions: Option<Motions<'q>>,
     /// Samples handed over already.
     emitted: usize,
@@ -79,6 +78,8 @@ struct Set {
     looked_up: Vec<Option<Verdict>>,
     /// Which samples are simulated although they are looked up.
     audited: Vec<bool>,
+    /// Which samples fail because they lie outside the model, where any may.
+    failing: Option<Vec<bool>>,
     /// Verdicts of simulation for audited samples, and the decisions of all others.
     decisions: Vec<Option<Decision>>,
 }
@@ -104,24 +105,25 @@ impl<'q> Unit<'q> {
                 all.extend(mixed);
             }
         }
-        let map = evaluator.maps.get(evaluator.job.grid.brake_index(cell.index));
+        let map = evaluator.maps.get(evaluator.job.grid.configuration_index(cell.index));
         let set = |(number, drawn): (usize, Samples)| {
             let audited = if number == 0 { evaluator.audited(part, drawn.numbers()) } else { Vec::new() };
-            let clamped = evaluator.clamped(&drawn);
+            let clamped = evaluator.clamped(&cell, &drawn);
+            let failing = evaluator.failing(&cell, &drawn);
             let decided = clamped.as_ref().unwrap_or(&drawn);
             let look_up = |sample: usize| {
-                let RandomInputs { preload, static_friction } = decided.pair(sample);
-                map?.look_up(preload, static_friction)
+                let [first, second] = decided.pair(sample);
+                map?.look_up(first, second)
             };
             let looked_up: Vec<Option<Verdict>> = (0..drawn.len()).map(look_up).collect();
             let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
             let known = |sample: usize| {
                 let known = looked_up[sample].filter(|_| !is_audited(sample)).map(Decision::from);
-                let fails = map.is_none() && evaluator.fails(&drawn, sample);
+                let fails = map.is_none() && failing.as_ref().is_some_and(|failing| failing[sample]);
                 known.or(fails.then(|| Verdict::Failed.into()))
             };
             let decisions = (0..drawn.len()).map(known).collect();
-            Set { clamped, looked_up, decisions, audited, drawn }
+            Set { clamped, looked_up, decisions, audited, failing, drawn }
         };
         let sets: Vec<Set> = all.into_iter().enumerate().map(set).collect();
         let missing = sets.iter().flat_map(|set| &set.decisions).filter(|decision| decision.is_none()).count();
@@ -170,7 +172,11 @@ impl<'q> Unit<'q> {
                         Some(_) => {}
                     }
                 }
-                if evaluator.fails(&set.drawn, sample) { Verdict::Failed.into() } else { decision }
+                if set.failing.as_ref().is_some_and(|failing| failing[sample]) {
+                    Verdict::Failed.into()
+                } else {
+                    decision
+                }
             };
             decisions.push(places.clone().map(decision).collect());
         }
@@ -271,13 +277,10 @@ impl<'q> SampleQueue<'q> for Stream<'q, '_> {
                 continue;
             };
             let ticket = (place as u64) << UNIT_SHIFT | (set as u64) << SET_SHIFT | sample as u64;
-            let queued =
-                unit.motions.as_ref().ok_or(Verdict::Failed.into()).and_then(|motions| {
-                    self.evaluator.criteria.queued(motions, unit.sets[set].decided(), sample, ticket)
-                });
+            let queued = unit.motions.as_ref().map(|motions| motions.queued(unit.sets[set].decided(), sample, ticket));
             match queued {
-                Ok(queued) => return Some(queued),
-                Err(decision) => self.keep(place, (sample, set), decision),
+                Some(queued) => return Some(queued),
+                None => self.keep(place, (sample, set), Verdict::Failed.into()),
             }
         }
     }

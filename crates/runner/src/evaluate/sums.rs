@@ -2,14 +2,14 @@
 //! adding.
 
 use serde::{Deserialize, Serialize};
-use stickslip_core::criterion::decision::Decision;
-use stickslip_core::degree_of_freedom::DegreeOfFreedom;
-use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_core::model::decision::Decision;
+use stickslip_core::model::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::estimate::conditional::{ConditionalPart, ProbabilitySums};
-use stickslip_sampler::estimate::score::{CellParameter, ScoreSums, ScoreTotals};
+use stickslip_sampler::estimate::score::{ScoreSums, ScoreTotals};
 use stickslip_sampler::estimate::sobol_indices::{IndexCounts, SobolIndices, indices};
 use stickslip_sampler::estimate::weighted::{WeightedPart, WeightedSums};
-use stickslip_sampler::grid::Cell;
+use stickslip_sampler::inputs::PairParameter;
+use stickslip_sampler::integrate::NormalPair;
 
 use crate::evaluate::samples::Samples;
 use crate::job::{EvaluateMode, Job};
@@ -20,7 +20,8 @@ pub struct SumLayout {
     /// Whether samples are drawn.
     samples: bool,
     lookups: bool,
-    sources: bool,
+    /// Number of sources of unstable motions that are counted, the first apart; 0 if none are.
+    sources: usize,
     derivatives: bool,
     /// Number of random inputs if the job computes Sobol indices, else 0.
     sensitivity: usize,
@@ -66,8 +67,6 @@ impl Lookups {
 
 /// The number of counts in [`Lookups`].
 pub const LOOKUPS: usize = 3;
-/// Degrees of freedom that may feed an unstable sample, beside the tangential motion.
-const SOURCES: [DegreeOfFreedom; 3] = [DegreeOfFreedom::Normal, DegreeOfFreedom::Angular, DegreeOfFreedom::Disc];
 const DERIVATIVES: usize = ScoreSums::COUNT;
 /// Sums for each input: the counts behind its Sobol indices, and the samples that they leave out.
 const PER_INPUT: usize = 7;
@@ -78,9 +77,8 @@ impl SumLayout {
         Self {
             samples: job.has_verdicts(),
             lookups: job.uses_maps() && job.sampling.evaluate == EvaluateMode::Boundary,
-            // Samples that a map finds unstable are fed by the tangential motion: jobs are refused a map where other
-            // motions grow.
-            sources: job.has_flexible_disc() && !job.is_integrated(),
+            // Samples that a map finds unstable are counted with the first: jobs are refused a map where others grow.
+            sources: if job.is_integrated() { 0 } else { job.model().sources().len().saturating_sub(1) },
             derivatives: job.sampling.derivatives,
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
             probabilities: job.is_conditional(),
@@ -108,9 +106,9 @@ impl SumLayout {
         self.lookups
     }
 
-    /// Whether unstable samples are counted by the degree of freedom that feeds them.
+    /// Whether unstable samples are counted by what feeds them.
     pub fn sources(&self) -> bool {
-        self.sources
+        self.sources > 0
     }
 
     fn lookups_at(self) -> usize {
@@ -122,7 +120,7 @@ impl SumLayout {
     }
 
     fn derivatives_at(self) -> usize {
-        self.sources_at() + if self.sources { SOURCES.len() } else { 0 }
+        self.sources_at() + self.sources
     }
 
     fn sensitivity_at(self) -> usize {
@@ -170,34 +168,31 @@ impl SumLayout {
         }
     }
 
-    /// Counts unstable samples by the degree of freedom that feeds them.
+    /// Counts unstable samples by what feeds them.
     pub fn add_sources(self, sums: &mut [i64], decisions: &[Decision]) {
-        if self.sources {
-            for (sum, source) in sums[self.sources_at()..].iter_mut().zip(SOURCES) {
-                *sum += decisions.iter().filter(|decision| decision.fed_by == Some(source)).count() as i64;
-            }
+        for (sum, source) in sums[self.sources_at()..].iter_mut().zip(1..=self.sources) {
+            *sum += decisions.iter().filter(|decision| decision.fed_by == Some(source)).count() as i64;
         }
     }
 
-    /// The number of unstable samples that a degree of freedom feeds.
-    pub fn read_source(self, sums: &[i128], source: DegreeOfFreedom, unstable: u64) -> u64 {
+    /// The number of unstable samples that a source feeds, by its place in the model's list.
+    pub fn read_source(self, sums: &[i128], source: usize, unstable: u64) -> u64 {
         let counts = sums.get(self.sources_at()..self.derivatives_at()).unwrap_or_default();
         let count = |i: usize| counts.get(i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
-        match SOURCES.iter().position(|other| *other == source) {
+        match source.checked_sub(1) {
             Some(place) => count(place),
-            None => unstable.saturating_sub((0..SOURCES.len()).map(count).sum::<u64>()),
+            None => unstable.saturating_sub((0..self.sources).map(count).sum::<u64>()),
         }
     }
 
     /// Adds the scores of samples, for derivatives.
-    pub fn add_scores(self, sums: &mut [i64], cell: &Cell, samples: &Samples, verdicts: &[Verdict]) {
+    pub fn add_scores(self, sums: &mut [i64], pair: &NormalPair, samples: &Samples, verdicts: &[Verdict]) {
         if !self.derivatives {
             return;
         }
         let mut scores = ScoreSums::default();
         for (sample, &verdict) in verdicts.iter().enumerate() {
-            let [preload, static_friction] = samples.deviates(sample);
-            scores.add(cell, preload, static_friction, verdict);
+            scores.add(pair, samples.deviates(sample), verdict);
         }
         let at = self.derivatives_at();
         for (sum, score) in sums[at..at + DERIVATIVES].iter_mut().zip(scores.sums()) {
@@ -261,18 +256,18 @@ impl SumLayout {
         }
     }
 
-    /// The derivative of the probability by a parameter of the cell, and its standard error.
+    /// The derivative of the probability by a parameter of the pair, and its standard error.
     pub fn read_derivative(
         self,
         sums: &[i128],
-        number: CellParameter,
-        cell: &Cell,
+        parameter: PairParameter,
+        pair: &NormalPair,
         counts: &VerdictCounts,
         probability: Option<f64>,
     ) -> Option<(f64, f64)> {
         let at = self.derivatives_at();
         let sums: &[i128; DERIVATIVES] = sums.get(at..at + DERIVATIVES)?.try_into().ok()?;
-        ScoreTotals::from_sums(sums).derivative(number, cell, counts, probability?)
+        ScoreTotals::from_sums(sums).derivative(parameter, pair, counts, probability?)
     }
 
     /// The counts behind the Sobol indices of an input, and the number of samples that they leave out because one of

@@ -2,12 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use stickslip_core::criterion::decision::Decision;
-use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
+use stickslip_core::model::Columns;
+use stickslip_core::model::decision::Decision;
 use stickslip_sampler::verdict_map::tile::{Tile, TileIndex};
 
-use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
+use stickslip_core::model::IsStopped;
 
 /// Simulations of a tile that are counted first.
 const FIRST_BATCH: usize = 64;
@@ -74,27 +74,26 @@ impl Evaluator<'_> {
         is_stopped: IsStopped<'_>,
     ) -> Option<Tile> {
         let map = self.maps.get(brake)?;
-        let criterion = self.criteria.for_brake(self.job, brake)?;
+        let configuration = self.criteria.configuration(self.job, brake)?;
         let mut cost = 0;
         let mut at_once = FIRST_BATCH;
         let mut tile = Tile::resolve(index, |points| {
             let mut verdicts = Vec::with_capacity(points.len());
             while verdicts.len() < points.len() {
                 let batch = points[verdicts.len()..].iter().take(at_once);
-                let inputs_at = |&point: &[f64; 2]| {
-                    let [preload, static_friction] = map.inputs(point);
-                    RandomInputs { preload, static_friction }
-                };
-                let inputs: Vec<RandomInputs> = batch.map(inputs_at).collect();
+                let pairs: Vec<[f64; 2]> = batch.map(|&point| map.inputs(point)).collect();
+                let [firsts, seconds] = [0, 1].map(|which| pairs.iter().map(|pair| pair[which]).collect::<Vec<f64>>());
+                let all: Vec<usize> = (0..pairs.len()).collect();
                 let begun = Instant::now();
-                let answers = criterion.decide(&inputs, is_stopped);
-                let decisions: Vec<Decision> = answers.into_iter().flatten().collect();
+                let columns = [&firsts[..], &seconds];
+                let decided = configuration.decide(&Columns::new(pairs.len(), &columns), &all, is_stopped);
+                let decisions = decided.unwrap_or_default();
                 count(&decisions);
-                if decisions.len() < inputs.len() || is_stopped() {
+                if decisions.len() < pairs.len() || is_stopped() {
                     return None;
                 }
                 let affordable = BATCH_TIME.as_secs_f64() / begun.elapsed().as_secs_f64().max(1e-9);
-                at_once = ((inputs.len() as f64 * affordable) as usize).clamp(1, 4 * at_once);
+                at_once = ((pairs.len() as f64 * affordable) as usize).clamp(1, 4 * at_once);
                 verdicts.extend(decisions.iter().map(|decision| decision.verdict));
                 cost += cost_of(&decisions);
             }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::estimate::distribution::Distribution;
 
 /// The verdict counts of consecutive samples of one part: what a thread returns and a piece holds.

@@ -4,25 +4,25 @@
 //! samples are then placed once. The probability is a smooth function of the value there, so that its interval bounds the
 //! limit.
 
-use stickslip_core::parameters::ParameterError;
+use stickslip_core::model::ModelError;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::weighted::Distrust;
 use stickslip_sampler::limits::Limit;
 use stickslip_sampler::limits::scan::Scan;
 
-use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::randomised;
 use crate::failure::Failure;
 use crate::job::{Job, LimitAxis};
+use stickslip_core::model::IsStopped;
 
 /// What ends a search.
 #[derive(Debug)]
 pub enum Ended {
     /// It was stopped.
     Stopped,
-    /// There is no brake with this value of the axis.
-    NoSuchBrake(f64, ParameterError),
+    /// There is no configuration with this value of the axis.
+    NoSuchConfiguration(f64, ModelError),
     /// The samples cannot be evaluated.
     Failed(Failure),
 }
@@ -131,9 +131,8 @@ impl WeightedSearch<'_> {
         targets: &[f64],
         is_stopped: IsStopped<'_>,
     ) -> Result<Estimate, Ended> {
-        let no_brake = |error: ParameterError| Ended::NoSuchBrake(value, error);
         let job = self.axis.job_at(self.job, value);
-        job.brake(job.grid.brake_index(self.cell)).map_err(no_brake)?;
+        job.configuration_in(&job.grid.cell(self.cell)).map_err(|error| Ended::NoSuchConfiguration(value, error))?;
         let evaluator = Evaluator::new(&job).map_err(Ended::Failed)?;
         placed.into_iter().for_each(|placed| evaluator.place_samples_as(placed));
         self.evaluate(&job, &evaluator, value, targets, is_stopped)
@@ -160,7 +159,7 @@ impl WeightedSearch<'_> {
     }
 
     fn distrusted(&self, value: f64) -> Ended {
-        let name = self.axis.name;
+        let name = &self.axis.name;
         Ended::Failed(Failure::Job(format!(
             "with {name} = {value} in the combination of cell {} the probability is not to be trusted: few samples have most of it, or independent populations disagree. Give more sampling.samples or sampling.particles, or a narrower range of axes.{name}",
             self.cell

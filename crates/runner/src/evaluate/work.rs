@@ -5,11 +5,12 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use crate::evaluate::control::{Control, IsStopped};
+use stickslip_core::model::IsStopped;
+
+use crate::evaluate::control::Control;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::stream;
 use crate::evaluate::unit::FinishedUnit;
-use crate::job::Criterion;
 
 /// Time that the samples of one evaluation should take: short enough to stop soon after a signal, long enough for the
 /// vector lanes to be busy most of it.
@@ -31,10 +32,9 @@ impl Evaluator<'_> {
         emit: &mut dyn FnMut(FinishedUnit),
         control: &dyn Fn() -> Control,
     ) {
-        if matches!(self.job.criterion, Criterion::TimeDomain { .. }) && !self.job.is_weighted() {
-            stream::work(self, next, emit, control);
-        } else {
-            work(&|part, samples, is_stopped| self.count(part, samples, is_stopped), next, emit, control);
+        match self.job.model().simulation().filter(|_| !self.job.is_weighted()) {
+            Some(simulation) => stream::work(self, simulation, next, emit, control),
+            None => work(&|part, samples, is_stopped| self.count(part, samples, is_stopped), next, emit, control),
         }
     }
 
@@ -134,7 +134,7 @@ impl Pace {
 mod tests {
     use super::*;
     use std::thread;
-    use stickslip_core::verdict::VerdictCounts;
+    use stickslip_core::model::verdict::VerdictCounts;
     use stickslip_sampler::estimate::distribution::Distribution;
 
     fn counted(part: u64, samples: Range<u64>) -> FinishedUnit {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::failure::Failure;
-use crate::tables::columns::axes;
+use crate::tables::cell_columns::axes;
 use crate::tables::finished::{FinishedColumn, FinishedSurface};
 
 /// A surface to be exported.

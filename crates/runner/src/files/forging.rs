@@ -1,7 +1,8 @@
-//! Forged Parquet files for tests: sound ones with bytes changed, as nothing in them says who wrote them.
+//! Forged files for tests: sound ones with bytes changed, as nothing in them says who wrote them.
 
 use std::env;
-use std::fs;
+use std::fs::{self, File};
+use std::io::Write as _;
 use std::panic::{self, AssertUnwindSafe};
 use std::process::Command;
 use std::time::Duration;
@@ -67,17 +68,24 @@ fn peak() -> u64 {
     line.map_or(0, |line| line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() << 10)
 }
 
-/// A file with a few of its bytes changed, mostly in its description.
+/// A file without a name that holds some bytes.
+pub fn file_of(bytes: &[u8]) -> File {
+    let mut file = tempfile::tempfile().unwrap();
+    file.write_all(bytes).unwrap();
+    file
+}
+
+/// A file with a few of its bytes changed, those of Parquet mostly in their description.
 fn forged(sound: &[u8], numbers: &mut Numbers) -> Vec<u8> {
     let mut bytes = sound.to_vec();
     let tail = bytes.len() - 8;
     let described = u32::from_le_bytes(bytes[tail..tail + 4].try_into().unwrap()) as usize;
-    let description = tail - described..tail;
+    let description = tail - described.min(tail)..tail;
     for _ in 0..=numbers.below(3) {
         let at = match numbers.below(8) {
             0 => numbers.below(bytes.len()),
             1..=3 => numbers.below(description.start),
-            _ => description.start + numbers.below(described),
+            _ => description.start + numbers.below(description.len()),
         };
         match numbers.below(8) {
             0 => bytes[at] = numbers.below(256) as u8,

@@ -5,14 +5,6 @@ mod thrift;
 
 pub mod bounded;
 
-pub mod column;
-
-mod arrow_schema;
-
-pub mod encode;
-
-pub mod decode;
-
 pub mod foreign;
 
 #[cfg(test)]

@@ -1,86 +1,59 @@
-//! The compact encoding of Thrift, in which Parquet files describe themselves, read into a tree. What is announced must
-//! be there: nothing is allocated for a list that is longer than the bytes that hold it.
+//! How long a structure of Parquet is, and the numbers at its top. The library keeps its own reading of page headers to
+//! itself, and takes every number in a description at its word.
+//!
+//! Parquet describes itself in the compact encoding of Thrift. Nothing is allocated here for what a file announces.
 
-/// Deepest nesting. The footer of a Parquet file has about ten levels.
+/// Deepest nesting. The description of a Parquet file has about ten levels.
 const DEEPEST: u32 = 24;
 
-/// A value.
-#[derive(Debug)]
-pub enum Value<'a> {
-    /// True or false; which of them does not matter here.
-    Flag,
-    /// A whole number of any width.
-    Number(i64),
-    /// A text, or bytes.
-    Bytes(&'a [u8]),
-    /// A list or a set.
-    List(Vec<Value<'a>>),
-    /// Fields by their numbers.
-    Fields(Vec<(i16, Value<'a>)>),
-    /// Something that nobody asks for.
-    Other,
-}
-
-impl<'a> Value<'a> {
-    /// The field with this number.
-    pub fn field(&self, number: i16) -> Option<&Self> {
-        let Self::Fields(fields) = self else { return None };
-        // Of fields of the same number, a reader keeps the last.
-        fields.iter().rev().find(|(field, _)| *field == number).map(|(_, value)| value)
-    }
-
-    /// The whole number in a field.
-    pub fn number(&self, field: i16) -> Option<i64> {
-        match self.field(field)? {
-            Self::Number(number) => Some(*number),
-            _ => None,
-        }
-    }
-
-    /// The list in a field; an empty one if there is none.
-    pub fn list(&self, field: i16) -> &[Self] {
-        match self.field(field) {
-            Some(Self::List(list)) => list,
-            _ => &[],
-        }
-    }
-
-    /// The bytes in a field.
-    pub fn bytes(&self, field: i16) -> Option<&'a [u8]> {
-        match self.field(field)? {
-            Self::Bytes(bytes) => Some(bytes),
-            _ => None,
-        }
-    }
-}
-
-/// Reads the fields at the start of `bytes`, of at most `values` values all together, and returns them with their length
-/// in bytes; `None` if they are incomplete or wrong.
-pub fn fields(bytes: &[u8], values: usize) -> Option<(Value<'_>, usize)> {
-    let mut reader = Reader { rest: bytes, values };
-    let fields = reader.value(FIELDS, 0)?;
-    Some((fields, bytes.len() - reader.rest.len()))
-}
-
+/// The type of structures.
 const FIELDS: u8 = 12;
 
-struct Reader<'a> {
-    rest: &'a [u8],
-    /// How many more values there may be.
-    values: usize,
+/// A structure that was walked through.
+pub struct Structure {
+    /// Its length in bytes.
+    pub length: usize,
+    /// Its whole numbers and those of the structures in it, with the number of the field there and in it (0 for its own
+    /// numbers). The structures of a list follow each other.
+    numbers: Vec<([i16; 2], i64)>,
 }
 
-impl<'a> Reader<'a> {
+impl Structure {
+    /// The structure at the start of `bytes`, of at most `most` values; `None` if it is incomplete or wrong.
+    pub fn at_start(bytes: &[u8], most: usize) -> Option<Self> {
+        let mut walk = Walk { rest: bytes, left: most, numbers: Vec::new() };
+        walk.value(FIELDS, Some([0, 0]), 0)?;
+        Some(Self { length: bytes.len() - walk.rest.len(), numbers: walk.numbers })
+    }
+
+    /// All numbers in the fields of this path.
+    pub fn numbers(&self, path: [i16; 2]) -> impl Iterator<Item = i64> {
+        self.numbers.iter().filter(move |(other, _)| *other == path).map(|(_, number)| *number)
+    }
+
+    /// The number in the field of this path.
+    pub fn number(&self, path: [i16; 2]) -> Option<i64> {
+        self.numbers(path).next()
+    }
+}
+
+struct Walk<'a> {
+    rest: &'a [u8],
+    /// How many more values there may be.
+    left: usize,
+    numbers: Vec<([i16; 2], i64)>,
+}
+
+impl Walk<'_> {
     fn byte(&mut self) -> Option<u8> {
         let (&byte, rest) = self.rest.split_first()?;
         self.rest = rest;
         Some(byte)
     }
 
-    fn take(&mut self, length: usize) -> Option<&'a [u8]> {
-        let (taken, rest) = self.rest.split_at_checked(length)?;
-        self.rest = rest;
-        Some(taken)
+    fn skip(&mut self, length: u64) -> Option<()> {
+        self.rest = self.rest.get(usize::try_from(length).ok()?..)?;
+        Some(())
     }
 
     /// A whole number of up to ten bytes, seven bits in each.
@@ -101,86 +74,56 @@ impl<'a> Reader<'a> {
         Some((number >> 1).cast_signed() ^ -((number & 1).cast_signed()))
     }
 
-    /// A length that the bytes left can hold, as everything takes a byte at least.
-    fn length(&mut self) -> Option<usize> {
-        usize::try_from(self.unsigned()?).ok().filter(|&length| length <= self.rest.len())
-    }
-
-    fn value(&mut self, kind: u8, depth: u32) -> Option<Value<'a>> {
-        self.values = self.values.checked_sub(1)?;
+    /// Walks through a value of a type, whose path is not too long to be kept. Types that Parquet does not have are wrong.
+    fn value(&mut self, kind: u8, path: Option<[i16; 2]>, depth: u32) -> Option<()> {
+        self.left = self.left.checked_sub(1)?;
         if depth > DEEPEST {
             return None;
         }
-        Some(match kind {
-            3 => Value::Number(self.byte()?.cast_signed().into()),
-            4..=6 => Value::Number(self.signed()?),
-            7 => self.take(8).map(|_| Value::Other)?,
-            8 => {
-                let length = self.length()?;
-                Value::Bytes(self.take(length)?)
-            }
-            9 | 10 => self.list(depth)?,
-            11 => self.map(depth)?,
-            FIELDS => self.fields(depth)?,
-            13 => self.take(16).map(|_| Value::Other)?,
-            _ => return None,
-        })
-    }
-
-    /// An element of a list or of a map, where true and false take a byte.
-    fn element(&mut self, kind: u8, depth: u32) -> Option<Value<'a>> {
         match kind {
-            1 | 2 => {
-                self.values = self.values.checked_sub(1)?;
-                self.byte().map(|_| Value::Flag)
+            3 => self.skip(1),
+            4..=6 => {
+                let number = self.signed()?;
+                self.numbers.extend(path.map(|path| (path, number)));
+                Some(())
             }
-            kind => self.value(kind, depth + 1),
-        }
-    }
-
-    fn list(&mut self, depth: u32) -> Option<Value<'a>> {
-        let header = self.byte()?;
-        let length = match header >> 4 {
-            15 => self.length()?,
-            length => length.into(),
-        };
-        // Elements are added as they are read: their bytes may be fewer than their number says.
-        let mut list = Vec::new();
-        for _ in 0..length {
-            list.push(self.element(header & 15, depth)?);
-        }
-        Some(Value::List(list))
-    }
-
-    fn map(&mut self, depth: u32) -> Option<Value<'a>> {
-        let length = self.length()?;
-        if length > 0 {
-            let kinds = self.byte()?;
-            for _ in 0..length {
-                self.element(kinds >> 4, depth)?;
-                self.element(kinds & 15, depth)?;
+            7 => self.skip(8),
+            8 => {
+                let length = self.unsigned()?;
+                self.skip(length)
             }
+            9 => {
+                let header = self.byte()?;
+                let length = if header >> 4 == 15 { self.unsigned()? } else { u64::from(header >> 4) };
+                (0..length).try_for_each(|_| self.value(header & 15, path, depth + 1))
+            }
+            FIELDS => self.fields(path, depth),
+            _ => None,
         }
-        Some(Value::Other)
     }
 
-    fn fields(&mut self, depth: u32) -> Option<Value<'a>> {
-        let (mut fields, mut number) = (Vec::new(), 0_i16);
+    /// Walks through the fields of a structure, each of which has a higher number than the one before.
+    fn fields(&mut self, path: Option<[i16; 2]>, depth: u32) -> Option<()> {
+        let mut number = 0_i16;
         loop {
             let header = self.byte()?;
-            let kind = header & 15;
-            if kind == 0 {
-                return Some(Value::Fields(fields));
+            if header == 0 {
+                return Some(());
             }
+            let before = number;
             number = match header >> 4 {
-                0 => i16::try_from(self.signed()?).ok()?,
+                0 => i16::try_from(self.signed()?).ok().filter(|number| *number > before)?,
                 step => number.checked_add(step.into())?,
             };
-            let value = match kind {
-                1 | 2 => Value::Flag,
-                kind => self.value(kind, depth + 1)?,
-            };
-            fields.push((number, value));
+            // True and false are in the type.
+            if !matches!(header & 15, 1 | 2) {
+                let path = match path {
+                    Some([0, 0]) => Some([number, 0]),
+                    Some([outer, 0]) => Some([outer, number]),
+                    _ => None,
+                };
+                self.value(header & 15, path, depth + 1)?;
+            }
         }
     }
 }
@@ -190,29 +133,35 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fields_are_read_with_their_length() {
-        // Field 1: -3; field 3: true; field 4: "ab"; field 5: a list of 7 and 8; field 30: fields of which 2 is 1.
-        let bytes = [0x15, 5, 0x21, 0x18, 2, b'a', b'b', 0x19, 0x25, 14, 16, 0x0c, 60, 0x25, 2, 0, 0, 99];
-        let (value, length) = fields(&bytes, 100).unwrap();
-        assert_eq!(length, bytes.len() - 1);
-        assert_eq!((value.number(1), value.bytes(4), value.number(2)), (Some(-3), Some(&b"ab"[..]), None));
-        assert!(matches!(value.list(5), [Value::Number(7), Value::Number(8)]));
-        assert!(matches!(value.field(3), Some(Value::Flag)));
-        assert_eq!(value.field(30).unwrap().number(2), Some(1));
-        assert!(fields(&bytes, 5).is_none(), "more values than are allowed");
-        assert!((0..length).all(|end| fields(&bytes[..end], 100).is_none()), "incomplete");
+    fn numbers_are_found_by_their_path() {
+        // Field 1: -3; field 3: true; field 4: "ab"; field 5: structures with 1 and 2 in their field 2; field 30: fields
+        // of which 2 is 1.
+        let bytes =
+            [0x15, 5, 0x21, 0x18, 2, b'a', b'b', 0x19, 0x2c, 0x25, 2, 0, 0x25, 4, 0, 0x0c, 60, 0x25, 2, 0, 0, 9];
+        let structure = Structure::at_start(&bytes, 100).unwrap();
+        assert_eq!(structure.length, bytes.len() - 1);
+        assert_eq!(
+            (structure.number([1, 0]), structure.number([30, 2]), structure.number([2, 0])),
+            (Some(-3), Some(1), None)
+        );
+        assert_eq!(structure.numbers([5, 2]).collect::<Vec<_>>(), [1, 2]);
+        assert!(Structure::at_start(&bytes, 5).is_none(), "more values than are allowed");
+        assert!((0..structure.length).all(|end| Structure::at_start(&bytes[..end], 100).is_none()), "incomplete");
+        assert!(Structure::at_start(&[0x15, 2, 0x05, 2, 2, 0], 100).is_none(), "a field twice");
     }
 
     #[test]
     fn what_is_longer_than_its_bytes_is_refused() {
         for bytes in [
-            // A list of 2^31 fields, a text of 2^40 bytes, a map of as many, and nested fields without end.
+            // A list of 2^31 structures, one of flags, a text of 2^40 bytes, a map, and fields and lists without end.
             vec![0x19, 0xfc, 0x80, 0x80, 0x80, 0x80, 8, 0],
+            vec![0x19, 0xf1, 0x80, 0x80, 0x80, 0x80, 8, 0],
             vec![0x18, 0x80, 0x80, 0x80, 0x80, 0x80, 0x20, 0],
             vec![0x1b, 0x80, 0x80, 0x80, 0x80, 0x80, 0x20, 0],
             vec![0x1c; 100_000],
+            vec![0x19; 100_000],
         ] {
-            assert!(fields(&bytes, 1 << 20).is_none());
+            assert!(Structure::at_start(&bytes, 1 << 20).is_none());
         }
     }
 }

@@ -1,33 +1,16 @@
 //! The axes of a job spec as written.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
+use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::json;
-use stickslip_core::motion::start::GivenStart;
-use stickslip_core::parameters::SCALARS;
 use toml::Spanned;
 
 use super::imprecise_schema::number_or_imprecise;
-use super::keys::{SECTIONS, axis_of};
-use super::preload_force;
-use super::start_value::StartValue;
-
-/// Keys of `[axes]` without a dot: the short names of three axes, and tables of further ones.
-const BARE_KEYS: [&str; 11] = {
-    let [disc, pad, stiffness, damping, friction, operating_point] = SECTIONS;
-    let names = ["rotating_speed", "preload", preload_force::NAME, "static_friction"];
-    let [speed, preload, force, friction_coefficient] = names;
-    [speed, preload, force, friction_coefficient, disc, pad, stiffness, damping, friction, operating_point, START]
-};
-
-/// The table of axes of the start.
-const START: &str = "start";
 
 /// The axes of the grid, by name.
 #[derive(Debug, Default)]
@@ -36,39 +19,10 @@ pub struct AxesSpec(pub Vec<AxisEntry>);
 /// An axis under its name.
 #[derive(Debug)]
 pub struct AxisEntry {
-    /// Its name: `rotating_speed`, `preload`, `preload_force`, `static_friction`, or the key of a parameter or of a number of the start.
+    /// Its name: that of a quantity of the model, or what the kind of model takes for one.
     pub name: Spanned<String>,
     /// Its values.
     pub axis: Spanned<AxisSpec>,
-}
-
-impl AxesSpec {
-    /// The first axis of a number of the start.
-    pub fn of_start(&self) -> Option<&AxisEntry> {
-        self.0.iter().find(|entry| StartValue::from_key(entry.name.get_ref()).is_some())
-    }
-
-    /// The axis of a parameter, if the job has it, under any of its names.
-    pub fn of_parameter(&self, key: &str) -> Option<&AxisEntry> {
-        let is_axis = |name: &str| name == key || axis_of(key) == Some(name);
-        let is_force = |name: &str| key == preload_force::PRELOAD && preload_force::is_preload_force(name);
-        self.0.iter().find(|entry| is_axis(entry.name.get_ref()) || is_force(entry.name.get_ref()))
-    }
-}
-
-/// A key of `[axes]`.
-struct AxisKey(String);
-
-impl<'de> Deserialize<'de> for AxisKey {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let key = String::deserialize(deserializer)?;
-        // Which names with a dot there are is checked later, and told with hints.
-        if key.contains('.') || BARE_KEYS.contains(&key.as_str()) {
-            Ok(Self(key))
-        } else {
-            Err(D::Error::unknown_field(&key, &BARE_KEYS))
-        }
-    }
 }
 
 impl<'de> Deserialize<'de> for AxesSpec {
@@ -84,17 +38,8 @@ impl<'de> Deserialize<'de> for AxesSpec {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<AxesSpec, A::Error> {
                 let mut entries = Vec::new();
-                while let Some(key) = map.next_key::<Spanned<AxisKey>>()? {
-                    let (span, AxisKey(key)) = (key.span(), key.into_inner());
-                    if key == START || SECTIONS.contains(&key.as_str()) {
-                        let section: BTreeMap<Spanned<String>, Spanned<AxisSpec>> = map.next_value()?;
-                        entries.extend(section.into_iter().map(|(name, axis)| AxisEntry {
-                            name: Spanned::new(name.span(), format!("{key}.{}", name.get_ref())),
-                            axis,
-                        }));
-                    } else {
-                        entries.push(AxisEntry { name: Spanned::new(span, key), axis: map.next_value()? });
-                    }
+                while let Some((name, axis)) = map.next_entry()? {
+                    entries.push(AxisEntry { name, axis });
                 }
                 Ok(AxesSpec(entries))
             }
@@ -110,47 +55,11 @@ impl JsonSchema for AxesSpec {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let axis = generator.subschema_for::<AxisSpec>();
-        let described = |description: String| {
-            let mut schema = axis.clone();
-            schema.insert("description".to_owned(), description.into());
-            schema
-        };
-        let mut properties = serde_json::Map::new();
-        for (name, description) in [
-            ("rotating_speed", "Rotating speed of the disc, rad/s."),
-            ("preload", "Expected preload: displacement of the calliper over the thickness of the disc."),
-            (
-                preload_force::NAME,
-                "In place of preload: expected contact force, N. It depends on disc.thickness, stiffness.contact_normal and stiffness.calliper_normal.",
-            ),
-            ("static_friction", "Expected static friction coefficient."),
-        ] {
-            properties.insert(name.to_owned(), described(description.to_owned()).into());
-        }
-        let mut add = |key: &str, description: String| {
-            let schema = described(description);
-            properties.insert(key.to_owned(), schema.clone().into());
-            // The same within the table of its section.
-            if let Some((section, name)) = key.split_once('.') {
-                let section = properties
-                    .entry(section)
-                    .or_insert_with(|| json!({ "type": "object", "properties": {}, "additionalProperties": false }));
-                section["properties"][name] = schema.into();
-            }
-        };
-        for scalar in &SCALARS {
-            add(scalar.key, format!("Expected {}, unit {}", scalar.description, scalar.unit));
-        }
-        add(preload_force::KEY, "Expected contact force in place of preload, unit N".to_owned());
-        for value in StartValue::ALL {
-            let description = value.description(&GivenStart::default());
-            add(value.key(), format!("Expected {description}, unit as criterion.start.units"));
-        }
+        // Their names depend on the model, and are put in with its own schema.
+        generator.subschema_for::<AxisSpec>();
         json_schema!({
             "description": "The axes of the grid.",
             "type": "object",
-            "properties": properties,
             "additionalProperties": false
         })
     }

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::keys::nearest;
+use crate::messages;
 use crate::shell::shown;
 
 /// Largest number of complaints that are shown. What follows from a slip at the top has no end otherwise.
@@ -48,6 +49,11 @@ impl Complaint {
     /// The same with a second place that it speaks of.
     pub fn and_at(self, span: Range<usize>) -> Self {
         Self { other: Some(span), ..self }
+    }
+
+    /// Where it is in the text; at the end if that cannot be said.
+    fn start(&self) -> usize {
+        self.span.as_ref().map_or(usize::MAX, |span| span.start)
     }
 
     /// The full message: position, words, and the line itself with the place marked.
@@ -168,9 +174,24 @@ impl Complaints {
         self.list.len()
     }
 
+    /// Where the first of them is, in the order of the text. `key_at` tells the key of a span.
+    pub fn place(&self, path: &Path, text: &str, key_at: impl Fn(&Range<usize>) -> Option<String>) -> messages::Place {
+        let file = messages::Place::file(path);
+        let Some(first) = self.list.iter().min_by_key(|complaint| complaint.start()) else { return file };
+        let at = first.span.clone().and_then(|span| Place::of(span, text));
+        let keys = [first.span.as_ref().and_then(key_at), first.missing.map(str::to_owned)];
+        let keys: Vec<String> = keys.into_iter().flatten().collect();
+        messages::Place {
+            line: at.as_ref().map(|at| at.line as u64),
+            column: at.as_ref().map(|at| at.column as u64 + 1),
+            key: Some(keys.join(".")).filter(|key| !key.is_empty()),
+            ..file
+        }
+    }
+
     /// All of them, in the order of the text.
     pub fn render(mut self, path: &Path, text: &str) -> String {
-        self.list.sort_by_key(|complaint| complaint.span.as_ref().map_or(usize::MAX, |span| span.start));
+        self.list.sort_by_key(Complaint::start);
         let first = self.list.iter().take(MOST_SHOWN);
         let mut rendered: Vec<String> = first.map(|complaint| complaint.render(path, text)).collect();
         if self.list.len() > MOST_SHOWN {

@@ -7,10 +7,10 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::DeTable;
 
-use super::criterion_spec::CriterionKind;
 use super::diagnosis::{Complaint, Complaints};
 use super::imprecise_values::{ImpreciseValue, Values, What, find, put};
-use super::keys::axis_of;
+use super::model::Draft;
+use super::models;
 use super::reading;
 use super::sampling_spec::SamplingMethod;
 use super::spec::JobSpec;
@@ -67,7 +67,7 @@ impl ImpreciseQuantity {
     /// In words.
     pub fn name(&self) -> String {
         match &self.what {
-            What::Expected(scalar) => format!("expected {}", axis_of(scalar.key).unwrap_or(scalar.key)),
+            What::Expected(name) => format!("expected {name}"),
             What::RelativeStd(input) => format!("relative std of {input}"),
             What::Distribution(input) => format!("distribution of {input}"),
             What::Correlation => "correlation".to_owned(),
@@ -176,11 +176,25 @@ impl Family<'_, '_> {
             };
             let mut document = self.document.clone();
             put(&mut document, &self.values, of);
-            let spec = reading::read(self.text, document, self.complaints)?;
-            if std::mem::take(&mut self.is_first) {
-                self.check_method(&spec);
+            let draft = models::draft(self.text, &document, self.complaints);
+            let spec = reading::job_spec(self.text, document, models::suggested, self.complaints)?;
+            let draft = draft?;
+            for value in &self.values {
+                if let What::Expected(name) = &value.what
+                    && let Some((instead, _)) = draft.instead_of(name)
+                {
+                    let message = format!(
+                        "{} is converted, and cannot be imprecise; write it as an imprecise axes.{instead}, which `stickslip check` converts",
+                        value.key
+                    );
+                    self.complaints.push(Complaint::at(value.span.clone(), message));
+                    return None;
+                }
             }
-            let job = validate(&spec, self.folder, self.complaints)?;
+            if std::mem::take(&mut self.is_first) {
+                self.check_method(&spec, &*draft);
+            }
+            let job = validate(&spec, draft, self.folder, self.complaints)?;
             if self.complaints.len() > 0 {
                 return None;
             }
@@ -192,7 +206,7 @@ impl Family<'_, '_> {
     }
 
     /// Bounds are found from exact probabilities.
-    fn check_method(&mut self, spec: &JobSpec) {
+    fn check_method(&mut self, spec: &JobSpec, draft: &dyn Draft) {
         let Some(first) = self.values.first() else { return };
         let mut keys = String::new();
         for value in &self.values {
@@ -207,13 +221,11 @@ impl Family<'_, '_> {
                 self.complaints.push(Complaint::at(span, message));
             }
         }
-        let kind = spec.criterion.as_ref().and_then(|criterion| criterion.get_ref().kind.as_ref());
-        if let Some(kind) = kind
-            && *kind.get_ref() != CriterionKind::Eigenvalue
-        {
+        if draft.has_closed_form() == Some(false) {
             let message =
                 format!("{because} need criterion.kind = \"eigenvalue\", whose boundary is known in closed form");
-            self.complaints.push(Complaint::at(kind.span(), message));
+            let span = draft.criterion_span().unwrap_or_else(|| first.span.clone());
+            self.complaints.push(Complaint::at(span, message));
         }
     }
 }

@@ -4,13 +4,10 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::ops::Range;
 
-use stickslip_core::parameters::{Scalar, scalar};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::diagnosis::{Complaint, Complaints};
-use super::keys::parameter_of_axis;
-use super::preload_force::is_preload_force;
 
 /// The keys of imprecise values.
 const BETWEEN: &str = "between";
@@ -19,8 +16,8 @@ const ONE_OF: &str = "one_of";
 /// What is imprecise.
 #[derive(Debug, Clone)]
 pub enum What {
-    /// The expected value of a parameter.
-    Expected(&'static Scalar),
+    /// The expected value of a quantity, by the name of its axis.
+    Expected(String),
     /// The relative standard deviation of an input.
     RelativeStd(String),
     /// The distribution of an input.
@@ -209,13 +206,7 @@ fn what_at(path: &[Step]) -> Result<What, String> {
     match (&names[..], path) {
         ([Some("axes"), Some(_)] | [Some("axes"), Some(_), Some(_)], _) => {
             let name = names[1..].iter().flatten().copied().collect::<Vec<&str>>().join(".");
-            if is_preload_force(&name) {
-                return Err("an imprecise force is written as an imprecise axes.preload; `stickslip check` tells the forces of preloads".to_owned());
-            }
-            match scalar(parameter_of_axis(&name).unwrap_or(&name)) {
-                Some(scalar) => Ok(What::Expected(scalar)),
-                None => Err(format!("there is no axis of a parameter {name}; {PLACES}")),
-            }
+            Ok(What::Expected(name))
         }
         ([Some("random"), Some("relative_std"), Some(input)], _) => Ok(What::RelativeStd((*input).to_owned())),
         ([Some("random"), Some("distribution"), Some(input)], _) => Ok(What::Distribution((*input).to_owned())),
@@ -223,13 +214,13 @@ fn what_at(path: &[Step]) -> Result<What, String> {
             Ok(What::Correlation)
         }
         ([Some("random"), Some("relative_std"), ..], _) => Err(
-            "a list of relative_std makes an axis, and its entries cannot be imprecise; give one table, relative_std = { preload = { between = [0.1, 0.2] }, ... }".to_owned(),
+            "a list of relative_std makes an axis, and its entries cannot be imprecise; give one table, relative_std = { INPUT = { between = [0.1, 0.2] }, ... }".to_owned(),
         ),
         _ => Err(format!("this cannot be imprecise; {PLACES}")),
     }
 }
 
-const PLACES: &str = "imprecise may be axes of preload, static_friction, rotating_speed and parameters (axes.\"section.name\"), random.relative_std, random.distribution and the coefficients of random.correlation";
+const PLACES: &str = "imprecise may be axes (also of parameters, axes.\"section.name\"), random.relative_std, random.distribution and the coefficients of random.correlation";
 
 /// The elements of the list of an imprecise value.
 fn choices_of<'a>(table: &DeTable<'a>) -> Option<Vec<DeValue<'a>>> {

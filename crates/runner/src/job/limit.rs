@@ -1,10 +1,9 @@
 //! How the limits of a job along an axis are found, if they can be.
 
 use indicatif::HumanCount;
-use stickslip_sampler::limits::spans::Varied;
+use stickslip_core::model::quantity::Role;
 use toml::Spanned;
 
-use super::criterion::Criterion;
 use super::diagnosis::Complaint;
 use super::limit_axis::LimitAxis;
 use super::limit_request::LimitRequest;
@@ -23,8 +22,8 @@ pub enum LimitMethod {
     Integral,
     /// From the integral over a verdict map.
     MapIntegral,
-    /// From the critical values of all samples.
-    CriticalValues(Varied),
+    /// From the critical values of all samples, along this quantity of the pair.
+    CriticalValues(usize),
     /// From samples with weights.
     WeightedSamples,
     /// From the same samples at many values of the axis.
@@ -50,16 +49,16 @@ impl LimitMethod {
     /// # Errors
     /// Why they cannot be, and what would be right.
     pub fn of(job: &Job, axis: &LimitAxis) -> Result<Self, String> {
-        let is_closed = matches!(job.criterion, Criterion::Eigenvalue);
-        let varied = axis.varied();
+        let is_closed = job.has_closed_form();
+        let varied = axis.varied;
         if job.is_integrated() {
             return match (is_closed, varied) {
                 (true, _) => Ok(Self::Integral),
                 (false, Some(_)) => Ok(Self::MapIntegral),
-                (false, None) => Err(
-                    "a verdict map serves all values of preload and static_friction, along which limits are found; along other axes submit the job and read surface.parquet, or use kind = \"eigenvalue\""
-                        .to_owned(),
-                ),
+                (false, None) => Err(format!(
+                    "a verdict map serves all values of {}, along which limits are found; along other axes submit the job and read surface.parquet, or use kind = \"eigenvalue\"",
+                    job.axes_of(Role::Input).collect::<Vec<_>>().join(" and ")
+                )),
             };
         }
         if !is_closed && !job.is_weighted() {

@@ -12,7 +12,7 @@ const MOST_TARGETS: usize = 100;
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitRequest {
     /// The name of the axis.
-    pub of: &'static str,
+    pub of: String,
     /// The probabilities that must not be exceeded.
     pub targets: Vec<f64>,
 }
@@ -24,7 +24,7 @@ impl LimitRequest {
         let LimitSpec { of, probability } = spec.get_ref();
         if of.is_none() {
             let message =
-                "missing key `of` in [limit]: along which axis are limits sought? For example of = \"preload\"";
+                "missing key `of` in [limit]: along which axis are limits sought? Write of = \"AXIS\" with its name";
             complaints.push(Complaint::missing("of", Some(spec.span()), message));
         }
         let Some(targets) = probability else {

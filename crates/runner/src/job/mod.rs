@@ -1,22 +1,12 @@
 //! Job specs: what a user writes, checked and made into what the engine runs.
 
-mod start_value;
-
-pub mod preload_force;
-
-mod keys;
+pub mod keys;
 
 mod diagnosis;
 
 mod measured;
 
-mod overrides;
-
-pub mod friction;
-
 mod imprecise_schema;
-
-mod criterion_spec;
 
 mod distribution_spec;
 
@@ -32,33 +22,27 @@ mod limit_spec;
 
 mod limit_request;
 
-mod spec;
-
 mod syntax;
+
+mod spec;
 
 mod reading;
 
 mod imprecise_values;
 
-mod random_input;
-
 mod scatter;
 
 mod random;
 
-pub mod plausibility;
+mod model;
 
 mod axes;
 
-mod start;
-
-mod criterion;
-
-mod model;
-
-mod sampling;
+pub mod models;
 
 mod sampling_checks;
+
+mod sampling;
 
 mod validated;
 
@@ -79,20 +63,18 @@ mod source;
 #[cfg(test)]
 mod mutations;
 
-pub use criterion::Criterion;
-pub use criterion_spec::{OutsidePhysics, StartKind};
 pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SbatchOption, SlurmName, TimeLimit};
-pub use identity::IDENTITY_VERSION;
 pub use imprecise::{Combination, ImpreciseJob, ImpreciseQuantity};
 pub use imprecise_values::{Values, What};
-pub use keys::{axis_of, unknown_parameter};
 pub use limit::LimitMethod;
 pub use limit_axis::LimitAxis;
 pub use measured::{read_csv, unreadable};
-pub use random_input::RandomInput;
+pub use model::OutsidePhysics;
+pub use models::pad_on_disc::keys::unknown_parameter;
+pub use models::pad_on_disc::{friction, plausibility};
+pub use models::schema;
+pub use models::start_spec::StartKind;
 pub use sampling::Effort;
 pub use sampling_spec::{Audit, EvaluateMode, SamplingMethod};
 pub use source::{JobSource, Overrides};
-pub use spec::JobSpec;
-pub use start_value::StartValue;
 pub use validated::Job;

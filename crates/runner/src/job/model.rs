@@ -1,108 +1,250 @@
-//! The model of a job, checked.
+//! What a kind of model is to a job: how it is checked, and what the rest of the job asks it.
 
+use std::fmt::Debug;
+use std::ops::Range;
 use std::path::Path;
 
-use stickslip_core::parameters::{ParameterError, Parameters};
+use schemars::{Schema, SchemaGenerator};
+use serde::{Deserialize, Serialize};
+use stickslip_core::model::quantity::Quantity;
+use stickslip_core::model::{Model, ModelError};
+use stickslip_core::models::pad_on_disc::model::PadModel;
+use stickslip_core::models::pad_on_disc::parameters::ParameterError;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
+use toml::de::DeTable;
 
-use super::axes_spec::AxesSpec;
+use super::axes_spec::{AxesSpec, AxisEntry};
 use super::diagnosis::{Complaint, Complaints};
-use super::friction::{check_band, use_law};
-use super::keys::unknown_parameter;
-use super::plausibility;
-use super::preload_force;
-use super::spec::{JobSpec, ModelSpec};
+use super::keys::nearest;
+use super::random::RandomInputSet;
+use super::spec::JobSpec;
 
-/// The preset with the overrides of a job, each within its limits. `None` if any is refused.
+/// What becomes of samples outside the model, as [`Configuration::outside`] finds them.
 ///
-/// Files that it names are sought in `folder`.
-pub fn validate_model(
-    model: &ModelSpec,
-    axes: &AxesSpec,
-    folder: &Path,
-    complaints: &mut Complaints,
-) -> Option<Parameters> {
-    let before = complaints.len();
-    if let Some(preset) = &model.preset
-        && preset.get_ref() != "sui-ding-2018"
-    {
-        let message = format!("model.preset: unknown preset {:?}; there is \"sui-ding-2018\"", preset.get_ref());
-        complaints.push(Complaint::at(preset.span(), message));
-    }
-    let mut parameters = Parameters::sui_ding_2018();
-    use_law(&model.friction, folder, &mut parameters.friction, complaints);
-    for (section, overrides) in model.sections() {
-        for (name, value) in overrides {
-            let key = format!("{section}.{}", name.get_ref());
-            if key == preload_force::KEY {
-                // What it makes of the preload depends on the axes, see `CheckedAxes`.
-                complaints.push_some(given_twice(&key, value, axes).or_else(|| given_as_preload(value, model)));
-                continue;
-            }
-            match parameters.set(&key, *value.get_ref()) {
-                Ok(()) => complaints.push_some(given_twice(&key, value, axes)),
-                Err(ParameterError::Unknown { .. }) => {
-                    complaints.push(Complaint::at(name.span(), unknown_parameter(&key, true)));
-                }
-                Err(error) => {
-                    let hint = plausibility::hint(&key, *value.get_ref(), &parameters);
-                    complaints.push(Complaint::at(value.span(), format!("model.{error}{hint}")));
-                }
-            }
-        }
-    }
-    if complaints.len() == before {
-        let band = model.friction.values.iter().find(|(name, _)| name.get_ref() == "band");
-        let checked = check_band(&parameters.friction, false);
-        let span = band.map(|(_, value)| value.span());
-        complaints.take(checked.map_err(|message| Complaint::maybe_at(span, format!("model.{message}"))));
-    }
-    (complaints.len() == before && !complaints.has_unread(&["model"])).then_some(parameters)
+/// [`Configuration::outside`]: stickslip_core::model::Configuration::outside
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutsidePhysics {
+    /// They are decided as they are: stable, as nothing is pressed together and rising friction only damps (on a
+    /// flexible disc unless pad and disc feed each other without any fall of friction).
+    #[default]
+    Stable,
+    /// They count as failed: the normal deviate, not the brake, made them.
+    Failed,
+    /// They are moved to the border of physics, Delta = 0 or f_s = f_c, and decided there.
+    Clamp,
 }
 
-/// A complaint about a value of the model that an axis has too.
-fn given_twice(key: &str, value: &Spanned<f64>, axes: &AxesSpec) -> Option<Complaint> {
-    let entry = axes.of_parameter(if key == preload_force::KEY { preload_force::PRELOAD } else { key })?;
-    let message = format!(
-        "model.{key} = {} is given a second time as axes.{}, which has the values that are used; remove one of the two",
-        value.get_ref(),
-        entry.name.get_ref()
-    );
-    Some(Complaint::at(value.span(), message).and_at(entry.axis.span()))
-}
+/// A model of a job, checked.
+pub trait JobModel: Debug + Send + Sync {
+    /// The model.
+    fn model(&self) -> &dyn Model;
 
-/// A complaint about a force in place of the preload, which is given too.
-fn given_as_preload(force: &Spanned<f64>, model: &ModelSpec) -> Option<Complaint> {
-    let mut others = model.operating_point.iter();
-    let (name, preload) = others.find(|(name, _)| preload_force::PRELOAD.ends_with(&format!(".{}", name.get_ref())))?;
-    let message = format!(
-        "model.{} = {} is given a second time as model.{} = {}; remove one of the two",
-        preload_force::KEY,
-        force.get_ref(),
-        preload_force::PRELOAD,
-        preload.get_ref()
-    );
-    Some(Complaint::at(force.span(), message).and_at(name.span()))
-}
+    /// The expected values of all quantities that are no axes.
+    fn expected(&self) -> Vec<f64>;
 
-/// A contradiction between two values, with the place in the text that brought it about.
-pub fn contradiction(spec: &JobSpec, error: &ParameterError) -> Complaint {
-    let message = error.to_string();
-    if let ParameterError::Contradiction { key, other_key, .. } = error {
-        if let Some(entry) = [*key, *other_key].into_iter().find_map(|key| spec.axes.of_parameter(key)) {
-            let what = if key.starts_with("friction.") { "the friction law" } else { "the model" };
-            let message = format!("axes.{} contradicts {what}: {message}", entry.name.get_ref());
-            return Complaint::at(entry.axis.span(), message);
-        }
-        for wanted in [*key, *other_key] {
-            for (section, overrides) in spec.model.sections() {
-                for (name, value) in overrides {
-                    if wanted.split_once('.') == Some((section, name.get_ref())) {
-                        return Complaint::at(value.span(), format!("model: {message}"));
-                    }
-                }
-            }
-        }
+    /// The tables `[model]` and `[criterion]` written out, without values that are axes of the grid.
+    fn tables(&self, grid: &Grid) -> Tables;
+
+    /// What a user should know before the job runs, in sentences.
+    fn warnings(&self, grid: &Grid, random: &RandomInputSet) -> Vec<String> {
+        let _ = (grid, random);
+        Vec::new()
     }
-    Complaint::maybe_at(None, format!("model: {message}"))
+
+    /// What `check` says of the expected values, in lines.
+    fn remarks(&self, grid: &Grid) -> String {
+        let _ = grid;
+        String::new()
+    }
+
+    /// Why there is no limit along an axis of this name, where the kind of model knows.
+    fn no_limit_axis(&self, name: &str) -> Option<String> {
+        let _ = name;
+        None
+    }
+
+    /// Why a verdict map over the pair does not hold what a grid asks for.
+    fn map_refusal(&self, grid: &Grid, random: &RandomInputSet) -> Option<String> {
+        let _ = (grid, random);
+        Some("this model has no verdict maps".to_owned())
+    }
+
+    /// The pad on the disc, for what is about it alone.
+    fn as_pad(&self) -> Option<&PadModel> {
+        None
+    }
+
+    /// The pad on a rigid disc that moves as this model does with these values of all quantities, if there is one.
+    fn rigid_pad(&self, expected: &[f64]) -> Option<Result<PadOnDisc, ParameterError>> {
+        let _ = expected;
+        None
+    }
+
+    /// The text of the spec with what it names in files written out, where it names any; and what is said about that in
+    /// comments.
+    fn freeze(&self, document: &mut toml_edit::DocumentMut) -> String {
+        let _ = document;
+        String::new()
+    }
+}
+
+/// Tables of a job, written out.
+#[derive(Debug, Clone, Serialize)]
+pub struct Tables {
+    /// `[model]`.
+    pub model: toml::Table,
+    /// `[criterion]`.
+    pub criterion: toml::Table,
+}
+
+/// The parts of a job spec that any kind of model is checked with.
+#[derive(Clone, Copy)]
+pub struct Parts<'a> {
+    /// The whole spec.
+    pub spec: &'a JobSpec,
+    /// The random inputs, if they were not refused.
+    pub random: Option<&'a RandomInputSet>,
+}
+
+/// A model that is being checked: its tables as written, and what is known of them so far. The methods are called in the
+/// order in which they stand here; each complains about what it refuses.
+pub trait Draft {
+    /// Its quantities. They are known although values may be refused.
+    fn quantities(&self) -> &[Quantity];
+
+    /// Whether its criterion decides in closed form, if it says which one it is.
+    fn has_closed_form(&self) -> Option<bool>;
+
+    /// Where the text says which criterion it is.
+    fn criterion_span(&self) -> Option<Range<usize>> {
+        None
+    }
+
+    /// The key of what becomes of samples outside the model, if it is given.
+    fn outside_physics(&self) -> Option<&Spanned<OutsidePhysics>>;
+
+    /// The complaint about an axis that does not exist.
+    fn unknown_axis(&self, name: &str) -> String {
+        format!("there is no axis `{name}`{} (axes are {})", self.near(name), self.names())
+    }
+
+    /// The complaint about a random input that does not exist.
+    fn unknown_input(&self, name: &str) -> String {
+        format!("random.inputs: there is no input \"{name}\"{} (there are {})", self.near(name), self.names())
+    }
+
+    /// What may have been meant by a name, as the end of a message.
+    fn near(&self, name: &str) -> String {
+        let near = nearest(name, self.quantities().iter().map(|quantity| &*quantity.name));
+        near.map_or(String::new(), |near| format!("; did you mean `{near}`?"))
+    }
+
+    /// All names of quantities.
+    fn names(&self) -> String {
+        self.quantities().iter().map(|quantity| &*quantity.name).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The quantity that an axis has the values of, by its place.
+    fn place_of_axis(&self, name: &str) -> Option<usize> {
+        self.quantities().iter().position(|quantity| quantity.name == name)
+    }
+
+    /// The quantity to write in place of a name that stands for its values in another unit, and why as a random input.
+    fn instead_of(&self, name: &str) -> Option<(&'static str, &'static str)> {
+        let _ = name;
+        None
+    }
+
+    /// What may have been meant by a value of a quantity that was refused, as the end of a message.
+    fn hint(&self, place: usize, value: f64) -> String {
+        let _ = (place, value);
+        String::new()
+    }
+
+    /// Checks the values of `[model]`.
+    fn check_values(&mut self, axes: &AxesSpec, folder: &Path, complaints: &mut Complaints);
+
+    /// The expected values of all quantities, before there are axes; NaN where there is none. They stand in for those
+    /// that are refused.
+    fn expected(&self) -> Vec<f64>;
+
+    /// The values of an axis of a quantity that is not written in its own unit, or of a value of `[model]` that is not;
+    /// `None` where it is.
+    fn converted(
+        &self,
+        place: usize,
+        entry: Option<&AxisEntry>,
+        axes: &[(usize, Axis)],
+        spec: &AxesSpec,
+    ) -> Option<Result<Axis, Complaint>> {
+        let _ = (place, entry, axes, spec);
+        None
+    }
+
+    /// Takes the axes: values that must agree do so in every cell. False if they do not.
+    fn settle(&mut self, axes: &[(usize, Axis)], spec: &JobSpec, complaints: &mut Complaints) -> bool {
+        let _ = (axes, spec, complaints);
+        true
+    }
+
+    /// Checks that the configurations at the extremes of the grid exist, and that what varies has a meaning.
+    fn check_grid(&self, grid: Option<&Grid>, parts: Parts<'_>, complaints: &mut Complaints) -> bool {
+        let _ = (grid, parts, complaints);
+        true
+    }
+
+    /// Checks the criterion. `None` if anything is refused, or without a grid.
+    fn finish(
+        self: Box<Self>,
+        grid: Option<&Grid>,
+        parts: Parts<'_>,
+        complaints: &mut Complaints,
+    ) -> Option<std::sync::Arc<dyn JobModel>>;
+}
+
+/// Reads the tables of a model out of the text of a job spec.
+type ReadDraft = fn(&str, Spanned<DeTable<'_>>, &mut Complaints) -> Option<Box<dyn Draft>>;
+
+/// A kind of model: the word behind `[model] kind`, and how its tables are read.
+pub struct Kind {
+    /// As in job specs.
+    pub name: &'static str,
+    /// Reads the tables `[model]` and `[criterion]` of a document, which has nothing else.
+    pub draft: ReadDraft,
+    /// The JSON schemas of the two tables.
+    pub schemas: [fn(&mut SchemaGenerator) -> Schema; 2],
+    /// The names of its axes, each with what it is.
+    pub axes: fn() -> Vec<(String, String)>,
+}
+
+/// A value with keys as a table.
+pub fn table_of(value: &impl Serialize) -> toml::Table {
+    toml::Table::try_from(value).unwrap_or_default()
+}
+
+/// Configurations at most at which what must hold for all of a job is checked.
+const MOST_CORNERS: usize = 32;
+
+/// Checks that a model can be configured at the extremes of the axes of a grid: at all combinations, or if these are too
+/// many, at all smallest and all largest values.
+pub fn configurable(model: &dyn Model, grid: &Grid) -> Result<(), ModelError> {
+    let axes: Vec<(usize, [f64; 2])> = grid.axes.iter().map(|axis| (axis.quantity, axis.axis.extremes())).collect();
+    let varying: Vec<usize> = (0..axes.len()).filter(|&i| axes[i].1[0] < axes[i].1[1]).collect();
+    let inputs: Vec<usize> = model.pair().into_iter().flatten().collect();
+    let all = u32::try_from(varying.len()).ok().and_then(|axes| 1_usize.checked_shl(axes));
+    let corners = match all {
+        Some(all) if all <= MOST_CORNERS => (0..all).collect(),
+        _ => vec![0, usize::MAX],
+    };
+    corners.into_iter().try_for_each(|corner| {
+        let mut expected = grid.expected.clone();
+        for (i, (quantity, ends)) in axes.iter().enumerate() {
+            let bit = varying.iter().position(|axis| *axis == i).map_or(0, |bit| corner >> bit.min(63) & 1);
+            expected[*quantity] = ends[bit];
+        }
+        model.configure(&expected, &inputs, None).map(drop)
+    })
 }

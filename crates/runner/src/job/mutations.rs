@@ -218,7 +218,7 @@ fn files_of_any_size_are_refused() {
 
 #[test]
 fn friction_curves_with_slips_are_read_or_refused() {
-    let sound = include_str!("../../../../jobs/measured-friction.csv");
+    let sound = include_str!("../../jobs/measured-friction.csv");
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("curve.csv");
     let mut numbers = Numbers(7);

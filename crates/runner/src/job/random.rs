@@ -1,26 +1,23 @@
-//! The random inputs of a job: which parameters scatter, how, and how they are correlated.
+//! The random inputs of a job: which quantities scatter, how, and how they are correlated.
 
 use std::path::Path;
 
-use stickslip_core::motion::start::GivenStart;
-use stickslip_core::parameters::Parameters;
-use stickslip_sampler::grid::{Grid, RelativeStd};
+use stickslip_core::model::quantity::{Quantity, Role};
+use stickslip_sampler::grid::Grid;
 use stickslip_sampler::inputs::{Correlation, CorrelationError, Marginal, MarginalError};
 use toml::Spanned;
 
 use super::diagnosis::{Complaint, Complaints};
 use super::distribution_spec::{DistributionSpec, MarginalSpec};
 use super::measured;
-use super::random_input::{RandomInput, position};
 use super::random_spec::RandomSpec;
-use super::scatter::validate_stds;
-use super::start_value::StartValue;
+use super::scatter::{Names, position, validate_stds};
 
 /// The random inputs of a job, checked, in the order in which their deviates are drawn.
 #[derive(Debug, Clone)]
 pub struct RandomInputSet {
-    /// The inputs.
-    pub inputs: Vec<RandomInput>,
+    /// The inputs, as places of quantities.
+    pub inputs: Vec<usize>,
     /// The distribution of each.
     pub marginals: Vec<Marginal>,
     /// Correlated pairs, by position, with their coefficient.
@@ -30,6 +27,10 @@ pub struct RandomInputSet {
     /// For each entry of `relative_std`, the relative standard deviation of each input; of inputs of the start the
     /// standard deviation itself.
     pub relative_stds: Vec<Vec<f64>>,
+    /// The positions of the pair of the model.
+    of_pair: [Option<usize>; 2],
+    /// Whether the standard deviation of each is not relative to its expected value.
+    is_absolute: Vec<bool>,
 }
 
 impl RandomInputSet {
@@ -42,23 +43,27 @@ impl RandomInputSet {
     /// refused.
     ///
     /// Files of measured values are sought in `folder`.
-    pub fn validate(random: &RandomSpec, folder: &Path, complaints: &mut Complaints) -> Option<Self> {
-        let before = complaints.len();
-        let inputs = validate_inputs(random, complaints)?;
-        let marginals = validate_distributions(random, &inputs, folder, complaints);
+    pub fn validate(random: &RandomSpec, names: Names<'_>, folder: &Path, complaints: &mut Complaints) -> Option<Self> {
+        let (before, quantities) = (complaints.len(), names.quantities);
+        let inputs = validate_inputs(random, names, complaints)?;
+        let marginals = validate_distributions(random, &inputs, names, folder, complaints);
         let relative_stds =
-            marginals.as_ref().and_then(|marginals| complaints.take(validate_stds(random, &inputs, marginals)));
-        let pairs = validate_pairs(random, &inputs, complaints);
+            marginals.as_ref().and_then(|marginals| complaints.take(validate_stds(random, &inputs, names, marginals)));
+        let pairs = validate_pairs(random, &inputs, names, complaints);
         let correlation = pairs.as_ref().and_then(|pairs| {
             complaints.take(Correlation::new(inputs.len(), pairs).map_err(|error| {
                 let span = random.correlation.as_ref().map(Spanned::span);
-                Complaint::maybe_at(span, format!("random.correlation: {}", named(&error, &inputs)))
+                Complaint::maybe_at(span, format!("random.correlation: {}", named(&error, &inputs, quantities)))
             }))
         });
         if complaints.len() > before || complaints.has_unread(&["random"]) {
             return None;
         }
+        let of_pair = quantities.iter().enumerate().filter(|(_, quantity)| quantity.role == Role::Input);
+        let mut of_pair = of_pair.map(|(place, _)| inputs.iter().position(|input| *input == place));
         Some(Self {
+            of_pair: [(); 2].map(|()| of_pair.next().flatten()),
+            is_absolute: inputs.iter().map(|input| quantities[*input].scatters_absolutely).collect(),
             inputs,
             marginals: marginals?,
             pairs: pairs?,
@@ -67,41 +72,28 @@ impl RandomInputSet {
         })
     }
 
-    /// The relative standard deviations of preload and static friction, as the grid has them.
-    pub fn axis(&self) -> Vec<RelativeStd> {
-        let of = |stds: &[f64], wanted: fn(&RandomInput) -> bool| {
-            self.inputs.iter().position(wanted).map_or(0.0, |i| stds[i])
-        };
-        let entry = |stds: &Vec<f64>| RelativeStd {
-            preload: of(stds, |input| matches!(input, RandomInput::Preload)),
-            static_friction: of(stds, |input| matches!(input, RandomInput::StaticFriction)),
-        };
-        self.relative_stds.iter().map(entry).collect()
-    }
-
     /// The first input in which the entries of `relative_std` differ, by its position.
     pub fn first_varied(&self) -> Option<usize> {
         let stds = &self.relative_stds;
         (0..self.inputs.len()).find(|&input| stds.iter().any(|entry| entry[input] != stds[0][input]))
     }
 
-    /// The positions of preload and static friction, where they are random.
+    /// The position of a quantity among the inputs, if it is random.
+    pub fn position(&self, place: usize) -> Option<usize> {
+        self.inputs.iter().position(|input| *input == place)
+    }
+
+    /// The positions of the pair of the model, where they are random.
     pub fn pair(&self) -> [Option<usize>; 2] {
-        let position = |wanted: fn(&RandomInput) -> bool| self.inputs.iter().position(wanted);
-        [
-            position(|input| matches!(input, RandomInput::Preload)),
-            position(|input| matches!(input, RandomInput::StaticFriction)),
-        ]
+        self.of_pair
     }
 
-    /// The positions of the inputs other than preload and static friction.
+    /// The positions of the inputs other than the pair.
     pub fn others(&self) -> Vec<usize> {
-        let pair = self.pair();
-        (0..self.inputs.len()).filter(|&position| !pair.contains(&Some(position))).collect()
+        (0..self.inputs.len()).filter(|&position| !self.of_pair.contains(&Some(position))).collect()
     }
 
-    /// The correlation of the inputs other than preload and static friction, followed by these two, which may be random
-    /// or not.
+    /// The correlation of the inputs other than the pair, followed by these two, which may be random or not.
     ///
     /// # Errors
     /// A matrix that is not positive definite in this order, as rounding may have it.
@@ -122,53 +114,14 @@ impl RandomInputSet {
         matches!(self.marginals[position], Marginal::Empirical(_))
     }
 
-    /// Whether preload is random.
-    pub fn has_preload(&self) -> bool {
-        self.inputs.iter().any(|input| matches!(input, RandomInput::Preload))
-    }
-
-    /// The first input that is neither preload nor static friction: then samples are not told apart by these two.
-    pub fn other(&self) -> Option<RandomInput> {
-        self.inputs.iter().copied().find(|input| matches!(input, RandomInput::Other(_) | RandomInput::Start(_)))
-    }
-
-    /// The numbers of the start that scatter, each with its position among the inputs.
-    pub fn start_values(&self) -> impl Iterator<Item = (usize, StartValue)> {
-        let number = |(i, input): (usize, &RandomInput)| match input {
-            RandomInput::Start(value) => Some((i, *value)),
-            _ => None,
-        };
-        self.inputs.iter().enumerate().filter_map(number)
+    /// The first input that is not of the pair: then samples are not distinguished by these two.
+    pub fn other(&self) -> Option<usize> {
+        self.others().first().map(|&position| self.inputs[position])
     }
 
     /// The positions of inputs whose standard deviation is not relative to their expected value.
     pub fn absolute(&self) -> impl Iterator<Item = usize> {
-        (0..self.inputs.len()).filter(|&i| self.inputs[i].scatters_absolutely())
-    }
-
-    /// Checks the distributions of numbers of the start.
-    pub fn check_start(&self, random: &RandomSpec, grid: &Grid, start: &GivenStart, complaints: &mut Complaints) {
-        for (i, number) in self.start_values() {
-            let axis = grid.of_start.iter().find(|further| further.name == number.key());
-            let expected =
-                axis.map_or_else(|| number.of(start).into_iter().collect(), |axis| axis.axis.values().to_vec());
-            let marginal = &self.marginals[i];
-            let span = random.distribution.as_ref().map(Spanned::span);
-            if let Marginal::Empirical(_) = marginal {
-                let message = format!(
-                    "random.distribution of {}: measured values are scaled to the expected value, which a number of the start need not have; use another distribution",
-                    number.key()
-                );
-                complaints.push(Complaint::maybe_at(span, message));
-                continue;
-            }
-            let std = self.relative_stds.first().map_or(0.0, |stds| stds[i]);
-            let checked = expected.iter().try_for_each(|&value| marginal.check_absolute(value, std));
-            let key = number.key();
-            complaints.take(
-                checked.map_err(|error| Complaint::maybe_at(span, format!("random.distribution of {key}: {error}"))),
-            );
-        }
+        (0..self.inputs.len()).filter(|&i| self.is_absolute[i])
     }
 
     /// Whether all inputs are normal and independent.
@@ -176,22 +129,34 @@ impl RandomInputSet {
         self.marginals.iter().all(|marginal| *marginal == Marginal::Normal) && self.correlation.is_independent()
     }
 
-    /// Checks distributions that not every expected value allows.
+    /// Checks distributions that not every expected value allows, of the inputs that `is_wanted`.
     pub fn check_expected(
         &self,
         random: &RandomSpec,
-        parameters: &Parameters,
+        quantities: &[Quantity],
         grid: &Grid,
+        is_wanted: impl Fn(Role) -> bool,
         complaints: &mut Complaints,
     ) {
-        for (i, (input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {
-            let (expected, _) = input.all_expected(parameters, grid);
+        let wanted = |(_, input): &(usize, &usize)| is_wanted(quantities[**input].role);
+        for (i, &input) in self.inputs.iter().enumerate().filter(wanted) {
+            let (marginal, quantity) = (&self.marginals[i], &quantities[input]);
+            let span = random.distribution.as_ref().map(Spanned::span);
+            if let (Marginal::Empirical(_), Role::Start) = (marginal, quantity.role) {
+                let message = format!(
+                    "random.distribution of {}: measured values are scaled to the expected value, which a number of the start need not have; use another distribution",
+                    quantity.name
+                );
+                complaints.push(Complaint::maybe_at(span, message));
+                continue;
+            }
             let check = |stds: &Vec<f64>, value: f64| match marginal {
-                _ if input.scatters_absolutely() => marginal.check_absolute(value, stds[i]),
+                _ if quantity.scatters_absolutely => marginal.check_absolute(value, stds[i]),
                 // It may stand for any expected value: where that is zero, it does not scatter.
                 Marginal::Normal => marginal.check_scatter(stds[i]),
                 _ => marginal.check(value, stds[i]),
             };
+            let expected = grid.values_of(input);
             let all = self.relative_stds.iter().flat_map(|stds| expected.iter().map(move |&value| (stds, value)));
             let checked = all.into_iter().try_for_each(|(stds, value)| check(stds, value));
             complaints.take(checked.map_err(|error| {
@@ -199,26 +164,39 @@ impl RandomInputSet {
                     MarginalError::NormalTooWide { .. } => {
                         ("relative_std", random.relative_std.as_ref().map(Spanned::span))
                     }
-                    _ => ("distribution", random.distribution.as_ref().map(Spanned::span)),
+                    _ => ("distribution", span),
                 };
-                Complaint::maybe_at(span, format!("random.{key} of {}: {error}", input.name()))
+                Complaint::maybe_at(span, format!("random.{key} of {}: {error}", quantity.name))
             }));
         }
     }
 
-    /// The normal inputs that do not scatter in some cell although they are asked to, since they scatter in proportion
-    /// to an expected value of zero there: each in a sentence.
-    pub fn without_scatter(&self, parameters: &Parameters, grid: &Grid) -> Vec<String> {
+    /// What a user should know of the inputs, in sentences: distributions without their expected value; normal inputs that
+    /// do not scatter in some cell although they are asked to, since they scatter in proportion to an expected value of
+    /// zero there.
+    pub fn warnings(&self, quantities: &[Quantity], grid: &Grid) -> Vec<String> {
         let mut found = Vec::new();
-        for (i, (input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {
-            let (expected, key) = input.all_expected(parameters, grid);
+        for (&input, marginal) in self.inputs.iter().zip(&self.marginals) {
+            if let Marginal::TruncatedNormal { low, high } = *marginal
+                && !(low..=high).contains(&0.0)
+            {
+                let side = if low > 0.0 { "more" } else { "less" };
+                found.push(format!(
+                    "random.distribution of {}: truncated-normal = [{low}, {high}] excludes the expected value itself, so every sample is {side} than it. The limits are in standard deviations from the expected value, for example [-2, 3]",
+                    quantities[input].name
+                ));
+            }
+        }
+        for (i, (&input, marginal)) in self.inputs.iter().zip(&self.marginals).enumerate() {
+            let (expected, quantity) = (grid.values_of(input), &quantities[input]);
             let largest = self.relative_stds.iter().map(|stds| stds[i]).fold(0.0, f64::max);
-            let is_relative = *marginal == Marginal::Normal && !input.scatters_absolutely();
+            let is_relative = *marginal == Marginal::Normal && !quantity.scatters_absolutely;
             if is_relative && largest > 0.0 && expected.contains(&0.0) {
                 let cells = if expected.len() > 1 { "the cells where it is 0" } else { "any cell" };
+                let table = if grid.axis_of(input).is_some() { "axes" } else { "model" };
                 found.push(format!(
-                    "{name} does not scatter in {cells}: its standard deviation is relative_std = {largest} times its expected value, {key} = 0. Give it a small expected value, or leave it out of random.inputs",
-                    name = input.name()
+                    "{name} does not scatter in {cells}: its standard deviation is relative_std = {largest} times its expected value, {table}.{name} = 0. Give it a small expected value, or leave it out of random.inputs",
+                    name = quantity.name
                 ));
             }
         }
@@ -226,28 +204,42 @@ impl RandomInputSet {
     }
 }
 
-fn validate_inputs(random: &RandomSpec, complaints: &mut Complaints) -> Option<Vec<RandomInput>> {
+fn validate_inputs(random: &RandomSpec, names: Names<'_>, complaints: &mut Complaints) -> Option<Vec<usize>> {
     let Some(spec) = &random.inputs else {
         return (!complaints.has_unread(&["random", "inputs"])).then(Vec::new);
     };
     let mut inputs = Vec::new();
     for name in spec.get_ref() {
-        let input = RandomInput::from_name(name.get_ref()).map_err(|message| Complaint::at(name.span(), message));
+        let input = input_of(name.get_ref(), names).map_err(|message| Complaint::at(name.span(), message));
         inputs.push(complaints.take(input));
     }
     let mut inputs = inputs.into_iter().collect::<Option<Vec<_>>>()?;
-    inputs.sort_by_key(|input| input.rank());
-    if let Some(pair) = inputs.windows(2).find(|pair| pair[0].rank() == pair[1].rank()) {
-        let message = format!("random.inputs lists \"{}\" twice", pair[0].name());
+    inputs.sort_unstable();
+    if let Some(pair) = inputs.windows(2).find(|pair| pair[0] == pair[1]) {
+        let message = format!("random.inputs lists \"{}\" twice", names.quantities[pair[0]].name);
         complaints.push(Complaint::at(spec.span(), message));
         return None;
     }
     Some(inputs)
 }
 
+/// The place of the quantity that a random input is.
+fn input_of(name: &str, names: Names<'_>) -> Result<usize, String> {
+    let quantities = names.quantities;
+    match quantities.iter().position(|quantity| quantity.name == name) {
+        Some(place) => Ok(place),
+        None => Err(match quantities.iter().find(|quantity| quantity.path == name) {
+            Some(quantity) => {
+                format!("random.inputs: write \"{}\" for \"{name}\", as in [axes]", quantity.name)
+            }
+            None => (names.unknown)(name),
+        }),
+    }
+}
+
 /// A complaint about a correlation, with the names of the inputs.
-fn named(error: &CorrelationError, inputs: &[RandomInput]) -> String {
-    let name = |input: usize| inputs.get(input).map_or("", |input| input.name());
+fn named(error: &CorrelationError, inputs: &[usize], quantities: &[Quantity]) -> String {
+    let name = |input: usize| inputs.get(input).map_or("", |input| &*quantities[*input].name);
     match *error {
         CorrelationError::SameInput { input } => {
             format!("{} is paired with itself; a correlation joins two different inputs", name(input))
@@ -270,7 +262,8 @@ fn named(error: &CorrelationError, inputs: &[RandomInput]) -> String {
 
 fn validate_distributions(
     random: &RandomSpec,
-    inputs: &[RandomInput],
+    inputs: &[usize],
+    names: Names<'_>,
     folder: &Path,
     complaints: &mut Complaints,
 ) -> Option<Vec<Marginal>> {
@@ -289,7 +282,7 @@ fn validate_distributions(
             let before = complaints.len();
             let mut marginals = vec![Marginal::Normal; inputs.len()];
             for (name, marginal) in table {
-                let at = complaints.take(position(inputs, name, "distribution").map_err(complain));
+                let at = complaints.take(position(inputs, names, name, "distribution").map_err(complain));
                 let resolved = resolve(marginal, folder)
                     .map_err(|message| complain(format!("random.distribution of {name}: {message}")));
                 if let (Some(marginal), Some(at)) = (complaints.take(resolved), at) {
@@ -314,14 +307,15 @@ fn resolve(spec: &MarginalSpec, folder: &Path) -> Result<Marginal, String> {
 
 fn validate_pairs(
     random: &RandomSpec,
-    inputs: &[RandomInput],
+    inputs: &[usize],
+    names: Names<'_>,
     complaints: &mut Complaints,
 ) -> Option<Vec<(usize, usize, f64)>> {
     let mut pairs = Vec::new();
     for pair in random.correlation.iter().flat_map(Spanned::get_ref) {
         let (a, b, coefficient) = pair.get_ref();
         let [a, b] = [a, b].map(|name| {
-            let position = position(inputs, name, "correlation");
+            let position = position(inputs, names, name, "correlation");
             complaints.take(position.map_err(|message| Complaint::at(pair.span(), message)))
         });
         pairs.push(a.zip(b).map(|(a, b)| (a, b, *coefficient)));

@@ -70,7 +70,7 @@ impl<'de> Visitor<'de> for StdVisitor {
     type Value = StdSpec;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a table by input, { preload = ..., static_friction = ... }")
+        f.write_str("a number or a table by input, { INPUT = ..., INPUT = ... }")
     }
 
     fn visit_f64<E>(self, value: f64) -> Result<StdSpec, E> {
@@ -100,7 +100,7 @@ impl<'de> Deserialize<'de> for RelativeStdSpec {
             type Value = RelativeStdSpec;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, a list of numbers, or { preload = ..., static_friction = ... }")
+                f.write_str("a number, a list of numbers, or { INPUT = ..., INPUT = ... }")
             }
 
             fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<RelativeStdSpec, E> {

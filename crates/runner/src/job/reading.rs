@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use serde::Deserialize as _;
+use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, Error};
 
 use super::diagnosis::{Complaint, Complaints, MOST_SHOWN};
-use super::keys::{AXIS_NAMES, nearest, suggestion};
+use super::keys::{Suggested, nearest, suggestion};
 use super::spec::JobSpec;
 use super::syntax;
 
@@ -24,16 +24,41 @@ pub fn parse<'a>(text: &'a str, complaints: &mut Complaints) -> Option<Spanned<D
     None
 }
 
-/// Reads a job spec from the TOML of its text. An entry that cannot be read is complained about and left out, so that the
-/// others are read too; `None` if nothing can be read.
-pub fn read(text: &str, mut document: Spanned<DeTable<'_>>, complaints: &mut Complaints) -> Option<JobSpec> {
+/// Reads what a job spec says beside its model. `suggested` is asked about unknown keys.
+pub fn job_spec(
+    text: &str,
+    mut document: Spanned<DeTable<'_>>,
+    suggested: Suggested,
+    complaints: &mut Complaints,
+) -> Option<JobSpec> {
+    flatten_axes(&mut document);
+    // What is read elsewhere is not read again here.
+    for (_, value) in document.get_mut().iter_mut().filter(|(key, _)| is_of_model(key.get_ref())) {
+        *value.get_mut() = DeValue::Boolean(true);
+    }
+    read(text, document, suggested, complaints)
+}
+
+/// Whether a table is read by the kind of the model.
+pub fn is_of_model(key: &str) -> bool {
+    matches!(key, "model" | "criterion")
+}
+
+/// Reads tables of a job spec from the TOML of its text. An entry that cannot be read is complained about and left out, so
+/// that the others are read too; `None` if nothing can be read. `suggested` is asked about unknown keys.
+pub fn read<T: DeserializeOwned>(
+    text: &str,
+    mut document: Spanned<DeTable<'_>>,
+    suggested: Suggested,
+    complaints: &mut Complaints,
+) -> Option<T> {
     // Each entry that cannot be read takes a look at the whole text again.
     let most = (LOOKED_AT / text.len().max(1)).clamp(1, MOST_SHOWN);
     loop {
         if complaints.len() >= most {
             return None;
         }
-        let error = match JobSpec::deserialize(Deserializer::from(document.clone())) {
+        let error = match T::deserialize(Deserializer::from(document.clone())) {
             Ok(spec) => return Some(spec),
             Err(error) => error,
         };
@@ -41,12 +66,12 @@ pub fn read(text: &str, mut document: Spanned<DeTable<'_>>, complaints: &mut Com
             complaints.push(Complaint::maybe_at(error.span(), error.message()));
             return None;
         };
-        let mut choices = choices_at(&document, &path);
+        let mut choices = choices_at::<T>(&document, &path);
         // A table in place of one of a few names: the fault is not within it.
         let is_within = !choices.is_empty() || error.message().starts_with("unknown field ") || is_number(&error);
         if let [outer @ .., _] = &path[..]
             && !is_within
-            && let of_outer @ [_, ..] = &choices_at(&document, outer)[..]
+            && let of_outer @ [_, ..] = &choices_at::<T>(&document, outer)[..]
         {
             (choices, path) = (of_outer.to_vec(), outer.to_vec());
         }
@@ -55,7 +80,7 @@ pub fn read(text: &str, mut document: Spanned<DeTable<'_>>, complaints: &mut Com
         if !complaints.has_unread(&keys) {
             let value = value_at(document.get_ref(), &path);
             let complaint = value.and_then(|value| about_value(text, &keys.join("."), value, &choices, &error));
-            let in_words = || Complaint::maybe_at(error.span(), in_words(text, &path, &error));
+            let in_words = || Complaint::maybe_at(error.span(), in_words(text, &path, &error, suggested));
             complaints.push(complaint.unwrap_or_else(in_words));
         }
         change(document.get_mut(), &path, None);
@@ -63,9 +88,34 @@ pub fn read(text: &str, mut document: Spanned<DeTable<'_>>, complaints: &mut Com
     }
 }
 
+/// Writes axes in tables of their own, `[axes.pad] mass = 0.1`, under their whole names, `axes."pad.mass"`.
+pub fn flatten_axes(document: &mut Spanned<DeTable<'_>>) {
+    const OF_A_VALUE: [&str; 6] = ["from", "to", "points", "scale", "between", "one_of"];
+    let axes = document.get_mut().iter_mut().find(|(key, _)| key.get_ref() == "axes");
+    let Some(DeValue::Table(axes)) = axes.map(|(_, value)| value.get_mut()) else { return };
+    let is_section = |value: &DeValue<'_>| match value {
+        DeValue::Table(table) => !table.is_empty() && !table.keys().any(|key| OF_A_VALUE.contains(&&**key.get_ref())),
+        _ => false,
+    };
+    let sections: Vec<_> =
+        axes.iter().filter(|(_, value)| is_section(value.get_ref())).map(|(key, _)| key.clone()).collect();
+    for section in sections {
+        let Some(DeValue::Table(table)) = axes.remove(&section).map(Spanned::into_inner) else { continue };
+        for (name, value) in table {
+            let whole = format!("{}.{}", section.get_ref(), name.get_ref());
+            axes.insert(Spanned::new(name.span(), whole.into()), value);
+        }
+    }
+}
+
 /// Whether what is wrong is the type of a value that must be a number or one of two.
 fn is_number(error: &Error) -> bool {
     ["expected f64", "expected a boolean"].iter().any(|end| error.message().ends_with(end))
+}
+
+/// The key of the innermost entry that has the text at `span`.
+pub fn key_at(text: &str, span: &Range<usize>) -> Option<String> {
+    path_at(DeTable::parse_recoverable(text).0.get_ref(), span).map(|path| path.join("."))
 }
 
 /// The keys that lead to the innermost entry about which something is said at `span`.
@@ -106,16 +156,13 @@ fn change<'a>(table: &mut DeTable<'a>, path: &[String], value: Option<DeValue<'a
 }
 
 /// What is wrong with the entry at a path, in words for people who do not know Rust.
-fn in_words(text: &str, path: &[String], error: &Error) -> String {
+fn in_words(text: &str, path: &[String], error: &Error, suggested: Suggested) -> String {
     let (key, message) = (path.join("."), error.message());
     let table = path[..path.len() - 1].join(".");
     if let Some(names) = message.strip_prefix("unknown field ") {
         let (wrong, names) = names_in(names);
         let place = if table.is_empty() { String::new() } else { format!(" in [{table}]") };
-        let hint = suggestion(wrong, &table, &names);
-        if table == "axes" {
-            return format!("unknown key `{wrong}` in [axes]{hint} (it may have {AXIS_NAMES})");
-        }
+        let hint = suggestion(wrong, &table, &names, suggested);
         return format!("unknown key `{wrong}`{place}{hint} (it may have {})", names.join(", "));
     }
     if let Some(names) = message.strip_prefix("unknown variant ") {
@@ -208,10 +255,10 @@ fn short(text: &str) -> String {
 }
 
 /// The values that the entry at a path may have, if it is one of a few names: an attempt with another name tells them.
-fn choices_at(document: &Spanned<DeTable<'_>>, path: &[String]) -> Vec<String> {
+fn choices_at<T: DeserializeOwned>(document: &Spanned<DeTable<'_>>, path: &[String]) -> Vec<String> {
     let mut attempt = document.clone();
     change(attempt.get_mut(), path, Some(DeValue::String("?".into())));
-    let Err(error) = JobSpec::deserialize(Deserializer::from(attempt)) else { return Vec::new() };
+    let Err(error) = T::deserialize(Deserializer::from(attempt)) else { return Vec::new() };
     match error.message().strip_prefix("unknown variant ").map(names_in) {
         Some(("?", choices)) => choices.into_iter().map(str::to_owned).collect(),
         _ => Vec::new(),

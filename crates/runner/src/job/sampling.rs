@@ -1,14 +1,14 @@
 //! How the probabilities of a job are found: its sampling keys, checked.
 
+use stickslip_core::model::Model;
 use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::interval::IntervalKind;
 use stickslip_sampler::estimate::interval::half_of_the_error;
 use stickslip_sampler::estimate::looks::{Looks, Precision};
 use toml::Spanned;
 
-use super::criterion::Criterion;
-use super::criterion_spec::CriterionKind;
 use super::diagnosis::{Complaint, Complaints};
+use super::model::JobModel;
 use super::random::RandomInputSet;
 use super::sampling_spec::{AUDIT, Audit, EvaluateMode, IntervalSpec, SamplingMethod, SamplingSpec};
 
@@ -90,13 +90,13 @@ impl Sampling {
     /// without inputs and criterion.
     pub fn validate(
         spec: &SamplingSpec,
-        others: Option<(&RandomInputSet, &Criterion)>,
-        kind: Option<CriterionKind>,
+        others: Option<(&RandomInputSet, &dyn JobModel)>,
+        has_closed_form: Option<bool>,
         cells: Option<u64>,
         complaints: &mut Complaints,
     ) -> Option<Self> {
         let before = complaints.len();
-        let is_eigenvalue = kind == Some(CriterionKind::Eigenvalue);
+        let is_eigenvalue = has_closed_form == Some(true);
         let cells = cells.unwrap_or(1);
         // Which keys have a meaning depends on these two.
         if !["method", "evaluate"].iter().any(|key| complaints.has_unread(&["sampling", key])) {
@@ -111,32 +111,36 @@ impl Sampling {
         }
         let sampling = spec.resolved(confidence?, samples?, audit?, until?, is_eigenvalue, cells);
         let sampling = complaints.take(sampling)?;
-        let (inputs, criterion) = others?;
-        complaints.take(sampling.check_against(spec, inputs, criterion)).map(|()| sampling)
+        let (inputs, model) = others?;
+        complaints.take(sampling.check_against(spec, inputs, model.model())).map(|()| sampling)
     }
 
     /// What the methods need of the inputs and the criterion.
-    fn check_against(
-        &self,
-        spec: &SamplingSpec,
-        inputs: &RandomInputSet,
-        criterion: &Criterion,
-    ) -> Result<(), Complaint> {
+    fn check_against(&self, spec: &SamplingSpec, inputs: &RandomInputSet, model: &dyn Model) -> Result<(), Complaint> {
         let method = spec.method.as_ref().map(Spanned::span);
         let evaluate = spec.evaluate.as_ref().map(Spanned::span).or(method.clone());
         let complain = |span, message: String| Err(Complaint::maybe_at(span, message));
         let uses_map = self.evaluate == EvaluateMode::Boundary || self.method == SamplingMethod::Exact;
         let asked = if self.method == SamplingMethod::Exact { "method = \"exact\"" } else { "evaluate = \"boundary\"" };
+        if uses_map && model.pair().is_none() {
+            return complain(
+                evaluate,
+                format!(
+                    "sampling.{asked} knows the boundary as a curve over a pair of quantities, and this model has no such pair. Use method = \"monte-carlo\" or \"sobol\" with evaluate = \"each\""
+                ),
+            );
+        }
         if uses_map && let Some(other) = inputs.other() {
             return complain(
                 evaluate,
                 format!(
-                    "sampling.{asked} knows the boundary as a curve over preload and static friction; random.inputs also lists {}. Use method = \"monte-carlo\" or \"sobol\" with evaluate = \"each\"",
-                    other.name()
+                    "sampling.{asked} knows the boundary as a curve over {}; random.inputs also lists {}. Use method = \"monte-carlo\" or \"sobol\" with evaluate = \"each\"",
+                    pair_names(model),
+                    model.quantities()[other].name
                 ),
             );
         }
-        let is_closed = matches!(criterion, Criterion::Eigenvalue);
+        let is_closed = model.has_closed_form();
         if self.method == SamplingMethod::Exact && !is_closed && !inputs.is_plain() {
             return complain(
                 method,
@@ -144,17 +148,23 @@ impl Sampling {
             );
         }
         if self.method == SamplingMethod::Conditional {
-            self.check_conditional(spec, inputs, is_closed)?;
+            self.check_conditional(spec, inputs, model)?;
         }
         if self.particles.is_some() {
-            self.check_weighted(spec, inputs, criterion)?;
+            self.check_weighted(spec, inputs, model)?;
         }
-        if uses_map && criterion.records_amplitude() {
+        if uses_map && model.records_amplitude() {
             return complain(
                 evaluate,
                 format!(
                     "sampling.{asked} looks samples up, and these have no amplitude; remove criterion.record, or use evaluate = \"each\""
                 ),
+            );
+        }
+        if self.derivatives && model.pair().is_none() {
+            return complain(
+                spec.derivatives.as_ref().map(Spanned::span),
+                "sampling.derivatives are those by the law of a pair of quantities, and this model has no such pair; remove it, or use sampling.sensitivity".to_owned(),
             );
         }
         if self.derivatives && !inputs.is_plain() {
@@ -173,7 +183,7 @@ impl Sampling {
         if self.sensitivity && (inputs.inputs.len() < 2 || !inputs.correlation.is_independent()) {
             return complain(
                 sensitivity,
-                "sampling.sensitivity parts the variance among independent inputs: it needs two or more of them, without random.correlation".to_owned(),
+                "sampling.sensitivity splits the variance among independent inputs: it needs two or more of them, without random.correlation".to_owned(),
             );
         }
         Ok(())
@@ -184,7 +194,7 @@ impl Sampling {
         &self,
         spec: &SamplingSpec,
         inputs: &RandomInputSet,
-        is_closed: bool,
+        model: &dyn Model,
     ) -> Result<(), Complaint> {
         let at_method = |message: &str| {
             Err(Complaint::maybe_at(
@@ -192,24 +202,25 @@ impl Sampling {
                 format!("sampling.method = \"conditional\" {message}"),
             ))
         };
-        if !is_closed {
-            return at_method(
-                "integrates over preload and static friction where the boundary of stability is known in closed form: with criterion.kind = \"eigenvalue\". For this criterion use method = \"sobol\", or with no further random inputs \"exact\"",
-            );
+        let pair = pair_names(model);
+        if !model.has_closed_form() {
+            return at_method(&format!(
+                "integrates over {pair} where the boundary of stability is known in closed form: with criterion.kind = \"eigenvalue\". For this criterion use method = \"sobol\", or with no further random inputs \"exact\""
+            ));
         }
         if inputs.pair() == [None, None] {
-            return at_method(
-                "integrates over preload and static friction, and random.inputs lists neither; use method = \"sobol\"",
-            );
+            return at_method(&format!(
+                "integrates over {pair}, and random.inputs lists neither; use method = \"sobol\""
+            ));
         }
         if inputs.others().is_empty() {
-            return at_method(
-                "draws the inputs other than preload and static friction, and random.inputs lists none; method = \"exact\" integrates over these two without samples",
-            );
+            return at_method(&format!(
+                "draws the inputs other than {pair}, and random.inputs lists none; method = \"exact\" integrates over these two without samples"
+            ));
         }
         if let Err(error) = inputs.correlation_with_pair_last() {
             return at_method(&format!(
-                "cannot part these inputs: {error}; lower the coefficients of random.correlation, or use method = \"sobol\""
+                "cannot separate these inputs: {error}; lower the coefficients of random.correlation, or use method = \"sobol\""
             ));
         }
         if self.derivatives {
@@ -222,12 +233,7 @@ impl Sampling {
     }
 
     /// What samples with weights need.
-    fn check_weighted(
-        &self,
-        spec: &SamplingSpec,
-        inputs: &RandomInputSet,
-        criterion: &Criterion,
-    ) -> Result<(), Complaint> {
+    fn check_weighted(&self, spec: &SamplingSpec, inputs: &RandomInputSet, model: &dyn Model) -> Result<(), Complaint> {
         let method = if self.method == SamplingMethod::Subset { "subset" } else { "importance" };
         let complain = |span, message: String| Err(Complaint::maybe_at(span, message));
         let at_method = spec.method.as_ref().map(Spanned::span);
@@ -235,7 +241,8 @@ impl Sampling {
             return complain(
                 at_method,
                 format!(
-                    "sampling.method = \"{method}\" draws random inputs, and random.inputs lists none; add some, for example inputs = [\"preload\", \"static_friction\"]"
+                    "sampling.method = \"{method}\" draws random inputs, and random.inputs lists none; add some, for example inputs = [{}]",
+                    example_inputs(model)
                 ),
             );
         }
@@ -256,7 +263,7 @@ impl Sampling {
                 ),
             );
         }
-        if criterion.records_amplitude() {
+        if model.records_amplitude() {
             return complain(
                 at_method,
                 format!(
@@ -296,6 +303,18 @@ impl Sampling {
             Effort::Integrated => vec![0],
         }
     }
+}
+
+/// The names of the pair of a model: "preload and static_friction".
+fn pair_names(model: &dyn Model) -> String {
+    let names = model.pair().map(|pair| pair.map(|place| model.quantities()[place].name.to_string()));
+    names.map_or_else(|| "a pair of quantities".to_owned(), |names| names.join(" and "))
+}
+
+/// Inputs that a job may list.
+fn example_inputs(model: &dyn Model) -> String {
+    let names = model.quantities().iter().take(2).map(|quantity| format!("\"{}\"", quantity.name));
+    names.collect::<Vec<_>>().join(", ")
 }
 
 impl SamplingSpec {

@@ -228,7 +228,7 @@ impl SamplingSpec {
             (
                 self.evaluate.as_ref().map(Spanned::span),
                 is_conditional,
-                "sampling.evaluate has no meaning with method = \"conditional\", which integrates over preload and static friction; remove it",
+                "sampling.evaluate has no meaning with method = \"conditional\", which integrates; remove it",
             ),
             (
                 self.evaluate.as_ref().map(Spanned::span),

@@ -2,11 +2,11 @@
 
 use std::collections::HashSet;
 
+use stickslip_core::model::quantity::Quantity;
 use stickslip_sampler::inputs::Marginal;
 use toml::Spanned;
 
 use super::diagnosis::Complaint;
-use super::random_input::{RandomInput, position};
 use super::random_spec::{LARGEST_STD, RandomSpec, StdSpec};
 
 /// The relative standard deviation that a distribution has of itself.
@@ -15,6 +15,28 @@ pub fn own_std(marginal: &Marginal) -> Option<f64> {
         Marginal::Empirical(measured) => Some(measured.relative_std()),
         _ => None,
     }
+}
+
+/// The quantities that names of random inputs stand for, and what is said of other names.
+#[derive(Clone, Copy)]
+pub struct Names<'a> {
+    /// The quantities.
+    pub quantities: &'a [Quantity],
+    /// The complaint about a random input that does not exist.
+    pub unknown: &'a dyn Fn(&str) -> String,
+    /// What to write for a name that is a quantity in another unit, if it is.
+    pub instead: &'a dyn Fn(&str) -> Option<&'static str>,
+}
+
+/// The position of an input that a key other than `inputs` names.
+pub fn position(inputs: &[usize], names: Names<'_>, name: &str, key: &str) -> Result<usize, String> {
+    if let Some(remedy) = (names.instead)(name) {
+        return Err(format!("random.{key}: {remedy}"));
+    }
+    inputs
+        .iter()
+        .position(|input| names.quantities[*input].name == name)
+        .ok_or_else(|| format!("random.{key} gives a value for {name}, but random.inputs does not list {name}"))
 }
 
 /// A standard deviation that `relative_std` does not give.
@@ -34,31 +56,37 @@ impl Given {
 }
 
 /// The standard deviation of each input of the start, from `random.std`.
-fn validate_absolute_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result<Vec<Option<f64>>, Complaint> {
+fn validate_absolute_stds(
+    random: &RandomSpec,
+    inputs: &[usize],
+    names: Names<'_>,
+) -> Result<Vec<Option<f64>>, Complaint> {
+    let quantities = names.quantities;
     let spec = random.std.as_ref().map(Spanned::get_ref);
     for (name, value) in spec.into_iter().flatten() {
         let complain = |message: String| Complaint::at(name.span(), message);
-        let input = inputs[position(inputs, name.get_ref(), "std").map_err(complain)?];
-        if !input.scatters_absolutely() {
+        let input = &quantities[inputs[position(inputs, names, name.get_ref(), "std").map_err(complain)?]];
+        if !input.scatters_absolutely {
             return Err(complain(format!(
-                "random.std is for numbers of the start and friction.band; {} scatters in proportion to its expected value: write relative_std = {{ {} = ... }}",
-                input.name(),
+                "random.std is for quantities whose expected value may be 0, as numbers of a start and friction.band; {} scatters in proportion to its expected value: write relative_std = {{ {} = ... }}",
+                input.name,
                 quoted_key(input)
             )));
         }
         let std = *value.get_ref();
         if !(std >= 0.0 && std.is_finite()) {
-            let message = format!("random.std of {} = {std} is out of range: it must be at least 0", input.name());
+            let message = format!("random.std of {} = {std} is out of range: it must be at least 0", input.name);
             return Err(Complaint::at(value.span(), message));
         }
     }
-    let std = |input: &RandomInput| {
-        let given = || spec?.iter().find(|(name, _)| name.get_ref() == input.name()).map(|(_, std)| *std.get_ref());
+    let std = |input: &usize| {
+        let input = &quantities[*input];
+        let given = || spec?.iter().find(|(name, _)| *name.get_ref() == input.name).map(|(_, std)| *std.get_ref());
         match input {
-            input if input.scatters_absolutely() => given().map(Some).ok_or_else(|| {
+            input if input.scatters_absolutely => given().map(Some).ok_or_else(|| {
                 let message = format!(
                     "random.std has no value for {name}, which random.inputs lists: how much does it scatter? For example std = {{ \"{name}\" = 0.05 }}, in its unit",
-                    name = input.name()
+                    name = input.name
                 );
                 Complaint::maybe_at(random.inputs.as_ref().map(Spanned::span), message)
             }),
@@ -72,11 +100,12 @@ fn validate_absolute_stds(random: &RandomSpec, inputs: &[RandomInput]) -> Result
 /// standard deviation itself.
 pub fn validate_stds(
     random: &RandomSpec,
-    inputs: &[RandomInput],
+    inputs: &[usize],
+    names: Names<'_>,
     marginals: &[Marginal],
 ) -> Result<Vec<Vec<f64>>, Complaint> {
     let measured = marginals.iter().map(|marginal| own_std(marginal).map(Given::Measured));
-    let absolute = validate_absolute_stds(random, inputs)?;
+    let absolute = validate_absolute_stds(random, inputs, names)?;
     let own: Vec<Option<Given>> =
         measured.zip(absolute).map(|(measured, absolute)| absolute.map(Given::Absolute).or(measured)).collect();
     let Some(spec) = &random.relative_std else {
@@ -94,7 +123,7 @@ pub fn validate_stds(
     }
     let (mut all, mut seen): (Vec<Vec<f64>>, HashSet<Vec<u64>>) = Default::default();
     for entry in &spec.get_ref().0 {
-        let stds = stds_of(entry, inputs, &own).map_err(complain)?;
+        let stds = stds_of(entry, inputs, names, &own).map_err(complain)?;
         let relative = stds.iter().zip(&own).filter(|(_, own)| !matches!(own, Some(Given::Absolute(_))));
         if let Some((std, _)) = relative.into_iter().find(|(std, _)| !(0.0..=LARGEST_STD).contains(*std)) {
             return Err(complain(format!(
@@ -114,23 +143,25 @@ pub fn validate_stds(
 }
 
 /// One entry of `relative_std`, for each input; those with measured values have their own.
-fn stds_of(entry: &StdSpec, inputs: &[RandomInput], own: &[Option<Given>]) -> Result<Vec<f64>, String> {
-    let measured = |(input, own): (&RandomInput, &Option<Given>)| match own {
-        Some(Given::Measured(std)) => Some((*input, *std)),
+fn stds_of(entry: &StdSpec, inputs: &[usize], names: Names<'_>, own: &[Option<Given>]) -> Result<Vec<f64>, String> {
+    let quantities = names.quantities;
+    let measured = |(input, own): (&usize, &Option<Given>)| match own {
+        Some(Given::Measured(std)) => Some((&quantities[*input], *std)),
         _ => None,
     };
     match entry {
         StdSpec::Common(value) => match inputs.iter().zip(own).find_map(measured) {
             Some((measured, std)) => {
                 let free = inputs.iter().zip(own).filter(|(_, own)| own.is_none());
-                let table: Vec<String> = free.map(|(input, _)| format!("{} = {value}", quoted_key(*input))).collect();
+                let table: Vec<String> =
+                    free.map(|(input, _)| format!("{} = {value}", quoted_key(&quantities[*input]))).collect();
                 let remedy = match &table[..] {
                     [] => "remove random.relative_std".to_owned(),
                     table => format!("write relative_std = {{ {} }}", table.join(", ")),
                 };
                 Err(format!(
                     "random.relative_std = {value} is for every input, but {} has measured values and scatters as they do (by {std:.4}); {remedy}",
-                    measured.name()
+                    measured.name
                 ))
             }
             None if own.iter().all(Option::is_some) => Err(format!(
@@ -140,7 +171,7 @@ fn stds_of(entry: &StdSpec, inputs: &[RandomInput], own: &[Option<Given>]) -> Re
         },
         StdSpec::Each(table) => {
             for (name, value) in table {
-                let input = position(inputs, name, "relative_std")?;
+                let input = position(inputs, names, name, "relative_std")?;
                 if let Some(Given::Absolute(_)) = own[input] {
                     return Err(format!(
                         "random.relative_std gives {value} for {name}, which scatters by random.std, as its expected value may be 0; remove {name} from it"
@@ -152,10 +183,11 @@ fn stds_of(entry: &StdSpec, inputs: &[RandomInput], own: &[Option<Given>]) -> Re
                     ));
                 }
             }
-            let value = |(input, own): (&RandomInput, &Option<Given>)| {
-                own.map(Given::value).or_else(|| table.get(input.name()).copied()).ok_or_else(|| {
-                    format!("random.relative_std has no value for {}, which random.inputs lists", input.name())
-                })
+            let value = |(input, own): (&usize, &Option<Given>)| {
+                let name = &quantities[*input].name;
+                own.map(Given::value)
+                    .or_else(|| table.get(&**name).copied())
+                    .ok_or_else(|| format!("random.relative_std has no value for {name}, which random.inputs lists"))
             };
             inputs.iter().zip(own).map(value).collect()
         }
@@ -163,6 +195,6 @@ fn stds_of(entry: &StdSpec, inputs: &[RandomInput], own: &[Option<Given>]) -> Re
 }
 
 /// The name of an input as a key of TOML.
-fn quoted_key(input: RandomInput) -> String {
-    if input.name().contains('.') { format!("\"{}\"", input.name()) } else { input.name().to_owned() }
+fn quoted_key(input: &Quantity) -> String {
+    if input.name.contains('.') { format!("\"{}\"", input.name) } else { input.name.to_string() }
 }

@@ -4,17 +4,18 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use stickslip_sampler::inputs::Marginal;
-use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
+use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use super::diagnosis::Complaints;
-use super::friction::CurveColumns;
 use super::imprecise::{self, ImpreciseJob};
 use super::imprecise_values::find;
+use super::models;
 use super::reading;
 use super::validated::Job;
 use super::validation::validate;
 use crate::failure::Failure;
 use crate::files::bounded::{read, read_file};
+use crate::messages::Code;
 
 /// Largest job spec, in bytes: more than the measured values of all random inputs take.
 const LARGEST: u64 = 64 << 20;
@@ -42,10 +43,10 @@ pub struct Overrides {
 }
 
 impl JobSource {
-    /// Reads a job spec from a file, or from standard input where the path is `-`.
+    /// Reads a job spec from a file, or from standard input where the path is `-`, which messages call job.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let is_input = path == Path::new("-");
-        let path = if is_input { PathBuf::from("standard input") } else { path.to_owned() };
+        let path = if is_input { PathBuf::from("job") } else { path.to_owned() };
         let bytes = if is_input { read(&mut io::stdin().lock(), LARGEST) } else { read_file(&path, LARGEST) };
         let bytes = bytes.map_err(|error| Failure::reading(&path, error))?;
         let text = String::from_utf8(bytes).map_err(|error| {
@@ -128,9 +129,13 @@ impl JobSource {
             document
         });
         let before = complaints.len();
-        let spec = document.and_then(|document| reading::read(&self.text, document, &mut complaints));
-        let job = spec.and_then(|spec| validate(&spec, folder, &mut complaints)).filter(|_| before == 0);
-        job.ok_or_else(|| Failure::Job(complaints.render(&self.path, &self.text)))
+        let job = document.and_then(|document| {
+            let draft = models::draft(&self.text, &document, &mut complaints);
+            let spec = reading::job_spec(&self.text, document, models::suggested, &mut complaints);
+            validate(&spec?, draft?, folder, &mut complaints)
+        });
+        let job = job.filter(|_| before == 0);
+        job.ok_or_else(|| self.refused(complaints))
     }
 
     /// Reads and checks a spec whose inputs may be imprecise.
@@ -141,7 +146,13 @@ impl JobSource {
         let mut complaints = Complaints::default();
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let job = ImpreciseJob::read(&self.text, folder, &mut complaints);
-        job.ok_or_else(|| Failure::Job(complaints.render(&self.path, &self.text)))
+        job.ok_or_else(|| self.refused(complaints))
+    }
+
+    /// Everything that is wrong with it.
+    fn refused(&self, complaints: Complaints) -> Failure {
+        let place = complaints.place(&self.path, &self.text, |span| reading::key_at(&self.text, span));
+        Failure::Job(complaints.render(&self.path, &self.text)).coded(Code::JobSpec).at(place)
     }
 
     /// Whether anything of the spec is written as an imprecise value.
@@ -154,33 +165,18 @@ impl JobSource {
     /// The spec as a run keeps it: measured values stand in it, in place of the file that they were read from.
     pub fn frozen(&self, job: &Job) -> String {
         let Ok(mut document) = self.text.parse::<DocumentMut>() else { return self.text.clone() };
-        let mut origins = String::new();
-        let friction = document.get_mut("model").and_then(|model| model.get_mut("friction"));
-        if let (Some(friction), Some(curve)) = (friction, job.parameters.friction.law.table())
-            && let Some(table) = friction.get_mut("table")
-            && let Some(file) = table.as_str()
-        {
-            origins += &format!("# model.friction.table: measured curve from {file:?}\n");
-            let columns = CurveColumns::from(&**curve);
-            let named =
-                [("speed", Some(columns.speed)), ("coefficient", Some(columns.coefficient)), ("std", columns.std)];
-            let mut inline = InlineTable::new();
-            for (name, values) in named {
-                let Some(values) = values else { continue };
-                inline.insert(name, Value::Array(values.into_iter().collect()));
-            }
-            *table = Item::Value(Value::InlineTable(inline));
-        }
+        let mut origins = job.model.freeze(&mut document);
         let distribution = document.get_mut("random").and_then(|random| random.get_mut("distribution"));
         if let Some(distribution) = distribution.and_then(Item::as_table_like_mut) {
             if let (true, Some(marginal)) = (distribution.contains_key("csv"), job.random.marginals.first()) {
                 origins += &put_values("random.distribution", distribution, marginal);
             }
-            for (input, marginal) in job.random.inputs.iter().zip(&job.random.marginals) {
-                if let Some(own) = distribution.get_mut(input.name()).and_then(Item::as_table_like_mut)
+            for (input, marginal) in job.random.marginals.iter().enumerate() {
+                let name = &job.quantity_of(input).name;
+                if let Some(own) = distribution.get_mut(name).and_then(Item::as_table_like_mut)
                     && own.contains_key("csv")
                 {
-                    origins += &put_values(&format!("random.distribution of {}", input.name()), own, marginal);
+                    origins += &put_values(&format!("random.distribution of {name}"), own, marginal);
                 }
             }
         }

@@ -1,28 +1,26 @@
 //! The validated job, with what follows from its values.
 
-use stickslip_core::criterion::validity;
-use stickslip_core::criterion::validity::Uncovered;
-use stickslip_core::parameters::{ParameterError, Parameters, scalar};
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use std::sync::Arc;
+
+use stickslip_core::model::pair_boundary::PairBoundary;
+use stickslip_core::model::quantity::{Quantity, Role};
+use stickslip_core::model::{Configuration, Model, ModelError};
+use stickslip_core::models::pad_on_disc::model::PadModel;
 use stickslip_sampler::draw::deviates::{DeviateStream, Points};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
-use stickslip_sampler::estimate::interval;
-use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
+use stickslip_sampler::estimate::interval::{self, BinomialInterval};
 use stickslip_sampler::grid::{Cell, Grid};
 use stickslip_sampler::inputs::InputDistribution;
+use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::pair::Pair;
 
-use super::axes::Brakes;
-use super::criterion::Criterion;
-use super::criterion_spec::OutsidePhysics;
 use super::engine::EngineSettings;
 use super::limit_request::LimitRequest;
-use super::plausibility;
+use super::model::{JobModel, OutsidePhysics};
 use super::random::RandomInputSet;
-use super::random_input::RandomInput;
 use super::sampling::{Effort, Sampling};
 use super::sampling_spec::{Audit, EvaluateMode, SamplingMethod};
-use super::start_value::StartValue;
+use crate::failure::Failure;
 
 /// Largest number of verdict maps.
 pub const MOST_MAPS: usize = 1000;
@@ -34,20 +32,16 @@ pub struct Job {
     pub name: String,
     /// What it is for.
     pub description: String,
-    /// The brake; operating point and static friction are those of each cell.
-    pub parameters: Parameters,
+    /// The model, with the criterion that decides.
+    pub model: Arc<dyn JobModel>,
     /// The cells.
     pub grid: Grid,
     /// The random inputs.
     pub random: RandomInputSet,
-    /// What decides.
-    pub criterion: Criterion,
-    /// What becomes of samples outside physics.
+    /// What becomes of samples outside the model.
     pub outside_physics: OutsidePhysics,
     /// How probabilities are found.
     pub sampling: Sampling,
-    /// Whether the spec itself says how many disc modes are kept.
-    pub modes_are_given: bool,
     /// Which limits are written beside the surface.
     pub limit: Option<LimitRequest>,
     /// What a cluster is asked for.
@@ -55,6 +49,89 @@ pub struct Job {
 }
 
 impl Job {
+    /// The model.
+    pub fn model(&self) -> &dyn Model {
+        self.model.model()
+    }
+
+    /// A quantity of the model, by its place.
+    pub fn quantity(&self, place: usize) -> &Quantity {
+        &self.model().quantities()[place]
+    }
+
+    /// The quantity of a random input, by its position.
+    pub fn quantity_of(&self, input: usize) -> &Quantity {
+        self.quantity(self.random.inputs[input])
+    }
+
+    /// The names of the axes of quantities of a role, slowest first.
+    pub fn axes_of(&self, role: Role) -> impl Iterator<Item = &str> {
+        let quantities = self.grid.axes.iter().map(|axis| self.quantity(axis.quantity));
+        quantities.filter(move |quantity| quantity.role == role).map(|quantity| &*quantity.name)
+    }
+
+    /// The pad on the disc, for commands that are about it alone.
+    ///
+    /// # Errors
+    /// For any other kind of model.
+    pub fn pad(&self) -> Result<&PadModel, Failure> {
+        self.model.as_pad().ok_or_else(|| {
+            Failure::Usage(format!(
+                "the job \"{}\" has another model than the pad on the disc, which is all that this command knows; submit the job, and look at its surface with `stickslip plot` and `stickslip report`",
+                self.name
+            ))
+        })
+    }
+
+    /// Whether the boundary of stability is known in closed form.
+    pub fn has_closed_form(&self) -> bool {
+        self.model().has_closed_form()
+    }
+
+    /// The quantities that differ from sample to sample: those of [`Role::Input`], then other random inputs and axes of
+    /// the start.
+    pub fn varying(&self) -> Vec<usize> {
+        let role = |place: usize| self.quantity(place).role;
+        let quantities = 0..self.model().quantities().len();
+        let mut varying: Vec<usize> = quantities.clone().filter(|&place| role(place) == Role::Input).collect();
+        let is_axis = |place: usize| self.grid.axis_of(place).is_some();
+        varying.extend(quantities.filter(|&place| match role(place) {
+            Role::Input => false,
+            Role::Configuration => self.random.position(place).is_some(),
+            Role::Start => self.random.position(place).is_some() || is_axis(place),
+        }));
+        varying
+    }
+
+    /// The configuration with the expected values of a cell, of which nothing varies but quantities of [`Role::Input`].
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn configuration_in(&self, cell: &Cell) -> Result<Box<dyn Configuration>, ModelError> {
+        self.configuration_with(&cell.expected)
+    }
+
+    /// The same with any expected values.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn configuration_with(&self, expected: &[f64]) -> Result<Box<dyn Configuration>, ModelError> {
+        let quantities = self.model().quantities().iter().enumerate();
+        let inputs: Vec<usize> =
+            quantities.filter(|(_, quantity)| quantity.role == Role::Input).map(|(place, _)| place).collect();
+        self.model().configure(expected, &inputs, None)
+    }
+
+    /// The boundary of stability with these expected values, if it is known in closed form.
+    ///
+    /// # Errors
+    /// If there is no such configuration.
+    pub fn boundary_with(&self, expected: &[f64]) -> Result<PairBoundary, ModelError> {
+        let configuration = self.configuration_with(expected)?;
+        let closed = configuration.closed_form().map(stickslip_core::model::ClosedForm::boundary);
+        closed.ok_or_else(|| ModelError("the model has no boundary in closed form".to_owned()))
+    }
+
     /// The number of cells.
     pub fn cells(&self) -> u64 {
         self.grid.lengths().iter().product()
@@ -100,8 +177,8 @@ impl Job {
         DeviateStream { seed, common_random_numbers, dimensions, points }
     }
 
-    /// Whether drawing and deciding a sample costs little more than its random numbers: only preload and static
-    /// friction scatter, normal and independent.
+    /// Whether drawing and deciding a sample costs little more than its random numbers: only the pair
+    /// of the model scatters, normal and independent.
     pub fn has_cheap_samples(&self) -> bool {
         self.sampling.method == SamplingMethod::MonteCarlo && self.random.other().is_none() && self.random.is_plain()
     }
@@ -111,7 +188,7 @@ impl Job {
         self.sampling.method == SamplingMethod::Exact
     }
 
-    /// Whether a sample stands for the inputs other than preload and static friction, over which it is integrated.
+    /// Whether a sample stands for the inputs other than the pair, over which it is integrated.
     pub fn is_conditional(&self) -> bool {
         self.sampling.method == SamplingMethod::Conditional
     }
@@ -121,12 +198,12 @@ impl Job {
         matches!(self.sampling.method, SamplingMethod::Importance | SamplingMethod::Subset)
     }
 
-    /// Whether preload and static friction are integrated over at each sample of the other inputs: with
-    /// `method = "conditional"`, and for rare events wherever this is possible.
+    /// Whether the pair is integrated over at each sample of the other inputs: with `method = "conditional"`, and for rare
+    /// events wherever this is possible.
     pub fn integrates_pair(&self) -> bool {
         self.is_conditional()
             || (self.is_weighted()
-                && matches!(self.criterion, Criterion::Eigenvalue)
+                && self.has_closed_form()
                 && self.outside_physics == OutsidePhysics::Stable
                 && self.random.pair() != [None, None]
                 && !self.random.others().is_empty()
@@ -146,12 +223,15 @@ impl Job {
     /// Whether samples are looked up in verdict maps, or integrated over them. The closed form needs none.
     pub fn uses_maps(&self) -> bool {
         let wanted = self.sampling.evaluate == EvaluateMode::Boundary || self.sampling.method == SamplingMethod::Exact;
-        wanted && !matches!(self.criterion, Criterion::Eigenvalue)
+        wanted && !self.has_closed_form()
     }
 
-    /// Whether verdict maps can hold the verdicts: motions from one start, and not too many brakes.
+    /// Whether verdict maps can hold the verdicts: motions from one start, and not too many configurations.
     pub fn fits_maps(&self) -> bool {
-        self.grid.of_start.is_empty() && self.grid.brakes() <= MOST_MAPS
+        self.model().pair().is_some()
+            && self.axes_of(Role::Start).next().is_none()
+            && self.grid.configurations() <= MOST_MAPS
+            && self.model.map_refusal(&self.grid, &self.random).is_none()
     }
 
     /// The interval of counted verdicts at a confidence.
@@ -178,130 +258,64 @@ impl Job {
         if simultaneous { interval::simultaneous_confidence(confidence, self.cells()) } else { confidence }
     }
 
-    /// Whether what is made of counted verdicts differs from what the first version made of them: all but one plain
-    /// interval for each cell.
-    pub fn has_later_estimates(&self) -> bool {
-        let Sampling { derivatives, sensitivity, .. } = self.sampling;
-        let is_plain = matches!(self.sampling.effort, Effort::Samples(_));
-        let is_closed = self.is_integrated() && !self.uses_maps();
-        let interval = self.sampling.interval_kind(self.confidence_of_a_cell());
-        let is_given = self.sampling.interval.is_some();
-        self.uses_maps()
-            || (derivatives && !is_closed)
-            || sensitivity
-            || !(is_plain || is_closed)
-            || (interval == IntervalKind::ClopperPearson && !is_given && !is_closed)
-    }
-
-    /// The parameters of the brakes of the grid.
-    pub fn brakes(&self) -> Brakes<'_> {
-        Brakes { parameters: &self.parameters, grid: &self.grid }
-    }
-
-    /// The value in a cell of a parameter, but for those that have an axis in every job, or of a number of the start;
-    /// `None` if the start leaves it out.
-    pub fn value_in(&self, key: &str, cell: &Cell) -> Option<f64> {
-        if let Some(axis) = self.grid.further().position(|further| further.name == key) {
-            return Some(self.grid.further_values(cell.index)[axis]);
-        }
-        match StartValue::from_key(key) {
-            Some(number) => number.of(&self.criterion.given_start()?),
-            None => scalar(key).map(|scalar| scalar.value(&self.parameters)),
-        }
-    }
-
     /// The expected value of a random input in a cell.
-    pub fn expected(&self, input: RandomInput, cell: &Cell) -> f64 {
-        match input {
-            RandomInput::Preload => cell.preload,
-            RandomInput::StaticFriction => cell.static_friction,
-            RandomInput::Other(_) if input.is_rotating_speed() => cell.rotating_speed,
-            // A random number of the start has an expected value: this is checked.
-            other => self.value_in(other.name(), cell).unwrap_or(f64::NAN),
-        }
+    pub fn expected(&self, input: usize, cell: &Cell) -> f64 {
+        cell.expected[self.random.inputs[input]]
+    }
+
+    /// The standard deviation of a random input in a cell, relative but for quantities that scatter absolutely.
+    pub fn std(&self, input: usize, cell: &Cell) -> f64 {
+        self.random.relative_stds[cell.scatter][input]
     }
 
     /// The distribution of the random input at `position` in a cell.
     pub fn distribution(&self, position: usize, cell: &Cell) -> InputDistribution {
-        let input = self.random.inputs[position];
-        let std = self.random.relative_stds[self.grid.relative_std_index(cell.index)][position];
-        let of = if input.scatters_absolutely() { InputDistribution::absolute } else { InputDistribution::relative };
-        of(&self.random.marginals[position], self.expected(input, cell), std)
+        let is_absolute = self.quantity_of(position).scatters_absolutely;
+        let of = if is_absolute { InputDistribution::absolute } else { InputDistribution::relative };
+        of(&self.random.marginals[position], self.expected(position, cell), self.std(position, cell))
     }
 
-    /// Preload and static friction in a cell, for integrals over both.
-    pub fn pair(&self, cell: &Cell) -> Pair {
-        let of = |position: Option<usize>, expected: f64| {
-            position.map_or(InputDistribution::fixed(expected), |position| self.distribution(position, cell))
+    /// The pair of the model in a cell, as if it were normal and independent; of a model without, two constants.
+    pub fn normal_pair(&self, cell: &Cell) -> NormalPair {
+        let of = |place: usize| {
+            let std = self.random.position(place).map_or(0.0, |input| self.std(input, cell));
+            (cell.expected[place], std)
         };
-        let [preload, static_friction] = self.random.pair();
-        Pair::new(of(preload, cell.preload), of(static_friction, cell.static_friction))
+        let [first, second] = self.model().pair().map_or([(0.0, 0.0); 2], |pair| pair.map(of));
+        NormalPair { expected: [first.0, second.0], relative_std: [first.1, second.1] }
     }
 
-    /// The brake of a cell, by its index in the grid, with the expected values of everything that scatters.
-    pub fn brake(&self, brake: usize) -> Result<PadOnDisc, ParameterError> {
-        PadOnDisc::new(self.brakes().parameters_of(brake)?)
+    /// The pair of the model in a cell, for integrals over both.
+    pub fn pair(&self, cell: &Cell) -> Pair {
+        let NormalPair { expected, .. } = self.normal_pair(cell);
+        let of = |which: usize| match self.random.pair()[which] {
+            Some(position) => self.distribution(position, cell),
+            None => InputDistribution::fixed(expected[which]),
+        };
+        Pair::new(of(0), of(1))
     }
 
     /// Samples of a unit of work: some milliseconds to a second, long against the cost of handing it out, short against
     /// anyone's patience after Ctrl-C. Part of how shards share a job.
     pub fn unit_samples(&self) -> u64 {
-        match self.criterion {
-            Criterion::Eigenvalue if self.has_cheap_samples() => 1000 * BLOCK_SAMPLES,
-            Criterion::Eigenvalue => 20 * BLOCK_SAMPLES,
+        match self.has_closed_form() {
+            true if self.has_cheap_samples() => 1000 * BLOCK_SAMPLES,
+            true => 20 * BLOCK_SAMPLES,
             // Most of them are looked up.
-            _ if self.uses_maps() => 100 * BLOCK_SAMPLES,
-            Criterion::CoupledEigenvalue { .. } | Criterion::TimeDomain { .. } => BLOCK_SAMPLES,
+            false if self.uses_maps() => 100 * BLOCK_SAMPLES,
+            false => BLOCK_SAMPLES,
         }
     }
 
     /// What a user should know before the job runs, in sentences.
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = plausibility::of_job(&self.parameters, &self.grid, &self.random);
-        if let Criterion::TimeDomain { settings, .. } = &self.criterion {
-            warnings.extend(plausibility::of_displacement("criterion.displacement", settings.displacement));
-        }
-        if self.modes_are_given
-            && let Some(check) = self.criterion.too_few_modes(&self.parameters, &self.grid)
-        {
-            warnings.push(format!("{check}; use disc_modes = \"auto\""));
-        }
-        // The scatter of the inputs is not looked at.
-        warnings.extend(self.uncovered().iter().map(|uncovered| format!(
-            "{uncovered}, the limit up to which verdicts in time were tested (cargo doc, page stickslip_core::criterion::validity). They may be right beyond it; look at single samples with `stickslip trajectory`, and compare the run with one of a tenfold criterion.horizon (`stickslip compare`)"
-        )));
-        warnings.extend(self.random.without_scatter(&self.parameters, &self.grid));
+        let mut warnings = self.model.warnings(&self.grid, &self.random);
+        warnings.extend(self.random.warnings(self.model().quantities(), &self.grid));
         warnings
-    }
-
-    /// What of the extremes of the axes lies outside the range over which verdicts in time were tested, each value
-    /// once.
-    fn uncovered(&self) -> Vec<Uncovered> {
-        let Criterion::TimeDomain { disc, .. } = &self.criterion else { return Vec::new() };
-        let mut found: Vec<Uncovered> = Vec::new();
-        let Ok(corners) = self.brakes().at_extremes(&self.grid.rotating_speed.extremes()) else { return found };
-        for corner in corners {
-            for static_friction in self.grid.static_friction.extremes() {
-                let mut parameters = corner.clone();
-                parameters.friction.static_coefficient = static_friction;
-                let Ok(brake) = PadOnDisc::new(parameters) else { continue };
-                for uncovered in validity::uncovered(&brake, disc) {
-                    if !found.contains(&uncovered) {
-                        found.push(uncovered);
-                    }
-                }
-            }
-        }
-        found
-    }
-
-    /// Whether other degrees of freedom than the pad's tangential motion may become unstable.
-    pub fn has_flexible_disc(&self) -> bool {
-        self.criterion.has_flexible_disc()
     }
 
     /// Whether the settled amplitude is recorded.
     pub fn records_amplitude(&self) -> bool {
-        self.criterion.records_amplitude()
+        self.model().records_amplitude()
     }
 }

@@ -1,82 +1,73 @@
 //! From a job spec to a job: every value resolved and checked, with a complaint about each that is refused.
 
+use std::ops::Range;
 use std::path::Path;
 
-use stickslip_core::parameters::Parameters;
+use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_sampler::grid::Grid;
 use toml::Spanned;
 
-use super::axes::{Brakes, CheckedAxes, MOST_CELLS, settle};
-use super::criterion::Criterion;
-use super::criterion_spec::{CriterionSpec, ModesSpec, OutsidePhysics};
+use super::axes::{CheckedAxes, MOST_CELLS};
 use super::diagnosis::{Complaint, Complaints};
 use super::engine::EngineSettings;
-use super::friction::check_varied;
 use super::limit::requested;
 use super::limit_request::LimitRequest;
-use super::model::{contradiction, validate_model};
+use super::model::{Draft, OutsidePhysics, Parts};
 use super::random::RandomInputSet;
 use super::sampling::Sampling;
 use super::sampling_spec::SamplingMethod;
+use super::scatter::Names;
 use super::spec::JobSpec;
-use super::start::StartSpecs;
 use super::validated::{Job, MOST_MAPS};
 
 /// Largest number of parts of cells that are counted apart.
 const MOST_PARTS: u64 = 2_000_000;
 
-/// The job of a spec; `None` with at least one complaint if anything of it is refused. Files that it names are sought
-/// in `folder`.
-pub fn validate(spec: &JobSpec, folder: &Path, complaints: &mut Complaints) -> Option<Job> {
+/// The job of a spec and the draft of its model; `None` with at least one complaint if anything of it is refused. Files
+/// that it names are sought in `folder`.
+pub fn validate(spec: &JobSpec, mut draft: Box<dyn Draft>, folder: &Path, complaints: &mut Complaints) -> Option<Job> {
     let before = complaints.len();
     let name = validate_name(spec.name.as_ref(), complaints);
-    let random = RandomInputSet::validate(&spec.random, folder, complaints);
-    let (parameters, grid) = validate_grid(spec, random.as_ref(), folder, complaints);
-    if let Some(parameters) = &parameters {
-        check_law_of_varied(spec, random.as_ref(), parameters, complaints);
-    }
-    let model = parameters.as_ref().zip(grid.as_ref());
-    if let (Some(random), Some((parameters, grid))) = (&random, model) {
-        random.check_expected(&spec.random, parameters, grid, complaints);
-    }
-    let criterion = match &spec.criterion {
-        Some(criterion) => {
-            let inputs = random.as_ref().map_or(&[][..], |random| &random.inputs);
-            let specs = StartSpecs { criterion: criterion.get_ref(), axes: &spec.axes, random: &spec.random, inputs };
-            Criterion::validate(criterion.span(), specs, model, complaints)
-        }
-        None => {
-            complaints.push(Complaint::missing("criterion", None, NO_CRITERION));
-            None
-        }
+    let names = Names {
+        quantities: draft.quantities(),
+        unknown: &|name| draft.unknown_input(name),
+        instead: &|name| draft.instead_of(name).map(|(_, remedy)| remedy),
     };
-    if let (Some(random), Some(grid), Some(start)) =
-        (&random, &grid, criterion.as_ref().and_then(Criterion::given_start))
-    {
-        random.check_start(&spec.random, grid, &start, complaints);
+    let random = RandomInputSet::validate(&spec.random, names, folder, complaints);
+    let parts = Parts { spec, random: random.as_ref() };
+    draft.check_values(&spec.axes, folder, complaints);
+    let mut grid = validate_grid(&mut *draft, parts, complaints);
+    let quantities: Vec<Quantity> = draft.quantities().to_vec();
+    if let (Some(random), Some(grid)) = (&random, &grid) {
+        random.check_expected(&spec.random, &quantities, grid, |role| role != Role::Start, complaints);
     }
-    let kind = spec.criterion.as_ref().and_then(|criterion| criterion.get_ref().kind.as_ref());
-    let kind = kind.map(|kind| *kind.get_ref());
+    let has_closed_form = draft.has_closed_form();
+    let given_policy = draft.outside_physics().map(|policy| (policy.span(), *policy.get_ref()));
+    let model = draft.finish(grid.as_ref(), parts, complaints);
+    if let (Some(random), Some(grid), Some(model)) = (&random, &mut grid, &model) {
+        for (expected, value) in grid.expected.iter_mut().zip(model.expected()) {
+            *expected = value;
+        }
+        let quantities = model.model().quantities();
+        random.check_expected(&spec.random, quantities, grid, |role| role == Role::Start, complaints);
+    }
     let cells = grid.as_ref().and_then(Grid::checked_len);
-    let sampling = Sampling::validate(&spec.sampling, random.as_ref().zip(criterion.as_ref()), kind, cells, complaints);
-    let criterion_spec = spec.criterion.as_ref().map(Spanned::get_ref);
-    let outside_physics = complaints.take(validate_outside_physics(criterion_spec, sampling.as_ref()));
+    let others = random.as_ref().zip(model.as_deref());
+    let sampling = Sampling::validate(&spec.sampling, others, has_closed_form, cells, complaints);
+    let outside_physics = complaints.take(validate_outside_physics(given_policy, sampling.as_ref()));
     let engine = EngineSettings::validate(&spec.engine, complaints);
     LimitRequest::check_keys(spec.limit.as_ref(), complaints);
     if complaints.len() > before || complaints.has_unread(&[]) {
         return None;
     }
-    let disc_modes = spec.criterion.as_ref().and_then(|criterion| criterion.get_ref().disc_modes.as_ref());
     let job = Job {
         name: name?,
         description: spec.description.clone(),
-        parameters: parameters?,
+        model: model?,
         grid: grid?,
         random: random?,
-        criterion: criterion?,
         outside_physics: outside_physics?,
         sampling: sampling?,
-        modes_are_given: disc_modes.is_some_and(|modes| matches!(modes.get_ref(), ModesSpec::Given(_))),
         limit: None,
         engine,
     };
@@ -86,8 +77,6 @@ pub fn validate(spec: &JobSpec, folder: &Path, complaints: &mut Complaints) -> O
     let limit = complaints.take(limit)?.flatten();
     Some(Job { limit, ..job })
 }
-
-const NO_CRITERION: &str = "there is no [criterion]: what decides whether a sample is stable? For example\n\n  [criterion]\n  kind = \"eigenvalue\"        # or \"coupled-eigenvalue\" or \"time-domain\"";
 
 fn validate_name(name: Option<&Spanned<String>>, complaints: &mut Complaints) -> Option<String> {
     let Some(name) = name else {
@@ -108,92 +97,48 @@ fn validate_name(name: Option<&Spanned<String>>, complaints: &mut Complaints) ->
     Some(text.clone())
 }
 
-/// The model, and the grid of the axes.
-fn validate_grid(
-    spec: &JobSpec,
-    random: Option<&RandomInputSet>,
-    folder: &Path,
-    complaints: &mut Complaints,
-) -> (Option<Parameters>, Option<Grid>) {
-    let parameters = validate_model(&spec.model, &spec.axes, folder, complaints);
-    let defaults = parameters.clone().unwrap_or_else(Parameters::sui_ding_2018);
-    let CheckedAxes { rotating_speed, preload, static_friction, of_brake, of_start } =
-        CheckedAxes::new(&spec.axes, &spec.model, &defaults, complaints);
-    let (Some(mut parameters), Some(static_friction), Some(of_brake)) = (parameters, static_friction, of_brake) else {
-        return (None, None);
-    };
-    // An axis replaces the model's own value, which therefore need not fit the other values.
-    if spec.axes.of_parameter("friction.static_coefficient").is_some() {
-        let [lowest, _] = static_friction.extremes();
-        parameters.friction.static_coefficient = lowest;
+/// The grid of the axes.
+fn validate_grid(draft: &mut dyn Draft, parts: Parts<'_>, complaints: &mut Complaints) -> Option<Grid> {
+    let spec = parts.spec;
+    let axes = CheckedAxes::new(&spec.axes, draft, complaints);
+    if !axes.are_whole || !draft.settle(&axes.given, spec, complaints) {
+        return None;
     }
-    if complaints.take(settle(&mut parameters, &of_brake).map_err(|error| contradiction(spec, &error))).is_none() {
-        return (None, None);
-    }
-    let (Some(rotating_speed), Some(preload), Some(of_start), Some(random)) =
-        (rotating_speed, preload, of_start, random)
-    else {
-        return (Some(parameters), None);
-    };
-    let grid = Grid { of_brake, of_start, rotating_speed, relative_std: random.axis(), preload, static_friction };
-    match grid.checked_len() {
-        Some(cells) if cells <= MOST_CELLS => {
-            let made = Brakes { parameters: &parameters, grid: &grid }.are_computable();
-            let made = complaints.take(made.map_err(|error| contradiction(spec, &error)));
-            (Some(parameters), made.map(|()| grid))
-        }
-        cells => {
+    let grid = parts.random.map(|random| axes.grid(draft.quantities(), draft.expected(), random.relative_stds.len()));
+    let cells = grid.as_ref().map(Grid::checked_len);
+    match cells {
+        Some(cells) if cells.is_none_or(|cells| cells > MOST_CELLS) => {
             let cells = cells.map_or("more than 2^64".to_owned(), |cells| cells.to_string());
             let message = format!("the axes make {cells} cells; the limit is {MOST_CELLS}");
             complaints.push(Complaint::maybe_at(None, message));
-            (Some(parameters), None)
+            draft.check_grid(None, parts, complaints);
+            None
         }
-    }
-}
-
-/// Refuses random inputs and axes of parameters that belong to another friction law.
-fn check_law_of_varied(
-    spec: &JobSpec,
-    random: Option<&RandomInputSet>,
-    parameters: &Parameters,
-    complaints: &mut Complaints,
-) {
-    let friction = &parameters.friction;
-    let span = spec.random.inputs.as_ref().map(Spanned::span);
-    for name in random.into_iter().flat_map(|random| &random.inputs).map(|input| input.name()) {
-        let checked = check_varied(&format!("random.inputs: {name}"), name, friction);
-        complaints.take(checked.map_err(|message| Complaint::maybe_at(span.clone(), message)));
-    }
-    for entry in &spec.axes.0 {
-        let name = entry.name.get_ref();
-        let checked = check_varied(&format!("axes: {name}"), name, friction);
-        complaints.take(checked.map_err(|message| Complaint::at(entry.name.span(), message)));
+        _ => draft.check_grid(grid.as_ref(), parts, complaints).then_some(grid)?,
     }
 }
 
 /// What becomes of samples outside physics; an integral has none.
 fn validate_outside_physics(
-    spec: Option<&CriterionSpec>,
+    given: Option<(Range<usize>, OutsidePhysics)>,
     sampling: Option<&Sampling>,
 ) -> Result<OutsidePhysics, Complaint> {
-    let Some(policy) = spec.and_then(|spec| spec.outside_physics.as_ref()) else {
-        return Ok(OutsidePhysics::default());
-    };
+    let Some((span, policy)) = given else { return Ok(OutsidePhysics::default()) };
     let method = match sampling.map(|sampling| sampling.method) {
         Some(SamplingMethod::Exact) => "exact",
         Some(SamplingMethod::Conditional) => "conditional",
         Some(
             SamplingMethod::MonteCarlo | SamplingMethod::Sobol | SamplingMethod::Importance | SamplingMethod::Subset,
         )
-        | None => return Ok(*policy.get_ref()),
+        | None => return Ok(policy),
     };
-    if *policy.get_ref() != OutsidePhysics::Stable {
+    if policy != OutsidePhysics::Stable {
         let message = format!(
-            "criterion.outside_physics: method = \"{method}\" draws no preload and static friction that could fail or be clamped; it takes what is outside physics for stable. Remove the key, or use method = \"monte-carlo\" or \"sobol\""
+            "criterion.outside_physics: method = \"{method}\" draws no samples that could fail or be clamped; it takes what is outside physics for stable. Remove the key, or use method = \"monte-carlo\" or \"sobol\""
         );
-        return Err(Complaint::at(policy.span(), message));
+        return Err(Complaint::at(span, message));
     }
-    Ok(*policy.get_ref())
+    Ok(policy)
 }
 
 /// Refuses a verdict map for a brake whose flutter it would not see.
@@ -205,28 +150,27 @@ fn fits_a_map(job: &Job, spec: &JobSpec) -> Result<(), Complaint> {
         let evaluate = spec.sampling.evaluate.as_ref().map(Spanned::span);
         evaluate.or(spec.sampling.method.as_ref().map(Spanned::span))
     };
-    if let Some(further) = job.grid.of_start.first() {
+    if let Some(name) = job.axes_of(Role::Start).next() {
         let message = format!(
-            "a verdict map holds the verdicts of motions from one start; axes.{} makes another start of each value. Use evaluate = \"each\"",
-            further.name
+            "a verdict map holds the verdicts of motions from one start; axes.{name} makes another start of each value. Use evaluate = \"each\""
         );
         return Err(Complaint::maybe_at(span(), message));
     }
-    let maps = job.grid.brakes();
+    let maps = job.grid.configurations();
     if maps > MOST_MAPS {
-        let names: Vec<&str> =
-            job.grid.of_brake.iter().map(|further| &*further.name).chain(["rotating_speed"]).collect();
+        let names: Vec<&str> = job.axes_of(Role::Configuration).collect();
+        let pair: Vec<&str> = job.axes_of(Role::Input).collect();
         let message = format!(
-            "each combination of {} takes a verdict map of its own, and the axes make {maps} of them; the limit is {MOST_MAPS}. One map serves all values of preload, static_friction and relative_std. Use fewer values, or evaluate = \"each\"",
-            names.join(" and ")
+            "each combination of {} takes a verdict map of its own, and the axes make {maps} of them; the limit is {MOST_MAPS}. One map serves all values of {} and relative_std. Use fewer values, or evaluate = \"each\"",
+            names.join(" and "),
+            pair.join(", ")
         );
         return Err(Complaint::maybe_at(span(), message));
     }
-    let Some((speed, rate)) = job.criterion.growth_without_fall(&job.parameters, &job.grid) else { return Ok(()) };
-    let message = format!(
-        "a verdict map takes friction that rises with speed for stable, but at {speed} rad/s this brake is unstable although friction does not fall (growth rate {rate:+.2e}). Use evaluate = \"each\", which counts what feeds each unstable sample"
-    );
-    Err(Complaint::maybe_at(span(), message))
+    match job.model.map_refusal(&job.grid, &job.random) {
+        Some(message) => Err(Complaint::maybe_at(span(), message)),
+        None => Ok(()),
+    }
 }
 
 /// Refuses more sums than are to be held in memory.

@@ -43,9 +43,9 @@ pub fn answer(job: &Job, cells: &[Estimate]) -> String {
             .into_iter()
             .zip(ends)
             .take(needed)
-            .filter_map(|(limit, end)| end.map(|end| format!("below {} {}", percent(limit), end.text(axis))))
+            .filter_map(|(limit, end)| end.map(|end| format!("P < {} {}", percent(limit), end.text(axis))))
             .collect();
-        text += &format!("Along {}, whatever else varies: {}.\n", axis.key(), parts.join(", "));
+        text += &format!("{}, whatever the other axes.\n", parts.join(", "));
     }
     text
 }
@@ -62,9 +62,9 @@ impl End {
     fn text(self, axis: &ViewAxis) -> String {
         let number = |value: f64| format!("{} {}", rounded(value), axis.unit()).trim_end().to_owned();
         match self {
-            Self::Everywhere => "everywhere".to_owned(),
-            Self::UpTo(value) => format!("up to {}", number(value)),
-            Self::From(value) => format!("from {}", number(value)),
+            Self::Everywhere => format!("for every {}", axis.key()),
+            Self::UpTo(value) => format!("for {} up to {}", axis.key(), number(value)),
+            Self::From(value) => format!("for {} from {}", axis.key(), number(value)),
         }
     }
 }
@@ -126,26 +126,29 @@ mod tests {
         assert_eq!(
             answer(&job, &cells(&high)),
             "P is below 1 % in 4 of 12 cells, below 5 % in 6, below 50 % in 10 (upper ends of the 95 % intervals).\n\
-             Along preload, whatever else varies: below 1 % up to 0.1, below 5 % up to 0.2, below 50 % up to 0.3.\n"
+             P < 1 % for preload up to 0.1, P < 5 % for preload up to 0.2, P < 50 % for preload up to 0.3, whatever the other axes.\n"
         );
-        assert!(!answer(&job, &cells(&[0.9; 12])).contains("Along"));
-        assert!(answer(&job, &cells(&[0.001; 12])).contains("varies: below 1 % everywhere.\n"));
-        assert!(!answer(&job, &cells(&[f64::NAN; 12])).contains("Along"), "what is not known is not small");
+        assert!(!answer(&job, &cells(&[0.9; 12])).contains("whatever"));
+        assert!(answer(&job, &cells(&[0.001; 12])).contains("\nP < 1 % for every preload, whatever the other axes.\n"));
+        assert!(!answer(&job, &cells(&[f64::NAN; 12])).contains("whatever"), "what is not known is not small");
     }
 
     #[test]
     fn the_probability_may_be_small_from_a_value_on() {
         let job = job("rotating_speed = [10.0, 20.0, 30.0]\npreload = 0.1\nstatic_friction = 0.4");
         assert!(answer(&job, &cells(&[0.9, 0.03, 0.002])).contains(
-            "Along rotating speed, whatever else varies: below 1 % from 30 rad/s, below 5 % from 20 rad/s, below 50 % from 20 rad/s."
+            "P < 1 % for rotating speed from 30 rad/s, P < 5 % for rotating speed from 20 rad/s, P < 50 % for rotating speed from 20 rad/s, whatever the other axes."
         ));
     }
 
     #[test]
     fn values_of_an_axis_need_not_rise() {
         let job = job("rotating_speed = [30.0, 10.0, 20.0]\npreload = 0.1\nstatic_friction = 0.4");
-        let told = answer(&job, &cells(&[0.002, 0.9, 0.03]));
-        assert!(told.contains("below 1 % from 30 rad/s, below 5 % from 20 rad/s, below 50 % from 20 rad/s."), "{told}");
+        let text = answer(&job, &cells(&[0.002, 0.9, 0.03]));
+        assert!(
+            text.contains("P < 1 % for rotating speed from 30 rad/s, P < 5 % for rotating speed from 20 rad/s"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -12,6 +12,8 @@ use crate::tables::surface::Surface;
 
 pub mod scale;
 
+pub mod title;
+
 pub mod view;
 
 pub mod chart;
@@ -123,7 +125,7 @@ fn others(surface: &Surface<'_>, view: &GridView, slices: usize) -> String {
     let mut text = format!("... and {more} in the file; `stickslip plot` draws {drawn}\n");
     text += "Smallest and largest probability:\n";
     let length = |axis: Option<&ViewAxis>| axis.map_or(1, |axis| axis.values.len());
-    let has_one_scatter = surface.job().grid.relative_std.len() == 1;
+    let has_one_scatter = surface.job().grid.scatters == 1;
     for number in MOST_SLICES..slices.min(MOST_PANELS) {
         let slice = view.slice(number);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);

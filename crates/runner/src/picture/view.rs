@@ -1,8 +1,9 @@
 //! Which axes of a grid a picture shows: the two longest as an area, or one as a line; the others make slices.
 
-use stickslip_core::parameters::scalar;
+use stickslip_core::model::quantity::Role;
 
-use crate::job::{Job, RandomInput, StartValue};
+use crate::job::Job;
+use crate::picture::title::title;
 
 /// Largest number of slices that a plot draws, each as a panel.
 pub const MOST_PANELS: usize = 60;
@@ -15,11 +16,38 @@ pub struct ViewAxis {
     unit: String,
     /// Its values.
     pub values: Vec<f64>,
+    /// The quantity; `None` for the standard deviations.
+    pub quantity: Option<usize>,
+    /// Its name in a job.
+    pub name_in_job: String,
+    /// Its name in plots.
+    pub title: String,
+    /// Whether cells are always described with it, even where it has one value.
+    is_always_given: bool,
+    /// Whether it is the rate of change of the axis before it.
+    is_rate: bool,
     /// How many cells follow each other with the same value.
     stride: u64,
 }
 
 impl ViewAxis {
+    /// The axis of standard deviations, with a value of each entry of `relative_std`: of the first input in which they
+    /// differ.
+    fn of_scatter(job: &Job) -> Self {
+        let input = job.random.first_varied();
+        Self {
+            name: "relative std".to_owned(),
+            unit: String::new(),
+            values: job.random.relative_stds.iter().map(|entry| input.map_or(0.0, |input| entry[input])).collect(),
+            quantity: None,
+            name_in_job: "relative_std".to_owned(),
+            title: "Relative standard deviation σ".to_owned(),
+            is_always_given: false,
+            is_rate: false,
+            stride: 1,
+        }
+    }
+
     /// Its name without the unit.
     pub fn key(&self) -> &str {
         self.name.split(',').next().unwrap_or_default()
@@ -49,9 +77,10 @@ pub struct GridView {
     vertical: Option<usize>,
     /// The axis that runs to the right; none in a grid of one cell.
     horizontal: Option<usize>,
-    /// Places of the axes that every grid has: rotating speed and standard deviation.
-    speed: usize,
+    /// Place of the axis of standard deviations.
     std: usize,
+    /// The quantities of the pair.
+    pair: Option<[usize; 2]>,
 }
 
 /// Most values of an axis that become curves of one drawing, and the least number of values of a curve.
@@ -74,33 +103,33 @@ impl GridView {
     /// The view of a job's grid.
     pub fn new(job: &Job) -> Self {
         let grid = &job.grid;
-        let units = job.criterion.given_start().unwrap_or_default().units;
-        let unit_of = |name: &str| {
-            let of_start = || StartValue::from_key(name).map_or("1", |number| number.unit(units));
-            scalar(name).map_or_else(of_start, |scalar| scalar.unit)
-        };
-        let mut axes: Vec<(String, &str, Vec<f64>)> = grid
-            .further()
-            .map(|further| (further.name.clone(), unit_of(&further.name), further.axis.values().to_vec()))
-            .collect();
-        let speed = axes.len();
-        axes.push(("rotating speed".to_owned(), "rad/s", grid.rotating_speed.values().to_vec()));
-        axes.push(("relative std".to_owned(), "1", scatters(job)));
-        axes.push(("preload".to_owned(), "1", grid.preload.values().to_vec()));
-        axes.push(("static friction".to_owned(), "1", grid.static_friction.values().to_vec()));
-        let mut stride = 1;
-        let mut viewed: Vec<ViewAxis> = Vec::new();
-        for (name, unit, values) in axes.into_iter().rev() {
-            let length = values.len() as u64;
-            let (name, unit) = match unit {
-                "1" => (name, String::new()),
-                unit => (format!("{name}, {unit}"), format!(" {unit}")),
+        let mut axes: Vec<ViewAxis> = Vec::new();
+        for axis in &grid.axes {
+            let quantity = job.quantity(axis.quantity);
+            let (name, unit) = match &*quantity.unit {
+                "1" => (quantity.label.to_string(), String::new()),
+                unit => (format!("{}, {unit}", quantity.label), format!(" {unit}")),
             };
-            viewed.push(ViewAxis { name, unit, values, stride });
-            stride *= length;
+            axes.push(ViewAxis {
+                name,
+                unit,
+                values: axis.axis.values().to_vec(),
+                quantity: Some(axis.quantity),
+                name_in_job: quantity.name.to_string(),
+                title: title(quantity),
+                is_always_given: quantity.is_always_shown && quantity.role == Role::Configuration,
+                is_rate: quantity.is_rate,
+                stride: 1,
+            });
         }
-        viewed.reverse();
-        let mut view = Self { axes: viewed, vertical: None, horizontal: None, speed, std: speed + 1 };
+        let std = grid.slower_than_scatter;
+        axes.insert(std, ViewAxis::of_scatter(job));
+        let mut stride = 1;
+        for axis in axes.iter_mut().rev() {
+            axis.stride = stride;
+            stride *= axis.values.len() as u64;
+        }
+        let mut view = Self { axes, vertical: None, horizontal: None, std, pair: job.model().pair() };
         view.choose();
         view
     }
@@ -115,13 +144,12 @@ impl GridView {
         }
         long.sort_by_key(|axis| std::cmp::Reverse(length(axis)));
         long.truncate(2);
-        // Upwards the slower one, but in the plane of displacement and speed the speed.
+        // Upwards the slower one, but in a phase plane the rate.
         long.sort_unstable();
-        let is = |axis: usize, number: StartValue| self.axes[axis].name.starts_with(number.key());
+        let place = |axis: usize| self.axes[axis].quantity;
+        let is_rate_of = |u: usize, x: usize| self.axes[u].is_rate && place(u) == place(x).map(|place| place + 1);
         match long[..] {
-            [x, u] if is(x, StartValue::Tangential) && is(u, StartValue::Velocity) => {
-                (self.vertical, self.horizontal) = (Some(u), Some(x));
-            }
+            [x, u] if is_rate_of(u, x) => (self.vertical, self.horizontal) = (Some(u), Some(x)),
             [slow, fast] => (self.vertical, self.horizontal) = (Some(slow), Some(fast)),
             [only] => self.horizontal = Some(only),
             _ => {}
@@ -149,19 +177,23 @@ impl GridView {
     }
 
     /// The values of a cell on some axes, but its standard deviations: "15 rad/s", "pad.mass = 0.1 kg". Of axes with one
-    /// value only the rotating speed is told.
+    /// value only those that are always given are among them.
     fn values_of(&self, cell: u64, is_wanted: impl Fn(usize) -> bool) -> Vec<String> {
-        let value = |axis: usize| self.axes[axis].values[self.axes[axis].position(cell)];
-        let mut values = Vec::new();
-        if is_wanted(self.speed) {
-            values.push(format!("{} rad/s", value(self.speed)));
-        }
-        for (i, axis) in self.axes.iter().enumerate() {
-            if ![self.speed, self.std].contains(&i) && axis.values.len() > 1 && is_wanted(i) {
-                values.push(format!("{} = {}{}", axis.key(), rounded(value(i)), axis.unit));
-            }
-        }
-        values
+        let wanted = || self.axes.iter().enumerate().filter(|(i, _)| *i != self.std && is_wanted(*i));
+        let value = |axis: &ViewAxis| axis.values[axis.position(cell)];
+        let given = wanted().filter(|(_, axis)| axis.is_always_given);
+        let given = given.map(|(_, axis)| match &*axis.unit {
+            "" => format!("{} = {}", axis.key(), value(axis)),
+            unit => format!("{}{unit}", value(axis)),
+        });
+        let others = wanted().filter(|(_, axis)| !axis.is_always_given && axis.values.len() > 1);
+        let others = others.map(|(_, axis)| format!("{} = {}{}", axis.key(), rounded(value(axis)), axis.unit));
+        given.chain(others).collect()
+    }
+
+    /// Values that are always given and that all cells share: "15 rad/s".
+    pub fn fixed(&self) -> Vec<String> {
+        self.values_of(0, |axis| self.axes[axis].is_always_given && self.axes[axis].values.len() == 1)
     }
 
     /// Where a cell lies: "15 rad/s, preload = 0.1", with its standard deviations if they have an axis.
@@ -170,10 +202,13 @@ impl GridView {
         if self.axes[self.std].values.len() > 1 { format!("{values}; {}", scatter(job, cell)) } else { values }
     }
 
-    /// The brake of a cell: its values on all axes but preload, static friction and standard deviations.
-    pub fn brake_of(&self, cell: u64) -> String {
-        // Preload and static friction are the last axes.
-        self.values_of(cell, |axis| axis + 2 < self.axes.len()).join(", ")
+    /// The configuration of a cell: its values on all axes but those of the pair and of standard deviations.
+    pub fn configuration_of(&self, cell: u64) -> String {
+        let is_of_pair = |axis: usize| {
+            let quantity = self.axes[axis].quantity;
+            self.pair.iter().flatten().any(|&place| quantity == Some(place))
+        };
+        self.values_of(cell, |axis| !is_of_pair(axis)).join(", ")
     }
 
     fn is_shown(&self, axis: usize) -> bool {
@@ -221,23 +256,21 @@ impl Slice<'_> {
     }
 }
 
-/// A value of each entry of `relative_std`: of the first input in which they differ.
-fn scatters(job: &Job) -> Vec<f64> {
-    let input = job.random.first_varied();
-    job.random.relative_stds.iter().map(|entry| input.map_or(0.0, |input| entry[input])).collect()
-}
-
 /// How much the inputs of a cell scatter.
 pub fn scatter(job: &Job, cell: u64) -> String {
-    let stds = &job.random.relative_stds[job.grid.relative_std_index(cell)];
+    let stds = &job.random.relative_stds[job.grid.cell(cell).scatter];
     let (mut relative, mut absolute) = (Vec::new(), Vec::new());
-    for (input, &std) in job.random.inputs.iter().zip(stds).filter(|(_, std)| **std > 0.0) {
+    for (&input, &std) in job.random.inputs.iter().zip(stds).filter(|(_, std)| **std > 0.0) {
         // The standard deviation of measured values has many digits.
         let std = (std * 1e6).round() / 1e6;
-        match input {
-            RandomInput::StaticFriction => relative.push(format!("friction {std}")),
-            RandomInput::Start(number) => absolute.push(format!("{} {std}", number.key())),
-            input => relative.push(format!("{} {std}", input.name())),
+        let quantity = job.quantity(input);
+        match quantity.role {
+            // The last word of its name is enough.
+            Role::Input => {
+                relative.push(format!("{} {std}", quantity.label.rsplit(' ').next().unwrap_or(&quantity.label)));
+            }
+            Role::Configuration => relative.push(format!("{} {std}", quantity.name)),
+            Role::Start => absolute.push(format!("{} {std}", quantity.name)),
         }
     }
     let relative = if relative.is_empty() { "none".to_owned() } else { relative.join(", ") };

@@ -1,8 +1,7 @@
 //! The cells of a run in which nothing scatters, such as a basin of attraction: each has one verdict.
 
-use stickslip_core::criterion::time_domain::DiscModel;
+use stickslip_core::model::Model;
 
-use crate::job::Criterion;
 use crate::picture::view::{GridView, MOST_PANELS, Slice, ViewAxis};
 use crate::plot::axes::axis_of_cells;
 use crate::plot::canvas::{Canvas, Place};
@@ -31,7 +30,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
         .enumerate()
         .map(|(number, panel)| regions(values, panel, &view.slice(number), &axes, [view.vertical(), Some(horizontal)]))
         .collect();
-    let legend = Regions::legend(&regions, names(&values.job.criterion), width - LEFT - RIGHT);
+    let legend = Regions::legend(&regions, names(values.job.model()), width - LEFT - RIGHT);
     let mut canvas = Canvas::new(width, height + BEFORE + legend.height() + AFTER);
     for (number, (panel, regions)) in panels.iter().zip(&regions).enumerate() {
         regions.draw(&mut canvas);
@@ -53,12 +52,9 @@ struct Axes {
     up: Option<Axis>,
 }
 
-/// What the regions are called. On a rigid disc, what does not come to rest sticks and slips, or keeps to a cycle.
-fn names(criterion: &Criterion) -> [&'static str; 5] {
-    let [stable, unstable] = match criterion {
-        Criterion::TimeDomain { disc: DiscModel::Rigid, .. } => ["steady sliding", "stick-slip"],
-        _ => ["stable", "unstable"],
-    };
+/// What the regions are called.
+fn names(model: &dyn Model) -> [&'static str; 5] {
+    let [stable, unstable] = model.verdict_names();
     [stable, unstable, "undecided", "failed", "samples differ"]
 }
 

@@ -1,6 +1,6 @@
 //! Lines of the limits of a run over the two axes that are shown.
 
-use crate::picture::view::{GridView, Slice, ViewAxis, rounded};
+use crate::picture::view::{GridView, Slice, rounded};
 use crate::plot::levels::label;
 use crate::tables::limits::{FinishedLimit, FinishedLimits};
 
@@ -15,19 +15,14 @@ pub struct LimitLine {
     pub points: Vec<[f64; 2]>,
 }
 
-/// The name of an axis in a job.
-fn name_in_job(axis: &ViewAxis) -> String {
-    axis.key().replace(' ', "_")
-}
-
 /// The lines in a slice; none if the limits do not lie along one of the axes that are shown.
 ///
 /// A line goes from limit to limit along the other axis as long as the probability passes the target there in the same
 /// sense: one that ends leaves a gap.
 pub fn lines(limits: &FinishedLimits, view: &GridView, slice: &Slice<'_>) -> Vec<LimitLine> {
     let (Some(vertical), Some(horizontal)) = (view.vertical(), view.horizontal()) else { return Vec::new() };
-    let is_upwards = name_in_job(vertical) == limits.of;
-    if !is_upwards && name_in_job(horizontal) != limits.of {
+    let is_upwards = vertical.name_in_job == limits.of;
+    if !is_upwards && horizontal.name_in_job != limits.of {
         return Vec::new();
     }
     let other = if is_upwards { horizontal } else { vertical };
@@ -37,7 +32,7 @@ pub fn lines(limits: &FinishedLimits, view: &GridView, slice: &Slice<'_>) -> Vec
         for (position, &at) in other.values.iter().enumerate() {
             let cell = if is_upwards { slice.cell(0, position) } else { slice.cell(position, 0) };
             let is_here = |row: &&FinishedLimit| row.cell == cell && row.target == target;
-            let here = limits.rows.iter().filter(is_here).filter_map(|row| Some((row.state == "rises", row.value?)));
+            let here = limits.rows.iter().filter(is_here).filter_map(|row| Some((row.rises, row.value?)));
             let here: Vec<(bool, f64)> = here.collect();
             let point = |value: f64| if is_upwards { [at, value] } else { [value, at] };
             let last = |line: &LimitLine| line.points.last().map_or(f64::NAN, |point| point[usize::from(is_upwards)]);
@@ -107,6 +102,7 @@ mod tests {
         let text = "name = \"j\"\n[axes]\nrotating_speed = { from = 1, to = 20, points = 20 }\npreload = { from = 0.1, to = 0.8, points = 8 }\n[criterion]\nkind = \"eigenvalue\"\n";
         let job = JobSource { path: PathBuf::from("job.toml"), text: text.to_owned() }.job().unwrap();
         let view = GridView::new(&job);
+        let horizontal = view.horizontal().unwrap();
         let mut rows = Vec::new();
         // At positions on the preload axis: nothing, an island, a second one beside it, and only that.
         let limits: [&[(&str, f64)]; 8] = [
@@ -123,7 +119,7 @@ mod tests {
             let row = |state: &str, value| FinishedLimit {
                 cell: position as u64,
                 target: 0.01,
-                state: state.to_owned(),
+                rises: state == "rises",
                 value,
             };
             rows.extend(limits.iter().map(|&(state, value)| row(state, Some(value))));
@@ -139,7 +135,7 @@ mod tests {
             speeds,
             [vec![4.0, 3.0, 3.5], vec![5.0, 6.0, 5.5], vec![15.0, 14.0], vec![16.0, 17.0], vec![9.0, 8.0]]
         );
-        assert_eq!(drawn[4].points[0][0], job.grid.preload.values()[6]);
+        assert_eq!(drawn[4].points[0][0], horizontal.values[6]);
         found.of = "static_friction".to_owned();
         assert!(lines(&found, &view, &view.slice(0)).is_empty());
     }

@@ -1,6 +1,6 @@
 //! Regions of one verdict, and their colours.
 
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
 
 use crate::plot::canvas::{Canvas, Place, Rgb};
 use crate::plot::legend::Legend;

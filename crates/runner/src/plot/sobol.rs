@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use stickslip_core::model::quantity::Quantity;
 use stickslip_sampler::special_functions::normal;
 
 use crate::failure::Failure;
 use crate::picture::scale::Scale;
+use crate::picture::title::title;
 use crate::picture::view::{GridView, rounded};
-use crate::plot::axes::title;
 use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Rgb, Side, width_of};
 use crate::plot::legend::Legend;
 use crate::plot::panel::{ABOVE, Axis, BELOW, Panel, RIGHT, SMALL, two_lines, wrapped};
@@ -50,7 +51,7 @@ type Pair = [Option<Index>; 2];
 /// The Sobol indices of a run.
 pub struct Sobol {
     values: Values,
-    /// Names of the inputs.
+    /// The titles of the inputs.
     inputs: Vec<String>,
     /// For each cell, for each input.
     indices: Vec<Vec<Pair>>,
@@ -77,7 +78,8 @@ impl Sobol {
                 FinishedValues::Integer(_) => None,
             }
         };
-        let inputs: Vec<String> = values.job.random.inputs.iter().map(|input| input.name().to_owned()).collect();
+        let job = &values.job;
+        let quantities: Vec<&Quantity> = job.random.inputs.iter().map(|&place| job.quantity(place)).collect();
         let pair = |cell: usize, input: &str| -> Pair {
             ["first_order", "total"].map(|kind| {
                 let name = format!("{kind}_{input}");
@@ -85,7 +87,8 @@ impl Sobol {
             })
         };
         let cells = 0..values.probability.len();
-        let indices = cells.map(|cell| inputs.iter().map(|input| pair(cell, input)).collect()).collect();
+        let indices = cells.map(|cell| quantities.iter().map(|input| pair(cell, &input.name)).collect()).collect();
+        let inputs = quantities.into_iter().map(title).collect();
         Ok(Self { values, inputs, indices })
     }
 
@@ -127,7 +130,7 @@ impl Sobol {
     /// The figure of some cells, this wide in pixels.
     pub fn figure(&self, cells: &[usize], width: f64) -> Canvas {
         let names: Vec<Vec<String>> =
-            self.inputs.iter().map(|input| wrapped(&title(input), MOST_NAMES * width, SMALL)).collect();
+            self.inputs.iter().map(|input| wrapped(input, MOST_NAMES * width, SMALL)).collect();
         let longest = names.iter().flatten().map(|line| width_of(line, SMALL)).fold(0.0, f64::max);
         let left = longest + 12.0;
         let inside = width - RIGHT - left;

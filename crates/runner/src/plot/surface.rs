@@ -1,8 +1,9 @@
 //! The probability of a run: filled contours over two axes, curves with their intervals over one.
 
-use crate::job::Criterion;
+use stickslip_core::model::ClosedForm;
+
 use crate::picture::scale::Scale;
-use crate::picture::view::{GridView, Slice};
+use crate::picture::view::{GridView, Slice, ViewAxis};
 use crate::plot::area::{Area, AreaPanel, LINE, Level, labelled_line};
 use crate::plot::canvas::{BLACK, Canvas, Pen, Place, Rgb, WHITE};
 use crate::plot::curves::Curves;
@@ -46,9 +47,10 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
         Form::Area { vertical, horizontal } => {
             let levels = Levels::up_to(values.largest());
             // The boundary is known in closed form, and lies in the plane that is shown.
-            let has_boundary = vertical.key() == "preload"
-                && horizontal.key() == "static friction"
-                && matches!(values.job.criterion, Criterion::Eigenvalue);
+            let model = values.job.model();
+            let is_of = |place: usize, axis: &ViewAxis| axis.quantity == Some(place);
+            let has_boundary = model.has_closed_form()
+                && model.pair().is_some_and(|[first, second]| is_of(first, vertical) && is_of(second, horizontal));
             let boundary_note = has_boundary.then_some("dashed: stability boundary of the expected brake");
             let limits_of =
                 |slice: &Slice<'_>| values.limits.as_ref().map_or_else(Vec::new, |found| lines(found, &view, slice));
@@ -108,16 +110,15 @@ fn top(values: &Values) -> f64 {
     TOPS.into_iter().find(|limit| *limit >= highest).unwrap_or(1.0)
 }
 
-/// The boundary of stability of the expected brake, which is known in closed form.
+/// The boundary of stability with the expected values, which is known in closed form.
 fn boundary(canvas: &mut Canvas, values: &Values, drawn: &AreaPanel<'_>, [from, to]: [f64; 2]) {
     let job = &values.job;
-    let Ok(brake) = job.brake(job.grid.brake_index(drawn.slice.first)) else { return };
-    let boundary = brake.stability_boundary();
+    let Ok(configuration) = job.configuration_in(&job.grid.cell(drawn.slice.first)) else { return };
+    let Some(boundary) = configuration.closed_form().map(ClosedForm::boundary) else { return };
     let mut line: Vec<Place> = Vec::new();
     for i in 0..=200 {
-        let friction = from + (to - from) * f64::from(i) / 200.0;
-        let (right, up) =
-            (drawn.horizontal.scale.at(friction), drawn.vertical.scale.at(boundary.critical_preload(friction)));
+        let second = from + (to - from) * f64::from(i) / 200.0;
+        let (right, up) = (drawn.horizontal.scale.at(second), drawn.vertical.scale.at(boundary.critical_first(second)));
         let place = drawn.panel.place(right, up);
         if drawn.panel.contains(place) {
             line.push(place);

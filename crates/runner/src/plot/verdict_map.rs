@@ -1,4 +1,4 @@
-//! The verdict maps of a run: which preloads and friction coefficients are stable, brake by brake.
+//! The verdict maps of a run: which values of the pair are stable, configuration by configuration.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -12,8 +12,8 @@ use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::quoted;
 use crate::picture::scale::Scale;
+use crate::picture::title::title;
 use crate::picture::view::{GridView, MOST_PANELS};
-use crate::plot::axes::title;
 use crate::plot::canvas::{BLACK, Canvas, Pen, Place, WHITE};
 use crate::plot::panel::{ABOVE, Arrangement, Axis, LEFT, Layout, Panel, RIGHT, heading, space_of, write_notes};
 use crate::plot::regions::{Region, Regions};
@@ -88,16 +88,16 @@ impl VerdictMaps {
 
     /// The number of panels.
     pub fn panels(&self) -> usize {
-        self.job.grid.brakes()
+        self.job.grid.configurations()
     }
 
     /// The figure, this wide in pixels.
     pub fn figure(&self, width: f64) -> Canvas {
         let maps: Vec<&VerdictMap> =
-            (0..self.panels().min(MOST_PANELS)).filter_map(|brake| self.maps.get(brake)).collect();
-        let [horizontal, vertical] = axes(&maps);
-        let has_marks =
-            self.job.grid.preload.values().len() * self.job.grid.static_friction.values().len() <= MOST_MARKS;
+            (0..self.panels().min(MOST_PANELS)).filter_map(|configuration| self.maps.get(configuration)).collect();
+        let marks = marks(&self.job);
+        let [horizontal, vertical] = axes(&self.job, &maps);
+        let has_marks = marks.len() <= MOST_MARKS;
         let notes: Vec<String> = [
             (has_marks, "dots: expected values of the cells"),
             (maps.iter().any(|map| !fills_rectangle(map)), "blank: reached by no sample"),
@@ -116,15 +116,16 @@ impl VerdictMaps {
         let total = height + BEFORE + legend.height() + space_of(&notes);
         let mut canvas = Canvas::new(width, total);
         let view = GridView::new(&self.job);
-        for (brake, ((panel, map), regions)) in panels.iter().zip(&maps).zip(&regions).enumerate() {
+        for (configuration, ((panel, map), regions)) in panels.iter().zip(&maps).zip(&regions).enumerate() {
             regions.draw(&mut canvas);
             let plane = Plane { panel, map, horizontal: &horizontal, vertical: &vertical };
             plane.tiles(&mut canvas);
             if has_marks {
-                plane.marks(&mut canvas, &self.job);
+                plane.mark(&mut canvas, &marks);
             }
             panel.frame(&mut canvas, &horizontal, &vertical);
-            heading(&mut canvas, panel, &view.brake_of(self.job.grid.first_cell_with(brake).index));
+            let first = self.job.grid.first_cell_with(configuration).index;
+            heading(&mut canvas, panel, &view.configuration_of(first));
         }
         legend.draw(&mut canvas, (LEFT, height + BEFORE));
         write_notes(&mut canvas, &notes, (width, total));
@@ -143,8 +144,16 @@ fn distance(a: Place, b: Place) -> f64 {
     libm::hypot(a.0 - b.0, a.1 - b.1)
 }
 
-/// The axes of static friction and preload, as far as the tiles of all maps reach.
-fn axes(maps: &[&VerdictMap]) -> [Axis; 2] {
+/// The expected values of the pair in the cells.
+fn marks(job: &Job) -> Vec<[f64; 2]> {
+    let Some([first, second]) = job.model().pair().map(|pair| pair.map(|place| job.grid.values_of(place))) else {
+        return Vec::new();
+    };
+    first.iter().flat_map(|&first| second.iter().map(move |&second| [first, second])).collect()
+}
+
+/// The axes of the second and the first of the pair, as far as the tiles of all maps reach.
+fn axes(job: &Job, maps: &[&VerdictMap]) -> [Axis; 2] {
     let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for map in maps {
         for (index, _) in map.tiles() {
@@ -156,12 +165,16 @@ fn axes(maps: &[&VerdictMap]) -> [Axis; 2] {
             }
         }
     }
-    let [preload, friction] = ends;
-    [(friction, "static friction"), (preload, "preload")].map(|([low, high], key)| Axis {
-        scale: if low < high { Scale::linear(low, high) } else { Scale::linear(0.0, 1.0) },
-        title: title(key),
-        unit: String::new(),
-    })
+    let titles = job.model().pair().map(|pair| pair.map(|place| title(job.quantity(place)))).unwrap_or_default();
+    let axis = |input: usize| {
+        let [low, high] = ends[input];
+        Axis {
+            scale: if low < high { Scale::linear(low, high) } else { Scale::linear(0.0, 1.0) },
+            title: titles[input].clone(),
+            unit: String::new(),
+        }
+    };
+    [axis(1), axis(0)]
 }
 
 /// A map in its panel.
@@ -173,9 +186,9 @@ struct Plane<'a> {
 }
 
 impl Plane<'_> {
-    /// Where a preload and a static friction coefficient lie.
-    fn place(&self, [preload, friction]: [f64; 2]) -> Place {
-        self.panel.place(self.horizontal.scale.at(friction), self.vertical.scale.at(preload))
+    /// Where values of the pair lie.
+    fn place(&self, [first, second]: [f64; 2]) -> Place {
+        self.panel.place(self.horizontal.scale.at(second), self.vertical.scale.at(first))
     }
 
     /// The corners of a box, around it.
@@ -249,16 +262,13 @@ impl Plane<'_> {
         }
     }
 
-    /// The expected values of the cells.
-    fn marks(&self, canvas: &mut Canvas, job: &Job) {
-        let count = job.grid.preload.values().len() * job.grid.static_friction.values().len();
-        let radius = if count <= FEW_MARKS { 1.6 } else { 0.8 };
-        for &preload in job.grid.preload.values() {
-            for &friction in job.grid.static_friction.values() {
-                let place = self.place([preload, friction]);
-                if self.panel.contains(place) {
-                    canvas.dot(place, radius, BLACK);
-                }
+    /// Marks the expected values of the cells.
+    fn mark(&self, canvas: &mut Canvas, marks: &[[f64; 2]]) {
+        let radius = if marks.len() <= FEW_MARKS { 1.6 } else { 0.8 };
+        for &mark in marks {
+            let place = self.place(mark);
+            if self.panel.contains(place) {
+                canvas.dot(place, radius, BLACK);
             }
         }
     }

@@ -13,6 +13,7 @@ use std::path::Path;
 
 use flate2::read::GzDecoder;
 use serde_json::{Value, json};
+use stickslip_core::model::Model;
 use stickslip_sampler::draw::identity::RESULTS_VERSION;
 use stickslip_sampler::estimate::interval::Estimate;
 
@@ -103,18 +104,25 @@ fn answered(run: &ReportedRun, has_name: bool) -> String {
 fn verdicts(runs: &[ReportedRun]) -> String {
     let picture = |run: &ReportedRun| {
         let map = run.verdict_map.as_ref()?;
-        let map = map.element("Map of the verdicts over preload and static friction coefficient");
+        let map = map.element(&format!("Map of the verdicts over {}", nouns_of_pair(run.values.job.model())));
         Some(format!("{}<div class=\"picture\">{map}</div>", heading(run, runs.len() > 1)))
     };
     let pictures: String = runs.iter().filter_map(picture).collect();
     if pictures.is_empty() {
         return pictures;
     }
-    let note = "Every sample whose preload and static friction coefficient lie in a region has its verdict.";
+    let pair = runs.first().map(|run| nouns_of_pair(run.values.job.model())).unwrap_or_default();
+    let note = format!("Every sample whose {pair} lie in a region has its verdict.");
     format!(
         "<section aria-labelledby=\"verdicts-heading\" id=\"verdicts\"><h2 id=\"verdicts-heading\">Verdict map</h2>{pictures}{}</section>",
-        element("p", "class=\"note\"", note)
+        element("p", "class=\"note\"", &note)
     )
+}
+
+/// What the pair of a model is.
+fn nouns_of_pair(model: &dyn Model) -> String {
+    let nouns = model.pair().into_iter().flatten().map(|place| model.quantities()[place].noun());
+    nouns.collect::<Vec<_>>().join(" and ")
 }
 
 /// How a run was computed: seed, versions, the command that computes the same numbers, and the job.

@@ -3,13 +3,15 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
+use stickslip_core::model::quantity::Quantity;
 
-use super::expected::expected_brakes;
+use super::expected::expected_behaviours;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::note;
+use crate::picture::title::title;
 use crate::picture::view::{GridView, Slice, round};
-use crate::plot::axes::{axis, title};
+use crate::plot::axes::axis;
 use crate::plot::canvas::Canvas;
 use crate::plot::levels::{Levels, label};
 use crate::plot::limit_lines::{LimitLine, lines, target_label};
@@ -101,8 +103,8 @@ impl ReportedRun {
             "lines": levels.lines(),
             "colours": (0..levels.bands()).map(colour).collect::<Vec<_>>(),
             "interval_name": interval_name(job),
-            "expected": expected_brakes(job),
-            "thickness_mm": thickness_mm(job),
+            "expected": expected_behaviours(job),
+            "thickness_mm": length_scale_mm(job),
             "limits": self.limits(&view),
             "amplitude": self.amplitude(),
             "sensitivity": self.sensitivity(),
@@ -135,17 +137,19 @@ impl ReportedRun {
 
     /// The Sobol indices of every input, null without any.
     fn sensitivity(&self) -> Value {
-        let of = |name: &str| {
+        let of = |quantity: &Quantity| {
+            let name = &quantity.name;
             let column = |kind: &str| self.further(&format!("{kind}_{name}"));
             Some(json!({
-                "input": title(name),
+                "input": title(quantity),
                 "first_order": column("first_order")?,
                 "first_order_error": self.further(&format!("first_order_{name}_error"))?,
                 "total": column("total")?,
                 "total_error": self.further(&format!("total_{name}_error"))?,
             }))
         };
-        let inputs: Vec<Value> = self.values.job.random.inputs.iter().filter_map(|input| of(input.name())).collect();
+        let job = &self.values.job;
+        let inputs: Vec<Value> = job.random.inputs.iter().filter_map(|&place| of(job.quantity(place))).collect();
         if inputs.is_empty() { Value::Null } else { inputs.into() }
     }
 
@@ -158,10 +162,11 @@ impl ReportedRun {
     }
 }
 
-/// The thickness of the disc if it is the same in all cells.
-fn thickness_mm(job: &Job) -> Option<f64> {
-    let is_axis = job.grid.further().any(|further| further.name == "disc.thickness");
-    (!is_axis).then_some(1e3 * job.parameters.disc.thickness)
+/// What amplitudes are over, in mm, if it is the same in all cells.
+fn length_scale_mm(job: &Job) -> Option<f64> {
+    let of = |configuration| job.model().length_scale(&job.grid.first_cell_with(configuration).expected);
+    let first = of(0)?;
+    (1..job.grid.configurations()).all(|other| of(other) == Some(first)).then_some(1e3 * first)
 }
 
 /// What the intervals of a job are.

@@ -46,7 +46,7 @@ function told(cell) {
 }
 
 // What the brake with exactly the expected values of a cell does.
-function toldOfBrake(cell) {
+function aboutBrake(cell) {
   if (view.comparison) return "Strokes: the interval contains 0.";
   const { expected, amplitude, thickness_mm: thickness } = view.run;
   const sentences = [];
@@ -247,7 +247,7 @@ function draw() {
   const { run } = view, cell = cellAt(run, place);
   const long = run.axes.map((axis, i) => [axis, i]).filter(([axis]) => axis.values.length > 1);
   element("selected").textContent = [...long.map(([axis, i]) => named(axis, place[i])), told(cell)].join(", ");
-  element("expected").textContent = toldOfBrake(cell);
+  element("expected").textContent = aboutBrake(cell);
   element("interval").textContent = (view.comparison ?? run).interval_name;
   element("sections").hidden = !isMap();
   details("map").hidden = run.horizontal === null;

@@ -2,20 +2,21 @@
 
 use std::path::Path;
 
-use stickslip_core::criterion::settings::TimeDomainSettings;
-use stickslip_core::criterion::time_domain::{DiscModel, TimeDomain};
-use stickslip_core::flexible_disc::brake::DISC_MODES;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::RandomInputs;
-use stickslip_core::trajectory::sweep::{SweepPoint, sweep};
+use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
+use stickslip_core::models::pad_on_disc::criterion::time_domain::{DiscModel, TimeDomain};
+use stickslip_core::models::pad_on_disc::flexible_disc::brake::DISC_MODES;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
+use stickslip_core::models::pad_on_disc::trajectory::sweep::{SweepPoint, sweep};
 
 use super::part::Part;
 use super::preset::brake_at;
+use crate::commands::scales_line;
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
 use crate::picture::chart::{Chart, ChartAxis, Form, Marks, Series};
 use crate::picture::scale::Scale;
-use crate::units::{scales_line, speed};
+use crate::units::speed;
 
 /// Speeds of the sweep, rad/s.
 const SLOWEST: f64 = 10.0;

@@ -1,12 +1,11 @@
 //! A Monte Carlo surface against the exact probabilities.
 
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::model::{PRELOAD, ROTATING_SPEED};
 use stickslip_sampler::integrate::closed_form;
 use stickslip_sampler::special_functions::{beta, normal};
 
 use crate::commands::FinishedRun;
 use crate::failure::Failure;
-use crate::job::Criterion;
 use crate::tables::row::SurfaceRow;
 use crate::tables::surface::Surface;
 use crate::units;
@@ -53,12 +52,16 @@ impl ComparedRow {
 
 /// Every cell of a run with its exact probability.
 pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
-    let boundary = |brake: usize| run.job.brake(brake).map(|brake| brake.stability_boundary());
-    let boundaries: Result<Vec<_>, _> = (0..run.job.grid.brakes()).map(boundary).collect();
+    let grid = &run.job.grid;
+    let pad = run.job.pad()?;
+    let boundary =
+        |brake: usize| pad.brake(&grid.first_cell_with(brake).expected).map(|brake| brake.stability_boundary());
+    let boundaries: Result<Vec<_>, _> = (0..grid.configurations()).map(boundary).collect();
     let boundaries = boundaries.map_err(|error| Failure::Job(error.to_string()))?;
     let surface = Surface::new(&run.job, &run.tally);
     let compared = surface.rows().map(|row| {
-        let exact = closed_form::probability(&boundaries[run.job.grid.brake_index(row.cell.index)], &row.cell).value;
+        let boundary = &boundaries[grid.configuration_index(row.cell.index)];
+        let exact = closed_form::probability(boundary, &run.job.normal_pair(&row.cell)).value;
         let estimate = row.estimate.probability.unwrap_or(f64::NAN);
         let error = (exact * (1.0 - exact) / row.counts.decided() as f64).sqrt();
         ComparedRow { row, estimate, exact, z: (error > 0.0).then(|| (estimate - exact) / error) }
@@ -68,9 +71,10 @@ pub fn compare(run: &FinishedRun) -> Result<Vec<ComparedRow>, Failure> {
 
 /// A sentence on how well all cells agree.
 pub fn summary(run: &FinishedRun, rows: &[ComparedRow]) -> String {
-    let what = match run.job.criterion {
-        Criterion::Eigenvalue => "the exact probabilities",
-        _ => "the exact probabilities of linear stability on a rigid disc",
+    let what = if run.job.has_closed_form() {
+        "the exact probabilities"
+    } else {
+        "the exact probabilities of linear stability on a rigid disc"
     };
     let normal: Vec<f64> = rows.iter().filter(|row| row.is_normal()).filter_map(|row| row.z).collect();
     let rare = rows.iter().filter(|row| !row.is_normal());
@@ -97,19 +101,21 @@ pub fn summary(run: &FinishedRun, rows: &[ComparedRow]) -> String {
 
 /// Speeds and preloads of a run in SI.
 fn in_si(run: &FinishedRun) -> String {
-    let Ok(brake) = PadOnDisc::new(run.job.parameters.clone()) else { return String::new() };
     let grid = &run.job.grid;
+    let Some(brake) = run.job.model.as_pad().and_then(|pad| pad.brake(&grid.cell(0).expected).ok()) else {
+        return String::new();
+    };
     let range = |values: &[f64], text: &dyn Fn(f64) -> String| match values {
         [only] => text(*only),
         [first, .., last] => format!("{} to {}", text(*first), text(*last)),
         [] => String::new(),
     };
     let scales = brake.scales();
-    let (speeds, preloads) = (grid.rotating_speed.values(), grid.preload.values());
+    let (speeds, preloads) = (grid.values_of(ROTATING_SPEED), grid.values_of(PRELOAD));
     format!(
         "in SI: the disc passes the pad at {};\n    the preload is {}, {} of contact force\n",
-        range(speeds, &|value| units::speed(brake.speed_under_pad(value))),
-        range(preloads, &|value| units::length(scales.metres(value))),
-        range(preloads, &|value| units::force(brake.contact_force(value)))
+        range(&speeds, &|value| units::speed(brake.speed_under_pad(value))),
+        range(&preloads, &|value| units::length(scales.metres(value))),
+        range(&preloads, &|value| units::force(brake.contact_force(value)))
     )
 }

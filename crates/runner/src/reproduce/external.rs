@@ -1,4 +1,4 @@
-//! Two friction oscillators that others published, as brakes with a rigid disc: numbers that nobody here wrote.
+//! Two friction oscillators that others published: numbers that nobody here wrote.
 //!
 //! - M. Stender, N. Hoffmann, "bSTAB: an open-source software for computing the basin stability of multi-stable
 //!   dynamical systems", Nonlinear Dynamics (2021), doi 10.1007/s11071-021-06786-5.
@@ -9,9 +9,8 @@
 
 use std::path::{Path, PathBuf};
 
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::basin::Window;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::rigid_disc::basin::Window;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 use super::part::{Part, Table};
 use super::score::{self, Score};
@@ -20,11 +19,11 @@ use crate::commands::{FinishedRun, complete_run};
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
 use crate::interrupt::Interrupt;
-use crate::job::JobSource;
+use crate::job::{Job, JobSource};
 use crate::picture::chart::{Chart, ChartAxis, Series};
 use crate::picture::scale::Scale;
 
-/// Limits of an oscillator, rad/s here and m/s there.
+/// Limits of an oscillator, belt speeds in m/s.
 struct Limits {
     critical: f64,
     end_of_stick_slip: f64,
@@ -39,7 +38,7 @@ struct Oscillator {
 
 const BSTAB: Oscillator = Oscillator {
     name: "bstab",
-    job: include_str!("../../../../jobs/bstab.toml"),
+    job: include_str!("../../jobs/bstab.toml"),
     limits: Limits { critical: 1.151293, end_of_stick_slip: 1.836601 },
 };
 
@@ -47,7 +46,7 @@ const BSTAB: Oscillator = Oscillator {
 /// 1e-12, atol 1e-14) and brentq on the largest speed of the return of the slip phase released from stick.
 const VERASZTO: Oscillator = Oscillator {
     name: "veraszto",
-    job: include_str!("../../../../jobs/veraszto.toml"),
+    job: include_str!("../../jobs/veraszto.toml"),
     limits: Limits { critical: 0.190616, end_of_stick_slip: 0.271789 },
 };
 
@@ -89,14 +88,13 @@ impl Oscillator {
         JobSource { path: PathBuf::from(format!("jobs/{}.toml", self.name)), text: self.job.to_owned() }
     }
 
-    /// Its brake at a rotating speed.
-    fn at(&self, rotating_speed: f64) -> Result<PadOnDisc, Failure> {
+    /// The pad on a rigid disc that moves as it does, at a belt speed.
+    fn at(&self, belt_speed: f64) -> Result<PadOnDisc, Failure> {
         let job = self.source().job()?;
-        let mut parameters: Parameters = job.parameters.clone();
-        parameters.operating_point.rotating_speed = rotating_speed;
-        parameters.operating_point.preload = job.grid.preload.values()[0];
-        parameters.friction.static_coefficient = job.grid.static_friction.values()[0];
-        PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))
+        let mut expected = job.grid.cell(0).expected;
+        expected[speed_of(&job)] = belt_speed;
+        let pad = job.model.rigid_pad(&expected).transpose().map_err(|error| Failure::Job(error.to_string()))?;
+        pad.ok_or_else(|| Failure::Internal(format!("jobs/{}.toml is of no oscillator", self.name)))
     }
 
     fn scores(&self, symbol: &str) -> Result<Vec<Score>, Failure> {
@@ -122,7 +120,7 @@ impl Oscillator {
     fn stick_slip(&self, run: &FinishedRun) -> String {
         let surface = run.surface();
         let is_right = surface.rows().all(|row| {
-            let sticks = row.cell.rotating_speed < self.limits.end_of_stick_slip;
+            let sticks = row.cell.expected[speed_of(&run.job)] < self.limits.end_of_stick_slip;
             row.estimate.probability == Some(f64::from(u8::from(sticks)))
         });
         format!(
@@ -186,7 +184,7 @@ fn shares(run: &FinishedRun) -> Result<[Part; 3], Failure> {
     let mut ends_hold = true;
     let mut undecided_when_slow = 0;
     for row in run.surface().rows() {
-        let (speed, counts) = (row.cell.rotating_speed, row.counts);
+        let (speed, counts) = (row.cell.expected[speed_of(&run.job)], row.counts);
         let exact = share(&BSTAB.at(speed)?)?;
         let ours = counts.stable as f64 / counts.total() as f64;
         let Some(Share { printed, area, .. }) = SHARES.iter().find(|share| share.speed == speed) else {
@@ -265,9 +263,9 @@ fn basins(directory: &Path) -> Result<[Part; 2], Failure> {
         directory,
         name,
         &[
-            column("rotating_speed_rad_s", "rad/s", "rotating speed, the belt speed v_d of the authors", speeds),
-            column("x", "1", "tangential displacement on the boundary of the basin", x),
-            column("x_speed", "1", "tangential speed on the boundary of the basin", u),
+            column("belt_speed", "m/s", "belt speed, v_d of the authors", speeds),
+            column("x", "m", "displacement on the boundary of the basin", x),
+            column("x_speed", "m/s", "speed on the boundary of the basin", u),
         ],
     )?;
     let chart = Chart::new(
@@ -277,6 +275,11 @@ fn basins(directory: &Path) -> Result<[Part; 2], Failure> {
         lines,
     );
     Ok([Part::chart(chart), Part::Text(format!("data: {}\n\n", directory.join(name).display()))])
+}
+
+/// The place of the belt speed among the quantities of a job.
+fn speed_of(job: &Job) -> usize {
+    job.model().place("belt_speed").unwrap_or_default()
 }
 
 fn holds(condition: bool) -> &'static str {

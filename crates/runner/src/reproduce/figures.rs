@@ -1,6 +1,6 @@
 //! Figures 4, 14 and 15.
 
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::model::{PRELOAD, ROTATING_SPEED};
 
 use super::comparison::{compare, summary};
 use super::part::{Part, of_surface};
@@ -25,22 +25,22 @@ const SHOWN_GROWTH: (f64, f64) = (-0.05, 0.25);
 
 /// Figure 4: the largest real part of the eigenvalues against rotating speed, for each preload.
 pub fn growth_rates(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
-    let speeds = run.job.grid.rotating_speed.values();
+    let grid = &run.job.grid;
+    let (pad, speeds) = (run.job.pad()?, grid.values_of(ROTATING_SPEED));
     let mut columns = [const { Vec::new() }; 5];
     let mut lines = Vec::new();
     let mut crossings = Vec::new();
     let mut text = String::new();
     let (mut one_in_si, mut highest) = (String::new(), 0.0_f64);
-    for &preload in run.job.grid.preload.values() {
+    for preload in grid.values_of(PRELOAD) {
         let brake_at = |speed: f64| {
-            let mut parameters = run.job.parameters.clone();
-            parameters.operating_point.preload = preload;
-            parameters.operating_point.rotating_speed = speed;
-            parameters.friction.static_coefficient = run.job.grid.static_friction.values()[0];
-            PadOnDisc::new(parameters).map_err(|error| Failure::Job(error.to_string()))
+            let mut expected = grid.cell(0).expected;
+            expected[PRELOAD] = preload;
+            expected[ROTATING_SPEED] = speed;
+            pad.complete_brake(&expected).map_err(|error| Failure::Job(error.to_string()))
         };
         let mut line = Vec::new();
-        for &speed in speeds {
+        for &speed in &speeds {
             let brake = brake_at(speed)?;
             let largest = brake.sliding_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
             line.push((speed, largest));
@@ -65,7 +65,7 @@ pub fn growth_rates(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
         );
         one_in_si = units::significant(scales.per_second(1.0));
     }
-    let speed = ChartAxis::new("Rotating speed", "rad/s", Scale::of(speeds));
+    let speed = ChartAxis::new("Rotating speed", "rad/s", Scale::of(&speeds));
     let growth = ChartAxis::new("Growth rate in scaled time", "", Scale::linear(SHOWN_GROWTH.0, SHOWN_GROWTH.1));
     let mut chart =
         Chart::new("Figure 4: largest real part of the eigenvalues against rotating speed", speed, growth, lines);

@@ -65,8 +65,8 @@ pub fn reproduce(arguments: &ReproduceArguments, interrupt: &Interrupt) -> Resul
         }
         sections.push(one(target, arguments, interrupt)?);
         if let (Some(signal), true) = (interrupt.signal(), index + 1 < targets.len()) {
-            let message = format!("finished up to {}; the same command goes on from there", target.name());
-            return Err(Failure::Stopped { signal, message });
+            let kept = format!("finished up to {}; the same command goes on from there", target.name());
+            return Err(Failure::stopped(signal, &kept.as_str().into()));
         }
     }
     if arguments.report {

@@ -3,23 +3,24 @@
 use std::ops::Range;
 use std::path::Path;
 
-use stickslip_core::criterion::settings::TimeDomainSettings;
-use stickslip_core::criterion::time_domain::DiscModel;
-use stickslip_core::flexible_disc::brake::DISC_MODES;
-use stickslip_core::motion::moment::Moment;
-use stickslip_core::motion::start::Start;
-use stickslip_core::rigid_disc::pad_on_disc::{RandomInputs, Scales};
-use stickslip_core::trajectory::recording::Trajectory;
+use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
+use stickslip_core::models::pad_on_disc::criterion::time_domain::DiscModel;
+use stickslip_core::models::pad_on_disc::flexible_disc::brake::DISC_MODES;
+use stickslip_core::models::pad_on_disc::motion::moment::Moment;
+use stickslip_core::models::pad_on_disc::motion::start::Start;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{RandomInputs, Scales};
+use stickslip_core::models::pad_on_disc::trajectory::recording::Trajectory;
 
 use super::part::Part;
 use super::preset::brake_at;
+use crate::commands::scales_line;
 use crate::commands::{columns, simulate};
 use crate::failure::Failure;
 use crate::files::table::write_columns;
 use crate::picture::chart::{Chart, ChartAxis, Series};
 use crate::picture::scale::Scale;
 use crate::target::Target;
-use crate::units::{duration, frequency, length, range, scales_line};
+use crate::units::{duration, frequency, length, range};
 
 /// Scaled time of a motion, some 280 cycles of the pad; the last part of it is looked at.
 pub const HORIZON: f64 = 1000.0;

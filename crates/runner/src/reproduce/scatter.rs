@@ -19,21 +19,21 @@ const BINS: i32 = 12;
 /// `reproduce fig12` and `fig13`.
 pub fn scattered_input(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
     let job = &run.job;
-    let is_preload = job.random.has_preload();
+    let [preload, friction] = job.random.pair();
+    let Some(input) = preload.or(friction) else { return surface(run) };
     let mut columns = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
     let mut series = Vec::new();
     let mut largest_difference = 0.0_f64;
     let (mut widest, mut densest) = (0.0_f64, 0.0_f64);
-    let cells_per_std = (job.cells() / job.grid.relative_std.len() as u64).max(1);
-    for (index, std) in job.grid.relative_std.iter().enumerate() {
+    let cells_per_std = (job.cells() / job.grid.scatters as u64).max(1);
+    for index in 0..job.grid.scatters {
         let cell = job.grid.cell(index as u64 * cells_per_std);
-        let (std, expected) =
-            if is_preload { (std.preload, cell.preload) } else { (std.static_friction, cell.static_friction) };
+        let (std, expected) = (job.std(input, &cell), job.expected(input, &cell));
         let mut bins = [0u64; BINS as usize];
         let mut drawing = Drawing::new(job, &cell, 0, 0..job.sampling.samples, job.points());
         while let Some(samples) = drawing.next_chunk(CHUNK_SAMPLES) {
-            let values = if is_preload { samples.preloads() } else { samples.static_frictions() };
-            for value in values {
+            for sample in 0..samples.len() {
+                let value = samples.values(sample).nth(input).unwrap_or(f64::NAN);
                 let z = (value / expected - 1.0) / std;
                 let bin = (z * f64::from(BINS_PER_STD)).floor() + f64::from(BINS / 2);
                 if (0.0..f64::from(BINS)).contains(&bin) {
@@ -59,7 +59,7 @@ pub fn scattered_input(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
         series.push(Series::numbered(index, format!("standard deviation {std}"), steps));
     }
     let chart = Chart::new(
-        format!("Distribution of the random {}", if is_preload { "preload" } else { "static friction coefficient" }),
+        format!("Distribution of the random {}", job.quantity_of(input).noun()),
         ChartAxis::new("Deviation from the expected value, over it", "", Scale::linear(-widest, widest)),
         ChartAxis::new("Density", "", Scale::linear(0.0, 1.1 * densest)),
         series,

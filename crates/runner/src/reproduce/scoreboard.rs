@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use stickslip_sampler::grid::{Cell, RelativeStd};
+use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::closed_form;
 
 use super::external;
@@ -127,9 +127,8 @@ fn table_3_line() -> Result<String, Failure> {
     let (mut squares, mut largest) = (0.0, 0.0_f64);
     for (static_friction, paper) in PAPER_TABLE_3 {
         for (std, paper) in [0.10, 0.20, 0.25, 0.30].into_iter().zip(paper) {
-            let relative_std = RelativeStd { preload: 0.0, static_friction: std };
-            let cell = Cell { index: 0, rotating_speed: 16.0, relative_std, preload: 0.1, static_friction };
-            let deviation = closed_form::probability(&boundary, &cell).value - paper;
+            let pair = NormalPair { expected: [0.1, static_friction], relative_std: [0.0, std] };
+            let deviation = closed_form::probability(&boundary, &pair).value - paper;
             squares += deviation * deviation;
             largest = largest.max(deviation.abs());
         }
@@ -137,7 +136,7 @@ fn table_3_line() -> Result<String, Failure> {
     Ok(format!(
         "Table 3: the threshold f_s,crit = {:.4} at 16 rad/s explains its forty numbers\n\
          with rms {:.4}, max {largest:.4} (10^4 independent samples would leave 0.004).\n",
-        boundary.critical_static_friction(0.1),
+        boundary.critical_second(0.1),
         (squares / 40.0_f64).sqrt()
     ))
 }
@@ -145,10 +144,9 @@ fn table_3_line() -> Result<String, Failure> {
 /// The range of Table 2, an independent check: nothing was fitted to it.
 fn table_2_line() -> Result<String, Failure> {
     let boundary = brake_at(16.0)?.stability_boundary();
-    let relative_std = RelativeStd { preload: 0.2, static_friction: 0.0 };
     let probability = |preload| {
-        let cell = Cell { index: 0, rotating_speed: 16.0, relative_std, preload, static_friction: 0.39 };
-        closed_form::probability(&boundary, &cell).value
+        let pair = NormalPair { expected: [preload, 0.39], relative_std: [0.2, 0.0] };
+        closed_form::probability(&boundary, &pair).value
     };
     Ok(format!(
         "Table 2: over its range of preloads, 0.072 to 0.256, the probability\n\

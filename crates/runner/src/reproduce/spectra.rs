@@ -2,21 +2,22 @@
 
 use std::path::Path;
 
-use stickslip_core::motion::moment::Moment;
-use stickslip_core::motion::start::Start;
-use stickslip_core::rigid_disc::pad_on_disc::Scales;
-use stickslip_core::trajectory::recording::Trajectory;
+use stickslip_core::models::pad_on_disc::motion::moment::Moment;
+use stickslip_core::models::pad_on_disc::motion::start::Start;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::Scales;
+use stickslip_core::models::pad_on_disc::trajectory::recording::Trajectory;
 
 use super::motions::{HORIZON, Quantity, SETTLED, SPECTRAL, SPECTRAL_MODES, history, panel, write};
 use super::part::Part;
 use super::preset::brake_at;
+use crate::commands::scales_line;
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
 use crate::picture::chart::{Chart, ChartAxis, Marks, Series};
 use crate::picture::scale::Scale;
 use crate::spectrum::{Spectrum, spectrum};
 use crate::target::Target;
-use crate::units::{frequency, scales_line, significant};
+use crate::units::{frequency, significant};
 
 /// Frequencies that the paper prints, Hz of scaled time: of the pad and its multiples, of the pad's rotation, of the
 /// disc.

@@ -1,5 +1,7 @@
 //! Tables 2 and 3.
 
+use stickslip_core::models::pad_on_disc::model::PRELOAD;
+
 use super::comparison::{compare, summary};
 use super::part::{Part, Table};
 use crate::commands::FinishedRun;
@@ -49,7 +51,7 @@ pub fn table3(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
             let z = compared.z.unwrap_or(0.0);
             table_rows.push([
                 format!("{friction:.3}"),
-                format!("{:.2}", compared.row.cell.relative_std.static_friction),
+                format!("{:.2}", run.job.normal_pair(&compared.row.cell).relative_std[1]),
                 format!("{paper:.3}"),
                 format!("{:.4}", compared.estimate),
                 format!("{:.4}", compared.exact),
@@ -80,7 +82,7 @@ pub fn table2(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
     let mut table_rows = Vec::new();
     for compared in &rows {
         table_rows.push([
-            format!("{:.4}", compared.row.cell.preload),
+            format!("{:.4}", compared.row.cell.expected[PRELOAD]),
             format!("{:.4}", compared.estimate),
             format!("{:.4}", compared.exact),
             format!("{:+.4}", compared.estimate - compared.exact),

@@ -11,7 +11,9 @@ use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, Paral
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
-use crate::evaluate::control::{Control, IsStopped};
+use stickslip_core::model::IsStopped;
+
+use crate::evaluate::control::Control;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;

@@ -1,10 +1,10 @@
 //! Independent searches on all threads, and their results in order.
 
-use crate::evaluate::control::IsStopped;
-use crate::failure::Failure;
+use crate::failure::{Advice, Failure};
 use crate::interrupt::Interrupt;
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::progress::Progress;
+use stickslip_core::model::IsStopped;
 
 impl Engine {
     /// The results of `count` searches, whose progress is shown in `unit`s. A search that is stopped gives `None`;
@@ -14,7 +14,7 @@ impl Engine {
         count: u64,
         unit: &'static str,
         interrupt: &Interrupt,
-        stopped: &str,
+        stopped: &Advice,
         search: impl Fn(u64, IsStopped<'_>) -> Result<Option<T>, Failure> + Sync + Send,
     ) -> Result<Vec<T>, Failure> {
         let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
@@ -34,7 +34,7 @@ impl Engine {
         })?;
         progress.finish();
         match (outcome, failed) {
-            (Outcome::Stopped(signal), _) => Err(Failure::Stopped { signal, message: stopped.to_owned() }),
+            (Outcome::Stopped(signal), _) => Err(Failure::stopped(signal, stopped)),
             (Outcome::Finished, Some((_, failure))) => Err(failure),
             (Outcome::Finished, None) => Ok(results.into_iter().flatten().collect()),
         }

@@ -4,10 +4,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use indicatif::HumanCount;
-use stickslip_core::criterion::decision::Decision;
+use stickslip_core::model::decision::Decision;
 use stickslip_sampler::verdict_map::tile::{Tile, TileIndex};
 
-use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::tiles::cost_of;
 use crate::failure::Failure;
@@ -19,6 +18,7 @@ use crate::schedule::plan::Shard;
 use crate::schedule::progress::Progress;
 use crate::schedule::saving::{LONGEST_INTERVAL, SHORTEST_INTERVAL};
 use crate::store::map_pieces;
+use stickslip_core::model::IsStopped;
 
 /// How the completion of verdict maps ended.
 #[derive(Debug, Clone, Copy)]
@@ -111,21 +111,21 @@ impl Engine {
         let mut written = 0;
         let (started, mut since) = (Instant::now(), Instant::now());
         let resolve = |unit: u64, is_stopped: IsStopped<'_>| {
-            let (speed, index) = missing[unit as usize];
+            let (configuration, index) = missing[unit as usize];
             let count = |decisions: &[Decision]| {
                 simulations.fetch_add(decisions.len() as u64, Ordering::Relaxed);
                 cost.fetch_add(cost_of(decisions), Ordering::Relaxed);
             };
             let is_over = || is_stopped() || is_too_costly();
-            let tile = if is_over() { None } else { evaluator.resolve(speed, index, count, &is_over) };
+            let tile = if is_over() { None } else { evaluator.resolve(configuration, index, count, &is_over) };
             kept.fetch_add(tile.as_ref().map_or(0, |tile| tile.cost), Ordering::Relaxed);
-            (speed, index, tile)
+            (configuration, index, tile)
         };
         let outcome = self.in_parallel(missing.len() as u64, interrupt, resolve, |event| {
             let is_done = matches!(event, Event::Done);
-            if let Event::Finished((speed, index, Some(tile))) = event {
+            if let Event::Finished((configuration, index, Some(tile))) = event {
                 progress.advance(1);
-                finished.push((speed, index, tile));
+                finished.push((configuration, index, tile));
             }
             progress.tick();
             let interval = match interrupt.signal() {
@@ -145,8 +145,8 @@ impl Engine {
         })?;
         progress.finish();
         let given_up = outcome == Outcome::Finished && is_too_costly();
-        for (speed, index, tile) in finished {
-            evaluator.maps_mut().insert(speed, index, tile);
+        for (configuration, index, tile) in finished {
+            evaluator.maps_mut().insert(configuration, index, tile);
         }
         let simulations = simulations.into_inner();
         let completed = CompletedMaps {

@@ -223,7 +223,7 @@ fn cells_with_units(parts: &Parts, cell_units: u128, shard: Option<Shard>) -> im
 mod tests {
     use super::*;
     use crate::evaluate::unit::FinishedUnit;
-    use stickslip_core::verdict::VerdictCounts;
+    use stickslip_core::model::verdict::VerdictCounts;
     use stickslip_sampler::estimate::distribution::Distribution;
 
     const SAMPLES: u64 = 3_500_000;

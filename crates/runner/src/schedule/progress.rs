@@ -5,13 +5,17 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::output::{note, rate};
+use crate::messages::{Code, Message, Numbers, are_json};
+use crate::output::rate;
 use crate::schedule::time_left::{Prediction, RateMeter};
 
 /// Time between plain lines. A line is also printed when another twentieth is done, after the shortest time, and once
 /// when the time left is first known.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(30);
 const PLAIN_SHORTEST: Duration = Duration::from_secs(2);
+
+/// Time between messages for programs, which draw a bar of them.
+const JSON_INTERVAL: Duration = Duration::from_millis(200);
 
 /// What is known of the total.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +50,7 @@ impl Progress {
     /// Progress towards `total` samples, or other things that `unit` names.
     pub fn new(total: u128, unit: &'static str) -> Self {
         let total = u64::try_from(total).unwrap_or(u64::MAX);
-        let bar = io::stderr().is_terminal().then(|| {
+        let bar = (io::stderr().is_terminal() && !are_json()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
             let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}");
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
@@ -97,12 +101,18 @@ impl Progress {
         let since = self.last_line.elapsed();
         let another_twentieth = (self.done - self.last_done).saturating_mul(20) >= self.total;
         let is_first = !self.has_told && self.time_left() != Prediction::Unknown;
-        if since >= PLAIN_INTERVAL || ((another_twentieth || is_first) && since >= PLAIN_SHORTEST) {
+        let is_due = if are_json() {
+            since >= JSON_INTERVAL
+        } else {
+            since >= PLAIN_INTERVAL || ((another_twentieth || is_first) && since >= PLAIN_SHORTEST)
+        };
+        if is_due {
             self.last_line = Instant::now();
             self.last_done = self.done;
             self.has_told |= is_first;
             let share = 100.0 * self.done as f64 / self.total.max(1) as f64;
-            note(format_args!("{share:.0} %: {}", self.text()));
+            let message = Message::new(Code::Progress, &format!("{share:.0} %: {}", self.text()));
+            Message { progress: Some(self.numbers()), ..message }.send();
         }
     }
 
@@ -113,9 +123,30 @@ impl Progress {
         if self.kind == Total::AtLeast { time.at_least() } else { time }
     }
 
+    /// Units in a second.
+    fn rate(&self) -> f64 {
+        self.done as f64 / self.started.elapsed().as_secs_f64().max(1e-9)
+    }
+
+    /// What is done, how fast, and how long the rest takes, in numbers.
+    fn numbers(&self) -> Numbers {
+        Numbers {
+            done: self.done,
+            total: self.total,
+            total_is: match self.kind {
+                Total::Known => "known",
+                Total::Expected => "expected",
+                Total::AtLeast => "at-least",
+            },
+            unit: self.unit,
+            rate: self.rate(),
+            seconds_left: self.time_left().seconds(),
+        }
+    }
+
     /// What is done, how fast, and how long the rest takes.
     fn text(&self) -> String {
-        let rate = rate(self.done as f64 / self.started.elapsed().as_secs_f64().max(1e-9));
+        let rate = rate(self.rate());
         let left = match self.time_left() {
             Prediction::Unknown => "estimating the time left".to_owned(),
             known if self.step.is_empty() => format!("{known} left"),

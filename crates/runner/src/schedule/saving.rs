@@ -114,7 +114,7 @@ impl<'a> Saving<'a> {
 mod tests {
     use super::*;
     use std::ops::Range;
-    use stickslip_core::verdict::VerdictCounts;
+    use stickslip_core::model::verdict::VerdictCounts;
     use stickslip_sampler::estimate::distribution::Distribution;
 
     fn unit(part: u64, samples: Range<u64>) -> FinishedUnit {

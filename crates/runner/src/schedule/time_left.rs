@@ -48,6 +48,15 @@ impl Prediction {
         }
     }
 
+    /// As one number, if anything is known.
+    pub fn seconds(self) -> Option<f64> {
+        match self {
+            Self::Unknown => None,
+            Self::AtLeast(seconds) | Self::About(seconds) => Some(seconds),
+            Self::Between(low, high) => Some((low + high) / 2.0),
+        }
+    }
+
     /// The same as a lower bound only.
     pub fn at_least(self) -> Self {
         match self {

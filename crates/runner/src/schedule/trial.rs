@@ -4,16 +4,17 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use stickslip_core::criterion::decision::Decision;
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::decision::Decision;
+use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 
-use crate::evaluate::control::{Control, IsStopped};
+use stickslip_core::model::IsStopped;
+
+use crate::evaluate::control::Control;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::tiles::{MapTrial, cost_of};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::job::Criterion;
 use crate::schedule::engine::{Engine, Event, Link};
 use crate::schedule::spread::Spread;
 use crate::schedule::time_left::{Mean, Prediction, RateMeter};
@@ -82,7 +83,7 @@ impl Engine {
         // Some criteria compute tables when they are first used, which a whole run does once.
         let begun = Instant::now();
         places.count(evaluator, 0, 1, &|| begun.elapsed() >= LONGEST);
-        let is_simulated = matches!(evaluator.job().criterion, Criterion::TimeDomain { .. });
+        let is_simulated = evaluator.job().model().simulation().is_some();
         let mut trial = SampleTrial::default();
         if !is_simulated || evaluator.parts().looks().is_some() {
             trial = self.try_batches(evaluator, &places)?;
@@ -182,14 +183,14 @@ impl Engine {
             if is_enough.load(Ordering::Relaxed) || is_over() {
                 return None;
             }
-            let (speed, index) = missing[turn as usize];
+            let (configuration, index) = missing[turn as usize];
             let begun = Instant::now();
             let (simulations, cost) = (AtomicU64::new(0), AtomicU64::new(0));
             let count = |decisions: &[Decision]| {
                 simulations.fetch_add(decisions.len() as u64, Ordering::Relaxed);
                 cost.fetch_add(cost_of(decisions), Ordering::Relaxed);
             };
-            let tile = evaluator.resolve(speed, index, count, &is_over);
+            let tile = evaluator.resolve(configuration, index, count, &is_over);
             Some((simulations.into_inner(), cost.into_inner(), begun.elapsed().as_secs_f64(), tile.is_some()))
         };
         let mut trial = MapTrial::default();

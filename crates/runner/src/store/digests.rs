@@ -36,7 +36,7 @@ struct Written {
 pub enum Known {
     /// Their digests.
     Digests(Digests),
-    /// Nothing: the run is of an earlier version, or the file was removed.
+    /// Nothing: the file was removed.
     Nothing,
     /// The file is damaged.
     Damaged,

@@ -12,7 +12,8 @@ use crate::failure::Failure;
 use crate::files::folder::{Folder, SMALL_FILE, Unfinished, is_no_file};
 use crate::files::foreign::text_of_key;
 use crate::job::{Job, JobSource};
-use crate::output::{note, quoted};
+use crate::messages::{Code, Place};
+use crate::output::{quoted, warn_of};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_bytes, digest_of_file};
 use crate::store::file_state::{FileState, NOT_AS_WRITTEN, state_of};
 use crate::store::joining::{self, Refusal};
@@ -218,8 +219,8 @@ impl RunDirectory {
         aside.push(".damaged");
         let path = folder.path().join(name);
         match folder.rename(name, &aside) {
-            Ok(()) => note(format_args!("warning: {} is set aside as {}: {why}", path.display(), aside.display())),
-            Err(error) => note(format_args!("warning: {} is ignored: {why} ({error})", path.display())),
+            Ok(()) => warn_of(&path, format_args!(" is set aside as {}: {why}", aside.display())),
+            Err(error) => warn_of(&path, format_args!(" is ignored: {why} ({error})")),
         }
     }
 
@@ -246,15 +247,20 @@ impl RunDirectory {
     /// That the frozen job is damaged, with the remedy.
     fn job_damaged(&self, why: &str) -> Failure {
         let run = quoted(self.path());
-        let remedy = if self.root.open_file(SURFACE).is_ok() {
-            format!("Write it again from the surface with `stickslip verify {run}`, or submit")
+        let (words, remedy) = if self.root.open_file(SURFACE).is_ok() {
+            let verify = format!("stickslip verify {run}");
+            (format!("Write it again from the surface with `{verify}`, or submit"), verify)
         } else {
-            "Submit".to_owned()
+            ("Submit".to_owned(), format!("--out {run}"))
         };
+        let path = self.path().join(JOB);
         Failure::InputOutput(format!(
-            "{} {why}. {remedy} the same job again with `--out {run}`; a job with other settings needs another directory",
-            self.path().join(JOB).display()
+            "{} {why}. {words} the same job again with `--out {run}`; a job with other settings needs another directory",
+            path.display()
         ))
+        .coded(Code::Damaged)
+        .at(Place::file(&path))
+        .remedied(remedy)
     }
 
     /// The frozen job of an existing run.
@@ -329,9 +335,12 @@ impl RunDirectory {
         let tally = self.tally_of(&self.shards, job, &Parts::new(job), SumLayout::of(job).count())?;
         if self.has_surface_of_another_version(job) {
             return Err(Failure::Job(format!(
-                "{} was written by another version of stickslip: its results version, verdicts version or identity version is not that of this one, see `stickslip --version`. `plot`, `report` and `export` read it. {REMEDY_OF_VERSIONS}",
+                "{} was written by another version of stickslip: its results version or format version is not that of this one, see `stickslip --version`. `plot`, `report` and `export` read it. {REMEDY_OF_VERSIONS}",
                 self.surface().display()
-            )));
+            ))
+            .coded(Code::OtherVersion)
+            .at(Place::file(&self.surface()))
+            .remedied(REMEDY_OF_VERSIONS));
         }
         Ok(tally)
     }
@@ -374,14 +383,15 @@ impl RunDirectory {
                     samples.end - 1,
                     pieces.path().file_name().unwrap_or_default().display()
                 ))
+                .coded(Code::Damaged)
+                .at(Place::file(pieces.path()))
             }
         })?;
         for Complaint { name, defect } in complaints.into_iter().flatten() {
             match defect {
                 Defect::Damaged(why) if self.is_alone() => self.set_aside(pieces, &name, &why),
                 Defect::Damaged(why) | Defect::Unread(why) => {
-                    let path = pieces.path().join(name);
-                    note(format_args!("warning: {} is ignored: {why}", path.display()));
+                    warn_of(&pieces.path().join(name), format_args!(" is ignored: {why}"));
                 }
             }
         }

@@ -18,7 +18,7 @@ pub enum FileState {
     Absent,
     /// One that does not belong to the job as it is now, such as that of a run before it was extended.
     OfAnotherJob,
-    /// One of the job, from a version of stickslip that decides or identifies samples differently.
+    /// One of the job, from a version of stickslip with other results or another format.
     OfAnotherVersion,
     /// One that is not as it was written, and why.
     Damaged(String),

@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use crate::evaluate::parts::Parts;
     use std::slice::from_ref;
-    use stickslip_core::verdict::VerdictCounts;
+    use stickslip_core::model::verdict::VerdictCounts;
     use stickslip_sampler::estimate::distribution::Distribution;
 
     fn unit(part: u64, samples: Range<u64>) -> FinishedUnit {

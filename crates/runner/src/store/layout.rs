@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
 use crate::files::publish::{files, is_temporary};
+use crate::messages::{Code, Place};
 use crate::output::quoted;
 use crate::store::digests::DIGESTS;
 use crate::store::lock::LOCK;
@@ -53,7 +54,8 @@ pub fn require_run(path: &Path) -> Result<(), Failure> {
     } else {
         "it has neither job.toml nor shards/".to_owned()
     };
-    Err(Failure::InputOutput(format!("{} is not a run directory: {why}", path.display())))
+    let text = format!("{} is not a run directory: {why}", path.display());
+    Err(Failure::InputOutput(text).coded(Code::NoRun).at(Place::file(path)))
 }
 
 /// An error if a directory holds nothing that a run leaves. A job alone may be that of the user, who has not submitted
@@ -63,7 +65,7 @@ pub fn require_traces(path: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     let message = format!("{} is not a run directory: there is neither {SHARDS}/ nor {DIGESTS} in it", path.display());
-    Err(Failure::InputOutput(message))
+    Err(Failure::InputOutput(message).coded(Code::NoRun).at(Place::file(path)))
 }
 
 /// An error if there is something else than a run under a path.
@@ -77,7 +79,8 @@ pub fn require_free(path: &Path) -> Result<(), Failure> {
     } else {
         "is not empty and not a run directory"
     };
-    Err(Failure::CannotCreate(format!("{} {why}. Choose another with --out", path.display())))
+    let text = format!("{} {why}. Choose another with --out", path.display());
+    Err(Failure::CannotCreate(text).at(Place::file(path)).remedied("--out"))
 }
 
 /// Whether a directory without a job was that of a run. Whether its pieces belong to another job is found where they are

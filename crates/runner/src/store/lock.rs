@@ -79,11 +79,10 @@ impl Lock {
                 // The file was removed meanwhile: the lock is that of a new one.
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) if started.elapsed() >= patience => {
-                    return Err(Failure::Busy(format!(
-                        "{} is in use by {}; wait until it ends, or stop it",
-                        folder.path().display(),
-                        holders(folder)
-                    )));
+                    let remedy = "wait until it ends, or stop it";
+                    let place = folder.path().display();
+                    let text = format!("{place} is in use by {}; {remedy}", holders(folder));
+                    return Err(Failure::Busy(text).remedied(remedy));
                 }
                 Err(TryLockError::WouldBlock) => {
                     if !is_announced && started.elapsed() >= SILENCE {

@@ -1,64 +1,28 @@
 //! Pieces: files of finished units, from which a run resumes.
 //!
-//! A piece is a small Parquet file, named by the hash of its content. It is written under a temporary name and renamed
-//! when it is on disk. A piece that is incomplete, altered or from another job is never used.
+//! A piece is a file of lines of JSON, named by the hash of its content: the first line says whose it is, each further
+//! one is a unit. It is written under a temporary name and renamed when it is on disk. A piece that is incomplete or
+//! altered is found by its name before anything in it is read, and one of another job is never used.
 
+use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
-use bytes::Bytes;
-use parquet::basic::Compression;
-use stickslip_core::criterion::time_domain::VERDICTS_VERSION;
-use stickslip_core::verdict::VerdictCounts;
-use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use stickslip_core::model::verdict::VerdictCounts;
+use stickslip_sampler::draw::identity::RESULTS_VERSION;
 use stickslip_sampler::estimate::distribution::Distribution;
-use stickslip_sampler::verdict_map::resolve::MAP_VERSION;
 
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
-use crate::files::column::{Field, Lists, Values};
-use crate::files::decode::{ReadTable, ReadValues};
-use crate::files::encode::encoded;
 use crate::files::folder::{Folder, is_no_file};
-use crate::files::foreign::{self, Known};
 use crate::files::publish::is_temporary;
-use crate::job::IDENTITY_VERSION;
+use crate::messages::{Code, Place};
+use crate::version::FORMAT_VERSION;
 
-const COLUMNS: [&str; 7] = ["cell", "first_sample", "n_samples", "n_stable", "n_unstable", "n_undecided", "n_failed"];
-
-/// Columns of pieces with settled amplitudes: their sum, and a list of bins, each followed by its count.
-const AMPLITUDE_SUM: &str = "amplitude_sum";
-const AMPLITUDE_BINS: &str = "amplitude_bins";
-
-/// Column of pieces with further sums.
-const SUMS: &str = "sums";
-
-const EXPERIMENT_KEY: &str = "stickslip:experiment";
-
-/// A version that counts in what identifies a job.
-struct CountedVersion {
-    /// Its key in the footer.
-    key: &'static str,
-    /// Its name in messages.
-    name: &'static str,
-    /// That of this program.
-    own: u32,
-    /// That of pieces which do not name it, or an older one.
-    unnamed: u32,
-}
-
-const VERSIONS: [CountedVersion; 5] = [
-    CountedVersion { key: "stickslip:identity_version", name: "identity version", own: IDENTITY_VERSION, unnamed: 1 },
-    CountedVersion { key: "stickslip:results_version", name: "results version", own: RESULTS_VERSION, unnamed: 1 },
-    CountedVersion { key: "stickslip:verdicts_version", name: "verdicts version", own: VERDICTS_VERSION, unnamed: 2 },
-    CountedVersion {
-        key: "stickslip:estimates_version",
-        name: "estimates version",
-        own: ESTIMATES_VERSION,
-        unnamed: 2,
-    },
-    CountedVersion { key: "stickslip:map_version", name: "map version", own: MAP_VERSION, unnamed: 2 },
-];
+/// The versions that count in what identifies a job, by their names in pieces and in messages.
+const VERSIONS: [(&str, u32); 2] = [("format version", FORMAT_VERSION), ("results version", RESULTS_VERSION)];
 
 /// What to do with a run of another version.
 pub const REMEDY_OF_VERSIONS: &str = "Submit the run's job.toml again into another directory with --out, or continue the run with the stickslip that began it";
@@ -70,16 +34,28 @@ const MOST_BYTES: u64 = 1 << 30;
 /// cell, and sums of such counts fit 64 bits.
 const MOST_COUNTED: u64 = 1 << 53;
 
+/// What the names of pieces end with.
+const EXTENSION: &str = "jsonl";
+
 /// Writes units as a new piece in `folder`.
 pub fn write(folder: &Folder, experiment: &str, units: &[FinishedUnit]) -> Result<(), Failure> {
-    let bytes = encode(experiment, units).map_err(|error| Failure::writing(folder.path(), error))?;
-    let name = format!("{}.parquet", digest(&bytes));
+    publish(folder, &Owner::new(experiment), units.iter().map(stored))
+}
+
+/// Writes a new piece in `folder`: a line that says whose it is, and others.
+pub fn publish<T: Serialize>(
+    folder: &Folder,
+    owner: &impl Serialize,
+    lines: impl IntoIterator<Item = T>,
+) -> Result<(), Failure> {
+    let bytes = encode(owner, lines).map_err(|error| Failure::writing(folder.path(), error))?;
+    let name = name_of(&bytes);
     folder.publish(&name, &bytes).map_err(|error| Failure::writing(&folder.path().join(name), error))
 }
 
 /// Whether a file has the name of a piece: a digest.
 pub fn is_piece_name(name: &OsStr) -> bool {
-    let stem = name.to_str().and_then(|name| name.strip_suffix(".parquet"));
+    let stem = name.to_str().and_then(|name| name.strip_suffix(EXTENSION)?.strip_suffix('.'));
     stem.is_some_and(|stem| stem.len() == DIGITS && stem.bytes().all(|byte| byte.is_ascii_hexdigit()))
 }
 
@@ -101,7 +77,7 @@ pub fn read_checked(folder: &Folder, name: &OsStr) -> Result<Vec<u8>, Defect> {
         let why = format!("{error}; {AGAIN}");
         if is_no_file(&error) { Defect::Damaged(why) } else { Defect::Unread(why) }
     })?;
-    if *name == *format!("{}.parquet", digest(&bytes)) {
+    if *name == *name_of(&bytes) {
         Ok(bytes)
     } else {
         Err(Defect::Damaged(format!("its content does not match the checksum in its name; {AGAIN}")))
@@ -133,8 +109,8 @@ pub fn read_all(
     let mut complaints = Vec::new();
     let names = folder.names().map_err(|error| Failure::reading(folder.path(), error))?;
     // Other files, such as .DS_Store, are left alone.
-    let is_parquet = |name: &&OsString| Path::new(name).extension().is_some_and(|extension| extension == "parquet");
-    for name in names.iter().filter(is_parquet).filter(|name| !is_temporary(Path::new(name))) {
+    let may_be_piece = |name: &&OsString| Path::new(name).extension().is_some_and(|extension| extension == EXTENSION);
+    for name in names.iter().filter(may_be_piece).filter(|name| !is_temporary(Path::new(name))) {
         let mut complain = |defect: Defect| complaints.push(Complaint { name: name.clone(), defect });
         if !is_piece_name(name) {
             complain(Defect::Unread("it does not have the name of a piece".to_owned()));
@@ -147,9 +123,18 @@ pub fn read_all(
                 continue;
             }
         };
-        match decode(bytes) {
-            Ok((owner, _)) if owner.experiment != experiment => return Err(owner.refused(&folder.path().join(name))),
-            Ok((_, units)) if units.iter().all(|s| is_part(s.part) && s.sums.len() == sums && s.is_consistent()) => {
+        let (owner, lines) = match decode::<Owner, Stored>(&bytes) {
+            Ok(decoded) => decoded,
+            Err(why) => {
+                complain(Defect::Damaged(format!("{why}; {AGAIN}")));
+                continue;
+            }
+        };
+        if owner != Owner::new(experiment) {
+            return Err(owner.refused(&folder.path().join(name)));
+        }
+        match lines.map(|line| unit(line?)).collect::<Result<Vec<_>, _>>() {
+            Ok(units) if units.iter().all(|s| is_part(s.part) && s.sums.len() == sums && s.is_consistent()) => {
                 units.into_iter().try_for_each(&mut *take)?;
             }
             Ok(_) => complain(Defect::Damaged(format!("its counts do not add up; {AGAIN}"))),
@@ -159,39 +144,40 @@ pub fn read_all(
     Ok(complaints)
 }
 
-/// The run that a piece belongs to, as named in its footer.
+/// The run that a piece belongs to.
+#[derive(Serialize, Deserialize, PartialEq)]
 struct Owner {
     experiment: String,
-    /// In the order of [`VERSIONS`].
-    versions: [u32; VERSIONS.len()],
+    versions: BTreeMap<String, u32>,
 }
 
 impl Owner {
+    fn new(experiment: &str) -> Self {
+        let versions = VERSIONS.iter().map(|(name, own)| ((*name).to_owned(), *own)).collect();
+        Self { experiment: experiment.to_owned(), versions }
+    }
+
     /// A message why a piece of another job or version is refused, and what to do.
     fn refused(&self, path: &Path) -> Failure {
-        let path = path.display();
-        let differing: Vec<(&CountedVersion, u32)> =
-            VERSIONS.iter().zip(self.versions).filter(|(version, found)| version.own != *found).collect();
+        let shown = path.display();
+        let found = VERSIONS.iter().map(|(name, own)| (*name, *own, self.versions.get(*name).copied().unwrap_or(0)));
+        let differing: Vec<(&str, u32, u32)> = found.filter(|(_, own, found)| own != found).collect();
         if differing.is_empty() {
             return Failure::Job(format!(
-                "{path} belongs to another job or another version of stickslip. Was the run's job.toml edited or removed? Restore it, or choose another directory with --out"
-            ));
+                "{shown} belongs to another job or another version of stickslip. Was the run's job.toml edited or removed? Restore it, or choose another directory with --out"
+            ))
+            .coded(Code::JobDiffers)
+            .at(Place::file(path));
         }
-        let which = if differing.iter().all(|(version, found)| *found < version.own) {
-            "an earlier"
-        } else if differing.iter().all(|(version, found)| *found > version.own) {
-            "a later"
-        } else {
-            "another"
-        };
-        let named = differing
-            .iter()
-            .map(|(version, found)| format!("{} {found}, where this one has {}", version.name, version.own));
+        let named = differing.iter().map(|(name, own, found)| format!("{name} {found}, where this one has {own}"));
         let named: Vec<String> = named.collect();
         Failure::Job(format!(
-            "{path} was written by {which} version of stickslip ({}); what two versions compute is not mixed. {REMEDY_OF_VERSIONS}. If job.toml was edited, restore it first",
+            "{shown} was written by another version of stickslip ({}); what two versions compute is not mixed. {REMEDY_OF_VERSIONS}",
             named.join("; ")
         ))
+        .coded(Code::OtherVersion)
+        .at(Place::file(path))
+        .remedied(REMEDY_OF_VERSIONS)
     }
 }
 
@@ -199,113 +185,55 @@ impl Owner {
 const DIGITS: usize = 32;
 
 /// The name of a piece: a hash of its content.
-pub fn digest(bytes: &[u8]) -> String {
-    blake3::hash(bytes).to_hex()[..DIGITS].to_owned()
+fn name_of(bytes: &[u8]) -> String {
+    format!("{}.{EXTENSION}", &blake3::hash(bytes).to_hex()[..DIGITS])
 }
 
-fn encode(experiment: &str, units: &[FinishedUnit]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
-    let column = |value: fn(&FinishedUnit) -> u64| {
-        // Counts stay far below 2^63, see the limit on samples.
-        Values::Integer(units.iter().map(|unit| value(unit).cast_signed()).collect())
-    };
-    let counts = [
-        column(|s| s.part),
-        column(|s| s.samples.start),
-        column(FinishedUnit::len),
-        column(|s| s.counts.stable),
-        column(|s| s.counts.unstable),
-        column(|s| s.counts.undecided),
-        column(|s| s.counts.failed),
-    ];
-    let mut columns: Vec<(&'static str, Values)> = COLUMNS.into_iter().zip(counts).collect();
-    if units.iter().any(|unit| unit.amplitudes.count() > 0) {
-        let mut bins = Lists::default();
-        for unit in units {
-            bins.push(unit.amplitudes.bins().flat_map(|(bin, count)| [i64::from(bin), count.cast_signed()]));
-        }
-        columns.push((AMPLITUDE_SUM, column(|s| s.amplitudes.sum())));
-        columns.push((AMPLITUDE_BINS, Values::Integers(bins)));
+/// The bytes of a piece: a line that says whose it is, and others.
+pub fn encode<T: Serialize>(owner: &impl Serialize, lines: impl IntoIterator<Item = T>) -> serde_json::Result<Vec<u8>> {
+    let mut bytes = serde_json::to_vec(owner)?;
+    for line in lines {
+        bytes.push(b'\n');
+        serde_json::to_writer(&mut bytes, &line)?;
     }
-    if units.iter().any(|unit| !unit.sums.is_empty()) {
-        let mut sums = Lists::default();
-        units.iter().for_each(|unit| sums.push(unit.sums.iter().copied()));
-        columns.push((SUMS, Values::Integers(sums)));
+    Ok(bytes)
+}
+
+/// The lines of a piece, each read when it is asked for.
+type Lines<'a, T> = Box<dyn Iterator<Item = Result<T, String>> + 'a>;
+
+/// Reads a piece: whose it is, and the lines after that. Its checksum does not say who wrote it, so it may hold anything.
+pub fn decode<'a, O: DeserializeOwned, T: DeserializeOwned>(bytes: &'a [u8]) -> Result<(O, Lines<'a, T>), String> {
+    let mut lines = bytes.split(|byte| *byte == b'\n');
+    let owner = serde_json::from_slice(lines.next().unwrap_or_default());
+    let line = |line: &[u8]| serde_json::from_slice(line).map_err(|error| error.to_string());
+    Ok((owner.map_err(|_| "it does not name its job")?, Box::new(lines.map(line))))
+}
+
+/// A unit as it is stored: part, first sample, number of samples; stable, unstable, undecided and failed ones; the sum
+/// and the bins of the amplitudes, each with its count; further sums.
+type Stored = (u64, u64, u64, [u64; 4], u64, Vec<(u32, u64)>, Vec<i64>);
+
+fn stored(unit: &FinishedUnit) -> Stored {
+    let VerdictCounts { stable, unstable, undecided, failed } = unit.counts;
+    let FinishedUnit { part, samples, amplitudes, sums, .. } = unit;
+    let counts = [stable, unstable, undecided, failed];
+    (*part, samples.start, unit.len(), counts, amplitudes.sum(), amplitudes.bins().collect(), sums.clone())
+}
+
+/// A unit from what is stored of it, if that is possible.
+fn unit((part, start, len, counts, amplitude_sum, bins, sums): Stored) -> Result<FinishedUnit, String> {
+    let in_bins = bins.iter().map(|(_, count)| *count);
+    if [part, start, len].into_iter().chain(counts).chain(in_bins).any(|count| count > MOST_COUNTED) {
+        return Err(format!("a count is above {MOST_COUNTED}"));
     }
-    let field = |(name, values): &(&'static str, Values)| Field {
-        name: (*name).into(),
-        unit: "".into(),
-        long_name: "".into(),
-        kind: values.kind(),
-    };
-    let fields: Vec<Field> = columns.iter().map(field).collect();
-    let mut owner = vec![(EXPERIMENT_KEY, experiment.to_owned())];
-    owner.extend(VERSIONS.iter().map(|version| (version.key, version.own.to_string())));
-    encoded(&fields, columns.into_iter().map(|(_, values)| values), &owner, Compression::UNCOMPRESSED)
-}
-
-/// Reads a piece. Its checksum does not say who wrote it, so it may hold anything.
-fn decode(bytes: Vec<u8>) -> Result<(Owner, Vec<FinishedUnit>), String> {
-    let is_wanted = |name: &str| COLUMNS.contains(&name) || [AMPLITUDE_SUM, AMPLITUDE_BINS, SUMS].contains(&name);
-    decode_units(&foreign::read(Bytes::from(bytes), Known::Piece, is_wanted)?)
-}
-
-fn decode_units(table: &ReadTable) -> Result<(Owner, Vec<FinishedUnit>), String> {
-    let version_of = |key: &str| table.pair(key)?.parse::<u32>().ok();
-    let owner = Owner {
-        experiment: table.pair(EXPERIMENT_KEY).ok_or("it does not name its job")?.to_owned(),
-        versions: VERSIONS.map(|version| version_of(version.key).unwrap_or(version.unnamed)),
-    };
-    let mut columns = Vec::new();
-    for name in COLUMNS {
-        columns.push(table.integers(name)?);
+    if !bins.iter().all(|(bin, _)| Distribution::is_bin(*bin)) {
+        return Err("a bin of amplitudes is out of range".to_owned());
     }
-    let amplitudes = match table.column(AMPLITUDE_SUM).and(lists(table, AMPLITUDE_BINS)?) {
-        Some(bins) => Some((table.integers(AMPLITUDE_SUM)?, bins)),
-        None => None,
-    };
-    let sums = lists(table, SUMS)?;
-    let unit = |row: usize| {
-        let value = |column: usize| count(columns[column][row]);
-        let start = value(1)?;
-        let end = start.checked_add(value(2)?).ok_or("a range of samples overflows")?;
-        let counts = VerdictCounts { stable: value(3)?, unstable: value(4)?, undecided: value(5)?, failed: value(6)? };
-        let amplitudes = match &amplitudes {
-            Some((sums, bins)) => decode_amplitudes(sums[row], bins.row(row))?,
-            None => Distribution::default(),
-        };
-        let sums = sums.map_or_else(Vec::new, |sums| sums.row(row).to_vec());
-        Ok(FinishedUnit { part: value(0)?, samples: start..end, counts, amplitudes, sums })
-    };
-    Ok((owner, (0..table.rows).map(unit).collect::<Result<_, String>>()?))
-}
-
-/// A count as it is stored, if it is possible.
-fn count(stored: i64) -> Result<u64, String> {
-    let count = u64::try_from(stored).map_err(|_| "a count is negative")?;
-    if count <= MOST_COUNTED { Ok(count) } else { Err(format!("a count is above {MOST_COUNTED}")) }
-}
-
-/// The settled amplitudes of a unit, from their sum and their bins.
-fn decode_amplitudes(sum: i64, bins: &[i64]) -> Result<Distribution, String> {
-    let mut pairs = Vec::with_capacity(bins.len() / 2);
-    for pair in bins.chunks_exact(2) {
-        let bin = u32::try_from(pair[0]).ok().filter(|&bin| Distribution::is_bin(bin));
-        let bin = bin.ok_or("a bin of amplitudes is out of range")?;
-        if pairs.last().is_some_and(|(before, _)| *before >= bin) {
-            return Err("the bins of amplitudes are not in order".to_owned());
-        }
-        pairs.push((bin, count(pair[1])?));
-    }
-    Ok(Distribution::from_parts(sum.cast_unsigned(), pairs))
-}
-
-/// A column of lists of integers, if there is one.
-fn lists<'a>(table: &'a ReadTable, name: &str) -> Result<Option<&'a Lists<i64>>, String> {
-    match table.column(name) {
-        Some(ReadValues::Integers(lists)) => Ok(Some(lists)),
-        Some(_) => Err(format!("column {name} is not of lists of integers")),
-        None => Ok(None),
-    }
+    let [stable, unstable, undecided, failed] = counts;
+    let counts = VerdictCounts { stable, unstable, undecided, failed };
+    let amplitudes = Distribution::from_parts(amplitude_sum, bins);
+    Ok(FinishedUnit { part, samples: start..start + len, counts, amplitudes, sums })
 }
 
 #[cfg(test)]
@@ -429,9 +357,11 @@ mod tests {
             unit.amplitudes = Distribution::default();
             unit.sums.clear();
         });
-        let sound = [some_units(), plain].map(|units| encode("experiment", &units).unwrap());
+        let owner = Owner::new("experiment");
+        let sound = [some_units(), plain].map(|units| encode(&owner, units.iter().map(stored)).unwrap());
         assert_bounded("store::piece::tests::forged_pieces_are_read_or_refused", &sound, 3000, |bytes| {
-            let (_, units) = decode(bytes)?;
+            let (_, lines) = decode::<Owner, Stored>(&bytes)?;
+            let units = lines.map(|line| unit(line?)).collect::<Result<Vec<_>, _>>()?;
             units.iter().all(FinishedUnit::is_consistent).then_some(()).ok_or_else(|| "inconsistent".to_owned())
         });
     }
@@ -439,22 +369,21 @@ mod tests {
     #[test]
     fn a_piece_of_another_job_is_an_error() {
         let (directory, _) = written();
-        assert!(matches!(read(&folder(&directory), "other"), Err(Failure::Job(_))));
+        assert!(read(&folder(&directory), "other").unwrap_err().is_of_job());
     }
 
     #[test]
     fn a_piece_of_another_version_is_refused_with_both_versions_and_a_remedy() {
-        let piece = Path::new("run/shards/0123.parquet");
-        let refused = |versions| Owner { experiment: "e".to_owned(), versions }.refused(piece).to_string();
-        let own = VERSIONS.map(|version| version.own);
-        assert!(refused(own).contains("belongs to another job"));
-        for (i, CountedVersion { name, own: version, .. }) in VERSIONS.iter().enumerate() {
-            for (which, other) in [("an earlier", version - 1), ("a later", version + 1)] {
-                let mut versions = own;
-                versions[i] = other;
-                let message = refused(versions);
+        let piece = Path::new("run/shards/0123.jsonl");
+        let refused = |owner: &Owner| owner.refused(piece).to_string();
+        assert!(refused(&Owner::new("e")).contains("belongs to another job"));
+        for (name, version) in VERSIONS {
+            for other in [version - 1, version + 1] {
+                let mut owner = Owner::new("e");
+                owner.versions.insert(name.to_owned(), other);
+                let message = refused(&owner);
                 for text in [
-                    format!("run/shards/0123.parquet was written by {which} version of stickslip"),
+                    "run/shards/0123.jsonl was written by another version of stickslip".to_owned(),
                     format!("({name} {other}, where this one has {version})"),
                     "again into another directory with --out".to_owned(),
                 ] {
@@ -462,15 +391,12 @@ mod tests {
                 }
             }
         }
-        let mut mixed = own;
-        (mixed[0], mixed[1]) = (own[0] - 1, own[1] + 1);
-        assert!(refused(mixed).contains("by another version"));
     }
 
     #[test]
     fn unfinished_files_are_not_read() {
         let (directory, _) = written();
-        fs::write(directory.path().join(".unfinished-123-x.parquet"), "half").unwrap();
+        fs::write(directory.path().join(".unfinished-123-x.jsonl"), "half").unwrap();
         assert_eq!(read(&folder(&directory), "experiment").unwrap().0.len(), 50);
         folder(&directory).remove_unfinished().unwrap();
         assert_eq!(files(directory.path()).unwrap().len(), 1);

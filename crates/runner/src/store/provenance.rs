@@ -26,13 +26,9 @@ pub struct Session {
     host: String,
     version: String,
     build: String,
-    /// Sessions of earlier programs do not have what follows.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    commit: Option<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    target: Option<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    instruction_set: Option<String>,
+    commit: String,
+    target: String,
+    instruction_set: String,
     #[serde(skip, default = "Instant::now")]
     clock: Instant,
 }
@@ -72,9 +68,9 @@ impl Session {
                 if cfg!(debug_assertions) { "debug" } else { "release" },
                 std::env::consts::ARCH
             ),
-            commit: Some(version::COMMIT.to_owned()),
-            target: Some(version::TARGET.to_owned()),
-            instruction_set: Some(version::instruction_set().to_owned()),
+            commit: version::COMMIT.to_owned(),
+            target: version::TARGET.to_owned(),
+            instruction_set: version::instruction_set().to_owned(),
             clock: Instant::now(),
         }
     }
@@ -115,9 +111,7 @@ pub fn programs(directory: &RunDirectory) -> Vec<String> {
     let read = directory.read_known(RECORD).ok().flatten().and_then(|bytes| read(&bytes).ok());
     let mut programs = Vec::new();
     for Session { version, commit, target, instruction_set, .. } in read.unwrap_or_default().sessions {
-        let details = [commit.map(|commit| format!("commit {commit}")), target, instruction_set];
-        let details: String = details.iter().flatten().map(|detail| format!(", {detail}")).collect();
-        let program = format!("stickslip {version}{details}");
+        let program = format!("stickslip {version}, commit {commit}, {target}, {instruction_set}");
         if !programs.contains(&program) {
             programs.push(program);
         }

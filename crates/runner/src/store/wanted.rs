@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::evaluate::parts::Parts;

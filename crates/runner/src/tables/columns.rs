@@ -3,18 +3,19 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use stickslip_core::degree_of_freedom::DegreeOfFreedom;
-use stickslip_core::parameters::scalar;
-use stickslip_sampler::estimate::score::CellParameter;
+use arrow::array::{ArrayRef, Float64Array};
+use arrow::datatypes::{DataType, Field};
+use stickslip_core::model::Model;
+use stickslip_core::model::decision::Source;
 use stickslip_sampler::estimate::sobol_indices::SobolIndices;
 use stickslip_sampler::estimate::weighted::{Distrust, WeightedEstimate};
-use stickslip_sampler::grid::Cell;
-use stickslip_sampler::inputs::Marginal;
+use stickslip_sampler::inputs::{Marginal, PairParameter};
 
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::SumLayout;
-use crate::files::column::{self, Field, Kind};
-use crate::job::{Effort, Job, RandomInput, SamplingMethod, StartValue};
+use crate::files::table::{column, integers};
+use crate::job::{Effort, Job, SamplingMethod};
+use crate::tables::cell_columns::{CellColumn, names_of_pair, shown, stds_of};
 use crate::tables::row::SurfaceRow;
 
 /// A column: its name, unit, meaning and values.
@@ -63,7 +64,8 @@ impl Column {
 
 /// The columns of a job's surface, in their order.
 pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
-    let mut columns = first_columns(match job.sampling.effort {
+    let mut columns = first_columns(job);
+    columns.extend(count_columns(match job.sampling.effort {
         Effort::Randomisations { .. } if job.is_conditional() => {
             "probability of instability, the mean of the conditional probabilities of the samples"
         }
@@ -75,12 +77,13 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
         }
         Effort::Until(_) => "probability of instability, the unbiased estimate of stopping by precision",
         Effort::Integrated => "probability of instability, the integral",
-    });
+    }));
     if job.is_conditional() {
-        describe(&mut columns, &CONDITIONAL);
+        describe(&mut columns, conditional(job.model()));
     }
     if job.is_weighted() {
-        describe(&mut columns, if job.sampling.method == SamplingMethod::Subset { &SUBSET } else { &IMPORTANCE });
+        let meanings = if job.sampling.method == SamplingMethod::Subset { &SUBSET } else { &IMPORTANCE };
+        describe(&mut columns, meanings.map(|(name, meaning)| (name, meaning.to_owned())));
         columns.extend(weight_columns());
     }
     if job.records_amplitude() {
@@ -94,55 +97,44 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
         columns.extend(lookup_columns());
     }
     if layout.sources() {
-        columns.extend(source_columns(layout));
+        columns.extend(source_columns(job.model(), layout));
     }
     if layout.derivatives() {
-        columns.extend(derivative_columns(layout, job.sampling.method == SamplingMethod::Exact));
+        columns.extend(derivative_columns(job, layout));
     }
     if layout.sensitivity() > 0 {
-        columns.extend(sensitivity_columns(layout, &job.random.inputs));
+        columns.extend(sensitivity_columns(job, layout));
     }
     add_input_columns(&mut columns, job);
     if job.has_verdicts() {
-        columns.push(Column::integer(
+        let outside = job.model().outside_meaning();
+        columns.push(Column::new(
             "n_outside_physics",
-            "samples without preload or with friction that rises with speed, decided as criterion.outside_physics specifies",
-            |row| row.outside_physics,
+            "1",
+            format!("samples outside the model ({outside}), decided as criterion.outside_physics specifies"),
+            Values::Integer(Box::new(|row| row.outside_physics)),
         ));
     }
     columns
 }
 
-/// The axes of a job's grid, slowest first: the name of the column that has the values of each, and these values.
-///
-/// The axis of standard deviations goes by the first input in which its entries differ, as one column has to stand for
-/// all inputs.
-pub fn axes(job: &Job) -> Vec<(String, Vec<f64>)> {
-    let Job { grid, random, .. } = job;
-    let further = grid.further().map(|further| (further.name.clone(), further.axis.values().to_vec()));
-    let input = random.first_varied().unwrap_or_default();
-    let scattered = random.inputs.get(input).map_or("preload", |input| input.name());
-    let stds = random.relative_stds.iter().map(|entry| entry.get(input).copied().unwrap_or(0.0)).collect();
-    further
-        .chain([
-            ("rotating_speed_rad_s".to_owned(), grid.rotating_speed.values().to_vec()),
-            (format!("std_{scattered}"), stds),
-            ("preload".to_owned(), grid.preload.values().to_vec()),
-            ("static_friction".to_owned(), grid.static_friction.values().to_vec()),
-        ])
-        .collect()
+impl From<CellColumn> for Column {
+    fn from(column: CellColumn) -> Self {
+        let CellColumn { name, unit, long_name, value } = column;
+        Self::new(name, unit, long_name, Values::Real(Box::new(move |row| value(&row.cell))))
+    }
 }
 
-/// The columns of every surface; `probability` is the meaning of `p_unstable`.
+/// The columns of every surface that say what its cells are.
+fn first_columns(job: &Job) -> Vec<Column> {
+    let cell = Column::integer("cell", "0-based index of the cell", |row| row.cell.index);
+    std::iter::once(cell).chain(shown(job).map(Column::from)).collect()
+}
+
+/// The columns of every surface that say what was found; `probability` is the meaning of `p_unstable`.
 #[rustfmt::skip]
-fn first_columns(probability: &'static str) -> Vec<Column> {
+fn count_columns(probability: &'static str) -> Vec<Column> {
     vec![
-        Column::integer("cell", "0-based index of the cell", |row| row.cell.index),
-        Column::new("rotating_speed_rad_s", "rad/s", "rotating speed of the disc", Values::Real(Box::new(|row| row.cell.rotating_speed))),
-        Column::real("std_preload", "standard deviation of the preload over its expected value", |row| row.cell.relative_std.preload),
-        Column::real("std_static_friction", "standard deviation of the static friction coefficient over its expected value", |row| row.cell.relative_std.static_friction),
-        Column::real("preload", "expected preload, calliper displacement over disc thickness", |row| row.cell.preload),
-        Column::real("static_friction", "expected static friction coefficient", |row| row.cell.static_friction),
         Column::integer("n_samples", "samples", |row| row.counts.total()),
         Column::integer("n_stable", "samples decided as stable", |row| row.counts.stable),
         Column::integer("n_unstable", "samples decided as unstable", |row| row.counts.unstable),
@@ -155,12 +147,15 @@ fn first_columns(probability: &'static str) -> Vec<Column> {
 }
 
 /// What is counted where samples have conditional probabilities.
-const CONDITIONAL: [(&str, &str); 4] = [
-    ("n_samples", "samples of the inputs other than preload and static friction"),
-    ("n_stable", "samples that are unstable with a probability of at most one half over preload and static friction"),
-    ("n_unstable", "samples that are unstable with a probability above one half over preload and static friction"),
-    ("n_failed", "samples of which no brake can be made"),
-];
+fn conditional(model: &dyn Model) -> [(&'static str, String); 4] {
+    let pair = names_of_pair(model);
+    [
+        ("n_samples", format!("samples of the inputs other than {pair}")),
+        ("n_stable", format!("samples that are unstable with a probability of at most one half over {pair}")),
+        ("n_unstable", format!("samples that are unstable with a probability above one half over {pair}")),
+        ("n_failed", "samples of which no brake can be made".to_owned()),
+    ]
+}
 
 /// What is counted where samples are drawn with weights.
 const IMPORTANCE: [(&str, &str); 5] = [
@@ -181,10 +176,10 @@ const SUBSET: [(&str, &str); 5] = [
 ];
 
 /// Says what columns mean in a job in which they mean something else than usual.
-fn describe(columns: &mut [Column], meanings: &[(&str, &'static str)]) {
+fn describe<const N: usize>(columns: &mut [Column], meanings: [(&str, String); N]) {
     for (name, meaning) in meanings {
-        if let Some(column) = columns.iter_mut().find(|column| column.name == *name) {
-            column.long_name = (*meaning).into();
+        if let Some(column) = columns.iter_mut().find(|column| column.name == name) {
+            column.long_name = meaning.into();
         }
     }
 }
@@ -252,71 +247,48 @@ fn lookup_columns() -> Vec<Column> {
     ]
 }
 
-/// Columns of jobs with a flexible disc: the degrees of freedom that feed the unstable samples.
-fn source_columns(layout: SumLayout) -> Vec<Column> {
-    let column = |name, meaning, source| {
-        Column::integer(name, meaning, move |row: &SurfaceRow| {
-            layout.read_source(&row.sums, source, row.counts.unstable)
-        })
+/// Columns of jobs whose decisions name what feeds the unstable samples.
+fn source_columns(model: &dyn Model, layout: SumLayout) -> Vec<Column> {
+    let column = |(place, source): (usize, &Source)| {
+        let value = move |row: &SurfaceRow| layout.read_source(&row.sums, place, row.counts.unstable);
+        Column::new(format!("n_fed_{}", source.name), "1", source.meaning, Values::Integer(Box::new(value)))
     };
-    vec![
-        column(
-            "n_fed_tangential",
-            "unstable samples that would be stable if friction did not fall with speed, or whose fastest growing mode is the tangential motion of the pad",
-            DegreeOfFreedom::Tangential,
-        ),
-        column(
-            "n_fed_normal",
-            "unstable samples that grow even without falling friction, most in the normal motion of the pad",
-            DegreeOfFreedom::Normal,
-        ),
-        column(
-            "n_fed_angular",
-            "unstable samples that grow even without falling friction, most in the rotation of the pad",
-            DegreeOfFreedom::Angular,
-        ),
-        column(
-            "n_fed_disc",
-            "unstable samples that grow even without falling friction, most in the bending of the disc",
-            DegreeOfFreedom::Disc,
-        ),
-    ]
+    model.sources().iter().enumerate().map(column).collect()
 }
 
 /// Columns of jobs with derivatives: exact if probabilities are integrated, else with standard errors.
-fn derivative_columns(layout: SumLayout, integrated: bool) -> Vec<Column> {
-    let numbers = [
-        (CellParameter::Preload, "dp_dpreload", "expected preload at constant relative standard deviation"),
-        (
-            CellParameter::StaticFriction,
-            "dp_dstatic_friction",
-            "expected static friction coefficient at constant relative standard deviation",
-        ),
-        (CellParameter::StdPreload, "dp_dstd_preload", "relative standard deviation of the preload"),
-        (
-            CellParameter::StdStaticFriction,
-            "dp_dstd_static_friction",
-            "relative standard deviation of the static friction coefficient",
-        ),
-    ];
+fn derivative_columns(job: &Job, layout: SumLayout) -> Vec<Column> {
+    let Some(pair) = job.model().pair() else { return Vec::new() };
+    let job = Arc::new(job.clone());
     let mut columns = Vec::new();
-    for (number, name, by) in numbers {
+    for parameter in PairParameter::DIFFERENTIATED {
+        let (name, by) = match parameter {
+            PairParameter::Expected(input) => {
+                let quantity = job.quantity(pair[input]);
+                let by = format!("expected {} at constant relative standard deviation", quantity.noun());
+                (format!("dp_d{}", quantity.name), by)
+            }
+            PairParameter::RelativeStd(input) => {
+                let quantity = job.quantity(pair[input]);
+                let by = format!("relative standard deviation of the {}", quantity.noun());
+                (format!("dp_dstd_{}", quantity.name), by)
+            }
+            PairParameter::Correlation => ("dp_dcorrelation".to_owned(), "correlation".to_owned()),
+        };
         let long_name = format!("derivative of the probability of instability by the {by}");
-        if integrated {
+        if job.is_integrated() {
             columns.push(Column::optional(name, long_name, move |row| {
-                row.integrated.and_then(|IntegratedCell { derivatives, .. }| match number {
-                    CellParameter::Preload => derivatives.preload,
-                    CellParameter::StaticFriction => derivatives.static_friction,
-                    CellParameter::StdPreload => derivatives.std_preload,
-                    CellParameter::StdStaticFriction => derivatives.std_static_friction,
-                })
+                row.integrated.and_then(|IntegratedCell { derivatives, .. }| derivatives.get(parameter))
             }));
             continue;
         }
+        let of_job = job.clone();
         let read = move |row: &SurfaceRow| {
-            layout.read_derivative(&row.sums, number, &row.cell, &row.counts, row.estimate.probability)
+            let inputs = of_job.normal_pair(&row.cell);
+            layout.read_derivative(&row.sums, parameter, &inputs, &row.counts, row.estimate.probability)
         };
-        columns.push(Column::optional(name, long_name, move |row| read(row).map(|(value, _)| value)));
+        let value = read.clone();
+        columns.push(Column::optional(name.clone(), long_name, move |row| value(row).map(|(value, _)| value)));
         columns.push(Column::optional(format!("{name}_error"), format!("standard error of {name}"), move |row| {
             read(row).map(|(_, error)| error)
         }));
@@ -325,10 +297,10 @@ fn derivative_columns(layout: SumLayout, integrated: bool) -> Vec<Column> {
 }
 
 /// Columns of jobs with Sobol indices.
-fn sensitivity_columns(layout: SumLayout, inputs: &[RandomInput]) -> Vec<Column> {
+fn sensitivity_columns(job: &Job, layout: SumLayout) -> Vec<Column> {
     let mut columns = Vec::new();
-    for (i, input) in inputs.iter().enumerate() {
-        let name = input.name();
+    for (i, &place) in job.random.inputs.iter().enumerate() {
+        let name = &job.quantity(place).name;
         let read = move |row: &SurfaceRow| layout.read_sensitivity(&row.sums, i);
         let alone = format!("share of the verdict's variance that {name} explains alone");
         let any = format!("share of the verdict's variance in which {name} takes part");
@@ -351,111 +323,79 @@ fn sensitivity_columns(layout: SumLayout, inputs: &[RandomInput]) -> Vec<Column>
     columns
 }
 
-/// Adds columns for the inputs and the further axes: expected value and standard deviation of those other than preload
-/// and static friction, and mean and standard deviation of those that are truncated. The other columns of a truncated
-/// input then name parameters of its distribution.
+/// Adds what the columns of every surface do not have: expected values and standard deviations of the other inputs,
+/// mean and standard deviation of those that are truncated, and expected values of the other axes. The other columns of
+/// a truncated input then name parameters of its distribution.
 fn add_input_columns(columns: &mut Vec<Column>, job: &Job) {
-    let job = Arc::new(job.clone());
-    let start = job.criterion.given_start().unwrap_or_default();
-    let expected_column = |key: &'static str, unit: &'static str, description: &str| {
-        let of_job = job.clone();
-        let value = move |row: &SurfaceRow| of_job.value_in(key, &row.cell).unwrap_or(f64::NAN);
-        Column::new(key, unit, format!("expected value of {key}: {description}"), Values::Real(Box::new(value)))
+    for (&place, marginal) in job.random.inputs.iter().zip(&job.random.marginals) {
+        add_missing(columns, CellColumn::expected(place, job.quantity(place)));
+        add_missing(columns, CellColumn::std_of_input(job, place));
+        if let Marginal::TruncatedNormal { .. } = marginal {
+            add_moments(columns, job, place, marginal);
+        }
+    }
+    for axis in &job.grid.axes {
+        add_missing(columns, CellColumn::expected(axis.quantity, job.quantity(axis.quantity)));
+    }
+}
+
+fn add_missing(columns: &mut Vec<Column>, column: CellColumn) {
+    if columns.iter().all(|other| other.name != column.name) {
+        columns.push(column.into());
+    }
+}
+
+/// Adds mean and standard deviation of an input that is truncated.
+fn add_moments(columns: &mut Vec<Column>, job: &Job, place: usize, marginal: &Marginal) {
+    let quantity = job.quantity(place);
+    let (name, unit) = (&quantity.name, &quantity.unit);
+    let (is_absolute, marginal) = (quantity.scatters_absolutely, marginal.clone());
+    let stds = stds_of(job, place);
+    let moments = move |row: &SurfaceRow| {
+        let (expected, std) = (row.cell.expected[place], stds[row.cell.scatter]);
+        if is_absolute { marginal.absolute_moments(expected, std) } else { marginal.moments(expected, std) }
     };
-    for (i, (&input, marginal)) in job.random.inputs.iter().zip(&job.random.marginals).enumerate() {
-        let name = input.name();
-        let stds: Vec<f64> = job.random.relative_stds.iter().map(|stds| stds[i]).collect();
-        let grid = job.grid.clone();
-        let std = move |cell: &Cell| stds[grid.relative_std_index(cell.index)];
-        let mut expected_name = name;
-        let unit = match input {
-            RandomInput::Preload | RandomInput::StaticFriction => "1",
-            RandomInput::Other(scalar) => {
-                if input.is_rotating_speed() {
-                    expected_name = "rotating_speed_rad_s";
-                } else {
-                    columns.push(expected_column(scalar.key, scalar.unit, scalar.description));
-                }
-                let (of_cell, long_name) =
-                    (std.clone(), format!("standard deviation of {name} over its expected value"));
-                let read = Values::Real(Box::new(move |row| of_cell(&row.cell)));
-                columns.push(Column::new(format!("std_{name}"), "1", long_name, read));
-                scalar.unit
-            }
-            RandomInput::Start(number) => {
-                let unit = number.unit(start.units);
-                columns.push(expected_column(number.key(), unit, &number.description(&start)));
-                let (of_cell, long_name) = (std.clone(), format!("standard deviation of {name}"));
-                let read = Values::Real(Box::new(move |row| of_cell(&row.cell)));
-                columns.push(Column::new(format!("std_{name}"), unit, long_name, read));
-                unit
-            }
-        };
-        if !matches!(marginal, Marginal::TruncatedNormal { .. }) {
-            continue;
-        }
-        let (marginal, of_job) = (marginal.clone(), job.clone());
-        let is_absolute = input.scatters_absolutely();
-        let moments = move |row: &SurfaceRow| {
-            let (expected, std) = (of_job.expected(input, &row.cell), std(&row.cell));
-            if is_absolute { marginal.absolute_moments(expected, std) } else { marginal.moments(expected, std) }
-        };
-        let means = moments.clone();
-        let (mean_name, scatter_name) = (format!("mean_{name}"), format!("scatter_{name}"));
-        for (column, instead) in [(expected_name, &mean_name), (&format!("std_{name}"), &scatter_name)] {
-            if let Some(column) = columns.iter_mut().find(|other| other.name == column) {
-                let long_name = &column.long_name;
-                column.long_name =
-                    format!("{long_name}, before it is truncated: a parameter of its distribution, see {instead}")
-                        .into();
-            }
-        }
-        let long_name = format!("mean of {name}, which is truncated");
-        columns.push(Column::new(mean_name, unit, long_name, Values::Real(Box::new(move |row| means(row).0))));
-        if is_absolute {
-            let long_name = format!("standard deviation of {name}, which is truncated");
-            columns.push(Column::new(scatter_name, unit, long_name, Values::Real(Box::new(move |row| moments(row).1))));
-            continue;
-        }
-        let long_name = format!("standard deviation of {name}, which is truncated, over its mean");
-        columns.push(Column::optional(scatter_name, long_name, move |row| {
-            let (mean, std) = moments(row);
-            (mean > 0.0).then_some(std / mean)
-        }));
-    }
-    for further in job.grid.further() {
-        if columns.iter().any(|column| column.name == further.name) {
-            continue;
-        }
-        if let Some(scalar) = scalar(&further.name) {
-            columns.push(expected_column(scalar.key, scalar.unit, scalar.description));
-        }
-        if let Some(number) = StartValue::from_key(&further.name) {
-            columns.push(expected_column(number.key(), number.unit(start.units), &number.description(&start)));
+    let means = moments.clone();
+    let (mean_name, scatter_name) = (format!("mean_{name}"), format!("scatter_{name}"));
+    for (column, instead) in [(&*quantity.column, &mean_name), (&*format!("std_{name}"), &scatter_name)] {
+        if let Some(column) = columns.iter_mut().find(|other| other.name == column) {
+            let long_name = &column.long_name;
+            column.long_name =
+                format!("{long_name}, before it is truncated: a parameter of its distribution, see {instead}").into();
         }
     }
+    let long_name = format!("mean of {name}, which is truncated");
+    columns.push(Column::new(mean_name, unit.clone(), long_name, Values::Real(Box::new(move |row| means(row).0))));
+    if is_absolute {
+        let long_name = format!("standard deviation of {name}, which is truncated");
+        let std = Values::Real(Box::new(move |row| moments(row).1));
+        columns.push(Column::new(scatter_name, unit.clone(), long_name, std));
+        return;
+    }
+    let long_name = format!("standard deviation of {name}, which is truncated, over its mean");
+    columns.push(Column::optional(scatter_name, long_name, move |row| {
+        let (mean, std) = moments(row);
+        (mean > 0.0).then_some(std / mean)
+    }));
 }
 
 impl Column {
     /// What it is called and holds.
     pub fn field(&self) -> Field {
-        let kind = match &self.values {
-            Values::Integer(_) => Kind::Integer,
-            Values::Real(_) => Kind::Real,
-            Values::OptionalReal(_) => Kind::OptionalReal,
+        let (kind, is_optional) = match &self.values {
+            Values::Integer(_) => (DataType::Int64, false),
+            Values::Real(_) => (DataType::Float64, false),
+            Values::OptionalReal(_) => (DataType::Float64, true),
         };
-        Field { name: self.name.clone(), unit: self.unit.clone(), long_name: self.long_name.clone(), kind }
+        column(&self.name, &self.unit, &self.long_name, kind, is_optional)
     }
 
     /// Its values in some rows.
-    pub fn read(&self, rows: &[SurfaceRow]) -> column::Values {
+    pub fn read(&self, rows: &[SurfaceRow]) -> ArrayRef {
         match &self.values {
-            // Counts stay far below 2^63, see the limit on samples.
-            Values::Integer(value) => {
-                column::Values::Integer(rows.iter().map(|row| value(row).cast_signed()).collect())
-            }
-            Values::Real(value) => column::Values::Real(rows.iter().map(value).collect()),
-            Values::OptionalReal(value) => column::Values::OptionalReal(rows.iter().map(value).collect()),
+            Values::Integer(value) => Arc::new(integers(rows.iter().map(value))),
+            Values::Real(value) => Arc::new(Float64Array::from_iter_values(rows.iter().map(value))),
+            Values::OptionalReal(value) => Arc::new(Float64Array::from_iter(rows.iter().map(value))),
         }
     }
 }

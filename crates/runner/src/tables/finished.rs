@@ -5,12 +5,16 @@ use std::fs::File;
 use std::mem;
 use std::path::Path;
 
+use arrow::array::{AsArray as _, RecordBatchReader as _};
+use arrow::datatypes::{DataType, Float64Type, Int64Type};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReader;
+
 use crate::evaluate::sums::SumLayout;
 use crate::failure::Failure;
-use crate::files::column::Field;
-use crate::files::decode::{ReadTable, ReadValues};
-use crate::files::foreign::{self, Known};
+use crate::files::foreign;
+use crate::files::table::{LONG_NAME, UNIT};
 use crate::job::Job;
+use crate::messages::{Code, Place};
 use crate::output::{note, quoted};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
@@ -55,16 +59,16 @@ impl FinishedSurface {
         match directory.surface_state(&job)? {
             FileState::Sound => Ok(Self { job, directory, is_of_another_version: false }),
             FileState::OfAnotherVersion => Ok(Self { job, directory, is_of_another_version: true }),
-            FileState::Damaged(why) => Err(Failure::InputOutput(format!(
-                "{} is damaged: {why}; `stickslip verify {}` writes it again",
-                directory.surface().display(),
-                quoted(run)
-            ))),
-            FileState::Absent | FileState::OfAnotherJob => Err(Failure::Job(format!(
-                "{} has no surface yet; finish it with `stickslip resume {}`",
-                run.display(),
-                quoted(run)
-            ))),
+            FileState::Damaged(why) => {
+                let (surface, verify) = (directory.surface(), format!("stickslip verify {}", quoted(run)));
+                let text = format!("{} is damaged: {why}; `{verify}` writes it again", surface.display());
+                Err(Failure::InputOutput(text).coded(Code::Damaged).at(Place::file(&surface)).remedied(verify))
+            }
+            FileState::Absent | FileState::OfAnotherJob => {
+                let resume = format!("stickslip resume {}", quoted(run));
+                let text = format!("{} has no surface yet; finish it with `{resume}`", run.display());
+                Err(Failure::Job(text).coded(Code::Incomplete).remedied(resume))
+            }
         }
     }
 
@@ -72,7 +76,7 @@ impl FinishedSurface {
     pub fn tell_version(&self) {
         if self.is_of_another_version {
             note(format_args!(
-                "{} was computed by another version of stickslip, with another results version, verdicts version or identity version than this one has; its values are shown as they are",
+                "{} was computed by another version of stickslip, with another results version or format version than this one has; its values are shown as they are",
                 self.directory.surface().display()
             ));
         }
@@ -102,12 +106,10 @@ impl FinishedSurface {
     /// Gives columns the units and meanings that they have in a surface of this version. Other columns, of other
     /// versions, keep none.
     fn describe(&self, columns: &mut [FinishedColumn]) {
-        let described: Vec<Field> =
-            columns::of(&self.job, SumLayout::of(&self.job)).iter().map(Column::field).collect();
+        let described: Vec<_> = columns::of(&self.job, SumLayout::of(&self.job)).iter().map(Column::field).collect();
         for column in columns {
-            if let Some(field) = described.iter().find(|field| field.name == column.name) {
-                (column.unit, column.long_name) =
-                    (field.unit.clone().into_owned(), field.long_name.clone().into_owned());
+            if let Some(field) = described.iter().find(|field| *field.name() == column.name) {
+                (column.unit, column.long_name) = (field.metadata()[UNIT].clone(), field.metadata()[LONG_NAME].clone());
             }
         }
     }
@@ -123,10 +125,14 @@ impl FinishedSurface {
 
     /// The failure of a file that is not what its run should have.
     pub fn broken(&self, why: impl fmt::Display) -> Failure {
+        let surface = self.directory.surface();
         Failure::InputOutput(format!(
             "{}: not the surface of a run: {why}; `stickslip merge` writes it again from the run's pieces",
-            self.directory.surface().display()
+            surface.display()
         ))
+        .coded(Code::Damaged)
+        .at(Place::file(&surface))
+        .remedied("stickslip merge")
     }
 }
 
@@ -140,23 +146,31 @@ pub fn read_numbers<const N: usize>(path: &Path, names: [&str; N]) -> Result<[Ve
 }
 
 fn read_columns(file: File, rows: Option<u64>, wanted: impl Fn(&str) -> bool) -> Result<Vec<FinishedColumn>, String> {
-    columns_of(foreign::read(file, Known::Table(rows), wanted)?)
+    foreign::read(file, rows, wanted, columns_of)
 }
 
-/// All columns that were read.
-fn columns_of(table: ReadTable) -> Result<Vec<FinishedColumn>, String> {
-    let columns = table.columns.into_iter().map(|column| {
-        let values = match column.values {
-            ReadValues::Integer(values) => FinishedValues::Integer(values),
-            ReadValues::Real(values) => FinishedValues::Real(values),
-            ReadValues::Text(_) => return Err(format!("its column {} holds texts, not numbers", column.name)),
-            ReadValues::Integers(_) | ReadValues::Reals(_) => {
-                return Err(format!("its column {} holds lists, not numbers", column.name));
-            }
+/// All columns of a table, which hold numbers.
+fn columns_of(table: ParquetRecordBatchReader) -> Result<Vec<FinishedColumn>, String> {
+    let columns = table.schema();
+    let columns = columns.fields().iter().map(|field| {
+        let values = match field.data_type() {
+            DataType::Int64 => FinishedValues::Integer(Vec::new()),
+            DataType::Float64 => FinishedValues::Real(Vec::new()),
+            other => return Err(format!("its column {} holds {other}, not numbers of 64 bits", field.name())),
         };
-        Ok(FinishedColumn { name: column.name, unit: String::new(), long_name: String::new(), values })
+        Ok(FinishedColumn { name: field.name().clone(), unit: String::new(), long_name: String::new(), values })
     });
-    columns.collect()
+    let mut columns: Vec<FinishedColumn> = columns.collect::<Result<_, _>>()?;
+    for batch in table {
+        let batch = batch.map_err(|error| error.to_string())?;
+        for (column, array) in columns.iter_mut().zip(batch.columns()) {
+            match &mut column.values {
+                FinishedValues::Integer(values) => values.extend(array.as_primitive::<Int64Type>()),
+                FinishedValues::Real(values) => values.extend(array.as_primitive::<Float64Type>()),
+            }
+        }
+    }
+    Ok(columns)
 }
 
 /// The values of columns by their names, counts as numbers too.
@@ -188,10 +202,8 @@ impl FinishedValues {
 
 #[cfg(test)]
 mod tests {
-    use bytes::Bytes;
-
     use super::*;
-    use crate::files::forging::assert_bounded;
+    use crate::files::forging::{assert_bounded, file_of};
     use crate::files::table::{DescribedColumn, write_columns};
 
     #[test]
@@ -210,7 +222,7 @@ mod tests {
         assert_eq!((time.len(), time[3], level[299]), (300, Some(0.1 * 3.0), Some(2.0)));
         let sound = [std::fs::read(path).unwrap()];
         assert_bounded("tables::finished::tests::forged_tables_are_read_or_refused", &sound, 1500, |bytes| {
-            columns_of(foreign::read(Bytes::from(bytes), Known::Table(None), |_| true)?).map(drop)
+            read_columns(file_of(&bytes), None, |_| true).map(drop)
         });
     }
 }

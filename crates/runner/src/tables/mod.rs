@@ -2,6 +2,8 @@
 
 pub mod row;
 
+pub mod cell_columns;
+
 pub mod columns;
 
 pub mod surface;

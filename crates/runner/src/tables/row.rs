@@ -1,6 +1,6 @@
 //! A row of the surface: everything that is known of one cell.
 
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::interval::Estimate;
@@ -23,7 +23,7 @@ pub struct SurfaceRow {
     pub unaudited: Option<f64>,
     /// Settled amplitudes of the unstable samples, if the job records them.
     pub amplitudes: Distribution,
-    /// Number of samples without preload or with friction that rises with speed; 0 if none are drawn.
+    /// Number of samples outside the model; 0 if none are drawn.
     pub outside_physics: u64,
     /// How many of its samples, or of its audit, were simulated and audited.
     pub(super) lookups: Lookups,

@@ -4,10 +4,9 @@ use std::cell::OnceCell;
 use std::fmt;
 use std::io::{self, BufWriter, Write};
 
-use parquet::basic::Compression;
 use parquet::errors::ParquetError;
-use stickslip_core::verdict::VerdictCounts;
-use stickslip_sampler::draw::identity::{ESTIMATES_VERSION, RESULTS_VERSION};
+use stickslip_core::model::verdict::VerdictCounts;
+use stickslip_sampler::draw::identity::RESULTS_VERSION;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::interval::Estimate;
 
@@ -16,8 +15,7 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::randomised;
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
-use crate::files::column::Field;
-use crate::files::encode::TableWriter;
+use crate::files::table::TableWriter;
 use crate::job::{Effort, Job};
 use crate::store::digests::digest_of_file;
 use crate::store::directory::{JOB_HASH_KEY, JOB_KEY, RunDirectory};
@@ -157,7 +155,7 @@ impl<'a> Surface<'a> {
     /// already.
     pub fn publish(&self, directory: &RunDirectory) -> Result<bool, Failure> {
         if self.is_published(directory)? {
-            // Runs of earlier versions have no digests.
+            // Its digest may have been removed.
             let digest = directory.open_surface()?.map(digest_of_file).transpose();
             let digest = digest.map_err(|error| Failure::reading(&directory.surface(), error))?;
             digest.map(|digest| directory.expect(SURFACE, &digest)).transpose()?;
@@ -182,30 +180,19 @@ impl<'a> Surface<'a> {
 
     fn encode(&self, out: &mut (dyn Write + Send), cells: u64) -> Result<(), ParquetError> {
         let columns = columns::of(self.job, self.layout);
-        let fields: Vec<Field> = columns.iter().map(Column::field).collect();
-        let mut writer = TableWriter::new(out, &fields, &self.footer(), Compression::SNAPPY)?;
+        let mut writer = TableWriter::new(out, columns.iter().map(Column::field).collect(), &footer(self.job))?;
         let mut first = 0;
         while first < cells {
             let end = cells.min(first + BATCH_ROWS);
             let rows: Vec<SurfaceRow> = (first..end).map(|cell| self.row(cell)).collect();
-            writer.write(columns.iter().map(|column| column.read(&rows)))?;
+            writer.write(columns.iter().map(|column| column.read(&rows)).collect())?;
             first = end;
         }
         writer.finish()
     }
-
-    /// The footer: the job and the versions that its values depend on. Nothing in it differs between two runs of one
-    /// job.
-    fn footer(&self) -> Vec<(&'static str, String)> {
-        let mut footer = footer(self.job);
-        if self.job.has_later_estimates() {
-            footer.push(("stickslip:estimates_version", ESTIMATES_VERSION.to_string()));
-        }
-        footer
-    }
 }
 
-/// What the footers of files with samples of a job say of it.
+/// What the footers of files with samples of a job say of it. Nothing in it differs between two runs of one job.
 pub fn footer(job: &Job) -> Vec<(&'static str, String)> {
     vec![
         (JOB_KEY, job.normalised()),

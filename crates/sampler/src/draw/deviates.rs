@@ -305,4 +305,69 @@ mod tests {
         let expected = "741a4286eef692db97fdf4336b27f4fea74853a6fae742e77f10867421ebff78";
         assert_eq!(digest.finalize().to_hex().to_string(), expected);
     }
+
+    /// Every purpose that a stream of random numbers may have.
+    const PURPOSES: [Purpose; 9] = [
+        Purpose::Inputs,
+        Purpose::CommonInputs,
+        Purpose::Scrambling,
+        Purpose::CommonScrambling,
+        Purpose::Audit,
+        Purpose::Sensitivity,
+        Purpose::CommonSensitivity,
+        Purpose::Population,
+        Purpose::CommonPopulation,
+    ];
+
+    #[test]
+    fn a_stream_is_drawn_for_its_own_purpose_and_no_other() {
+        for (points, common_random_numbers, own) in [
+            (Points::Random, false, Purpose::Inputs),
+            (Points::Random, true, Purpose::CommonInputs),
+            (Points::SecondRandom, false, Purpose::Sensitivity),
+            (Points::SecondRandom, true, Purpose::CommonSensitivity),
+            (Points::Sobol, false, Purpose::Scrambling),
+            (Points::Sobol, true, Purpose::CommonScrambling),
+        ] {
+            let (cell, number) = (7, 3);
+            let stream = DeviateStream { points, common_random_numbers, ..STREAM };
+            let is_sobol = points == Points::Sobol;
+            let first = if is_sobol { 0 } else { number * BLOCK_SAMPLES };
+            let drawn = stream.draw(cell, number, first..first + 1);
+            // Straight from the generator of each purpose.
+            let of = |purpose: Purpose| -> Vec<f64> {
+                let cell = if common_random_numbers { 0 } else { cell };
+                let mut generator = block_generator(stream.seed, purpose, cell, number);
+                if is_sobol {
+                    let mut point = [0.0; 2];
+                    ScrambledSobol::new(2, &mut generator).cursor(0).next_point(&mut point);
+                    point.map(normal::quantile).to_vec()
+                } else {
+                    (0..2).map(|_| generator.sample(StandardNormal)).collect()
+                }
+            };
+            for purpose in PURPOSES {
+                assert_eq!(drawn == of(purpose), purpose == own, "{points:?} {common_random_numbers}: {purpose:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn each_input_has_deviates_of_its_own_in_the_order_of_the_generator() {
+        for dimensions in 1..=11 {
+            let stream = DeviateStream { dimensions, ..STREAM };
+            let mut generator = block_generator(stream.seed, Purpose::Inputs, 4, 0);
+            let expected: Vec<f64> = (0..100 * dimensions).map(|_| generator.sample(StandardNormal)).collect();
+            assert_eq!(stream.draw(4, 0, 0..100), expected, "{dimensions} inputs");
+        }
+    }
+
+    #[test]
+    fn every_randomisation_scrambles_anew() {
+        let stream = DeviateStream { points: Points::Sobol, ..STREAM };
+        let drawn: Vec<Vec<f64>> = (0..8).map(|randomisation| stream.draw(1, randomisation, 0..4)).collect();
+        for (i, one) in drawn.iter().enumerate() {
+            assert!(drawn[..i].iter().all(|other| other != one), "{i}");
+        }
+    }
 }

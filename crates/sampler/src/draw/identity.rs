@@ -8,13 +8,9 @@
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Version of everything that turns a job into samples and verdicts. It changes whenever one of their values changes.
-/// Runs of different versions are never mixed.
+/// Version of everything that turns a job into results: samples, verdicts, verdict maps, estimates and intervals. It
+/// changes whenever one of their values changes. Runs of different versions are never mixed.
 pub const RESULTS_VERSION: u32 = 1;
-
-/// Version of what is computed from counted verdicts: intervals, estimates, derivatives, indices. It changes when they
-/// do, while the samples stay the same. A run whose results it affects is not continued by another version.
-pub const ESTIMATES_VERSION: u32 = 2;
 
 /// Samples in one block. A change needs a new results version.
 pub const BLOCK_SAMPLES: u64 = 1000;

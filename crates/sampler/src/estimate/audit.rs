@@ -77,4 +77,17 @@ mod tests {
         }
         assert_eq!([upper_bound(0, 0, 0.95), upper_bound(5, 5, 0.95)], [1.0, 1.0]);
     }
+
+    #[test]
+    fn the_choice_is_drawn_for_the_audit_alone() {
+        let by = |purpose: Purpose| -> Vec<bool> {
+            let mut generator = block_generator(7, purpose, 3, 2);
+            (0..BLOCK_SAMPLES).map(|_| generator.random::<f64>() < 0.5).collect()
+        };
+        let chosen = choose(7, 3, 2 * BLOCK_SAMPLES..3 * BLOCK_SAMPLES, 0.5);
+        assert_eq!(chosen, by(Purpose::Audit));
+        for purpose in [Purpose::Inputs, Purpose::CommonInputs, Purpose::Sensitivity, Purpose::Population] {
+            assert_ne!(chosen, by(purpose), "{purpose:?}");
+        }
+    }
 }

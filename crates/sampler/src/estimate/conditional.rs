@@ -1,6 +1,6 @@
 //! The estimate from conditional probabilities at randomised Sobol points.
 //!
-//! Every point stands for the inputs other than preload and static friction, and has the probability that a brake is
+//! Every point stands for all inputs but the two that are integrated over, and has the probability that a sample is
 //! unstable given these ([`integrate::pair`](crate::integrate::pair)). Their mean is the probability of instability.
 //!
 //! Conditional probabilities and their squares are added as [whole numbers](super::fixed_point), so that a sum has the
@@ -57,7 +57,7 @@ impl ProbabilitySums {
 pub struct ConditionalPart {
     /// Points.
     pub points: u64,
-    /// Those of them of which no brake can be made.
+    /// Those of them with which there is no model.
     pub failed: u64,
     /// The sum of the probabilities of the others.
     pub probabilities: f64,
@@ -76,7 +76,7 @@ impl ConditionalPart {
 
 /// The mean of conditional probabilities, with Student's interval from the scatter of the randomisations.
 ///
-/// Points of which no brake can be made count as stable for the low end and as unstable for the high one. The half width
+/// Points with which there is no model count as stable for the low end and as unstable for the high one. The half width
 /// `h` of the interval is that of the logarithms of `p` and of `1 - p` too, `p exp(h / p)` being the higher end: small
 /// probabilities are skew.
 ///
@@ -175,7 +175,7 @@ pub(super) fn binomial(at_least: f64, at_most: f64, trials: f64, confidence: f64
     let scale = (MOST_TRIALS / trials).min(1.0);
     let [at_least, at_most, trials] = [at_least, at_most, trials].map(|count| count * scale);
     let tail = 0.5 * (1.0 - confidence);
-    // Less than one success does not tell a probability from zero.
+    // Less than one success does not distinguish a probability from zero.
     let low = if at_least < 1.0 { 0.0 } else { beta::quantile(at_least, trials - at_least + 1.0, tail) };
     let failures = trials - at_most;
     let high = if failures < 0.01 { 1.0 } else { beta::upper_quantile(at_most + 1.0, failures, tail) };

@@ -1,6 +1,6 @@
 //! Confidence intervals for a probability from counted verdicts.
 
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 
 use crate::special_functions::{beta, normal};
 

@@ -8,7 +8,7 @@
 
 mod unbiased;
 
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 
 use crate::draw::identity::BLOCK_SAMPLES;
 use crate::estimate::interval::{BinomialInterval, Estimate, IntervalKind};

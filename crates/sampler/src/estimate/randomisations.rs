@@ -1,6 +1,6 @@
 //! The estimate from independent randomisations of Sobol points.
 
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 
 use crate::estimate::interval::{BinomialInterval, Estimate, IntervalKind, MOST_WILSON_CONFIDENCE};
 use crate::special_functions::beta::student_quantile;
@@ -33,7 +33,7 @@ const RARE: [u64; 2] = [30, 200];
 /// samples.
 ///
 /// ```
-/// use stickslip_core::verdict::VerdictCounts;
+/// use stickslip_core::model::verdict::VerdictCounts;
 /// use stickslip_sampler::estimate::randomisations::estimate;
 /// let part = |unstable| VerdictCounts { unstable, stable: 100 - unstable, ..VerdictCounts::default() };
 /// let estimate = estimate(&[part(40), part(42), part(41), part(41)], 2, 0.95);
@@ -109,10 +109,10 @@ pub(super) fn student(shares: &[f64], confidence: f64) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::draw::deviates::{DeviateStream, Points};
-    use crate::grid::{Cell, RelativeStd};
+    use crate::integrate::NormalPair;
     use crate::integrate::closed_form;
-    use stickslip_core::parameters::Parameters;
-    use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+    use stickslip_core::models::pad_on_disc::parameters::Parameters;
+    use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
     fn part(stable: u64, unstable: u64, undecided: u64) -> VerdictCounts {
         VerdictCounts { stable, unstable, undecided, ..VerdictCounts::default() }
@@ -200,11 +200,10 @@ mod tests {
     #[test]
     fn scrambled_points_cover_the_exact_probability_with_far_narrower_intervals() {
         let boundary = PadOnDisc::new(Parameters::sui_ding_2018()).unwrap().stability_boundary();
-        let relative_std = RelativeStd { preload: 0.2, static_friction: 0.2 };
         let (mut covered, mut width, mut count) = (0, 0.0, 0);
         for (preload, static_friction) in [(0.1, 0.39), (0.2, 0.3), (0.05, 0.5), (0.03, 0.4)] {
+            let cell = NormalPair { expected: [preload, static_friction], relative_std: [0.2; 2] };
             for seed in 0..60 {
-                let cell = Cell { index: seed, rotating_speed: 16.0, relative_std, preload, static_friction };
                 let stream = DeviateStream { seed, common_random_numbers: false, dimensions: 2, points: Points::Sobol };
                 let counts: Vec<VerdictCounts> = (0..16)
                     .map(|randomisation| {
@@ -226,5 +225,29 @@ mod tests {
         // 240 trials of 0.95: 228 +- 3.4. Less than half as wide as independent samples make it.
         assert!((217..=239).contains(&covered), "{covered} of {count}");
         assert!(width / f64::from(count) < 0.5, "{}", width / f64::from(count));
+    }
+
+    #[test]
+    fn few_stable_samples_are_as_rare_as_few_unstable_ones() {
+        for confidence in [0.95, 0.99] {
+            for few in [[1, 4, 0, 2], [6, 8, 7, 7], [24, 26, 25, 25]] {
+                let rare = estimate(&few.map(|count| part(1000 - count, count, 0)), 2, confidence);
+                let frequent = estimate(&few.map(|count| part(count, 1000 - count, 0)), 2, confidence);
+                assert!((rare.low + frequent.high - 1.0).abs() < 1e-12, "{rare:?} {frequent:?}");
+                assert!((rare.high + frequent.low - 1.0).abs() < 1e-12, "{rare:?} {frequent:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_ninety_five_per_cent_more_samples_are_few() {
+        // A hundred unstable samples that hardly scatter between the randomisations.
+        let parts = [24, 26, 25, 25].map(|count| part(1000 - count, count, 0));
+        let pooled = |confidence: f64| {
+            BinomialInterval::new(IntervalKind::ClopperPearson, confidence).estimate(&part(3900, 100, 0))
+        };
+        let [usual, high] = [0.95, 0.99].map(|confidence| (estimate(&parts, 2, confidence), pooled(confidence)));
+        assert!(usual.0.low > usual.1.low && usual.0.high < usual.1.high, "{usual:?}");
+        assert!(high.0.low <= high.1.low && high.0.high >= high.1.high, "{high:?}");
     }
 }

@@ -31,9 +31,10 @@
 //! Sums are kept in integers, so that the order of the samples has no effect. The summands are the scores times `m s`
 //! or `s`, which are of the order of 1 however small the standard deviation.
 
-use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_core::model::verdict::{Verdict, VerdictCounts};
 
-use crate::grid::Cell;
+use crate::inputs::PairParameter;
+use crate::integrate::NormalPair;
 
 /// Sums are kept in multiples of 2^-20: rounding changes each term by less than a millionth.
 const STEPS_PER_ONE: f64 = (1_u64 << 20) as f64;
@@ -45,46 +46,24 @@ const LEAST_SAMPLES: u64 = 30;
 /// up to 9. A square is then at most 2^40 multiples, and 2^22 of them fit in 64 bits.
 const LARGEST: f64 = 1024.0;
 
-/// The parameters of a cell by which its probability is differentiated, in the order of the sums.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CellParameter {
-    /// Expected preload, at constant relative standard deviation.
-    Preload,
-    /// Expected static friction coefficient, at constant relative standard deviation.
-    StaticFriction,
-    /// Relative standard deviation of the preload.
-    StdPreload,
-    /// Relative standard deviation of the static friction coefficient.
-    StdStaticFriction,
-}
-
-impl CellParameter {
-    /// All parameters, in the order of the sums.
-    pub const ALL: [Self; 4] = [Self::Preload, Self::StaticFriction, Self::StdPreload, Self::StdStaticFriction];
-
-    /// The factor of a score in the sums; 0 for an input without scatter.
-    fn scale(self, cell: &Cell) -> f64 {
-        let std = cell.relative_std;
-        match self {
-            Self::Preload => cell.preload * std.preload,
-            Self::StaticFriction => cell.static_friction * std.static_friction,
-            Self::StdPreload if cell.preload != 0.0 => std.preload,
-            Self::StdStaticFriction if cell.static_friction != 0.0 => std.static_friction,
-            Self::StdPreload | Self::StdStaticFriction => 0.0,
-        }
+/// The factor of the score by a parameter in the sums; 0 for an input without scatter.
+fn scale(parameter: PairParameter, inputs: &NormalPair) -> f64 {
+    match parameter {
+        PairParameter::Expected(input) => inputs.spread(input),
+        PairParameter::RelativeStd(input) if inputs.expected[input] != 0.0 => inputs.relative_std[input],
+        PairParameter::RelativeStd(_) | PairParameter::Correlation => 0.0,
     }
 }
 
-/// The scores by all parameters, each times its [`CellParameter::scale`], of a sample with these deviates; `None`
+/// The scores by [`PairParameter::DIFFERENTIATED`], each times its [`scale`], of a sample with these deviates; `None`
 /// stands for an input without scatter.
-fn scaled_scores(cell: &Cell, z_preload: Option<f64>, z_static_friction: Option<f64>) -> [f64; 4] {
-    let terms = |z: Option<f64>, std: f64| {
-        let second = z.map_or(0.0, |z| z * z - 1.0);
-        [z.unwrap_or(0.0) + std * second, second]
+fn scaled_scores(inputs: &NormalPair, z: [Option<f64>; 2]) -> [f64; 4] {
+    let terms = |input: usize| {
+        let second = z[input].map_or(0.0, |z| z * z - 1.0);
+        [z[input].unwrap_or(0.0) + inputs.relative_std[input] * second, second]
     };
-    let preload = terms(z_preload, cell.relative_std.preload);
-    let friction = terms(z_static_friction, cell.relative_std.static_friction);
-    [preload[0], friction[0], preload[1], friction[1]]
+    let [a, b] = [terms(0), terms(1)];
+    [a[0], b[0], a[1], b[1]]
 }
 
 /// Sums over some samples of one verdict.
@@ -110,13 +89,13 @@ impl ScoreSums {
     /// Adds a sample with these standard normal deviates, `None` for an input without scatter. Undecided and failed
     /// samples add nothing.
     #[inline]
-    pub fn add(&mut self, cell: &Cell, z_preload: Option<f64>, z_static_friction: Option<f64>, verdict: Verdict) {
+    pub fn add(&mut self, inputs: &NormalPair, z: [Option<f64>; 2], verdict: Verdict) {
         let moments = match verdict {
             Verdict::Unstable => &mut self.unstable,
             Verdict::Stable => &mut self.stable,
             Verdict::Undecided | Verdict::Failed => return,
         };
-        for (i, score) in scaled_scores(cell, z_preload, z_static_friction).into_iter().enumerate() {
+        for (i, score) in scaled_scores(inputs, z).into_iter().enumerate() {
             let score = score.clamp(-LARGEST, LARGEST);
             // A conversion to an integer makes 0 of NaN.
             moments.sums[i] = moments.sums[i].saturating_add((score * STEPS_PER_ONE).round() as i64);
@@ -149,25 +128,25 @@ impl ScoreTotals {
         }
     }
 
-    /// The derivative of `P(unstable | decided)` by a parameter of the cell, and its standard error. `counts` are those
+    /// The derivative of `P(unstable | decided)` by a parameter of the inputs, and its standard error. `counts` are those
     /// of the samples that were added, `probability` the estimate from them.
     ///
-    /// `None` for an input without scatter, and where fewer than 30 samples are unstable or fewer than 30 stable: a
-    /// derivative of 0 +- 0 would claim that the probability does not change.
+    /// `None` for an input without scatter, for the correlation, and where fewer than 30 samples are unstable or fewer
+    /// than 30 stable: a derivative of 0 +- 0 would claim that the probability does not change.
     #[must_use]
     pub fn derivative(
         &self,
-        parameter: CellParameter,
-        cell: &Cell,
+        parameter: PairParameter,
+        inputs: &NormalPair,
         counts: &VerdictCounts,
         probability: f64,
     ) -> Option<(f64, f64)> {
-        let scale = parameter.scale(cell);
+        let (place, scale) = (parameter.place()?, scale(parameter, inputs));
         if scale == 0.0 || counts.unstable.min(counts.stable) < LEAST_SAMPLES {
             return None;
         }
-        let (unstable, variance_unstable) = self.unstable.mean(parameter, counts.unstable);
-        let (stable, variance_stable) = self.stable.mean(parameter, counts.stable);
+        let (unstable, variance_unstable) = self.unstable.mean(place, counts.unstable);
+        let (stable, variance_stable) = self.stable.mean(place, counts.stable);
         let spread = probability * (1.0 - probability);
         let slope = unstable - stable;
         let by_scores = spread * spread * (variance_unstable + variance_stable);
@@ -178,11 +157,11 @@ impl ScoreTotals {
 }
 
 impl Moments<i128> {
-    /// The mean of `count` scores, and its variance.
-    fn mean(&self, parameter: CellParameter, count: u64) -> (f64, f64) {
+    /// The mean of `count` scores by one parameter, and its variance.
+    fn mean(&self, place: usize, count: u64) -> (f64, f64) {
         let samples = count as f64;
-        let mean = self.sums[parameter as usize] as f64 / STEPS_PER_ONE / samples;
-        let mean_square = self.squares[parameter as usize] as f64 / STEPS_PER_ONE / samples;
+        let mean = self.sums[place] as f64 / STEPS_PER_ONE / samples;
+        let mean_square = self.squares[place] as f64 / STEPS_PER_ONE / samples;
         (mean, (mean_square - mean * mean).max(0.0) / (samples - 1.0))
     }
 }

@@ -1,22 +1,24 @@
 //! What was observed in the tests.
 
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
 
-/// Tests that only say whether a brake squealed, in equal conditions.
+/// Tests that only say whether there was squeal, in equal conditions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Verdicts {
-    pub(super) preload: f64,
-    pub(super) boundary: StabilityBoundary,
+    /// The nominal first input.
+    pub(super) nominal: f64,
+    pub(super) boundary: PairBoundary,
     pub(super) squealed: f64,
     pub(super) quiet: f64,
 }
 
-/// A test that says at which speed a brake began to squeal.
+/// A test that says at which speed squeal began.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Onset {
-    pub(super) preload: f64,
+    /// The nominal first input.
+    pub(super) nominal: f64,
     /// The boundaries a little below and above that speed.
-    pub(super) boundaries: [StabilityBoundary; 2],
+    pub(super) boundaries: [PairBoundary; 2],
     /// The logarithm of the quotient of the two speeds.
     pub(super) width: f64,
 }
@@ -29,9 +31,9 @@ pub struct TestData {
 }
 
 impl TestData {
-    /// Adds `count` tests with a nominal preload, with the boundary at their rotating speed.
-    pub fn add_verdict(&mut self, preload: f64, boundary: &StabilityBoundary, squealed: bool, count: u64) {
-        let alike = |verdicts: &&mut Verdicts| verdicts.preload == preload && verdicts.boundary == *boundary;
+    /// Adds `count` tests at a nominal first input, with the boundary at their speed.
+    pub fn add_verdict(&mut self, nominal: f64, boundary: &PairBoundary, squealed: bool, count: u64) {
+        let alike = |verdicts: &&mut Verdicts| verdicts.nominal == nominal && verdicts.boundary == *boundary;
         let counted = count as f64;
         let [more_squealed, more_quiet] = if squealed { [counted, 0.0] } else { [0.0, counted] };
         match self.verdicts.iter_mut().find(alike) {
@@ -40,7 +42,7 @@ impl TestData {
                 verdicts.quiet += more_quiet;
             }
             None => self.verdicts.push(Verdicts {
-                preload,
+                nominal,
                 boundary: *boundary,
                 squealed: more_squealed,
                 quiet: more_quiet,
@@ -48,10 +50,10 @@ impl TestData {
         }
     }
 
-    /// Adds a test with a nominal preload in which squeal began at a speed, with the boundaries at two speeds a little
+    /// Adds a test at a nominal first input in which squeal began at a speed, with the boundaries at two speeds a little
     /// below and above it.
-    pub fn add_onset(&mut self, preload: f64, boundaries: [StabilityBoundary; 2], speeds: [f64; 2]) {
-        self.onsets.push(Onset { preload, boundaries, width: libm::log(speeds[1] / speeds[0]) });
+    pub fn add_onset(&mut self, nominal: f64, boundaries: [PairBoundary; 2], speeds: [f64; 2]) {
+        self.onsets.push(Onset { nominal, boundaries, width: libm::log(speeds[1] / speeds[0]) });
     }
 
     /// How many onset speeds and different conditions of verdicts there are.

@@ -1,14 +1,14 @@
 //! Estimates, their intervals, and predictions.
 
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
 use thiserror::Error;
 
 use super::data::{TestData, Verdicts};
 use super::likelihood::{FitModel, Likelihood};
 use super::maximum::{Matrix, Maximum, maximum, product, slopes};
-use super::parameter::{FitParameter, FitValues, LEAST_STD, Range};
+use super::parameter::{ESTIMABLE, FitValues, LEAST_STD, Range};
 use super::root::reached;
-use crate::inputs::Marginal;
+use crate::inputs::{Marginal, PairParameter};
 use crate::special_functions::normal;
 
 /// Coordinates up to which an interval is sought.
@@ -35,14 +35,14 @@ const MOST_BEYOND: f64 = 1.5;
 /// A likelihood this many times as deep as the level is sought from another start as well.
 const TOO_DEEP: f64 = 1.5;
 
-/// Probabilities are told apart from 0 and 1 down to these.
+/// Probabilities are distinguished from 0 and 1 down to these.
 const LEAST_TAILS: [f64; 2] = [1e-300, 1e-15];
 
 /// An estimated parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedParameter {
     /// Which.
-    pub parameter: FitParameter,
+    pub parameter: PairParameter,
     /// The value with which the likelihood is greatest.
     pub value: f64,
     /// The lower end of its interval; `None` if the data have none within the limits of the parameters.
@@ -68,13 +68,16 @@ pub struct Prediction {
 pub enum FitError {
     /// All verdicts are the same.
     #[error(
-        "{}, so that nothing tells where squeal begins; add tests at {}",
+        "{}, so that nothing shows where squeal begins; add tests at {} {}",
         if *.squealed { "every test squealed" } else { "no test squealed" },
-        if *.squealed { "higher speeds or lower preloads" } else { "lower speeds or higher preloads" }
+        if *.squealed { "higher speeds or a lower" } else { "lower speeds or a higher" },
+        .first
     )]
     OneSided {
         /// Whether they squealed.
         squealed: bool,
+        /// The name of the first input.
+        first: String,
     },
     /// There are no tests.
     #[error("there are no tests")]
@@ -83,7 +86,7 @@ pub enum FitError {
     #[error("{parameter} cannot be estimated: the job has measured values, which scatter as they do; leave it out")]
     Measured {
         /// The name of the parameter.
-        parameter: &'static str,
+        parameter: String,
     },
     /// In all conditions but one the verdicts are alike, so that any small scatter explains them.
     #[error(
@@ -93,7 +96,7 @@ pub enum FitError {
     )]
     Separated {
         /// The name of the parameter.
-        parameter: &'static str,
+        parameter: String,
     },
     /// The likelihood is greatest without a scatter.
     #[error(
@@ -103,7 +106,7 @@ pub enum FitError {
     )]
     NoScatter {
         /// The name of the parameter.
-        parameter: &'static str,
+        parameter: String,
         /// The least that is sought.
         limit: f64,
     },
@@ -114,18 +117,21 @@ pub enum FitError {
     )]
     AtLimit {
         /// The name of the parameter.
-        parameter: &'static str,
+        parameter: String,
         /// The limit.
         limit: f64,
     },
     /// Other values explain the data as well, without end in either direction.
     #[error(
-        "the tests do not tell {}: other values explain them as well; estimate fewer parameters and set the others in \
-         the job, or test in more different conditions (speeds and preloads)", .parameters.join(" and ")
+        "the tests do not determine {}: other values explain them as well; estimate fewer parameters and set the \
+         others in the job, or test in more different conditions (speeds and values of {first})",
+        .parameters.join(" and ")
     )]
     NotIdentified {
         /// The names of the parameters.
-        parameters: Vec<&'static str>,
+        parameters: Vec<String>,
+        /// The name of the first input.
+        first: String,
     },
 }
 
@@ -135,7 +141,7 @@ pub struct Fit<'a> {
     best: Maximum,
     /// The square root of the quantile of the chi-squared distribution.
     level: f64,
-    /// The estimated parameters, in the order of [`FitParameter::ALL`].
+    /// The estimated parameters, in the order of [`ESTIMABLE`].
     pub parameters: Vec<FittedParameter>,
     /// All values, the estimates among them.
     pub values: FitValues,
@@ -148,26 +154,26 @@ enum Stop {
     /// There is a better maximum.
     Better(Vec<f64>),
     /// The likelihood is as high at a limit of a parameter alone.
-    Limit(FitParameter, f64),
+    Limit(PairParameter, f64),
 }
 
 /// Estimates parameters from tests, with intervals of a confidence.
 ///
 /// # Errors
-/// [`FitError`] if the tests do not tell the parameters.
+/// [`FitError`] if the tests do not determine the parameters.
 pub fn fit<'a>(
     model: &'a FitModel,
     data: &'a TestData,
-    estimated: &[FitParameter],
+    estimated: &[PairParameter],
     confidence: f64,
 ) -> Result<Fit<'a>, FitError> {
-    let mut estimated = estimated.to_vec();
-    estimated.sort_unstable();
-    estimated.dedup();
+    let estimated: Vec<PairParameter> = ESTIMABLE.into_iter().filter(|one| estimated.contains(one)).collect();
     check(model, data, &estimated)?;
     let ranges = estimated.iter().map(|&parameter| (parameter, Range::new(parameter, &model.marginals))).collect();
     let likelihood = Likelihood { model, data, estimated: ranges };
     let level = -normal::quantile(0.5 * (1.0 - confidence));
+    let not_identified =
+        |parameters: Vec<String>| FitError::NotIdentified { parameters, first: model.names[0].clone() };
     let mut best = best_of_starts(&likelihood);
     for _ in 0..MOST_MAXIMA {
         check_limits(&likelihood, &best)?;
@@ -177,29 +183,30 @@ pub fn fit<'a>(
             Err(Stop::Limit(which, limit)) => return Err(at_limit(&likelihood, which, limit)),
             Ok(parameters) => {
                 let flat = parameters.iter().filter(|fitted| fitted.low.is_none() && fitted.high.is_none());
-                let flat: Vec<&str> = flat.map(|fitted| fitted.parameter.name()).collect();
+                let flat: Vec<String> = flat.map(|fitted| model.name(fitted.parameter)).collect();
                 if !flat.is_empty() {
-                    return Err(FitError::NotIdentified { parameters: flat });
+                    return Err(not_identified(flat));
                 }
                 let (values, log_likelihood) = (likelihood.values(&best.place), best.value);
                 return Ok(Fit { likelihood, best, level, parameters, values, log_likelihood });
             }
         }
     }
-    Err(FitError::NotIdentified { parameters: estimated.iter().map(|parameter| parameter.name()).collect() })
+    Err(not_identified(estimated.iter().map(|&parameter| model.name(parameter)).collect()))
 }
 
-fn check(model: &FitModel, data: &TestData, estimated: &[FitParameter]) -> Result<(), FitError> {
-    let stds = [FitParameter::PreloadStd, FitParameter::StaticFrictionStd];
-    for (parameter, marginal) in stds.into_iter().zip(&model.marginals) {
+fn check(model: &FitModel, data: &TestData, estimated: &[PairParameter]) -> Result<(), FitError> {
+    for (input, marginal) in model.marginals.iter().enumerate() {
+        let parameter = PairParameter::RelativeStd(input);
         if estimated.contains(&parameter) && matches!(marginal, Marginal::Empirical(_)) {
-            return Err(FitError::Measured { parameter: parameter.name() });
+            return Err(FitError::Measured { parameter: model.name(parameter) });
         }
     }
+    let one_sided = |squealed: bool| FitError::OneSided { squealed, first: model.names[0].clone() };
     match data.counts() {
         [0.0, 0.0] => Err(FitError::NoTests),
-        [_, 0.0] if data.onsets.is_empty() => Err(FitError::OneSided { squealed: true }),
-        [0.0, _] => Err(FitError::OneSided { squealed: false }),
+        [_, 0.0] if data.onsets.is_empty() => Err(one_sided(true)),
+        [0.0, _] => Err(one_sided(false)),
         _ => Ok(()),
     }
 }
@@ -207,17 +214,15 @@ fn check(model: &FitModel, data: &TestData, estimated: &[FitParameter]) -> Resul
 /// The best of the maxima that are reached from the two best of many starts.
 fn best_of_starts(likelihood: &Likelihood<'_>) -> Maximum {
     let mut starts: Vec<Vec<f64>> = vec![Vec::new()];
-    let has_friction = likelihood.estimated.iter().any(|(parameter, _)| *parameter == FitParameter::StaticFriction);
+    let has_second = likelihood.estimated.iter().any(|(parameter, _)| *parameter == PairParameter::Expected(1));
     for (parameter, range) in &likelihood.estimated {
         let own = likelihood.model.values.get(*parameter);
         let values: Vec<f64> = match parameter {
-            FitParameter::PreloadFactor if has_friction => vec![own],
-            FitParameter::StaticFriction | FitParameter::PreloadFactor => {
-                (-8..=8).map(|step| own * libm::exp(0.12 * f64::from(step))).collect()
-            }
-            FitParameter::PreloadStd => vec![own, 0.1],
-            FitParameter::StaticFrictionStd => vec![own, 0.03, 0.1, 0.25],
-            FitParameter::Correlation => vec![own, -0.5, 0.5],
+            PairParameter::Expected(0) if has_second => vec![own],
+            PairParameter::Expected(_) => (-8..=8).map(|step| own * libm::exp(0.12 * f64::from(step))).collect(),
+            PairParameter::RelativeStd(0) => vec![own, 0.1],
+            PairParameter::RelativeStd(_) => vec![own, 0.03, 0.1, 0.25],
+            PairParameter::Correlation => vec![own, -0.5, 0.5],
         };
         let extended = |start: &Vec<f64>| {
             let with = |value: &f64| [&start[..], &[range.coordinate(*value)]].concat();
@@ -246,11 +251,11 @@ fn check_limits(likelihood: &Likelihood<'_>, best: &Maximum) -> Result<(), FitEr
 }
 
 /// What is said of a likelihood that is as high at a limit as anywhere.
-fn at_limit(likelihood: &Likelihood<'_>, parameter: FitParameter, limit: f64) -> FitError {
-    let is_std = matches!(parameter, FitParameter::PreloadStd | FitParameter::StaticFrictionStd);
+fn at_limit(likelihood: &Likelihood<'_>, parameter: PairParameter, limit: f64) -> FitError {
+    let is_std = matches!(parameter, PairParameter::RelativeStd(_));
     let is_mixed = |verdicts: &&Verdicts| verdicts.squealed > 0.0 && verdicts.quiet > 0.0;
     let mixed = likelihood.data.verdicts.iter().filter(is_mixed).count();
-    let parameter = parameter.name();
+    let parameter = likelihood.model.name(parameter);
     if is_std && likelihood.data.onsets.is_empty() && mixed <= 1 {
         FitError::Separated { parameter }
     } else if is_std && limit < 2.0 * LEAST_STD {
@@ -262,7 +267,7 @@ fn at_limit(likelihood: &Likelihood<'_>, parameter: FitParameter, limit: f64) ->
 
 /// The intervals of all parameters.
 fn intervals(likelihood: &Likelihood<'_>, best: &Maximum, level: f64) -> Result<Vec<FittedParameter>, Stop> {
-    let interval = |(i, (parameter, range)): (usize, &(FitParameter, Range))| {
+    let interval = |(i, (parameter, range)): (usize, &(PairParameter, Range))| {
         let [below, above] = [bound(likelihood, best, i, -1.0, level)?, bound(likelihood, best, i, 1.0, level)?];
         let end = |bound: &Bound| match bound {
             Bound::At(y) => Some(range.value(*y)),
@@ -375,14 +380,14 @@ fn bound(likelihood: &Likelihood<'_>, best: &Maximum, which: usize, direction: f
 }
 
 impl Fit<'_> {
-    /// The probability of squeal at a nominal preload, with the boundary at the speed. Its interval reaches from the
-    /// least to the greatest value that it has with parameters whose profile likelihood is high enough, found by
+    /// The probability of squeal at a nominal first input, with the boundary at the speed. Its interval reaches from
+    /// the least to the greatest value that it has with parameters whose profile likelihood is high enough, found by
     /// maximising the logarithm of the likelihood plus a multiple of the deviate of the probability: the multiple grows
     /// until the likelihood has fallen to its bound.
     #[must_use]
-    pub fn predict(&self, preload: f64, boundary: &StabilityBoundary) -> Prediction {
+    pub fn predict(&self, nominal: f64, boundary: &PairBoundary) -> Prediction {
         let Self { likelihood, best, level, .. } = self;
-        let of = |y: &[f64]| likelihood.model.probability(&likelihood.values(y), preload, boundary);
+        let of = |y: &[f64]| likelihood.model.probability(&likelihood.values(y), nominal, boundary);
         let [least, least_complement] = LEAST_TAILS;
         let deviate = |y: &[f64]| normal::quantile(of(y).clamp(least, 1.0 - least_complement));
         let probability = of(&best.place);
@@ -411,3 +416,6 @@ impl Fit<'_> {
         Prediction { probability, low: low.min(probability), high: high.max(probability) }
     }
 }
+
+#[cfg(test)]
+mod tests;

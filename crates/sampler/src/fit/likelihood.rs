@@ -1,10 +1,10 @@
 //! The likelihood of the tests.
 
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
 
 use super::data::TestData;
-use super::parameter::{FitParameter, FitValues, Range};
-use crate::inputs::{InputDistribution, Marginal, PairLaw};
+use super::parameter::{FitValues, Range};
+use crate::inputs::{InputDistribution, Marginal, PairLaw, PairParameter};
 use crate::integrate::pair::Pair;
 
 /// Relative error of each integral, small against the steps of numerical derivatives.
@@ -16,18 +16,31 @@ const LEAST: f64 = 1e-300;
 /// The same for the complement of a probability, whose rounding error is about as large.
 const LEAST_COMPLEMENT: f64 = 1e-16;
 
-/// What is known of the random inputs before the fit.
+/// What is known of the two random inputs before the fit.
 #[derive(Debug, Clone)]
 pub struct FitModel {
-    /// The distributions of preload and static friction.
+    /// The names of the inputs.
+    pub names: [String; 2],
+    /// Their distributions.
     pub marginals: [Marginal; 2],
     /// The values of all parameters; those to be estimated start here.
     pub values: FitValues,
 }
 
 impl FitModel {
-    /// Preload and static friction at a nominal preload.
-    fn pair(&self, values: &FitValues, preload: f64) -> Pair {
+    /// The name of a parameter. That of the first expected value is a factor on its nominal value.
+    #[must_use]
+    pub fn name(&self, parameter: PairParameter) -> String {
+        match parameter {
+            PairParameter::Expected(0) => format!("{}_factor", self.names[0]),
+            PairParameter::Expected(input) => self.names[input].clone(),
+            PairParameter::RelativeStd(input) => format!("std.{}", self.names[input]),
+            PairParameter::Correlation => "correlation".to_owned(),
+        }
+    }
+
+    /// The inputs at a nominal first one.
+    fn pair(&self, values: &FitValues, nominal: f64) -> Pair {
         let of = |marginal: &Marginal, expected: f64, std: f64| {
             let scatters = std > 0.0 || matches!(marginal, Marginal::Empirical(_));
             if scatters {
@@ -36,17 +49,16 @@ impl FitModel {
                 InputDistribution::fixed(expected)
             }
         };
-        let [of_preload, of_friction] = &self.marginals;
-        Pair::new(
-            of(of_preload, values.preload_factor * preload, values.preload_std),
-            of(of_friction, values.static_friction, values.static_friction_std),
-        )
+        let [first, second] = &self.marginals;
+        let [factor, expected] = values.expected;
+        let stds = values.relative_std;
+        Pair::new(of(first, factor * nominal, stds[0]), of(second, expected, stds[1]))
     }
 
-    /// The probability of squeal with given values, at a nominal preload.
-    pub(super) fn probability(&self, values: &FitValues, preload: f64, boundary: &StabilityBoundary) -> f64 {
+    /// The probability of squeal with given values, at a nominal first input.
+    pub(super) fn probability(&self, values: &FitValues, nominal: f64, boundary: &PairBoundary) -> f64 {
         let law = PairLaw::correlated(values.correlation);
-        self.pair(values, preload).probability(boundary, &law, TOLERANCE)
+        self.pair(values, nominal).probability(boundary, &law, TOLERANCE)
     }
 }
 
@@ -54,7 +66,7 @@ impl FitModel {
 pub(super) struct Likelihood<'a> {
     pub(super) model: &'a FitModel,
     pub(super) data: &'a TestData,
-    pub(super) estimated: Vec<(FitParameter, Range)>,
+    pub(super) estimated: Vec<(PairParameter, Range)>,
 }
 
 impl Likelihood<'_> {
@@ -75,7 +87,7 @@ impl Likelihood<'_> {
         let mut sum = 0.0;
         let log = |probability: f64, least: f64| libm::log(probability.max(least));
         for verdicts in &self.data.verdicts {
-            let pair = self.prepare(&mut prepared, &values, verdicts.preload);
+            let pair = self.prepare(&mut prepared, &values, verdicts.nominal);
             let probability = pair.probability(&verdicts.boundary, &law, TOLERANCE);
             if verdicts.squealed > 0.0 {
                 sum += verdicts.squealed * log(probability, LEAST);
@@ -85,7 +97,7 @@ impl Likelihood<'_> {
             }
         }
         for onset in &self.data.onsets {
-            let pair = self.prepare(&mut prepared, &values, onset.preload);
+            let pair = self.prepare(&mut prepared, &values, onset.nominal);
             let [slow, fast] = &onset.boundaries;
             let probability = pair.probability_between([slow, fast], &law, TOLERANCE);
             sum += log(probability, LEAST) - libm::log(onset.width);
@@ -93,11 +105,11 @@ impl Likelihood<'_> {
         sum
     }
 
-    /// The inputs at a nominal preload, those of the test before if they are the same.
-    fn prepare<'p>(&self, prepared: &'p mut Option<(f64, Pair)>, values: &FitValues, preload: f64) -> &'p Pair {
-        if prepared.as_ref().is_some_and(|(of, _)| *of != preload) {
+    /// The inputs at a nominal first one, those of the test before if they are the same.
+    fn prepare<'p>(&self, prepared: &'p mut Option<(f64, Pair)>, values: &FitValues, nominal: f64) -> &'p Pair {
+        if prepared.as_ref().is_some_and(|(of, _)| *of != nominal) {
             *prepared = None;
         }
-        &prepared.get_or_insert_with(|| (preload, self.model.pair(values, preload))).1
+        &prepared.get_or_insert_with(|| (nominal, self.model.pair(values, nominal))).1
     }
 }

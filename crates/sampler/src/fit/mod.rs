@@ -1,10 +1,9 @@
-//! Expected values, standard deviations and correlation of preload and static friction from tests of brakes, by maximum
-//! likelihood.
+//! Expected values, standard deviations and correlation of two inputs from tests, by maximum likelihood.
 //!
-//! Each test draws a brake of its own. It squeals at a rotating speed with the probability of instability `P` there, an
-//! integral over the boundary of stability ([`Pair`](crate::integrate::pair::Pair)). A test that only says whether a
-//! brake squealed contributes `P` or `1 - P` to the likelihood. One in which the speed was lowered until the brake
-//! squealed contributes the density `-dP / d ln v` of the speed, or `1 - P` at the lowest speed if it never did.
+//! Each test draws a sample of its own. It squeals at a speed with the probability of instability `P` there, an integral
+//! over the boundary of stability ([`Pair`](crate::integrate::pair::Pair)). A test that only says whether there was
+//! squeal contributes `P` or `1 - P` to the likelihood. One in which the speed was lowered until squeal began
+//! contributes the density `-dP / d ln v` of the speed, or `1 - P` at the lowest speed if it never did.
 //!
 //! Intervals are those of the profile likelihood (D. R. Cox, D. V. Hinkley, Theoretical Statistics, 1974, section 9.3):
 //! all values with which the likelihood, the other parameters chosen best, is at least `exp(-q / 2)` of its maximum,
@@ -31,4 +30,4 @@ mod tests;
 pub use data::TestData;
 pub use fitted::{Fit, FitError, FittedParameter, Prediction, fit};
 pub use likelihood::FitModel;
-pub use parameter::{FitParameter, FitValues};
+pub use parameter::{ESTIMABLE, FitValues};

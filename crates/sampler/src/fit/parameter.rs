@@ -1,12 +1,11 @@
 //! What is estimated, its limits, and the coordinate in which it has none.
 
-use crate::inputs::Marginal;
+use crate::inputs::{Marginal, PairParameter};
 
-/// Limits of the static friction coefficient, and of the true preload over the nominal one.
-const FRICTION_LIMITS: [f64; 2] = [0.01, 5.0];
-const FACTOR_LIMITS: [f64; 2] = [1e-3, 1e3];
+/// Limits of the true first input over the nominal one, and of the expected second input.
+const EXPECTED_LIMITS: [[f64; 2]; 2] = [[1e-3, 1e3], [0.01, 5.0]];
 
-/// The least relative standard deviation that is told from none.
+/// The least relative standard deviation that is distinguished from none.
 pub(super) const LEAST_STD: f64 = 2e-3;
 
 /// The largest correlation.
@@ -15,75 +14,44 @@ const MOST_CORRELATION: f64 = 0.9999;
 /// Coordinates beyond this lie at a limit, within a thousandth of the range of the logarithm.
 const AT_LIMIT: f64 = 7.0;
 
-/// Something that may be estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum FitParameter {
-    /// The expected static friction coefficient.
-    StaticFriction,
-    /// The expected preload over the nominal one.
-    PreloadFactor,
-    /// The relative standard deviation of the preload.
-    PreloadStd,
-    /// The relative standard deviation of the static friction coefficient.
-    StaticFrictionStd,
-    /// The correlation of the deviates of both.
-    Correlation,
-}
+/// All that may be estimated, in the order of coordinates and of results. The expected value of the first input is
+/// estimated as its factor on the nominal one.
+pub const ESTIMABLE: [PairParameter; 5] = [
+    PairParameter::Expected(1),
+    PairParameter::Expected(0),
+    PairParameter::RelativeStd(0),
+    PairParameter::RelativeStd(1),
+    PairParameter::Correlation,
+];
 
-/// A value for each of them.
+/// A value for each parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitValues {
-    /// See [`FitParameter::StaticFriction`].
-    pub static_friction: f64,
-    /// See [`FitParameter::PreloadFactor`].
-    pub preload_factor: f64,
-    /// See [`FitParameter::PreloadStd`].
-    pub preload_std: f64,
-    /// See [`FitParameter::StaticFrictionStd`].
-    pub static_friction_std: f64,
-    /// See [`FitParameter::Correlation`].
+    /// The expected first input over the nominal one, and the expected second input.
+    pub expected: [f64; 2],
+    /// The relative standard deviations.
+    pub relative_std: [f64; 2],
+    /// The correlation of the deviates of both.
     pub correlation: f64,
-}
-
-impl FitParameter {
-    /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::StaticFriction, Self::PreloadFactor, Self::PreloadStd, Self::StaticFrictionStd, Self::Correlation];
-
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::StaticFriction => "static_friction",
-            Self::PreloadFactor => "preload_factor",
-            Self::PreloadStd => "std.preload",
-            Self::StaticFrictionStd => "std.static_friction",
-            Self::Correlation => "correlation",
-        }
-    }
 }
 
 impl FitValues {
     /// One of them.
     #[must_use]
-    pub fn get(&self, parameter: FitParameter) -> f64 {
+    pub fn get(&self, parameter: PairParameter) -> f64 {
         match parameter {
-            FitParameter::StaticFriction => self.static_friction,
-            FitParameter::PreloadFactor => self.preload_factor,
-            FitParameter::PreloadStd => self.preload_std,
-            FitParameter::StaticFrictionStd => self.static_friction_std,
-            FitParameter::Correlation => self.correlation,
+            PairParameter::Expected(input) => self.expected[input],
+            PairParameter::RelativeStd(input) => self.relative_std[input],
+            PairParameter::Correlation => self.correlation,
         }
     }
 
     /// Replaces one of them.
-    pub fn set(&mut self, parameter: FitParameter, value: f64) {
+    pub fn set(&mut self, parameter: PairParameter, value: f64) {
         match parameter {
-            FitParameter::StaticFriction => self.static_friction = value,
-            FitParameter::PreloadFactor => self.preload_factor = value,
-            FitParameter::PreloadStd => self.preload_std = value,
-            FitParameter::StaticFrictionStd => self.static_friction_std = value,
-            FitParameter::Correlation => self.correlation = value,
+            PairParameter::Expected(input) => self.expected[input] = value,
+            PairParameter::RelativeStd(input) => self.relative_std[input] = value,
+            PairParameter::Correlation => self.correlation = value,
         }
     }
 }
@@ -98,14 +66,12 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// The range of a parameter; the distributions of preload and static friction limit their standard deviations.
-    pub(super) fn new(parameter: FitParameter, [preload, static_friction]: &[Marginal; 2]) -> Self {
+    /// The range of a parameter; the distributions of the inputs limit their standard deviations.
+    pub(super) fn new(parameter: PairParameter, marginals: &[Marginal; 2]) -> Self {
         let [low, high] = match parameter {
-            FitParameter::StaticFriction => FRICTION_LIMITS,
-            FitParameter::PreloadFactor => FACTOR_LIMITS,
-            FitParameter::PreloadStd => std_limits(preload),
-            FitParameter::StaticFrictionStd => std_limits(static_friction),
-            FitParameter::Correlation => {
+            PairParameter::Expected(input) => EXPECTED_LIMITS[input],
+            PairParameter::RelativeStd(input) => std_limits(&marginals[input]),
+            PairParameter::Correlation => {
                 let high = libm::atanh(MOST_CORRELATION);
                 return Self { is_correlation: true, low: -high, high };
             }

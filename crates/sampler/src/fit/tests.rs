@@ -1,18 +1,18 @@
-//! Estimates against closed forms and an independent fit, recovery, coverage, invariance, and data that tell nothing.
+//! Estimates against closed forms and an independent fit, recovery, coverage, invariance, and data that determine nothing.
 
 use super::*;
-use crate::inputs::Marginal;
+use crate::inputs::{Marginal, PairParameter};
 use crate::special_functions::normal::{density, quantile, upper_tail};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
-const USUAL: [FitParameter; 2] = [FitParameter::StaticFriction, FitParameter::StaticFrictionStd];
+const USUAL: [PairParameter; 2] = [PairParameter::Expected(1), PairParameter::RelativeStd(1)];
 
 /// The preset at a rotating speed.
-fn boundary_at(rotating_speed: f64) -> StabilityBoundary {
+fn boundary_at(rotating_speed: f64) -> PairBoundary {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.set("operating_point.rotating_speed", rotating_speed).unwrap();
     PadOnDisc::new(parameters).unwrap().stability_boundary()
@@ -20,14 +20,9 @@ fn boundary_at(rotating_speed: f64) -> StabilityBoundary {
 
 fn model(marginal: &Marginal, preload_std: f64, correlation: f64) -> FitModel {
     FitModel {
+        names: ["preload".to_owned(), "static_friction".to_owned()],
         marginals: [marginal.clone(), marginal.clone()],
-        values: FitValues {
-            static_friction: 0.42,
-            preload_factor: 1.0,
-            preload_std,
-            static_friction_std: 0.1,
-            correlation,
-        },
+        values: FitValues { expected: [1.0, 0.42], relative_std: [preload_std, 0.1], correlation },
     }
 }
 
@@ -49,7 +44,7 @@ fn verdicts(
         let boundary = boundary_at(speed);
         let is_unstable = |_: &u64| {
             let [factor, friction] = draw([deviate(&mut generator), deviate(&mut generator)]);
-            friction > boundary.critical_static_friction(preload * factor)
+            friction > boundary.critical_second(preload * factor)
         };
         (speed, (0..each).filter(is_unstable).count() as u64)
     };
@@ -99,8 +94,7 @@ fn with_scattering_friction_alone_it_is_a_probit_regression() {
     let counts = [(12.0, 38), (14.0, 33), (16.0, 21), (18.0, 11), (20.0, 4)];
     let (model, data) = (model(&Marginal::Normal, 0.0, 0.0), data_of(&counts, 0.1, 40));
     let fit = fit(&model, &data, &USUAL, 0.95).unwrap();
-    let rows =
-        counts.map(|(speed, squealed)| (boundary_at(speed).critical_static_friction(0.1), squealed as f64, 40.0));
+    let rows = counts.map(|(speed, squealed)| (boundary_at(speed).critical_second(0.1), squealed as f64, 40.0));
     // P = Phi((f_s - f_crit) / (s f_s)).
     let (a, b, log_likelihood) = probit(&rows);
     near(fit.parameters[0].value, -a / b, 1e-5);
@@ -128,17 +122,16 @@ fn the_interval_of_a_prediction_holds_its_extremes_where_the_likelihood_is_high(
     let counts = [(12.0, 38), (14.0, 33), (16.0, 21), (18.0, 11), (20.0, 4)];
     let (model, data) = (model(&Marginal::Normal, 0.0, 0.0), data_of(&counts, 0.1, 40));
     let fit = fit(&model, &data, &USUAL, 0.95).unwrap();
-    let rows =
-        counts.map(|(speed, squealed)| (boundary_at(speed).critical_static_friction(0.1), squealed as f64, 40.0));
+    let rows = counts.map(|(speed, squealed)| (boundary_at(speed).critical_second(0.1), squealed as f64, 40.0));
     let least = fit.log_likelihood - 0.5 * 1.959_963_984_540_054_f64.powi(2);
     for speed in [10.0, 16.0, 24.0] {
         let boundary = boundary_at(speed);
-        let critical = boundary.critical_static_friction(0.1);
+        let critical = boundary.critical_second(0.1);
         let (mut low, mut high) = (1.0_f64, 0.0_f64);
         for i in 0..400 {
             for j in 0..400 {
-                let friction = fit.values.static_friction * (1.0 + 4e-4 * (f64::from(i) - 200.0));
-                let std = fit.values.static_friction_std * (0.01 * (f64::from(j) - 150.0)).exp();
+                let friction = fit.values.expected[1] * (1.0 + 4e-4 * (f64::from(i) - 200.0));
+                let std = fit.values.relative_std[1] * (0.01 * (f64::from(j) - 150.0)).exp();
                 let log = |&(x, squealed, tests): &(f64, f64, f64)| {
                     let t = (x - friction) / (std * friction);
                     squealed * upper_tail(t).ln() + (tests - squealed) * upper_tail(-t).ln()
@@ -160,7 +153,7 @@ fn the_interval_of_a_prediction_holds_its_extremes_where_the_likelihood_is_high(
 
 #[test]
 fn onset_speeds_of_lognormal_friction_give_the_moments_of_its_logarithm() {
-    // Each onset speed tells the friction coefficient of its brake: the one on the boundary.
+    // Each onset speed gives the friction coefficient of its brake: the one on the boundary.
     let mut data = TestData::default();
     let speeds = [11.0, 13.5, 14.0, 15.2, 16.1, 16.3, 17.7, 19.4];
     for speed in speeds {
@@ -169,14 +162,14 @@ fn onset_speeds_of_lognormal_friction_give_the_moments_of_its_logarithm() {
     }
     let model = model(&Marginal::Lognormal, 0.0, 0.0);
     let fit = fit(&model, &data, &USUAL, 0.95).unwrap();
-    let logs = speeds.map(|speed| boundary_at(speed).critical_static_friction(0.1).ln());
+    let logs = speeds.map(|speed| boundary_at(speed).critical_second(0.1).ln());
     let mean = logs.iter().sum::<f64>() / 8.0;
     let variance = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / 8.0;
-    near(fit.values.static_friction, (mean + 0.5 * variance).exp(), 1e-5);
-    near(fit.values.static_friction_std, variance.exp_m1().sqrt(), 1e-4);
+    near(fit.values.expected[1], (mean + 0.5 * variance).exp(), 1e-5);
+    near(fit.values.relative_std[1], variance.exp_m1().sqrt(), 1e-4);
     // The density itself, of ln v at the estimates.
     let slope = |speed: f64| {
-        let log = |speed: f64| boundary_at(speed).critical_static_friction(0.1).ln();
+        let log = |speed: f64| boundary_at(speed).critical_second(0.1).ln();
         (log(speed * 1.000_1) - log(speed * 0.999_9)) / 2e-4
     };
     let std = variance.sqrt();
@@ -208,11 +201,11 @@ fn parameters_of_many_tests_are_found_again() {
         near(fitted.value, truth, 0.05);
     }
     // Each of the others, with the rest known.
-    model.values = FitValues { static_friction: friction, static_friction_std: friction_std, ..model.values };
+    (model.values.expected[1], model.values.relative_std[1]) = (friction, friction_std);
     for (parameter, truth) in [
-        (FitParameter::PreloadFactor, 1.0),
-        (FitParameter::PreloadStd, preload_std),
-        (FitParameter::Correlation, correlation),
+        (PairParameter::Expected(0), 1.0),
+        (PairParameter::RelativeStd(0), preload_std),
+        (PairParameter::Correlation, correlation),
     ] {
         let mut model = model.clone();
         // Not from the truth.
@@ -229,7 +222,7 @@ fn ninety_five_per_cent_intervals_cover_their_truth_about_as_often() {
     let [friction, std] = [0.4, 0.08];
     let speeds = [13.0, 14.0, 15.0, 16.0, 17.0, 18.0];
     let predicted_at = boundary_at(18.0);
-    let predicted = upper_tail((predicted_at.critical_static_friction(0.1) / friction - 1.0) / std);
+    let predicted = upper_tail((predicted_at.critical_second(0.1) / friction - 1.0) / std);
     let mut covered = [0; 3];
     let sets = 200;
     for seed in 0..sets {
@@ -263,13 +256,13 @@ fn order_counts_and_the_unit_of_the_preload_change_nothing() {
     let second = fit(&first_model, &single, &USUAL, 0.95).unwrap();
     // Half of the preload, doubled by the machine.
     let mut doubled_model = first_model.clone();
-    doubled_model.values.preload_factor = 2.0;
+    doubled_model.values.expected[0] = 2.0;
     let halved = data_of(&counts, 0.05, 40);
     let third = fit(&doubled_model, &halved, &USUAL, 0.95).unwrap();
     // From another start.
     let mut other_model = first_model.clone();
-    other_model.values.static_friction = 0.3;
-    other_model.values.static_friction_std = 0.4;
+    other_model.values.expected[1] = 0.3;
+    other_model.values.relative_std[1] = 0.4;
     let fourth = fit(&other_model, &data, &USUAL, 0.95).unwrap();
     for other in [second, third, fourth] {
         for (a, b) in first.parameters.iter().zip(&other.parameters) {
@@ -281,42 +274,53 @@ fn order_counts_and_the_unit_of_the_preload_change_nothing() {
 }
 
 #[test]
-fn data_that_do_not_tell_are_refused() {
+fn data_that_do_not_determine_the_parameters_are_refused() {
     let plain = model(&Marginal::Normal, 0.0, 0.0);
-    let refused = |counts: &[(f64, u64)], estimated: &[FitParameter]| {
+    let refused = |counts: &[(f64, u64)], estimated: &[PairParameter]| {
         let data = data_of(counts, 0.1, 40);
         fit(&plain, &data, estimated, 0.95).err().unwrap()
     };
     assert_eq!(refused(&[], &USUAL), FitError::NoTests);
-    assert_eq!(refused(&[(12.0, 40), (14.0, 40)], &USUAL), FitError::OneSided { squealed: true });
-    assert_eq!(refused(&[(12.0, 0)], &USUAL), FitError::OneSided { squealed: false });
+    assert_eq!(
+        refused(&[(12.0, 40), (14.0, 40)], &USUAL),
+        FitError::OneSided { squealed: true, first: "preload".to_owned() }
+    );
+    assert_eq!(refused(&[(12.0, 0)], &USUAL), FitError::OneSided { squealed: false, first: "preload".to_owned() });
     let separated = refused(&[(12.0, 40), (14.0, 40), (16.0, 0)], &USUAL);
-    assert_eq!(separated, FitError::Separated { parameter: "std.static_friction" });
+    assert_eq!(separated, FitError::Separated { parameter: "std.static_friction".to_owned() });
     let all_but_one = refused(&[(12.0, 40), (14.0, 40), (16.0, 9), (18.0, 0)], &USUAL);
-    assert_eq!(all_but_one, FitError::Separated { parameter: "std.static_friction" });
-    // One condition cannot tell two parameters.
+    assert_eq!(all_but_one, FitError::Separated { parameter: "std.static_friction".to_owned() });
+    // One condition cannot determine two parameters.
     let single = refused(&[(15.0, 17)], &USUAL);
     assert!(matches!(single, FitError::NotIdentified { .. }), "{single}");
     // The factor of the preload, the expected friction and its scatter change the product alike.
     let counts = [(12.0, 38), (14.0, 33), (16.0, 21), (18.0, 11), (20.0, 4)];
-    let three = [FitParameter::StaticFriction, FitParameter::PreloadFactor, FitParameter::StaticFrictionStd];
+    let three = [PairParameter::Expected(1), PairParameter::Expected(0), PairParameter::RelativeStd(1)];
     let redundant = refused(&counts, &three);
     assert!(matches!(redundant, FitError::NotIdentified { .. }), "{redundant}");
     // A correlation with a preload that does not scatter.
-    let nothing = refused(&counts, &[FitParameter::StaticFriction, FitParameter::Correlation]);
-    assert_eq!(nothing, FitError::NotIdentified { parameters: vec!["correlation"] });
+    let nothing = refused(&counts, &[PairParameter::Expected(1), PairParameter::Correlation]);
+    let parameters = vec!["correlation".to_owned()];
+    assert_eq!(nothing, FitError::NotIdentified { parameters, first: "preload".to_owned() });
     // Less scatter than the preload alone makes: a greater likelihood the less the friction adds.
     let wide = model(&Marginal::Normal, 0.5, 0.0);
     let data = data_of(&[(14.0, 39), (16.0, 20), (18.0, 1)], 0.1, 40);
     let limit = fit(&wide, &data, &USUAL, 0.95).err().unwrap();
-    assert!(matches!(limit, FitError::NoScatter { parameter: "std.static_friction", .. }), "{limit}");
+    assert!(matches!(&limit, FitError::NoScatter { parameter, .. } if parameter == "std.static_friction"), "{limit}");
+}
+
+#[test]
+fn parameters_are_named_after_the_inputs() {
+    let model = model(&Marginal::Normal, 0.0, 0.0);
+    let names = ESTIMABLE.map(|parameter| model.name(parameter));
+    assert_eq!(names, ["static_friction", "preload_factor", "std.preload", "std.static_friction", "correlation"]);
 }
 
 #[test]
 fn what_one_parameter_is_estimated_from_may_be_separated() {
     let plain = model(&Marginal::Normal, 0.0, 0.0);
     let data = data_of(&[(12.0, 40), (14.0, 40), (16.0, 0)], 0.1, 40);
-    let fit = fit(&plain, &data, &[FitParameter::StaticFriction], 0.95).unwrap();
+    let fit = fit(&plain, &data, &[PairParameter::Expected(1)], 0.95).unwrap();
     let [low, high] = [fit.parameters[0].low.unwrap(), fit.parameters[0].high.unwrap()];
     assert!(low < fit.parameters[0].value && fit.parameters[0].value < high);
 }
@@ -326,7 +330,8 @@ fn many_tests_end_intervals_on_both_sides() {
     // Tests of correlated inputs, estimated as if they were not: the scatter of the preload then has to give way.
     let (each, preloads) = (4000_u64, [0.05, 0.1, 0.2]);
     let (correlated, model) = (model(&Marginal::Normal, 0.15, -0.4), model(&Marginal::Normal, 0.1, 0.0));
-    let truth = FitValues { static_friction: 0.4, static_friction_std: 0.08, ..correlated.values };
+    let mut truth = correlated.values;
+    (truth.expected[1], truth.relative_std[1]) = (0.4, 0.08);
     let mut data = TestData::default();
     for preload in preloads {
         for speed in [12.0, 14.0, 16.0, 18.0, 20.0] {
@@ -336,7 +341,7 @@ fn many_tests_end_intervals_on_both_sides() {
             data.add_verdict(preload, &boundary, false, each - squealed);
         }
     }
-    let estimated = [FitParameter::StaticFriction, FitParameter::PreloadStd, FitParameter::StaticFrictionStd];
+    let estimated = [PairParameter::Expected(1), PairParameter::RelativeStd(0), PairParameter::RelativeStd(1)];
     let fit = fit(&model, &data, &estimated, 0.95).unwrap();
     for fitted in &fit.parameters {
         let (low, high) = (fitted.low.unwrap(), fitted.high.unwrap());

@@ -1,11 +1,11 @@
 //! The least and the greatest probability of one cell over all its imprecise quantities.
 
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
 
 use super::normal_inputs::{self, StdIntervals};
 use super::result::{Direction, Evidence, Extreme, Trend};
 use super::search;
-use crate::grid::Cell;
+use crate::integrate::NormalPair;
 use crate::integrate::closed_form::ExactProbability;
 
 /// What is known of a quantity before anything is computed.
@@ -13,10 +13,8 @@ use crate::integrate::closed_form::ExactProbability;
 pub enum Role {
     /// The probability never falls as it grows: an expected value.
     Rising,
-    /// The relative standard deviation of the preload.
-    StdOfPreload,
-    /// The relative standard deviation of the static friction.
-    StdOfFriction,
+    /// The relative standard deviation of the first input (0) or of the second (1).
+    RelativeStd(usize),
     /// Nothing is known.
     Unknown,
 }
@@ -41,11 +39,12 @@ pub trait Family {
     /// If there is none.
     fn probability(&self, at: &[f64]) -> Result<ExactProbability, Self::Error>;
 
-    /// The boundary and the cell at values of the quantities, if the inputs are normal and independent whatever these are.
+    /// The boundary and the two inputs at values of the quantities, if these inputs are normal and independent whatever
+    /// the values.
     ///
     /// # Errors
     /// As [`Family::probability`].
-    fn normal_cell(&self, at: &[f64]) -> Result<Option<(StabilityBoundary, Cell)>, Self::Error>;
+    fn normal_pair(&self, at: &[f64]) -> Result<Option<(PairBoundary, NormalPair)>, Self::Error>;
 }
 
 /// The least and the greatest probability.
@@ -119,9 +118,9 @@ impl<F: Family> Sides<'_, F> {
             return Ok(Side { extremes, evidence: [Evidence::Proved; 2], trends: Vec::new(), evaluations: 1 });
         }
         if self.open.iter().all(|&i| self.has_expansion(i))
-            && let Some((boundary, cell)) = self.family.normal_cell(ends)?
+            && let Some((boundary, inputs)) = self.family.normal_pair(ends)?
         {
-            return self.proved(&boundary, &cell, ends, wanted);
+            return self.proved(&boundary, &inputs, ends, wanted);
         }
         self.searched(ends, wanted)
     }
@@ -129,24 +128,23 @@ impl<F: Family> Sides<'_, F> {
     /// Whether the probability is a polynomial of a quantity, up to a remainder.
     fn has_expansion(&self, quantity: usize) -> bool {
         let Quantity { role, interval } = self.quantities[quantity];
-        matches!(role, Role::StdOfPreload | Role::StdOfFriction) && interval[0] > 0.0
+        matches!(role, Role::RelativeStd(_)) && interval[0] > 0.0
     }
 
     fn proved(
         &self,
-        boundary: &StabilityBoundary,
-        cell: &Cell,
+        boundary: &PairBoundary,
+        inputs: &NormalPair,
         ends: &[f64],
         wanted: [bool; 2],
     ) -> Result<Side, F::Error> {
-        let std = cell.relative_std;
-        let mut intervals = [[std.preload; 2], [std.static_friction; 2]];
-        let along = |quantity: usize| usize::from(self.quantities[quantity].role == Role::StdOfFriction);
+        let mut intervals = inputs.relative_std.map(|std| [std; 2]);
+        let along = |quantity: usize| usize::from(self.quantities[quantity].role == Role::RelativeStd(1));
         for &quantity in self.open {
             intervals[along(quantity)] = self.quantities[quantity].interval;
         }
-        let go_on = || self.family.normal_cell(ends).map(|_| ());
-        let found = normal_inputs::extremes(boundary, cell, StdIntervals(intervals), wanted, go_on)?;
+        let go_on = || self.family.normal_pair(ends).map(|_| ());
+        let found = normal_inputs::extremes(boundary, inputs, StdIntervals(intervals), wanted, go_on)?;
         let placed = |extreme: Extreme| {
             let mut at = ends.to_vec();
             for &quantity in self.open {

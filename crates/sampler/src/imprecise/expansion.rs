@@ -1,7 +1,7 @@
 //! The probability of instability as a polynomial in the logarithms of the standard deviations, with a bound on the rest.
 //!
 //! For normal, independent inputs let `sigma_1` and `sigma_2` be the logarithms of the relative standard deviations of
-//! preload and static friction. With the deviates `z` and the normal density `phi`
+//! the first and the second. With the deviates `z` and the normal density `phi`
 //!
 //! ```text
 //! d^(i+j) P / d sigma_1^i d sigma_2^j = integral over the unstable region of  p_i(z1) phi(z1) p_j(z2) phi(z2)  dz1 dz2,
@@ -16,12 +16,12 @@
 //! max |T_i phi|  E|p_j|,   nor  max |T_j phi|  E|p_i|
 //! ```
 //!
-//! at any standard deviations, in any cell. These numbers bound the remainder of Taylor's polynomial on a box.
+//! at any expected values and standard deviations. These numbers bound the remainder of Taylor's polynomial on a box.
 
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
 
-use crate::grid::Cell;
-use crate::integrate::closed_form::{self, over_preload, preload_at};
+use crate::integrate::NormalPair;
+use crate::integrate::closed_form::{self, first_at, over_first};
 use crate::special_functions::normal;
 
 /// Degree of the polynomials.
@@ -92,43 +92,41 @@ pub type Coefficients = [[f64; TERMS]; TERMS];
 /// Number of coefficients up to the degree.
 const ALL: usize = TERMS * (TERMS + 1) / 2;
 
-/// Taylor's polynomial of the probability of a cell of normal, independent inputs, in the deviations of `sigma_1` and
-/// `sigma_2` from those of the cell.
-pub fn expansion(boundary: &StabilityBoundary, cell: &Cell) -> Coefficients {
-    let std = cell.relative_std;
-    let spread = [cell.preload * std.preload, cell.static_friction * std.static_friction];
+/// Taylor's polynomial of the probability, in the deviations of `sigma_1` and `sigma_2` from those of the inputs.
+pub fn expansion(boundary: &PairBoundary, inputs: &NormalPair) -> Coefficients {
+    let expected = inputs.expected;
     let mut coefficients = [[0.0; TERMS]; TERMS];
-    match spread.map(|spread| spread != 0.0) {
+    match inputs.scatter() {
         [true, true] => {}
         [true, false] => {
-            let critical = boundary.critical_preload(cell.static_friction);
-            let derivatives = tail_derivatives((critical - cell.preload) / spread[0]);
+            let critical = boundary.critical_first(expected[1]);
+            let derivatives = tail_derivatives((critical - expected[0]) / inputs.spread(0));
             coefficients.iter_mut().zip(derivatives).for_each(|(row, derivative)| row[0] = derivative);
             return coefficients;
         }
         [false, true] => {
-            coefficients[0] = share_derivatives(boundary, cell, cell.preload);
+            coefficients[0] = share_derivatives(boundary, inputs, expected[0]);
             return coefficients;
         }
         [false, false] => {
-            coefficients[0][0] = closed_form::probability(boundary, cell).value;
+            coefficients[0][0] = closed_form::probability(boundary, inputs).value;
             return coefficients;
         }
     }
     let integrand = |z: f64| {
-        let of_friction = share_derivatives(boundary, cell, preload_at(cell, z));
+        let of_second = share_derivatives(boundary, inputs, first_at(inputs, z));
         let density = normal::density(z);
         let mut moments = [0.0; ALL];
         let mut next = moments.iter_mut();
         for (i, polynomial) in DENSITIES.iter().enumerate() {
-            let of_preload = density * even_polynomial(polynomial, z * z);
+            let of_first = density * even_polynomial(polynomial, z * z);
             for (j, moment) in (0..TERMS - i).zip(&mut next) {
-                *moment = of_preload * of_friction[j];
+                *moment = of_first * of_second[j];
             }
         }
         moments
     };
-    let (moments, _) = over_preload(boundary, cell, &integrand, TOLERANCE);
+    let (moments, _) = over_first(boundary, inputs, &integrand, TOLERANCE);
     let mut moments = moments.into_iter();
     for (i, row) in coefficients.iter_mut().enumerate() {
         row.iter_mut().take(TERMS - i).zip(&mut moments).for_each(|(place, moment)| *place = moment);
@@ -136,11 +134,11 @@ pub fn expansion(boundary: &StabilityBoundary, cell: &Cell) -> Coefficients {
     coefficients
 }
 
-/// The derivatives over their factorials of the share of unstable static friction coefficients at a preload.
-fn share_derivatives(boundary: &StabilityBoundary, cell: &Cell, preload: f64) -> [f64; TERMS] {
-    let spread = cell.static_friction * cell.relative_std.static_friction;
-    let (above, below) = boundary.unstable_static_friction(preload);
-    let [above, below] = [above, below].map(|limit| tail_derivatives((limit - cell.static_friction) / spread));
+/// The derivatives over their factorials of the share of unstable second inputs at a value of the first.
+fn share_derivatives(boundary: &PairBoundary, inputs: &NormalPair, first: f64) -> [f64; TERMS] {
+    let (expected, spread) = (inputs.expected[1], inputs.spread(1));
+    let (above, below) = boundary.unstable_second(first);
+    let [above, below] = [above, below].map(|limit| tail_derivatives((limit - expected) / spread));
     std::array::from_fn(|j| above[j] - below[j])
 }
 
@@ -163,24 +161,23 @@ fn even_polynomial(coefficients: &[f64; TERMS], square: f64) -> f64 {
 
 /// A bound on the difference of the derivative of order `by` from that of the polynomial, on a box of these half widths.
 ///
-/// `is_single` says that the unstable static friction coefficients at a preload are a tail, and not between two ends.
+/// `is_single` says that the unstable second inputs at a value of the first are a tail, and not between two ends.
 pub fn remainder(half_widths: [f64; 2], by: [usize; 2], is_single: bool) -> f64 {
     let order = TERMS - by[0] - by[1];
     let mut sum = ROUNDING;
     for i in 0..=order {
         let j = order - i;
         let derivative = [i + by[0], j + by[1]];
-        let by_preload = bound(derivative);
-        let by_friction = if is_single {
+        let by_first = bound(derivative);
+        let by_second = if is_single {
             bound([derivative[1], derivative[0]])
         } else if derivative[0] == 0 {
             2.0 * bound([derivative[1], 0])
         } else {
             f64::INFINITY
         };
-        sum += by_preload.min(by_friction)
-            * power_over_factorial(half_widths[0], i)
-            * power_over_factorial(half_widths[1], j);
+        sum +=
+            by_first.min(by_second) * power_over_factorial(half_widths[0], i) * power_over_factorial(half_widths[1], j);
     }
     sum
 }

@@ -7,8 +7,9 @@
 //! | [`search`] | any other quantities: an interpolation that is refined until it agrees |
 //! | [`bounds`] | all quantities of a cell together |
 //!
-//! More expected preload never lowers the probability: an input is its expected value times a ratio, and from an unstable
-//! sample every larger preload is unstable. The same holds for static friction, but for shifted measured curves.
+//! A greater expected value of the first input never lowers the probability: an input is its expected value times a
+//! ratio, and from an unstable sample every greater first input is unstable. The same holds for the second input where
+//! samples are unstable above the boundary.
 
 pub mod result;
 

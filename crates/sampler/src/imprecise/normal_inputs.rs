@@ -4,14 +4,13 @@
 //! module `expansion`), whose extremes are bounded (the module `bernstein`). A box that may contain a more extreme value
 //! than the best one found is halved, until none may by more than the tolerance.
 
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
 
 use super::bernstein::{Least, Patch};
 use super::expansion::{Coefficients, ROUNDING, TERMS, expansion, remainder};
 use super::result::{Direction, Extreme, Trend};
 use super::tolerance::tolerance;
-use crate::grid::{Cell, RelativeStd};
-use crate::integrate::closed_form;
+use crate::integrate::{NormalPair, closed_form};
 
 /// Half the width of the boxes to begin with, in logarithms.
 const FIRST_HALF_WIDTH: f64 = 0.3;
@@ -19,7 +18,8 @@ const FIRST_HALF_WIDTH: f64 = 0.3;
 /// Boxes at most. More are needed only for an interval over many powers of ten.
 const MOST_BOXES: usize = 1000;
 
-/// The standard deviations of preload and static friction: each one value, or an interval with a positive lower end.
+/// The relative standard deviations of the first and the second input: each one value, or an interval with a positive
+/// lower end.
 #[derive(Debug, Clone, Copy)]
 pub struct StdIntervals(pub [[f64; 2]; 2]);
 
@@ -28,7 +28,7 @@ pub struct StdIntervals(pub [[f64; 2]; 2]);
 pub struct Found {
     /// The least and the greatest probability, each at two standard deviations; in their order, those that are wanted.
     pub extremes: [Option<Extreme>; 2],
-    /// How the probability changes with the standard deviation of preload, and of static friction.
+    /// How the probability changes with the standard deviation of the first input, and of the second.
     pub trends: [Trend; 2],
     /// Probabilities that were integrated.
     pub evaluations: u64,
@@ -44,36 +44,36 @@ struct Part {
     extremes: [Option<Least>; 2],
 }
 
-/// Least gain for which a place between the ends is told in place of an end.
+/// Least gain for which a place between the ends is given in place of an end.
 const WORTHWHILE: f64 = 1e-9;
 
-/// Share of the tolerance that the boxes may leave open; the rest is for an end that is told in place of them.
+/// Share of the tolerance that the boxes may leave open; the rest is for an end that is given in place of them.
 const SHARE: f64 = 0.9;
 
 /// Which extreme: 1 for the least, -1 for the greatest.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
-/// The search over the standard deviations of one cell.
+/// The search over the standard deviations.
 struct Search<'a> {
-    boundary: &'a StabilityBoundary,
-    cell: &'a Cell,
+    boundary: &'a PairBoundary,
+    inputs: &'a NormalPair,
     intervals: StdIntervals,
     wanted: [bool; 2],
     evaluations: u64,
 }
 
-/// The least probability, the greatest, or both, as `wanted` says.
+/// The least probability, the greatest, or both, as `wanted` says. Of `inputs` only the expected values matter.
 ///
 /// # Errors
 /// That of `go_on`, which is asked before every integral.
 pub fn extremes<E>(
-    boundary: &StabilityBoundary,
-    cell: &Cell,
+    boundary: &PairBoundary,
+    inputs: &NormalPair,
     intervals: StdIntervals,
     wanted: [bool; 2],
     mut go_on: impl FnMut() -> Result<(), E>,
 ) -> Result<Found, E> {
-    let mut search = Search { boundary, cell, intervals, wanted, evaluations: 0 };
+    let mut search = Search { boundary, inputs, intervals, wanted, evaluations: 0 };
     let mut parts = Vec::new();
     for first in search.divided(0) {
         for second in search.divided(1) {
@@ -147,15 +147,14 @@ impl Search<'_> {
         }
     }
 
-    fn cell_at(&self, logarithms: [f64; 2]) -> Cell {
-        let [preload, static_friction] = [0, 1].map(|along| self.std(along, logarithms[along]));
-        Cell { relative_std: RelativeStd { preload, static_friction }, ..*self.cell }
+    fn inputs_at(&self, logarithms: [f64; 2]) -> NormalPair {
+        NormalPair { relative_std: [0, 1].map(|along| self.std(along, logarithms[along])), ..*self.inputs }
     }
 
     fn part(&mut self, ends: [[f64; 2]; 2]) -> Part {
         self.evaluations += 1;
         let half_widths = ends.map(|[from, to]| 0.5 * (to - from));
-        let mut scaled = expansion(self.boundary, &self.cell_at(ends.map(|[from, to]| 0.5 * (from + to))));
+        let mut scaled = expansion(self.boundary, &self.inputs_at(ends.map(|[from, to]| 0.5 * (from + to))));
         let mut of_row = 1.0;
         for row in &mut scaled {
             let mut factor = of_row;
@@ -183,7 +182,7 @@ impl Search<'_> {
         let bound = parts.iter().map(bound).fold(f64::INFINITY, f64::min);
         let best = parts.iter().min_by(|a, b| value(a).total_cmp(&value(b)));
         let interior = best.and_then(|part| part.extremes[which].map(|least| (part, least.at)));
-        // The polynomials do not tell very small probabilities apart: corners come first.
+        // The polynomials do not distinguish very small probabilities: corners come first.
         let mut candidates: Vec<[f64; 2]> = Vec::new();
         for first in self.intervals.0[0] {
             candidates.extend(self.intervals.0[1].map(|second| [first, second]));
@@ -201,8 +200,7 @@ impl Search<'_> {
                 continue;
             }
             self.evaluations += 1;
-            let relative_std = RelativeStd { preload: at[0], static_friction: at[1] };
-            let probability = closed_form::probability(self.boundary, &Cell { relative_std, ..*self.cell });
+            let probability = closed_form::probability(self.boundary, &NormalPair { relative_std: at, ..*self.inputs });
             // Where it is the same up to rounding, an end says more than a place between.
             let least = if i < 4 { 0.0 } else { WORTHWHILE };
             let gain = |found: &Extreme| sign * (found.probability.value - probability.value);

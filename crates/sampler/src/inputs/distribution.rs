@@ -9,9 +9,9 @@ use super::transform::Transform;
 ///
 /// ```
 /// use stickslip_sampler::inputs::{End, InputDistribution, Marginal};
-/// let preload = InputDistribution::relative(&Marginal::Lognormal, 0.1, 0.3);
-/// let deviate = preload.deviate(0.2, End::Least);
-/// assert!((preload.value(deviate) / 0.2 - 1.0).abs() < 1e-15);
+/// let input = InputDistribution::relative(&Marginal::Lognormal, 0.1, 0.3);
+/// let deviate = input.deviate(0.2, End::Least);
+/// assert!((input.value(deviate) / 0.2 - 1.0).abs() < 1e-15);
 /// ```
 #[derive(Debug, Clone)]
 pub struct InputDistribution {

@@ -2,6 +2,28 @@
 
 use super::correlation::Correlation;
 
+/// A parameter of the law of two inputs. An input is 0 for the first and 1 for the second.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PairParameter {
+    /// The expected value of an input, at constant relative standard deviation.
+    Expected(usize),
+    /// The relative standard deviation of an input.
+    RelativeStd(usize),
+    /// The correlation of the deviates of both.
+    Correlation,
+}
+
+impl PairParameter {
+    /// The parameters by which probabilities are differentiated, in the order of the sums.
+    pub const DIFFERENTIATED: [Self; 4] =
+        [Self::Expected(0), Self::Expected(1), Self::RelativeStd(0), Self::RelativeStd(1)];
+
+    /// Its place among [`PairParameter::DIFFERENTIATED`].
+    pub(crate) fn place(self) -> Option<usize> {
+        Self::DIFFERENTIATED.iter().position(|parameter| *parameter == self)
+    }
+}
+
 /// The normal law of two correlated deviates, given the deviates of all other inputs:
 ///
 /// ```text

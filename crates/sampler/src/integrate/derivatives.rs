@@ -11,52 +11,48 @@
 //! The moments of the unstable region are therefore all that is needed. Over a tail `z >= t` they have a closed form:
 //! `Q(t)` of 1, `phi(t)` of `z`, `t phi(t)` of `z^2 - 1`, with the normal density `phi` and upper tail `Q`.
 
-use crate::grid::Cell;
+use crate::inputs::PairParameter;
+use crate::integrate::normal_pair::NormalPair;
 use crate::special_functions::normal;
 
-/// Derivatives of a probability by the four parameters of a cell.
+/// Derivatives of a probability by the parameters of two inputs, in the order of [`PairParameter::DIFFERENTIATED`].
 ///
 /// A derivative is `None` for an input without scatter, whose score does not exist. A boundary in closed form still
 /// gives the derivative by the expected value of such an input if the other input scatters.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Derivatives {
-    /// By the expected preload, at constant relative standard deviation.
-    pub preload: Option<f64>,
-    /// By the expected static friction coefficient, at constant relative standard deviation.
-    pub static_friction: Option<f64>,
-    /// By the relative standard deviation of the preload.
-    pub std_preload: Option<f64>,
-    /// By the relative standard deviation of the static friction coefficient.
-    pub std_static_friction: Option<f64>,
-}
+pub struct Derivatives(pub [Option<f64>; 4]);
 
 impl Derivatives {
-    /// The derivatives of the probability of a region with these moments, in a cell.
-    pub(crate) fn of(cell: &Cell, moments: &Moments) -> Self {
-        let [_, first_preload, first_friction, second_preload, second_friction] = *moments;
-        let input = |expected: f64, std: f64, first: f64, second: f64| {
-            let scatters = expected * std != 0.0;
-            (scatters.then(|| (first + std * second) / (expected * std)), scatters.then(|| second / std))
+    /// The derivative by a parameter.
+    #[must_use]
+    pub fn get(&self, parameter: PairParameter) -> Option<f64> {
+        self.0[parameter.place()?]
+    }
+
+    /// The derivatives of the probability of a region with these moments.
+    pub(crate) fn of(inputs: &NormalPair, moments: &Moments) -> Self {
+        let [_, first_of_1, first_of_2, second_of_1, second_of_2] = *moments;
+        let of_input = |input: usize, first: f64, second: f64| {
+            let (spread, std) = (inputs.spread(input), inputs.relative_std[input]);
+            let scatters = spread != 0.0;
+            (scatters.then(|| (first + std * second) / spread), scatters.then(|| second / std))
         };
-        let std = cell.relative_std;
-        let (preload, std_preload) = input(cell.preload, std.preload, first_preload, second_preload);
-        let (static_friction, std_static_friction) =
-            input(cell.static_friction, std.static_friction, first_friction, second_friction);
-        Self { preload, static_friction, std_preload, std_static_friction }
+        let (by_first, by_first_std) = of_input(0, first_of_1, second_of_1);
+        let (by_second, by_second_std) = of_input(1, first_of_2, second_of_2);
+        Self([by_first, by_second, by_first_std, by_second_std])
     }
 }
 
 /// The integrals of 1, `z1`, `z2`, `z1^2 - 1` and `z2^2 - 1` over a region, weighted with the densities of both
-/// deviates: `z1` of the preload and `z2` of the static friction.
+/// deviates: `z1` of the first input and `z2` of the second.
 pub(crate) type Moments = [f64; 5];
 
 /// The integrals of 1, `z` and `z^2 - 1` over an interval of one deviate, weighted with its density.
 pub(crate) type DeviateMoments = [f64; 3];
 
-/// The moments of a rectangle, from those of its preload and of its static friction.
-pub(crate) fn product(preload: &DeviateMoments, friction: &DeviateMoments) -> Moments {
-    let (p, f) = (preload, friction);
-    [p[0] * f[0], p[1] * f[0], p[0] * f[1], p[2] * f[0], p[0] * f[2]]
+/// The moments of a rectangle, from those of its two sides.
+pub(crate) fn product(a: &DeviateMoments, b: &DeviateMoments) -> Moments {
+    [a[0] * b[0], a[1] * b[0], a[0] * b[1], a[2] * b[0], a[0] * b[2]]
 }
 
 /// The density at a deviate times 1, `z` and `z^2 - 1`.

@@ -1,5 +1,7 @@
 //! Probabilities without samples: from a boundary in closed form, and from a verdict map.
 
+mod normal_pair;
+
 pub mod derivatives;
 
 mod quadrature;
@@ -9,3 +11,5 @@ pub mod closed_form;
 pub mod pair;
 
 pub mod verdict_map;
+
+pub use normal_pair::NormalPair;

@@ -1,19 +1,19 @@
-//! The probability of instability where preload and static friction have any distributions and are correlated.
+//! The probability of instability where two inputs have any distributions and are correlated.
 //!
 //! The inputs are quantiles of their distributions at `Phi(z1)` and `Phi(z2)` (a Gaussian copula), and the deviates
 //! have a normal law, which may be one given other inputs ([`PairLaw`]): `z1 = m1 + l11 u`, `z2 = m2 + l21 u + l22 w`.
-//! With the deviate `t` of the static friction on the boundary
+//! With the first input `a(z1)`, the second one on the boundary `b_crit(a)`, and the deviate `t(b)` of a second input
 //!
 //! ```text
-//! P = integral over u with Delta(z1) > 0 of   phi(u) Q((t(f_crit(Delta(z1))) - m2 - l21 u) / l22)   du
+//! P = integral over u with a(z1) > 0 of   phi(u) Q((t(b_crit(a(z1))) - m2 - l21 u) / l22)   du
 //! ```
 //!
 //! The integral is divided where an input's distribution begins, ends or has a kink, and until the argument of the upper
 //! tail `Q` changes little from one end of an interval to the other. All tolerances are relative, and `t` is accurate in
 //! both tails, so that a probability of 1e-12 has as many digits as one of 0.1.
 
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::pair_boundary::PairBoundary;
+use stickslip_core::model::verdict::Verdict;
 
 use crate::inputs::{End, InputDistribution, PairLaw};
 use crate::integrate::closed_form::ExactProbability;
@@ -56,17 +56,17 @@ const MARGIN: f64 = 1.5e-11;
 /// Rounding error of the boundary, likewise.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Preload and static friction, prepared for integrals over many boundaries.
+/// Two inputs, prepared for integrals over many boundaries.
 #[derive(Debug, Clone)]
 pub struct Pair {
-    preload: InputDistribution,
-    static_friction: InputDistribution,
-    /// The deviates of the preload at which its quantiles have a kink.
-    preload_kinks: Vec<f64>,
-    /// The static friction coefficients likewise.
-    friction_kinks: Vec<f64>,
-    /// The greatest deviate without a positive preload.
-    pressed: f64,
+    first: InputDistribution,
+    second: InputDistribution,
+    /// The deviates of the first input at which its quantiles have a kink.
+    first_kinks: Vec<f64>,
+    /// The values of the second input likewise.
+    second_kinks: Vec<f64>,
+    /// The greatest deviate at which the first input is not positive.
+    not_positive: f64,
 }
 
 /// An interval of the deviate `u`.
@@ -83,7 +83,7 @@ struct Interval {
 /// One boundary, with the law of the deviates.
 struct Integrand<'a> {
     pair: &'a Pair,
-    boundary: &'a StabilityBoundary,
+    boundary: &'a PairBoundary,
     law: &'a PairLaw,
     /// By how much the boundary is moved towards stability, relative to its coordinates.
     margin: f64,
@@ -92,36 +92,36 @@ struct Integrand<'a> {
 impl Pair {
     /// Prepares two inputs.
     #[must_use]
-    pub fn new(preload: InputDistribution, static_friction: InputDistribution) -> Self {
-        let kinks = preload.kinks();
-        let deviates = kinks.iter().flat_map(|&kink| [End::Least, End::Greatest].map(|end| preload.deviate(kink, end)));
-        let mut preload_kinks: Vec<f64> = deviates.filter(|deviate| deviate.is_finite()).collect();
-        preload_kinks.dedup();
-        let pressed = preload.deviate(0.0, End::Greatest);
-        let friction_kinks = static_friction.kinks();
-        Self { preload, static_friction, preload_kinks, friction_kinks, pressed }
+    pub fn new(first: InputDistribution, second: InputDistribution) -> Self {
+        let kinks = first.kinks();
+        let deviates = kinks.iter().flat_map(|&kink| [End::Least, End::Greatest].map(|end| first.deviate(kink, end)));
+        let mut first_kinks: Vec<f64> = deviates.filter(|deviate| deviate.is_finite()).collect();
+        first_kinks.dedup();
+        let not_positive = first.deviate(0.0, End::Greatest);
+        let second_kinks = second.kinks();
+        Self { first, second, first_kinks, second_kinks, not_positive }
     }
 
     /// The probability that a sample is unstable, with a relative error of the integral of at most about `tolerance`.
     #[must_use]
-    pub fn probability(&self, boundary: &StabilityBoundary, law: &PairLaw, tolerance: f64) -> f64 {
+    pub fn probability(&self, boundary: &PairBoundary, law: &PairLaw, tolerance: f64) -> f64 {
         Integrand { pair: self, boundary, law, margin: 0.0 }.integral(tolerance).0.clamp(0.0, 1.0)
     }
 
     /// The probability that a sample is unstable with the first boundary and stable with the second, which lies close
     /// beside it and makes nothing unstable that the first does not. Nothing cancels, so that the quotient by their
-    /// distance is a density. Instability lies above both in static friction.
+    /// distance is a density. Instability lies above both in the second input.
     #[must_use]
-    pub fn probability_between(&self, boundaries: [&StabilityBoundary; 2], law: &PairLaw, tolerance: f64) -> f64 {
+    pub fn probability_between(&self, boundaries: [&PairBoundary; 2], law: &PairLaw, tolerance: f64) -> f64 {
         let [wide, narrow] = boundaries.map(|boundary| Integrand { pair: self, boundary, law, margin: 0.0 });
-        let probability = match (self.preload.scatters(), self.static_friction.scatters()) {
-            (false, _) => share([wide.argument_of_friction(), narrow.argument_of_friction()]),
-            (true, false) => share([wide.argument_of_preload(), narrow.argument_of_preload()]),
+        let probability = match (self.first.scatters(), self.second.scatters()) {
+            (false, _) => share([wide.argument_of_second(), narrow.argument_of_second()]),
+            (true, false) => share([wide.argument_of_first(), narrow.argument_of_first()]),
             (true, true) => {
                 let between = |u: f64| narrow_share([wide.arguments(u)[0], narrow.arguments(u)[0]]);
                 let weighted = |u: f64| normal::density(u) * between(u);
                 let smooth = if wide.is_smooth() { over_the_line(&weighted, tolerance) } else { None };
-                smooth.unwrap_or_else(|| wide.over_preload(&between, tolerance).0)
+                smooth.unwrap_or_else(|| wide.over_first(&between, tolerance).0)
             }
         };
         probability.clamp(0.0, 1.0)
@@ -129,7 +129,7 @@ impl Pair {
 
     /// The probability that a sample is unstable, with a bound on the error of the integral and of the rounded boundary.
     #[must_use]
-    pub fn exact_probability(&self, boundary: &StabilityBoundary, law: &PairLaw) -> ExactProbability {
+    pub fn exact_probability(&self, boundary: &PairBoundary, law: &PairLaw) -> ExactProbability {
         const TOLERANCE: f64 = 1e-12;
         let integral = |margin: f64| Integrand { pair: self, boundary, law, margin }.integral(TOLERANCE);
         let (value, error) = integral(0.0);
@@ -141,68 +141,68 @@ impl Pair {
 impl Integrand<'_> {
     /// The integral, and an estimate of its error.
     fn integral(&self, tolerance: f64) -> (f64, f64) {
-        let Pair { preload, static_friction, .. } = self.pair;
+        let Pair { first, second, .. } = self.pair;
         let mean = self.law.mean;
-        match (preload.scatters(), static_friction.scatters()) {
+        match (first.scatters(), second.scatters()) {
             (false, _) => {
                 let std = self.law.second_variance().sqrt();
-                let ends = self.ends(preload.value(0.0)).map(|end| (end - mean[1]) / std);
+                let ends = self.ends(first.value(0.0)).map(|end| (end - mean[1]) / std);
                 (share(ends), 0.0)
             }
-            (true, false) => (normal::upper_tail(self.argument_of_preload()), 0.0),
-            (true, true) => self.over_preload(&|u| share(self.arguments(u)), tolerance),
+            (true, false) => (normal::upper_tail(self.argument_of_first()), 0.0),
+            (true, true) => self.over_first(&|u| share(self.arguments(u)), tolerance),
         }
     }
 
-    /// The argument of the upper tail of the static friction, if the preload does not scatter.
-    fn argument_of_friction(&self) -> f64 {
-        let [from, _] = self.ends(self.pair.preload.value(0.0));
+    /// The argument of the upper tail of the second input, if the first does not scatter.
+    fn argument_of_second(&self) -> f64 {
+        let [from, _] = self.ends(self.pair.first.value(0.0));
         (from - self.law.mean[1]) / self.law.second_variance().sqrt()
     }
 
-    /// The argument of the upper tail of the preload, if the static friction does not scatter.
-    fn argument_of_preload(&self) -> f64 {
-        let critical = self.critical_preload(self.pair.static_friction.value(0.0));
-        (self.pair.preload.deviate(critical, End::Greatest) - self.law.mean[0]) / self.law.factor[0]
+    /// The argument of the upper tail of the first input, if the second does not scatter.
+    fn argument_of_first(&self) -> f64 {
+        let critical = self.critical_first(self.pair.second.value(0.0));
+        (self.pair.first.deviate(critical, End::Greatest) - self.law.mean[0]) / self.law.factor[0]
     }
 
-    /// The deviates of static friction between which sliding is unstable at a preload.
-    fn ends(&self, preload: f64) -> [f64; 2] {
-        let preload = preload * (1.0 - self.margin);
-        let (above, below) = self.boundary.unstable_static_friction(preload);
+    /// The deviates of the second input between which samples are unstable at a value of the first.
+    fn ends(&self, first: f64) -> [f64; 2] {
+        let first = first * (1.0 - self.margin);
+        let (above, below) = self.boundary.unstable_second(first);
         if above == f64::INFINITY {
             return [f64::INFINITY; 2];
         }
-        let is_included = self.boundary.verdict(preload, above) == Verdict::Unstable;
-        let friction = &self.pair.static_friction;
+        let is_included = self.boundary.verdict(first, above) == Verdict::Unstable;
+        let input = &self.pair.second;
         let above = above * (1.0 + self.margin);
-        let from = friction.deviate(above, if is_included { End::Least } else { End::Greatest });
-        let to = if below.is_finite() { friction.deviate(below * (1.0 - self.margin), End::Least) } else { below };
+        let from = input.deviate(above, if is_included { End::Least } else { End::Greatest });
+        let to = if below.is_finite() { input.deviate(below * (1.0 - self.margin), End::Least) } else { below };
         [from, to]
     }
 
-    /// The preload on the boundary at a static friction coefficient.
-    fn critical_preload(&self, static_friction: f64) -> f64 {
-        self.boundary.critical_preload(static_friction * (1.0 - self.margin)) * (1.0 + self.margin)
+    /// The first input on the boundary at a value of the second.
+    fn critical_first(&self, second: f64) -> f64 {
+        self.boundary.critical_first(second * (1.0 - self.margin)) * (1.0 + self.margin)
     }
 
     /// The arguments of the upper tail at a deviate `u`.
     fn arguments(&self, u: f64) -> [f64; 2] {
-        let PairLaw { mean, factor: [first, by_first, second] } = *self.law;
-        let ends = self.ends(self.pair.preload.value(mean[0] + first * u));
-        ends.map(|end| (end - mean[1] - by_first * u) / second)
+        let PairLaw { mean, factor: [own_first, by_first, own_second] } = *self.law;
+        let ends = self.ends(self.pair.first.value(mean[0] + own_first * u));
+        ends.map(|end| (end - mean[1] - by_first * u) / own_second)
     }
 
     /// Whether the arguments of the tail have no kinks, and do not pass through it and back within a small interval.
     fn is_smooth(&self) -> bool {
-        let Pair { preload_kinks, friction_kinks, .. } = self.pair;
-        let mut corners = friction_kinks.iter().copied().chain([self.boundary.least_static_coefficient()]);
-        let has_corner = corners.any(|corner| self.critical_preload(corner).is_finite());
-        preload_kinks.is_empty() && !has_corner && self.law.factor[2] >= NARROW
+        let Pair { first_kinks, second_kinks, .. } = self.pair;
+        let mut corners = second_kinks.iter().copied().chain([self.boundary.least_second]);
+        let has_corner = corners.any(|corner| self.critical_first(corner).is_finite());
+        first_kinks.is_empty() && !has_corner && self.law.factor[2] >= NARROW
     }
 
     /// The integral of a share over the deviates `u`, and an estimate of its error.
-    fn over_preload(&self, share: &dyn Fn(f64) -> f64, tolerance: f64) -> (f64, f64) {
+    fn over_first(&self, share: &dyn Fn(f64) -> f64, tolerance: f64) -> (f64, f64) {
         let integrand = |u: f64| [normal::density(u) * share(u)];
         let intervals = self.intervals();
         let estimates: Vec<_> =
@@ -260,25 +260,25 @@ impl Integrand<'_> {
 
     /// The deviates `u` at which to divide the integral, ascending.
     fn nodes(&self) -> Vec<f64> {
-        let PairLaw { mean, factor: [first, _, second] } = *self.law;
-        let Pair { preload, preload_kinks, friction_kinks, pressed, .. } = self.pair;
-        let deviate = |z1: f64| (z1 - mean[0]) / first;
-        let from = deviate(*pressed).clamp(-DEVIATE_LIMIT, DEVIATE_LIMIT);
-        let width = WIDTHS[usize::from(second < NARROW)];
+        let PairLaw { mean, factor: [own_first, _, own_second] } = *self.law;
+        let Pair { first, first_kinks, second_kinks, not_positive, .. } = self.pair;
+        let deviate = |z1: f64| (z1 - mean[0]) / own_first;
+        let from = deviate(*not_positive).clamp(-DEVIATE_LIMIT, DEVIATE_LIMIT);
+        let width = WIDTHS[usize::from(own_second < NARROW)];
         let steps = (DEVIATE_LIMIT / width) as i32;
         let mut nodes: Vec<f64> = (-steps..=steps).map(|step| width * f64::from(step)).collect();
         nodes.push(from);
-        nodes.extend(preload_kinks.iter().map(|&kink| deviate(kink)));
-        for &kink in friction_kinks.iter().chain([&self.boundary.least_static_coefficient()]) {
-            let critical = self.critical_preload(kink);
+        nodes.extend(first_kinks.iter().map(|&kink| deviate(kink)));
+        for &kink in second_kinks.iter().chain([&self.boundary.least_second]) {
+            let critical = self.critical_first(kink);
             if critical.is_finite() {
-                nodes.extend([End::Least, End::Greatest].map(|end| deviate(preload.deviate(critical, end))));
+                nodes.extend([End::Least, End::Greatest].map(|end| deviate(first.deviate(critical, end))));
             }
         }
         nodes.retain(|node| (from..=DEVIATE_LIMIT).contains(node));
         nodes.sort_by(f64::total_cmp);
         nodes.dedup();
-        if second < NARROW {
+        if own_second < NARROW {
             self.add_turns(&mut nodes);
         }
         nodes

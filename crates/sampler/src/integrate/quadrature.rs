@@ -152,4 +152,19 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn all_functions_are_as_accurate_as_is_asked_and_errors_add_up() {
+        let f = |x: f64| [1.0, x.sqrt(), (x - 0.3).abs()];
+        let ([one, root, kink], errors) = integrate_intervals(&f, &[0.0, 0.5, 1.0], 1e-10, 40);
+        let exact = [1.0, 2.0 / 3.0, 0.5 * (0.09 + 0.49)];
+        for ((found, exact), error) in [one, root, kink].into_iter().zip(exact).zip(errors) {
+            assert!((found - exact).abs() < 1e-8, "{found} {exact}");
+            assert!((found - exact).abs() <= error + 1e-15, "{found} {exact} {error}");
+        }
+        // Without halving the error is that of the rules, in every interval.
+        let rough = |ends: &[f64]| integrate_intervals(&f, ends, 0.0, 0).1;
+        let (whole, [first, second]) = (rough(&[0.0, 0.5, 1.0]), [rough(&[0.0, 0.5]), rough(&[0.5, 1.0])]);
+        assert!(first[1] > 1e-6 && second[1] > 0.0 && whole[1] == first[1] + second[1], "{whole:?} {first:?}");
+    }
 }

@@ -1,6 +1,6 @@
 //! The probability of instability and its derivatives from a verdict map, by integration instead of sampling.
 //!
-//! In the deviates `z1` of the preload and `z2` of the static friction, a box of the map is a rectangle. The
+//! In the deviates `z1` of the first input and `z2` of the second, a box of the map is a rectangle. The
 //! probability of a uniform box is a product of two differences of the normal distribution function. In a box that a
 //! curve crosses, the probability below the curve is
 //!
@@ -19,12 +19,12 @@
 mod input;
 
 mod crossed;
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
 
 use self::crossed::{Crossed, CrossedIntegrals};
 use self::input::{Edge, Input};
-use crate::grid::Cell;
 use crate::integrate::derivatives::{Derivatives, DeviateMoments, Moments, product};
+use crate::integrate::normal_pair::NormalPair;
 use crate::verdict_map::boundary_curve::{BoundaryCurve, Box2};
 use crate::verdict_map::map::VerdictMap;
 use crate::verdict_map::tile::Node;
@@ -35,7 +35,7 @@ const LEAST_MASS: f64 = 1e-18;
 /// A bound on the rounding errors of one box: of its two factors and of the sum.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
-/// The probability of instability of a cell, with bounds.
+/// A probability of instability, with bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundedProbability {
     /// The probability that a sample is unstable, given that the map has it stable or unstable; a boundary is taken to
@@ -51,11 +51,11 @@ pub struct BoundedProbability {
     pub undecided: f64,
 }
 
-/// The boxes of a map, prepared for integration over many cells.
+/// The boxes of a map, prepared for integration over many inputs.
 #[derive(Debug, Clone)]
 pub struct MapRegions {
-    kinetic_coefficient: f64,
-    /// Every coordinate where a box begins or ends, ascending: preload, falling friction.
+    origin: f64,
+    /// Every coordinate where a box begins or ends, ascending, along the first and the second coordinate.
     edges: [Vec<f64>; 2],
     boxes: Vec<Region>,
 }
@@ -88,52 +88,47 @@ impl MapRegions {
             Region { bounds, ends, node }
         };
         let boxes = boxes.into_iter().map(region).collect();
-        Self { kinetic_coefficient: map.kinetic_coefficient(), edges, boxes }
+        Self { origin: map.origin(), edges, boxes }
     }
 
-    /// The probability of instability of `cell`, which must be at the rotating speed of the map. Its inputs are
-    /// independent and normal.
+    /// The probability of instability with inputs of which all else is as in the map.
     #[must_use]
-    pub fn probability(&self, cell: &Cell) -> BoundedProbability {
-        let std = cell.relative_std;
+    pub fn probability(&self, pair: &NormalPair) -> BoundedProbability {
         let inputs = [
-            // A preload of exactly 0 is outside physics and not in the first tiles.
+            // A first input of exactly 0 is outside the model and not in the first tiles.
             Input {
-                expected: if cell.preload == 0.0 { -f64::MIN_POSITIVE } else { cell.preload },
-                spread: cell.preload * std.preload,
+                expected: if pair.expected[0] == 0.0 { -f64::MIN_POSITIVE } else { pair.expected[0] },
+                spread: pair.spread(0),
             },
-            Input {
-                expected: cell.static_friction - self.kinetic_coefficient,
-                spread: cell.static_friction * std.static_friction,
-            },
+            Input { expected: pair.expected[1] - self.origin, spread: pair.spread(1) },
         ];
         let edges = [0, 1].map(|axis| self.edges[axis].iter().map(|&edge| inputs[axis].edge(edge)).collect::<Vec<_>>());
         let mut sums = Sums::default();
-        sums.add_outside_physics(&inputs);
+        sums.add_outside_model(&inputs);
         for Region { bounds, ends, node } in &self.boxes {
-            let [preload, friction] = [0, 1].map(|axis| [edges[axis][ends[axis][0]], edges[axis][ends[axis][1]]]);
+            let [first, second] = [0, 1].map(|axis| [edges[axis][ends[axis][0]], edges[axis][ends[axis][1]]]);
             // Before all moments are computed: most boxes end here.
-            if preload[0].mass_to(&preload[1]) * friction[0].mass_to(&friction[1]) < LEAST_MASS {
+            if first[0].mass_to(&first[1]) * second[0].mass_to(&second[1]) < LEAST_MASS {
                 continue;
             }
-            let moments = product(&preload[0].moments_to(&preload[1]), &friction[0].moments_to(&friction[1]));
+            let moments = product(&first[0].moments_to(&first[1]), &second[0].moments_to(&second[1]));
             match node {
                 Node::Uniform(verdict) => {
                     sums.add(*verdict, &moments);
                     sums.add_known(*verdict, moments[0]);
                 }
                 Node::Crossed(curve) => {
-                    let crossed = Crossed { bounds, curve, inputs: &inputs, ends: &[preload, friction] };
+                    let crossed = Crossed { bounds, curve, inputs: &inputs, ends: &[first, second] };
                     sums.add_crossed(curve, &moments, &crossed.integrals());
                 }
                 Node::Cut(_) | Node::Unresolved => {}
             }
         }
-        sums.probability(cell)
+        sums.probability(pair)
     }
 }
 
-/// Sums over the boxes of a map for one cell.
+/// Sums over the boxes of a map.
 #[derive(Debug, Default)]
 struct Sums {
     stable: Moments,
@@ -145,13 +140,13 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds the samples outside physics, which are stable by definition.
-    fn add_outside_physics(&mut self, [preload, friction]: &[Input; 2]) {
+    /// Adds the samples outside the model, which are stable by definition.
+    fn add_outside_model(&mut self, [first, second]: &[Input; 2]) {
         const WHOLE: DeviateMoments = [1.0, 0.0, 0.0];
-        let zero = preload.edge(0.0);
+        let zero = first.edge(0.0);
         let regions = [
             product(&Edge::START.moments_to(&zero), &WHOLE),
-            product(&zero.moments_to(&Edge::END), &Edge::START.moments_to(&friction.edge(0.0))),
+            product(&zero.moments_to(&Edge::END), &Edge::START.moments_to(&second.edge(0.0))),
         ];
         for moments in regions {
             self.add(Verdict::Stable, &moments);
@@ -188,7 +183,7 @@ impl Sums {
         self.error += error;
     }
 
-    fn probability(&self, cell: &Cell) -> BoundedProbability {
+    fn probability(&self, pair: &NormalPair) -> BoundedProbability {
         let low = (self.known_unstable - self.error).clamp(0.0, 1.0);
         let high = (1.0 - self.known_stable + self.error).clamp(0.0, 1.0);
         let (stable, unstable) = (self.stable[0], self.unstable[0]);
@@ -197,9 +192,9 @@ impl Sums {
         if decided < LEAST_MASS {
             return BoundedProbability { value: None, low, high, derivatives: Derivatives::default(), undecided };
         }
-        // The quotient rule, as the known probability depends on the cell too.
+        // The quotient rule, as the known probability depends on the inputs too.
         let quotient = |i: usize| (self.unstable[i] * stable - unstable * self.stable[i]) / (decided * decided);
-        let derivatives = Derivatives::of(cell, &std::array::from_fn(quotient));
+        let derivatives = Derivatives::of(pair, &std::array::from_fn(quotient));
         let value = Some((unstable / decided).clamp(low, high));
         BoundedProbability { value, low, high, derivatives, undecided }
     }

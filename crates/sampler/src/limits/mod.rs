@@ -3,7 +3,7 @@
 //! | module | contents |
 //! |---|---|
 //! | [`scan`] | crossings of a probability that can be estimated at any value: a scan, and a bracketing root finder |
-//! | [`spans`] | between which expected values of preload or static friction one sample is unstable, in closed form |
+//! | [`spans`] | between which expected values of one of two inputs a sample is unstable, in closed form |
 //! | [`sweep`] | crossings of the share of unstable samples, with bounds, from these spans |
 //! | [`randomised`] | the same samples in groups that are counted apart, at any value |
 

@@ -1,6 +1,6 @@
 //! Samples in groups that are counted apart, such as the randomisations of Sobol points, over all values of an axis.
 
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 
 use super::sweep::{Counts, SortedSweep};
 

@@ -1,22 +1,13 @@
-//! Between which expected values of preload or static friction one sample is unstable, in closed form.
+//! Between which expected values of one of two inputs a sample is unstable, in closed form.
 //!
 //! Every distribution is scaled by its expected value: at the expected value `v` the input of a sample is `v r`, with a
 //! ratio `r` that its deviate alone determines (for a normal input `1 + sigma z`). So a sample that is unstable above a
 //! critical input `c` is unstable for expected values above `c / r`.
 
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::pair_boundary::PairBoundary;
+use stickslip_core::model::verdict::Verdict;
 
-/// The input whose expected value varies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Varied {
-    /// The preload.
-    Preload,
-    /// The static friction coefficient.
-    StaticFriction,
-}
-
-/// What becomes of samples without preload or with friction that rises with speed.
+/// What becomes of samples outside the model: whose first input is not positive, or whose second is below the least.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutsidePhysics {
     /// They are stable.
@@ -30,14 +21,14 @@ pub enum OutsidePhysics {
 /// One sample, for every expected value of the varied input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// The boundary of its brake.
-    pub boundary: StabilityBoundary,
+    /// Its boundary of stability.
+    pub boundary: PairBoundary,
     /// The varied input over its expected value.
     pub ratio: f64,
-    /// The other one of preload and static friction.
+    /// The other input.
     pub other: f64,
-    /// A static friction coefficient above this has no verdict; may be infinite.
-    pub most_friction: f64,
+    /// A second input above this has no verdict; may be infinite.
+    pub most_second: f64,
 }
 
 /// An open interval of expected values; it is empty if it does not begin before it ends.
@@ -65,54 +56,49 @@ impl Spans {
         Self { unstable: NOWHERE, without_verdict: [EVERYWHERE, NOWHERE] }
     }
 
-    /// Those of a sample.
+    /// Those of a sample along the expected value of the input `varied`: the first (0) or the second (1).
     ///
     /// ```
-    /// use stickslip_core::parameters::Parameters;
-    /// use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-    /// use stickslip_sampler::limits::spans::{OutsidePhysics, Sample, Spans, Varied};
-    /// let boundary = PadOnDisc::new(Parameters::sui_ding_2018())?.stability_boundary();
-    /// let sample = Sample { boundary, ratio: 1.25, other: 0.39, most_friction: f64::INFINITY };
-    /// let spans = Spans::of(&sample, Varied::Preload, OutsidePhysics::Stable);
-    /// assert_eq!(spans.unstable, [boundary.critical_preload(0.39) / 1.25, f64::INFINITY]);
-    /// # Ok::<(), stickslip_core::parameters::ParameterError>(())
+    /// use stickslip_core::model::pair_boundary::PairBoundary;
+    /// use stickslip_sampler::limits::spans::{OutsidePhysics, Sample, Spans};
+    /// let boundary = PairBoundary { critical_product: 0.01, by_second: 1.0, offset: -0.25, least_second: 0.25 };
+    /// let sample = Sample { boundary, ratio: 1.25, other: 0.39, most_second: f64::INFINITY };
+    /// let spans = Spans::of(&sample, 0, OutsidePhysics::Stable);
+    /// assert_eq!(spans.unstable, [boundary.critical_first(0.39) / 1.25, f64::INFINITY]);
     /// ```
     #[must_use]
-    pub fn of(sample: &Sample, varied: Varied, outside: OutsidePhysics) -> Self {
-        match varied {
-            Varied::Preload => Self::along_preload(sample, outside),
-            Varied::StaticFriction => Self::along_static_friction(sample, outside),
-        }
+    pub fn of(sample: &Sample, varied: usize, outside: OutsidePhysics) -> Self {
+        if varied == 0 { Self::along_first(sample, outside) } else { Self::along_second(sample, outside) }
     }
 
-    fn along_preload(sample: &Sample, outside: OutsidePhysics) -> Self {
-        let Sample { boundary, ratio, other, most_friction } = *sample;
-        let least = boundary.least_static_coefficient();
+    fn along_first(sample: &Sample, outside: OutsidePhysics) -> Self {
+        let Sample { boundary, ratio, other, most_second } = *sample;
+        let least = boundary.least_second;
         let is_outside = other < least || ratio <= 0.0;
-        let friction = if outside == OutsidePhysics::Clamped { other.max(least) } else { other };
-        if friction > most_friction || (is_outside && outside == OutsidePhysics::WithoutVerdict) {
+        let second = if outside == OutsidePhysics::Clamped { other.max(least) } else { other };
+        if second > most_second || (is_outside && outside == OutsidePhysics::WithoutVerdict) {
             return Self::without_verdict();
         }
-        // Infinite for friction outside physics.
-        let critical = boundary.critical_preload(friction);
+        // Infinite for second inputs outside the model.
+        let critical = boundary.critical_first(second);
         let unstable = if ratio > 0.0 { [critical / ratio, f64::INFINITY] } else { NOWHERE };
         Self { unstable, without_verdict: [NOWHERE; 2] }
     }
 
-    fn along_static_friction(sample: &Sample, outside: OutsidePhysics) -> Self {
-        let Sample { boundary, ratio, other: preload, most_friction } = *sample;
-        let least = boundary.least_static_coefficient();
-        if preload <= 0.0 && outside == OutsidePhysics::WithoutVerdict {
+    fn along_second(sample: &Sample, outside: OutsidePhysics) -> Self {
+        let Sample { boundary, ratio, other: first, most_second } = *sample;
+        let least = boundary.least_second;
+        if first <= 0.0 && outside == OutsidePhysics::WithoutVerdict {
             return Self::without_verdict();
         }
-        let (mut above, below) = boundary.unstable_static_friction(preload);
-        if outside == OutsidePhysics::Clamped && boundary.verdict(preload, least) == Verdict::Unstable {
+        let (mut above, below) = boundary.unstable_second(first);
+        if outside == OutsidePhysics::Clamped && boundary.verdict(first, least) == Verdict::Unstable {
             above = f64::NEG_INFINITY;
         }
         let too_little = if outside == OutsidePhysics::WithoutVerdict { [f64::NEG_INFINITY, least] } else { NOWHERE };
         Self {
-            unstable: scaled([above, below.min(most_friction)], ratio),
-            without_verdict: [scaled(too_little, ratio), scaled([most_friction.max(least), f64::INFINITY], ratio)],
+            unstable: scaled([above, below.min(most_second)], ratio),
+            without_verdict: [scaled(too_little, ratio), scaled([most_second.max(least), f64::INFINITY], ratio)],
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The random inputs of a sample are functions of independent standard normal deviates `u`. The probability of
 //! instability is the mean of `g(u)` over these: 1 for an unstable sample and 0 for another, or the probability given
-//! `u` if preload and static friction are integrated over.
+//! `u` if two further inputs are integrated over.
 //!
 //! | module | contents |
 //! |---|---|

@@ -5,7 +5,7 @@
 //! of half as many equal ones, the points are drawn again by their weights, and each is moved by steps that leave its
 //! density as it is. The ratios of the steps multiply to the probability. Where `g` is a probability, a power `b` of it
 //! rises from 0 to 1 in the same way before. This is subset simulation (S. K. Au, J. L. Beck, Probabilistic Engineering
-//! Mechanics 16 (2001) 263-277) whose subsets are those of the scatter, as no function tells how far a verdict is from
+//! Mechanics 16 (2001) 263-277) whose subsets are those of the scatter, as no function says how far a verdict is from
 //! another (compare J. Beaurepaire et al., Probabilistic Engineering Mechanics 33 (2013) 172-181; I. Papaioannou et al.,
 //! Structural Safety 62 (2016) 66-75).
 //!

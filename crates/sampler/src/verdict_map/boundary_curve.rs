@@ -4,18 +4,18 @@
 //! On one side of it every sample has one verdict, on the other side another. Where samples of a third kind lie between
 //! them (those that are undecided at the horizon), either side has a graph of its own.
 
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
 
 /// Chebyshev nodes of a segment: one more than the degree of its polynomials.
 pub const NODES: usize = 8;
 
-/// Coordinates in the plane: preload and falling friction, both dimensionless.
+/// Coordinates in the plane: the first input, and the second above its origin.
 pub type Point = [f64; 2];
 
 /// A rectangle of the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Box2 {
-    /// Lower ends: preload, falling friction.
+    /// Lower ends, along the first and the second coordinate.
     pub low: Point,
     /// Upper ends.
     pub high: Point,
@@ -24,7 +24,7 @@ pub struct Box2 {
 /// The segment of a boundary in a box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundaryCurve {
-    /// Which coordinate is the abscissa: 0 preload, 1 falling friction.
+    /// Which coordinate is the abscissa: 0 the first, 1 the second.
     pub abscissa: usize,
     /// The verdict where the ordinate is below the graph.
     pub below: Verdict,

@@ -10,7 +10,7 @@
 //! A verdict of a third kind may lie between the two. An answer of one of the two verdicts beyond one of the third kind
 //! contradicts the assumption that the boundary is a graph, and ends the search.
 
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
 
 use crate::verdict_map::boundary_curve::{BoundaryCurve, Box2, NODES, Point};
 

@@ -1,34 +1,34 @@
-//! A map of verdicts: the resolved tiles at one rotating speed.
+//! A map of verdicts: the resolved tiles of one configuration.
 
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
 
 use crate::verdict_map::boundary_curve::Point;
 use crate::verdict_map::tile::{TILES, Tile, TileIndex};
 
-/// The resolved tiles of the plane at one rotating speed.
+/// The resolved tiles of the plane of one configuration.
 #[derive(Debug, Clone)]
 pub struct VerdictMap {
-    kinetic_coefficient: f64,
+    origin: f64,
     tiles: Vec<Option<Tile>>,
 }
 
 impl VerdictMap {
-    /// A map without tiles; `kinetic_coefficient` is f_c, where the falling friction is zero.
+    /// A map without tiles; `origin` is the second input where the second coordinate is zero.
     #[must_use]
-    pub fn new(kinetic_coefficient: f64) -> Self {
-        Self { kinetic_coefficient, tiles: vec![None; (TILES * TILES) as usize] }
+    pub fn new(origin: f64) -> Self {
+        Self { origin, tiles: vec![None; (TILES * TILES) as usize] }
     }
 
-    /// f_c, the kinetic friction coefficient.
+    /// The second input where the second coordinate is zero.
     #[must_use]
-    pub fn kinetic_coefficient(&self) -> f64 {
-        self.kinetic_coefficient
+    pub fn origin(&self) -> f64 {
+        self.origin
     }
 
-    /// The inputs at a point of the plane: preload and static friction coefficient.
+    /// The two inputs at a point of the plane.
     #[must_use]
-    pub fn inputs(&self, [preload, falling_friction]: Point) -> [f64; 2] {
-        [preload, self.kinetic_coefficient + falling_friction]
+    pub fn inputs(&self, [first, above]: Point) -> [f64; 2] {
+        [first, self.origin + above]
     }
 
     /// Adds a tile.
@@ -49,16 +49,16 @@ impl VerdictMap {
     }
 
     /// The verdict on a sample. `None` where it is unknown: outside the tiles, in an unresolved box, within the
-    /// resolution of a curve, or in an undecided region. Inputs outside physics (`Delta <= 0`, `f_s < f_c`) are stable
-    /// by definition.
+    /// resolution of a curve, or in an undecided region. Inputs outside the model (a first one that is not positive, a
+    /// second one below the origin) are stable by definition.
     #[inline]
     #[must_use]
-    pub fn look_up(&self, preload: f64, static_friction: f64) -> Option<Verdict> {
-        let falling = static_friction - self.kinetic_coefficient;
-        if preload <= 0.0 || falling < 0.0 {
+    pub fn look_up(&self, first: f64, second: f64) -> Option<Verdict> {
+        let above = second - self.origin;
+        if first <= 0.0 || above < 0.0 {
             return Some(Verdict::Stable);
         }
-        let index = TileIndex::of(preload, falling)?;
-        self.tile(index)?.look_up(index, [preload, falling]).filter(|verdict| verdict.is_decided())
+        let index = TileIndex::of(first, above)?;
+        self.tile(index)?.look_up(index, [first, above]).filter(|verdict| verdict.is_decided())
     }
 }

@@ -1,11 +1,12 @@
 //! The verdict map: the verdict on a sample as a function of its two random inputs.
 //!
-//! At one rotating speed the verdict is a deterministic function of preload and static friction, constant except across
-//! a few curves. A map stores that function. It knows verdicts and the plane of the two inputs; it asks its caller for
-//! the verdicts, and knows no physics.
+//! With all else given, the verdict is a deterministic function of two inputs, constant except across a few curves. A
+//! map stores that function. It knows verdicts and the plane of the two inputs; it asks its caller for the verdicts, and
+//! knows no physics.
 //!
-//! The plane is that of preload `Delta` and falling friction `f_s - f_c`. It is divided into [tiles](tile), an eighth
-//! wide below 1 and wider beyond. Each tile is a quadtree of boxes, divided until every box is one of three kinds:
+//! The first coordinate of the plane is the first input, the second is the second input above an origin, below which no
+//! sample is unstable. The plane is divided into [tiles](tile), an eighth wide below 1 and wider beyond. Each tile is a
+//! quadtree of boxes, divided until every box is one of three kinds:
 //!
 //! * **uniform**: all points of a grid in the box and around it have one verdict;
 //! * **crossed**: a [`BoundaryCurve`](boundary_curve::BoundaryCurve) separates two verdicts;

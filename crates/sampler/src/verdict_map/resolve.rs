@@ -7,17 +7,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
 
 use crate::verdict_map::boundary_curve::{BoundaryCurve, Box2, Point};
 use crate::verdict_map::boundary_search::Search;
 use crate::verdict_map::tile::{Node, Tile, TileIndex, quarter};
-
-/// Version of how tiles are resolved. Maps of different versions are never joined.
-///
-/// Version 2 keeps a tile within its limit of questions, and divides more finely near undecided verdicts, which are not
-/// looked up.
-pub const MAP_VERSION: u32 = 2;
 
 /// Divisions at most: boxes are no smaller than a 131 072nd of a tile.
 const DEEPEST: u32 = 17;
@@ -56,7 +50,7 @@ const INTERVALS: i64 = 4;
 const GRID: usize = INTERVALS as usize + 3;
 
 impl Tile {
-    /// Resolves a tile. `verdicts_at` returns the verdicts at points (preload, falling friction), many at once. The
+    /// Resolves a tile. `verdicts_at` returns the verdicts at points of the plane, many at once. The
     /// cost of the tile is left at 0 for the caller to set. If `verdicts_at` returns `None`, the search ends there,
     /// with `None`.
     pub fn resolve(index: TileIndex, verdicts_at: impl FnMut(&[Point]) -> Option<Vec<Verdict>>) -> Option<Self> {
@@ -195,7 +189,7 @@ impl OpenBox {
         (LATTICE / INTERVALS) >> self.depth
     }
 
-    /// Its grid, the preload varying fastest.
+    /// Its grid, the first coordinate varying fastest.
     fn grid(&self) -> impl Iterator<Item = Lattice> + use<> {
         let (corner, spacing) = (self.corner, self.spacing());
         (-1..=INTERVALS + 1)

@@ -1,6 +1,6 @@
 //! Maps of planes whose verdicts are known.
 
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
 
 use super::boundary_curve::Point;
 use super::map::VerdictMap;
@@ -220,4 +220,54 @@ fn a_search_ends_where_an_answer_is_refused() {
         });
         assert_eq!((tile, asked), (None, last + 1));
     }
+}
+
+/// How often a tile was divided for each box with a curve, least and most, and the most of all boxes.
+fn depths(index: TileIndex, verdict_at: impl Fn(Point) -> Verdict) -> ([u32; 2], u32) {
+    let tile = Tile::resolve(index, |points| points.iter().map(|&point| Some(verdict_at(point))).collect()).unwrap();
+    let width = index.bounds().high[0] - index.bounds().low[0];
+    let (mut crossed, mut most) = ([u32::MAX, 0], 0);
+    for (bounds, node) in tile.boxes(index) {
+        let depth = (width / (bounds.high[0] - bounds.low[0])).log2().round() as u32;
+        most = most.max(depth);
+        if let Node::Crossed(_) = node {
+            crossed = [crossed[0].min(depth), crossed[1].max(depth)];
+        }
+    }
+    (crossed, most)
+}
+
+#[test]
+fn a_curve_beside_an_undecided_point_is_accepted_in_small_boxes_only() {
+    let index = TileIndex { column: 1, row: 1 };
+    let line = |[x, y]: Point| y - 0.1 - 0.5 * x;
+    let between = |below: Verdict, above: Verdict| move |at: Point| if line(at) < 0.0 { below } else { above };
+    assert_eq!(depths(index, between(Verdict::Stable, Verdict::Unstable)).0[0], 0);
+    for third in [Verdict::Undecided, Verdict::Failed] {
+        // Seen by the grid.
+        assert!(depths(index, between(Verdict::Stable, third)).0[0] >= 3, "{third:?}");
+        // So narrow that only the search along the boundary meets it.
+        let sliver = |at: Point| match line(at) {
+            height if height < 0.0 => Verdict::Stable,
+            height if height < 1e-4 => third,
+            _ => Verdict::Unstable,
+        };
+        assert!(depths(index, sliver).0[0] >= 3, "{third:?}");
+    }
+}
+
+#[test]
+fn ragged_undecided_verdicts_are_not_divided_to_the_last() {
+    let index = TileIndex { column: 3, row: 3 };
+    let [x0, y0] = index.bounds().low;
+    // Noise in a sixteenth of the tile, along each coordinate.
+    let noise = |third: Verdict| {
+        move |[x, y]: Point| {
+            let bits = (x.to_bits() ^ y.to_bits().rotate_left(17)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            let is_inside = x < x0 + 1.0 / 256.0 && y < y0 + 1.0 / 256.0;
+            if is_inside && bits >> 63 == 0 { third } else { Verdict::Stable }
+        }
+    };
+    assert!(depths(index, noise(Verdict::Unstable)).1 > 7, "verdicts that are decided are divided on");
+    assert!(depths(index, noise(Verdict::Undecided)).1 <= 7);
 }

@@ -1,6 +1,6 @@
 //! Tiles of the plane and the quadtrees of boxes that they hold.
 
-use stickslip_core::verdict::Verdict;
+use stickslip_core::model::verdict::Verdict;
 
 use crate::verdict_map::boundary_curve::{BoundaryCurve, Box2, Point};
 
@@ -13,9 +13,9 @@ pub const TILES: u32 = TILES_TO_ONE + 6 * TILES_TO_ONE / 2;
 /// The position of a tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TileIndex {
-    /// Along the preload, 0 to [`TILES`] - 1.
+    /// Along the first coordinate, 0 to [`TILES`] - 1.
     pub column: u32,
-    /// Along the falling friction.
+    /// Along the second coordinate.
     pub row: u32,
 }
 
@@ -44,11 +44,11 @@ pub(super) fn tile_at(coordinate: f64) -> Option<u32> {
 impl TileIndex {
     /// The tile that holds a point of the plane; `None` outside the map.
     #[must_use]
-    pub(crate) fn of(preload: f64, falling_friction: f64) -> Option<Self> {
-        Some(Self { column: tile_at(preload)?, row: tile_at(falling_friction)? })
+    pub(crate) fn of(first: f64, second: f64) -> Option<Self> {
+        Some(Self { column: tile_at(first)?, row: tile_at(second)? })
     }
 
-    /// The box of the tile: preload and falling friction.
+    /// The box of the tile.
     #[must_use]
     pub fn bounds(self) -> Box2 {
         Box2 { low: [edge(self.column), edge(self.row)], high: [edge(self.column + 1), edge(self.row + 1)] }
@@ -58,8 +58,8 @@ impl TileIndex {
 /// What is known of a box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Node {
-    /// It is divided into four, which lie at this and the next three places of the list: lower and upper preload at the
-    /// lower friction, then at the upper one.
+    /// It is divided into four, which lie at this and the next three places of the list: lower and upper half of the
+    /// first coordinate in the lower half of the second, then in the upper one.
     Cut(u32),
     /// All points of its grid have this verdict, which is assumed for every sample in it.
     Uniform(Verdict),

@@ -4,15 +4,29 @@ mod point;
 
 mod text;
 
+mod oscillator;
+
+use self::oscillator::Oscillator;
 use self::point::Analysis;
-use super::one_brake::OneBrake;
+use super::one_brake::{OneBrake, chosen_cell};
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
 use crate::output::result;
 
 /// `stickslip analyse`.
 pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
-    let OneBrake { brake, model } = OneBrake::chosen(&arguments.brake)?;
+    let chosen = chosen_cell(&arguments.brake)?;
+    if let Some((job, cell)) = &chosen
+        && let Some(pad) = job.model.rigid_pad(&cell.expected)
+    {
+        if let Some(change) = arguments.brake.set.first() {
+            let message = format!("--set {change}: it changes a pad on a disc; change the value in the job instead");
+            return Err(Failure::Usage(message));
+        }
+        let oscillator = Oscillator::new(&pad.map_err(|error| Failure::Job(error.to_string()))?);
+        return result(&if arguments.json { format!("{:#}\n", oscillator.json()) } else { oscillator.text() });
+    }
+    let OneBrake { brake, model } = OneBrake::of(chosen, &arguments.brake.set)?;
     let analysis = Analysis::new(brake, model.and_then(|model| model.modes()));
     result(&if arguments.json { format!("{:#}\n", analysis.json()?) } else { analysis.text() })
 }

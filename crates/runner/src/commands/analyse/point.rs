@@ -3,16 +3,16 @@
 use std::f64::consts::TAU;
 
 use serde_json::{Map, Value, json};
-use stickslip_core::degree_of_freedom::DegreeOfFreedom;
-use stickslip_core::flexible_disc::brake::FlexibleBrake;
-use stickslip_core::flexible_disc::error::FlexibleError;
-use stickslip_core::flexible_disc::linear_stability::LinearStability;
+use stickslip_core::models::pad_on_disc::degree_of_freedom::DegreeOfFreedom;
+use stickslip_core::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
+use stickslip_core::models::pad_on_disc::flexible_disc::error::FlexibleError;
+use stickslip_core::models::pad_on_disc::flexible_disc::linear_stability::LinearStability;
+use stickslip_core::models::pad_on_disc::parameters::SCALARS;
+use stickslip_core::models::pad_on_disc::rigid_disc::basin::Basin;
+use stickslip_core::models::pad_on_disc::rigid_disc::limit_cycle::LimitCycle;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs, SlidingEquilibrium};
+use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
 use stickslip_core::numerics::eigenvalues::{Eigenvalue, eigenvalues};
-use stickslip_core::parameters::SCALARS;
-use stickslip_core::rigid_disc::basin::Basin;
-use stickslip_core::rigid_disc::limit_cycle::LimitCycle;
-use stickslip_core::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs, SlidingEquilibrium};
-use stickslip_core::rigid_disc::stability::SpeedRange;
 
 use crate::failure::Failure;
 
@@ -62,8 +62,8 @@ impl Analysis {
             saddle_node: brake.saddle_node_speed(),
             limit_cycle: brake.limit_cycle(),
             basin: brake.basin(),
-            critical_static_friction: boundary.critical_static_friction(preload),
-            critical_preload: boundary.critical_preload(static_friction),
+            critical_static_friction: boundary.critical_second(preload),
+            critical_preload: boundary.critical_first(static_friction),
             brake,
         }
     }

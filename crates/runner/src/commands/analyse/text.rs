@@ -2,14 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use stickslip_core::degree_of_freedom::DegreeOfFreedom;
+use stickslip_core::models::pad_on_disc::degree_of_freedom::DegreeOfFreedom;
+use stickslip_core::models::pad_on_disc::rigid_disc::basin::{Basin, Knock};
+use stickslip_core::models::pad_on_disc::rigid_disc::stability::SpeedRange;
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
-use stickslip_core::rigid_disc::basin::{Basin, Knock};
-use stickslip_core::rigid_disc::stability::SpeedRange;
 
 use super::point::{Analysis, Coupled};
+use crate::commands::motion_report::scales_line;
 use crate::picture::view::rounded;
-use crate::units::{duration, force, frequency, growth_rate, length, range, row, scales_line, significant, speed};
+use crate::units::{duration, force, frequency, growth_rate, length, range, row, significant, speed};
 
 impl Analysis {
     /// Everything in words.

@@ -11,14 +11,15 @@ use stickslip_sampler::integrate::closed_form::ExactProbability;
 use self::report::{Found, Reached, Row, imprecise_json};
 use crate::cli::BoundsArguments;
 use crate::evaluate::bounds::{Ended, ImpreciseCell};
-use crate::evaluate::control::IsStopped;
 use crate::failure::Failure;
 use crate::files::table::write_table;
 use crate::interrupt::Interrupt;
 use crate::job::{Combination, ImpreciseJob, JobSource};
-use crate::output::{counted, note, output_file, result, warn};
+use crate::messages::Code;
+use crate::output::{counted, output_file, result, tell, warn};
 use crate::schedule::engine::Engine;
 use crate::shell::{quoted, shown};
+use stickslip_core::model::IsStopped;
 
 /// What is said after a signal.
 const NOTHING: &str = "nothing was written";
@@ -42,7 +43,7 @@ pub fn bounds(arguments: &BoundsArguments, interrupt: &Interrupt) -> Result<(), 
     let found = Found { source: &source, job: &job, rows };
     if let Some((out, (directory, name))) = out {
         write_table(&directory, &name, &found.table(), &found.footer())?;
-        note(format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
+        tell(Code::FileWritten, format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
     }
     result(&if *json { format!("{:#}\n", found.json()) } else { found.text() })
 }
@@ -71,11 +72,11 @@ pub fn check(source: &JobSource, json: bool) -> Result<(), Failure> {
 
 /// The rows of all cells, in their order.
 fn all_rows(engine: &Engine, interrupt: &Interrupt, job: &ImpreciseJob) -> Result<Vec<Row>, Failure> {
-    engine.in_order(job.first().cells(), "cells", interrupt, NOTHING, |cell, is_stopped| {
+    engine.in_order(job.first().cells(), "cells", interrupt, &NOTHING.into(), |cell, is_stopped| {
         match row(job, cell, is_stopped) {
             Ok(row) => Ok(Some(row)),
             Err(Ended::Stopped) => Ok(None),
-            Err(Ended::NoSuchBrake(error)) => Err(Failure::Job(format!(
+            Err(Ended::NoSuchConfiguration(error)) => Err(Failure::Job(format!(
                 "there is no brake with some of the imprecise values in cell {cell}: {error}; choose intervals between which there is one everywhere"
             ))),
         }

@@ -1,15 +1,15 @@
 //! Bounds as text, JSON and columns.
 
 use serde_json::{Value, json};
-use stickslip_core::parameters::scalar;
+use stickslip_core::model::quantity::Quantity;
 use stickslip_sampler::draw::identity::RESULTS_VERSION;
-use stickslip_sampler::grid::Cell;
 use stickslip_sampler::imprecise::result::{Direction, Evidence, Trend};
 
 use crate::files::table::{TableColumn, TableValues};
-use crate::job::{ImpreciseJob, ImpreciseQuantity, JobSource, RandomInput, Values, What, axis_of};
+use crate::job::{ImpreciseJob, ImpreciseQuantity, JobSource, Values, What};
 use crate::output::{aligned, counted, wrapped};
 use crate::picture::view::rounded;
+use crate::tables::cell_columns::{CellColumn, always_shown};
 use crate::version::VERSION;
 
 /// Largest number of cells at the terminal.
@@ -101,12 +101,11 @@ pub struct Found<'a> {
     pub rows: Vec<Row>,
 }
 
-/// What tells the cells apart, and is not imprecise.
-struct Known<'a> {
-    name: String,
-    unit: &'static str,
-    long_name: String,
-    value: Box<dyn Fn(u64) -> f64 + 'a>,
+/// What cells may differ in, and is not imprecise.
+struct Known {
+    column: CellColumn,
+    /// Its value in each cell.
+    values: Vec<f64>,
     /// Whether it differs between cells.
     varies: bool,
 }
@@ -119,20 +118,20 @@ impl Found<'_> {
         let known = self.known();
         let fixed: Vec<String> = known
             .iter()
-            .filter(|known| !known.varies && (known.value)(0) != 0.0)
-            .map(|known| format!("{} {}", known.name, rounded((known.value)(0))))
+            .filter(|known| !known.varies && known.values[0] != 0.0)
+            .map(|known| format!("{} {}", known.column.name, rounded(known.values[0])))
             .collect();
         let fixed = if fixed.is_empty() { String::new() } else { format!("; {}", fixed.join(", ")) };
         let title = format!("Bounds of the probability of instability over {}{fixed}", quantities.join(", "));
-        let varying: Vec<&Known<'_>> = known.iter().filter(|known| known.varies).collect();
-        let mut lines = vec![varying.iter().map(|known| known.name.clone()).collect::<Vec<String>>()];
+        let varying: Vec<&Known> = known.iter().filter(|known| known.varies).collect();
+        let mut lines = vec![varying.iter().map(|known| known.column.name.to_string()).collect::<Vec<String>>()];
         lines[0].extend(["bound", "P"].map(str::to_owned));
-        lines[0].extend(job.quantities.iter().map(column_name));
+        lines[0].extend(job.quantities.iter().map(|quantity| column_name(job, quantity)));
         lines[0].push("evidence".to_owned());
         for row in rows.iter().take(MOST_CELLS) {
             for (which, end) in row.ends.iter().enumerate() {
                 let axis =
-                    |known: &&Known<'_>| if which == 0 { rounded((known.value)(row.cell)) } else { String::new() };
+                    |known: &&Known| if which == 0 { rounded(known.values[row.cell as usize]) } else { String::new() };
                 let mut line: Vec<String> = varying.iter().map(axis).collect();
                 line.extend([ENDS[which].to_owned(), probability(end.probability)]);
                 line.extend((0..job.quantities.len()).map(|place| self.reached_text(end, place)));
@@ -182,7 +181,7 @@ impl Found<'_> {
                 }
             }
             if !words.is_empty() {
-                lines.push(format!("Along {} P {}.", column_name(quantity), words.join("; or ")));
+                lines.push(format!("Along {} P {}.", column_name(self.job, quantity), words.join("; or ")));
             }
         }
         lines
@@ -213,19 +212,20 @@ impl Found<'_> {
     /// One row for each cell.
     pub fn table(&self) -> Vec<TableColumn> {
         let Self { job, rows, .. } = self;
-        let column = |name: String, unit, long_name: String, values| TableColumn {
+        let column = |name: String, unit: &str, long_name: String, values| TableColumn {
             name: name.into(),
-            unit,
+            unit: unit.to_owned().into(),
             long_name: long_name.into(),
             values,
         };
-        let real = |name: String, unit, long_name: String, value: &dyn Fn(&Row) -> Option<f64>| {
+        let real = |name: String, unit: &str, long_name: String, value: &dyn Fn(&Row) -> Option<f64>| {
             column(name, unit, long_name, TableValues::Real(rows.iter().map(value).collect()))
         };
         let cells = TableValues::Integer(rows.iter().map(|row| row.cell).collect());
         let mut columns = vec![column("cell".to_owned(), "1", "0-based index of the cell".to_owned(), cells)];
         for known in self.known() {
-            columns.push(real(known.name, known.unit, known.long_name, &|row| Some((known.value)(row.cell))));
+            let CellColumn { name, unit, long_name, .. } = known.column;
+            columns.push(real(name.into_owned(), &unit, long_name, &|row| Some(known.values[row.cell as usize])));
         }
         for (which, (end, beyond)) in ENDS.into_iter().zip(["below", "above"]).enumerate() {
             let meaning =
@@ -240,10 +240,10 @@ impl Found<'_> {
             columns.push(column(format!("p_{end}_evidence"), "1", meaning, TableValues::Word(words)));
         }
         for (place, quantity) in job.quantities.iter().enumerate() {
-            let (name, unit) = (column_name(quantity), unit_of(quantity));
+            let (name, unit) = (column_name(job, quantity), unit_of(job, quantity));
             for (which, end) in ENDS.into_iter().enumerate() {
                 let meaning = format!("{} with which p_{end} is reached", quantity.name());
-                columns.push(column(format!("{name}_at_{end}"), unit, meaning, self.reached(place, which)));
+                columns.push(column(format!("{name}_at_{end}"), &unit, meaning, self.reached(place, which)));
             }
             if let Values::Between(_) = quantity.values {
                 let words = rows.iter().map(|row| row.trends[place].map(trend_word)).collect();
@@ -289,53 +289,23 @@ impl Found<'_> {
     }
 
     /// Axes and standard deviations that are not imprecise, as the surface names their columns.
-    fn known(&self) -> Vec<Known<'_>> {
+    fn known(&self) -> Vec<Known> {
         let job = self.job.first();
-        let cells = job.cells();
-        let mut all: Vec<Known<'_>> = Vec::new();
-        for further in &job.grid.of_brake {
-            let Some(scalar) = scalar(&further.name) else { continue };
-            let long_name = format!("expected value of {}: {}", scalar.key, scalar.description);
-            let value = move |cell| job.value_in(scalar.key, &job.grid.cell(cell)).unwrap_or(f64::NAN);
-            all.push(Known {
-                name: scalar.key.to_owned(),
-                unit: scalar.unit,
-                long_name,
-                value: Box::new(value),
-                varies: false,
-            });
-        }
-        let of_cell = |name: &str, unit, long_name: &str, value: fn(&Cell) -> f64| Known {
-            name: name.to_owned(),
-            unit,
-            long_name: long_name.to_owned(),
-            value: Box::new(move |cell| value(&job.grid.cell(cell))),
-            varies: false,
+        let expected = |place: usize| CellColumn::expected(place, job.quantity(place));
+        let others = job.grid.axes.iter().filter(|axis| !job.quantity(axis.quantity).is_always_shown);
+        let others = others.map(|axis| expected(axis.quantity));
+        let pair = job.model().pair().into_iter().flatten();
+        let stds = pair.filter(|&place| job.random.position(place).is_some());
+        let stds = stds.map(|place| CellColumn::std_of_input(job, place));
+        let all = others.chain(always_shown(job, false)).chain(stds).chain(always_shown(job, true));
+        let imprecise: Vec<String> =
+            self.job.quantities.iter().map(|quantity| column_name(self.job, quantity)).collect();
+        let known = |column: CellColumn| {
+            let values: Vec<f64> = (0..job.cells()).map(|cell| (column.value)(&job.grid.cell(cell))).collect();
+            let varies = values.iter().any(|value| *value != values[0]);
+            Known { column, values, varies }
         };
-        all.push(of_cell("rotating_speed_rad_s", "rad/s", "rotating speed of the disc", |cell| cell.rotating_speed));
-        for (i, input) in job.random.inputs.iter().enumerate() {
-            let (RandomInput::Preload | RandomInput::StaticFriction) = input else { continue };
-            let value = move |cell| job.random.relative_stds[job.grid.relative_std_index(cell)][i];
-            let long_name = format!("standard deviation of {} over its expected value", input.name());
-            all.push(Known {
-                name: format!("std_{}", input.name()),
-                unit: "1",
-                long_name,
-                value: Box::new(value),
-                varies: false,
-            });
-        }
-        all.extend([
-            of_cell("preload", "1", "expected preload, calliper displacement over disc thickness", |cell| cell.preload),
-            of_cell("static_friction", "1", "expected static friction coefficient", |cell| cell.static_friction),
-        ]);
-        let imprecise: Vec<String> = self.job.quantities.iter().map(column_name).collect();
-        all.retain(|known| !imprecise.contains(&known.name));
-        for known in &mut all {
-            let first = (known.value)(0);
-            known.varies = (1..cells).any(|cell| (known.value)(cell) != first);
-        }
-        all
+        all.filter(|column| imprecise.iter().all(|name| *name != column.name)).map(known).collect()
     }
 }
 
@@ -348,28 +318,31 @@ pub fn imprecise_json(job: &ImpreciseJob) -> Value {
                 ("one_of", json!(values.iter().map(|value| value.replace('"', "")).collect::<Vec<_>>()))
             }
         };
-        json!({ "quantity": column_name(quantity), "key": quantity.key, key: values })
+        json!({ "quantity": column_name(job, quantity), "key": quantity.key, key: values })
     };
     job.quantities.iter().map(quantity).collect()
 }
 
+/// The quantity of a model by the name of its axis.
+fn expected<'a>(job: &'a ImpreciseJob, name: &str) -> Option<&'a Quantity> {
+    let job = job.first();
+    job.model().place(name).map(|place| job.quantity(place))
+}
+
 /// The column of a quantity, as in a surface.
-fn column_name(quantity: &ImpreciseQuantity) -> String {
+fn column_name(job: &ImpreciseJob, quantity: &ImpreciseQuantity) -> String {
     match &quantity.what {
-        What::Expected(scalar) => match axis_of(scalar.key) {
-            Some("rotating_speed") => "rotating_speed_rad_s".to_owned(),
-            axis => axis.unwrap_or(scalar.key).to_owned(),
-        },
+        What::Expected(name) => expected(job, name).map_or(name.clone(), |quantity| quantity.column.to_string()),
         What::RelativeStd(input) => format!("std_{input}"),
         What::Distribution(input) => format!("distribution_{input}"),
         What::Correlation => "correlation".to_owned(),
     }
 }
 
-fn unit_of(quantity: &ImpreciseQuantity) -> &'static str {
+fn unit_of(job: &ImpreciseJob, quantity: &ImpreciseQuantity) -> String {
     match &quantity.what {
-        What::Expected(scalar) => scalar.unit,
-        What::RelativeStd(_) | What::Distribution(_) | What::Correlation => "1",
+        What::Expected(name) => expected(job, name).map_or("1".to_owned(), |quantity| quantity.unit.to_string()),
+        What::RelativeStd(_) | What::Distribution(_) | What::Correlation => "1".to_owned(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The difference of two runs in every cell that they share.
 
 use indicatif::HumanCount;
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::estimate::difference::{Difference, PairedCounts, dependent_difference, unpaired_difference};
 use stickslip_sampler::grid::Cell;
 
@@ -41,7 +41,7 @@ impl Interval {
 }
 
 /// The difference in one cell.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Row {
     /// The cell, as the first run has it.
     pub cell: Cell,
@@ -179,7 +179,7 @@ fn row(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip_core::verdict::Verdict;
+    use stickslip_core::model::verdict::Verdict;
 
     #[test]
     fn the_difference_is_second_minus_first() {

@@ -47,7 +47,7 @@ impl<'a> EvaluatedRun<'a> {
             complete_maps(run, &mut evaluator, maps, engine, interrupt)?;
         }
         if run.job.is_integrated() {
-            // The run keeps its audits; those of an older version are done again.
+            // The run keeps its audits.
             let mut audits = run.directory.audits_done(&run.job)?;
             let audited = engine.audit(&evaluator, &mut audits, None, interrupt)?;
             let (outcome, cells) = engine.integrate(&evaluator, &audits, interrupt)?;
@@ -144,5 +144,5 @@ pub const STOPPED: &str = "nothing was compared; finished tiles of verdict maps 
 
 /// A comparison that a signal ended.
 pub fn stopped(signal: Signal) -> Failure {
-    Failure::Stopped { signal, message: STOPPED.to_owned() }
+    Failure::stopped(signal, &STOPPED.into())
 }

@@ -3,12 +3,12 @@
 use std::collections::{BTreeSet, HashMap};
 
 use indicatif::HumanCount;
-use stickslip_sampler::grid::Cell;
 
 use super::run::Run;
 use crate::failure::Failure;
 use crate::job::{Effort, Job};
 use crate::output::note;
+use crate::tables::cell_columns::names_of_pair;
 
 /// How the samples of a cell in one run depend on those in another run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +30,7 @@ fn dependence(first: &Job, second: &Job) -> (Dependence, Option<String>) {
     let independent = |why: String| (Dependence::Independent, Some(why));
     // Their samples stand for other inputs, and have probabilities in place of verdicts.
     if first.is_conditional() && second.is_conditional() && a.seed == b.seed {
-        return (Dependence::Dependent, Some("they integrate over preload and static friction".to_owned()));
+        return (Dependence::Dependent, Some(format!("they integrate over {}", names_of_pair(first.model()))));
     }
     if first.is_weighted() && second.is_weighted() && a.seed == b.seed {
         return (Dependence::Dependent, Some("their samples have weights".to_owned()));
@@ -82,31 +82,35 @@ impl Matching {
     /// Two runs without a common cell.
     pub fn new(first: &Run, second: &Run) -> Result<Self, Failure> {
         let (a, b) = (&first.job, &second.job);
-        let names = |job: &Job| job.random.inputs.iter().map(|input| input.name()).collect::<Vec<_>>();
-        let same_inputs = names(a) == names(b);
-        let stds = |job: &Job, cell: u64| job.random.relative_stds[job.grid.relative_std_index(cell)].clone();
+        let inputs = |job: &Job| {
+            let name = |&place: &usize| job.quantity(place).name.to_string();
+            job.random.inputs.iter().map(name).collect::<Vec<_>>()
+        };
+        let same_inputs = inputs(a) == inputs(b);
         // What only one of the runs has an axis of belongs to the cells of both.
-        let further: BTreeSet<&str> =
-            [a, b].iter().flat_map(|job| job.grid.further()).map(|further| &*further.name).collect();
-        let values = |job: &Job, index: u64| -> Vec<u64> {
-            let Cell { rotating_speed, relative_std, preload, static_friction, .. } = job.grid.cell(index);
-            let mut values =
-                vec![rotating_speed, relative_std.preload, relative_std.static_friction, preload, static_friction];
-            // If both runs have the same random inputs, the standard deviations of the others belong to the cell, too.
-            values.extend(same_inputs.then(|| stds(job, index)).into_iter().flatten());
+        let of_axes = |job: &Job| {
+            job.grid.axes.iter().map(|axis| job.quantity(axis.quantity).name.to_string()).collect::<Vec<_>>()
+        };
+        let names: BTreeSet<String> = [a, b].into_iter().flat_map(of_axes).collect();
+        let places = |job: &Job| names.iter().map(|name| job.model().place(name)).collect::<Vec<_>>();
+        let (places_in_a, places_in_b) = (places(a), places(b));
+        let values = |job: &Job, places: &[Option<usize>], index: u64| -> Vec<u64> {
             let cell = job.grid.cell(index);
-            let further = further.iter().map(|name| job.value_in(name, &cell).unwrap_or(f64::NAN));
-            values.extend(further);
-            values.into_iter().map(f64::to_bits).collect()
+            let expected = places.iter().map(|place| place.map_or(f64::NAN, |place| cell.expected[place]));
+            let pair = job.normal_pair(&cell).relative_std;
+            // If both runs have the same random inputs, the standard deviations of the others belong to the cell, too.
+            let stds = same_inputs.then(|| &job.random.relative_stds[cell.scatter]);
+            let all = expected.chain(pair).chain(stds.into_iter().flatten().copied());
+            all.map(f64::to_bits).collect()
         };
         let mut in_second: HashMap<Vec<u64>, Vec<u64>> = HashMap::new();
-        (0..b.cells()).rev().for_each(|index| in_second.entry(values(b, index)).or_default().push(index));
+        (0..b.cells()).rev().for_each(|index| in_second.entry(values(b, &places_in_b, index)).or_default().push(index));
         let exact = a.is_integrated() || b.is_integrated();
         let (dependence, why) = if exact { (Dependence::Independent, None) } else { dependence(a, b) };
         let common = a.sampling.common_random_numbers;
         let mut cells = Vec::new();
         for index in 0..a.cells() {
-            if let Some(other) = in_second.get_mut(&values(a, index)).and_then(Vec::pop) {
+            if let Some(other) = in_second.get_mut(&values(a, &places_in_a, index)).and_then(Vec::pop) {
                 let same_stream = common || index == other;
                 let dependence = if same_stream { dependence } else { Dependence::Independent };
                 cells.push(MatchedCell { first: index, second: other, dependence });
@@ -114,7 +118,7 @@ impl Matching {
         }
         if cells.is_empty() {
             return Err(Failure::Job(format!(
-                "{} and {} have no cell in common: no combination of values of their axes (rotating speed, relative std, expected preload, expected static friction and further ones) is in both. Compare runs whose [axes] and random.relative_std share values",
+                "{} and {} have no cell in common: no combination of values of their axes and standard deviations is in both. Compare runs whose [axes] and random.relative_std share values",
                 first.name, second.name
             )));
         }

@@ -2,17 +2,17 @@
 
 use std::ops::Range;
 
-use stickslip_core::verdict::{Verdict, VerdictCounts};
+use stickslip_core::model::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use stickslip_sampler::estimate::difference::{Difference, PairedCounts, paired_difference};
 
 use super::evaluated_run::{EvaluatedRun, stopped};
 use super::matching::{Dependence, Matching};
-use crate::evaluate::control::IsStopped;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::progress::Progress;
+use stickslip_core::model::IsStopped;
 
 /// Largest number of samples of a unit of work.
 const MOST_UNIT_SAMPLES: u64 = 20 * BLOCK_SAMPLES;

@@ -6,14 +6,14 @@ use std::borrow::Cow;
 
 use indicatif::HumanCount;
 use serde_json::{Value, json as object};
-use stickslip_core::parameters::SCALARS;
+use stickslip_core::model::quantity::{Quantity, Role};
 
 use super::differences::{Differences, Interval, Row};
 use crate::files::table::{TableColumn, TableValues};
-use crate::job::StartValue;
 use crate::output::counted;
 use crate::picture::foot;
 use crate::picture::view::{GridView, ViewAxis, label};
+use crate::tables::cell_columns::{CellColumn, shown};
 
 /// Largest number of rows and columns of a picture; larger grids are thinned out.
 const MOST_ROWS: usize = 15;
@@ -88,16 +88,13 @@ pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
     let largest = facts.largest.map_or_else(unknown, |row| {
         let difference = row.difference;
         format!(
-            "{:+.5} ({:+.5} to {:+.5}, {}) in cell {}: {} rad/s, preload {}, static friction {}{}",
+            "{:+.5} ({:+.5} to {:+.5}, {}) in cell {}: {}",
             difference.value.unwrap_or(0.0),
             difference.low,
             difference.high,
             row.interval.name(),
             row.cell.index,
-            row.cell.rotating_speed,
-            row.cell.preload,
-            row.cell.static_friction,
-            further(differences, row).map(|(name, value)| format!(", {name} {value}")).collect::<String>()
+            place(differences, row)
         )
     });
     text += &format!("largest           {largest}\n");
@@ -125,18 +122,46 @@ pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
     text
 }
 
-/// The values of a row on the further axes of the reference, by their names.
-fn further<'a>(differences: &'a Differences<'_>, row: &Row) -> impl Iterator<Item = (&'a str, f64)> {
-    let grid = &differences.job.grid;
-    grid.further().map(|further| &*further.name).zip(grid.further_values(row.cell.index))
+/// Where the cell of a row lies: "15 rad/s, preload 0.1, static friction 0.3, pad.mass 0.2".
+fn place(differences: &Differences<'_>, row: &Row) -> String {
+    let job = differences.job;
+    let quantities = job.model().quantities().iter().zip(&row.cell.expected);
+    let of_role = |is_input: bool| {
+        quantities
+            .clone()
+            .filter(move |(quantity, _)| quantity.is_always_shown && (quantity.role == Role::Input) == is_input)
+    };
+    let text = |(quantity, value): (&Quantity, &f64)| match (&*quantity.unit, quantity.role) {
+        ("1", _) => format!("{} {value}", quantity.label),
+        (unit, Role::Input) => format!("{} {value} {unit}", quantity.label),
+        (unit, _) => format!("{value} {unit}"),
+    };
+    let further = further(differences, row).map(|(quantity, value)| format!("{} {value}", quantity.name));
+    let all = of_role(false).chain(of_role(true)).map(text).chain(further);
+    all.collect::<Vec<_>>().join(", ")
 }
 
-/// An object of JSON, with the values on further axes.
-fn with_further(differences: &Differences<'_>, row: &Row, mut object: Value) -> Value {
-    for (name, value) in further(differences, row) {
-        object[name] = value.into();
+/// The values of a row on axes of the reference that are not always shown.
+fn further<'a>(differences: &'a Differences<'_>, row: &'a Row) -> impl Iterator<Item = (&'a Quantity, f64)> {
+    let job = differences.job;
+    let axes = job.grid.axes.iter().map(|axis| (job.quantity(axis.quantity), row.cell.expected[axis.quantity]));
+    axes.filter(|(quantity, _)| !quantity.is_always_shown)
+}
+
+/// The largest difference as an object of JSON.
+fn largest_as_json(differences: &Differences<'_>, row: &Row) -> Value {
+    let mut largest = object!({ "cell_first": row.cell.index, "cell_second": row.second_cell });
+    for column in shown(differences.job) {
+        largest[&*column.name] = (column.value)(&row.cell).into();
     }
-    object
+    largest["difference"] = row.difference.value.into();
+    largest["difference_low"] = row.difference.low.into();
+    largest["difference_high"] = row.difference.high.into();
+    largest["interval"] = row.interval.name().into();
+    for (quantity, value) in further(differences, row) {
+        largest[&*quantity.name] = value.into();
+    }
+    largest
 }
 
 /// A share in per cent. A share of zero differs from one that rounds to zero.
@@ -164,19 +189,7 @@ pub fn json(compared: &[Differences<'_>], confidence: f64, simultaneous: bool) -
             "simultaneous": simultaneous,
             "mean_difference": facts.mean,
             "mean_absolute_difference": facts.mean_absolute,
-            "largest": facts.largest.map(|row| with_further(differences, row, object!({
-                "cell_first": row.cell.index,
-                "cell_second": row.second_cell,
-                "rotating_speed_rad_s": row.cell.rotating_speed,
-                "std_preload": row.cell.relative_std.preload,
-                "std_static_friction": row.cell.relative_std.static_friction,
-                "preload": row.cell.preload,
-                "static_friction": row.cell.static_friction,
-                "difference": row.difference.value,
-                "difference_low": row.difference.low,
-                "difference_high": row.difference.high,
-                "interval": row.interval.name(),
-            }))),
+            "largest": facts.largest.map(|row| largest_as_json(differences, row)),
             "cells_significantly_higher": facts.higher,
             "cells_significantly_lower": facts.lower,
             "samples_paired": facts.pairs,
@@ -263,35 +276,32 @@ fn sign(difference: f64) -> char {
 /// One row for each pair of runs and cell.
 pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
     let all = || compared.iter().flat_map(|differences| differences.rows.iter().map(move |row| (differences, row)));
-    let text = |name: &'static str, long_name, value: fn(&Differences<'_>, &Row) -> String| TableColumn {
+    let column = |name: &'static str, long_name: &'static str, values| TableColumn {
         name: name.into(),
-        unit: "1",
+        unit: "1".into(),
         long_name: Cow::Borrowed(long_name),
-        values: TableValues::Text(all().map(|(differences, row)| value(differences, row)).collect()),
+        values,
     };
-    let integer = |name: &'static str, long_name, value: fn(&Row) -> u64| TableColumn {
-        name: name.into(),
-        unit: "1",
-        long_name: Cow::Borrowed(long_name),
-        values: TableValues::Integer(all().map(|(_, row)| value(row)).collect()),
+    let text = |name: &'static str, long_name, value: fn(&Differences<'_>, &Row) -> String| {
+        column(name, long_name, TableValues::Text(all().map(|(differences, row)| value(differences, row)).collect()))
     };
-    let real = |name: &'static str, long_name, value: fn(&Row) -> Option<f64>| TableColumn {
-        name: name.into(),
-        unit: if name == "rotating_speed_rad_s" { "rad/s" } else { "1" },
-        long_name: Cow::Borrowed(long_name),
-        values: TableValues::Real(all().map(|(_, row)| value(row)).collect()),
+    let integer = |name: &'static str, long_name, value: fn(&Row) -> u64| {
+        column(name, long_name, TableValues::Integer(all().map(|(_, row)| value(row)).collect()))
     };
-    #[rustfmt::skip]
+    let real = |name: &'static str, long_name, value: fn(&Row) -> Option<f64>| {
+        column(name, long_name, TableValues::Real(all().map(|(_, row)| value(row)).collect()))
+    };
     let mut columns = vec![
         text("first_run", "directory of the reference", |differences, _| differences.first.to_owned()),
-        text("second_run", "directory of the run that is compared with it", |differences, _| differences.second.to_owned()),
+        text("second_run", "directory of the run that is compared with it", |differences, _| {
+            differences.second.to_owned()
+        }),
         integer("cell_first", "0-based index of the cell in the first run", |row| row.cell.index),
         integer("cell_second", "0-based index of the cell in the second run", |row| row.second_cell),
-        real("rotating_speed_rad_s", "rotating speed of the disc", |row| Some(row.cell.rotating_speed)),
-        real("std_preload", "standard deviation of the preload over its expected value", |row| Some(row.cell.relative_std.preload)),
-        real("std_static_friction", "standard deviation of the static friction coefficient over its expected value", |row| Some(row.cell.relative_std.static_friction)),
-        real("preload", "expected preload, calliper displacement over disc thickness", |row| Some(row.cell.preload)),
-        real("static_friction", "expected static friction coefficient", |row| Some(row.cell.static_friction)),
+    ];
+    columns.extend(of_cells(compared));
+    #[rustfmt::skip]
+    columns.extend([
         integer("n_paired", "samples that both runs decided; 0 unless paired", |row| row.pairs),
         integer("n_both", "paired samples unstable in both runs", |row| row.joint.both),
         integer("n_only_first", "paired samples unstable in the first run, stable in the second", |row| row.joint.only_first),
@@ -304,23 +314,51 @@ pub fn table(compared: &[Differences<'_>]) -> Vec<TableColumn> {
         real("difference_low", "lower end of the interval of the difference", |row| Some(row.difference.low)),
         real("difference_high", "upper end of the interval of the difference", |row| Some(row.difference.high)),
         text("interval", "paired (sample by sample), unpaired (independent samples), dependent (shared random numbers) or bounds (of integrated probabilities)", |_, row| row.interval.name().to_owned()),
-    ];
-    let jobs = || compared.iter().map(|differences| differences.job);
-    let is_axis = |key: &str| jobs().any(|job| job.grid.further().any(|further| further.name == key));
-    let mut add = |key: &'static str, unit: &'static str| {
-        if is_axis(key) {
-            let value = |(differences, row): (&Differences<'_>, &Row)| differences.job.value_in(key, &row.cell);
-            let values = TableValues::Real(all().map(value).collect());
-            columns.push(TableColumn {
-                name: key.into(),
-                unit,
-                long_name: "expected value in the first run".into(),
-                values,
-            });
+    ]);
+    columns.extend(of_further_axes(compared));
+    columns
+}
+
+/// What the cells of the references are, as every surface shows it.
+fn of_cells(compared: &[Differences<'_>]) -> Vec<TableColumn> {
+    let shown: Vec<Vec<CellColumn>> = compared.iter().map(|differences| shown(differences.job).collect()).collect();
+    let column = |wanted: &CellColumn| {
+        let values = compared.iter().zip(&shown).flat_map(|(differences, columns)| {
+            let own = columns.iter().find(|column| column.name == wanted.name);
+            differences.rows.iter().map(move |row| own.map(|own| (own.value)(&row.cell)))
+        });
+        TableColumn {
+            name: wanted.name.clone(),
+            unit: wanted.unit.clone(),
+            long_name: wanted.long_name.clone().into(),
+            values: TableValues::Real(values.collect()),
         }
     };
-    SCALARS.iter().for_each(|scalar| add(scalar.key, scalar.unit));
-    let units = jobs().find_map(|job| job.criterion.given_start()).unwrap_or_default().units;
-    StartValue::ALL.into_iter().for_each(|number| add(number.key(), number.unit(units)));
-    columns
+    shown.first().map_or_else(Vec::new, |columns| columns.iter().map(column).collect())
+}
+
+/// The values in the references of other quantities that have an axis in any of them.
+fn of_further_axes(compared: &[Differences<'_>]) -> Vec<TableColumn> {
+    let Some(first) = compared.first() else { return Vec::new() };
+    let is_axis = |quantity: &Quantity| {
+        let has_axis = |differences: &Differences<'_>| {
+            let job = differences.job;
+            job.model().place(&quantity.name).is_some_and(|place| job.grid.axis_of(place).is_some())
+        };
+        !quantity.is_always_shown && compared.iter().any(has_axis)
+    };
+    let column = |quantity: &Quantity| {
+        let values = compared.iter().flat_map(|differences| {
+            let place = differences.job.model().place(&quantity.name);
+            let value = move |row: &Row| place.map(|place| row.cell.expected[place]).filter(|value| !value.is_nan());
+            differences.rows.iter().map(value)
+        });
+        TableColumn {
+            name: quantity.column.clone(),
+            unit: quantity.unit.clone(),
+            long_name: "expected value in the first run".into(),
+            values: TableValues::Real(values.collect()),
+        }
+    };
+    first.job.model().quantities().iter().filter(|quantity| is_axis(quantity)).map(column).collect()
 }

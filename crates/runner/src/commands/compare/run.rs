@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::failure::Failure;
-use crate::job::{Audit, Criterion, Effort, EvaluateMode, Job};
+use crate::job::{Audit, Effort, EvaluateMode, Job};
+use crate::messages::Code;
 use crate::output::quoted;
 use crate::store::directory::RunDirectory;
 use crate::store::lock::{AN_INSTANT, Access};
@@ -41,20 +42,19 @@ impl Run {
         let parts = Parts::new(&job);
         let complete = directory.complete_cells(&job, &tally);
         if complete < job.cells() {
+            let resume = format!("stickslip resume {}", quoted(path));
             return Err(Failure::Job(format!(
-                "{} is not finished: {complete} of {} cells are complete. Finish it with `stickslip resume {}`, then compare",
+                "{} is not finished: {complete} of {} cells are complete. Finish it with `{resume}`, then compare",
                 path.display(),
                 job.cells(),
-                quoted(path)
-            )));
+            ))
+            .coded(Code::Incomplete)
+            .remedied(resume));
         }
         let audited = job.sampling.is_audited.then(|| SumLayout::of(&job));
         // A map gives the same verdicts as evaluate = "each" with a small part of the simulations.
-        let gains_from_map = !job.uses_maps()
-            && !matches!(job.criterion, Criterion::Eigenvalue)
-            && job.random.other().is_none()
-            && job.fits_maps()
-            && job.criterion.growth_without_fall(&job.parameters, &job.grid).is_none();
+        let gains_from_map =
+            !job.uses_maps() && !job.model().has_closed_form() && job.random.other().is_none() && job.fits_maps();
         if gains_from_map {
             job.sampling.evaluate = EvaluateMode::Boundary;
             job.sampling.audit = Audit::Samples(0);

@@ -15,7 +15,8 @@ use crate::failure::Failure;
 use crate::files::table::write_table;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, LimitAxis, LimitMethod};
-use crate::output::{note, output_file, result, warn};
+use crate::messages::Code;
+use crate::output::{output_file, result, tell, warn};
 use crate::schedule::engine::Engine;
 use crate::store::directory::RunDirectory;
 
@@ -34,10 +35,10 @@ pub fn limit(arguments: &LimitArguments, interrupt: &Interrupt) -> Result<(), Fa
     let engine = Engine::new(threads.count())?;
     let wanted = Wanted { job: &job, axis: &axis, method, targets };
     let maps = directory.as_ref().map(RunDirectory::maps).transpose()?.flatten();
-    let found = wanted.find(&engine, Tiles { known: maps.as_ref(), keep: None }, interrupt, NOTHING)?;
+    let found = wanted.find(&engine, Tiles { known: maps.as_ref(), keep: None }, interrupt, &NOTHING.into())?;
     if let Some((out, (directory, name))) = out {
         write_table(&directory, &name, &found.table(), &found.footer())?;
-        note(format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
+        tell(Code::FileWritten, format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
     }
     result(&if *json { format!("{:#}\n", found.json()) } else { found.text() })
 }
@@ -47,14 +48,21 @@ const NOTHING: &str = "nothing was written";
 
 /// The name of the axis and the targets: those of the options, or of the table `[limit]`.
 fn request<'a>(job: &'a Job, of: Option<&'a str>, probabilities: &'a [f64]) -> Result<(&'a str, &'a [f64]), Failure> {
-    let of = of.or(job.limit.as_ref().map(|limit| limit.of));
+    let of = of.or(job.limit.as_ref().map(|limit| &*limit.of));
     let targets =
         if probabilities.is_empty() { job.limit.as_ref().map(|limit| &limit.targets[..]) } else { Some(probabilities) };
     let missing = |option: &str| {
         Failure::Usage(format!(
-            "{option} is missing, and the job \"{}\" has no [limit]; write for example --of preload --probability 0.01",
-            job.name
+            "{option} is missing, and the job \"{}\" has no [limit]; write for example --of {} --probability 0.01",
+            job.name,
+            example(job)
         ))
     };
     Ok((of.ok_or_else(|| missing("--of"))?, targets.ok_or_else(|| missing("--probability"))?))
+}
+
+/// The name of an axis along which a limit may be sought.
+fn example(job: &Job) -> &str {
+    let place = job.model().pair().map_or(0, |[first, _]| first);
+    &job.quantity(place).name
 }

@@ -1,7 +1,7 @@
 //! `limits.parquet`, the limits of a run that its job asks for.
 
 use super::search::{Tiles, Wanted};
-use crate::failure::Failure;
+use crate::failure::{Advice, Failure};
 use crate::files::table::encoded_table;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, LimitAxis, LimitMethod};
@@ -22,17 +22,15 @@ pub fn publish_limits(
     let Some(request) = &job.limit else { return Ok(None) };
     let path = directory.path().join(LIMITS);
     if check_limits(directory, job)? != Some(FileState::Sound) {
-        let (axis, method) = checked(job, request.of)?;
+        let (axis, method) = checked(job, &request.of)?;
         let wanted = Wanted { job, axis: &axis, method, targets: &request.targets };
         let maps = match method {
             LimitMethod::MapIntegral => Some(directory.create_folder(MAPS)?),
             _ => None,
         };
         let tiles = Tiles { known: maps.as_ref(), keep: maps.as_ref() };
-        let stopped = format!(
-            "the surface is written, the limits are not; continue with `stickslip resume {}`",
-            quoted(directory.path())
-        );
+        let resume = format!("stickslip resume {}", quoted(directory.path()));
+        let stopped = Advice::command("the surface is written, the limits are not; continue with", &resume);
         let found = wanted.find(engine, tiles, interrupt, &stopped)?;
         let bytes = encoded_table(&found.table(), &found.footer());
         directory.publish(LIMITS, &bytes.map_err(|error| Failure::writing(&path, error))?)?;
@@ -44,7 +42,7 @@ pub fn publish_limits(
 /// The state of the limits that a job asks for, if it does.
 pub fn check_limits(directory: &RunDirectory, job: &Job) -> Result<Option<FileState>, Failure> {
     let Some(request) = &job.limit else { return Ok(None) };
-    let (axis, method) = checked(job, request.of)?;
+    let (axis, method) = checked(job, &request.of)?;
     let wanted = Wanted { job, axis: &axis, method, targets: &request.targets };
     state_of(directory.root(), LIMITS, &wanted.nothing_found().footer()).map(Some)
 }

@@ -1,15 +1,14 @@
 //! Limits as text, JSON and columns.
 
 use serde_json::{Value, json};
-use stickslip_core::parameters::scalar;
-use stickslip_sampler::grid::Cell;
+use stickslip_core::model::quantity::Role;
 use stickslip_sampler::limits::{Limit, State};
 
 use crate::files::table::{TableColumn, TableValues};
-use crate::job::{Job, LimitAxis, LimitMethod, RandomInput};
+use crate::job::{Job, LimitAxis, LimitMethod};
 use crate::output::{aligned, counted, wrapped};
-use crate::picture::view::{rounded, scatter};
-use crate::tables::columns::axes;
+use crate::picture::view::{GridView, rounded, scatter};
+use crate::tables::cell_columns::{CellColumn, always_shown, axes, shown_of_configurations};
 use crate::tables::surface::footer;
 
 /// Largest number of rows at the terminal.
@@ -56,19 +55,16 @@ impl Found<'_> {
     pub fn text(&self) -> String {
         let Self { job, axis, rows, .. } = self;
         let [from, to] = axis.range().map(rounded);
-        let grid = &job.grid;
-        let speed = match grid.rotating_speed.values() {
-            [speed] => format!(" at {speed} rad/s"),
-            _ => String::new(),
-        };
-        let stds = match grid.relative_std.len() {
+        let fixed = GridView::new(job).fixed();
+        let fixed = if fixed.is_empty() { String::new() } else { format!(" at {}", fixed.join(", ")) };
+        let stds = match job.grid.scatters {
             1 => format!("; {}", scatter(job, 0)),
             _ => String::new(),
         };
-        let title = format!("Limits of {} from {from} to {to}{speed}{stds}", self.named_axis());
+        let title = format!("Limits of {} from {from} to {to}{fixed}{stds}", self.named_axis());
         let others = self.varying_axes();
         let mut lines = vec![Vec::new()];
-        lines[0].extend(others.iter().map(|other| other.name.clone()));
+        lines[0].extend(others.iter().map(|other| other.name.to_string()));
         // Those of a probability in closed form are the limit itself in the digits that are shown.
         let bounds_shown = if self.method == LimitMethod::Integral { 0..0 } else { 0..2 };
         lines[0].extend(["P at most", "limit"].map(str::to_owned));
@@ -78,7 +74,7 @@ impl Found<'_> {
         for row in rows.iter().take(MOST_ROWS) {
             let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), rounded);
             let bound = |end: usize| number(row.limit.bounds.map(|bounds| bounds[end]));
-            let mut line: Vec<String> = others.iter().map(|other| rounded(other.value(row.cell))).collect();
+            let mut line: Vec<String> = others.iter().map(|other| rounded(self.value(other, row.cell))).collect();
             line.extend([rounded(row.target), number(row.limit.value)]);
             line.extend(bounds_shown.clone().map(bound));
             line.push(word(row.limit.state).to_owned());
@@ -95,7 +91,7 @@ impl Found<'_> {
     /// What the columns of the table mean.
     fn legend(&self) -> String {
         let has = |state: State| self.rows.iter().any(|row| row.limit.state == state);
-        let name = self.axis.name;
+        let name = &self.axis.name;
         let states = [
             (State::Rises, format!("rises: the limit is the largest {name}, beyond it P is more than the target")),
             (State::Falls, format!("falls: the limit is the smallest {name}, below it P is more than the target")),
@@ -135,7 +131,7 @@ impl Found<'_> {
             "name": self.job.name,
             "job_hash": self.job.hash(),
             "of": self.axis.name,
-            "unit": self.axis.scalar.unit,
+            "unit": self.axis.unit,
             "from": from,
             "to": to,
             "method": self.job.sampling.method,
@@ -149,23 +145,23 @@ impl Found<'_> {
     /// One row for each limit.
     pub fn table(&self) -> Vec<TableColumn> {
         let Self { axis, rows, .. } = self;
-        let column = |name: String, unit: &'static str, long_name: String, values| TableColumn {
+        let column = |name: String, unit: &str, long_name: String, values| TableColumn {
             name: name.into(),
-            unit,
+            unit: unit.to_owned().into(),
             long_name: long_name.into(),
             values,
         };
-        let real = |name: &str, unit, long_name: &str, value: &dyn Fn(&Row) -> Option<f64>| {
+        let real = |name: &str, unit: &str, long_name: &str, value: &dyn Fn(&Row) -> Option<f64>| {
             column(name.to_owned(), unit, long_name.to_owned(), TableValues::Real(rows.iter().map(value).collect()))
         };
         let cells = TableValues::Integer(rows.iter().map(|row| row.cell).collect());
         let meaning = "0-based index of the cell of the combination with the first value of the axis";
         let mut columns = vec![column("cell".to_owned(), "1", meaning.to_owned(), cells)];
         for other in self.other_axes() {
-            columns.push(real(&other.name, other.unit, &other.long_name, &|row| Some(other.value(row.cell))));
+            columns.push(real(&other.name, &other.unit, &other.long_name, &|row| Some(self.value(&other, row.cell))));
         }
-        let unit = axis.scalar.unit;
-        let names = TableValues::Text(vec![axis.name.to_owned(); rows.len()]);
+        let unit = &*axis.unit;
+        let names = TableValues::Text(vec![axis.name.to_string(); rows.len()]);
         let states = TableValues::Word(rows.iter().map(|row| Some(word(row.limit.state))).collect());
         let state = "what the probability does as the axis grows: rises or falls through the target at the limit; without a limit within the target or above it";
         columns.extend([
@@ -191,7 +187,7 @@ impl Found<'_> {
         let mut pairs = footer(self.job);
         let targets: Vec<String> = self.targets.iter().map(f64::to_string).collect();
         pairs.extend([
-            ("stickslip:of", self.axis.name.to_owned()),
+            ("stickslip:of", self.axis.name.to_string()),
             ("stickslip:from", from.to_string()),
             ("stickslip:to", to.to_string()),
             ("stickslip:targets", targets.join(", ")),
@@ -202,84 +198,33 @@ impl Found<'_> {
     }
 
     fn named_axis(&self) -> String {
-        match self.axis.scalar.unit {
-            "1" => self.axis.name.to_owned(),
+        match &*self.axis.unit {
+            "1" => self.axis.name.to_string(),
             unit => format!("{} ({unit})", self.axis.name),
         }
     }
 
     /// The other axes and the standard deviations, as the surface names their columns.
-    fn other_axes(&self) -> Vec<OtherAxis<'_>> {
+    fn other_axes(&self) -> Vec<CellColumn> {
         let job = self.job;
-        let further = job.grid.of_brake.iter().filter_map(|further| {
-            let scalar = scalar(&further.name)?;
-            let long_name = format!("expected value of {}: {}", scalar.key, scalar.description);
-            let value = move |cell| job.value_in(scalar.key, &job.grid.cell(cell)).unwrap_or(f64::NAN);
-            Some(OtherAxis { name: scalar.key.to_owned(), unit: scalar.unit, long_name, value: Box::new(value) })
-        });
-        let usual = |name: &str, unit, long_name: &str, value: fn(&Cell) -> f64| OtherAxis {
-            name: name.to_owned(),
-            unit,
-            long_name: long_name.to_owned(),
-            value: Box::new(move |cell| value(&job.grid.cell(cell))),
-        };
-        let mut others: Vec<OtherAxis<'_>> = further.collect();
-        others.extend([
-            usual("rotating_speed_rad_s", "rad/s", "rotating speed of the disc", |cell| cell.rotating_speed),
-            usual("std_preload", "1", "standard deviation of the preload over its expected value", |cell| {
-                cell.relative_std.preload
-            }),
-            usual(
-                "std_static_friction",
-                "1",
-                "standard deviation of the static friction coefficient over its expected value",
-                |cell| cell.relative_std.static_friction,
-            ),
-        ]);
-        for (i, input) in job.random.inputs.iter().enumerate() {
-            let RandomInput::Other(_) = input else { continue };
-            let value = move |cell| job.random.relative_stds[job.grid.relative_std_index(cell)][i];
-            let long_name = match input.scatters_absolutely() {
-                true => format!("standard deviation of {}", input.name()),
-                false => format!("standard deviation of {} over its expected value", input.name()),
-            };
-            let name = format!("std_{}", input.name());
-            others.push(OtherAxis { name, unit: "1", long_name, value: Box::new(value) });
-        }
-        others.extend([
-            usual("preload", "1", "expected preload, calliper displacement over disc thickness", |cell| cell.preload),
-            usual("static_friction", "1", "expected static friction coefficient", |cell| cell.static_friction),
-        ]);
-        let of = self.column_of_axis();
-        others.retain(|other| other.name != of);
-        others
+        let further = job.grid.axes.iter().filter(|axis| !job.quantity(axis.quantity).is_always_shown);
+        let further = further.map(|axis| CellColumn::expected(axis.quantity, job.quantity(axis.quantity)));
+        let inputs = job.random.inputs.iter().filter(|input| job.quantity(**input).role != Role::Input);
+        let stds = inputs.map(|&input| CellColumn::std_of_input(job, input));
+        let all = further.chain(shown_of_configurations(job)).chain(stds).chain(always_shown(job, true));
+        let of = &job.quantity(self.axis.quantity).column;
+        all.filter(|other| other.name != *of).collect()
     }
 
-    /// Those that tell the combinations apart.
-    fn varying_axes(&self) -> Vec<OtherAxis<'_>> {
+    /// Those in which the combinations differ.
+    fn varying_axes(&self) -> Vec<CellColumn> {
         let several: Vec<String> =
             axes(self.job).into_iter().filter(|(_, values)| values.len() > 1).map(|(name, _)| name).collect();
-        self.other_axes().into_iter().filter(|other| several.contains(&other.name)).collect()
+        self.other_axes().into_iter().filter(|other| several.iter().any(|name| *name == other.name)).collect()
     }
 
-    /// The column of the surface with the values of the axis.
-    fn column_of_axis(&self) -> &'static str {
-        if self.axis.name == "rotating_speed" { "rotating_speed_rad_s" } else { self.axis.name }
-    }
-}
-
-/// Another axis than that of the limits, or a standard deviation.
-struct OtherAxis<'a> {
-    name: String,
-    unit: &'static str,
-    long_name: String,
-    value: Box<dyn Fn(u64) -> f64 + 'a>,
-}
-
-impl OtherAxis<'_> {
-    /// Its value in a cell.
-    fn value(&self, cell: u64) -> f64 {
-        (self.value)(cell)
+    fn value(&self, other: &CellColumn, cell: u64) -> f64 {
+        (other.value)(&self.job.grid.cell(cell))
     }
 }
 

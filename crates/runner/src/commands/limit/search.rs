@@ -2,22 +2,22 @@
 
 use std::borrow::Cow;
 
-use stickslip_core::parameters::ParameterError;
+use stickslip_core::model::ModelError;
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
 use stickslip_sampler::integrate::verdict_map::MapRegions;
 
 use super::report::{Found, Row};
-use crate::evaluate::control::IsStopped;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::limits::{LimitSearch, scanned};
 use crate::evaluate::weighted_limits::{CombinationLimits, Ended};
-use crate::failure::Failure;
+use crate::failure::{Advice, Failure};
 use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, LimitAxis, LimitMethod};
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::mapping::Mapping;
 use crate::store::map_pieces;
+use stickslip_core::model::IsStopped;
 
 /// What is sought.
 #[derive(Clone, Copy)]
@@ -51,7 +51,7 @@ impl<'a> Wanted<'a> {
         engine: &Engine,
         tiles: Tiles<'_>,
         interrupt: &Interrupt,
-        stopped: &str,
+        stopped: &Advice,
     ) -> Result<Found<'a>, Failure> {
         let Self { job, axis, method, targets } = self;
         let combinations = axis.combinations(job);
@@ -66,7 +66,7 @@ impl<'a> Wanted<'a> {
                 Ok(limits) => Ok(Some(self.rows(cell, &limits))),
                 Err(Ended::Stopped) => Ok(None),
                 Err(Ended::Failed(failure)) => Err(failure),
-                Err(Ended::NoSuchBrake(value, error)) => Err(self.no_brake(cell, value, &error)),
+                Err(Ended::NoSuchConfiguration(value, error)) => Err(self.no_brake(cell, value, &error)),
             }
         };
         let rows = engine.in_order(combinations.len() as u64, "combinations", interrupt, stopped, work)?;
@@ -91,8 +91,8 @@ impl<'a> Wanted<'a> {
         self.targets.iter().zip(&found.of_targets).flat_map(of_target).collect()
     }
 
-    fn no_brake(self, cell: u64, value: f64, error: &ParameterError) -> Failure {
-        let name = self.axis.name;
+    fn no_brake(self, cell: u64, value: f64, error: &ModelError) -> Failure {
+        let name = &self.axis.name;
         Failure::Job(format!(
             "there is no brake with {name} = {value} in the combination of cell {cell}: {error}; choose values of axes.{name} between which there is one everywhere"
         ))
@@ -104,7 +104,7 @@ impl<'a> Wanted<'a> {
         engine: &Engine,
         tiles: Tiles<'_>,
         interrupt: &Interrupt,
-        stopped: &str,
+        stopped: &Advice,
     ) -> Result<Vec<MapRegions>, Failure> {
         let values = scanned(self.axis, self.method).map_or_else(|| Cow::Borrowed(&self.axis.values), Cow::Owned);
         let job = self.axis.job_with(self.job, values.into_owned());
@@ -112,7 +112,7 @@ impl<'a> Wanted<'a> {
         tiles.known.map(|known| map_pieces::load(evaluator.maps_mut(), known)).transpose()?;
         let mapping = Mapping { keep: tiles.keep, ..Mapping::default() };
         match engine.complete_maps(&mut evaluator, mapping, interrupt)?.outcome {
-            Outcome::Stopped(signal) => Err(Failure::Stopped { signal, message: stopped.to_owned() }),
+            Outcome::Stopped(signal) => Err(Failure::stopped(signal, stopped)),
             Outcome::Finished => Ok(evaluator.regions()),
         }
     }

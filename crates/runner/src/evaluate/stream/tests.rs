@@ -25,7 +25,8 @@ fn emitted(evaluator: &Evaluator<'_>, control: impl Fn(u32) -> Control) -> Vec<F
         UNITS.get(given.get() - 1).cloned()
     };
     let mut units = Vec::new();
-    work(evaluator, &next, &mut |unit| units.push(unit), &|| {
+    let simulation = evaluator.job().model().simulation().unwrap();
+    work(evaluator, simulation, &next, &mut |unit| units.push(unit), &|| {
         asked.set(asked.get() + 1);
         control(asked.get())
     });

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use stickslip_core::parameters::SCALARS;
+use stickslip_core::models::pad_on_disc::parameters::SCALARS;
 
 use super::*;
 use crate::job::JobSource;
@@ -94,13 +94,13 @@ fn limits_belong_to_no_identity() {
 
 #[test]
 fn identities_do_not_change_with_the_libraries() {
-    // Of verdicts version 4.
+    // Of format version 1 and results version 1.
     let hashes = [PLAIN, MAPPED, SOBOL].map(|text| job(text).hash());
     let [plain, mapped, sobol] = hashes.map(|hash| hash[..16].to_owned());
-    assert_eq!([plain, mapped, sobol], ["0b9d88a8d4841f10", "2d503bcbd80a2b43", "3021962aa3f73002"]);
+    assert_eq!([plain, mapped, sobol], ["59e5f87cd7a04ab9", "47935a662d4bc6e1", "befc66bcf0124a3c"]);
     let job = job(MAPPED);
     let others = [job.experiment_hash(), job.map_key(0)].map(|hash| hash[..16].to_owned());
-    assert_eq!(others, ["8126c0004d34fbd0", "ea621802cd93427b"]);
+    assert_eq!(others, ["4b1a463fe4e28497", "5bf867b75d5a9c42"]);
 }
 
 #[test]
@@ -207,7 +207,7 @@ fn every_key_that_changes_results_changes_the_identity() {
             note(&base.replacen(from, to, 1), format!("{from} -> {to}"));
         }
     }
-    let preset = stickslip_core::parameters::Parameters::sui_ding_2018();
+    let preset = stickslip_core::models::pad_on_disc::parameters::Parameters::sui_ding_2018();
     for scalar in &SCALARS {
         let is_of_a_table = scalar.key == "friction.band";
         if scalar.section() != "operating_point" && scalar.key != "friction.static_coefficient" && !is_of_a_table {

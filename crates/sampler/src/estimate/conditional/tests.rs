@@ -6,7 +6,7 @@ use crate::estimate::interval::{BinomialInterval, IntervalKind};
 use crate::estimate::randomisations;
 use crate::special_functions::normal;
 use proptest::prelude::*;
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 
 fn totals(sums: &ProbabilitySums) -> Vec<i128> {
     sums.sums().map(i128::from).to_vec()
@@ -144,5 +144,66 @@ fn intervals_contain_a_probability_in_closed_form() {
         let share = f64::from(covered) / seeds as f64;
         // 0.95 with a standard error of 0.013.
         assert!(share > 0.91, "{points} {dimensions} {limit} {rest} {p}: {share}");
+    }
+}
+
+/// Parts of 1000 points that all agree, of which so many matter: they are 1, all others 0.
+fn agreeing(matter: f64, failed: u64) -> [ConditionalPart; 16] {
+    [ConditionalPart { points: 1000, failed, probabilities: matter / 16.0, squares: matter / 16.0 }; 16]
+}
+
+#[test]
+fn parts_that_agree_are_no_surer_than_so_many_independent_points() {
+    let found = estimate(&agreeing(800.0, 0), 0.95);
+    let (mean, half_width) = (0.05, 1.95 * (0.05 * 0.95 / 16_000.0_f64).sqrt());
+    assert!(found.low < mean - half_width && found.high > mean + half_width, "{found:?}");
+}
+
+#[test]
+fn stable_and_unstable_sides_are_mirror_images() {
+    for matter in [50.0, 150.0, 500.0, 3000.0] {
+        for share in [0.3, 0.8] {
+            // Probabilities of `share`, and of 1 minus it.
+            let scatter = |i: usize| 1.0 + 0.1 * (i as f64 - 7.5) / 8.0;
+            let part = |i: usize| {
+                let count = matter / 16.0 * scatter(i);
+                ConditionalPart {
+                    points: 1000,
+                    failed: 0,
+                    probabilities: count * share,
+                    squares: count * share * share,
+                }
+            };
+            let parts: Vec<ConditionalPart> = (0..16).map(part).collect();
+            let mirrored = |part: &ConditionalPart| {
+                let (sum, squares) = (part.probabilities, part.squares);
+                ConditionalPart { probabilities: 1000.0 - sum, squares: 1000.0 - 2.0 * sum + squares, ..*part }
+            };
+            let mirror: Vec<ConditionalPart> = parts.iter().map(mirrored).collect();
+            let [found, mirror] = [parts, mirror].map(|parts| estimate(&parts, 0.95));
+            assert!((found.low + mirror.high - 1.0).abs() < 1e-9, "{matter} {share}: {found:?} {mirror:?}");
+            assert!((found.high + mirror.low - 1.0).abs() < 1e-9, "{matter} {share}: {found:?} {mirror:?}");
+        }
+    }
+}
+
+#[test]
+fn rare_points_that_failed_widen_either_side_by_their_share() {
+    for matter in [60.0, 150.0] {
+        let widened = |parts: [ConditionalPart; 16], with_failed: [ConditionalPart; 16]| {
+            let [without, with] = [parts, with_failed].map(|parts| estimate(&parts, 0.95));
+            [without.low - with.low, with.high - without.high]
+        };
+        let [low, high] = widened(agreeing(matter, 0), agreeing(matter, 10));
+        assert!(low.abs() < 1e-12 && (high - 0.01).abs() < 1e-12, "{low} {high}");
+        // Where stability is rare.
+        let frequent = |failed: u64| {
+            agreeing(matter, failed).map(|part| {
+                let unstable = (part.points - failed) as f64 - part.probabilities;
+                ConditionalPart { probabilities: unstable, squares: unstable, ..part }
+            })
+        };
+        let [low, high] = widened(frequent(0), frequent(10));
+        assert!((low - 0.01).abs() < 1e-12 && (0.0..1e-3).contains(&high), "{low} {high}");
     }
 }

@@ -204,3 +204,15 @@ fn dependent_samples_have_their_coverage() {
     let share = |count: u32| f64::from(count) / f64::from(repetitions);
     assert!(share(independent) < 0.91 && share(dependent) >= 0.95, "{} {}", share(independent), share(dependent));
 }
+
+#[test]
+fn without_an_unstable_sample_each_end_has_half_of_the_error() {
+    // None of n: the end solves (1 - p)^n = a quarter of the error, as either probability has half of it, on two sides.
+    for confidence in [0.95, 0.99] {
+        for (first, second) in [(50, 80), (1000, 30)] {
+            let found = dependent_difference(0, first, 0, second, confidence);
+            let end = |trials: u64| 1.0 - (0.25 * (1.0 - confidence)).powf(1.0 / trials as f64);
+            assert!((found.high - end(first)).abs() < 1e-12 && (found.low + end(second)).abs() < 1e-12, "{found:?}");
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! The unbiased estimate of a probability after sequential looks.
 
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
 
 /// The expected share of unstable samples at the first look with decided samples, given the counts at the stop and that
 /// no earlier look stopped. `None` if no sample is decided.

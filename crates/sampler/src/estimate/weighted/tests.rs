@@ -162,3 +162,47 @@ fn populations_are_averaged() {
     };
     assert!(rare.high < 1.3e-6, "{rare:?}");
 }
+
+#[test]
+fn groups_that_do_not_differ_are_called_different_as_often_as_the_test_says() {
+    let mut state = 77_u64;
+    let mut deviate = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        normal::quantile(((state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64)
+    };
+    for (groups, each) in [(2, 4), (4, 4), (4, 2)] {
+        let sets = 20_000;
+        let mut below = [0; 2];
+        for _ in 0..sets {
+            let shares: Vec<f64> = (0..groups * each).map(|_| 1.0 + 0.1 * deviate()).collect();
+            let significance = significance(&shares, groups);
+            below[0] += u32::from(significance < 0.05);
+            below[1] += u32::from(significance < 0.5);
+        }
+        for (below, level) in below.into_iter().zip([0.05_f64, 0.5]) {
+            let share = f64::from(below) / f64::from(sets);
+            assert!(
+                (share - level).abs() < 4.5 * (level * (1.0 - level) / f64::from(sets)).sqrt(),
+                "{groups}: {share}"
+            );
+        }
+    }
+}
+
+#[test]
+fn parts_that_agree_are_no_surer_than_so_many_independent_samples() {
+    // Two hundred contributions of 1 in 32 768 samples, the same number in each part.
+    let part = WeightedPart {
+        samples: 2048.0,
+        contributions: 12.5,
+        squares: 12.5,
+        evaluations: 2048.0,
+        contributing: 12.5,
+        ..WeightedPart::default()
+    };
+    let found = estimate(&[part; 16], 4, 0.95);
+    assert_eq!(found.distrust, None);
+    let half_width = 1.96 * (200.0_f64).sqrt() / 32_768.0 * 0.99;
+    let mean = 200.0 / 32_768.0;
+    assert!(found.estimate.low < mean - half_width && found.estimate.high > mean + half_width, "{found:?}");
+}

@@ -1,13 +1,12 @@
 //! Bounds over all kinds of quantities against brute-force loops.
 
 use super::*;
-use crate::grid::RelativeStd;
 use crate::inputs::{InputDistribution, Marginal, PairLaw};
 use crate::integrate::closed_form;
 use crate::integrate::pair::Pair;
 use std::convert::Infallible;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 /// What a quantity of the tests is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +23,7 @@ enum What {
 struct Brake {
     exponent: f64,
     speed: f64,
-    cell: Cell,
+    cell: NormalPair,
     marginal: Marginal,
     correlation: f64,
     quantities: Vec<(What, [f64; 2])>,
@@ -32,20 +31,19 @@ struct Brake {
 
 impl Brake {
     fn new(preload: f64, static_friction: f64, stds: [f64; 2], quantities: &[(What, [f64; 2])]) -> Self {
-        let relative_std = RelativeStd { preload: stds[0], static_friction: stds[1] };
-        let cell = Cell { index: 0, rotating_speed: 15.0, relative_std, preload, static_friction };
+        let cell = NormalPair { expected: [preload, static_friction], relative_std: stds };
         let quantities = quantities.to_vec();
         Self { exponent: 1.0, speed: 15.0, cell, marginal: Marginal::Normal, correlation: 0.0, quantities }
     }
 
-    fn at(&self, values: &[f64]) -> (StabilityBoundary, Cell, f64) {
+    fn at(&self, values: &[f64]) -> (PairBoundary, NormalPair, f64) {
         let (mut cell, mut correlation, mut speed) = (self.cell, self.correlation, self.speed);
         for (&(what, _), &value) in self.quantities.iter().zip(values) {
             match what {
-                What::Preload => cell.preload = value,
-                What::Friction => cell.static_friction = value,
-                What::StdOfPreload => cell.relative_std.preload = value,
-                What::StdOfFriction => cell.relative_std.static_friction = value,
+                What::Preload => cell.expected[0] = value,
+                What::Friction => cell.expected[1] = value,
+                What::StdOfPreload => cell.relative_std[0] = value,
+                What::StdOfFriction => cell.relative_std[1] = value,
                 What::Correlation => correlation = value,
                 What::Speed => speed = value,
             }
@@ -59,8 +57,8 @@ impl Brake {
     fn roles(&self) -> Vec<Quantity> {
         let role = |what: What| match what {
             What::Preload | What::Friction => Role::Rising,
-            What::StdOfPreload => Role::StdOfPreload,
-            What::StdOfFriction => Role::StdOfFriction,
+            What::StdOfPreload => Role::RelativeStd(0),
+            What::StdOfFriction => Role::RelativeStd(1),
             What::Correlation | What::Speed => Role::Unknown,
         };
         self.quantities.iter().map(|&(what, interval)| Quantity { role: role(what), interval }).collect()
@@ -89,12 +87,12 @@ impl Family for Brake {
             return Ok(closed_form::probability(&boundary, &cell));
         }
         let of = |expected: f64, std: f64| InputDistribution::relative(&self.marginal, expected, std);
-        let RelativeStd { preload, static_friction } = cell.relative_std;
-        let pair = Pair::new(of(cell.preload, preload), of(cell.static_friction, static_friction));
+        let [preload, friction] = [0, 1].map(|input| of(cell.expected[input], cell.relative_std[input]));
+        let pair = Pair::new(preload, friction);
         Ok(pair.exact_probability(&boundary, &PairLaw::correlated(correlation)))
     }
 
-    fn normal_cell(&self, at: &[f64]) -> Result<Option<(StabilityBoundary, Cell)>, Infallible> {
+    fn normal_pair(&self, at: &[f64]) -> Result<Option<(PairBoundary, NormalPair)>, Infallible> {
         let is_correlated =
             self.correlation != 0.0 || self.quantities.iter().any(|(what, _)| *what == What::Correlation);
         let (boundary, cell, _) = self.at(at);
@@ -199,4 +197,29 @@ fn a_loop_over_random_boxes_finds_nothing_beyond_the_bounds() {
         assert!(beyond < 1e-6, "round {round}: {beyond:e} {:?} {found:?}", brake.quantities);
         assert!(found.evaluations < 500, "round {round}: {}", found.evaluations);
     }
+}
+
+/// A probability that rises and falls, of which nothing is known beforehand.
+struct Bump;
+
+impl Family for Bump {
+    type Error = Infallible;
+
+    fn probability(&self, at: &[f64]) -> Result<ExactProbability, Infallible> {
+        Ok(ExactProbability { value: 0.2 - 0.1 * (at[0] - 0.4) * (at[0] - 0.4), error_bound: 0.0 })
+    }
+
+    fn normal_pair(&self, _: &[f64]) -> Result<Option<(PairBoundary, NormalPair)>, Infallible> {
+        Ok(None)
+    }
+}
+
+#[test]
+fn an_extreme_that_no_direction_leads_to_is_only_searched_for() {
+    let along = |interval: [f64; 2]| {
+        let Ok(found) = bounds(&Bump, &[Quantity { role: Role::Unknown, interval }]);
+        (found.evidence, found.trends[0].direction)
+    };
+    assert_eq!(along([0.0, 1.0]), ([Evidence::Searched; 2], Direction::Turns));
+    assert_eq!(along([0.5, 1.0]), ([Evidence::Checked; 2], Direction::Falls));
 }

@@ -1,19 +1,17 @@
 //! Derivatives against differences, and the bounds of all derivatives.
 
 use super::*;
-use crate::grid::RelativeStd;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
-fn boundary() -> StabilityBoundary {
+fn boundary() -> PairBoundary {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.set("operating_point.rotating_speed", 15.0).unwrap();
     PadOnDisc::new(parameters).unwrap().stability_boundary()
 }
 
-fn cell(preload: f64, static_friction: f64) -> Cell {
-    let relative_std = RelativeStd { preload, static_friction };
-    Cell { index: 0, rotating_speed: 15.0, relative_std, preload: 0.1, static_friction: 0.39 }
+fn cell(preload: f64, static_friction: f64) -> NormalPair {
+    NormalPair { expected: [0.1, 0.39], relative_std: [preload, static_friction] }
 }
 
 fn value(coefficients: &Coefficients, [x, y]: [f64; 2]) -> f64 {
@@ -83,4 +81,22 @@ fn derivative_of_tail(order: usize, t: f64) -> f64 {
         coefficients = next;
     }
     normal::density(t) * coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c)
+}
+
+#[test]
+fn the_remainder_of_a_band_is_that_of_both_its_tails() {
+    // Unstable between two static friction coefficients: the derivatives of the two ends may add up.
+    for half_width in [0.1, 0.5] {
+        for by in [0, 1, 3] {
+            let [tail, band] =
+                [true, false].map(|is_single| remainder([0.0, half_width], [0, by], is_single) - ROUNDING);
+            assert!(tail > 0.0 && (band / tail - 2.0).abs() < 1e-9, "{tail} {band}");
+        }
+    }
+    // Such a band: the greatest derivative of a tail, and its opposite at the other end.
+    let greatest = (-5000..5000).map(|i| derivative_of_tail(TERMS, f64::from(i) * 1e-3)).fold(0.0, f64::max);
+    let least = (-5000..5000).map(|i| derivative_of_tail(TERMS, f64::from(i) * 1e-3)).fold(0.0, f64::min);
+    let factorial = (1..=TERMS).fold(1.0, |product, factor| product * factor as f64);
+    let bound = remainder([0.0, 1.0], [0, 0], false);
+    assert!((greatest - least) / factorial <= bound, "{greatest} {least} {bound}");
 }

@@ -3,25 +3,24 @@
 use super::*;
 use std::convert::Infallible;
 use stickslip_core::friction::measured_curve::{MeasuredCurve, SharedCurve};
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
-fn boundary(speed: f64) -> StabilityBoundary {
+fn boundary(speed: f64) -> PairBoundary {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.set("operating_point.rotating_speed", speed).unwrap();
     PadOnDisc::new(parameters).unwrap().stability_boundary()
 }
 
-fn cell(preload: f64, static_friction: f64) -> Cell {
-    let relative_std = RelativeStd { preload: 0.0, static_friction: 0.0 };
-    Cell { index: 0, rotating_speed: 15.0, relative_std, preload, static_friction }
+fn cell(preload: f64, static_friction: f64) -> NormalPair {
+    NormalPair { expected: [preload, static_friction], relative_std: [0.0; 2] }
 }
 
 /// Values per interval of the double loop.
 const LOOP: usize = 101;
 
 /// The least and the greatest probability of a double loop, whose number of evaluations it also gives.
-fn double_loop(boundary: &StabilityBoundary, cell: &Cell, intervals: StdIntervals) -> ([f64; 2], u64) {
+fn double_loop(boundary: &PairBoundary, cell: &NormalPair, intervals: StdIntervals) -> ([f64; 2], u64) {
     let values = intervals.0.map(|[low, high]| {
         let steps = if low < high { LOOP } else { 1 };
         (0..steps).map(|i| low + (high - low) * i as f64 / (LOOP - 1) as f64).collect::<Vec<f64>>()
@@ -29,7 +28,7 @@ fn double_loop(boundary: &StabilityBoundary, cell: &Cell, intervals: StdInterval
     let (mut ends, mut evaluations) = ([f64::INFINITY, f64::NEG_INFINITY], 0);
     for &preload in &values[0] {
         for &static_friction in &values[1] {
-            let cell = Cell { relative_std: RelativeStd { preload, static_friction }, ..*cell };
+            let cell = NormalPair { relative_std: [preload, static_friction], ..*cell };
             let p = closed_form::probability(boundary, &cell).value;
             ends = [ends[0].min(p), ends[1].max(p)];
             evaluations += 1;
@@ -38,14 +37,14 @@ fn double_loop(boundary: &StabilityBoundary, cell: &Cell, intervals: StdInterval
     (ends, evaluations)
 }
 
-fn found(boundary: &StabilityBoundary, cell: &Cell, intervals: StdIntervals) -> Found {
+fn found(boundary: &PairBoundary, cell: &NormalPair, intervals: StdIntervals) -> Found {
     let Ok(found) = extremes(boundary, cell, intervals, [true; 2], || Ok::<_, Infallible>(()));
     found
 }
 
 /// Checks a cell against the double loop: to 1e-4, with at most a hundredth of the evaluations, and proved.
 #[track_caller]
-fn agrees(boundary: &StabilityBoundary, cell: &Cell, intervals: [[f64; 2]; 2]) -> Found {
+fn agrees(boundary: &PairBoundary, cell: &NormalPair, intervals: [[f64; 2]; 2]) -> Found {
     let intervals = StdIntervals(intervals);
     let (expected, evaluations) = double_loop(boundary, cell, intervals);
     let found = found(boundary, cell, intervals);
@@ -56,8 +55,7 @@ fn agrees(boundary: &StabilityBoundary, cell: &Cell, intervals: [[f64; 2]; 2]) -
         // The loop finds nothing beyond the proved bound, nor anything better than the tolerance.
         assert!(sign * (expected - extreme.bound.unwrap()) >= -1e-13, "{cell:?}: {extreme:?} {expected}");
         assert!(sign * (value - extreme.bound.unwrap()) <= tolerance(value), "{cell:?}: {extreme:?} {expected}");
-        let [preload, static_friction] = [extreme.at[0], extreme.at[1]];
-        let there = Cell { relative_std: RelativeStd { preload, static_friction }, ..*cell };
+        let there = NormalPair { relative_std: [extreme.at[0], extreme.at[1]], ..*cell };
         assert_eq!(closed_form::probability(boundary, &there), extreme.probability);
         for (value, [low, high]) in extreme.at.iter().zip(intervals.0) {
             assert!((low..=high).contains(value));
@@ -93,7 +91,7 @@ fn an_extreme_between_the_ends_is_found_and_proved() {
 #[test]
 fn one_random_input_has_a_single_tail_that_changes_in_one_direction() {
     let boundary = boundary(15.0);
-    let critical = boundary.critical_preload(0.39);
+    let critical = boundary.critical_first(0.39);
     for (preload, direction) in [(0.8 * critical, Direction::Rises), (1.2 * critical, Direction::Falls)] {
         let intervals = StdIntervals([[0.1, 0.4], [0.0, 0.0]]);
         let found = found(&boundary, &cell(preload, 0.39), intervals);
@@ -118,4 +116,59 @@ fn a_band_of_unstable_friction_coefficients_agrees_with_a_double_loop() {
     let boundary = PadOnDisc::new(parameters).unwrap().stability_boundary();
     assert!(!boundary.is_unstable_above());
     agrees(&boundary, &cell(0.1, 0.39), [[0.1, 0.3], [0.1, 0.3]]);
+}
+
+/// The search of a cell over one wide box, whose remainder is far above the tolerance.
+fn one_wide_box<'a>(boundary: &'a PairBoundary, pair: &'a NormalPair) -> (Search<'a>, Part) {
+    let intervals = StdIntervals([[0.05, 0.35], [0.04, 0.28]]);
+    let mut search = Search { boundary, inputs: pair, intervals, wanted: [true; 2], evaluations: 0 };
+    let ends = intervals.0.map(|ends| ends.map(libm::log));
+    let part = search.part(ends);
+    (search, part)
+}
+
+#[test]
+fn the_remainder_of_a_box_covers_what_its_polynomial_misses() {
+    let boundary = boundary(15.0);
+    let mut largest = 0.0_f64;
+    for (preload, friction) in [(0.1, 0.39), (0.1, 0.37), (0.05, 0.36), (0.2, 0.3)] {
+        let cell = cell(preload, friction);
+        let (search, part) = one_wide_box(&boundary, &cell);
+        for i in 0..=8 {
+            for j in 0..=8 {
+                let [x, y] = [i, j].map(|k| f64::from(k) / 4.0 - 1.0);
+                let polynomial = part.scaled.iter().rev().fold(0.0, |sum, row| {
+                    sum * x + row.iter().rev().fold(0.0, |sum, coefficient| sum * y + coefficient)
+                });
+                let at = |along: usize, x: f64| {
+                    let [from, to] = part.ends[along];
+                    0.5 * (from + to) + 0.5 * x * (to - from)
+                };
+                let exact = closed_form::probability(&boundary, &search.inputs_at([at(0, x), at(1, y)])).value;
+                let missed = (polynomial - exact).abs();
+                assert!(missed <= part.remainder, "{cell:?}: {missed:e} {:e}", part.remainder);
+                largest = largest.max(missed);
+            }
+        }
+    }
+    assert!(largest > 1e-4, "without its remainder the polynomial is wrong: {largest:e}");
+}
+
+#[test]
+fn nothing_is_proved_while_a_remainder_leaves_room() {
+    // The extremes of the polynomial are known to the tolerance, but not those of the probability.
+    let (boundary, cell) = (boundary(15.0), cell(0.1, 0.39));
+    let (mut search, part) = one_wide_box(&boundary, &cell);
+    assert!(part.remainder > 100.0 * tolerance(1.0));
+    let parts = [part];
+    for which in [0, 1] {
+        assert!(open_part(&parts, which).is_some(), "the box is to be halved");
+        assert_eq!(search.extreme(&parts, which).bound, None);
+    }
+    // A derivative that is positive for the polynomial alone.
+    let mut parts = parts;
+    parts[0].scaled = [[0.0; TERMS]; TERMS];
+    (parts[0].scaled[0][0], parts[0].scaled[1][0]) = (0.5, 0.1 * parts[0].remainder);
+    let trend = search.trend(&parts, 0);
+    assert!(!trend.is_proved, "{trend:?}");
 }

@@ -48,7 +48,7 @@ fn deviates_are_those_of_their_values_in_both_tails() {
                 let is_shifted = place == 1 && !matches!(marginal, Marginal::Lognormal | Marginal::Weibull);
                 let size = value.abs() + if is_shifted { EXPECTED } else { 0.0 };
                 if slope < 1e-8 * size {
-                    // Equal measured values, or too close to an end for values to tell deviates apart.
+                    // Equal measured values, or too close to an end for values to distinguish deviates.
                     let is_between = least < z && z < greatest;
                     let is_far = least * z > 0.0 && least.abs() > 5.0;
                     assert!(is_between || is_far, "{marginal:?} {z}: {least} {greatest}");
@@ -129,4 +129,29 @@ fn equal_measured_values_fill_an_interval_of_deviates() {
     assert_eq!(both(0.25), [f64::NEG_INFINITY, normal::quantile(0.5 / 4.0)]);
     assert_eq!(both(0.75), [-normal::quantile(0.5 / 4.0), f64::INFINITY]);
     assert_eq!(distribution.kinks(), [0.25, 0.5, 0.75]);
+}
+
+#[test]
+fn an_input_without_scatter_has_all_its_deviates_at_its_value() {
+    use crate::inputs::end::End;
+    use crate::inputs::transform::Transform;
+    // The least deviate whose value is as large, and the greatest whose value is as small.
+    let fixed = Transform::Fixed;
+    let ends = |value: f64| [End::Least, End::Greatest].map(|end| fixed.deviate(value, end));
+    assert_eq!(ends(1.0), [f64::NEG_INFINITY, f64::INFINITY]);
+    assert_eq!(ends(0.9), [f64::NEG_INFINITY; 2]);
+    assert_eq!(ends(1.1), [f64::INFINITY; 2]);
+}
+
+#[test]
+fn deviates_far_out_in_a_truncated_tail_are_those_of_their_values() {
+    use crate::inputs::end::End;
+    use crate::inputs::transform::Transform;
+    for (low, high) in [(6.0, 9.0), (-9.0, -6.0), (-1.0, 2.0)] {
+        let transform = Transform::new(&Marginal::TruncatedNormal { low, high }, 0.05);
+        for z in [-2.5, -1.0, 0.0, 0.7, 2.5] {
+            let found = transform.deviate(transform.value(1.0, z), End::Least);
+            assert!((found - z).abs() < 1e-6, "{low} {high}: {found} for {z}");
+        }
+    }
 }

@@ -1,19 +1,19 @@
 //! Probabilities against closed forms, brute force, limits and properties.
 
 use super::*;
-use crate::grid::{Cell, RelativeStd};
 use crate::inputs::{Empirical, Marginal};
+use crate::integrate::NormalPair;
 use crate::integrate::closed_form;
 use crate::special_functions::normal::{density, upper_tail};
 use proptest::prelude::*;
 use stickslip_core::friction::measured_curve::{MeasuredCurve, SharedCurve};
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 const TOLERANCE: f64 = 1e-9;
 
 /// The boundary of the preset with some parameters changed.
-fn boundary(changes: &[(&str, f64)]) -> StabilityBoundary {
+fn boundary(changes: &[(&str, f64)]) -> PairBoundary {
     let mut parameters = Parameters::sui_ding_2018();
     for (key, value) in changes {
         parameters.set(key, *value).unwrap();
@@ -22,7 +22,7 @@ fn boundary(changes: &[(&str, f64)]) -> StabilityBoundary {
 }
 
 /// A hyperbola through the origin: kinetic friction of 0.
-fn product_boundary() -> StabilityBoundary {
+fn product_boundary() -> PairBoundary {
     boundary(&[("friction.kinetic_coefficient", 0.0)])
 }
 
@@ -34,7 +34,7 @@ fn lognormal(median: f64, log_std: f64) -> InputDistribution {
 #[test]
 fn a_product_of_lognormal_inputs_has_the_tail_of_a_normal_sum() {
     let boundary = product_boundary();
-    let product = boundary.critical_product();
+    let product = boundary.critical_product;
     for coefficient in [-0.999_9, -0.9, -0.5, 0.0, 0.3, 0.8, 0.999_9] {
         for (first, second) in [(0.2_f64, 0.1), (0.05, 0.4), (0.3, 0.3), (1e-3, 0.2), (0.2, 1e-3)] {
             for tail in [0.5, 0.9, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15] {
@@ -75,7 +75,7 @@ fn the_law_given_other_inputs_shifts_and_narrows() {
         let std = (first * a + second * b).hypot(second * c);
         let mean = first * law.mean[0] + second * law.mean[1];
         for tail in [0.3, 1e-3, 1e-6, 1e-9] {
-            let median = boundary.critical_product() / 0.4 * (-mean - normal::upper_quantile(tail) * std).exp();
+            let median = boundary.critical_product / 0.4 * (-mean - normal::upper_quantile(tail) * std).exp();
             let pair = Pair::new(lognormal(median, first), lognormal(0.4, second));
             let value = pair.probability(&boundary, &law, TOLERANCE);
             assert!((value / tail - 1.0).abs() < 1e-10, "{law:?} {tail}: {value}");
@@ -86,7 +86,7 @@ fn the_law_given_other_inputs_shifts_and_narrows() {
 /// The probability by the other order of integration: a midpoint rule over the deviate of the friction, of the
 /// conditional probability of the preload.
 fn over_friction(
-    boundary: &StabilityBoundary,
+    boundary: &PairBoundary,
     coefficient: f64,
     friction: impl Fn(f64) -> f64,
     preload_deviate: impl Fn(f64) -> f64,
@@ -96,7 +96,7 @@ fn over_friction(
     let rest = (1.0 - coefficient * coefficient).sqrt();
     let point = |i: u32| -limit + step * (f64::from(i) + 0.5);
     let term = |z: f64| {
-        let critical = boundary.critical_preload(friction(z));
+        let critical = boundary.critical_first(friction(z));
         let deviate = if critical.is_finite() { preload_deviate(critical) } else { f64::INFINITY };
         density(z) * upper_tail((deviate - coefficient * z) / rest)
     };
@@ -216,7 +216,7 @@ fn measured_values_are_integrated_with_their_steps() {
     let step = InputDistribution::relative(&Marginal::Empirical(step), 0.15, 0.0);
     let friction = InputDistribution::relative(&Marginal::Normal, 0.39, 0.1);
     let exact = Pair::new(step, friction).exact_probability(&boundary, &PairLaw::correlated(0.0));
-    let tail = |preload: f64| upper_tail((boundary.critical_static_friction(preload) / 0.39 - 1.0) / 0.1);
+    let tail = |preload: f64| upper_tail((boundary.critical_second(preload) / 0.39 - 1.0) / 0.1);
     // A sixth of the preloads lies evenly between the two.
     let between: f64 = (0..20_000).map(|i| tail(0.1 + 0.1 * (f64::from(i) + 0.5) / 20_000.0)).sum();
     let expected = 2.5 / 6.0 * (tail(0.1) + tail(0.2)) + between / 20_000.0 / 6.0;
@@ -232,7 +232,7 @@ fn normal_pair(preload: f64, friction: f64, preload_std: f64, friction_std: f64)
 
 /// The boundary of a brake whose measured curve falls only because it is shifted by its standard deviations: unstable
 /// is a static friction below it.
-fn shifted_boundary() -> StabilityBoundary {
+fn shifted_boundary() -> PairBoundary {
     let deviations = [0.08, 0.02, 0.01];
     let curve = MeasuredCurve::new(&[0.0, 1.0, 4.0], &[0.3, 0.32, 0.33], Some(&deviations)).unwrap();
     let mut parameters = Parameters::sui_ding_2018();
@@ -252,8 +252,7 @@ fn independent_normal_inputs_have_the_integral_of_their_own() {
             for (first, second) in
                 [(0.2, 0.2), (0.5, 0.05), (0.02, 0.3), (1e-4, 0.1), (0.1, 1e-4), (0.0, 0.2), (0.2, 0.0), (0.0, 0.0)]
             {
-                let relative_std = RelativeStd { preload: first, static_friction: second };
-                let cell = Cell { index: 0, rotating_speed: 15.0, relative_std, preload, static_friction: friction };
+                let cell = NormalPair { expected: [preload, friction], relative_std: [first, second] };
                 let plain = closed_form::probability(&boundary, &cell);
                 let pair = normal_pair(preload, friction, first, second);
                 let exact = pair.exact_probability(&boundary, &PairLaw::correlated(0.0));
@@ -271,12 +270,12 @@ fn the_probability_of_inputs_of_which_one_follows_the_other_is_a_single_tail() {
     // Delta (1 + a z) (f_s (1 + b z) - f_c) = C.
     let boundary = boundary(&[]);
     let (a, b, preload) = (0.2, 0.1, 0.1);
-    let f_c = boundary.kinetic_coefficient();
+    let f_c = boundary.asymptote();
     for friction in [0.3, 0.35, 0.39, 0.45] {
         let (p, q, r) = (
             a * b * friction,
             b * friction + a * (friction - f_c),
-            friction - f_c - boundary.critical_product() / preload,
+            friction - f_c - boundary.critical_product / preload,
         );
         let root = (-q + (q * q - 4.0 * p * r).sqrt()) / (2.0 * p);
         let pair = normal_pair(preload, friction, a, b);
@@ -290,7 +289,7 @@ fn the_probability_of_inputs_of_which_one_follows_the_other_is_a_single_tail() {
         let (p, q, r) = (
             -a * b * friction,
             -b * friction + a * (friction - f_c),
-            friction - f_c - boundary.critical_product() / preload,
+            friction - f_c - boundary.critical_product / preload,
         );
         let discriminant = q * q - 4.0 * p * r;
         let expected = if discriminant > 0.0 {
@@ -308,7 +307,7 @@ fn the_probability_of_inputs_of_which_one_follows_the_other_is_a_single_tail() {
 #[test]
 fn a_boundary_beyond_the_support_gives_certainty() {
     let boundary = boundary(&[]);
-    let critical = boundary.critical_static_friction(0.1);
+    let critical = boundary.critical_second(0.1);
     let pair = |friction: f64| {
         Pair::new(InputDistribution::fixed(0.1), InputDistribution::relative(&Marginal::Uniform, friction, 0.01))
     };
@@ -322,10 +321,10 @@ fn a_boundary_beyond_the_support_gives_certainty() {
     // Both uniform, and unstable only in a corner that the boundary cuts off: nearly a triangle.
     for share in [1e-2, 1e-4] {
         let corner = [0.1 * (1.0 + half_width), critical * (1.0 + half_width)];
-        let scale = (boundary.critical_product() / (corner[0] * (corner[1] - boundary.kinetic_coefficient()))).sqrt();
+        let scale = (boundary.critical_product / (corner[0] * (corner[1] - boundary.asymptote()))).sqrt();
         let (first, second) = (
             0.1 * scale * (1.0 + share),
-            boundary.kinetic_coefficient() + scale * (1.0 + share) * (corner[1] - boundary.kinetic_coefficient()),
+            boundary.asymptote() + scale * (1.0 + share) * (corner[1] - boundary.asymptote()),
         );
         let pair = Pair::new(
             InputDistribution::relative(&Marginal::Uniform, first, 0.01),
@@ -333,10 +332,10 @@ fn a_boundary_beyond_the_support_gives_certainty() {
         );
         let exact = pair.exact_probability(&boundary, &PairLaw::correlated(0.0));
         // The area above the hyperbola, in closed form, over that of the rectangle.
-        let [right, top] = [first * (1.0 + half_width), second - boundary.kinetic_coefficient()];
-        let (product, low) = (boundary.critical_product(), second * (1.0 - half_width) / (1.0 + half_width));
+        let [right, top] = [first * (1.0 + half_width), second - boundary.asymptote()];
+        let (product, low) = (boundary.critical_product, second * (1.0 - half_width) / (1.0 + half_width));
         let left = (product / top).max(first * (1.0 - half_width));
-        assert!(product / right > low - boundary.kinetic_coefficient(), "a corner alone");
+        assert!(product / right > low - boundary.asymptote(), "a corner alone");
         let area = (right - left) * top - product * (right / left).ln();
         let expected = area / (2.0 * half_width * first) / (second - low);
         assert!((exact.value / expected - 1.0).abs() < 1e-7 && expected < 0.1, "{share}: {exact:?} {expected}");
@@ -388,7 +387,7 @@ proptest! {
         // Lognormal inputs with a boundary that is symmetric in both: exchanging their scatter changes nothing.
         let boundary = product_boundary();
         let median = 0.4 * libm::exp(-deviate * first.hypot(second));
-        let other = boundary.critical_product() / 0.4;
+        let other = boundary.critical_product / 0.4;
         let probability = |first: f64, second: f64| {
             let pair = Pair::new(lognormal(other, first), lognormal(median, second));
             pair.probability(&boundary, &PairLaw::correlated(coefficient), TOLERANCE)
@@ -424,6 +423,20 @@ fn the_probability_between_two_boundaries_is_the_difference_without_cancellation
                 let [coarse, fine] = [density(1e-5), density(1e-7)];
                 assert!((coarse - fine).abs() <= 1e-5 * fine, "{marginal:?} {speed}: {coarse} {fine}");
             }
+        }
+    }
+}
+
+#[test]
+fn the_share_between_two_close_arguments_is_that_of_a_quadrature() {
+    // Simpson's rule over so narrow an interval has no error that shows.
+    for middle in [-7.0, -1.3, 0.0, 0.4, 2.0, 9.0] {
+        for width in [1e-6, 1e-4, 3.9e-3 / (1.0 + f64::abs(middle))] {
+            let ends = [middle - 0.5 * width, middle + 0.5 * width];
+            let at = |share: f64| density(ends[0] + share * (ends[1] - ends[0]));
+            let expected = (ends[1] - ends[0]) * (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0;
+            let found = narrow_share(ends);
+            assert!((found / expected - 1.0).abs() < 1e-10, "{middle} {width}: {found:e} {expected:e}");
         }
     }
 }

@@ -1,21 +1,19 @@
 //! Probabilities from maps against the closed form, midpoint rules and differences.
 
 use super::*;
-use crate::grid::RelativeStd;
 use crate::integrate::closed_form;
 use crate::special_functions::normal;
 use crate::verdict_map::tile::{Tile, TileIndex};
 use proptest::prelude::*;
 use std::sync::LazyLock;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 const KINETIC: f64 = 0.25;
 
-fn cell(preload: f64, static_friction: f64, preload_std: f64, friction_std: f64) -> Cell {
-    let relative_std = RelativeStd { preload: preload_std, static_friction: friction_std };
-    Cell { index: 0, rotating_speed: 15.0, relative_std, preload, static_friction }
+fn cell(preload: f64, static_friction: f64, preload_std: f64, friction_std: f64) -> NormalPair {
+    NormalPair { expected: [preload, static_friction], relative_std: [preload_std, friction_std] }
 }
 
 /// A map of the tiles up to 2 for which `has` holds.
@@ -30,11 +28,11 @@ fn map_of(verdict_at: impl Fn(f64, f64) -> Verdict, has: impl Fn(TileIndex) -> b
     map
 }
 
-fn boundary() -> StabilityBoundary {
+fn boundary() -> PairBoundary {
     let mut parameters = Parameters::sui_ding_2018();
     parameters.set("operating_point.rotating_speed", 15.0).unwrap();
     let boundary = PadOnDisc::new(parameters).unwrap().stability_boundary();
-    assert_eq!(boundary.kinetic_coefficient(), KINETIC);
+    assert_eq!(boundary.asymptote(), KINETIC);
     boundary
 }
 
@@ -44,19 +42,14 @@ fn hyperbola_map() -> VerdictMap {
 }
 
 /// The probability of a cell from a map that is used once.
-fn probability(map: &VerdictMap, cell: &Cell) -> BoundedProbability {
+fn probability(map: &VerdictMap, cell: &NormalPair) -> BoundedProbability {
     MapRegions::new(map).probability(cell)
-}
-
-fn as_array(derivatives: Derivatives) -> [Option<f64>; 4] {
-    let Derivatives { preload, static_friction, std_preload, std_static_friction } = derivatives;
-    [preload, static_friction, std_preload, std_static_friction]
 }
 
 /// Probabilities of stable, unstable and other verdicts, and the integrals of the scores over what is unstable: a
 /// plain midpoint rule over both deviates, outside physics being stable.
-fn by_midpoints(verdict_at: impl Fn(f64, f64) -> Verdict, cell: &Cell) -> ([f64; 3], [f64; 4]) {
-    let Cell { relative_std: std, preload, static_friction, .. } = *cell;
+fn by_midpoints(verdict_at: impl Fn(f64, f64) -> Verdict, cell: &NormalPair) -> ([f64; 3], [f64; 4]) {
+    let NormalPair { expected: [preload, static_friction], relative_std: std } = *cell;
     let deviates = |std: f64| -> Vec<(f64, f64)> {
         if std == 0.0 {
             return vec![(0.0, 1.0)];
@@ -68,22 +61,21 @@ fn by_midpoints(verdict_at: impl Fn(f64, f64) -> Verdict, cell: &Cell) -> ([f64;
             .map(|z| (z, step * (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt()))
             .collect()
     };
-    let frictions = deviates(std.static_friction);
+    let frictions = deviates(std[1]);
     let (mut masses, mut scores) = ([0.0; 3], [0.0; 4]);
-    for (z1, weight1) in deviates(std.preload) {
-        let x = preload * (1.0 + std.preload * z1);
+    for (z1, weight1) in deviates(std[0]) {
+        let x = preload * (1.0 + std[0] * z1);
         for &(z2, weight2) in &frictions {
-            let y = static_friction * (1.0 + std.static_friction * z2) - KINETIC;
+            let y = static_friction * (1.0 + std[1] * z2) - KINETIC;
             let weight = weight1 * weight2;
             match if x <= 0.0 || y < 0.0 { Verdict::Stable } else { verdict_at(x, y) } {
                 Verdict::Stable => masses[0] += weight,
                 Verdict::Unstable => {
                     masses[1] += weight;
-                    scores[0] += weight * (z1 + std.preload * (z1 * z1 - 1.0)) / (preload * std.preload);
-                    scores[1] +=
-                        weight * (z2 + std.static_friction * (z2 * z2 - 1.0)) / (static_friction * std.static_friction);
-                    scores[2] += weight * (z1 * z1 - 1.0) / std.preload;
-                    scores[3] += weight * (z2 * z2 - 1.0) / std.static_friction;
+                    scores[0] += weight * (z1 + std[0] * (z1 * z1 - 1.0)) / (preload * std[0]);
+                    scores[1] += weight * (z2 + std[1] * (z2 * z2 - 1.0)) / (static_friction * std[1]);
+                    scores[2] += weight * (z1 * z1 - 1.0) / std[0];
+                    scores[3] += weight * (z2 * z2 - 1.0) / std[1];
                 }
                 Verdict::Undecided | Verdict::Failed => masses[2] += weight,
             }
@@ -111,9 +103,7 @@ fn a_hyperbola_has_its_exact_probability_and_derivatives() {
                 assert_eq!(mapped.undecided, 0.0);
                 unstable += u32::from(exact.value > 0.01 && exact.value < 0.99);
                 let derivatives = closed_form::derivatives(&boundary, &cell);
-                for (i, (mapped, exact)) in
-                    as_array(mapped.derivatives).into_iter().zip(as_array(derivatives)).enumerate()
-                {
+                for (i, (mapped, exact)) in mapped.derivatives.0.into_iter().zip(derivatives.0).enumerate() {
                     assert_eq!(mapped.is_some(), [preload_std, friction_std][i % 2] > 0.0);
                     let (Some(mapped), Some(exact)) = (mapped, exact) else { continue };
                     let scale = [preload * preload_std, friction * friction_std, preload_std, friction_std][i];
@@ -136,7 +126,7 @@ fn derivatives_are_accurate_to_a_ten_thousandth() {
         let mapped = probability(&map, &cell);
         assert!(mapped.high - mapped.low < 2e-4, "{mapped:?}");
         let exact = closed_form::derivatives(&boundary, &cell);
-        for (mapped, exact) in as_array(mapped.derivatives).into_iter().zip(as_array(exact)) {
+        for (mapped, exact) in mapped.derivatives.0.into_iter().zip(exact.0) {
             let (mapped, exact) = (mapped.unwrap(), exact.unwrap());
             assert!((mapped - exact).abs() < 1e-4 * exact.abs().max(0.1), "{cell:?}: {mapped} {exact}");
         }
@@ -149,7 +139,7 @@ fn the_bounds_hold_for_small_scatter_around_the_boundary() {
     for std in [1e-2, 1e-3, 1e-4, 1e-5] {
         for shift in [-3.0, -1.0, 0.0, 0.5, 2.0] {
             for (preload_std, friction_std) in [(std, std), (std, 0.0), (0.0, std), (0.1, std), (std, 0.1)] {
-                let friction = boundary.critical_static_friction(0.1) * (1.0 + shift * std);
+                let friction = boundary.critical_second(0.1) * (1.0 + shift * std);
                 let cell = cell(0.1, friction, preload_std, friction_std);
                 let exact = closed_form::probability(&boundary, &cell).value;
                 let mapped = probability(&map, &cell);
@@ -166,7 +156,7 @@ fn a_step_beside_the_end_of_a_box_is_seen() {
     // than the distance of the outermost abscissa from the end of the tile at 1/8.
     let (boundary, map) = (boundary(), hyperbola_map());
     for distance in [-2e-4, -1e-4, -3e-5, 3e-5, 1e-4, 2e-4] {
-        let friction = boundary.critical_static_friction(0.125 + distance);
+        let friction = boundary.critical_second(0.125 + distance);
         for friction_std in [1e-4, 1e-5, 1e-6] {
             let cell = cell(0.125, friction, 0.1, friction_std);
             let exact = closed_form::probability(&boundary, &cell).value;
@@ -199,13 +189,13 @@ fn corners_branches_and_islands_agree_with_midpoints() {
     ] {
         let mapped = probability(&map, &cell);
         let (masses, scores) = by_midpoints(branches, &cell);
-        let one_scatters = cell.relative_std.preload * cell.relative_std.static_friction == 0.0;
+        let one_scatters = cell.relative_std[0] * cell.relative_std[1] == 0.0;
         // The rule misplaces a boundary across one line of its points by up to half a step.
         let tolerance = if one_scatters { 4e-3 } else { 5e-5 };
         assert!((mapped.value.unwrap() - masses[1]).abs() < tolerance, "{cell:?}: {mapped:?} {masses:?}");
         assert!(mapped.low - tolerance < masses[1] && masses[1] < mapped.high + tolerance, "{cell:?}: {mapped:?}");
         assert!(mapped.high - mapped.low < 1e-3, "{mapped:?}");
-        for (derivative, score) in as_array(mapped.derivatives).into_iter().zip(scores) {
+        for (derivative, score) in mapped.derivatives.0.into_iter().zip(scores) {
             let Some(derivative) = derivative else { continue };
             assert!(
                 (derivative - score).abs() < 20.0 * tolerance * score.abs().max(1.0),
@@ -232,18 +222,18 @@ fn undecided_samples_widen_the_bounds_and_are_no_part_of_the_value() {
         assert!((mapped.value.unwrap() - unstable / (stable + unstable)).abs() < 5e-5, "{mapped:?}");
         assert!((mapped.low - unstable).abs() < 1e-4 && (mapped.high - 1.0 + stable).abs() < 1e-4, "{mapped:?}");
         // The quotient's derivatives, by differences of the value.
-        let value = |cell: &Cell| probability(&map, cell).value.unwrap();
+        let value = |cell: &NormalPair| probability(&map, cell).value.unwrap();
         let (mut up, mut down) = (cell, cell);
-        up.preload *= 1.005;
-        down.preload *= 0.995;
-        let by_preload = (value(&up) - value(&down)) / (0.01 * cell.preload);
-        assert!((mapped.derivatives.preload.unwrap() / by_preload - 1.0).abs() < 2e-3, "{mapped:?} {by_preload}");
-        up.preload = cell.preload;
-        down.preload = cell.preload;
-        up.relative_std.static_friction *= 1.01;
-        down.relative_std.static_friction *= 0.99;
-        let by_std = (value(&up) - value(&down)) / (0.02 * cell.relative_std.static_friction);
-        let mapped = mapped.derivatives.std_static_friction.unwrap();
+        up.expected[0] *= 1.005;
+        down.expected[0] *= 0.995;
+        let by_preload = (value(&up) - value(&down)) / (0.01 * cell.expected[0]);
+        assert!((mapped.derivatives.0[0].unwrap() / by_preload - 1.0).abs() < 2e-3, "{mapped:?} {by_preload}");
+        up.expected[0] = cell.expected[0];
+        down.expected[0] = cell.expected[0];
+        up.relative_std[1] *= 1.01;
+        down.relative_std[1] *= 0.99;
+        let by_std = (value(&up) - value(&down)) / (0.02 * cell.relative_std[1]);
+        let mapped = mapped.derivatives.0[3].unwrap();
         assert!((mapped - by_std).abs() < 3e-3 * by_std.abs().max(0.1), "{mapped} {by_std}");
     }
 }
@@ -295,7 +285,7 @@ fn without_scatter_the_probability_is_the_verdict() {
             assert!((mapped.high - mapped.low) < 1e-13, "{preload} {friction}: {mapped:?}");
         }
     }
-    let on_boundary = probability(&map, &cell(0.1, boundary.critical_static_friction(0.1), 0.0, 0.0));
+    let on_boundary = probability(&map, &cell(0.1, boundary.critical_second(0.1), 0.0, 0.0));
     assert_eq!((on_boundary.low, on_boundary.high), (0.0, 1.0));
     // A preload of 0 is outside physics, even if the tiles that begin there are unstable.
     let unstable = map_of(|_, _| Verdict::Unstable, |_| true);

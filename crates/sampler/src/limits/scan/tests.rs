@@ -3,12 +3,12 @@
 use std::convert::Infallible;
 use std::f64::consts::PI;
 
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::rigid_disc::stability::StabilityBoundary;
+use stickslip_core::model::pair_boundary::PairBoundary;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 use super::*;
-use crate::grid::{Cell, RelativeStd};
+use crate::integrate::NormalPair;
 use crate::integrate::closed_form;
 use crate::integrate::closed_form::ExactProbability;
 use crate::special_functions::normal;
@@ -19,13 +19,12 @@ fn brake(changes: &[(&str, f64)]) -> PadOnDisc {
     PadOnDisc::new(parameters).unwrap()
 }
 
-fn boundary(speed: f64) -> StabilityBoundary {
+fn boundary(speed: f64) -> PairBoundary {
     brake(&[("operating_point.rotating_speed", speed)]).stability_boundary()
 }
 
-fn cell(preload: f64, static_friction: f64, stds: [f64; 2]) -> Cell {
-    let relative_std = RelativeStd { preload: stds[0], static_friction: stds[1] };
-    Cell { index: 0, rotating_speed: 15.0, relative_std, preload, static_friction }
+fn cell(preload: f64, static_friction: f64, stds: [f64; 2]) -> NormalPair {
+    NormalPair { expected: [preload, static_friction], relative_std: stds }
 }
 
 fn found(axis: &[f64], target: f64, probability: impl Fn(f64) -> ExactProbability) -> Vec<Limit> {
@@ -95,7 +94,7 @@ fn with_one_random_input_the_limit_is_a_closed_form() {
         let preloads = [0.01, 0.02, 0.3];
         let limits =
             found(&preloads, target, |preload| closed_form::probability(&boundary, &cell(preload, 0.39, [0.2, 0.0])));
-        let expected = boundary.critical_preload(0.39) / (1.0 + 0.2 * z);
+        let expected = boundary.critical_first(0.39) / (1.0 + 0.2 * z);
         assert_eq!(limits.len(), 1);
         let limit = limits[0].value.unwrap();
         assert!((limit / expected - 1.0).abs() < 3e-12 + 1e-14 / target, "{target}: {limit} {expected}");
@@ -104,14 +103,14 @@ fn with_one_random_input_the_limit_is_a_closed_form() {
         let limits = found(&[0.2, 0.6], target, |friction| {
             closed_form::probability(&boundary, &cell(0.1, friction, [0.0, 0.1]))
         });
-        let expected = boundary.critical_static_friction(0.1) / (1.0 + 0.1 * z);
+        let expected = boundary.critical_second(0.1) / (1.0 + 0.1 * z);
         let limit = limits[0].value.unwrap();
         assert!((limit / expected - 1.0).abs() < 3e-12 + 1e-14 / target, "{target}: {limit} {expected}");
     }
     // Where nothing scatters, the probability jumps from 0 to 1 at the boundary.
     let limits =
         found(&[0.3, 0.01], 0.01, |preload| closed_form::probability(&boundary, &cell(preload, 0.39, [0.0; 2])));
-    let critical = boundary.critical_preload(0.39);
+    let critical = boundary.critical_first(0.39);
     assert!((values(&limits)[0] / critical - 1.0).abs() < 2e-12, "{limits:?} {critical}");
 }
 
@@ -207,7 +206,7 @@ fn bounds_contain_what_the_error_leaves_open() {
     assert!((low - 0.2).abs() < 1e-12 && (high - 0.4).abs() < 1e-12, "{low} {high}");
     let [low, high] = found(&[0.25, 0.5], 0.3, rough)[0].bounds.unwrap();
     assert!(low == 0.25 && (high - 0.4).abs() < 1e-12, "{low} {high}");
-    // Without a limit they tell where there may be one.
+    // Without a limit they show where there may be one.
     let limit = found(&[0.0, 0.25], 0.3, rough)[0];
     assert_eq!((limit.state, limit.value), (State::Within, None));
     let [low, high] = limit.bounds.unwrap();
@@ -242,5 +241,17 @@ fn scans_have_the_values_of_the_axis_and_enough_between() {
         assert!(axis.iter().all(|value| scanned.contains(value)));
         assert!(scanned.len() >= 257 && scanned.len() >= 2 * axis.len() - 1);
         assert!(scanned.windows(2).all(|pair| pair[0] < pair[1]));
+    }
+}
+
+#[test]
+fn bounds_reach_to_where_the_interval_surely_excludes_the_target() {
+    let estimate = |x: f64| Ok::<_, Infallible>(Estimate { probability: Some(x), low: x - 0.1, high: x + 0.1 });
+    for tolerance in [1e-2, 1e-4] {
+        let Ok(scan) = Scan::new(&[0.15, 0.35, 0.55, 0.75, 0.95], tolerance, estimate);
+        let Ok(limits) = scan.limits(0.5, estimate);
+        let [low, high] = limits[0].bounds.unwrap();
+        assert!(low <= 0.4 && low > 0.4 - 1.1 * tolerance, "{low}");
+        assert!(high > 0.6 && high < 0.6 + 1.1 * tolerance, "{high}");
     }
 }

@@ -4,17 +4,17 @@ use std::convert::Infallible;
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use stickslip_core::parameters::Parameters;
-use stickslip_core::rigid_disc::pad_on_disc::PadOnDisc;
-use stickslip_core::verdict::VerdictCounts;
+use stickslip_core::model::verdict::VerdictCounts;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 use super::*;
 use crate::draw::deviates::{DeviateStream, Points};
 use crate::estimate::interval::{Estimate, IntervalKind};
-use crate::grid::{Cell, RelativeStd};
+use crate::integrate::NormalPair;
 use crate::integrate::closed_form::probability;
 use crate::limits::scan::{Scan, scanned_values};
-use crate::limits::spans::{OutsidePhysics, Sample, Varied};
+use crate::limits::spans::{OutsidePhysics, Sample};
 
 fn interval() -> BinomialInterval {
     BinomialInterval::new(IntervalKind::ClopperPearson, 0.95)
@@ -167,18 +167,14 @@ fn bounds_contain_the_exact_limit_as_often_as_they_say() {
     let (samples, seeds) = (500, 200);
     // Expected values of preload and friction and their relative standard deviations, the range and the target.
     for (varied, [preload, friction], stds, range, target) in [
-        (Varied::Preload, [0.1, 0.39], [0.1, 0.0], [0.01, 0.3], 0.05),
-        (Varied::Preload, [0.1, 0.39], [0.2, 0.1], [0.001, 0.3], 0.1),
-        (Varied::StaticFriction, [0.1, 0.39], [0.2, 0.1], [0.26, 0.6], 0.3),
+        (0, [0.1, 0.39], [0.1, 0.0], [0.01, 0.3], 0.05),
+        (0, [0.1, 0.39], [0.2, 0.1], [0.001, 0.3], 0.1),
+        (1, [0.1, 0.39], [0.2, 0.1], [0.26, 0.6], 0.3),
     ] {
-        let relative_std = RelativeStd { preload: stds[0], static_friction: stds[1] };
         let probability_at = |value: f64| {
-            let cell = Cell { index: 0, rotating_speed: 16.0, relative_std, preload, static_friction: friction };
-            let cell = match varied {
-                Varied::Preload => Cell { preload: value, ..cell },
-                Varied::StaticFriction => Cell { static_friction: value, ..cell },
-            };
-            let found = probability(&boundary, &cell);
+            let mut inputs = NormalPair { expected: [preload, friction], relative_std: stds };
+            inputs.expected[varied] = value;
+            let found = probability(&boundary, &inputs);
             let [low, high] = found.bounds();
             Ok::<_, Infallible>(Estimate { probability: Some(found.value), low, high })
         };
@@ -190,11 +186,8 @@ fn bounds_contain_the_exact_limit_as_often_as_they_say() {
             let mut sweep = Sweep::new(range);
             for z in stream.draw(0, 0, 0..samples).chunks(2) {
                 let ratios = [1.0 + stds[0] * z[0], 1.0 + stds[1] * z[1]];
-                let (ratio, other) = match varied {
-                    Varied::Preload => (ratios[0], friction * ratios[1]),
-                    Varied::StaticFriction => (ratios[1], preload * ratios[0]),
-                };
-                let sample = Sample { boundary, ratio, other, most_friction: f64::INFINITY };
+                let other = if varied == 0 { friction * ratios[1] } else { preload * ratios[0] };
+                let sample = Sample { boundary, ratio: ratios[varied], other, most_second: f64::INFINITY };
                 sweep.add(&Spans::of(&sample, varied, OutsidePhysics::Stable));
             }
             let sweep = sweep.sorted();
@@ -210,4 +203,15 @@ fn bounds_contain_the_exact_limit_as_often_as_they_say() {
         assert!((2..=22).contains(&missed[0]), "{missed:?}");
         assert!(missed[1] >= 1 && missed[1] <= missed[0], "{missed:?}");
     }
+}
+
+#[test]
+fn a_span_that_begins_with_the_range_is_unstable_from_there_on() {
+    let mut sweep = Sweep::new([1.0, 2.0]);
+    sweep.add(&Spans { unstable: [1.0, 1.5], without_verdict: [[0.0; 2]; 2] });
+    sweep.add(&Spans { unstable: [1.5, 2.0], without_verdict: [[0.0; 2]; 2] });
+    let sorted = sweep.sorted();
+    assert_eq!(sorted.first().unstable, 1);
+    assert_eq!(sorted.ends(), [Some(0.5), Some(0.5)]);
+    assert_eq!(sorted.changes().filter(|(at, _)| *at <= 1.0).count(), 0);
 }

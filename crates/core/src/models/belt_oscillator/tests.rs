@@ -1,0 +1,112 @@
+//! The oscillator against its own equation, and against published numbers.
+
+use super::*;
+use crate::friction::law::LawKind;
+use crate::model::Columns;
+use crate::model::verdict::Verdict;
+use crate::models::pad_on_disc::parameters::scalar;
+use crate::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
+
+fn oscillator() -> Oscillator {
+    let friction = Friction {
+        law: LawKind::Stribeck,
+        static_coefficient: 1.0,
+        kinetic_coefficient: 0.5,
+        stribeck_velocity: 0.5,
+        stribeck_exponent: 1.0,
+        viscous: 0.0,
+        band: 0.0,
+    };
+    Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.1, normal_force: 1.0, belt_speed: 1.3, friction }
+}
+
+#[test]
+fn every_quantity_has_its_place_and_follows_into_the_pad() {
+    let model = BeltOscillator::new(oscillator(), BeltCriterion::Eigenvalue);
+    let expected = model.expected();
+    assert_eq!(expected.len(), quantities().len());
+    let of_pad = model.of_pad(&expected);
+    for (place, entry) in entries().enumerate() {
+        assert_eq!(quantities()[place].name, entry.name);
+        assert!(entry.pad.iter().all(|(key, _)| scalar(key).is_some()), "{}", entry.name);
+        for (own, factor) in model.followers(place) {
+            assert_eq!(of_pad[own], factor * expected[place], "{}", entry.name);
+        }
+    }
+    // The shares of the stiffness are halves of one spring.
+    assert_eq!(model.followers(model.place("stiffness").unwrap()).len(), 3);
+    assert_eq!(model.oscillator(&expected), oscillator());
+}
+
+#[test]
+fn sliding_loses_stability_where_friction_falls_faster_than_damping() {
+    // -N mu'(V) = N (f_s - f_c) / v_s exp(-V / v_s) > c, written for this model alone.
+    let model = BeltOscillator::new(oscillator(), BeltCriterion::Eigenvalue);
+    let place = |name: &str| model.place(name).unwrap();
+    let mut state = 1_u64;
+    let mut draw = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (mut unstable, mut checked) = (0, 0);
+    for _ in 0..2000 {
+        let mut expected = model.expected();
+        for (name, least, most) in [
+            ("mass", 0.1, 10.0),
+            ("stiffness", 0.1, 100.0),
+            ("damping", 0.0, 0.5),
+            ("belt_speed", 0.05, 3.0),
+            ("stribeck_velocity", 0.1, 2.0),
+            ("kinetic_coefficient", 0.1, 0.6),
+        ] {
+            expected[place(name)] = least + (most - least) * draw();
+        }
+        let (force, f_s) = (20.0 * draw() - 1.0, 1.2 * draw());
+        let [v, v_s] = ["belt_speed", "stribeck_velocity"].map(|name| expected[place(name)]);
+        let [c, f_c] = ["damping", "kinetic_coefficient"].map(|name| expected[place(name)]);
+        let slope = (f_s - f_c) / v_s * (-v / v_s).exp();
+        let is_unstable = force > 0.0 && f_s >= f_c && force * slope > c;
+        if (force * slope / c - 1.0).abs() < 1e-9 {
+            continue;
+        }
+        let shared = model.configure(&expected, &[0, 1], None).unwrap();
+        let (forces, coefficients) = ([force], [f_s]);
+        let columns = [&forces[..], &coefficients[..]];
+        let decision = shared.decide(&Columns::new(1, &columns), &[0], &|| false).unwrap()[0];
+        assert_eq!(decision.verdict == Verdict::Unstable, is_unstable, "{expected:?} {force} {f_s}");
+        checked += 1;
+        unstable += u32::from(is_unstable);
+    }
+    assert!(checked > 1900 && (300..1700).contains(&unstable), "{unstable} of {checked}");
+}
+
+#[test]
+fn what_varies_from_sample_to_sample_gives_what_it_gives_as_an_expected_value() {
+    for criterion in [BeltCriterion::Eigenvalue, BeltCriterion::TimeDomain(TimeDomainSettings::default())] {
+        let model = BeltOscillator::new(oscillator(), criterion);
+        let varied = ["stiffness", "belt_speed", "damping"].map(|name| model.place(name).unwrap());
+        let varying: Vec<usize> = [0, 1].into_iter().chain(varied).collect();
+        let samples = [[1.0, 1.0, 1.3, 0.7, 0.1], [2.0, 0.9, 3.1, 1.1, 0.3], [0.5, 0.6, 0.4, 0.2, 0.02]];
+        let columns: Vec<Vec<f64>> = (0..5).map(|i| samples.iter().map(|sample| sample[i]).collect()).collect();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let shared = model.configure(&model.expected(), &varying, None).unwrap();
+        let together = shared.decide(&Columns::new(3, &columns), &[0, 1, 2], &|| false).unwrap();
+        for (sample, decision) in samples.iter().zip(together) {
+            let mut expected = model.expected();
+            varying.iter().zip(sample).for_each(|(&place, &value)| expected[place] = value);
+            let own = model.configure(&expected, &[0, 1], None).unwrap();
+            let pair = [&sample[..1], &sample[1..2]];
+            let alone = own.decide(&Columns::new(1, &pair), &[0], &|| false).unwrap()[0];
+            assert_eq!(alone.verdict, decision.verdict, "{sample:?}");
+        }
+    }
+}
+
+#[test]
+fn scales_are_one_so_that_a_start_is_in_metres_and_seconds() {
+    let model = BeltOscillator::new(oscillator(), BeltCriterion::Eigenvalue);
+    let pad = model.oscillator(&model.expected()).as_pad();
+    let brake = PadOnDisc::new(pad).unwrap();
+    let scales = brake.scales();
+    assert_eq!((scales.length, scales.time, scales.speed), (1.0, 1.0, 1.0));
+}

@@ -1,0 +1,5 @@
+//! The models.
+
+pub mod pad_on_disc;
+
+pub mod belt_oscillator;

@@ -1,0 +1,208 @@
+//! The tangential motion on a rigid disc as a return map.
+//!
+//! Slip is a plane autonomous system,
+//!
+//! ```text
+//! x'' = G mu(v - x') - K x - C x',        x' < v
+//! ```
+//!
+//! whose orbits do not cross. On the section `x' = 0`, `x = x0 + a`, `a > 0` (the largest x of a swing) a motion
+//! returns with another amplitude `R(a)`, and R grows with a. That decides motions that change too slowly to simulate:
+//!
+//! * A swing longer than the one before is followed by longer ones only; a shorter one by shorter ones.
+//! * A shrinking motion comes to rest exactly if `R(s) < s` for all smaller amplitudes s. If some `R(s) >= s`, a limit
+//!   cycle lies between, and the motion never gets inside it.
+//! * Where no stable cycle can lie inside a swing ([`inner_cycles`](crate::models::pad_on_disc::rigid_disc::inner_cycles)), one that shrinks
+//!   decides by itself.
+//! * The energy `u^2/2 + K (x - x0)^2/2` of a motion with speeds up to U falls as long as
+//!   `C > [G mu(v - u) - G mu(v)] / u` for all `|u| <= U`: such a motion comes to rest, however slowly.
+//!
+//! The motions are those of [`crate::models::pad_on_disc::rigid_disc::planar_motion`]. The fixed steps of the time-domain criterion are
+//! tested against them, and the criterion uses the return map for motions on a rigid disc that change too slowly.
+
+use crate::models::pad_on_disc::rigid_disc::inner_cycles::Turns;
+use crate::models::pad_on_disc::rigid_disc::planar_motion::{PlanarMotion, Slip, SlipEnd};
+use crate::numerics::root_location::{bisect, rise_to_zero};
+
+/// Ratio of neighbouring amplitudes in a scan. Between them the change over a cycle is taken to have one extremum at
+/// the most; that one is searched for.
+const SCAN_RATIO: f64 = 0.9;
+
+/// The first step of a scan: it shows whether the change rises inwards, to a maximum before the next amplitude.
+const FIRST_RATIO: f64 = 0.999;
+
+/// Largest number of amplitudes scanned: down to 1e-7 of the first.
+const MOST_SCANNED: usize = 160;
+
+/// Changes over a cycle, relative to the amplitude, that are lost in the errors of the method.
+const UNRESOLVED: f64 = 1e-10;
+
+/// How near the change over a cycle must come to that of the linearised motion, for smaller amplitudes to change like
+/// it too.
+const LINEAR: f64 = 0.01;
+
+/// What becomes of a motion whose swings shrink, or grow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Fate {
+    /// It comes to rest relative to steady sliding.
+    Equilibrium,
+    /// Its swings grow from this amplitude; [`PlanarMotion::settles`] finds what they grow to.
+    Grows { from: f64 },
+    /// A limit cycle without sticking lies between these amplitudes, and the motion outside it.
+    Trapped { inner: f64, outer: f64 },
+    /// A limit cycle without sticking; half of its peak-to-peak displacement.
+    SmoothCycle { amplitude: f64 },
+    /// It reaches the disc's speed.
+    Captured,
+    /// It overtakes the disc in every cycle.
+    Overtakes,
+    /// Not resolved.
+    Unresolved,
+}
+
+impl PlanarMotion {
+    /// One return, from the amplitude `a` > 0.
+    fn swing(&self, a: f64) -> Slip {
+        self.slip([self.equilibrium() + a, 0.0], a)
+    }
+
+    /// `ln(R(a) / a)`; infinite where the pad is captured, minus infinity where it comes to rest within the swing.
+    fn change(&self, a: f64) -> f64 {
+        self.change_and_bottom(a).0
+    }
+
+    /// The same, with the amplitude on the other side.
+    fn change_and_bottom(&self, a: f64) -> (f64, f64) {
+        let swing = self.swing(a);
+        let change = match swing.end {
+            SlipEnd::Turned => libm::log((swing.x - self.equilibrium()) / a),
+            SlipEnd::Captured => f64::INFINITY,
+            SlipEnd::Equilibrium => f64::NEG_INFINITY,
+            SlipEnd::Unresolved => f64::NAN,
+        };
+        (change, self.equilibrium() - swing.smallest)
+    }
+
+    /// The change of small amplitudes over a cycle; minus infinity where they do not oscillate.
+    fn linear_change(&self) -> f64 {
+        let damping = self.damping_at_equilibrium();
+        let square = self.stiffness - 0.25 * damping * damping;
+        if square > 0.0 { -std::f64::consts::PI * damping / square.sqrt() } else { f64::NEG_INFINITY }
+    }
+
+    /// The fate of a motion that has turned at `x0 + a`, `a` > 0.
+    pub fn fate_of_swing(&self, a: f64) -> Fate {
+        let (change, bottom) = self.change_and_bottom(a);
+        if change.is_nan() || change.abs() <= UNRESOLVED {
+            Fate::Unresolved
+        } else if change > 0.0 {
+            Fate::Grows { from: a }
+        } else if change == f64::NEG_INFINITY {
+            Fate::Equilibrium
+        } else {
+            self.fate_of_shrinking(a, change, bottom)
+        }
+    }
+
+    /// The fate of a motion released from stick.
+    pub fn fate_of_release(&self) -> Fate {
+        self.fate_from([self.release(), self.disc_speed])
+    }
+
+    /// The fate of a motion in a state of slip, up to its first capture.
+    pub fn fate_from(&self, state: [f64; 2]) -> Fate {
+        let size = (state[0] - self.equilibrium()).abs().max(self.disc_speed / self.stiffness.sqrt());
+        if self.is_clearly_caught(state, size) {
+            return Fate::Captured;
+        }
+        let first = self.slip(state, size);
+        match first.end {
+            SlipEnd::Captured => Fate::Captured,
+            SlipEnd::Equilibrium => Fate::Equilibrium,
+            SlipEnd::Unresolved => Fate::Unresolved,
+            SlipEnd::Turned => match self.slip([first.x, 0.0], size).end {
+                SlipEnd::Captured => Fate::Captured,
+                SlipEnd::Equilibrium => Fate::Equilibrium,
+                SlipEnd::Unresolved => Fate::Unresolved,
+                SlipEnd::Turned => self.fate_of_swing(first.x - self.equilibrium()),
+            },
+        }
+    }
+
+    /// The fate of a motion that shrinks at the amplitude `a`: is there a smaller one at which it does not?
+    fn fate_of_shrinking(&self, a: f64, change: f64, mut bottom: f64) -> Fate {
+        let linear = self.linear_change();
+        let mut scanned = vec![(a, change)];
+        let mut near_linear = 0;
+        while scanned.len() < MOST_SCANNED {
+            let (outer, before) = scanned[scanned.len() - 1];
+            if self.has_no_cycle_inside(Turns { top: outer, bottom, next_top: outer * libm::exp(before) }) {
+                return Fate::Equilibrium;
+            }
+            if self.damping_at_equilibrium() > 0.0 && self.comes_to_rest_from(self.stiffness.sqrt() * outer) {
+                return Fate::Equilibrium;
+            }
+            let inner = if scanned.len() == 1 { FIRST_RATIO } else { SCAN_RATIO } * outer;
+            let change;
+            (change, bottom) = self.change_and_bottom(inner);
+            if change.is_nan() {
+                return Fate::Unresolved;
+            }
+            if change >= 0.0 {
+                return Fate::Trapped { inner, outer };
+            }
+            if change == f64::NEG_INFINITY {
+                return Fate::Equilibrium;
+            }
+            scanned.push((inner, change));
+            // A maximum of the change among the last three amplitudes: does it reach zero between them?
+            if let [.., (first, at_first), _, _] = scanned[..]
+                && before > change
+                && before >= at_first
+                && let Some(growing) = rise_to_zero((inner, first), UNRESOLVED, |a| self.change(a))
+            {
+                return Fate::Trapped { inner: growing, outer: first };
+            }
+            let is_linear = (change - linear).abs() <= LINEAR * linear.abs() && self.is_smooth_within(inner);
+            near_linear = if is_linear { near_linear + 1 } else { 0 };
+            if near_linear == 2 {
+                return if linear < 0.0 { Fate::Equilibrium } else { Fate::Unresolved };
+            }
+        }
+        Fate::Unresolved
+    }
+
+    /// What a fate ends in: a cycle with its amplitude, or capture.
+    pub fn settles(&self, fate: Fate) -> Fate {
+        match fate {
+            Fate::Grows { from } => self.fate_of_growing(from),
+            Fate::Trapped { inner, outer } => self.cycle_between(inner, outer),
+            settled => settled,
+        }
+    }
+
+    /// The fate of a motion that grows at the amplitude `a`.
+    fn fate_of_growing(&self, a: f64) -> Fate {
+        let mut inner = a;
+        for _ in 0..MOST_SCANNED {
+            let outer = inner / SCAN_RATIO;
+            match self.change(outer) {
+                f64::INFINITY => return Fate::Captured,
+                change if change > 0.0 => inner = outer,
+                change if change <= 0.0 => return self.cycle_between(inner, outer),
+                _ => break,
+            }
+        }
+        Fate::Unresolved
+    }
+
+    /// The limit cycle between an amplitude at which swings grow and one at which they shrink.
+    fn cycle_between(&self, inner: f64, outer: f64) -> Fate {
+        let (low, _) = bisect((inner, outer), 60, 0.0, |a| self.change(a) >= 0.0);
+        let swing = self.swing(low);
+        Fate::SmoothCycle { amplitude: 0.5 * (self.equilibrium() + low - swing.smallest) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,93 @@
+//! The motion of one sample, recorded at every step.
+
+use crate::model::decision::Decision;
+use crate::model::verdict::Verdict;
+use crate::models::pad_on_disc::criterion::settings::TimeDomainSettings;
+use crate::models::pad_on_disc::criterion::time_domain::{System, TimeDomain, TimeDomainError};
+use crate::models::pad_on_disc::degree_of_freedom::DegreeOfFreedom;
+use crate::models::pad_on_disc::flexible_disc::error::FlexibleError;
+use crate::models::pad_on_disc::motion::advance::advance;
+use crate::models::pad_on_disc::motion::event_log::EventLog;
+use crate::models::pad_on_disc::motion::integrator::{Equations, Motion};
+use crate::models::pad_on_disc::motion::moment::Moment;
+use crate::models::pad_on_disc::motion::rigid_with_angle::{RigidAngleState, RigidWithAngle};
+use crate::models::pad_on_disc::pad::contact_state::ContactState;
+use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
+use crate::models::pad_on_disc::trajectory::settled::SettledMotion;
+
+/// A motion, sampled at even intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory {
+    /// All moments, `interval` apart; fewer than asked for if the computation broke down.
+    pub moments: Vec<Moment>,
+    /// Scaled time between moments.
+    pub interval: f64,
+    /// What the motion settled to; `None` if the computation broke down or nothing was simulated.
+    pub settled: Option<SettledMotion>,
+    /// The verdict on the motion as a run would give it, whether it is certain before the trajectory ends or not.
+    pub verdict: Verdict,
+    /// What feeds the motion if it is unstable.
+    pub fed_by: Option<DegreeOfFreedom>,
+}
+
+impl TimeDomain {
+    /// The motion of one sample for a time `horizon`, recorded at every step. The steps are those by which
+    /// [`TimeDomain::decide`] decides, bit for bit.
+    ///
+    /// # Errors
+    /// [`TimeDomainError`] if there is no equilibrium to start from, or if the horizon is out of range.
+    pub fn trajectory(&self, inputs: RandomInputs, horizon: f64) -> Result<Trajectory, TimeDomainError> {
+        TimeDomainSettings { horizon, ..self.settings }.validate()?;
+        let pressed = inputs.preload > 0.0;
+        if !pressed {
+            return Err(FlexibleError::NotPressed { preload: inputs.preload }.into());
+        }
+        let h = self.step_length();
+        let steps = (horizon / h).ceil() as u64;
+        let (log, moments) = match &self.system {
+            System::Rigid(motion) => {
+                let sample = motion.sample(inputs);
+                let start = self.rigid_start(&sample, self.settings.start);
+                let equilibrium = self.brake.sliding_equilibrium_at(inputs);
+                let length = self.brake.scales().length;
+                let equations = RigidWithAngle::new(sample, &self.brake);
+                let state = RigidAngleState::with_angle(start.state, equilibrium.angle);
+                record(&equations, Motion { state, contact: start.contact }, h, steps, |time, state, contact| {
+                    equations.moment(time, state, contact, &equilibrium, length)
+                })
+            }
+            System::Flexible(motion) => {
+                let sample = motion.sample(inputs);
+                let start = self.flexible_start(&sample, self.settings.start)?.0;
+                record(&sample, start, h, steps, |time, state, contact| sample.moment(time, state, contact))
+            }
+        };
+        let settled = SettledMotion::of(&log, &moments, steps, h);
+        let Decision { verdict, fed_by, .. } = self.decide(inputs);
+        let fed_by = fed_by.map(|place| DegreeOfFreedom::ALL[place]);
+        Ok(Trajectory { moments, interval: h, settled, verdict, fed_by })
+    }
+}
+
+/// Simulates a motion and keeps every moment, until the end or until it breaks down.
+fn record<E: Equations>(
+    equations: &E,
+    mut motion: Motion<E::State>,
+    h: f64,
+    steps: u64,
+    moment: impl Fn(f64, &E::State, ContactState) -> Moment,
+) -> (EventLog, Vec<Moment>) {
+    let mut log = EventLog::default();
+    let mut moments = Vec::new();
+    moments.push(moment(0.0, &motion.state, motion.contact));
+    for step in 0..steps {
+        if advance(equations, &mut motion, step as f64 * h, h, &mut log).is_err() {
+            break;
+        }
+        moments.push(moment((step + 1) as f64 * h, &motion.state, motion.contact));
+    }
+    (log, moments)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,73 @@
+//! What a motion settles to.
+
+use crate::models::pad_on_disc::motion::event_log::EventLog;
+use crate::models::pad_on_disc::motion::moment::Moment;
+
+/// Share of a trajectory, from its end, that is summarised as the settled motion.
+const SETTLED_SHARE: f64 = 0.25;
+
+/// Amplitudes below this share of the displacement of the pad are no oscillation any more.
+const STILL: f64 = 1e-6;
+
+/// What a motion settled to, over the last quarter of its trajectory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SettledMotion {
+    /// Largest x.
+    pub tangential_max: f64,
+    /// Smallest x.
+    pub tangential_min: f64,
+    /// Mean of x.
+    pub tangential_mean: f64,
+    /// Time between releases, or else between turning points in the same direction; `None` where nothing oscillates.
+    pub period: Option<f64>,
+    /// Share of the time spent in stick.
+    pub stick_fraction: f64,
+}
+
+impl SettledMotion {
+    /// Summarises the end of a motion of `steps` steps, if it reached it.
+    pub(crate) fn of(log: &EventLog, moments: &[Moment], steps: u64, h: f64) -> Option<Self> {
+        if steps == 0 || moments.len() as u64 != steps + 1 {
+            return None;
+        }
+        let to = steps as f64 * h;
+        let from = (1.0 - SETTLED_SHARE) * to;
+        let inside: Vec<f64> = moments.iter().filter(|m| m.time >= from).map(|m| m.tangential.0).collect();
+        let sampled = inside.iter().copied();
+        let turned = log.turns.iter().filter(|(time, _)| *time >= from && *time <= to).map(|turn| turn.1);
+        let largest = sampled.clone().chain(turned.clone()).fold(f64::NEG_INFINITY, f64::max);
+        let smallest = sampled.clone().chain(turned).fold(f64::INFINITY, f64::min);
+        let oscillates = largest - smallest > STILL * largest.abs();
+        let between = |times: &[f64], every: usize| {
+            let times: Vec<f64> = times.iter().copied().filter(|time| *time >= from && *time <= to).collect();
+            let cycles = times.len().saturating_sub(1) / every;
+            (cycles > 0).then(|| (times[cycles * every] - times[0]) / cycles as f64)
+        };
+        let turns: Vec<f64> = log.turns.iter().map(|turn| turn.0).collect();
+        let period = oscillates.then(|| between(&log.slips, 1).or_else(|| between(&turns, 2))).flatten();
+        // A whole number of cycles where there are some, so that neither mean nor share depends on where it is cut.
+        let window = period.map_or(to - from, |period| ((to - from) / period).floor().max(1.0) * period);
+        let start = to - window;
+        let stick_fraction = log.time_in_stick(start, to) / window;
+        let tangential_mean = mean(moments, start, to);
+        Some(Self { tangential_max: largest, tangential_min: smallest, tangential_mean, period, stick_fraction })
+    }
+}
+
+/// The mean of x over a time, by the trapezoidal rule; intervals that reach out of it count by their share in it.
+fn mean(moments: &[Moment], from: f64, to: f64) -> f64 {
+    let (mut sum, mut time) = (0.0, 0.0);
+    for pair in moments.windows(2) {
+        let (begin, end) = (pair[0].time, pair[1].time);
+        let (left, right) = (begin.max(from), end.min(to));
+        if left < right {
+            let x = |time: f64| {
+                let share = (time - begin) / (end - begin);
+                pair[0].tangential.0 + share * (pair[1].tangential.0 - pair[0].tangential.0)
+            };
+            sum += (right - left) * x(0.5 * (left + right));
+            time += right - left;
+        }
+    }
+    if time > 0.0 { sum / time } else { moments.last().map_or(f64::NAN, |moment| moment.tangential.0) }
+}

@@ -1,0 +1,124 @@
+//! A friction oscillator on a belt at one point, by the pad on a rigid disc that moves as it does: metres and seconds.
+
+use serde_json::{Value, json};
+use stickslip_core::models::pad_on_disc::rigid_disc::basin::Basin;
+use stickslip_core::models::pad_on_disc::rigid_disc::limit_cycle::LimitCycle;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, SlidingEquilibrium};
+use stickslip_core::numerics::eigenvalues::Eigenvalue;
+
+use crate::units::significant;
+
+/// What is computed of an oscillator.
+pub struct Oscillator {
+    belt_speed: f64,
+    equilibrium: SlidingEquilibrium,
+    eigenvalues: [Eigenvalue; 2],
+    /// The largest speed below which steady sliding is unstable; `None` if it is stable at every speed.
+    critical_speed: Option<f64>,
+    /// The speed above which no motion sticks again, if there is one.
+    end_of_stick_slip: Option<f64>,
+    cycle: Option<LimitCycle>,
+    basin: Basin,
+}
+
+impl Oscillator {
+    /// Of the pad that moves as it does.
+    pub fn new(pad: &PadOnDisc) -> Self {
+        let [first, second, ..] = pad.sliding_eigenvalues();
+        Self {
+            belt_speed: pad.parameters().operating_point.rotating_speed,
+            equilibrium: pad.sliding_equilibrium(),
+            eigenvalues: [first, second],
+            critical_speed: pad.unstable_speeds().last().map(|range| range.to),
+            end_of_stick_slip: pad.saddle_node_speed(),
+            cycle: pad.limit_cycle(),
+            basin: pad.basin(),
+        }
+    }
+
+    fn is_stable(&self) -> bool {
+        self.eigenvalues[0].re <= 0.0
+    }
+
+    /// Everything by name; JSON has no infinity, which becomes null.
+    pub fn json(&self) -> Value {
+        let cycle = self.cycle.as_ref().map(|cycle| {
+            json!({
+                "x_max": cycle.tangential_max,
+                "x_min": cycle.tangential_min,
+                "period": cycle.period,
+                "stick_fraction": cycle.stick_fraction,
+            })
+        });
+        let knock = self.basin.smallest_knock().map(|knock| {
+            json!({
+                "forward": knock.forward,
+                "backward": knock.backward,
+                "outward": knock.outward,
+                "inward": knock.inward,
+            })
+        });
+        json!({
+            "belt_speed": self.belt_speed,
+            "equilibrium": { "x": self.equilibrium.tangential },
+            "friction_coefficient": self.equilibrium.friction_coefficient,
+            "eigenvalues": self.eigenvalues.map(|value| [value.re, value.im]),
+            "stable": self.is_stable(),
+            "critical_speed": self.critical_speed,
+            "end_of_stick_slip": self.end_of_stick_slip,
+            "limit_cycle": cycle,
+            "smallest_knock": knock,
+        })
+    }
+
+    /// In words.
+    pub fn text(&self) -> String {
+        let [first, second] = &self.eigenvalues;
+        let eigenvalues = match first.im {
+            0.0 => format!("{} and {} 1/s", significant(first.re), significant(second.re)),
+            im => format!("{} +- {}i 1/s", significant(first.re), significant(im)),
+        };
+        let stable = if self.is_stable() { "stable" } else { "unstable" };
+        let speed = |speed: Option<f64>, none: &str| {
+            speed.map_or_else(|| none.to_owned(), |speed| format!("{} m/s", significant(speed)))
+        };
+        let cycle = match &self.cycle {
+            Some(cycle) => format!(
+                "x from {} to {} m, period {} s, {:.1} % of it in stick",
+                significant(cycle.tangential_min),
+                significant(cycle.tangential_max),
+                significant(cycle.period),
+                100.0 * cycle.stick_fraction
+            ),
+            None => "none at this belt speed".to_owned(),
+        };
+        let basin = match (&self.basin, self.basin.smallest_knock()) {
+            (Basin::Everything, _) => "every motion returns to steady sliding".to_owned(),
+            (Basin::Nothing, _) => "no motion returns to steady sliding".to_owned(),
+            (_, Some(knock)) => format!(
+                "a knock below {} m/s along the belt or {} m/s against it returns",
+                significant(knock.forward),
+                significant(knock.backward)
+            ),
+            (_, None) => "not resolved".to_owned(),
+        };
+        [
+            ("belt speed", format!("{} m/s", significant(self.belt_speed))),
+            (
+                "steady sliding",
+                format!(
+                    "{stable}; x = {} m, friction coefficient {}",
+                    significant(self.equilibrium.tangential),
+                    significant(self.equilibrium.friction_coefficient)
+                ),
+            ),
+            ("eigenvalues", eigenvalues),
+            ("critical speed", speed(self.critical_speed, "none: steady sliding is stable at every speed")),
+            ("end of stick-slip", speed(self.end_of_stick_slip, "not found")),
+            ("limit cycle", cycle),
+            ("basin", basin),
+        ]
+        .map(|(what, value)| format!("{what:<18} {value}\n"))
+        .concat()
+    }
+}

@@ -1,0 +1,471 @@
+//! The friction oscillator on a belt in job specs.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use stickslip_core::model::Model;
+use stickslip_core::model::quantity::{Quantity, Role};
+use stickslip_core::models::belt_oscillator::{BeltCriterion, BeltOscillator, Oscillator, quantities};
+use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
+use stickslip_core::models::pad_on_disc::model::Criterion;
+use stickslip_core::models::pad_on_disc::motion::start::{GivenStart, Start};
+use stickslip_core::models::pad_on_disc::parameters::{Friction, ParameterError, Parameters};
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::grid::{Axis, Grid};
+use toml::Spanned;
+use toml_edit::DocumentMut;
+
+use super::pad_on_disc::criterion_spec::Record;
+use super::pad_on_disc::friction::{self, CurveColumns, FrictionSpec, LawSpec, use_law};
+use super::start_spec::{StartNumbers, StartSpec};
+use crate::job::axes_spec::AxesSpec;
+use crate::job::diagnosis::{Complaint, Complaints};
+use crate::job::model::{Draft, JobModel, Kind, OutsidePhysics, Parts, Tables, configurable, table_of};
+use crate::job::random::RandomInputSet;
+use crate::job::reading;
+use crate::job::spec::JobSpec;
+
+/// The kind in job specs.
+pub const KIND: Kind = Kind {
+    name: "belt-oscillator",
+    draft: |text, document, complaints| {
+        let tables = reading::read::<BeltTables>(text, document, |_, _| None, complaints)?;
+        Some(Box::new(BeltDraft::new(tables)))
+    },
+    schemas: [
+        |generator| generator.subschema_for::<BeltModelSpec>(),
+        |generator| generator.subschema_for::<BeltCriterionSpec>(),
+    ],
+    axes: || {
+        let described = |quantity: Quantity| {
+            let text = format!("Expected {} of an oscillator on a belt, unit {}", quantity.description, quantity.unit);
+            (quantity.name.to_string(), text)
+        };
+        quantities().into_iter().map(described).collect()
+    },
+};
+
+/// The tables `[model]` and `[criterion]`.
+#[derive(Debug, Deserialize)]
+struct BeltTables {
+    #[serde(default)]
+    model: BeltModelSpec,
+    criterion: Option<Spanned<BeltCriterionSpec>>,
+}
+
+/// The friction oscillator on a belt, m x'' + c x' + k x = N mu(V - x'): `kind = "belt-oscillator"`.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct BeltModelSpec {
+    /// Mass m, kg.
+    #[schemars(with = "Option<f64>")]
+    mass: Option<Spanned<f64>>,
+    /// Stiffness k of the spring, N/m.
+    #[schemars(with = "Option<f64>")]
+    stiffness: Option<Spanned<f64>>,
+    /// Damping c, N s/m.
+    #[schemars(with = "Option<f64>")]
+    damping: Option<Spanned<f64>>,
+    /// Normal force N, N.
+    #[schemars(with = "Option<f64>")]
+    normal_force: Option<Spanned<f64>>,
+    /// Speed V of the belt, m/s.
+    #[schemars(with = "Option<f64>")]
+    belt_speed: Option<Spanned<f64>>,
+    /// The friction law and its values, as for the pad on the disc.
+    #[serde(default)]
+    friction: FrictionSpec,
+}
+
+impl BeltModelSpec {
+    /// The values beside friction, by name.
+    fn values(&self) -> [(&'static str, &Option<Spanned<f64>>); 5] {
+        [
+            ("mass", &self.mass),
+            ("stiffness", &self.stiffness),
+            ("damping", &self.damping),
+            ("normal_force", &self.normal_force),
+            ("belt_speed", &self.belt_speed),
+        ]
+    }
+}
+
+/// What decides whether a sample of an oscillator on a belt is stable. All keys but `kind` and `outside_physics` belong to
+/// the simulation in time.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct BeltCriterionSpec {
+    /// How a sample is decided.
+    #[schemars(with = "BeltKind")]
+    kind: Option<Spanned<BeltKind>>,
+    /// Where a motion starts; by default "near-equilibrium".
+    #[schemars(with = "Option<StartSpec<GivenBeltStart>>")]
+    start: Option<Spanned<StartSpec<GivenBeltStart>>>,
+    /// Displacement of a start near the equilibrium, over the equilibrium's own; by default 0.01.
+    #[schemars(with = "Option<f64>")]
+    displacement: Option<Spanned<f64>>,
+    /// Time after which a sample is undecided, s; by default 10000.
+    #[schemars(with = "Option<f64>")]
+    horizon: Option<Spanned<f64>>,
+    /// What becomes of samples without normal force or with friction that rises with speed (f_s < f_c); "stable" by
+    /// default.
+    #[schemars(with = "Option<OutsidePhysics>")]
+    outside_physics: Option<Spanned<OutsidePhysics>>,
+    /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude, in m.
+    #[serde(default)]
+    record: Vec<Record>,
+}
+
+/// How a sample of an oscillator on a belt is decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+enum BeltKind {
+    /// The eigenvalues of steady sliding, in closed form.
+    Eigenvalue,
+    /// The motion itself, simulated in time.
+    TimeDomain,
+}
+
+/// A state that a motion starts in. What is left out is as in steady sliding.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct GivenBeltStart {
+    /// Displacement, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    displacement: Option<f64>,
+    /// Speed, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    velocity: Option<f64>,
+    /// Whether the displacement counts from steady sliding; by default it counts from the spring without force.
+    #[serde(default)]
+    from_equilibrium: bool,
+}
+
+impl StartNumbers for GivenBeltStart {
+    const SCHEMA: &str = "BeltStart";
+    const FORM: &str = "{ displacement = ..., velocity = ... }";
+}
+
+impl From<&GivenBeltStart> for GivenStart {
+    fn from(spec: &GivenBeltStart) -> Self {
+        let GivenBeltStart { displacement, velocity, from_equilibrium } = *spec;
+        Self { tangential: displacement, velocity, from_equilibrium, ..Self::default() }
+    }
+}
+
+impl From<&GivenStart> for GivenBeltStart {
+    fn from(start: &GivenStart) -> Self {
+        Self { displacement: start.tangential, velocity: start.velocity, from_equilibrium: start.from_equilibrium }
+    }
+}
+
+/// The model while it is being checked.
+struct BeltDraft {
+    tables: BeltTables,
+    quantities: Vec<Quantity>,
+    friction: Friction,
+    expected: Vec<f64>,
+    /// Whether nothing of `[model]` was refused.
+    is_whole: bool,
+}
+
+impl BeltDraft {
+    fn new(tables: BeltTables) -> Self {
+        let quantities = quantities();
+        let expected = vec![f64::NAN; quantities.len()];
+        // Without values of their own: every value of the law is given, or an axis.
+        let unknown = Friction {
+            static_coefficient: f64::NAN,
+            kinetic_coefficient: f64::NAN,
+            stribeck_velocity: f64::NAN,
+            ..Parameters::sui_ding_2018().friction
+        };
+        Self { tables, quantities, friction: unknown, expected, is_whole: false }
+    }
+
+    fn spec(&self) -> Option<&BeltCriterionSpec> {
+        self.tables.criterion.as_ref().map(Spanned::get_ref)
+    }
+
+    fn kind(&self) -> Option<BeltKind> {
+        self.spec()?.kind.as_ref().map(|kind| *kind.get_ref())
+    }
+
+    /// Sets an expected value within its limits.
+    fn set(&mut self, path: &str, value: &Spanned<f64>, axes: &AxesSpec, complaints: &mut Complaints) {
+        let Some(place) = self.quantities.iter().position(|quantity| quantity.path == path) else {
+            let names: Vec<&str> =
+                self.quantities.iter().filter_map(|quantity| quantity.path.strip_prefix("friction.")).collect();
+            let message = format!("unknown key `{path}` in [model] (model.friction has {})", names.join(", "));
+            complaints.push(Complaint::at(value.span(), message));
+            return;
+        };
+        let quantity = &self.quantities[place];
+        if let Some(entry) = axes.0.iter().find(|entry| self.place_of_axis(entry.name.get_ref()) == Some(place)) {
+            let message = format!(
+                "model.{path} = {} is given a second time as axes.{}, which has the values that are used; remove one of the two",
+                value.get_ref(),
+                entry.name.get_ref()
+            );
+            complaints.push(Complaint::at(value.span(), message).and_at(entry.axis.span()));
+        }
+        if quantity.limits.contain(*value.get_ref()) {
+            self.expected[place] = *value.get_ref();
+        } else {
+            let unit = if quantity.unit == "1" { String::new() } else { format!(" (in {})", quantity.unit) };
+            let message =
+                format!("model.{path} = {} is out of range: it must be {}{unit}", value.get_ref(), quantity.limits);
+            complaints.push(Complaint::at(value.span(), message));
+        }
+    }
+
+    /// The oscillator with these expected values.
+    fn oscillator(&self, expected: &[f64]) -> Oscillator {
+        let friction = self.friction.clone();
+        let unknown =
+            Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, normal_force: 1.0, belt_speed: 1.0, friction };
+        BeltOscillator::new(unknown, BeltCriterion::Eigenvalue).oscillator(expected)
+    }
+
+    /// Where motions start, if the criterion simulates them.
+    fn start(&self, axes: &AxesSpec, random: &[usize]) -> Start {
+        let varies = |place: usize| self.quantities[place].role == Role::Start;
+        let is_axis = axes.0.iter().filter_map(|entry| self.place_of_axis(entry.name.get_ref())).any(varies);
+        match self.spec().and_then(|spec| spec.start.as_ref()).map(Spanned::get_ref) {
+            Some(StartSpec::Named(start)) => (*start).into(),
+            Some(StartSpec::Given(given)) => Start::Given(given.into()),
+            None if is_axis || random.iter().any(|place| varies(*place)) => {
+                Start::Given(GivenStart { tangential: Some(0.0), velocity: Some(0.0), ..GivenStart::default() })
+            }
+            None => Start::NearEquilibrium,
+        }
+    }
+
+    /// The criterion; each key that is refused is complained about.
+    fn criterion(&self, parts: Parts<'_>, complaints: &mut Complaints) -> Option<BeltCriterion> {
+        let Some(spanned) = &self.tables.criterion else {
+            complaints.push(Complaint::missing("criterion", None, NO_CRITERION));
+            return None;
+        };
+        let spec = spanned.get_ref();
+        let Some(kind) = self.kind() else {
+            let message = "missing key `kind` in [criterion]: write kind = \"eigenvalue\" or \"time-domain\"";
+            complaints.push(Complaint::missing("kind", Some(spanned.span()), message));
+            return None;
+        };
+        let random = parts.random.map_or(&[][..], |random| &random.inputs);
+        let start = self.start(&parts.spec.axes, random);
+        if kind == BeltKind::Eigenvalue {
+            let keys = [
+                ("start", spec.start.as_ref().map(Spanned::span)),
+                ("displacement", spec.displacement.as_ref().map(Spanned::span)),
+                ("horizon", spec.horizon.as_ref().map(Spanned::span)),
+                ("record", (!spec.record.is_empty()).then(|| spanned.span())),
+                ("start", matches!(start, Start::Given(_)).then(|| spanned.span()).filter(|_| spec.start.is_none())),
+            ];
+            for (key, span) in keys {
+                let message =
+                    format!("criterion.{key} belongs to kind = \"time-domain\"; remove it, or change the kind");
+                complaints.push_some(span.map(|span| Complaint::at(span, message)));
+            }
+            return Some(BeltCriterion::Eigenvalue);
+        }
+        let default = TimeDomainSettings::default();
+        let settings = TimeDomainSettings {
+            start,
+            displacement: spec.displacement.as_ref().map_or(default.displacement, |value| *value.get_ref()),
+            horizon: spec.horizon.as_ref().map_or(default.horizon, |value| *value.get_ref()),
+            record_amplitude: spec.record.contains(&Record::Amplitude),
+            ..default
+        };
+        let checked = settings.validate().map_err(|error| Complaint::at(spanned.span(), format!("criterion.{error}")));
+        complaints.take(checked).map(|()| BeltCriterion::TimeDomain(settings))
+    }
+}
+
+const NO_CRITERION: &str = "there is no [criterion]: what decides whether a sample is stable? For example\n\n  [criterion]\n  kind = \"eigenvalue\"        # or \"time-domain\"";
+
+impl Draft for BeltDraft {
+    fn quantities(&self) -> &[Quantity] {
+        &self.quantities
+    }
+
+    fn has_closed_form(&self) -> Option<bool> {
+        self.kind().map(|kind| kind == BeltKind::Eigenvalue)
+    }
+
+    fn criterion_span(&self) -> Option<Range<usize>> {
+        self.spec()?.kind.as_ref().map(Spanned::span)
+    }
+
+    fn outside_physics(&self) -> Option<&Spanned<OutsidePhysics>> {
+        self.spec()?.outside_physics.as_ref()
+    }
+
+    fn check_values(&mut self, axes: &AxesSpec, folder: &Path, complaints: &mut Complaints) {
+        let before = complaints.len();
+        let mut friction = self.friction.clone();
+        use_law(&self.tables.model.friction, folder, &mut friction, complaints);
+        self.friction = friction;
+        // A measured curve gives the static friction coefficient itself.
+        let defaults = [
+            ("friction.stribeck_exponent", self.friction.stribeck_exponent),
+            ("friction.viscous", self.friction.viscous),
+            ("friction.band", self.friction.band),
+            ("friction.static_coefficient", self.friction.static_coefficient),
+            ("friction.kinetic_coefficient", self.friction.kinetic_coefficient),
+        ];
+        for (path, value) in defaults {
+            if let Some(place) = self.quantities.iter().position(|quantity| quantity.path == path) {
+                self.expected[place] = value;
+            }
+        }
+        let model = std::mem::take(&mut self.tables.model);
+        for (name, value) in model.values() {
+            if let Some(value) = value {
+                self.set(name, value, axes, complaints);
+            }
+        }
+        for (name, value) in &model.friction.values {
+            self.set(&format!("friction.{}", name.get_ref()), value, axes, complaints);
+        }
+        self.tables.model = model;
+        let law = LawSpec::from(&self.friction.law);
+        for (place, quantity) in self.quantities.iter().enumerate() {
+            let is_axis = axes.0.iter().any(|entry| self.place_of_axis(entry.name.get_ref()) == Some(place));
+            let of_other_law =
+                quantity.path.strip_prefix("friction.").is_some_and(|name| law.refusal(name, "").is_some());
+            let is_needed = quantity.role != Role::Start && !of_other_law;
+            if is_needed && self.expected[place].is_nan() && !is_axis && !complaints.has_unread(&["model"]) {
+                let message = format!(
+                    "missing key `{path}` in [model]: the {what}, unit {unit}; or give it an axis, axes.{name}",
+                    path = quantity.path,
+                    what = quantity.description,
+                    unit = quantity.unit,
+                    name = quantity.name
+                );
+                complaints.push(Complaint::missing("model", None, message));
+            }
+            if of_other_law && self.expected[place].is_nan() {
+                self.expected[place] = 1.0;
+            }
+        }
+        self.is_whole = complaints.len() == before;
+    }
+
+    fn expected(&self) -> Vec<f64> {
+        self.expected.clone()
+    }
+
+    fn settle(&mut self, axes: &[(usize, Axis)], _: &JobSpec, _: &mut Complaints) -> bool {
+        // An axis replaces the model's own value; the smallest static friction coefficient must fit the other values.
+        for (place, axis) in axes {
+            let is_pair = self.quantities[*place].role == Role::Input;
+            self.expected[*place] = if is_pair { axis.extremes()[0] } else { axis.values()[0] };
+        }
+        self.is_whole
+    }
+
+    fn check_grid(&self, grid: Option<&Grid>, parts: Parts<'_>, complaints: &mut Complaints) -> bool {
+        friction::check_law_of_varied(parts, &self.quantities, &self.friction, complaints);
+        let Some(grid) = grid else { return self.is_whole };
+        let model = BeltOscillator::new(self.oscillator(&self.expected), BeltCriterion::Eigenvalue);
+        let checked = configurable(&model, grid).map_err(|error| Complaint::maybe_at(None, format!("model: {error}")));
+        complaints.take(checked).is_some()
+    }
+
+    fn finish(
+        self: Box<Self>,
+        grid: Option<&Grid>,
+        parts: Parts<'_>,
+        complaints: &mut Complaints,
+    ) -> Option<Arc<dyn JobModel>> {
+        let criterion = self.criterion(parts, complaints)?;
+        let grid = grid?;
+        let model = BeltOscillator::new(self.oscillator(&self.expected), criterion);
+        let checked =
+            configurable(&model, grid).map_err(|error| Complaint::maybe_at(None, format!("criterion: {error}")));
+        complaints.take(checked)?;
+        Some(Arc::new(BeltJob(model)))
+    }
+}
+
+/// The oscillator of a job.
+#[derive(Debug)]
+struct BeltJob(BeltOscillator);
+
+impl JobModel for BeltJob {
+    fn model(&self) -> &dyn Model {
+        &self.0
+    }
+
+    fn expected(&self) -> Vec<f64> {
+        self.0.expected()
+    }
+
+    fn tables(&self, grid: &Grid) -> Tables {
+        let expected = self.0.expected();
+        let friction = self.0.oscillator(&expected).friction;
+        let law = LawSpec::from(&friction.law);
+        let mut model = toml::Table::from_iter([("kind".to_owned(), KIND.name.into())]);
+        let mut of_friction = toml::Table::new();
+        for (place, quantity) in self.0.quantities().iter().enumerate() {
+            if quantity.role == Role::Start || grid.axis_of(place).is_some() {
+                continue;
+            }
+            match quantity.path.strip_prefix("friction.") {
+                Some(name) if law.refusal(name, "").is_some() => {}
+                Some(name) => drop(of_friction.insert(name.to_owned(), expected[place].into())),
+                None => drop(model.insert(quantity.path.to_string(), expected[place].into())),
+            }
+        }
+        of_friction.insert("law".to_owned(), friction.law.name().into());
+        if let Some(curve) = friction.law.table() {
+            of_friction.extend(table_of(&BTreeMap::from([("table", CurveColumns::from(&**curve))])));
+        }
+        model.insert("friction".to_owned(), of_friction.into());
+        Tables { model, criterion: criterion_table(self.0.criterion()) }
+    }
+
+    fn map_refusal(&self, _: &Grid, _: &RandomInputSet) -> Option<String> {
+        None
+    }
+
+    fn rigid_pad(&self, expected: &[f64]) -> Option<Result<PadOnDisc, ParameterError>> {
+        Some(PadOnDisc::new(self.0.oscillator(expected).as_pad()))
+    }
+
+    fn freeze(&self, document: &mut DocumentMut) -> String {
+        friction::freeze(document, &self.0.oscillator(&self.0.expected()).friction.law)
+    }
+}
+
+/// The criterion written out.
+fn criterion_table(criterion: &Criterion) -> toml::Table {
+    #[derive(Serialize)]
+    struct Written {
+        kind: BeltKind,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        displacement: Option<f64>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        horizon: Option<f64>,
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        record: Vec<Record>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        start: Option<StartSpec<GivenBeltStart>>,
+    }
+    let empty =
+        Written { kind: BeltKind::Eigenvalue, displacement: None, horizon: None, record: Vec::new(), start: None };
+    let Criterion::TimeDomain { settings, .. } = criterion else { return table_of(&empty) };
+    table_of(&Written {
+        kind: BeltKind::TimeDomain,
+        displacement: Some(settings.displacement),
+        horizon: Some(settings.horizon),
+        record: settings.record_amplitude.then_some(Record::Amplitude).into_iter().collect(),
+        start: Some((&settings.start).into()),
+    })
+}

@@ -1,0 +1,109 @@
+//! The kinds of models that job specs know: how each reads its tables `[model]` and `[criterion]`.
+//!
+//! Everything else in a job, axes, random inputs, sampling, limits, goes by the quantities of the model and knows no kind.
+
+use std::ops::Range;
+
+use schemars::{Schema, SchemaGenerator};
+use serde_json::{Map, Value, json};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::axes_spec::AxisSpec;
+use super::diagnosis::{Complaint, Complaints};
+use super::keys::nearest;
+use super::model::{Draft, Kind};
+use super::reading::is_of_model;
+use super::spec::JobSpec;
+
+pub mod start_spec;
+
+pub mod pad_on_disc;
+
+mod belt_oscillator;
+
+#[cfg(test)]
+mod two_masses;
+
+/// The kinds; the first is meant where a job does not say.
+const KINDS: &[Kind] = &[
+    pad_on_disc::KIND,
+    belt_oscillator::KIND,
+    #[cfg(test)]
+    two_masses::KIND,
+];
+
+/// Reads the model of a job by its kind.
+pub fn draft(text: &str, document: &Spanned<DeTable<'_>>, complaints: &mut Complaints) -> Option<Box<dyn Draft>> {
+    let mut tables = document.clone();
+    let others: Vec<_> = tables.get_ref().keys().filter(|key| !is_of_model(key.get_ref())).cloned().collect();
+    others.iter().for_each(|key| drop(tables.get_mut().remove(key)));
+    let kind = match kind_of(tables.get_mut()) {
+        None => Some(&KINDS[0]),
+        Some((name, span)) => {
+            let kind = KINDS.iter().find(|kind| kind.name == name);
+            if kind.is_none() {
+                complaints.push(unknown_kind(&name, span));
+            }
+            kind
+        }
+    };
+    (kind?.draft)(text, tables, complaints)
+}
+
+/// What may have been meant by a key outside the tables of the model, as the end of a message.
+pub fn suggested(wrong: &str, table: &str) -> Option<String> {
+    pad_on_disc::keys::suggested(wrong, table)
+}
+
+/// Takes the kind out of the tables.
+fn kind_of(tables: &mut DeTable<'_>) -> Option<(String, Range<usize>)> {
+    let model = tables.iter_mut().find(|(key, _)| key.get_ref() == "model").map(|(_, value)| value.get_mut())?;
+    let DeValue::Table(model) = model else { return None };
+    let key = model.keys().find(|key| key.get_ref() == "kind").cloned()?;
+    let value = model.remove(&key)?;
+    match value.get_ref() {
+        DeValue::String(name) => Some((name.to_string(), value.span())),
+        _ => Some((String::new(), value.span())),
+    }
+}
+
+fn unknown_kind(name: &str, span: Range<usize>) -> Complaint {
+    let names: Vec<String> = KINDS.iter().map(|kind| format!("\"{}\"", kind.name)).collect();
+    let near = nearest(name, KINDS.iter().map(|kind| kind.name));
+    let near = near.map_or(String::new(), |near| format!("; did you mean \"{near}\"?"));
+    let message = format!("model.kind: there is no kind of model \"{name}\"{near} (there are {})", names.join(", "));
+    Complaint::at(span, message)
+}
+
+/// The JSON schema of job specs, of any kind of model.
+pub fn schema() -> Schema {
+    let mut generator = SchemaGenerator::default();
+    let [model, criterion] =
+        [0, 1].map(|table| -> Vec<Schema> { KINDS.iter().map(|kind| kind.schemas[table](&mut generator)).collect() });
+    let axes = axes(&generator.subschema_for::<AxisSpec>());
+    let mut schema = generator.into_root_schema_for::<JobSpec>();
+    let root = schema.ensure_object();
+    root["properties"]["model"]["anyOf"] = json!(model);
+    root["properties"]["criterion"]["anyOf"] = json!(criterion);
+    root["$defs"]["AxesSpec"]["properties"] = axes.into();
+    schema
+}
+
+/// The axes of all kinds, each with the schema of an axis.
+fn axes(axis: &Schema) -> Map<String, Value> {
+    let mut properties = Map::new();
+    for (key, description) in KINDS.iter().flat_map(|kind| (kind.axes)()) {
+        let mut schema = axis.clone();
+        schema.insert("description".to_owned(), description.into());
+        properties.insert(key.clone(), schema.clone().into());
+        // The same within the table of its section.
+        if let Some((section, name)) = key.split_once('.') {
+            let section = properties
+                .entry(section)
+                .or_insert_with(|| json!({ "type": "object", "properties": {}, "additionalProperties": false }));
+            section["properties"][name] = schema.into();
+        }
+    }
+    properties
+}

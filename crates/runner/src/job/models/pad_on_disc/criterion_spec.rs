@@ -1,0 +1,191 @@
+//! The criterion of a job spec as written.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use stickslip_core::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
+use stickslip_core::models::pad_on_disc::motion::start::{GivenStart, StartUnits};
+use toml::Spanned;
+
+use crate::job::model::OutsidePhysics;
+use crate::job::models::start_spec::{StartNumbers, StartSpec};
+
+/// The criterion of stability. All keys but `kind` belong to the simulation in time, `disc_modes` also to the coupled
+/// eigenvalues.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CriterionSpec {
+    /// How a sample is decided.
+    #[schemars(with = "CriterionKind")]
+    pub kind: Option<Spanned<CriterionKind>>,
+    /// The disc under the pad; by default "flexible".
+    #[schemars(with = "Option<DiscKind>")]
+    pub disc: Option<Spanned<DiscKind>>,
+    /// How many modes of the flexible disc are kept, those of lowest frequency; by default "auto": as many as the
+    /// growth rates of the job need.
+    #[schemars(with = "Option<ModesSpec>")]
+    pub disc_modes: Option<Spanned<ModesSpec>>,
+    /// Where a motion starts; by default "near-equilibrium".
+    #[schemars(with = "Option<StartSpec<GivenStartSpec>>")]
+    pub start: Option<Spanned<StartSpec<GivenStartSpec>>>,
+    /// Displacement of a start near the equilibrium, over the equilibrium's own; by default 0.01.
+    #[schemars(with = "Option<f64>")]
+    pub displacement: Option<Spanned<f64>>,
+    /// Scaled time after which a sample is undecided; by default 10000.
+    #[schemars(with = "Option<f64>")]
+    pub horizon: Option<Spanned<f64>>,
+    /// The paper's index: unstable where the settled amplitude exceeds a limit. Without it the motion itself decides.
+    #[schemars(with = "Option<IndexSpec>")]
+    pub index: Option<Spanned<IndexSpec>>,
+    /// What becomes of samples without preload (Delta <= 0) or with friction that rises with speed (f_s < f_c);
+    /// "stable" by default.
+    #[schemars(with = "Option<OutsidePhysics>")]
+    pub outside_physics: Option<Spanned<OutsidePhysics>>,
+    /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude.
+    #[schemars(with = "Option<Vec<Record>>")]
+    pub record: Option<Spanned<Vec<Record>>>,
+}
+
+/// A number of disc modes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModesSpec {
+    /// As many as the job needs.
+    Auto,
+    /// This many.
+    Given(usize),
+}
+
+impl<'de> Deserialize<'de> for ModesSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ModesVisitor;
+
+        impl Visitor<'_> for ModesVisitor {
+            type Value = ModesSpec;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("\"auto\" or a whole number, for example 5")
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<ModesSpec, E> {
+                let refused = |_| E::invalid_value(Unexpected::Signed(value), &self);
+                usize::try_from(value).map(ModesSpec::Given).map_err(refused)
+            }
+
+            fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<ModesSpec, E> {
+                if value == "auto" { Ok(ModesSpec::Auto) } else { Err(E::invalid_value(Unexpected::Str(value), &self)) }
+            }
+        }
+
+        deserializer.deserialize_any(ModesVisitor)
+    }
+}
+
+impl JsonSchema for ModesSpec {
+    fn schema_name() -> Cow<'static, str> {
+        "DiscModes".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "\"auto\", or a number of disc modes.",
+            "anyOf": [{ "const": "auto" }, { "type": "integer", "minimum": 1, "maximum": MOST_DISC_MODES }]
+        })
+    }
+}
+
+/// How a sample is decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CriterionKind {
+    /// The eigenvalues of steady sliding on a rigid disc, in closed form.
+    Eigenvalue,
+    /// The eigenvalues of pad and flexible disc together.
+    CoupledEigenvalue,
+    /// The motion itself, simulated in time.
+    TimeDomain,
+}
+
+/// The disc under the pad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DiscKind {
+    /// An elastic annular plate, by its modes.
+    Flexible,
+    /// A rigid disc.
+    Rigid,
+}
+
+/// A state that a motion starts in. What is left out is as in steady sliding.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GivenStartSpec {
+    /// Tangential displacement of the pad, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tangential: Option<f64>,
+    /// Tangential speed of the pad, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<f64>,
+    /// Normal displacement of the pad, m; on a flexible disc.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal: Option<f64>,
+    /// Rotation of the pad, rad; on a flexible disc.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<f64>,
+    /// Whether displacements and rotation count from steady sliding; by default they count from the pad without forces.
+    #[serde(default)]
+    pub from_equilibrium: bool,
+    /// Units of displacements and speed; by default "si".
+    #[serde(default)]
+    pub units: UnitsSpec,
+}
+
+/// Units of a start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum UnitsSpec {
+    /// m and m/s.
+    #[default]
+    Si,
+    /// Thicknesses of the disc, and these over the time scale.
+    Scaled,
+}
+
+impl StartNumbers for GivenStartSpec {
+    const SCHEMA: &str = "Start";
+    const FORM: &str = "{ tangential = ..., velocity = ..., normal = ..., angle = ... }";
+}
+
+impl From<&GivenStartSpec> for GivenStart {
+    fn from(spec: &GivenStartSpec) -> Self {
+        let GivenStartSpec { tangential, velocity, normal, angle, from_equilibrium, units } = *spec;
+        let units = if units == UnitsSpec::Scaled { StartUnits::Scaled } else { StartUnits::Si };
+        Self { tangential, velocity, normal, angle, from_equilibrium, units }
+    }
+}
+
+impl From<&GivenStart> for GivenStartSpec {
+    fn from(start: &GivenStart) -> Self {
+        let GivenStart { tangential, velocity, normal, angle, from_equilibrium, units } = *start;
+        let units = if units == StartUnits::Scaled { UnitsSpec::Scaled } else { UnitsSpec::Si };
+        Self { tangential, velocity, normal, angle, from_equilibrium, units }
+    }
+}
+
+/// The paper's index of instability.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IndexSpec {
+    /// Limit of the settled amplitude, half peak to peak of x over the disc's thickness.
+    pub amplitude: f64,
+}
+
+/// What a run can record beside its counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Record {
+    /// Settled amplitude of the unstable samples.
+    Amplitude,
+}

@@ -1,0 +1,402 @@
+//! The friction law of a job: `[model.friction]`.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::path::Path;
+
+use csv::{ReaderBuilder, Trim};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::json;
+use stickslip_core::friction::law::LawKind;
+use stickslip_core::friction::measured_curve::{CurveError, MeasuredCurve, SharedCurve};
+use stickslip_core::model::quantity::Quantity;
+use stickslip_core::models::pad_on_disc::parameters::Friction;
+use toml::Spanned;
+use toml_edit::{DocumentMut, InlineTable, Item, Value};
+
+use super::overrides::{Overrides, section_properties};
+use crate::job::diagnosis::{Complaint, Complaints};
+use crate::job::keys::nearest;
+use crate::job::measured::{MOST_VALUES, read_csv, unreadable};
+use crate::job::model::Parts;
+
+/// Names of friction laws.
+pub const LAWS: [&str; 3] = ["stribeck", "rational", "table"];
+
+/// Columns of a measured curve; the last one may be left out.
+const COLUMNS: [&str; 3] = ["speed", "coefficient", "std"];
+
+/// `[model.friction]`: the law, its measured curve, and its values.
+#[derive(Debug, Default)]
+pub struct FrictionSpec {
+    pub law: Option<Spanned<LawSpec>>,
+    pub table: Option<Spanned<TableSpec>>,
+    pub values: Overrides,
+}
+
+/// A friction law by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LawSpec {
+    Stribeck,
+    Rational,
+    Table,
+}
+
+impl LawSpec {
+    pub fn from_name(name: &str) -> Result<Self, String> {
+        match name {
+            "stribeck" => Ok(Self::Stribeck),
+            "rational" => Ok(Self::Rational),
+            "table" => Ok(Self::Table),
+            _ => {
+                let hint = nearest(name, LAWS).map_or(String::new(), |right| format!("; did you mean \"{right}\"?"));
+                Err(format!("there is no friction law \"{name}\"{hint} (there are {})", LAWS.join(", ")))
+            }
+        }
+    }
+
+    fn name(self) -> &'static str {
+        LAWS[self as usize]
+    }
+
+    /// The law that a parameter of friction belongs to, where that is not this one.
+    fn stranger(self, name: &str) -> Option<&'static str> {
+        let laws: &[Self] = match name {
+            "stribeck_exponent" => &[Self::Stribeck],
+            "kinetic_coefficient" | "stribeck_velocity" | "viscous" => &[Self::Stribeck, Self::Rational],
+            "band" | "table" => &[Self::Table],
+            _ => return None,
+        };
+        if laws.contains(&self) {
+            return None;
+        }
+        Some(if laws.len() == 2 {
+            "\"stribeck\" or \"rational\""
+        } else {
+            ["\"stribeck\"", "", "\"table\""][laws[0] as usize]
+        })
+    }
+
+    /// What is wrong with a key of another law, if it is one.
+    pub fn refusal(self, name: &str, key: &str) -> Option<String> {
+        self.stranger(name).map(|laws| {
+            let own = self.name();
+            format!("{key} belongs to law = {laws}, but the friction law is \"{own}\"; remove it, or change the law")
+        })
+    }
+}
+
+impl From<&LawKind> for LawSpec {
+    fn from(law: &LawKind) -> Self {
+        match law {
+            LawKind::Stribeck => Self::Stribeck,
+            LawKind::Rational => Self::Rational,
+            LawKind::Table(_) => Self::Table,
+        }
+    }
+}
+
+/// A measured curve: a file, or its columns.
+#[derive(Debug, Clone)]
+pub enum TableSpec {
+    /// Path, relative to the job's.
+    Csv(String),
+    /// The curve itself.
+    Columns(CurveColumns),
+}
+
+/// The columns of a measured curve.
+#[derive(Debug, Clone, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct CurveColumns {
+    pub speed: Vec<f64>,
+    pub coefficient: Vec<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub std: Option<Vec<f64>>,
+}
+
+impl From<&MeasuredCurve> for CurveColumns {
+    fn from(curve: &MeasuredCurve) -> Self {
+        Self {
+            speed: curve.speeds().to_vec(),
+            coefficient: curve.coefficients().to_vec(),
+            std: curve.deviations().map(<[f64]>::to_vec),
+        }
+    }
+}
+
+impl CurveColumns {
+    fn curve(&self) -> Result<SharedCurve, CurveError> {
+        MeasuredCurve::new(&self.speed, &self.coefficient, self.std.as_deref()).map(SharedCurve::new)
+    }
+}
+
+impl<'de> Deserialize<'de> for TableSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct TableVisitor;
+
+        impl<'de> Visitor<'de> for TableVisitor {
+            type Value = TableSpec;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the path of a CSV file, or { speed = [...], coefficient = [...] }")
+            }
+
+            fn visit_str<E>(self, path: &str) -> Result<TableSpec, E> {
+                Ok(TableSpec::Csv(path.to_owned()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TableSpec, A::Error> {
+                CurveColumns::deserialize(MapAccessDeserializer::new(map)).map(TableSpec::Columns)
+            }
+        }
+
+        deserializer.deserialize_any(TableVisitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for FrictionSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct FrictionVisitor;
+
+        impl<'de> Visitor<'de> for FrictionVisitor {
+            type Value = FrictionSpec;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table of the friction law and its values")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<FrictionSpec, A::Error> {
+                let mut spec = FrictionSpec::default();
+                while let Some(key) = map.next_key::<Spanned<String>>()? {
+                    match key.get_ref().as_str() {
+                        "law" => spec.law = Some(map.next_value()?),
+                        "table" => spec.table = Some(map.next_value()?),
+                        _ => drop(spec.values.insert(key, map.next_value()?)),
+                    }
+                }
+                Ok(spec)
+            }
+        }
+
+        deserializer.deserialize_map(FrictionVisitor)
+    }
+}
+
+impl JsonSchema for FrictionSpec {
+    fn schema_name() -> Cow<'static, str> {
+        "Friction".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let mut properties = section_properties("friction");
+        let column = |description: &str| {
+            let number = json!({ "type": "number", "minimum": 0 });
+            json!({ "type": "array", "items": number, "minItems": 2, "description": description })
+        };
+        properties.insert(
+            "law".to_owned(),
+            json!({ "enum": LAWS, "description": "The friction law; \"stribeck\" by default" }),
+        );
+        properties.insert(
+            "table".to_owned(),
+            json!({
+                "description": "A measured curve: a CSV file with the columns speed, coefficient and perhaps std, relative to the job's folder; or the columns themselves",
+                "anyOf": [
+                    { "type": "string" },
+                    {
+                        "type": "object",
+                        "properties": {
+                            "speed": column("Sliding speeds in rising order, m/s"),
+                            "coefficient": column("Friction coefficients"),
+                            "std": column("Standard deviations of the coefficients"),
+                        },
+                        "required": ["speed", "coefficient"],
+                        "additionalProperties": false,
+                    },
+                ],
+            }),
+        );
+        json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
+    }
+}
+
+/// Gives a model the law of a job. Its values come later.
+pub fn use_law(spec: &FrictionSpec, folder: &Path, friction: &mut Friction, complaints: &mut Complaints) {
+    let law = spec.law.as_ref().map_or(LawSpec::Stribeck, |law| *law.get_ref());
+    for (name, value) in &spec.values {
+        let key = format!("model.friction.{}", name.get_ref());
+        let refusal = law.refusal(name.get_ref(), &key).map(|message| Complaint::at(value.span(), message));
+        complaints.push_some(refusal);
+    }
+    match (law, &spec.table) {
+        (LawSpec::Stribeck, None) => {}
+        (LawSpec::Rational, None) => friction.law = LawKind::Rational,
+        (LawSpec::Table, None) => {
+            let span = spec.law.as_ref().map(Spanned::span);
+            if !complaints.has_unread(&["model", "friction", "table"]) {
+                complaints.push(Complaint::missing("table", span, NO_TABLE));
+            }
+        }
+        (LawSpec::Table, Some(table)) => {
+            let curve = match table.get_ref() {
+                TableSpec::Csv(file) => read_curve(&folder.join(file)),
+                TableSpec::Columns(columns) => columns.curve().map_err(|error| in_rows(&error)),
+            };
+            let curve =
+                curve.map_err(|message| Complaint::at(table.span(), format!("model.friction.table: {message}")));
+            if let Some(curve) = complaints.take(curve) {
+                friction.use_table(curve);
+            }
+        }
+        (_, Some(table)) if !complaints.has_unread(&["model", "friction", "law"]) => {
+            let message = format!(
+                "model.friction.table belongs to law = \"table\", but the friction law is \"{}\"; write law = \"table\", or remove the table",
+                law.name()
+            );
+            complaints.push(Complaint::at(table.span(), message));
+        }
+        (_, Some(_)) => {}
+    }
+}
+
+const NO_TABLE: &str = "law = \"table\" needs the measured curve: table = \"curve.csv\", with the columns speed (m/s), coefficient and perhaps std; or table = { speed = [...], coefficient = [...] }";
+
+/// Refuses a shift by standard deviations that a curve does not have.
+pub fn check_band(friction: &Friction, is_random: bool) -> Result<(), String> {
+    let Some(curve) = friction.law.table() else { return Ok(()) };
+    if curve.deviations().is_some() || (friction.band == 0.0 && !is_random) {
+        return Ok(());
+    }
+    Err("friction.band shifts the measured curve by its standard deviations, but the table has no column std; add it, or leave friction.band out".to_owned())
+}
+
+/// What is wrong with a random input, or an axis, of a parameter that belongs to another friction law. `place` is its
+/// key in the job.
+pub fn check_varied(place: &str, input: &str, friction: &Friction) -> Result<(), String> {
+    let law = LawSpec::from(&friction.law);
+    let Some(name) = input.strip_prefix("friction.") else { return Ok(()) };
+    if let Some(message) = law.refusal(name, place) {
+        return Err(message);
+    }
+    check_band(friction, name == "band")
+}
+
+/// Refuses random inputs and axes of parameters that belong to another friction law.
+pub fn check_law_of_varied(
+    Parts { spec, random }: Parts<'_>,
+    quantities: &[Quantity],
+    friction: &Friction,
+    complaints: &mut Complaints,
+) {
+    let span = spec.random.inputs.as_ref().map(Spanned::span);
+    for name in random.into_iter().flat_map(|random| &random.inputs).map(|input| &*quantities[*input].name) {
+        let checked = check_varied(&format!("random.inputs: {name}"), name, friction);
+        complaints.take(checked.map_err(|message| Complaint::maybe_at(span.clone(), message)));
+    }
+    for entry in &spec.axes.0 {
+        let name = entry.name.get_ref();
+        let checked = check_varied(&format!("axes: {name}"), name, friction);
+        complaints.take(checked.map_err(|message| Complaint::at(entry.name.span(), message)));
+    }
+}
+
+/// Writes the measured curve of a law into the text of a job, in place of the file that it was read from; a comment that
+/// says which that was.
+pub fn freeze(document: &mut DocumentMut, law: &LawKind) -> String {
+    let mut origins = String::new();
+    let friction = document.get_mut("model").and_then(|model| model.get_mut("friction"));
+    if let (Some(friction), Some(curve)) = (friction, law.table())
+        && let Some(table) = friction.get_mut("table")
+        && let Some(file) = table.as_str()
+    {
+        origins += &format!("# model.friction.table: measured curve from {file:?}\n");
+        let columns = CurveColumns::from(&**curve);
+        let named = [("speed", Some(columns.speed)), ("coefficient", Some(columns.coefficient)), ("std", columns.std)];
+        let mut inline = InlineTable::new();
+        for (name, values) in named {
+            let Some(values) = values else { continue };
+            inline.insert(name, Value::Array(values.into_iter().collect()));
+        }
+        *table = Item::Value(Value::InlineTable(inline));
+    }
+    origins
+}
+
+/// A measured curve from a CSV file: names in the first line, decimals with a point. Says file, line and value where it
+/// cannot be read.
+pub fn read_curve(path: &Path) -> Result<SharedCurve, String> {
+    let shown = path.display();
+    let bytes = read_csv(path)?;
+    let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(&bytes[..]);
+    let names = reader.headers().map_err(|error| unreadable(path, &error))?.clone();
+    let place = |column: &str| names.iter().position(|name| name == column);
+    if let Some(unknown) = names.iter().find(|name| !COLUMNS.contains(name)) {
+        return Err(format!(
+            "{shown}:1: there is a column \"{unknown}\"; a friction curve has the columns speed, coefficient and perhaps std, named in the first line, separated by commas"
+        ));
+    }
+    let missing = COLUMNS[..2].iter().find(|column| place(column).is_none());
+    if let Some(missing) = missing {
+        return Err(format!(
+            "{shown}:1: there is no column \"{missing}\"; the first line should name the columns speed, coefficient and perhaps std, separated by commas"
+        ));
+    }
+    if let Some(twice) = COLUMNS.iter().find(|column| names.iter().filter(|name| name == *column).count() > 1) {
+        return Err(format!("{shown}:1: two columns are named \"{twice}\""));
+    }
+    let places = COLUMNS.map(place);
+    let (mut columns, mut lines): ([Vec<f64>; 3], Vec<u64>) = Default::default();
+    for record in reader.records() {
+        let record = record.map_err(|error| unreadable(path, &error))?;
+        let line = record.position().map_or(0, |position| {
+            // The position of a record is before the empty lines that it follows.
+            let rest = bytes.get(position.byte() as usize..).unwrap_or_default();
+            let empty =
+                rest.iter().take_while(|byte| byte.is_ascii_whitespace()).filter(|byte| **byte == b'\n').count();
+            position.line() + empty as u64
+        });
+        lines.push(line);
+        if lines.len() > MOST_VALUES {
+            return Err(format!("{shown}:{line}: a curve has at most {MOST_VALUES} rows; thin it out"));
+        }
+        for ((values, place), column) in columns.iter_mut().zip(places).zip(COLUMNS) {
+            let Some(place) = place else { continue };
+            let text = record.get(place).unwrap_or_default();
+            match text.parse::<f64>() {
+                Ok(value) if value.is_finite() => values.push(value),
+                _ => {
+                    return Err(format!(
+                        "{shown}:{line}: \"{text}\" in column \"{column}\" is not a finite number, such as 0.41 or 4.1e-1"
+                    ));
+                }
+            }
+        }
+    }
+    let [speed, coefficient, std] = columns;
+    let curve = CurveColumns { speed, coefficient, std: places[2].is_some().then_some(std) };
+    curve.curve().map_err(|error| match row_of(&error).and_then(|row| lines.get(row)) {
+        Some(line) => format!("{shown}:{line}: {error}"),
+        None => format!("{shown}: {error}"),
+    })
+}
+
+/// The message about columns that stand in the job itself.
+fn in_rows(error: &CurveError) -> String {
+    row_of(error).map_or_else(|| error.to_string(), |row| format!("row {}: {error}", row + 1))
+}
+
+/// The row that an error speaks of.
+fn row_of(error: &CurveError) -> Option<usize> {
+    match error {
+        CurveError::OutOfRange { row, .. } | CurveError::NotRising { row, .. } | CurveError::TooNear { row, .. } => {
+            Some(*row)
+        }
+        CurveError::NothingAtRest => Some(0),
+        _ => None,
+    }
+}

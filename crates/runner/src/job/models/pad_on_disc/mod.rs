@@ -1,0 +1,306 @@
+//! The pad on the disc in job specs: parameters of the preset and overrides, the friction law, three criteria.
+
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use stickslip_core::model::Model;
+use stickslip_core::model::quantity::Quantity;
+use stickslip_core::models::pad_on_disc::criterion::validity::{self, Uncovered};
+use stickslip_core::models::pad_on_disc::model::{Criterion, PRELOAD, PadModel, STATIC_FRICTION, quantities};
+use stickslip_core::models::pad_on_disc::motion::start::GivenStart;
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::grid::{Axis, Grid};
+use toml::Spanned;
+
+use self::corners::Corners;
+use self::criterion_spec::{CriterionKind, CriterionSpec, ModesSpec};
+use self::given_forces::GivenForces;
+use self::preload_force::is_preload_force;
+use self::start::StartSpecs;
+use self::tables::PadTables;
+use self::values::{contradiction, validate_model};
+use crate::job::axes_spec::{AxesSpec, AxisEntry};
+use crate::job::diagnosis::{Complaint, Complaints};
+use crate::job::model::{Draft, JobModel, Kind, OutsidePhysics, Parts, Tables};
+use crate::job::random::RandomInputSet;
+use crate::job::reading;
+use crate::job::spec::JobSpec;
+use crate::units::force;
+
+pub mod preload_force;
+
+pub mod keys;
+
+mod overrides;
+
+pub mod friction;
+
+pub mod criterion_spec;
+
+mod tables;
+
+mod given_forces;
+
+pub mod plausibility;
+
+mod values;
+
+mod corners;
+
+mod start;
+
+mod criterion;
+
+mod normalised;
+
+/// The kind in job specs.
+pub const KIND: Kind = Kind {
+    name: "pad-on-disc",
+    draft: |text, document, complaints| {
+        let tables = reading::read::<PadTables>(text, document, keys::suggested, complaints)?;
+        Some(Box::new(PadDraft::new(tables)))
+    },
+    schemas: [
+        |generator| generator.subschema_for::<tables::ModelSpec>(),
+        |generator| generator.subschema_for::<CriterionSpec>(),
+    ],
+    axes: keys::documented_axes,
+};
+
+/// The model while it is being checked.
+struct PadDraft {
+    tables: PadTables,
+    quantities: Vec<Quantity>,
+    /// `None` if a value was refused.
+    parameters: Option<Parameters>,
+}
+
+impl PadDraft {
+    fn new(tables: PadTables) -> Self {
+        Self { tables, quantities: quantities(&GivenStart::default()), parameters: None }
+    }
+
+    fn criterion_spec(&self) -> Option<&CriterionSpec> {
+        self.tables.criterion.as_ref().map(Spanned::get_ref)
+    }
+
+    fn kind(&self) -> Option<CriterionKind> {
+        self.criterion_spec()?.kind.as_ref().map(|kind| *kind.get_ref())
+    }
+
+    fn defaults(&self) -> Parameters {
+        self.parameters.clone().unwrap_or_else(Parameters::sui_ding_2018)
+    }
+}
+
+impl Draft for PadDraft {
+    fn quantities(&self) -> &[Quantity] {
+        &self.quantities
+    }
+
+    fn has_closed_form(&self) -> Option<bool> {
+        self.kind().map(|kind| kind == CriterionKind::Eigenvalue)
+    }
+
+    fn criterion_span(&self) -> Option<Range<usize>> {
+        self.criterion_spec()?.kind.as_ref().map(Spanned::span)
+    }
+
+    fn outside_physics(&self) -> Option<&Spanned<OutsidePhysics>> {
+        self.criterion_spec()?.outside_physics.as_ref()
+    }
+
+    fn unknown_axis(&self, name: &str) -> String {
+        keys::unknown_axis(name)
+    }
+
+    fn unknown_input(&self, name: &str) -> String {
+        keys::unknown_input(name)
+    }
+
+    fn place_of_axis(&self, name: &str) -> Option<usize> {
+        if is_preload_force(name) {
+            return Some(PRELOAD);
+        }
+        self.quantities.iter().position(|quantity| quantity.name == name || quantity.path == name)
+    }
+
+    fn instead_of(&self, name: &str) -> Option<(&'static str, &'static str)> {
+        is_preload_force(name).then_some(("preload", preload_force::AS_INPUT))
+    }
+
+    fn hint(&self, place: usize, value: f64) -> String {
+        plausibility::hint(&self.quantities[place].path, value, &self.defaults())
+    }
+
+    fn check_values(&mut self, axes: &AxesSpec, folder: &Path, complaints: &mut Complaints) {
+        self.parameters = validate_model(&self.tables.model, axes, folder, complaints);
+    }
+
+    fn expected(&self) -> Vec<f64> {
+        PadModel::new(self.defaults(), Criterion::Eigenvalue).expected()
+    }
+
+    fn converted(
+        &self,
+        place: usize,
+        entry: Option<&AxisEntry>,
+        axes: &[(usize, Axis)],
+        spec: &AxesSpec,
+    ) -> Option<Result<Axis, Complaint>> {
+        let forces = GivenForces::of(place, entry, &self.tables.model)?;
+        Some(forces.preloads(spec, axes, &self.quantities, &self.defaults()))
+    }
+
+    fn settle(&mut self, axes: &[(usize, Axis)], spec: &JobSpec, complaints: &mut Complaints) -> bool {
+        let Some(parameters) = &mut self.parameters else { return false };
+        // An axis replaces the model's own value, which therefore need not fit the other values.
+        if let Some((_, axis)) = axes.iter().find(|(place, _)| *place == STATIC_FRICTION) {
+            parameters.friction.static_coefficient = axis.extremes()[0];
+        }
+        let settled = values::settle(parameters, &self.quantities, axes);
+        let settled = settled.map_err(|error| contradiction(&spec.axes, &self.tables.model, &error));
+        complaints.take(settled).is_some()
+    }
+
+    fn check_grid(&self, grid: Option<&Grid>, parts: Parts<'_>, complaints: &mut Complaints) -> bool {
+        let Some(parameters) = &self.parameters else { return false };
+        let made = grid.is_none_or(|grid| {
+            let made = Corners::new(parameters, grid).are_computable();
+            let made = made.map_err(|error| contradiction(&parts.spec.axes, &self.tables.model, &error));
+            complaints.take(made).is_some()
+        });
+        friction::check_law_of_varied(parts, &self.quantities, &parameters.friction, complaints);
+        made
+    }
+
+    fn finish(
+        self: Box<Self>,
+        grid: Option<&Grid>,
+        parts: Parts<'_>,
+        complaints: &mut Complaints,
+    ) -> Option<Arc<dyn JobModel>> {
+        let Some(criterion) = &self.tables.criterion else {
+            complaints.push(Complaint::missing("criterion", None, NO_CRITERION));
+            return None;
+        };
+        let inputs = parts.random.map_or(&[][..], |random| &random.inputs);
+        let specs =
+            StartSpecs { criterion: criterion.get_ref(), axes: &parts.spec.axes, random: &parts.spec.random, inputs };
+        let model = self.parameters.as_ref().zip(grid);
+        let criterion = criterion::validate(criterion.span(), specs, model, complaints)?;
+        let modes = self.criterion_spec().and_then(|criterion| criterion.disc_modes.as_ref());
+        let modes_are_given = modes.is_some_and(|modes| matches!(modes.get_ref(), ModesSpec::Given(_)));
+        Some(Arc::new(PadJob { model: PadModel::new(self.parameters?, criterion), modes_are_given }))
+    }
+}
+
+const NO_CRITERION: &str = "there is no [criterion]: what decides whether a sample is stable? For example\n\n  [criterion]\n  kind = \"eigenvalue\"        # or \"coupled-eigenvalue\" or \"time-domain\"";
+
+/// The pad on the disc of a job.
+#[derive(Debug, Clone)]
+pub struct PadJob {
+    /// The model, with its criterion.
+    model: PadModel,
+    /// Whether the spec itself says how many disc modes are kept.
+    modes_are_given: bool,
+}
+
+impl PadJob {
+    /// What of the extremes of the axes lies outside the range over which verdicts in time were tested, each value
+    /// once.
+    fn uncovered(&self, grid: &Grid) -> Vec<Uncovered> {
+        let Criterion::TimeDomain { disc, .. } = self.model.criterion() else { return Vec::new() };
+        let mut found: Vec<Uncovered> = Vec::new();
+        let corners = Corners::new(self.model.parameters(), grid);
+        let Ok(corners) = corners.at_extremes(&corners.speeds().extremes()) else { return found };
+        for corner in corners {
+            for static_friction in grid.extremes_of(STATIC_FRICTION) {
+                let mut parameters = corner.clone();
+                parameters.friction.static_coefficient = static_friction;
+                let Ok(brake) = PadOnDisc::new(parameters) else { continue };
+                for uncovered in validity::uncovered(&brake, disc) {
+                    if !found.contains(&uncovered) {
+                        found.push(uncovered);
+                    }
+                }
+            }
+        }
+        found
+    }
+}
+
+impl JobModel for PadJob {
+    fn model(&self) -> &dyn Model {
+        &self.model
+    }
+
+    fn expected(&self) -> Vec<f64> {
+        self.model.expected()
+    }
+
+    fn tables(&self, grid: &Grid) -> Tables {
+        normalised::tables(&self.model, grid)
+    }
+
+    fn warnings(&self, grid: &Grid, _: &RandomInputSet) -> Vec<String> {
+        let parameters = self.model.parameters();
+        let mut warnings = plausibility::of_job(parameters, self.model.quantities(), grid);
+        let criterion = self.model.criterion();
+        if let Criterion::TimeDomain { settings, .. } = criterion {
+            warnings.extend(plausibility::of_displacement("criterion.displacement", settings.displacement));
+        }
+        if self.modes_are_given
+            && let Some(check) = criterion::too_few_modes(criterion, parameters, grid)
+        {
+            warnings.push(format!("{check}; use disc_modes = \"auto\""));
+        }
+        // The scatter of the inputs is not looked at.
+        warnings.extend(self.uncovered(grid).iter().map(|uncovered| format!(
+            "{uncovered}, the limit up to which verdicts in time were tested. They may be right beyond it; look at single samples with `stickslip trajectory`, and compare the run with one of a tenfold criterion.horizon (`stickslip compare`)"
+        )));
+        warnings
+    }
+
+    fn no_limit_axis(&self, name: &str) -> Option<String> {
+        name.ends_with(preload_force::NAME).then(|| {
+            "limits are given as preloads; name the axis preload. Force and preload are proportional".to_owned()
+        })
+    }
+
+    fn map_refusal(&self, grid: &Grid, random: &RandomInputSet) -> Option<String> {
+        let widest = random
+            .position(STATIC_FRICTION)
+            .map_or(0.0, |input| random.relative_stds.iter().map(|stds| stds[input]).fold(0.0, f64::max));
+        let parameters = self.model.parameters();
+        let (speed, rate) = criterion::growth_without_fall(self.model.criterion(), parameters, grid, widest)?;
+        Some(format!(
+            "a verdict map takes friction that rises with speed for stable, but at {speed} rad/s this brake is unstable although friction does not fall (growth rate {rate:+.2e}). Use evaluate = \"each\", which counts what feeds each unstable sample"
+        ))
+    }
+
+    fn remarks(&self, grid: &Grid) -> String {
+        let corners = Corners::new(self.model.parameters(), grid);
+        // Contact forces, which say more than the preloads, grow with each value that they depend on.
+        let Ok(brakes) = corners.at_extremes(&corners.speeds().extremes()[..1]) else { return String::new() };
+        let forces = |preload: f64| {
+            let brakes = brakes.iter().filter_map(|parameters| PadOnDisc::new(parameters.clone()).ok());
+            brakes.map(move |brake| brake.contact_force(preload)).collect::<Vec<f64>>()
+        };
+        let [least, most] = grid.extremes_of(PRELOAD);
+        let least = forces(least).into_iter().fold(f64::INFINITY, f64::min);
+        let most = forces(most).into_iter().fold(0.0, f64::max);
+        let range = if least < most { format!("{} to {}", force(least), force(most)) } else { force(most) };
+        format!("# expected contact force on a rigid disc: {range}\n")
+    }
+
+    fn as_pad(&self) -> Option<&PadModel> {
+        Some(&self.model)
+    }
+
+    fn freeze(&self, document: &mut toml_edit::DocumentMut) -> String {
+        friction::freeze(document, &self.model.parameters().friction.law)
+    }
+}

@@ -1,0 +1,30 @@
+//! What quantities are called in plots.
+
+use stickslip_core::model::quantity::Quantity;
+
+/// Name and symbol of a quantity.
+pub fn title(quantity: &Quantity) -> String {
+    if let Some(title) = &quantity.title {
+        return title.to_string();
+    }
+    let mut letters = quantity.noun().chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
+    let name = format!("{first}{}", letters.as_str());
+    if quantity.symbol == quantity.name { name } else { format!("{name} {}", symbol(&quantity.symbol)) }
+}
+
+/// A symbol in Greek letters and with its index, where it is written out.
+fn symbol(text: &str) -> &str {
+    match text {
+        "rho" => "ρ",
+        "nu" => "ν",
+        "zeta" => "ζ",
+        "psi" => "ψ",
+        "delta" => "δ",
+        "Delta" => "Δ",
+        "Omega" => "Ω",
+        "f_s" => "fₛ",
+        "v_s" => "vₛ",
+        other => other,
+    }
+}
