@@ -369,7 +369,7 @@ fn what_cannot_be_compared_is_refused() {
 #[test]
 fn ctrl_c_ends_a_comparison() {
     // Counting is fast, but comparing sample by sample is slower.
-    let place = runs(15.0, &[("long", EIGENVALUE, "samples = 3_000_000")]);
+    let place = runs(15.0, &[("long", EIGENVALUE, "samples = 30_000_000")]);
     let mut command = place.command("compare runs/long runs/long --out out.parquet");
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     std::thread::sleep(Duration::from_millis(400));
