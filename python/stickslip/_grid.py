@@ -57,17 +57,20 @@ def dataset(table: pyarrow.Table) -> xarray.Dataset:
 
 def _lengths(job: dict[str, Any], columns: dict[str, Any], deviations: list[str]) -> dict[str, int]:
     """How many values each axis has, by its column, slowest first."""
-    axes = {_COLUMNS.get(name, name): len(values) for name, values in job["axes"].items()}
-    scatter = job.get("random", {}).get("relative_std")
-    entries = len(scatter) if isinstance(scatter, list) else 1
+    lengths = {_COLUMNS.get(name, name): len(values) for name, values in job["axes"].items()}
+    strides = {name: _stride(columns[name]) for name in lengths}
     # The axis of standard deviations goes by the first input in which they vary, as in an export.
-    varied = next((name for name in deviations if (columns[name] != columns[name][0]).any()), None)
-    lengths = {}
-    for name, length in axes.items():
-        if name == "preload" and varied is not None:
-            lengths[varied] = entries
-        lengths[name] = length
-    return lengths
+    varied = [name for name in deviations if _stride(columns[name]) < len(columns[name])]
+    if varied:
+        lengths[varied[0]] = len(job["random"]["relative_std"])
+        strides[varied[0]] = min(_stride(columns[name]) for name in varied)
+    return dict(sorted(lengths.items(), key=lambda axis: -strides[axis[0]]))
+
+
+def _stride(values: Any) -> int:
+    """How many cells follow each other before a value changes; all of them if it never does."""
+    changed = (values != values[0]).nonzero()[0]
+    return int(changed[0]) if len(changed) else len(values)
 
 
 def _varies(grid: Any, dimension: int) -> bool:

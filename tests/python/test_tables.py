@@ -79,6 +79,21 @@ def test_standard_deviations_that_vary_twice_are_one_axis(small: dict[str, Any])
     assert data["std_static_friction"].values.tolist() == [0.1, 0.1, 0.2]
 
 
+def test_a_dataset_of_another_model(small: dict[str, Any]) -> None:
+    small["model"] = {"kind": "belt-oscillator", "mass": 1.0, "stiffness": 1.0, "damping": 0.05}
+    small["model"]["friction"] = {"kinetic_coefficient": 0.5, "stribeck_velocity": 1.0}
+    small["axes"] = {"normal_force": [1.0, 2.0], "belt_speed": [2.0, 1.0, 1.5], "static_coefficient": [0.8, 1.0]}
+    small["random"] = {"inputs": ["normal_force", "belt_speed"]}
+    small["random"]["relative_std"] = [{"normal_force": 0.1, "belt_speed": 0.1}, {"normal_force": 0.1, "belt_speed": 0.2}]
+    run = stickslip.run(small, progress=False)
+    data = run.surface("xarray")
+    wanted = {"normal_force": 2, "belt_speed": 3, "static_coefficient": 2, "std_belt_speed": 2}
+    assert dict(data["p_unstable"].sizes) == wanted
+    for _, row in run.surface().iterrows():
+        cell = data.sel({name: row[name] for name in wanted})
+        assert int(cell["cell"]) == row["cell"]
+
+
 def test_a_force_in_place_of_the_preload(small: dict[str, Any]) -> None:
     del small["axes"]["preload"]
     small["axes"]["preload_force"] = [20_000.0, 35_000.0]
