@@ -16,7 +16,7 @@ use crate::store::tally::Tally;
 
 /// The state of the run of a submitted job.
 pub enum RunState {
-    /// New, or a finished run that now gets more samples.
+    /// New, or a finished run that now gets more samples, or one without samples, which is computed as a whole.
     New(Tally),
     /// Some samples are counted.
     Unfinished(Tally),
@@ -76,7 +76,12 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
     let tally = directory.tally(&existing)?;
     let finished = Parts::new(&existing).are_complete(&tally);
     if wanted == there {
-        return Ok((existing, if finished { RunState::Finished(tally) } else { RunState::Unfinished(tally) }));
+        let state = match finished {
+            true => RunState::Finished(tally),
+            false if existing.draws_samples() => RunState::Unfinished(tally),
+            false => RunState::New(tally),
+        };
+        return Ok((existing, state));
     }
     if !finished {
         let resume = format!("stickslip resume {path}");

@@ -42,13 +42,13 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let here = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let engine = Engine::new(if arguments.nodes.is_some() { threads.min(here) } else { threads })?;
     let mut evaluator = Evaluator::new(&job)?;
-    let cost = match (job.uses_maps(), job.is_integrated()) {
+    let cost = match (job.uses_maps(), job.draws_samples()) {
         (true, _) => cost_of_maps(&mut evaluator, &engine, threads)?,
-        (false, true) => {
+        (false, false) => {
             let text = "# no samples: the boundary is known in closed form\n".to_owned();
             Cost { text, sample: 0.0, error: 0.0, load: None }
         }
-        (false, false) => {
+        (false, true) => {
             let trial = engine.try_samples(&evaluator)?;
             let load = load_of(&job, evaluator.parts(), &trial);
             Cost {
@@ -73,7 +73,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         (None, _) => String::new(),
         (Some(_), Some(prediction)) => prediction.text(),
         (Some(_), None) => {
-            "# method = \"exact\" draws no samples that nodes could share; one node computes it\n".to_owned()
+            format!("# {} draws no samples that nodes could share; one node computes it\n", job.sampling.method.asked())
         }
     };
     result(&format!(
@@ -195,7 +195,7 @@ fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine, threads: usize) 
     let audit_samples = job.audited_samples();
     let audit_time = samples.time(audit_samples as f64, BLOCK_SAMPLES, threads);
     let audit = format!("{} for its audit, {audit_time}", counted(audit_samples, "simulation", "simulations"));
-    if job.is_integrated() {
+    if !job.draws_samples() {
         let text = format!("# no samples; {map}\n# {audit}\n");
         return Ok(Cost { text, sample: samples.cost, error: samples.error, load: None });
     }

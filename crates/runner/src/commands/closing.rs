@@ -8,7 +8,7 @@ use stickslip_sampler::estimate::weighted::Distrust;
 
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
-use crate::job::{Job, OutsidePhysics, SamplingMethod};
+use crate::job::{Computed, Job, MapUse, OutsidePhysics};
 use crate::output::{counted, result, wrapped};
 use crate::picture::answer::answer;
 use crate::picture::picture;
@@ -40,10 +40,9 @@ pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>, limits
         directory.surface().display(),
         HumanCount(differed),
         HumanCount(audited),
-        if job.is_integrated() {
-            "use method = \"monte-carlo\" with evaluate = \"each\" for this job"
-        } else {
-            "use evaluate = \"each\" for this job"
+        match job.map_use() {
+            MapUse::Integrate => "use method = \"monte-carlo\" with evaluate = \"each\" for this job",
+            MapUse::LookUp | MapUse::Nothing => "use evaluate = \"each\" for this job",
         }
     )))
 }
@@ -52,23 +51,18 @@ pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>, limits
 struct Summary {
     estimates: Vec<Estimate>,
     lookups: Lookups,
-    /// Samples, and those of them that are undecided, failed and outside physics.
-    counted: u128,
+    /// What was computed.
+    computed: Computed,
+    /// Samples that are undecided, failed and outside physics.
     undecided: u64,
     failed: u64,
     outside_physics: u64,
     /// The largest share of a cell's samples that is outside physics.
     outside_of_a_cell: f64,
-    /// Verdicts or probabilities computed, where samples have weights, and in how many cells the estimate is not to be
-    /// trusted, by reason.
-    evaluations: f64,
+    /// In how many cells the estimate is not to be trusted, where samples have weights, by reason.
     distrusted: [u64; 4],
     /// The largest share of wrong looked-up verdicts of a cell that its audit does not exclude.
     unaudited: f64,
-    /// The largest error of an integral.
-    error: f64,
-    /// The largest probability that a sample is undecided, where probabilities are integrated.
-    undecided_of_a_cell: f64,
 }
 
 impl Summary {
@@ -76,19 +70,16 @@ impl Summary {
         let mut summary = Self {
             estimates: Vec::with_capacity(surface.job().cells() as usize),
             lookups: surface.lookups(),
-            counted: 0,
+            computed: Computed { samples: 0, evaluations: 0.0, error: 0.0, undecided: surface.largest_undecided() },
             undecided: 0,
             failed: 0,
             outside_physics: 0,
             outside_of_a_cell: 0.0,
-            evaluations: 0.0,
             distrusted: [0; 4],
             unaudited: 0.0,
-            error: 0.0,
-            undecided_of_a_cell: surface.largest_undecided(),
         };
         for SurfaceRow { counts, estimate, unaudited, outside_physics, weighted, .. } in surface.rows() {
-            summary.evaluations += weighted.map_or(0.0, |weighted| weighted.evaluations);
+            summary.computed.evaluations += weighted.map_or(0.0, |weighted| weighted.evaluations);
             match weighted.and_then(|weighted| weighted.distrust) {
                 None => {}
                 Some(Distrust::NothingFound) => summary.distrusted[0] += 1,
@@ -96,7 +87,7 @@ impl Summary {
                 Some(Distrust::Disagreement) => summary.distrusted[2] += 1,
                 Some(Distrust::WithoutVerdict) => summary.distrusted[3] += 1,
             }
-            summary.counted += u128::from(counts.total());
+            summary.computed.samples += u128::from(counts.total());
             summary.undecided += counts.undecided;
             summary.failed += counts.failed;
             summary.outside_physics += outside_physics;
@@ -104,7 +95,7 @@ impl Summary {
             summary.outside_of_a_cell = summary.outside_of_a_cell.max(outside);
             summary.unaudited = summary.unaudited.max(unaudited.unwrap_or(0.0));
             let error = 0.5 * (estimate.high - estimate.low) - unaudited.unwrap_or(0.0);
-            summary.error = summary.error.max(error);
+            summary.computed.error = summary.computed.error.max(error);
             summary.estimates.push(estimate);
         }
         summary
@@ -114,16 +105,15 @@ impl Summary {
 /// A line on samples that were looked up in a verdict map, with the result of the audit.
 fn looked_up(job: &Job, summary: &Summary) -> String {
     let Lookups { simulated, audited, differed } = summary.lookups;
-    if !job.uses_maps() {
-        return String::new();
-    }
-    if !job.is_integrated() && u128::from(simulated) == summary.counted {
-        return "every sample was simulated, none looked up in a verdict map\n".to_owned();
-    }
-    let mut text = if job.is_integrated() {
-        String::new()
-    } else {
-        format!("looked up in a verdict map, {} simulated within its resolution; ", HumanCount(simulated))
+    let mut text = match job.map_use() {
+        MapUse::Nothing => return String::new(),
+        MapUse::Integrate => String::new(),
+        MapUse::LookUp if u128::from(simulated) == summary.computed.samples => {
+            return "every sample was simulated, none looked up in a verdict map\n".to_owned();
+        }
+        MapUse::LookUp => {
+            format!("looked up in a verdict map, {} simulated within its resolution; ", HumanCount(simulated))
+        }
     };
     text += &if job.sampling.is_audited {
         let widest = summary.unaudited;
@@ -144,15 +134,12 @@ fn distrusted(job: &Job, summary: &Summary) -> String {
     if nothing + few + differ + open == 0 {
         return String::new();
     }
-    let more = match job.sampling.method {
-        SamplingMethod::Subset => "take more particles or randomisations",
-        _ => "take more samples or particles",
-    };
+    let more = job.sampling.method.more();
     let mut text = String::new();
     for (count, what) in [
         (nothing, "no unstable sample was found, even with a larger scatter".to_owned()),
-        (few, format!("few samples have most of the probability; {more}")),
-        (differ, format!("independent populations disagree, so some have missed a region; {more}")),
+        (few, format!("few samples have most of the probability; take more {more}")),
+        (differ, format!("independent populations disagree, so some have missed a region; take more {more}")),
         (
             open,
             "populations met samples without a verdict, which method = \"importance\" allows for in its interval"
@@ -176,7 +163,7 @@ fn outside_physics(job: &Job, summary: &Summary) -> String {
     format!(
         "{} samples ({}, in one cell up to {}) lie outside the model: {}; {}\n",
         HumanCount(outside),
-        share(outside as f64 / summary.counted as f64),
+        share(outside as f64 / summary.computed.samples as f64),
         share(summary.outside_of_a_cell),
         job.model().outside_meaning(),
         match job.outside_physics {
@@ -209,28 +196,5 @@ fn count_of_samples(count: u128) -> String {
 
 fn closing_line(path: &Path, job: &Job, summary: &Summary) -> String {
     let cells = counted(job.cells().into(), "cell", "cells");
-    if job.is_integrated() {
-        let Summary { error, undecided_of_a_cell: undecided, .. } = *summary;
-        let undecided = if undecided > 0.0 {
-            format!("; up to {undecided:.1e} of a cell's samples would be undecided, see p_undecided")
-        } else {
-            String::new()
-        };
-        return format!("{}: {cells}, integrated, error at most {error:.1e}{undecided}\n", path.display());
-    }
-    if job.sampling.method == SamplingMethod::Subset {
-        let populations = counted(job.sampling.samples.into(), "population", "populations");
-        let verdicts = counted(summary.evaluations as u128, "verdict", "verdicts");
-        return format!(
-            "{}: {cells}, {populations} each, {verdicts} in all, seed {}\n",
-            path.display(),
-            job.sampling.seed
-        );
-    }
-    let samples = if job.stops_by_precision() {
-        format!("{} in all, at most {} each", count_of_samples(summary.counted), HumanCount(job.sampling.samples))
-    } else {
-        format!("{} each", count_of_samples(job.sampling.samples.into()))
-    };
-    format!("{}: {cells}, {samples}, seed {}\n", path.display(), job.sampling.seed)
+    format!("{}: {cells}, {}\n", path.display(), job.sampling.method.closing(&job.sampling, &summary.computed))
 }

@@ -12,7 +12,7 @@ use crate::evaluate::integral::IntegratedCell;
 use crate::failure::{Advice, Failure};
 use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
-use crate::job::{Job, JobSource};
+use crate::job::{Answer, Job, JobSource, MapUse};
 use crate::messages::Code;
 use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, rate, tell, warn};
 use crate::schedule::engine::{Engine, Outcome, Samples};
@@ -125,12 +125,10 @@ pub fn compute(
     let mut evaluator = Evaluator::new(&job)?;
     let mut integrated = Vec::new();
     // Audits of another version are refused before a map is resolved.
-    let audits = job.is_integrated().then(|| directory.audits_done(&job)).transpose()?;
+    let mut audits = directory.audits_done(&job)?;
     let mut outcome = prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt)
         .map_err(|failure| kept(failure, &directory))?;
-    if outcome == Outcome::Finished
-        && let Some(mut audits) = audits
-    {
+    if outcome == Outcome::Finished && job.answer() == Answer::Integral {
         let keep = directory.create_folder(AUDITS)?;
         outcome = engine
             .audit(&evaluator, &mut audits, Some(&keep), interrupt)
@@ -157,24 +155,24 @@ pub fn compute(
             // The samples are what counts, and how to continue.
             warn(session.record(&directory, &signal.to_string(), computed).err().map(|error| error.to_string()));
         }
-        let kept = if job.is_integrated() {
-            "finished tiles of the verdict map and finished audits are kept; continue with".to_owned()
-        } else {
-            format!(
-                "{} of {}{} samples{} are kept; continue with",
-                HumanCount128(tally.counted()),
-                if job.stops_by_precision() { "at most " } else { "" },
-                HumanCount128(job.total_samples()),
-                if job.uses_maps() { " and the finished tiles of the verdict map" } else { "" }
-            )
+        let samples = format!(
+            "{} of {}{} samples",
+            HumanCount128(tally.counted()),
+            if job.stops_by_precision() { "at most " } else { "" },
+            HumanCount128(job.total_samples()),
+        );
+        let kept = match job.map_use() {
+            MapUse::Nothing => samples,
+            MapUse::LookUp => format!("{samples} and the finished tiles of the verdict map"),
+            MapUse::Integrate => "finished tiles of the verdict map and finished audits".to_owned(),
         };
-        return Err(Failure::stopped(signal, &Advice::command(&kept, &how)));
+        return Err(Failure::stopped(signal, &Advice::command(&format!("{kept} are kept; continue with"), &how)));
     }
     let mut run = FinishedRun { directory, job, tally, limits: None, integrated };
     if shard.is_none() {
         let surface = run.surface();
         let is_new = surface.publish(&run.directory).map_err(|failure| kept(failure, &run.directory))?;
-        if run.job.is_integrated() && !is_new {
+        if run.job.answer() == Answer::Integral && !is_new {
             let path = run.directory.path().display();
             tell(Code::RunFinished, format_args!("{path} is finished already; its surface is unchanged"));
         }
@@ -212,8 +210,10 @@ fn prepare_maps(
         evaluator.maps_mut().give_up();
         return Ok(Outcome::Finished);
     }
-    if !job.uses_maps() || !(job.is_integrated() || is_incomplete()) {
-        return Ok(Outcome::Finished);
+    match job.map_use() {
+        MapUse::Integrate => {}
+        MapUse::LookUp if is_incomplete() => {}
+        MapUse::Nothing | MapUse::LookUp => return Ok(Outcome::Finished),
     }
     let completed = complete_maps(engine, evaluator, directory, work, interrupt)?;
     if completed.outcome == Outcome::Finished {
@@ -274,9 +274,9 @@ pub fn map_only(
     let share = work.shard.map_or(String::new(), |shard| format!(" --shard {shard}"));
     let again = format!("{submit} --map-only{share}");
     interrupt.remark(Advice::command("finished tiles of the verdict map are kept; continue with", &again));
-    let next = match job.is_integrated() {
-        true => format!("`stickslip resume {path}`"),
-        false => format!("`stickslip resume {path}`, or shard by shard with `{submit} --shard I/N`"),
+    let next = match job.draws_samples() {
+        true => format!("`stickslip resume {path}`, or shard by shard with `{submit} --shard I/N`"),
+        false => format!("`stickslip resume {path}`"),
     };
     if job.sampling.is_audited && was_counted_without_map(job, tally) {
         note(format_args!(
@@ -328,21 +328,8 @@ pub fn evaluator_again<'a>(
     if cell >= job.cells() {
         return Err(Failure::Usage(format!("--cell {cell}: the run has cells 0 to {}", job.cells() - 1)));
     }
-    if job.is_integrated() {
-        return Err(Failure::Usage(
-            "this run integrates its probabilities; it has no samples to replay or to write".to_owned(),
-        ));
-    }
-    if job.is_weighted() {
-        return Err(Failure::Usage(
-            "the samples of this run are drawn where instability is frequent, and have weights (method = \"importance\" or \"subset\"); submit the job with method = \"monte-carlo\" into another directory to look at samples".to_owned(),
-        ));
-    }
-    if job.is_conditional() {
-        return Err(Failure::Usage(format!(
-            "this run integrates over {} at each of its samples (method = \"conditional\"), so they have no verdicts to replay or to write; submit the job with method = \"sobol\" into another directory to look at samples",
-            names_of_pair(job.model())
-        )));
+    if let Some(why) = job.sampling.method.without_verdicts(&names_of_pair(job.model())) {
+        return Err(Failure::Usage(why));
     }
     let mut evaluator = Evaluator::new(job)?;
     if job.uses_maps() && was_counted_without_map(job, tally) {

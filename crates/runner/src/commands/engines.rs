@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use super::adoption::{RunState, adopt_as_shard};
 use super::shard_progress::ShardProgress;
+use super::sharing::require_samples_to_share;
 use super::sharing::{WorkToShare, cost_of_maps, cost_of_samples};
 use super::submit::{map_directories, merge};
 use crate::cli::{EngineKind, MergeArguments, SubmitArguments, WAIT};
@@ -47,10 +48,7 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
     warn(job.warnings());
-    if job.is_integrated() {
-        let message = "--engine: method = \"exact\" draws no samples to share; submit the job without --engine";
-        return Err(Failure::Usage(message.to_owned()));
-    }
+    require_samples_to_share(&job, "--engine")?;
     map_directories(&arguments.maps.maps, &job)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
     let request = Request {

@@ -62,7 +62,7 @@ impl RunProgress {
         };
         let (samples_done, samples_total) = (tally.counted(), job.total_samples());
         // Progress is measured in cells if no samples are drawn or their number is not known in advance.
-        let by_cells = job.is_integrated() || job.stops_by_precision();
+        let by_cells = !job.draws_samples() || job.stops_by_precision();
         let share = if by_cells {
             complete_cells as f64 / job.cells() as f64
         } else {
@@ -72,7 +72,7 @@ impl RunProgress {
         Ok(Self {
             probability: mean_probability(&job, &parts, &tally),
             shards: shards
-                .filter(|_| !job.is_integrated())
+                .filter(|_| job.draws_samples())
                 .map(|count| ShardProgress::of(directory.path(), &job, &parts, &tally, count)),
             undecided: (0..parts.count()).map(|part| tally.counts(part).undecided).sum(),
             failed: (0..parts.count()).map(|part| tally.counts(part).failed).sum(),

@@ -21,6 +21,20 @@ pub struct WorkToShare {
     pub units: u64,
 }
 
+/// Refuses a job without samples, for an option that shares them.
+///
+/// # Errors
+/// What to do in place of it.
+pub fn require_samples_to_share(job: &Job, option: &str) -> Result<(), Failure> {
+    if job.draws_samples() {
+        return Ok(());
+    }
+    let asked = job.sampling.method.asked();
+    Err(Failure::Usage(format!(
+        "{option}: {asked} draws no samples to share; one process computes it, without {option}"
+    )))
+}
+
 /// The units of work in which the missing samples of a job come; where a cell stops by its precision, its cells.
 pub fn units_of_work(job: &Job, tally: &Tally) -> u64 {
     let parts = Parts::new(job);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::run_progress::RunProgress;
+use super::sharing::require_samples_to_share;
 use super::watch::watch;
 use crate::cli::{ListFormat, StatusArguments};
 use crate::cluster::task_list::ranges;
@@ -56,15 +57,11 @@ fn of_one_run(arguments: &StatusArguments) -> Option<&'static str> {
 /// Lists the shards that are neither done nor at work.
 fn missing(progress: &RunProgress, format: ListFormat, path: &Path) -> Result<(), Failure> {
     let Some(shards) = &progress.shards else {
-        let message = if progress.job.is_integrated() {
-            format!("--missing: {} integrates its probabilities; it has no shards", path.display())
-        } else {
-            format!(
-                "--missing: in how many shards {} is computed is not known; tell it with --shards N",
-                path.display()
-            )
-        };
-        return Err(Failure::Usage(message));
+        require_samples_to_share(&progress.job, "--missing")?;
+        return Err(Failure::Usage(format!(
+            "--missing: in how many shards {} is computed is not known; say it with --shards N",
+            path.display()
+        )));
     };
     result(&match format {
         ListFormat::Slurm => ranges(&shards.missing()) + "\n",

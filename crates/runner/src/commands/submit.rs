@@ -8,6 +8,7 @@ use super::closing::report;
 use super::completion::{Work, compute, kept_and_continued, map_only};
 use super::limit::{publish_limits, with_limits_of};
 use super::shard_progress::how_to_submit_missing;
+use super::sharing::require_samples_to_share;
 use crate::cli::{MergeArguments, ResumeArguments, ShardArgument, SubmitArguments};
 use crate::cluster::array_task::ArrayTask;
 use crate::evaluate::parts::Parts;
@@ -35,12 +36,10 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     if arguments.map_only && !job.uses_maps() {
         return Err(Failure::Usage(format!("--map-only: {WITHOUT_MAP}")));
     }
-    if let (Some(shard), true) = (shard, job.is_integrated() && !arguments.map_only) {
-        let message =
-            format!("--shard {shard}: method = \"exact\" draws no samples to share; submit the job without --shard");
-        return Err(Failure::Usage(message));
+    if let Some(shard) = shard.filter(|_| !arguments.map_only) {
+        require_samples_to_share(&job, &format!("--shard {shard}"))?;
+        warn(shards_beyond_work(shard, &job));
     }
-    warn(shard.filter(|_| !arguments.map_only).and_then(|shard| shards_beyond_work(shard, &job)));
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&job.name));
     let threads = arguments.threads.count();
@@ -61,7 +60,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
         return map_only(&directory, &job, &state.into_tally(), &work, interrupt);
     }
     match state {
-        RunState::Finished(tally) if shard.is_none() && !job.is_integrated() => {
+        RunState::Finished(tally) if shard.is_none() => {
             tell(Code::RunFinished, format_args!("{} is finished already; nothing to do", out.display()));
             // A lost or damaged surface is written again from the pieces.
             let resume = format!("stickslip resume {}", quoted(&out));
@@ -113,7 +112,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let directory = RunDirectory::open(&arguments.run, Access::Alone, AN_INSTANT)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
-    if !job.is_integrated() && Parts::new(&job).are_complete(&tally) {
+    if Parts::new(&job).are_complete(&tally) {
         tell(Code::RunFinished, format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;
@@ -195,8 +194,8 @@ pub fn merge(arguments: &MergeArguments, interrupt: &Interrupt) -> Result<(), Fa
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
     let resume = format!("stickslip resume {}", quoted(&arguments.run));
-    if job.is_integrated() {
-        let message = format!("method = \"exact\" has no shards; write the surface with `{resume}`");
+    if !job.draws_samples() {
+        let message = format!("{} has no shards; write the surface with `{resume}`", job.sampling.method.asked());
         return Err(Failure::Job(message).remedied(resume));
     }
     let complete = Parts::new(&job).complete_cells(&tally);

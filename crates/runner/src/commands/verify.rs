@@ -198,7 +198,7 @@ impl Check<'_> {
         let state = directory.surface_state(job)?;
         let tally = directory.tally(job)?;
         let complete = Parts::new(job).complete_cells(&tally);
-        if !job.is_integrated() && complete == job.cells() {
+        if complete == job.cells() {
             let surface = Surface::new(job, &tally);
             if surface.is_published(directory)? {
                 self.find(SURFACE, State::Sound, "sound, the same bytes as the pieces give");
@@ -220,14 +220,12 @@ impl Check<'_> {
         }
         let progress = format!("{} of {} cells are complete", HumanCount(complete), HumanCount(job.cells()));
         match state {
-            FileState::Sound if job.is_integrated() => self.find(SURFACE, State::Sound, "sound"),
+            FileState::Sound if !job.draws_samples() => self.find(SURFACE, State::Sound, "sound"),
             FileState::Sound => {
                 self.find(SURFACE, State::Broken, format!("as it was written, but of its pieces only {progress}"));
             }
             FileState::Absent | FileState::OfAnotherJob | FileState::OfAnotherVersion => {
-                let remark =
-                    if job.is_integrated() { "not written yet".to_owned() } else { format!("none yet: {progress}") };
-                self.find(SURFACE, State::Sound, remark);
+                self.find(SURFACE, State::Sound, format!("none yet: {progress}"));
             }
             FileState::Damaged(why) => {
                 if self.can_mend {

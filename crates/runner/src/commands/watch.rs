@@ -137,7 +137,7 @@ fn block(progress: &RunProgress, speed: &Speed) -> String {
     let name: String = job.name.chars().take(60).collect();
     let mut text = format!("{name}: {}\n{}\n", progress.state, bar(*share));
     text += &bars(progress);
-    if job.is_integrated() {
+    if !job.draws_samples() {
         return text + "It integrates its probabilities, and writes nothing before the end.\n";
     }
     let at_most = if job.stops_by_precision() { "at most " } else { "" };

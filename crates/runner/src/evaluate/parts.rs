@@ -9,7 +9,7 @@ use std::ops::Range;
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use stickslip_sampler::estimate::looks::Looks;
 
-use crate::job::{Audit, Effort, Job};
+use crate::job::{Audit, Effort, Job, MapUse};
 
 /// Number of parts of a cell by which pieces number them, with looks. It leaves room for the parts that a higher limit
 /// of samples adds.
@@ -39,7 +39,7 @@ impl Parts {
     /// The audits of a job that integrates: one part in each cell, of the samples that check the cell's integral.
     pub fn of_audits(job: &Job) -> Self {
         let samples = match job.sampling.audit {
-            Audit::Samples(samples) if job.is_integrated() && job.uses_maps() => samples,
+            Audit::Samples(samples) if job.map_use() == MapUse::Integrate => samples,
             _ => 0,
         };
         Self { cells: job.cells(), samples: vec![samples], unit_samples: BLOCK_SAMPLES, looks: None }

@@ -9,7 +9,7 @@ use stickslip_sampler::estimate::weighted::{self, WeightedEstimate, WeightedPart
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::rare_events::populations;
 use crate::evaluate::sums::SumLayout;
-use crate::job::{Job, SamplingMethod};
+use crate::job::{Answer, Job};
 use stickslip_core::model::IsStopped;
 
 /// What is counted of a part.
@@ -24,7 +24,7 @@ pub struct CountedPart {
 /// The probability of a cell from all its parts, with the interval of a confidence: from counted verdicts, from conditional
 /// probabilities, or from samples with weights.
 pub fn estimate(job: &Job, parts: &[CountedPart], confidence: f64) -> Estimate {
-    if job.is_conditional() {
+    if job.answer() == Answer::Probability {
         let layout = SumLayout::of(job);
         let of = |part: &CountedPart| layout.read_probabilities(&part.sums, &part.counts);
         return conditional::estimate(&parts.iter().map(of).collect::<Vec<ConditionalPart>>(), confidence);
@@ -41,9 +41,9 @@ pub fn of_weights(job: &Job, parts: &[CountedPart], confidence: f64) -> Option<W
     let layout = SumLayout::of(job);
     let weighted =
         || -> Vec<WeightedPart> { parts.iter().map(|part| layout.read_weighted(&part.sums, &part.counts)).collect() };
-    match job.sampling.method {
-        SamplingMethod::Importance => Some(weighted::estimate(&weighted(), populations(job), confidence)),
-        SamplingMethod::Subset => Some(weighted::estimate_of_populations(&weighted(), confidence)),
+    match job.answer() {
+        Answer::Weight => Some(weighted::estimate(&weighted(), populations(job), confidence)),
+        Answer::Population => Some(weighted::estimate_of_populations(&weighted(), confidence)),
         _ => None,
     }
 }

@@ -13,16 +13,13 @@ use stickslip_sampler::rare::population::{Effort, Points, Population};
 use stickslip_sampler::rare::proposal::Proposal;
 
 use crate::evaluate::unit::FinishedUnit;
-use crate::job::{self, Job, SamplingMethod};
+use crate::job::{self, Answer, Job, Sampling};
 
 /// Populations of a cell whose densities its randomisations share, where there are randomisations enough.
 const POPULATIONS: usize = 4;
 
 /// Randomisations of each population, at least.
 const RANDOMISATIONS_EACH: usize = 4;
-
-/// Moves of the particles of a population that places samples, and of one whose probability is wanted.
-const MOVES: [usize; 2] = [4, 8];
 
 /// Samples that are decided at once.
 const AT_ONCE: u64 = 250;
@@ -70,8 +67,8 @@ struct Found {
 impl RareEvents {
     /// Prepares a job with so many deviates for each sample; `None` if its samples have no weights.
     pub fn new(job: &Job, dimensions: usize) -> Option<Self> {
-        let moves = MOVES[usize::from(job.sampling.method == SamplingMethod::Subset)];
-        let effort = Effort { particles: job.sampling.particles? as usize, moves };
+        let Sampling { particles, method, .. } = &job.sampling;
+        let effort = Effort { particles: (*particles)? as usize, moves: method.moves() };
         Some(Self { dimensions, effort, kept: Mutex::default() })
     }
 
@@ -92,7 +89,7 @@ impl RareEvents {
         unit: &mut FinishedUnit,
     ) -> Option<WeightedSums> {
         let mut sums = WeightedSums::default();
-        if job.sampling.method == SamplingMethod::Subset {
+        if job.answer() == Answer::Population {
             for _ in samples {
                 let mut has_all_verdicts = true;
                 let mut checked = |points: &Points| {

@@ -12,7 +12,7 @@ use stickslip_sampler::inputs::PairParameter;
 use stickslip_sampler::integrate::NormalPair;
 
 use crate::evaluate::samples::Samples;
-use crate::job::{EvaluateMode, Job};
+use crate::job::{Answer, Job, MapUse};
 
 /// Which sums a job has, and their places in the list of sums.
 #[derive(Debug, Clone, Copy)]
@@ -75,14 +75,14 @@ impl SumLayout {
     /// The sums of a job.
     pub fn of(job: &Job) -> Self {
         Self {
-            samples: job.has_verdicts(),
-            lookups: job.uses_maps() && job.sampling.evaluate == EvaluateMode::Boundary,
+            samples: job.answer() == Answer::Verdict,
+            lookups: job.map_use() == MapUse::LookUp,
             // Samples that a map finds unstable are counted with the first: jobs are refused a map where others grow.
-            sources: if job.is_integrated() { 0 } else { job.model().sources().len().saturating_sub(1) },
+            sources: if job.draws_samples() { job.model().sources().len().saturating_sub(1) } else { 0 },
             derivatives: job.sampling.derivatives,
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
-            probabilities: job.is_conditional(),
-            weights: job.is_weighted(),
+            probabilities: job.answer() == Answer::Probability,
+            weights: job.answer().is_of_rare_events(),
         }
     }
 

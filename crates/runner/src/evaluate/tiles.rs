@@ -7,6 +7,7 @@ use stickslip_core::model::decision::Decision;
 use stickslip_sampler::verdict_map::tile::{Tile, TileIndex};
 
 use crate::evaluate::evaluator::Evaluator;
+use crate::job::MapUse;
 use stickslip_core::model::IsStopped;
 
 /// Simulations of a tile that are counted first.
@@ -39,7 +40,7 @@ pub struct MapTrial {
 impl Evaluator<'_> {
     /// The cells whose first samples tell what simulating all samples costs; none where that is not asked.
     pub fn limiting_cells(&self) -> Vec<u64> {
-        if self.job.is_integrated() || !self.job.uses_maps() {
+        if self.job.map_use() != MapUse::LookUp {
             return Vec::new();
         }
         let cells = self.job.cells();

@@ -32,7 +32,7 @@ impl Evaluator<'_> {
         emit: &mut dyn FnMut(FinishedUnit),
         control: &dyn Fn() -> Control,
     ) {
-        match self.job.model().simulation().filter(|_| !self.job.is_weighted()) {
+        match self.job.model().simulation().filter(|_| !self.job.answer().is_of_rare_events()) {
             Some(simulation) => stream::work(self, simulation, next, emit, control),
             None => work(&|part, samples, is_stopped| self.count(part, samples, is_stopped), next, emit, control),
         }

@@ -1,15 +1,12 @@
 //! How the limits of a job along an axis are found, if they can be.
 
 use indicatif::HumanCount;
-use stickslip_core::model::quantity::Role;
 use toml::Spanned;
 
 use super::diagnosis::Complaint;
 use super::limit_axis::LimitAxis;
 use super::limit_request::LimitRequest;
 use super::limit_spec::LimitSpec;
-use super::sampling::Effort;
-use super::sampling_spec::SamplingMethod;
 use super::validated::Job;
 
 /// Largest number of samples of a cell: they are held in memory, or evaluated at many values.
@@ -49,48 +46,36 @@ impl LimitMethod {
     /// # Errors
     /// Why they cannot be, and what would be right.
     pub fn of(job: &Job, axis: &LimitAxis) -> Result<Self, String> {
-        let is_closed = job.has_closed_form();
-        let varied = axis.varied;
-        if job.is_integrated() {
-            return match (is_closed, varied) {
-                (true, _) => Ok(Self::Integral),
-                (false, Some(_)) => Ok(Self::MapIntegral),
-                (false, None) => Err(format!(
-                    "a verdict map serves all values of {}, along which limits are found; along other axes submit the job and read surface.parquet, or use kind = \"eigenvalue\"",
-                    job.axes_of(Role::Input).collect::<Vec<_>>().join(" and ")
-                )),
-            };
-        }
-        if !is_closed && !job.is_weighted() {
-            return Err(format!(
-                "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" simulates its samples. Submit it: its summary tells up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
-                job.name
-            ));
-        }
-        if job.sampling.method == SamplingMethod::Subset {
-            return Err(
-                "populations of sampling.method = \"subset\" differ from value to value, so that they have no limits; use \"importance\""
-                    .to_owned(),
-            );
-        }
-        if let Effort::Until(_) = job.sampling.effort {
-            return Err(
-                "limits are found with the same number of samples at all values; give sampling.samples in place of sampling.until"
-                    .to_owned(),
-            );
-        }
-        let samples = job.sampling.samples;
-        if samples > MOST_SAMPLES {
-            return Err(format!(
-                "limits are found with {} samples of each combination at most; sampling.samples is {}. Give fewer, or sampling.method = \"exact\", which needs none",
-                HumanCount(MOST_SAMPLES),
-                HumanCount(samples)
-            ));
-        }
-        Ok(match varied {
-            Some(varied) if job.has_verdicts() => Self::CriticalValues(varied),
-            _ if job.is_weighted() => Self::WeightedSamples,
-            _ => Self::Samples,
-        })
+        job.sampling.method.limits(job, axis)
     }
+}
+
+/// Refuses a job that simulates its samples.
+///
+/// # Errors
+/// What has limits.
+pub fn in_closed_form(job: &Job) -> Result<(), String> {
+    if job.has_closed_form() {
+        return Ok(());
+    }
+    Err(format!(
+        "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" simulates its samples. Submit it: its summary tells up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
+        job.name
+    ))
+}
+
+/// Refuses more samples of each combination than can be held.
+///
+/// # Errors
+/// The largest number.
+pub fn few_samples(job: &Job) -> Result<(), String> {
+    let samples = job.sampling.samples;
+    if samples <= MOST_SAMPLES {
+        return Ok(());
+    }
+    Err(format!(
+        "limits are found with {} samples of each combination at most; sampling.samples is {}. Give fewer, or sampling.method = \"exact\", which needs none",
+        HumanCount(MOST_SAMPLES),
+        HumanCount(samples)
+    ))
 }

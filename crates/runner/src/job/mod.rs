@@ -40,6 +40,8 @@ mod axes;
 
 pub mod models;
 
+pub mod methods;
+
 mod sampling_checks;
 
 mod sampling;
@@ -69,12 +71,13 @@ pub use imprecise_values::{Values, What};
 pub use limit::LimitMethod;
 pub use limit_axis::LimitAxis;
 pub use measured::{read_csv, unreadable};
+pub use methods::{Answer, Computed, MapUse};
 pub use model::OutsidePhysics;
 pub use models::pad_on_disc::keys::unknown_parameter;
 pub use models::pad_on_disc::{friction, plausibility};
 pub use models::schema;
 pub use models::start_spec::StartKind;
-pub use sampling::Effort;
-pub use sampling_spec::{Audit, EvaluateMode, SamplingMethod};
+pub use sampling::{Effort, Sampling};
+pub use sampling_spec::{Audit, EvaluateMode};
 pub use source::{JobSource, Overrides};
 pub use validated::Job;

@@ -8,6 +8,7 @@ use serde::Serialize;
 use stickslip_sampler::estimate::looks::Precision;
 use stickslip_sampler::inputs::Marginal;
 
+use super::methods::keys::Key;
 use super::model::{OutsidePhysics, Tables, table_of};
 use super::sampling::{Effort, Sampling};
 use super::sampling_spec::{AUDIT, Audit, EvaluateMode, IntervalSpec, SamplingMethod};
@@ -193,10 +194,8 @@ impl From<&Sampling> for NormalisedSampling {
     fn from(sampling: &Sampling) -> Self {
         let samples = match sampling.effort {
             Effort::Samples(samples) => Some(samples),
-            // The number of populations is that of the randomisations.
-            Effort::Randomisations { .. } if sampling.method == SamplingMethod::Subset => None,
             Effort::Randomisations { count, points } => Some(count * points),
-            Effort::Until(_) | Effort::Integrated => None,
+            Effort::Until(_) => None,
         };
         let until = sampling.until.map(|Precision { half_width, relative }| NormalisedUntil {
             half_width,
@@ -204,21 +203,17 @@ impl From<&Sampling> for NormalisedSampling {
             confidence: sampling.confidence,
             at_most: sampling.samples,
         });
-        let integrated = sampling.method == SamplingMethod::Exact;
-        let decides_by_itself = matches!(
-            sampling.method,
-            SamplingMethod::Conditional | SamplingMethod::Importance | SamplingMethod::Subset
-        );
+        let takes = |key: Key| sampling.method.takes(key);
         // What is integrated over a map is audited with samples.
-        let without_samples = integrated && !sampling.is_audited;
+        let draws = sampling.samples > 0 || sampling.is_audited;
         let has_audit = sampling.is_audited || sampling.evaluate == EvaluateMode::Boundary || sampling.audit != AUDIT;
         Self {
-            method: sampling.method,
-            samples,
-            seed: (!without_samples).then_some(sampling.seed),
-            evaluate: (!integrated && !decides_by_itself).then_some(sampling.evaluate),
-            common_random_numbers: (!integrated).then_some(sampling.common_random_numbers),
-            confidence: (!without_samples && until.is_none()).then_some(sampling.confidence),
+            method: sampling.method.written(),
+            samples: samples.filter(|_| takes(Key::Samples)),
+            seed: draws.then_some(sampling.seed),
+            evaluate: takes(Key::Evaluate).then_some(sampling.evaluate),
+            common_random_numbers: takes(Key::CommonRandomNumbers).then_some(sampling.common_random_numbers),
+            confidence: (draws && takes(Key::Confidence)).then_some(sampling.confidence),
             audit: has_audit.then_some(sampling.audit),
             randomisations: match sampling.effort {
                 Effort::Randomisations { count, .. } => Some(count),

@@ -6,7 +6,8 @@ use stickslip_sampler::estimate::interval::{
 use stickslip_sampler::estimate::looks::Precision;
 use toml::Spanned;
 
-use super::diagnosis::{Complaint, Complaints};
+use super::diagnosis::Complaint;
+use super::methods::{Answer, Method};
 use super::sampling_spec::{Audit, EvaluateMode, IntervalSpec, SamplingMethod, SamplingSpec, UntilSpec};
 
 /// Samples in a cell at most with `until`, by default.
@@ -56,6 +57,11 @@ impl SamplingSpec {
     /// How probabilities are found.
     pub fn method(&self) -> SamplingMethod {
         self.method.as_ref().map_or(SamplingMethod::MonteCarlo, |method| *method.get_ref())
+    }
+
+    /// How the verdict of a sample is found.
+    pub fn evaluate_mode(&self) -> EvaluateMode {
+        self.evaluate.as_ref().map_or(EvaluateMode::Each, |evaluate| *evaluate.get_ref())
     }
 
     /// Whether the intervals of all cells hold together.
@@ -130,14 +136,9 @@ impl SamplingSpec {
     }
 
     /// The audit of the verdict map, where there is one.
-    pub fn checked_audit(&self, is_eigenvalue: bool) -> Result<Option<Audit>, Complaint> {
+    pub fn checked_audit(&self, method: &dyn Method) -> Result<Option<Audit>, Complaint> {
         let Some(spec) = &self.audit else { return Ok(None) };
         let complain = |message: String| Err(Complaint::at(spec.span(), message));
-        if is_eigenvalue && self.method() == SamplingMethod::Exact {
-            return complain(
-                "sampling.audit has no meaning where criterion.kind = \"eigenvalue\" is integrated in closed form; remove it".to_owned(),
-            );
-        }
         match *spec.get_ref() {
             Audit::Share(share) if !(0.0..=1.0).contains(&share) => complain(format!(
                 "sampling.audit = {share} is out of range: it is a share of the looked-up samples, at least 0 and at most 1, or a whole number of samples of each cell"
@@ -146,115 +147,13 @@ impl SamplingSpec {
             Audit::Samples(1) => complain(
                 "sampling.audit = 1 is one sample of each cell, which says nothing; write audit = 1.0 for all samples, or a larger number".to_owned(),
             ),
-            Audit::Share(share) if self.method() == SamplingMethod::Exact => complain(format!(
+            Audit::Share(share) if method.answer() == Answer::Integral => complain(format!(
                 "sampling.audit = {share} is a share of samples, and method = \"exact\" draws none but those of the audit: give their number in each cell, for example audit = 1000"
             )),
             Audit::Samples(samples) if samples > MOST_AUDITED => {
                 complain(format!("sampling.audit = {samples} is out of range: it must be at most {MOST_AUDITED}"))
             }
             audit => Ok(Some(audit)),
-        }
-    }
-
-    /// Refuses keys that have no meaning beside others.
-    pub fn refuse_foreign_keys(&self, is_eigenvalue: bool, complaints: &mut Complaints) {
-        let is_exact = self.method() == SamplingMethod::Exact;
-        let is_conditional = self.method() == SamplingMethod::Conditional;
-        let is_subset = self.method() == SamplingMethod::Subset;
-        let is_rare = self.method() == SamplingMethod::Importance || is_subset;
-        let is_sobol = self.method() == SamplingMethod::Sobol || is_conditional || is_rare;
-        let is_boundary = self.evaluate.as_ref().is_some_and(|evaluate| *evaluate.get_ref() == EvaluateMode::Boundary);
-        let samples = self.samples.as_ref().map(Spanned::span);
-        let until = self.until.as_ref().map(Spanned::span);
-        let confidence = self.confidence.as_ref().map(Spanned::span);
-        let interval = self.interval.as_ref().map(Spanned::span);
-        let rules = [
-            (
-                samples.clone(),
-                is_exact,
-                "sampling.samples has no meaning with method = \"exact\", which draws none; remove it (or --samples)",
-            ),
-            (
-                samples.clone(),
-                is_subset,
-                "sampling.samples has no meaning with method = \"subset\", which draws populations: sampling.particles is the size of one, sampling.randomisations their number; remove it (or --samples)",
-            ),
-            (
-                until.clone(),
-                is_exact,
-                "sampling.until has no meaning with method = \"exact\", which draws no samples; remove it",
-            ),
-            (
-                confidence.clone(),
-                is_exact && is_eigenvalue,
-                "sampling.confidence has no meaning where criterion.kind = \"eigenvalue\" is integrated in closed form: p_low and p_high bound the numerical error; remove it",
-            ),
-            (interval.clone(), is_exact, "sampling.interval has no meaning with method = \"exact\"; remove it"),
-            (
-                self.simultaneous.as_ref().map(Spanned::span),
-                is_exact && is_eigenvalue,
-                "sampling.simultaneous has no meaning where criterion.kind = \"eigenvalue\" is integrated in closed form, whose bounds all hold; remove it",
-            ),
-            (
-                self.evaluate.as_ref().map(Spanned::span),
-                is_exact,
-                "sampling.evaluate has no meaning with method = \"exact\", which draws no samples; remove it",
-            ),
-            (
-                until,
-                is_sobol,
-                "sampling.until needs method = \"monte-carlo\"; with others give `samples` (Sobol points are only good in full powers of two), or `particles` with \"subset\"",
-            ),
-            (
-                interval.clone(),
-                is_sobol,
-                "sampling.interval has no meaning with a method whose interval comes from the randomisations; remove it, or use method = \"monte-carlo\"",
-            ),
-            (
-                samples,
-                self.until.is_some(),
-                "sampling.samples and sampling.until exclude each other: give one of them (with until, at_most limits the samples)",
-            ),
-            (
-                confidence,
-                self.until.is_some(),
-                "sampling.confidence and sampling.until exclude each other: write until = { ..., confidence = ... }",
-            ),
-            (
-                interval,
-                self.until.is_some(),
-                "sampling.interval has no meaning with sampling.until, whose interval stays valid under repeated looks; remove it",
-            ),
-            (
-                self.evaluate.as_ref().map(Spanned::span),
-                is_conditional,
-                "sampling.evaluate has no meaning with method = \"conditional\", which integrates; remove it",
-            ),
-            (
-                self.evaluate.as_ref().map(Spanned::span),
-                is_rare,
-                "sampling.evaluate has no meaning with method = \"importance\" or \"subset\", which decide each sample; remove it",
-            ),
-            (
-                self.randomisations.as_ref().map(Spanned::span),
-                !is_sobol,
-                "sampling.randomisations belongs to method = \"sobol\", \"conditional\", \"importance\" and \"subset\"; remove it, or change the method",
-            ),
-            (
-                self.particles.as_ref().map(Spanned::span),
-                !is_rare,
-                "sampling.particles belongs to method = \"importance\" and \"subset\"; remove it, or change the method",
-            ),
-            (
-                self.audit.as_ref().map(Spanned::span),
-                !is_boundary && !is_exact,
-                "sampling.audit belongs to evaluate = \"boundary\" and to method = \"exact\"; remove it, or change one of these",
-            ),
-        ];
-        for (span, is_foreign, message) in rules {
-            if let (Some(span), true) = (span, is_foreign) {
-                complaints.push(Complaint::at(span, message));
-            }
         }
     }
 }

@@ -16,10 +16,11 @@ use stickslip_sampler::integrate::pair::Pair;
 
 use super::engine::EngineSettings;
 use super::limit_request::LimitRequest;
+use super::methods::{Answer, MapUse};
 use super::model::{JobModel, OutsidePhysics};
 use super::random::RandomInputSet;
 use super::sampling::{Effort, Sampling};
-use super::sampling_spec::{Audit, EvaluateMode, SamplingMethod};
+use super::sampling_spec::Audit;
 use crate::failure::Failure;
 
 /// Largest number of verdict maps.
@@ -157,7 +158,9 @@ impl Job {
     /// Audited samples: looked up, and simulated as a check. About so many over all cells.
     pub fn audited_samples(&self) -> u128 {
         match self.sampling.audit {
-            Audit::Samples(samples) if self.is_integrated() => u128::from(self.cells()) * u128::from(samples),
+            Audit::Samples(samples) if self.map_use() == MapUse::Integrate => {
+                u128::from(self.cells()) * u128::from(samples)
+            }
             Audit::Samples(samples) => u128::from(self.cells()) * u128::from(samples.min(self.sampling.samples)),
             Audit::Share(share) => (share * self.total_samples() as f64) as u128,
         }
@@ -165,10 +168,7 @@ impl Job {
 
     /// What the deviates are drawn from.
     pub fn points(&self) -> Points {
-        match self.sampling.method {
-            SamplingMethod::Sobol | SamplingMethod::Conditional | SamplingMethod::Importance => Points::Sobol,
-            SamplingMethod::MonteCarlo | SamplingMethod::Subset | SamplingMethod::Exact => Points::Random,
-        }
+        self.sampling.method.points()
     }
 
     /// The stream of deviates of so many inputs.
@@ -180,29 +180,27 @@ impl Job {
     /// Whether drawing and deciding a sample costs little more than its random numbers: only the pair
     /// of the model scatters, normal and independent.
     pub fn has_cheap_samples(&self) -> bool {
-        self.sampling.method == SamplingMethod::MonteCarlo && self.random.other().is_none() && self.random.is_plain()
+        self.answer() == Answer::Verdict
+            && self.points() == Points::Random
+            && self.random.other().is_none()
+            && self.random.is_plain()
     }
 
-    /// Whether probabilities are integrated, without samples.
-    pub fn is_integrated(&self) -> bool {
-        self.sampling.method == SamplingMethod::Exact
+    /// What the method returns for a sample.
+    pub fn answer(&self) -> Answer {
+        self.sampling.method.answer()
     }
 
-    /// Whether a sample stands for the inputs other than the pair, over which it is integrated.
-    pub fn is_conditional(&self) -> bool {
-        self.sampling.method == SamplingMethod::Conditional
-    }
-
-    /// Whether samples are drawn where instability is frequent, and have weights.
-    pub fn is_weighted(&self) -> bool {
-        matches!(self.sampling.method, SamplingMethod::Importance | SamplingMethod::Subset)
+    /// Whether samples are drawn; else probabilities are integrated.
+    pub fn draws_samples(&self) -> bool {
+        self.sampling.samples > 0
     }
 
     /// Whether the pair is integrated over at each sample of the other inputs: with `method = "conditional"`, and for rare
     /// events wherever this is possible.
     pub fn integrates_pair(&self) -> bool {
-        self.is_conditional()
-            || (self.is_weighted()
+        self.answer() == Answer::Probability
+            || (self.answer().is_of_rare_events()
                 && self.has_closed_form()
                 && self.outside_physics == OutsidePhysics::Stable
                 && self.random.pair() != [None, None]
@@ -210,20 +208,22 @@ impl Job {
                 && self.random.correlation_with_pair_last().is_ok())
     }
 
-    /// Whether every sample has a verdict of its own, which can be looked at again.
-    pub fn has_verdicts(&self) -> bool {
-        !self.is_integrated() && !self.is_conditional() && !self.is_weighted()
-    }
-
     /// Whether cells get as many samples as a precision takes.
     pub fn stops_by_precision(&self) -> bool {
         matches!(self.sampling.effort, Effort::Until(_))
     }
 
-    /// Whether samples are looked up in verdict maps, or integrated over them. The closed form needs none.
+    /// What verdict maps are used for. The closed form needs none.
+    pub fn map_use(&self) -> MapUse {
+        if self.has_closed_form() {
+            return MapUse::Nothing;
+        }
+        self.sampling.method.map_use_with(self.sampling.evaluate)
+    }
+
+    /// Whether there are verdict maps.
     pub fn uses_maps(&self) -> bool {
-        let wanted = self.sampling.evaluate == EvaluateMode::Boundary || self.sampling.method == SamplingMethod::Exact;
-        wanted && !self.has_closed_form()
+        self.map_use() != MapUse::Nothing
     }
 
     /// Whether verdict maps can hold the verdicts: motions from one start, and not too many configurations.
@@ -249,7 +249,7 @@ impl Job {
     /// The confidence of what the audit of a verdict map says of one cell.
     pub fn audit_confidence(&self) -> f64 {
         let of_a_cell = self.confidence_of_a_cell();
-        if self.is_integrated() { of_a_cell } else { interval::half_of_the_error(of_a_cell) }
+        if self.draws_samples() { interval::half_of_the_error(of_a_cell) } else { of_a_cell }
     }
 
     /// The confidence of `p_low` to `p_high` of one cell.

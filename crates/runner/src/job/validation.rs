@@ -12,10 +12,10 @@ use super::diagnosis::{Complaint, Complaints};
 use super::engine::EngineSettings;
 use super::limit::requested;
 use super::limit_request::LimitRequest;
+use super::methods::Answer;
 use super::model::{Draft, OutsidePhysics, Parts};
 use super::random::RandomInputSet;
 use super::sampling::Sampling;
-use super::sampling_spec::SamplingMethod;
 use super::scatter::Names;
 use super::spec::JobSpec;
 use super::validated::{Job, MOST_MAPS};
@@ -124,21 +124,16 @@ fn validate_outside_physics(
     sampling: Option<&Sampling>,
 ) -> Result<OutsidePhysics, Complaint> {
     let Some((span, policy)) = given else { return Ok(OutsidePhysics::default()) };
-    let method = match sampling.map(|sampling| sampling.method) {
-        Some(SamplingMethod::Exact) => "exact",
-        Some(SamplingMethod::Conditional) => "conditional",
-        Some(
-            SamplingMethod::MonteCarlo | SamplingMethod::Sobol | SamplingMethod::Importance | SamplingMethod::Subset,
-        )
-        | None => return Ok(policy),
-    };
-    if policy != OutsidePhysics::Stable {
-        let message = format!(
-            "criterion.outside_physics: method = \"{method}\" draws no samples that could fail or be clamped; it takes what is outside physics for stable. Remove the key, or use method = \"monte-carlo\" or \"sobol\""
-        );
-        return Err(Complaint::at(span, message));
+    let Some(method) = sampling.map(|sampling| sampling.method) else { return Ok(policy) };
+    let is_integrated = matches!(method.answer(), Answer::Probability | Answer::Integral);
+    if !is_integrated || policy == OutsidePhysics::Stable {
+        return Ok(policy);
     }
-    Ok(policy)
+    let message = format!(
+        "criterion.outside_physics: {} draws no samples that could fail or be clamped; it takes what is outside physics for stable. Remove the key, or use method = \"monte-carlo\" or \"sobol\"",
+        method.asked()
+    );
+    Err(Complaint::at(span, message))
 }
 
 /// Refuses a verdict map for a brake whose flutter it would not see.

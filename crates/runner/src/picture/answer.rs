@@ -18,12 +18,7 @@ pub fn answer(job: &Job, cells: &[Estimate]) -> String {
     }
     let high: Vec<f64> = cells.iter().map(|cell| cell.probability.map_or(f64::NAN, |_| cell.high)).collect();
     let counts = LIMITS.map(|limit| high.iter().filter(|high| **high < limit).count());
-    let sure = if job.is_integrated() {
-        "(upper bounds of the integral)".to_owned()
-    } else {
-        let together = if job.sampling.simultaneous { ", for all cells together" } else { "" };
-        format!("(upper ends of the {} % intervals{together})", rounded(100.0 * job.sampling.confidence))
-    };
+    let sure = format!("({})", job.sampling.method.upper_ends(&job.sampling));
     let [one, five, fifty] = counts;
     if total == 1 {
         let limit = LIMITS.into_iter().zip(counts).find(|(_, count)| *count == 1);

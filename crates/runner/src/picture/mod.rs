@@ -346,11 +346,7 @@ fn curves(
     let horizontal = ChartAxis::new(&capitalised(along.key()), along.unit(), Scale::of(&along.values));
     let vertical = ChartAxis::new("P", "", Scale::linear(0.0, top));
     let mut chart = Chart::new(title, horizontal, vertical, series);
-    chart.note = if job.is_integrated() {
-        "shaded: bounds of the integral".to_owned()
-    } else {
-        format!("shaded: interval with a confidence of {}", job.sampling.confidence)
-    };
+    chart.note = format!("shaded: {}", job.sampling.method.interval(&job.sampling));
     Drawing::Chart(Box::new(chart))
 }
 

@@ -129,10 +129,9 @@ fn nouns_of_pair(model: &dyn Model) -> String {
 fn computed(run: &ReportedRun, has_name: bool) -> String {
     let values = &run.values;
     let job = &values.job;
-    let samples = if job.is_integrated() {
-        "none, the probability is integrated".to_owned()
-    } else {
-        format!("{} in all", values.samples.iter().map(|&samples| u128::from(samples)).sum::<u128>())
+    let samples = match job.draws_samples() {
+        true => format!("{} in all", values.samples.iter().map(|&samples| u128::from(samples)).sum::<u128>()),
+        false => "none, the probability is integrated".to_owned(),
     };
     let again = Path::new(&run.path).join("job.toml");
     let entries = [

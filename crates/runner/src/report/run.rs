@@ -7,7 +7,7 @@ use stickslip_core::model::quantity::Quantity;
 
 use super::expected::expected_behaviours;
 use crate::failure::Failure;
-use crate::job::Job;
+use crate::job::{Answer, Job};
 use crate::output::note;
 use crate::picture::title::title;
 use crate::picture::view::{GridView, Slice, round};
@@ -97,12 +97,12 @@ impl ReportedRun {
             "high": high.iter().map(rounded).collect::<Vec<_>>(),
             "samples": samples,
             // With conditional probabilities and weights, counts are not shares.
-            "unstable": job.has_verdicts().then_some(unstable),
+            "unstable": (job.answer() == Answer::Verdict).then_some(unstable),
             "levels": levels.all(),
             "level_names": levels.all().iter().map(|level| label(*level)).collect::<Vec<_>>(),
             "lines": levels.lines(),
             "colours": (0..levels.bands()).map(colour).collect::<Vec<_>>(),
-            "interval_name": interval_name(job),
+            "interval_name": job.sampling.method.interval(&job.sampling),
             "expected": expected_behaviours(job),
             "thickness_mm": length_scale_mm(job),
             "limits": self.limits(&view),
@@ -167,14 +167,4 @@ fn length_scale_mm(job: &Job) -> Option<f64> {
     let of = |configuration| job.model().length_scale(&job.grid.first_cell_with(configuration).expected);
     let first = of(0)?;
     (1..job.grid.configurations()).all(|other| of(other) == Some(first)).then_some(1e3 * first)
-}
-
-/// What the intervals of a job are.
-pub fn interval_name(job: &Job) -> String {
-    let sampling = &job.sampling;
-    if job.is_integrated() {
-        return "bounds of the integral".to_owned();
-    }
-    let together = if sampling.simultaneous { " for all cells together" } else { "" };
-    format!("{} % interval{together}", round(100.0 * sampling.confidence))
 }

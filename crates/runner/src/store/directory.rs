@@ -320,11 +320,10 @@ impl RunDirectory {
 
     /// The number of complete cells of a job. An integrated surface is complete as a whole or not at all.
     pub fn complete_cells(&self, job: &Job, tally: &Tally) -> u64 {
-        match job.is_integrated() {
-            false => Parts::new(job).complete_cells(tally),
-            true if self.has_surface_of(job).unwrap_or(false) => job.cells(),
-            true => 0,
+        if job.draws_samples() {
+            return Parts::new(job).complete_cells(tally);
         }
+        if self.has_surface_of(job).unwrap_or(false) { job.cells() } else { 0 }
     }
 
     /// Everything counted so far. Damaged pieces are named on standard error and left out.

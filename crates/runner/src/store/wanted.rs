@@ -61,10 +61,15 @@ impl Parts {
         Some(missing)
     }
 
-    /// Whether a cell has all its samples.
+    /// Whether a cell has all its samples; never where none are drawn.
     pub fn is_complete(&self, tally: &Tally, cell: u64) -> bool {
         let (wanted, _) = self.progress(tally, cell);
-        self.of(cell).take(wanted).enumerate().all(|(place, part)| tally.is_complete(part, self.max_samples(place)))
+        self.all_units() > 0
+            && self
+                .of(cell)
+                .take(wanted)
+                .enumerate()
+                .all(|(place, part)| tally.is_complete(part, self.max_samples(place)))
     }
 
     /// Whether every cell has all its samples.

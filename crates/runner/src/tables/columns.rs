@@ -14,7 +14,7 @@ use stickslip_sampler::inputs::{Marginal, PairParameter};
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::SumLayout;
 use crate::files::table::{column, integers};
-use crate::job::{Effort, Job, SamplingMethod};
+use crate::job::{Answer, Job, MapUse};
 use crate::tables::cell_columns::{CellColumn, names_of_pair, shown, stds_of};
 use crate::tables::row::SurfaceRow;
 
@@ -65,35 +65,20 @@ impl Column {
 /// The columns of a job's surface, in their order.
 pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
     let mut columns = first_columns(job);
-    columns.extend(count_columns(match job.sampling.effort {
-        Effort::Randomisations { .. } if job.is_conditional() => {
-            "probability of instability, the mean of the conditional probabilities of the samples"
-        }
-        _ if job.is_weighted() => {
-            "probability of instability, the mean of samples with weights; null where it is not to be trusted"
-        }
-        Effort::Samples(_) | Effort::Randomisations { .. } => {
-            "probability of instability, unstable over decided samples"
-        }
-        Effort::Until(_) => "probability of instability, the unbiased estimate of stopping by precision",
-        Effort::Integrated => "probability of instability, the integral",
-    }));
-    if job.is_conditional() {
-        describe(&mut columns, conditional(job.model()));
-    }
-    if job.is_weighted() {
-        let meanings = if job.sampling.method == SamplingMethod::Subset { &SUBSET } else { &IMPORTANCE };
-        describe(&mut columns, meanings.map(|(name, meaning)| (name, meaning.to_owned())));
+    let method = job.sampling.method;
+    columns.extend(count_columns(method.probability()));
+    describe(&mut columns, method.counts(&names_of_pair(job.model())));
+    if job.answer().is_of_rare_events() {
         columns.extend(weight_columns());
     }
     if job.records_amplitude() {
         columns.extend(amplitude_columns());
     }
-    if job.is_integrated() && job.uses_maps() {
+    if job.map_use() == MapUse::Integrate {
         let meaning = "probability that a sample is undecided or fails";
         columns.push(Column::optional("p_undecided", meaning, |row| Some(row.integrated?.undecided)));
     }
-    if layout.lookups() || (job.is_integrated() && job.sampling.is_audited) {
+    if layout.lookups() || job.sampling.is_audited {
         columns.extend(lookup_columns());
     }
     if layout.sources() {
@@ -106,7 +91,7 @@ pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
         columns.extend(sensitivity_columns(job, layout));
     }
     add_input_columns(&mut columns, job);
-    if job.has_verdicts() {
+    if job.answer() == Answer::Verdict {
         let outside = job.model().outside_meaning();
         columns.push(Column::new(
             "n_outside_physics",
@@ -146,37 +131,8 @@ fn count_columns(probability: &'static str) -> Vec<Column> {
     ]
 }
 
-/// What is counted where samples have conditional probabilities.
-fn conditional(model: &dyn Model) -> [(&'static str, String); 4] {
-    let pair = names_of_pair(model);
-    [
-        ("n_samples", format!("samples of the inputs other than {pair}")),
-        ("n_stable", format!("samples that are unstable with a probability of at most one half over {pair}")),
-        ("n_unstable", format!("samples that are unstable with a probability above one half over {pair}")),
-        ("n_failed", "samples of which no brake can be made".to_owned()),
-    ]
-}
-
-/// What is counted where samples are drawn with weights.
-const IMPORTANCE: [(&str, &str); 5] = [
-    ("n_samples", "samples, drawn where instability is frequent"),
-    ("n_stable", "of these, samples decided as stable, or unstable with a probability of at most one half"),
-    ("n_unstable", "of these, samples decided as unstable, or unstable with a probability above one half"),
-    ("n_undecided", "of these, samples without a certain verdict"),
-    ("n_failed", "0; failed samples are counted as undecided"),
-];
-
-/// What is counted where populations are led to rare events.
-const SUBSET: [(&str, &str); 5] = [
-    ("n_samples", "populations"),
-    ("n_stable", "populations that found nothing unstable"),
-    ("n_unstable", "populations that found something unstable"),
-    ("n_undecided", "0"),
-    ("n_failed", "0"),
-];
-
 /// Says what columns mean in a job in which they mean something else than usual.
-fn describe<const N: usize>(columns: &mut [Column], meanings: [(&str, String); N]) {
+fn describe(columns: &mut [Column], meanings: Vec<(&'static str, String)>) {
     for (name, meaning) in meanings {
         if let Some(column) = columns.iter_mut().find(|column| column.name == name) {
             column.long_name = meaning.into();
@@ -276,7 +232,7 @@ fn derivative_columns(job: &Job, layout: SumLayout) -> Vec<Column> {
             PairParameter::Correlation => ("dp_dcorrelation".to_owned(), "correlation".to_owned()),
         };
         let long_name = format!("derivative of the probability of instability by the {by}");
-        if job.is_integrated() {
+        if job.answer() == Answer::Integral {
             columns.push(Column::optional(name, long_name, move |row| {
                 row.integrated.and_then(|IntegratedCell { derivatives, .. }| derivatives.get(parameter))
             }));

@@ -78,11 +78,9 @@ impl<'a> Surface<'a> {
         // If the map was given up or every sample audited, all were simulated.
         let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
         let confidence = self.job.confidence(is_audited);
-        let weighted = if self.job.is_weighted() {
-            randomised::of_weights(self.job, &self.tally.of(self.parts.of(cell)), confidence)
-        } else {
-            None
-        };
+        let is_weighted = self.job.answer().is_of_rare_events();
+        let parts = || self.tally.of(self.parts.of(cell));
+        let weighted = is_weighted.then(|| randomised::of_weights(self.job, &parts(), confidence)).flatten();
         let counted = match (&integrated, &weighted) {
             (Some(integrated), _) => integrated.estimate,
             (None, Some(weighted)) => weighted.estimate,
@@ -109,7 +107,7 @@ impl<'a> Surface<'a> {
     /// The probability of a cell, with the interval of a confidence from its counts.
     fn estimate(&self, cell: u64, counts: &VerdictCounts, confidence: f64) -> Estimate {
         match self.job.sampling.effort {
-            Effort::Samples(_) | Effort::Integrated => self.job.interval(confidence).estimate(counts),
+            Effort::Samples(_) => self.job.interval(confidence).estimate(counts),
             Effort::Randomisations { .. } => {
                 randomised::estimate(self.job, &self.tally.of(self.parts.of(cell)), confidence)
             }

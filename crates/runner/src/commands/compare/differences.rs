@@ -10,7 +10,7 @@ use super::matching::{Dependence, MatchedCell, Matching};
 use super::pairs::{JointCounts, count_pairs};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::job::Job;
+use crate::job::{Answer, Job};
 use crate::output::note;
 use crate::schedule::engine::Engine;
 
@@ -126,8 +126,8 @@ fn row(
     // A run that stopped by precision has several looks, and each has its share of the error probability.
     let share = first.error_share(cell.first) * second.error_share(cell.second);
     // The audit of either run takes as much of the error probability as the counts, and so does each of two intervals.
-    let by_bounds = [first, second].iter().any(|evaluated| !evaluated.run.job.has_verdicts());
-    let sampled = [first, second].iter().filter(|evaluated| !evaluated.run.job.is_integrated()).count();
+    let by_bounds = [first, second].iter().any(|evaluated| evaluated.run.job.answer() != Answer::Verdict);
+    let sampled = [first, second].iter().filter(|evaluated| evaluated.run.job.draws_samples()).count();
     let intervals = if by_bounds { sampled.max(1) as f64 } else { 1.0 };
     let parts = intervals + [first, second].iter().filter(|evaluated| evaluated.run.is_audited()).count() as f64;
     let of_audits = 1.0 - (1.0 - confidence) / parts;

@@ -13,7 +13,7 @@ use crate::evaluate::sums::Lookups;
 use crate::failure::{Failure, Signal};
 use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
-use crate::job::Effort;
+use crate::job::{Answer, Effort, MapUse};
 use crate::output::note;
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::mapping::Mapping;
@@ -43,10 +43,11 @@ impl<'a> EvaluatedRun<'a> {
     ) -> Result<Self, Failure> {
         let mut evaluator = Evaluator::new(&run.job)?;
         let mut integrated = Vec::new();
-        if run.job.uses_maps() && (needs_verdicts || run.job.is_integrated()) {
+        let map_use = run.job.map_use();
+        if map_use == MapUse::Integrate || (map_use == MapUse::LookUp && needs_verdicts) {
             complete_maps(run, &mut evaluator, maps, engine, interrupt)?;
         }
-        if run.job.is_integrated() {
+        if run.job.answer() == Answer::Integral {
             // The run keeps its audits.
             let mut audits = run.directory.audits_done(&run.job)?;
             let audited = engine.audit(&evaluator, &mut audits, None, interrupt)?;
@@ -89,7 +90,7 @@ impl<'a> EvaluatedRun<'a> {
         if !self.run.is_audited() {
             return 0.0;
         }
-        let samples = (!self.run.job.is_integrated()).then(|| self.run.counts(cell).total());
+        let samples = self.run.job.draws_samples().then(|| self.run.counts(cell).total());
         unaudited(&self.lookups(cell), samples, confidence)
     }
 

@@ -6,7 +6,7 @@ use indicatif::HumanCount;
 
 use super::run::Run;
 use crate::failure::Failure;
-use crate::job::{Effort, Job};
+use crate::job::{Answer, Effort, Job};
 use crate::output::note;
 use crate::tables::cell_columns::names_of_pair;
 
@@ -29,13 +29,13 @@ fn dependence(first: &Job, second: &Job) -> (Dependence, Option<String>) {
     let (a, b) = (&first.sampling, &second.sampling);
     let independent = |why: String| (Dependence::Independent, Some(why));
     // Their samples stand for other inputs, and have probabilities in place of verdicts.
-    if first.is_conditional() && second.is_conditional() && a.seed == b.seed {
+    if [first, second].iter().all(|job| job.answer() == Answer::Probability) && a.seed == b.seed {
         return (Dependence::Dependent, Some(format!("they integrate over {}", names_of_pair(first.model()))));
     }
-    if first.is_weighted() && second.is_weighted() && a.seed == b.seed {
+    if [first, second].iter().all(|job| job.answer().is_of_rare_events()) && a.seed == b.seed {
         return (Dependence::Dependent, Some("their samples have weights".to_owned()));
     }
-    if a.method != b.method {
+    if a.method.written() != b.method.written() {
         return independent("their sampling.method differs".to_owned());
     }
     if a.seed != b.seed {
@@ -105,7 +105,7 @@ impl Matching {
         };
         let mut in_second: HashMap<Vec<u64>, Vec<u64>> = HashMap::new();
         (0..b.cells()).rev().for_each(|index| in_second.entry(values(b, &places_in_b, index)).or_default().push(index));
-        let exact = a.is_integrated() || b.is_integrated();
+        let exact = !a.draws_samples() || !b.draws_samples();
         let (dependence, why) = if exact { (Dependence::Independent, None) } else { dependence(a, b) };
         let common = a.sampling.common_random_numbers;
         let mut cells = Vec::new();

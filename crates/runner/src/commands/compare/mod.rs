@@ -44,10 +44,10 @@ pub const CONFIDENCE: f64 = 0.95;
 
 /// What the intervals in plots and reports are.
 pub fn interval_name(runs: &[&Run]) -> String {
-    if runs.iter().all(|run| run.job.is_integrated()) {
-        "bounds of the integrals".to_owned()
-    } else {
+    if runs.iter().any(|run| run.job.draws_samples()) {
         format!("{} % interval for all cells together", rounded(100.0 * CONFIDENCE))
+    } else {
+        "bounds of the integrals".to_owned()
     }
 }
 

@@ -134,7 +134,7 @@ impl Found<'_> {
             "unit": self.axis.unit,
             "from": from,
             "to": to,
-            "method": self.job.sampling.method,
+            "method": self.job.sampling.method.written(),
             "values_scanned": self.scanned,
             "samples": self.confidence.map(|_| self.job.sampling.samples),
             "confidence": self.confidence,

@@ -75,10 +75,11 @@ impl<'a> Wanted<'a> {
 
     /// Confidence of the intervals, of which a job that integrates has none.
     fn confidence(self) -> Option<f64> {
-        let Self { job, axis, targets, .. } = self;
+        let Self { job, axis, method, targets } = self;
         let sampling = &job.sampling;
         let intervals = (axis.combinations(job).len() * targets.len()) as u64;
-        (!job.is_integrated()).then(|| match sampling.simultaneous {
+        let is_integral = matches!(method, LimitMethod::Integral | LimitMethod::MapIntegral);
+        (!is_integral).then(|| match sampling.simultaneous {
             true => simultaneous_confidence(sampling.confidence, intervals),
             false => sampling.confidence,
         })
