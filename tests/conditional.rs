@@ -199,10 +199,10 @@ fn conditional_probabilities_are_refused_where_they_do_not_apply() {
         (in_time, third, "", &["closed form", "criterion.kind = \"eigenvalue\"", "method = \"sobol\""]),
         (failed, third, "", &["outside_physics", "method = \"conditional\"", "\"monte-carlo\" or \"sobol\""]),
         (EIGENVALUE, third, "derivatives = true", &["derivatives", "method = \"conditional\""]),
-        (EIGENVALUE, third, "sensitivity = true", &["sensitivity needs method = \"monte-carlo\""]),
+        (EIGENVALUE, third, "sensitivity = true", &["sensitivity has no meaning", "use method = \"monte-carlo\""]),
         (EIGENVALUE, third, "evaluate = \"boundary\"", &["evaluate has no meaning", "\"conditional\""]),
         (EIGENVALUE, third, "interval = \"wilson\"", &["interval has no meaning"]),
-        (EIGENVALUE, third, "until = { relative = 0.1 }", &["until needs method = \"monte-carlo\""]),
+        (EIGENVALUE, third, "until = { relative = 0.1 }", &["until has no meaning", "use method = \"monte-carlo\""]),
         (EIGENVALUE, third, "samples = 1000", &["16 randomisations", "samples = 1024"]),
     ] {
         place.write("job.toml", &job("job", criterion, random, &format!("method = \"conditional\"\n{further}")));

@@ -126,9 +126,9 @@ fn what_a_model_cannot_do_is_refused_with_the_remedy() {
         let error = place.run("check ./job.toml").unwrap_err().to_string();
         assert!(error.contains(text), "{error}");
     };
-    refused("method = \"exact\"", "this model has no such pair. Use method = \"monte-carlo\" or \"sobol\"");
+    refused("method = \"exact\"", "this model has no such pair; use method = \"monte-carlo\" or \"sobol\"");
     refused("method = \"conditional\"\nsamples = 1024", "use method = \"sobol\"");
-    refused("samples = 100\nderivatives = true", "or use sampling.sensitivity");
+    refused("samples = 100\nderivatives = true", "remove sampling.derivatives");
     let place = Place::new("", "samples = 100");
     let error = place.run("analyse --job ./job.toml").unwrap_err().to_string();
     assert!(error.contains("another model than the pad on the disc"), "{error}");

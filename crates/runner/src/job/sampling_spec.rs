@@ -1,5 +1,6 @@
 //! The sampling keys of a job spec as written.
 
+use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
@@ -97,7 +98,7 @@ impl Audit {
 }
 
 /// How probabilities are found.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum SamplingMethod {
     /// Independent samples.
@@ -113,6 +114,13 @@ pub enum SamplingMethod {
     Subset,
     /// The probability of the unstable side of the boundary.
     Exact,
+}
+
+impl SamplingMethod {
+    /// As written.
+    pub fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
 }
 
 /// How the verdict of a sample is found.

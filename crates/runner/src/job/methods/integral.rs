@@ -10,9 +10,6 @@ use crate::job::sampling::Sampling;
 use crate::job::sampling_spec::{SamplingMethod, SamplingSpec};
 use crate::job::validated::Job;
 
-/// What is done where probabilities cannot be integrated.
-pub const INSTEAD: &str = "use method = \"monte-carlo\" or \"sobol\" with evaluate = \"each\"";
-
 /// Why there are no samples to look at.
 pub const WITHOUT_VERDICTS: &str = "this run integrates its probabilities; it has no samples to replay or to write";
 
@@ -37,7 +34,7 @@ impl Method for Integral {
     }
 
     fn clause(&self) -> &'static str {
-        "which integrates in closed form where criterion.kind = \"eigenvalue\" and draws no samples: p_low and p_high bound the numerical error"
+        "which draws no samples, and bounds the numerical error by p_low and p_high where the boundary is known in closed form"
     }
 
     fn keys(&self) -> &'static [Key] {
@@ -49,7 +46,7 @@ impl Method for Integral {
     }
 
     fn instead(&self) -> &'static str {
-        INSTEAD
+        "use method = \"monte-carlo\" or \"sobol\" with evaluate = \"each\""
     }
 
     fn answer(&self) -> Answer {

@@ -89,12 +89,9 @@ impl SamplingSpec {
             let span = span?;
             let option = if *key == Key::Samples { " (or --samples)" } else { "" };
             if !method.takes(*key) {
-                let message = format!(
-                    "sampling.{name} has no meaning with {}, {}; remove it{option}, or change the method: it belongs to {}",
-                    method.asked(),
-                    method.clause(),
-                    takers(*key)
-                );
+                let (asked, clause, instead) = (method.asked(), method.clause(), takers(*key, method));
+                let message =
+                    format!("sampling.{name} has no meaning with {asked}, {clause}; remove it{option}, or {instead}");
                 return Some(Complaint::at(span, message));
             }
             let is_of_lookups = *key == Key::Audit && method.takes(Key::Evaluate);
@@ -107,12 +104,13 @@ impl SamplingSpec {
     }
 }
 
-/// The methods that take a key.
-fn takers(key: Key) -> String {
-    let mut asked: Vec<&str> = ALL.iter().filter(|method| method.takes(key)).map(|method| method.asked()).collect();
-    asked.dedup();
-    match asked.split_last() {
-        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        _ => asked.concat(),
+/// What to do for a key to have a meaning.
+fn takers(key: Key, method: &dyn Method) -> String {
+    let mut takers: Vec<_> = ALL.iter().filter(|taker| taker.takes(key)).map(|taker| taker.written()).collect();
+    takers.dedup();
+    if takers.contains(&method.written()) {
+        return format!("remove {}", method.asked());
     }
+    let names: Vec<String> = takers.iter().map(|taker| format!("\"{}\"", taker.name())).collect();
+    format!("use method = {}", names.join(" or "))
 }

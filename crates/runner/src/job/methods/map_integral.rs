@@ -2,7 +2,7 @@
 
 use stickslip_core::model::quantity::Role;
 
-use super::integral::{BOUNDS, INSTEAD, PROBABILITY, UPPER_BOUNDS, WITHOUT_VERDICTS};
+use super::integral::{BOUNDS, PROBABILITY, UPPER_BOUNDS, WITHOUT_VERDICTS};
 use super::keys::Key;
 use super::needs::Need;
 use super::{Answer, Computed, MapUse, Method};
@@ -39,7 +39,7 @@ impl Method for MapIntegral {
     }
 
     fn instead(&self) -> &'static str {
-        INSTEAD
+        "use method = \"monte-carlo\" or \"sobol\" with evaluate = \"each\" (or criterion.kind = \"eigenvalue\", which needs no verdict map)"
     }
 
     fn answer(&self) -> Answer {

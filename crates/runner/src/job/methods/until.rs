@@ -23,7 +23,7 @@ impl Method for Until {
     }
 
     fn clause(&self) -> &'static str {
-        "which has its own until = { ..., confidence = ..., at_most = ... } and an interval that stays valid under repeated looks (samples and until exclude each other)"
+        "which has at_most and confidence of its own (until = { ..., confidence = ..., at_most = ... }), and an interval that stays valid under repeated looks"
     }
 
     fn keys(&self) -> &'static [Key] {
