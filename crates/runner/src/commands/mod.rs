@@ -10,6 +10,8 @@ mod run_progress;
 
 mod watch;
 
+mod sharing;
+
 mod status;
 
 mod cluster_prediction;
@@ -33,8 +35,6 @@ mod limit;
 mod closing;
 
 mod completion;
-
-mod sharing;
 
 mod submit;
 

@@ -1,12 +1,14 @@
 //! How the limits of a job along an axis are found, if they can be.
 
 use indicatif::HumanCount;
+use stickslip_core::model::quantity::Role;
 use toml::Spanned;
 
 use super::diagnosis::Complaint;
 use super::limit_axis::LimitAxis;
 use super::limit_request::LimitRequest;
 use super::limit_spec::LimitSpec;
+use super::method::{Answer, MapUse};
 use super::validated::Job;
 
 /// Largest number of samples of a cell: they are held in memory, or evaluated at many values.
@@ -46,36 +48,38 @@ impl LimitMethod {
     /// # Errors
     /// Why they cannot be, and what would be right.
     pub fn of(job: &Job, axis: &LimitAxis) -> Result<Self, String> {
-        job.sampling.method.limits(job, axis)
+        let method = job.sampling.method;
+        if method.answer() == Answer::Integral {
+            return match (job.map_use(), axis.varied) {
+                (MapUse::Integrate, None) => Err(format!(
+                    "a verdict map serves all values of {}, along which limits are found; along other axes submit the job and read surface.parquet, or use kind = \"eigenvalue\"",
+                    job.axes_of(Role::Input).collect::<Vec<_>>().join(" and ")
+                )),
+                (MapUse::Integrate, Some(_)) => Ok(Self::MapIntegral),
+                _ => Ok(Self::Integral),
+            };
+        }
+        if !job.has_closed_form() && !method.answer().is_of_rare_events() {
+            return Err(format!(
+                "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" simulates its samples. Submit it: its summary tells up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
+                job.name
+            ));
+        }
+        if let Some(why) = method.without_limits() {
+            return Err(why.to_owned());
+        }
+        let samples = job.sampling.samples;
+        if samples > MOST_SAMPLES {
+            return Err(format!(
+                "limits are found with {} samples of each combination at most; sampling.samples is {}. Give fewer, or sampling.method = \"exact\", which needs none",
+                HumanCount(MOST_SAMPLES),
+                HumanCount(samples)
+            ));
+        }
+        Ok(match (method.answer(), axis.varied) {
+            (Answer::Weight | Answer::Population, _) => Self::WeightedSamples,
+            (Answer::Verdict, Some(varied)) => Self::CriticalValues(varied),
+            _ => Self::Samples,
+        })
     }
-}
-
-/// Refuses a job that simulates its samples.
-///
-/// # Errors
-/// What has limits.
-pub fn in_closed_form(job: &Job) -> Result<(), String> {
-    if job.has_closed_form() {
-        return Ok(());
-    }
-    Err(format!(
-        "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" simulates its samples. Submit it: its summary tells up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
-        job.name
-    ))
-}
-
-/// Refuses more samples of each combination than can be held.
-///
-/// # Errors
-/// The largest number.
-pub fn few_samples(job: &Job) -> Result<(), String> {
-    let samples = job.sampling.samples;
-    if samples <= MOST_SAMPLES {
-        return Ok(());
-    }
-    Err(format!(
-        "limits are found with {} samples of each combination at most; sampling.samples is {}. Give fewer, or sampling.method = \"exact\", which needs none",
-        HumanCount(MOST_SAMPLES),
-        HumanCount(samples)
-    ))
 }

@@ -40,7 +40,15 @@ mod axes;
 
 pub mod models;
 
-pub mod methods;
+mod sampling_key;
+
+mod sampling_numbers;
+
+mod needs;
+
+mod method;
+
+mod methods;
 
 mod sampling_checks;
 
@@ -71,13 +79,13 @@ pub use imprecise_values::{Values, What};
 pub use limit::LimitMethod;
 pub use limit_axis::LimitAxis;
 pub use measured::{read_csv, unreadable};
-pub use methods::{Answer, Computed, MapUse};
+pub use method::{Answer, Computed, MapUse, Sampling};
 pub use model::OutsidePhysics;
 pub use models::pad_on_disc::keys::unknown_parameter;
 pub use models::pad_on_disc::{friction, plausibility};
 pub use models::schema;
 pub use models::start_spec::StartKind;
-pub use sampling::{Effort, Sampling};
+pub use sampling_numbers::Effort;
 pub use sampling_spec::{Audit, EvaluateMode};
 pub use source::{JobSource, Overrides};
 pub use validated::Job;

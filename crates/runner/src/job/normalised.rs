@@ -8,9 +8,10 @@ use serde::Serialize;
 use stickslip_sampler::estimate::looks::Precision;
 use stickslip_sampler::inputs::Marginal;
 
-use super::methods::keys::Key;
+use super::method::Sampling;
 use super::model::{OutsidePhysics, Tables, table_of};
-use super::sampling::{Effort, Sampling};
+use super::sampling_key::Key;
+use super::sampling_numbers::Effort;
 use super::sampling_spec::{AUDIT, Audit, EvaluateMode, IntervalSpec, SamplingMethod};
 use super::scatter::own_std;
 use super::validated::Job;

@@ -2,78 +2,22 @@
 
 use stickslip_core::model::Model;
 use stickslip_sampler::estimate::audit;
-use stickslip_sampler::estimate::interval::IntervalKind;
 use stickslip_sampler::estimate::interval::half_of_the_error;
 use stickslip_sampler::estimate::looks::{Looks, Precision};
 use toml::Spanned;
 
 use super::diagnosis::{Complaint, Complaints};
-use super::methods::keys::is_true;
-use super::methods::needs::{Asked, Need};
-use super::methods::{MapUse, Method, method};
+use super::method::{MapUse, Method, Sampling};
+use super::methods::method;
 use super::model::JobModel;
+use super::needs::{Asked, Need};
 use super::random::RandomInputSet;
-use super::sampling_spec::{AUDIT, Audit, EvaluateMode, IntervalSpec, SamplingSpec};
-
-/// Samples in one cell by default.
-const SAMPLES: u64 = 10_000;
-
-/// Largest number of samples in one cell.
-const MOST_SAMPLES: u64 = 1_000_000_000_000_000;
+use super::sampling_key::is_true;
+use super::sampling_numbers::Effort;
+use super::sampling_spec::{AUDIT, Audit, EvaluateMode, SamplingSpec};
 
 /// Particles of a population.
 const PARTICLES: [u64; 2] = [50, 100_000];
-
-/// How many samples a cell gets, and which of them are counted apart.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Effort {
-    /// So many, counted together; none where probabilities are integrated.
-    Samples(u64),
-    /// Randomisations of so many Sobol points each, counted apart.
-    Randomisations {
-        /// How many.
-        count: u64,
-        /// Points of each.
-        points: u64,
-    },
-    /// Until the interval is narrow enough, looking from time to time; the samples between two looks are counted apart.
-    Until(Looks),
-}
-
-/// The sampling of a job, checked.
-#[derive(Debug, Clone)]
-pub struct Sampling {
-    /// How probabilities are found.
-    pub method: &'static dyn Method,
-    /// Samples in each cell (at most, with `until`; 0 for integrals).
-    pub samples: u64,
-    /// The precision that is wanted of each cell, with `until`.
-    pub until: Option<Precision>,
-    /// How they are shared.
-    pub effort: Effort,
-    /// Seed.
-    pub seed: u64,
-    /// How the verdicts of the samples are found.
-    pub evaluate: EvaluateMode,
-    /// Which looked-up samples are simulated as a check.
-    pub audit: Audit,
-    /// Particles of a population, where rare events are looked for.
-    pub particles: Option<u64>,
-    /// Whether cells share their deviates.
-    pub common_random_numbers: bool,
-    /// Confidence of the intervals.
-    pub confidence: f64,
-    /// Which interval, if the spec says so.
-    pub interval: Option<IntervalSpec>,
-    /// Whether the intervals hold together.
-    pub simultaneous: bool,
-    /// Whether verdicts are looked up in a map that is audited.
-    pub is_audited: bool,
-    /// Whether derivatives are wanted.
-    pub derivatives: bool,
-    /// Whether Sobol indices are wanted.
-    pub sensitivity: bool,
-}
 
 impl Sampling {
     /// Checks every key, and that they fit each other, the inputs and the criterion. `None` if anything is refused, or
@@ -105,27 +49,6 @@ impl Sampling {
         let sampling = complaints.take(sampling)?;
         let (inputs, model) = others?;
         complaints.take(spec.check_needs(method, inputs, model.model())).map(|()| sampling)
-    }
-
-    /// Which interval counted verdicts get at a confidence.
-    pub fn interval_kind(&self, confidence: f64) -> IntervalKind {
-        match (IntervalKind::for_confidence(confidence), self.interval) {
-            (IntervalKind::Wilson, Some(interval)) if !self.simultaneous => interval.into(),
-            (IntervalKind::Wilson, None) if !self.simultaneous => IntervalKind::Wilson,
-            _ => IntervalKind::ClopperPearson,
-        }
-    }
-
-    /// Parts of a cell that are counted apart: how many samples each has at most.
-    pub fn parts(&self) -> Vec<u64> {
-        match &self.effort {
-            Effort::Samples(samples) => vec![*samples],
-            Effort::Randomisations { count, points } => vec![*points; *count as usize],
-            Effort::Until(looks) => {
-                let ends = looks.ends();
-                (0..ends.len()).map(|i| ends[i] - if i == 0 { 0 } else { ends[i - 1] }).collect()
-            }
-        }
     }
 }
 
@@ -172,21 +95,6 @@ impl SamplingSpec {
             asked.push(Asked { what: "sensitivity", span: at_sensitivity, needs, instead: "remove it" });
         }
         asked.iter().try_for_each(|asked| asked.check(model, inputs))
-    }
-
-    /// Largest number of samples in each cell.
-    pub fn checked_samples(&self) -> Result<u64, Complaint> {
-        let (key, samples, span) = match (&self.until, &self.samples) {
-            (Some(until), _) => ("until.at_most", until.get_ref().at_most(), Some(until.span())),
-            (None, Some(samples)) => ("samples", *samples.get_ref(), Some(samples.span())),
-            (None, None) => ("samples", SAMPLES, None),
-        };
-        if (1..=MOST_SAMPLES).contains(&samples) {
-            return Ok(samples);
-        }
-        let message =
-            format!("sampling.{key} = {samples} is out of range: it must be at least 1 and at most {MOST_SAMPLES}");
-        Err(Complaint::maybe_at(span, message))
     }
 
     /// The sampling that the keys ask for, each of which is checked.

@@ -7,7 +7,7 @@ use stickslip_sampler::estimate::looks::Precision;
 use toml::Spanned;
 
 use super::diagnosis::Complaint;
-use super::methods::{Answer, Method};
+use super::method::{Answer, Method};
 use super::sampling_spec::{Audit, EvaluateMode, IntervalSpec, SamplingMethod, SamplingSpec, UntilSpec};
 
 /// Samples in a cell at most with `until`, by default.

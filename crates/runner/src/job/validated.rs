@@ -16,10 +16,10 @@ use stickslip_sampler::integrate::pair::Pair;
 
 use super::engine::EngineSettings;
 use super::limit_request::LimitRequest;
-use super::methods::{Answer, MapUse};
+use super::method::{Answer, MapUse, Sampling};
 use super::model::{JobModel, OutsidePhysics};
 use super::random::RandomInputSet;
-use super::sampling::{Effort, Sampling};
+use super::sampling_numbers::Effort;
 use super::sampling_spec::Audit;
 use crate::failure::Failure;
 

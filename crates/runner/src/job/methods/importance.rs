@@ -2,15 +2,12 @@
 
 use stickslip_sampler::draw::deviates::Points;
 
-use super::keys::Key;
-use super::needs::Need;
-use super::{Answer, Method};
 use crate::job::diagnosis::Complaint;
-use crate::job::limit::{LimitMethod, few_samples};
-use crate::job::limit_axis::LimitAxis;
-use crate::job::sampling::Effort;
+use crate::job::method::{Answer, Method};
+use crate::job::needs::Need;
+use crate::job::sampling_key::Key;
+use crate::job::sampling_numbers::Effort;
 use crate::job::sampling_spec::{SamplingMethod, SamplingSpec};
-use crate::job::validated::Job;
 
 /// Largest number of random inputs of samples with weights: one Sobol number chooses the density.
 const MOST_INPUTS: usize = 31;
@@ -85,11 +82,6 @@ impl Method for Importance {
 
     fn moves(&self) -> usize {
         4
-    }
-
-    fn limits(&self, job: &Job, _: &LimitAxis) -> Result<LimitMethod, String> {
-        few_samples(job)?;
-        Ok(LimitMethod::WeightedSamples)
     }
 
     fn probability(&self) -> &'static str {

@@ -1,7 +1,7 @@
 //! Independent samples, so many of each cell.
 
-use super::keys::Key;
-use super::{MapUse, Method};
+use crate::job::method::{MapUse, Method};
+use crate::job::sampling_key::Key;
 use crate::job::sampling_spec::SamplingMethod;
 
 /// See [`Method`].

@@ -1,14 +1,10 @@
 //! The probability of the unstable side of a boundary that is known in closed form, by integration.
 
-use super::keys::Key;
-use super::needs::Need;
-use super::{Answer, Computed, Method};
 use crate::job::diagnosis::Complaint;
-use crate::job::limit::LimitMethod;
-use crate::job::limit_axis::LimitAxis;
-use crate::job::sampling::Sampling;
+use crate::job::method::{Answer, Computed, Method, Sampling};
+use crate::job::needs::Need;
+use crate::job::sampling_key::Key;
 use crate::job::sampling_spec::{SamplingMethod, SamplingSpec};
-use crate::job::validated::Job;
 
 /// Why there are no samples to look at.
 pub const WITHOUT_VERDICTS: &str = "this run integrates its probabilities; it has no samples to replay or to write";
@@ -55,10 +51,6 @@ impl Method for Integral {
 
     fn samples(&self, _: &SamplingSpec) -> Result<u64, Complaint> {
         Ok(0)
-    }
-
-    fn limits(&self, _: &Job, _: &LimitAxis) -> Result<LimitMethod, String> {
-        Ok(LimitMethod::Integral)
     }
 
     fn probability(&self) -> &'static str {

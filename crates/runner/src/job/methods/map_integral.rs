@@ -1,17 +1,11 @@
 //! The probability of the unstable side of a verdict map, by integration over it.
 
-use stickslip_core::model::quantity::Role;
-
 use super::integral::{BOUNDS, PROBABILITY, UPPER_BOUNDS, WITHOUT_VERDICTS};
-use super::keys::Key;
-use super::needs::Need;
-use super::{Answer, Computed, MapUse, Method};
 use crate::job::diagnosis::Complaint;
-use crate::job::limit::LimitMethod;
-use crate::job::limit_axis::LimitAxis;
-use crate::job::sampling::Sampling;
+use crate::job::method::{Answer, Computed, MapUse, Method, Sampling};
+use crate::job::needs::Need;
+use crate::job::sampling_key::Key;
 use crate::job::sampling_spec::{SamplingMethod, SamplingSpec};
-use crate::job::validated::Job;
 
 /// See [`Method`].
 #[derive(Debug)]
@@ -52,15 +46,6 @@ impl Method for MapIntegral {
 
     fn samples(&self, _: &SamplingSpec) -> Result<u64, Complaint> {
         Ok(0)
-    }
-
-    fn limits(&self, job: &Job, axis: &LimitAxis) -> Result<LimitMethod, String> {
-        axis.varied.map(|_| LimitMethod::MapIntegral).ok_or_else(|| {
-            format!(
-                "a verdict map serves all values of {}, along which limits are found; along other axes submit the job and read surface.parquet, or use kind = \"eigenvalue\"",
-                job.axes_of(Role::Input).collect::<Vec<_>>().join(" and ")
-            )
-        })
     }
 
     fn probability(&self) -> &'static str {

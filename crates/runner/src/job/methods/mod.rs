@@ -1,25 +1,10 @@
-//! Methods: how the probability of a cell is found. Each is a [`Method`] in a file of its own, which says what it takes,
-//! what it needs and what it returns; everything else asks it.
+//! The methods: how the probability of a cell is found. Each is a [`Method`] in a file of its own, which says what it
+//! takes, what it needs and what it returns; everything else asks it.
 
-use std::fmt::Debug;
-
-use stickslip_sampler::draw::deviates::Points;
-
-use self::keys::Key;
-use self::needs::Need;
 use super::diagnosis::Complaint;
-use super::limit::{LimitMethod, few_samples, in_closed_form};
-use super::limit_axis::LimitAxis;
-use super::sampling::{Effort, Sampling};
+use super::method::Method;
+use super::sampling_key::Key;
 use super::sampling_spec::{EvaluateMode, SamplingMethod, SamplingSpec};
-use super::validated::Job;
-use crate::output::counted;
-
-pub mod keys;
-
-pub mod needs;
-
-mod randomisations;
 
 mod independent;
 
@@ -63,188 +48,36 @@ pub fn method(spec: &SamplingSpec, has_closed_form: bool) -> &'static dyn Method
     }
 }
 
-/// What a method returns for a sample.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Answer {
-    /// Its verdict, which can be looked at again.
-    Verdict,
-    /// The probability of instability over the pair of the model, given the other inputs.
-    Probability,
-    /// A verdict or a probability with a weight: samples are drawn where instability is frequent.
-    Weight,
-    /// A probability of its own: it is a population that is led to instability.
-    Population,
-    /// Nothing: it draws no samples, and integrates.
-    Integral,
-}
-
-impl Answer {
-    /// Whether instability is looked for where it is rare.
-    pub fn is_of_rare_events(self) -> bool {
-        matches!(self, Self::Weight | Self::Population)
+impl SamplingSpec {
+    /// The keys that have no meaning with the method of the job.
+    pub fn foreign_keys(&self, method: &'static dyn Method) -> Vec<Complaint> {
+        let foreign = |key: &Key| {
+            let (name, span) = key.given(self);
+            let span = span?;
+            let option = if *key == Key::Samples { " (or --samples)" } else { "" };
+            if !method.takes(*key) {
+                let (asked, clause, instead) = (method.asked(), method.clause(), takers(*key, method));
+                let message =
+                    format!("sampling.{name} has no meaning with {asked}, {clause}; remove it{option}, or {instead}");
+                return Some(Complaint::at(span, message));
+            }
+            let is_of_lookups = *key == Key::Audit && method.takes(Key::Evaluate);
+            (is_of_lookups && self.evaluate_mode() != EvaluateMode::Boundary).then(|| {
+                let message = "sampling.audit belongs to evaluate = \"boundary\" and to method = \"exact\"; remove it, or change one of these";
+                Complaint::at(span, message)
+            })
+        };
+        Key::ALL.iter().filter_map(foreign).collect()
     }
 }
 
-/// What verdict maps are used for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MapUse {
-    /// There are none.
-    Nothing,
-    /// Samples are looked up in them.
-    LookUp,
-    /// Probabilities are integrated over them.
-    Integrate,
-}
-
-/// What was computed of all cells together, for the report of a run.
-#[derive(Debug, Clone, Copy)]
-pub struct Computed {
-    /// Samples.
-    pub samples: u128,
-    /// Verdicts or probabilities, where samples have weights.
-    pub evaluations: f64,
-    /// The largest error of an integral.
-    pub error: f64,
-    /// The largest probability that a sample is undecided, where probabilities are integrated.
-    pub undecided: f64,
-}
-
-/// How the probability of a cell is found.
-pub trait Method: Debug + Send + Sync {
-    /// Its name in job specs.
-    fn written(&self) -> SamplingMethod;
-
-    /// How it is asked for, in messages.
-    fn asked(&self) -> &'static str;
-
-    /// What it does, as the relative clause of a message.
-    fn clause(&self) -> &'static str;
-
-    /// The keys of `[sampling]` that have a meaning with it, beside `method`.
-    fn keys(&self) -> &'static [Key];
-
-    /// What it needs of model and random inputs.
-    fn needs(&self) -> &'static [Need] {
-        &[]
+/// What to do for a key to have a meaning.
+fn takers(key: Key, method: &dyn Method) -> String {
+    let mut takers: Vec<_> = ALL.iter().filter(|taker| taker.takes(key)).map(|taker| taker.written()).collect();
+    takers.dedup();
+    if takers.contains(&method.written()) {
+        return format!("remove {}", method.asked());
     }
-
-    /// What to do where a need is not met, as the end of a message.
-    fn instead(&self) -> &'static str {
-        "use method = \"monte-carlo\""
-    }
-
-    /// What it returns for a sample.
-    fn answer(&self) -> Answer {
-        Answer::Verdict
-    }
-
-    /// What its deviates are drawn from.
-    fn points(&self) -> Points {
-        Points::Random
-    }
-
-    /// What it uses verdict maps for, even if samples are not looked up.
-    fn map_use(&self) -> MapUse {
-        MapUse::Nothing
-    }
-
-    /// The largest number of samples in each cell.
-    ///
-    /// # Errors
-    /// A number out of range.
-    fn samples(&self, spec: &SamplingSpec) -> Result<u64, Complaint> {
-        spec.checked_samples()
-    }
-
-    /// How the samples of a cell are counted.
-    ///
-    /// # Errors
-    /// Numbers that do not fit each other.
-    fn effort(&self, spec: &SamplingSpec, samples: u64) -> Result<Effort, Complaint> {
-        let _ = spec;
-        Ok(Effort::Samples(samples))
-    }
-
-    /// Particles of a population by default, if it has populations.
-    fn particles(&self) -> Option<u64> {
-        None
-    }
-
-    /// Moves of each particle of a population.
-    fn moves(&self) -> usize {
-        0
-    }
-
-    /// How the limits of a job along an axis are found.
-    ///
-    /// # Errors
-    /// Why they cannot be, and what would be right.
-    fn limits(&self, job: &Job, axis: &LimitAxis) -> Result<LimitMethod, String> {
-        in_closed_form(job)?;
-        few_samples(job)?;
-        Ok(axis.varied.map_or(LimitMethod::Samples, LimitMethod::CriticalValues))
-    }
-
-    /// What `p_unstable` is.
-    fn probability(&self) -> &'static str {
-        "probability of instability, unstable over decided samples"
-    }
-
-    /// The meanings of counts that differ from the usual ones, by column; `pair` is what the pair of the model is called.
-    fn counts(&self, pair: &str) -> Vec<(&'static str, String)> {
-        let _ = pair;
-        Vec::new()
-    }
-
-    /// Why there are no verdicts on samples to look at again, and what has them.
-    fn without_verdicts(&self, pair: &str) -> Option<String> {
-        let _ = pair;
-        None
-    }
-
-    /// What the intervals of its probabilities are.
-    fn interval(&self, sampling: &Sampling) -> String {
-        format!("{} % interval{}", percent(sampling), together(sampling))
-    }
-
-    /// What their upper ends are.
-    fn upper_ends(&self, sampling: &Sampling) -> String {
-        format!("upper ends of the {} % intervals{}", percent(sampling), together(sampling))
-    }
-
-    /// What to take more of where a probability is not to be trusted.
-    fn more(&self) -> &'static str {
-        "samples"
-    }
-
-    /// What was computed of each cell.
-    fn closing(&self, sampling: &Sampling, computed: &Computed) -> String {
-        let _ = computed;
-        format!("{} each, seed {}", counted(sampling.samples.into(), "sample", "samples"), sampling.seed)
-    }
-}
-
-impl dyn Method {
-    /// Whether a key of `[sampling]` has a meaning with it.
-    pub fn takes(&self, key: Key) -> bool {
-        self.keys().contains(&key)
-    }
-
-    /// What it uses verdict maps for.
-    pub fn map_use_with(&self, evaluate: EvaluateMode) -> MapUse {
-        match self.map_use() {
-            MapUse::LookUp if evaluate != EvaluateMode::Boundary => MapUse::Nothing,
-            map_use => map_use,
-        }
-    }
-}
-
-/// The confidence of the intervals in percent, with at most six digits.
-fn percent(sampling: &Sampling) -> f64 {
-    let percent = 100.0 * sampling.confidence;
-    format!("{percent:.5e}").parse().unwrap_or(percent)
-}
-
-fn together(sampling: &Sampling) -> &'static str {
-    if sampling.simultaneous { " for all cells together" } else { "" }
+    let names: Vec<String> = takers.iter().map(|taker| format!("\"{}\"", taker.name())).collect();
+    format!("use method = {}", names.join(" or "))
 }

@@ -2,10 +2,10 @@
 
 use stickslip_sampler::draw::deviates::Points;
 
-use super::keys::Key;
-use super::{MapUse, Method};
 use crate::job::diagnosis::Complaint;
-use crate::job::sampling::Effort;
+use crate::job::method::{MapUse, Method};
+use crate::job::sampling_key::Key;
+use crate::job::sampling_numbers::Effort;
 use crate::job::sampling_spec::{SamplingMethod, SamplingSpec};
 
 /// See [`Method`].

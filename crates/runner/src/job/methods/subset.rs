@@ -1,14 +1,12 @@
 //! Populations of samples that are led to rare events step by step (subset simulation).
 
-use super::keys::Key;
-use super::needs::Need;
-use super::{Answer, Computed, Method, importance};
+use super::importance;
 use crate::job::diagnosis::Complaint;
-use crate::job::limit::LimitMethod;
-use crate::job::limit_axis::LimitAxis;
-use crate::job::sampling::{Effort, Sampling};
+use crate::job::method::{Answer, Computed, Method, Sampling};
+use crate::job::needs::Need;
+use crate::job::sampling_key::Key;
+use crate::job::sampling_numbers::Effort;
 use crate::job::sampling_spec::{SamplingMethod, SamplingSpec};
-use crate::job::validated::Job;
 use crate::output::counted;
 
 /// See [`Method`].
@@ -60,8 +58,10 @@ impl Method for Subset {
         8
     }
 
-    fn limits(&self, _: &Job, _: &LimitAxis) -> Result<LimitMethod, String> {
-        Err("populations of sampling.method = \"subset\" differ from value to value, so that they have no limits; use \"importance\"".to_owned())
+    fn without_limits(&self) -> Option<&'static str> {
+        Some(
+            "populations of sampling.method = \"subset\" differ from value to value, so that they have no limits; use \"importance\"",
+        )
     }
 
     fn probability(&self) -> &'static str {

@@ -1,12 +1,8 @@
 //! Independent samples until the interval of the cell is narrow enough, with looks from time to time.
 
-use super::keys::Key;
-use super::{Computed, MapUse, Method};
-use crate::job::limit::{LimitMethod, in_closed_form};
-use crate::job::limit_axis::LimitAxis;
-use crate::job::sampling::Sampling;
+use crate::job::method::{Computed, MapUse, Method, Sampling};
+use crate::job::sampling_key::Key;
 use crate::job::sampling_spec::SamplingMethod;
-use crate::job::validated::Job;
 use crate::output::{HumanCount128, counted};
 
 /// See [`Method`].
@@ -34,9 +30,10 @@ impl Method for Until {
         MapUse::LookUp
     }
 
-    fn limits(&self, job: &Job, _: &LimitAxis) -> Result<LimitMethod, String> {
-        in_closed_form(job)?;
-        Err("limits are found with the same number of samples at all values; give sampling.samples in place of sampling.until".to_owned())
+    fn without_limits(&self) -> Option<&'static str> {
+        Some(
+            "limits are found with the same number of samples at all values; give sampling.samples in place of sampling.until",
+        )
     }
 
     fn probability(&self) -> &'static str {

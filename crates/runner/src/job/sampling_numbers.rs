@@ -1,10 +1,16 @@
-//! Independent randomisations, among which samples are shared.
+//! How many samples and randomisations a cell gets.
 
+use stickslip_sampler::estimate::looks::Looks;
 use toml::Spanned;
 
-use crate::job::diagnosis::Complaint;
-use crate::job::sampling::Effort;
-use crate::job::sampling_spec::SamplingSpec;
+use super::diagnosis::Complaint;
+use super::sampling_spec::SamplingSpec;
+
+/// Samples in one cell by default.
+const SAMPLES: u64 = 10_000;
+
+/// Largest number of samples in one cell.
+const MOST_SAMPLES: u64 = 1_000_000_000_000_000;
 
 /// Independent randomisations by default, and at most.
 const RANDOMISATIONS: u64 = 16;
@@ -13,7 +19,38 @@ const MOST_RANDOMISATIONS: u64 = 1000;
 /// Largest number of points of one randomisation: Sobol numbers of 32 bits.
 const MOST_SOBOL_POINTS: u64 = 1 << 32;
 
+/// How many samples a cell gets, and which of them are counted apart.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Effort {
+    /// So many, counted together; none where probabilities are integrated.
+    Samples(u64),
+    /// Randomisations of so many Sobol points each, counted apart.
+    Randomisations {
+        /// How many.
+        count: u64,
+        /// Points of each.
+        points: u64,
+    },
+    /// Until the interval is narrow enough, looking from time to time; the samples between two looks are counted apart.
+    Until(Looks),
+}
+
 impl SamplingSpec {
+    /// Largest number of samples in each cell.
+    pub fn checked_samples(&self) -> Result<u64, Complaint> {
+        let (key, samples, span) = match (&self.until, &self.samples) {
+            (Some(until), _) => ("until.at_most", until.get_ref().at_most(), Some(until.span())),
+            (None, Some(samples)) => ("samples", *samples.get_ref(), Some(samples.span())),
+            (None, None) => ("samples", SAMPLES, None),
+        };
+        if (1..=MOST_SAMPLES).contains(&samples) {
+            return Ok(samples);
+        }
+        let message =
+            format!("sampling.{key} = {samples} is out of range: it must be at least 1 and at most {MOST_SAMPLES}");
+        Err(Complaint::maybe_at(span, message))
+    }
+
     /// The number of randomisations, or of populations.
     pub fn randomisations(&self) -> u64 {
         self.randomisations.as_ref().map_or(RANDOMISATIONS, |count| *count.get_ref())

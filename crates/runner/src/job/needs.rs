@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use stickslip_core::model::Model;
 
-use crate::job::diagnosis::Complaint;
-use crate::job::random::RandomInputSet;
+use super::diagnosis::Complaint;
+use super::random::RandomInputSet;
 
 /// What may be needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,9 +4,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::{ALL, Method};
-use crate::job::diagnosis::Complaint;
-use crate::job::sampling_spec::{EvaluateMode, SamplingSpec};
+use super::sampling_spec::SamplingSpec;
 
 /// A key of `[sampling]`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +36,8 @@ pub enum Key {
 }
 
 impl Key {
-    const ALL: [Self; 12] = [
+    /// All of them.
+    pub const ALL: [Self; 12] = [
         Self::Samples,
         Self::Until,
         Self::Evaluate,
@@ -54,7 +53,7 @@ impl Key {
     ];
 
     /// Its name, and where a job gives it.
-    fn given(self, spec: &SamplingSpec) -> (&'static str, Option<Range<usize>>) {
+    pub fn given(self, spec: &SamplingSpec) -> (&'static str, Option<Range<usize>>) {
         fn span<T>(value: &Option<Spanned<T>>) -> Option<Range<usize>> {
             value.as_ref().map(Spanned::span)
         }
@@ -79,38 +78,4 @@ impl Key {
 /// Whether a key says yes.
 pub fn is_true(value: &Option<Spanned<bool>>) -> bool {
     value.as_ref().is_some_and(|value| *value.get_ref())
-}
-
-impl SamplingSpec {
-    /// The keys that have no meaning with the method of the job.
-    pub fn foreign_keys(&self, method: &'static dyn Method) -> Vec<Complaint> {
-        let foreign = |key: &Key| {
-            let (name, span) = key.given(self);
-            let span = span?;
-            let option = if *key == Key::Samples { " (or --samples)" } else { "" };
-            if !method.takes(*key) {
-                let (asked, clause, instead) = (method.asked(), method.clause(), takers(*key, method));
-                let message =
-                    format!("sampling.{name} has no meaning with {asked}, {clause}; remove it{option}, or {instead}");
-                return Some(Complaint::at(span, message));
-            }
-            let is_of_lookups = *key == Key::Audit && method.takes(Key::Evaluate);
-            (is_of_lookups && self.evaluate_mode() != EvaluateMode::Boundary).then(|| {
-                let message = "sampling.audit belongs to evaluate = \"boundary\" and to method = \"exact\"; remove it, or change one of these";
-                Complaint::at(span, message)
-            })
-        };
-        Key::ALL.iter().filter_map(foreign).collect()
-    }
-}
-
-/// What to do for a key to have a meaning.
-fn takers(key: Key, method: &dyn Method) -> String {
-    let mut takers: Vec<_> = ALL.iter().filter(|taker| taker.takes(key)).map(|taker| taker.written()).collect();
-    takers.dedup();
-    if takers.contains(&method.written()) {
-        return format!("remove {}", method.asked());
-    }
-    let names: Vec<String> = takers.iter().map(|taker| format!("\"{}\"", taker.name())).collect();
-    format!("use method = {}", names.join(" or "))
 }
