@@ -17,7 +17,7 @@ const SPEED_RATIOS: RangeInclusive<f64> = 1e-3..=1e3;
 struct Deviates(u64);
 
 impl Deviates {
-    fn of(index: usize) -> Self {
+    fn for_brake(index: usize) -> Self {
         let mut z = (index as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -48,7 +48,7 @@ impl Deviates {
 
 /// The brake of this index, and how many disc modes carry enough of its disc's compliance.
 pub fn random_brake(index: usize) -> (PadOnDisc, usize) {
-    let mut deviates = Deviates::of(index);
+    let mut deviates = Deviates::for_brake(index);
     loop {
         let mut parameters = random_parameters(&mut deviates);
         let resting = PadOnDisc::new(parameters.clone()).expect("every value is within its limits");

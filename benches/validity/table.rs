@@ -14,12 +14,12 @@ pub struct Place {
 }
 
 impl Place {
-    pub fn of(brake: &PadOnDisc, start: Start) -> Self {
+    pub fn new(brake: &PadOnDisc, start: Start) -> Self {
         Self { brake: brake.clone(), start }
     }
 
     fn value(&self, quantity: Quantity) -> f64 {
-        quantity.of(&self.brake)
+        quantity.value(&self.brake)
     }
 }
 

@@ -62,7 +62,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let prediction = match (arguments.nodes, &cost.load) {
         (Some(nodes), Some(load)) => {
             let on = Nodes { nodes: nodes.into(), threads: threads as u64 };
-            Some(ClusterPrediction::of(&job, evaluator.parts(), *load, cost.sample, cost.error, on)?)
+            Some(ClusterPrediction::for_job(&job, evaluator.parts(), *load, cost.sample, cost.error, on)?)
         }
         _ => None,
     };

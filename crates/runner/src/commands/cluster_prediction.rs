@@ -49,8 +49,9 @@ pub struct ClusterPrediction {
 }
 
 impl ClusterPrediction {
-    /// Of a job whose samples take so many seconds on one thread, from what everything else takes here and now.
-    pub fn of(job: &Job, parts: &Parts, load: Load, sample: f64, error: f64, on: Nodes) -> Result<Self, Failure> {
+    /// The prediction for a job whose samples take `sample` seconds each on one thread, from what everything else takes here
+    /// and now.
+    pub fn for_job(job: &Job, parts: &Parts, load: Load, sample: f64, error: f64, on: Nodes) -> Result<Self, Failure> {
         let rates = measured(job, parts, sample)?;
         let shown = SHOWN.map(|shards| load.cost(&rates, on, shards));
         Ok(Self { on, rates, load, error, best: load.best(&rates, on, &SHOWN), shown })

@@ -99,7 +99,7 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
         publish(&folder, script.name, script.text.as_bytes())?;
     }
     Sharing { engine: kind.name().to_owned(), shards }.record(&out)?;
-    let missing = ShardProgress::of(&out, &job, &Parts::new(&job), &tally, shards).missing();
+    let missing = ShardProgress::new(&out, &job, &Parts::new(&job), &tally, shards).missing();
     // The shards lock the directory themselves.
     drop(directory);
     request.start(&missing, interrupt)

@@ -72,7 +72,7 @@ fn missing(progress: &RunProgress, format: ListFormat, path: &Path) -> Result<()
 /// One line for each run of a folder. A run that cannot be read does not hide the others.
 fn status_of_all(runs: &[PathBuf], as_json: bool) -> Result<(), Failure> {
     let all: Vec<(&PathBuf, Result<RunProgress, Failure>)> =
-        runs.iter().map(|run| (run, RunDirectory::view(run).and_then(|run| RunProgress::of(&run)))).collect();
+        runs.iter().map(|run| (run, RunDirectory::view(run).and_then(|run| RunProgress::read(&run)))).collect();
     if as_json {
         let values = all.iter().map(|(path, progress)| match progress {
             Ok(progress) => progress.json(path),

@@ -32,7 +32,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         Some(DiscModel::Rigid) => DiscArgument::Rigid,
         Some(DiscModel::Flexible { .. }) | None => DiscArgument::Flexible,
     });
-    let start = arguments.start.clone().unwrap_or_else(|| StartArgument::of(of_job.start));
+    let start = arguments.start.clone().unwrap_or_else(|| StartArgument::from(of_job.start));
     let parameters = pad.parameters();
     let inputs = RandomInputs {
         preload: parameters.operating_point.preload,

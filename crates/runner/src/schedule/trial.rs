@@ -79,7 +79,7 @@ struct Batch {
 impl Engine {
     /// Measures the cost of samples from all over a job.
     pub fn try_samples(&self, evaluator: &Evaluator<'_>) -> Result<SampleTrial, Failure> {
-        let places = Places::of(evaluator);
+        let places = Places::new(evaluator);
         // Some criteria compute tables when they are first used, which a whole run does once.
         let begun = Instant::now();
         places.count(evaluator, 0, 1, &|| begun.elapsed() >= LONGEST);
@@ -228,7 +228,7 @@ struct Places {
 }
 
 impl Places {
-    fn of(evaluator: &Evaluator<'_>) -> Self {
+    fn new(evaluator: &Evaluator<'_>) -> Self {
         let parts = evaluator.parts();
         let of_a_cell = if parts.are_sequential() { 1 } else { parts.of_a_cell() as u64 };
         let count = parts.cells() * of_a_cell;

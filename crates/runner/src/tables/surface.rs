@@ -79,7 +79,7 @@ impl<'a> Surface<'a> {
         let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
         let confidence = self.job.confidence(is_audited);
         let is_weighted = self.job.answer().is_of_rare_events();
-        let parts = || self.tally.of(self.parts.of(cell));
+        let parts = || self.tally.counted_parts(self.parts.of(cell));
         let weighted = is_weighted.then(|| randomised::of_weights(self.job, &parts(), confidence)).flatten();
         let counted = match (&integrated, &weighted) {
             (Some(integrated), _) => integrated.estimate,
@@ -109,7 +109,7 @@ impl<'a> Surface<'a> {
         match self.job.sampling.effort {
             Effort::Samples(_) => self.job.interval(confidence).estimate(counts),
             Effort::Randomisations { .. } => {
-                randomised::estimate(self.job, &self.tally.of(self.parts.of(cell)), confidence)
+                randomised::estimate(self.job, &self.tally.counted_parts(self.parts.of(cell)), confidence)
             }
             Effort::Until(_) => {
                 let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };

@@ -305,7 +305,7 @@ fn trend(grid: &Interpolation, variable: usize) -> Trend {
             left.retain(|direction| direction.allows([change; 2]));
         }
     }
-    Trend::of(&left, false)
+    Trend::from_directions(&left, false)
 }
 
 #[cfg(test)]
