@@ -121,7 +121,7 @@ fn stribeck_speed(brake: &PadOnDisc) -> f64 {
     brake.rotating_speed(brake.friction_law().speed_scale)
 }
 
-/// How `stickslip trajectory` is told of a case.
+/// The options of `stickslip trajectory` for a case.
 pub fn description(brake: &PadOnDisc, modes: usize, start: Start) -> String {
     let (parameters, preset) = (brake.parameters(), Parameters::sui_ding_2018());
     let changed = SCALARS.iter().filter(|scalar| scalar.value(parameters) != scalar.value(&preset));

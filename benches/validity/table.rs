@@ -26,7 +26,7 @@ impl Place {
 /// A verdict held against its reference.
 pub struct Held {
     pub place: Place,
-    /// Undecided if the reference cannot tell.
+    /// Undecided if the reference is.
     pub reference: Verdict,
     pub verdict: Verdict,
     /// With steps half as long.

@@ -134,7 +134,7 @@ impl Interrupt {
         }
     }
 
-    /// Tells what is kept from now on of what is interrupted, and how to continue it.
+    /// Sets what the message says is kept from now on of what is interrupted, and how to continue it.
     pub fn remark(&self, remark: impl Into<Advice>) {
         *lock(&self.shared.remark) = Remark { advice: Some(remark.into()), condition: None };
     }

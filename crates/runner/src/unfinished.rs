@@ -46,7 +46,7 @@ pub fn remove_all(patience: Duration) -> Option<impl Drop> {
         }
     };
     for path in files.iter() {
-        // It may have its final name by now; and there is nobody left to tell.
+        // It may have its final name by now; and nothing is left to report a failure to.
         let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     }
     Some(files)

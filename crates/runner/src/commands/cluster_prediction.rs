@@ -49,8 +49,8 @@ pub struct ClusterPrediction {
 }
 
 impl ClusterPrediction {
-    /// The prediction for a job whose samples take `sample` seconds each on one thread, from what everything else takes here
-    /// and now.
+    /// The prediction for a job whose samples take `sample` seconds each on one thread, from what everything else takes
+    /// here and now.
     pub fn for_job(job: &Job, parts: &Parts, load: Load, sample: f64, error: f64, on: Nodes) -> Result<Self, Failure> {
         let rates = measured(job, parts, sample)?;
         let shown = SHOWN.map(|shards| load.cost(&rates, on, shards));

@@ -59,7 +59,7 @@ fn missing(progress: &RunProgress, format: ListFormat, path: &Path) -> Result<()
     let Some(shards) = &progress.shards else {
         require_samples_to_share(&progress.job, "--missing")?;
         return Err(Failure::Usage(format!(
-            "--missing: in how many shards {} is computed is not known; say it with --shards N",
+            "--missing: in how many shards {} is computed is not known; give it with --shards N",
             path.display()
         )));
     };

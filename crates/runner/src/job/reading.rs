@@ -363,7 +363,7 @@ sbatch = ["--constraint=avx2"]
     }
 
     #[test]
-    fn a_wrong_value_is_told_at_its_own_line_and_at_no_other() {
+    fn a_wrong_value_is_reported_at_its_own_line_and_at_no_other() {
         assert_eq!(complaints(JOB.to_owned()), None);
         let values = ["\"x\"", "3", "-7", "1e400", "{ a = 1 }", "[1]", "[[]]", "true", "1,5", "nan", "1979-05-27", ""];
         for (number, line) in JOB.lines().enumerate().filter(|(_, line)| line.contains(" = ")) {

@@ -183,7 +183,7 @@ fn is_the_file(folder: &Folder, file: &File) -> Result<bool, Failure> {
     same.map_err(|error| Failure::creating(&folder.path().join(LOCK), io::Error::from(error)))
 }
 
-/// Whether the file system passes locks on to other machines, as far as its kind tells.
+/// Whether the file system passes locks on to other machines, as far as its kind shows.
 #[cfg(target_os = "linux")]
 fn is_certain(folder: &Folder) -> bool {
     /// FUSE (sshfs), SMB, CIFS, 9P.

@@ -61,7 +61,7 @@ pub struct Worker {
     pub missing: f64,
 }
 
-/// What tells others that this process works on a shard, until it is dropped.
+/// What shows others that this process works on a shard, until it is dropped.
 #[derive(Debug)]
 pub struct AtWork {
     path: PathBuf,

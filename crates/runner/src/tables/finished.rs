@@ -72,8 +72,8 @@ impl FinishedSurface {
         }
     }
 
-    /// Says that another version of stickslip computed the surface, if one did.
-    pub fn tell_version(&self) {
+    /// Writes a note that another version of stickslip computed the surface, if one did.
+    pub fn note_other_version(&self) {
         if self.is_of_another_version {
             note(format_args!(
                 "{} was computed by another version of stickslip, with another results version or format version than this one has; its values are shown as they are",
