@@ -1,4 +1,4 @@
-//! What becomes of a run directory that is damaged, moved, shared or full of other things: nothing that was computed is
+//! What happens to a run directory that is damaged, moved, shared or full of other things: nothing that was computed is
 //! lost, nothing broken is read as good, and nothing waits for ever.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]

@@ -57,7 +57,7 @@ pub fn random_brake(index: usize) -> (PadOnDisc, usize) {
             continue;
         }
         let brake = PadOnDisc::new(parameters).expect("every value is within its limits");
-        // A disc whose modes are all too stiff, or that has no equilibrium, is drawn anew.
+        // A disc whose modes are all too stiff, or that has no equilibrium, is drawn again.
         match FlexibleBrake::with_modes(brake.clone(), DISC_MODES) {
             Ok(_) => return (brake, DISC_MODES),
             Err(FlexibleError::TooFewModes { needed, .. })

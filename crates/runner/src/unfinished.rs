@@ -14,7 +14,7 @@ static FILES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// Time between two attempts to get hold of the list.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// A temporary file or directory. Whoever holds this renames or removes it before this is dropped.
+/// A temporary file or directory. The owner of this renames or removes it before this is dropped.
 #[derive(Debug)]
 pub struct Unfinished(PathBuf);
 

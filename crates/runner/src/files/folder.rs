@@ -1,4 +1,4 @@
-//! A directory that is held open: whatever becomes of its path meanwhile, files are read from and written to the same
+//! A directory that is held open: whatever happens to its path meanwhile, files are read from and written to the same
 //! directory.
 //!
 //! Only ordinary files are read, and only up to a limit: a pipe would be waited for for ever, a link may lead out of the

@@ -7,7 +7,7 @@
 use stickslip_core::model::pair_boundary::PairBoundary;
 use stickslip_core::model::verdict::Verdict;
 
-/// What becomes of samples outside the model: whose first input is not positive, or whose second is below the least.
+/// What happens to samples outside the model: whose first input is not positive, or whose second is below the least.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutsidePhysics {
     /// They are stable.
