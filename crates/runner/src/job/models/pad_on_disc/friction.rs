@@ -383,7 +383,7 @@ fn in_rows(error: &CurveError) -> String {
     row_of(error).map_or_else(|| error.to_string(), |row| format!("row {}: {error}", row + 1))
 }
 
-/// The row that an error speaks of.
+/// The row that an error is about.
 fn row_of(error: &CurveError) -> Option<usize> {
     match error {
         CurveError::OutOfRange { row, .. } | CurveError::NotRising { row, .. } | CurveError::TooNear { row, .. } => {

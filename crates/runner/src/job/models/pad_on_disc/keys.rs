@@ -27,7 +27,7 @@ const AXES: [(&str, &str); 3] = [
     ("friction.static_coefficient", "static_friction"),
 ];
 
-/// The axis of a job that has the values of a parameter.
+/// The axis of a job along which a parameter varies.
 pub fn axis_of(key: &str) -> Option<&'static str> {
     AXES.iter().find(|(parameter, _)| *parameter == key).map(|(_, axis)| *axis)
 }
