@@ -113,11 +113,11 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
         Ok(())
     })?;
     // Units of several cells, as those of a shard are.
-    let layout = SumLayout::of(job);
+    let layout = SumLayout::for_job(job);
     let unit = |cell: u64| {
         let samples = parts.max_samples(0).clamp(1, parts.unit_samples());
         let counts = VerdictCounts { stable: samples / 2, unstable: samples - samples / 2, ..Default::default() };
-        let part = parts.of(cell).start;
+        let part = parts.in_cell(cell).start;
         FinishedUnit { part, samples: 0..samples, counts, amplitudes: Distribution::default(), sums: layout.zeros() }
     };
     let units: Vec<FinishedUnit> = (0..parts.cells().min(MOST_UNITS)).map(unit).collect();

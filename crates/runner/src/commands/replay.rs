@@ -29,7 +29,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     };
     let verdict = sample.decision.verdict;
     let (place, number) = evaluator.parts().locate(arguments.sample);
-    let is_counted = tally.contains(evaluator.parts().of(arguments.cell).start + place as u64, number);
+    let is_counted = tally.contains(evaluator.parts().in_cell(arguments.cell).start + place as u64, number);
     let pad = job.model.as_pad();
     let brake = pad.and_then(|pad| pad.brake(&sample.decided).ok());
     let facts = facts(arguments, &job, &sample, is_counted, brake.as_ref());

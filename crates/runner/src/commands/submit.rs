@@ -113,7 +113,10 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
     if Parts::new(&job).are_complete(&tally) {
-        announce(Code::RunFinished, format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
+        announce(
+            Code::RunFinished,
+            format_args!("{} has all its samples; nothing to compute", arguments.run.display()),
+        );
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let threads = arguments.threads.count();

@@ -34,7 +34,7 @@ pub enum LimitMethod {
 pub fn requested(spec: &Spanned<LimitSpec>, job: &Job) -> Result<Option<LimitRequest>, Complaint> {
     let (Some(of), Some(targets)) = (&spec.get_ref().of, &spec.get_ref().probability) else { return Ok(None) };
     let axis = LimitAxis::named(job, of.get_ref());
-    match axis.and_then(|axis| LimitMethod::of(job, &axis).map(|_| axis)) {
+    match axis.and_then(|axis| LimitMethod::for_axis(job, &axis).map(|_| axis)) {
         Ok(axis) => Ok(Some(LimitRequest { of: axis.name, targets: targets.get_ref().0.clone() })),
         Err(why) => Err(Complaint::at(of.span(), format!("limit.of = {:?}: {why}", of.get_ref()))),
     }
@@ -45,7 +45,7 @@ impl LimitMethod {
     ///
     /// # Errors
     /// Why they cannot be, and what would be right.
-    pub fn of(job: &Job, axis: &LimitAxis) -> Result<Self, String> {
+    pub fn for_axis(job: &Job, axis: &LimitAxis) -> Result<Self, String> {
         job.sampling.method.limits(job, axis)
     }
 }

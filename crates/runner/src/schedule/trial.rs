@@ -239,7 +239,7 @@ impl Places {
     /// The samples of one turn: their part and range.
     fn at(&self, evaluator: &Evaluator<'_>, turn: u64, samples: u64) -> (u64, Range<u64>) {
         let place = self.order.at(turn % self.parts).unwrap_or(0);
-        let part = evaluator.parts().of(place / self.of_a_cell).start + place % self.of_a_cell;
+        let part = evaluator.parts().in_cell(place / self.of_a_cell).start + place % self.of_a_cell;
         // Samples from anywhere in the part. Those of common random numbers are the same in all cells.
         let first = ((turn as f64 * GOLDEN_SECTION).fract() * (self.most - samples + 1) as f64) as u64;
         (part, first..first + samples)

@@ -29,7 +29,7 @@ pub fn limit(arguments: &LimitArguments, interrupt: &Interrupt) -> Result<(), Fa
     let (of, targets) = request(&job, of.as_deref(), probabilities)?;
     let refused = |why: String| Failure::Usage(format!("--of {of}: {why}"));
     let axis = LimitAxis::named(&job, of).map_err(refused)?;
-    let method = LimitMethod::of(&job, &axis).map_err(refused)?;
+    let method = LimitMethod::for_axis(&job, &axis).map_err(refused)?;
     let out = out.as_deref().map(|out| output_file(out).map(|place| (out, place))).transpose()?;
     warn(job.warnings());
     let engine = Engine::new(threads.count())?;
