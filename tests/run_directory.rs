@@ -113,7 +113,7 @@ fn every_damaged_byte_of_a_frozen_job_is_noticed_and_the_surface_holds_what_it_w
             place.run("status run").refused(74, &["its job.toml is lost", "stickslip verify run"]);
         }
         let verified = place.run("verify run").done();
-        assert!(verified.stdout.contains("the surface tells what it was"), "{}", verified.stdout);
+        assert!(verified.stdout.contains("the surface holds what it was"), "{}", verified.stdout);
         assert!(place.run("status run").done().stdout.contains("finished"));
         place.run("resume run").done();
         assert!(place.surface("run") == surface);

@@ -137,7 +137,7 @@ fn axes(job: &Job) -> String {
     axes.join(" x ")
 }
 
-/// What an axis has the values of.
+/// What varies along an axis.
 fn short_name(quantity: &Quantity) -> &str {
     match (quantity.is_always_shown, quantity.role) {
         (true, Role::Input) => quantity.noun(),

@@ -260,7 +260,7 @@ fn complete_maps(
     engine.complete_maps(evaluator, mapping, interrupt)
 }
 
-/// Resolves the verdict maps of a job, or the share of a shard, and tells how to go on.
+/// Resolves the verdict maps of a job, or the share of a shard, and prints how to go on.
 pub fn map_only(
     directory: &RunDirectory,
     job: &Job,

@@ -381,7 +381,7 @@ impl<'a> Evaluator<'a> {
         Some(samples.with_pair(pair))
     }
 
-    /// Which samples fail because they lie outside the model, where that is what becomes of them.
+    /// Which samples fail because they lie outside the model, where that is what happens to them.
     pub(super) fn failing(&self, cell: &Cell, samples: &Samples) -> Option<Vec<bool>> {
         if self.job.outside_physics == OutsidePhysics::Failed { self.outside(cell, samples) } else { None }
     }

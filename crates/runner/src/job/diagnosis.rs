@@ -24,7 +24,7 @@ pub struct Complaint {
     span: Option<Range<usize>>,
     /// What is wrong and what would be right.
     message: String,
-    /// A second place that the message speaks of.
+    /// A second place that the message is about.
     other: Option<Range<usize>>,
     /// The key that is missing, if that is what is wrong.
     missing: Option<&'static str>,
@@ -46,7 +46,7 @@ impl Complaint {
         Self { missing: Some(key), ..Self::maybe_at(span, message) }
     }
 
-    /// The same with a second place that it speaks of.
+    /// The same with a second place that it is about.
     pub fn and_at(self, span: Range<usize>) -> Self {
         Self { other: Some(span), ..self }
     }
@@ -174,7 +174,7 @@ impl Complaints {
         self.list.len()
     }
 
-    /// Where the first of them is, in the order of the text. `key_at` tells the key of a span.
+    /// Where the first of them is, in the order of the text. `key_at` finds the key of a span.
     pub fn place(&self, path: &Path, text: &str, key_at: impl Fn(&Range<usize>) -> Option<String>) -> messages::Place {
         let file = messages::Place::file(path);
         let Some(first) = self.list.iter().min_by_key(|complaint| complaint.start()) else { return file };

@@ -59,7 +59,7 @@ pub fn in_closed_form(job: &Job) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" simulates its samples. Submit it: its summary tells up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
+        "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" simulates its samples. Submit it: its summary states up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
         job.name
     ))
 }

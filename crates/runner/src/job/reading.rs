@@ -254,7 +254,7 @@ fn short(text: &str) -> String {
     if line.len() == text.len() && line.chars().count() <= 60 { line.to_owned() } else { "...".to_owned() }
 }
 
-/// The values that the entry at a path may have, if it is one of a few names: an attempt with another name tells them.
+/// The values that the entry at a path may have, if it is one of a few names: an attempt with another name lists them.
 fn choices_at<T: DeserializeOwned>(document: &Spanned<DeTable<'_>>, path: &[String]) -> Vec<String> {
     let mut attempt = document.clone();
     change(attempt.get_mut(), path, Some(DeValue::String("?".into())));
