@@ -34,7 +34,7 @@ test: target/readers/ready
 	fi; \
 	$(CARGO) test --locked --release --workspace
 
-# What becomes of runs that are killed, starved, damaged or disturbed, see docs/faults.md. `make test-faults FAULTS=all` makes
+# What happens to runs that are killed, starved, damaged or disturbed, see docs/faults.md. `make test-faults FAULTS=all` makes
 # the full number of tries, which takes hours.
 test-faults:
 	$(CARGO) build --locked --release

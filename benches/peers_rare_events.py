@@ -9,7 +9,7 @@ is chosen so that it is 1e-3, 1e-6 and 1e-9, with two random inputs and with ten
 The peers get the same event as a linear limit state in independent standard normal deviates, `beta - direction . u`, and
 its values and gradients. stickslip gets the brake, and has to find out:
 
-- *by verdicts*: it sees only whether samples are unstable. So it is with two inputs, and with ten with
+- *by verdicts*: it sees only whether samples are unstable. This applies to two inputs, and to ten with
   `outside_physics = "failed"`, which changes nothing else here, since all inputs are positive.
 - *by integrals*: as it does by itself with `kind = "eigenvalue"` and more than two inputs, it integrates over preload and
   friction at every sample. An integral counts as one evaluation and takes some twenty microseconds.

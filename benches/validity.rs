@@ -100,7 +100,7 @@ fn rigid_disc() -> Vec<Held> {
         let brake = PadOnDisc::new(case.parameters.clone()).expect("the file holds valid brakes");
         let [verdict, halved] = [1.0, 2.0].map(|divisor| case.decide(divisor).verdict);
         Held {
-            place: Place::of(&brake, case.start),
+            place: Place::new(&brake, case.start),
             reference: case.fate,
             verdict,
             halved,
@@ -119,14 +119,14 @@ fn flexible_disc(index: usize) -> Vec<Held> {
         preload: parameters.operating_point.preload,
         static_friction: parameters.friction.static_coefficient,
     };
-    let equilibrium = Equilibrium::of(&brake, modes, inputs);
+    let equilibrium = Equilibrium::new(&brake, modes, inputs);
     let held = |start: Start| {
         let settings = TimeDomainSettings { start, ..Default::default() };
         let criterion = TimeDomain::new(&brake, &DiscModel::Flexible { modes }, settings);
         let criterion = criterion.expect("a random brake has a model");
         let (reference, contradicted) = equilibrium.reference(&criterion, &settings);
         Held {
-            place: Place::of(&brake, start),
+            place: Place::new(&brake, start),
             reference,
             verdict: criterion.decide(inputs).verdict,
             halved: criterion.with_steps_divided_by(2.0).decide(inputs).verdict,

@@ -53,7 +53,7 @@ def fill(folder: Path, wheel: Path, host_program: str) -> None:
 
 
 def packed(folder: Path, epoch: int) -> bytes:
-    """The folder as an archive that tells nothing of who packed it, when and where."""
+    """The folder as an archive that records nothing of who packed it, when and where."""
     plain = io.BytesIO()
     with tarfile.open(fileobj=plain, mode="w", format=tarfile.GNU_FORMAT) as archive:
         for path in sorted([folder, *folder.rglob("*")], key=lambda path: path.relative_to(folder).parts):

@@ -4,7 +4,7 @@
 #     packaging/build.sh TARGET FOLDER
 #
 # The same commit gives the same bytes wherever and whenever it is built: the sources of the program lie in the same place
-# as far as the compiler tells, and time, language and permissions are fixed. SOURCE_DATE_EPOCH is the time that files
+# as far as the compiler sees, and time, language and permissions are fixed. SOURCE_DATE_EPOCH is the time that files
 # carry. maturin and cargo-zigbuild must be on the path.
 set -eu
 

@@ -27,7 +27,7 @@ STANDARD = {"Apache-2.0": "LICENSE-APACHE"}
 
 
 class PackagingError(Exception):
-    """Something that must be mended before the program can be passed on."""
+    """Something that must be corrected before the program can be passed on."""
 
 
 @dataclass
@@ -75,7 +75,7 @@ def embedded() -> list[Part]:
     script = gzip.decompress((report / "plotly-cartesian.min.js.gz").read_bytes())[:400].decode()
     plotly = re.search(r"plotly\.js .* v([0-9.]+)", script)
     if plotly is None:
-        raise PackagingError("the head of plotly-cartesian.min.js.gz tells no version")
+        raise PackagingError("the head of plotly-cartesian.min.js.gz names no version")
     texts = {"LICENSE": _text(report / "plotly-license.txt")}
     parts = [Part("plotly.js", plotly[1], "MIT", f"pkg:npm/plotly.js@{plotly[1]}", texts)]
     for package in _metadata()["packages"]:
@@ -93,7 +93,7 @@ def toolchain() -> list[Part]:
 
     compiler = re.search(r"^release: (.*)$", run("rustc", "--version", "--verbose"), re.MULTILINE)
     if compiler is None:
-        raise PackagingError("rustc tells no release")
+        raise PackagingError("rustc names no release")
     page = Path(run("rustc", "--print", "sysroot").strip()) / "share" / "doc" / "rust" / "COPYRIGHT-library.html"
     zig = Path(ziglang.__file__).parent
     linker = run(str(zig / "zig"), "version").strip()

@@ -28,7 +28,7 @@ def bill_of_crates(target: str) -> dict[str, Any]:
     finally:
         for written in REPOSITORY.glob(f"crates/*/{WRITTEN}.json"):
             written.unlink()
-    # Crates of the repository are told by where it lies.
+    # Crates of the repository are named by where it lies.
     text = re.sub(r'path\+file://[^"#]*#', "pkg:cargo/", text)
     return json.loads(re.sub(r'\?download_url=file:[^"#]*', "", text))
 

@@ -112,7 +112,7 @@ fn an_axis_may_be_written_in_any_form_of_toml() {
 }
 
 #[test]
-fn refused_axes_and_starts_are_told_with_the_remedy() {
+fn axes_and_starts_are_refused_with_the_remedy() {
     let place = Place::new();
     let rigid =
         |axes: &str, random: &str, start: &str| job("w", axes, random, &format!("{RIGID}\n{start}"), "samples = 1");
@@ -310,7 +310,7 @@ fn maps_and_integrals_serve_axes_of_the_brake() {
         .zip(probabilities(&mapped).iter().zip(probabilities(&each)))
     {
         assert!((exact - sampled).abs() < 5.0 * (0.25f64 / 20000.0).sqrt(), "{exact} {sampled}");
-        assert_eq!(*mapped, each, "the map tells what simulation tells");
+        assert_eq!(*mapped, each, "the map gives what simulation gives");
     }
     assert_eq!(mapped.column("n_audit_differed").iter().sum::<f64>(), 0.0);
 }

@@ -205,24 +205,24 @@ fn the_file_has_what_json_has_whatever_the_threads() {
 }
 
 #[test]
-fn imprecise_jobs_are_told_by_check_and_refused_elsewhere() {
+fn imprecise_jobs_are_described_by_check_and_refused_elsewhere() {
     let place = Place::new();
     let axes = "preload = [0.1, 0.2]\nstatic_friction = { between = [0.37, 0.39] }";
     place.write(
         "rough.toml",
         &job(axes, "relative_std = 0.1\ndistribution = { preload = { one_of = [\"normal\", \"gumbel\"] } }", EXACT),
     );
-    let told = place.run("check rough.toml").done().stdout;
+    let printed = place.run("check rough.toml").done().stdout;
     for text in [
         "static_friction between 0.37 and 0.39",
         "one of normal, gumbel",
         "2 cells, 2 combinations",
         "stickslip bounds rough.toml",
     ] {
-        assert!(told.contains(text), "{text}: {told}");
+        assert!(printed.contains(text), "{text}: {printed}");
     }
-    let told: Value = serde_json::from_str(&place.run("check rough.toml --json").done().stdout).unwrap();
-    assert_eq!(told["imprecise"][0]["between"], serde_json::json!([0.37, 0.39]));
+    let printed: Value = serde_json::from_str(&place.run("check rough.toml --json").done().stdout).unwrap();
+    assert_eq!(printed["imprecise"][0]["between"], serde_json::json!([0.37, 0.39]));
     for command in ["submit rough.toml", "limit rough.toml --of preload --probability 0.1"] {
         place.run(command).refused(
             65,

@@ -24,7 +24,7 @@ def close(shown, expected):
 
 
 def numbers_of(text):
-    """Expected values, P, interval and counts, as the page tells them."""
+    """Expected values, P, interval and counts, as the page shows them."""
     found = re.search(r"P = (\S+) \(.*?interval: (\S+) to (\S+)\); (\d+) of (\d+) samples unstable", text)
     assert found, text
     return [float(number) for number in found.groups()]
@@ -94,7 +94,7 @@ def check(page, name):
     after = check_selected(page, rows)
     assert after.preload > before.preload and after.static_friction == before.static_friction
 
-    # What the mouse is over is told beside it.
+    # What the mouse is over is shown beside it.
     box = page.locator("#map .nsewdrag").first.bounding_box()
     page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     page.wait_for_selector("#map .hovertext")
@@ -158,8 +158,9 @@ def check_two(page, name):
         seen.add(shown)
     assert len(seen) == 3, seen
     surely = ((differences.difference_low > 0).sum(), (differences.difference_high < 0).sum())
-    told = re.search(r"surely larger than that of drawn in (\d+), and surely smaller in (\d+)", page.inner_text("#answer"))
-    assert tuple(map(int, told.groups())) == surely and max(surely) > 0, (told, surely)
+    answer = page.inner_text("#answer")
+    found = re.search(r"surely larger than that of drawn in (\d+), and surely smaller in (\d+)", answer)
+    assert tuple(map(int, found.groups())) == surely and max(surely) > 0, (found, surely)
     strokes = page.locator("#map .scatterlayer .trace").first.locator("path.point").count()
     assert strokes == len(differences) - sum(surely), strokes
     if screenshots:

@@ -48,8 +48,8 @@ impl Sources {
         }
     }
 
-    /// The commit that the script tells in a package, and the files that it watches.
-    fn told(&self, package: &Path, environment: &[(&str, &str)]) -> (String, Vec<PathBuf>) {
+    /// The commit that the script finds in a package, and the files that it watches.
+    fn found(&self, package: &Path, environment: &[(&str, &str)]) -> (String, Vec<PathBuf>) {
         let mut script = Command::new(self.folder.path().join("script"));
         script.current_dir(package).env("CARGO_MANIFEST_DIR", package).env("TARGET", "some-target");
         // No repository that holds the temporary folder counts.
@@ -91,10 +91,10 @@ fn described(folder: &Path) -> String {
     format!("{} (2026-01-31)", &git(folder, "rev-parse HEAD")[..12])
 }
 
-/// The commit that is told, where every file that is watched exists.
+/// The commit that is found, where every file that is watched exists.
 #[track_caller]
 fn commit(sources: &Sources, package: &Path) -> String {
-    let (commit, watched) = sources.told(package, &[]);
+    let (commit, watched) = sources.found(package, &[]);
     for path in watched {
         assert!(path.exists(), "{} is watched and does not exist, so that every build runs the script", path.display());
     }
@@ -119,9 +119,9 @@ fn the_commit_is_that_of_the_sources() {
     git(&root, "commit --quiet --all --message second");
     assert_eq!(commit(&sources, &package), described(&root));
 
-    assert_eq!(sources.told(&package, &[("STICKSLIP_COMMIT", " v1\nmore")]).0, "v1");
-    assert_eq!(sources.told(&package, &[("STICKSLIP_COMMIT", "")]).0, described(&root));
-    assert_eq!(sources.told(&package, &[("PATH", "/nowhere")]).0, "unknown", "without the program git");
+    assert_eq!(sources.found(&package, &[("STICKSLIP_COMMIT", " v1\nmore")]).0, "v1");
+    assert_eq!(sources.found(&package, &[("STICKSLIP_COMMIT", "")]).0, described(&root));
+    assert_eq!(sources.found(&package, &[("PATH", "/nowhere")]).0, "unknown", "without the program git");
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn a_commit_is_noticed_wherever_git_keeps_it() {
                 fs::remove_file(folder.join(log)).unwrap();
             }
             assert_eq!(commit(&sources, package), described(folder));
-            let watched = sources.told(package, &[]).1;
+            let watched = sources.found(package, &[]).1;
             let state = || watched.iter().map(|path| newest(path)).max().unwrap();
             let before = state();
             git(folder, "commit --quiet --allow-empty --message next");
@@ -165,7 +165,7 @@ fn newest(path: &Path) -> std::time::SystemTime {
 }
 
 #[test]
-fn the_commit_of_another_repository_is_not_told() {
+fn the_commit_of_another_repository_is_not_taken() {
     if !has_git() {
         return;
     }

@@ -291,7 +291,7 @@ fn what_cannot_be_is_refused_before_anything_is_written() {
         place.run(&format!("submit {words}")).refused(64, &texts);
     }
     assert!(!place.path("runs").exists() && record(&place).is_empty());
-    // Wrong values in the job are told with their line.
+    // Wrong values in the job are reported with their line.
     let text = job("no", EIGENVALUE, BOTH, "samples = 1000");
     for (line, text_of_it) in [
         ("partition = \"a b\"", "engine.partition: \"a b\" is not a valid Slurm name: use"),
@@ -372,7 +372,7 @@ fn a_slurm_that_is_not_configured_is_quoted() {
 }
 
 #[test]
-fn shards_without_work_are_told_apart() {
+fn shards_without_work_are_distinguished() {
     let place = Place::new();
     place.write("job.toml", &job("few", EIGENVALUE, BOTH, "samples = 1000"));
     place.run("submit job.toml --out few --shard 1/1000").done();

@@ -134,8 +134,8 @@ fn numpy_and_scipy_read_arrays_over_the_axes() {
     {
         submitted(&place, run, job);
         for format in ["csv", "npz", "mat"] {
-            let told = place.run(&format!("export {run} --format {format}")).done().stdout;
-            assert_eq!(told, format!("{run}/surface.{format}\n"));
+            let printed = place.run(&format!("export {run} --format {format}")).done().stdout;
+            assert_eq!(printed, format!("{run}/surface.{format}\n"));
         }
         let axes = [names(axes), shape.to_owned()];
         if !python_agrees("exports.py", [place.path(run).into_os_string()].into_iter().chain(axes.map(Into::into))) {

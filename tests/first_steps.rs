@@ -16,8 +16,8 @@ fn json(text: &str) -> Value {
 #[test]
 fn the_example_job_is_written_checked_and_run() {
     let place = Place::new();
-    let told = place.run("init").done();
-    assert!(told.stdout.contains("stickslip check job.toml\n  stickslip submit job.toml\n"), "{}", told.stdout);
+    let printed = place.run("init").done();
+    assert!(printed.stdout.contains("stickslip check job.toml\n  stickslip submit job.toml\n"), "{}", printed.stdout);
     let checked = place.run("check job.toml").done();
     assert!(checked.stdout.contains("# 780 cells: ") && !checked.stderr.contains("warning"), "{checked:?}");
     let run = place.run("submit job.toml --samples 200").done();
@@ -183,46 +183,46 @@ fn a_folder_of_runs_is_one_line_a_run() {
     fs::remove_file(place.path("runs/second/surface.parquet")).unwrap();
     fs::create_dir(place.path("runs/pictures")).unwrap();
     place.write("runs/notes.txt", "not a run");
-    let told = place.run("status runs").done().stdout;
-    let lines: Vec<&str> = told.lines().collect();
-    assert_eq!(lines.len(), 3, "{told}");
+    let printed = place.run("status runs").done().stdout;
+    let lines: Vec<&str> = printed.lines().collect();
+    assert_eq!(lines.len(), 3, "{printed}");
     assert_eq!(lines[0], "first   finished              100.0 %");
     assert_eq!(lines[1], "second  complete, not merged  100.0 %");
-    assert!(lines[2].starts_with("third   unfinished             "), "{told}");
-    let told = json(&place.run("status runs --json").done().stdout);
-    assert_eq!(told[0], json(&place.run("status runs/first --json").done().stdout));
-    let states: Vec<&str> = told.as_array().unwrap().iter().map(|run| run["state"].as_str().unwrap()).collect();
+    assert!(lines[2].starts_with("third   unfinished             "), "{printed}");
+    let printed = json(&place.run("status runs --json").done().stdout);
+    assert_eq!(printed[0], json(&place.run("status runs/first --json").done().stdout));
+    let states: Vec<&str> = printed.as_array().unwrap().iter().map(|run| run["state"].as_str().unwrap()).collect();
     assert_eq!(states, ["finished", "complete, not merged", "unfinished"]);
 
     // One run that cannot be read does not hide the others.
     place.write("runs/first/job.toml", "nonsense");
-    let told = place.run("status runs").done();
-    assert!(told.stdout.starts_with("first   unreadable                  -\nsecond "), "{}", told.stdout);
-    assert!(told.stderr.contains("warning: runs/first/job.toml was damaged or edited"), "{}", told.stderr);
+    let printed = place.run("status runs").done();
+    assert!(printed.stdout.starts_with("first   unreadable                  -\nsecond "), "{}", printed.stdout);
+    assert!(printed.stderr.contains("warning: runs/first/job.toml was damaged or edited"), "{}", printed.stderr);
     fs::remove_file(place.path("runs/first/job.toml")).unwrap();
-    let told = json(&place.run("status runs --json").done().stdout);
+    let printed = json(&place.run("status runs --json").done().stdout);
     assert!(
-        told[0]["state"] == "unreadable" && told[0]["message"].to_string().contains("its job.toml is lost"),
-        "{told}"
+        printed[0]["state"] == "unreadable" && printed[0]["message"].to_string().contains("its job.toml is lost"),
+        "{printed}"
     );
     place.run("status runs/pictures").refused(74, &["runs/pictures is not a run directory: it has neither job.toml"]);
     place.run("status .").refused(74, &["is not a run directory"]);
 }
 
 #[test]
-fn small_probabilities_and_hidden_slices_are_told() {
+fn small_probabilities_and_hidden_slices_are_printed() {
     let place = Place::new();
     let tail = "name = \"tail\"\n[axes]\nrotating_speed = 20.0\npreload = { from = 0.09, to = 0.18, points = 4 }\n\
                 static_friction = 0.39\n[random]\ninputs = [\"preload\", \"static_friction\"]\n\
                 relative_std = { preload = 0.1, static_friction = 0.08 }\n[criterion]\nkind = \"eigenvalue\"\n\
                 [sampling]\nmethod = \"exact\"\n";
     place.write("tail.toml", tail);
-    let told = place.run("submit tail.toml").done().stdout;
-    assert!(told.contains("| 6.0e-8  (6.0e-8 to 6.0e-8)\n"), "{told}");
-    assert!(!told.contains("0.0000"), "{told}");
+    let printed = place.run("submit tail.toml").done().stdout;
+    assert!(printed.contains("| 6.0e-8  (6.0e-8 to 6.0e-8)\n"), "{printed}");
+    assert!(!printed.contains("0.0000"), "{printed}");
     let columns: Vec<usize> =
-        told.lines().filter_map(|line| line.find(" to ").filter(|_| line.contains("  ("))).collect();
-    assert_eq!(columns.len(), 4, "{told}");
+        printed.lines().filter_map(|line| line.find(" to ").filter(|_| line.contains("  ("))).collect();
+    assert_eq!(columns.len(), 4, "{printed}");
 
     // Two further axes make the slices.
     let slices = |points: usize| {
@@ -232,8 +232,8 @@ fn small_probabilities_and_hidden_slices_are_told() {
             .write("slices.toml", &surface_job("slices", 9, 10, 7).replace("[axes]", &axes).replace("= 15.0", &speeds));
         place.run(&format!("submit slices.toml --out {points}")).done().stdout
     };
-    let told = slices(3);
-    assert!(told.contains("... and 5 more slices in the file; `stickslip plot` draws them all\n"), "{told}");
-    let told = slices(8);
-    assert!(told.contains("... and 60 more slices in the file; `stickslip plot` draws the first 60\n"), "{told}");
+    let printed = slices(3);
+    assert!(printed.contains("... and 5 more slices in the file; `stickslip plot` draws them all\n"), "{printed}");
+    let printed = slices(8);
+    assert!(printed.contains("... and 60 more slices in the file; `stickslip plot` draws the first 60\n"), "{printed}");
 }

@@ -91,7 +91,7 @@ fn the_factor_of_the_preload_moves_the_preloads_of_the_new_job() {
 }
 
 #[test]
-fn onset_speeds_are_told_by_their_column() {
+fn onset_speeds_are_recognised_by_their_column() {
     let place = place(ONSETS);
     let friction_only = "inputs = [\"static_friction\"]\nrelative_std = 0.1";
     place.write("job.toml", &job(friction_only, ""));
@@ -182,7 +182,7 @@ fn jobs_that_do_not_say_enough_are_refused() {
         place.write("other.toml", &text);
         place.run(&format!("fit data.csv --job other.toml {options}")).refused(65, &["other.toml", words]);
     }
-    // A redundant set is told by its names.
+    // A redundant set is recognised by its names.
     let all = "--estimate static_friction,preload_factor,std.static_friction";
     place
         .run(&format!("fit data.csv --job job.toml {all}"))

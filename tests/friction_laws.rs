@@ -1,4 +1,4 @@
-//! Jobs with friction laws other than Tustin's: what they compute, what they are told, and how they resume.
+//! Jobs with friction laws other than Tustin's: what they compute, which messages they get, and how they resume.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
 

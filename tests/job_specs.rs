@@ -1,4 +1,4 @@
-//! What a job spec, or `--set`, is told where it is wrong or probably not meant.
+//! The messages about a job spec, or `--set`, that is wrong or probably not meant.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
 
@@ -30,7 +30,7 @@ fn checked(text: &str) -> Outcome {
 }
 
 #[test]
-fn every_error_of_a_file_is_told_in_its_order() {
+fn every_error_of_a_file_is_reported_in_its_order() {
     let text = "nmae = \"job\"\n\n\
         [model.disc]\nthickness = 20\nyoungs_modulus = \"2.1e11\"\n\n\
         [model.stiffness]\nk_en = 1e7\n\n\
@@ -73,7 +73,7 @@ fn panic_with(text: &str, said: &str) -> usize {
 }
 
 #[test]
-fn every_value_that_cannot_be_read_is_told_with_what_would_be_right() {
+fn every_value_that_cannot_be_read_is_reported_with_what_would_be_right() {
     let friction = |value: &str| changed("[axes]", &format!("[model.friction]\nstribeck_velocity = {value}\n\n[axes]"));
     for (text, texts) in [
         (

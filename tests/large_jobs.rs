@@ -52,9 +52,9 @@ fn check_predicts_the_times_of_shards_and_merge() {
     let place = Place::new();
     place.write("job.toml", &surface_job("job", 20, 3000, 1));
     let checked = place.run("check job.toml --nodes 4 --threads 2 --json").done();
-    let told: Value = serde_json::from_str(&checked.stdout).unwrap();
-    assert_eq!((&told["cells"], &told["samples_at_most"]), (&Value::from(400), &Value::from(1_200_000)));
-    let cluster = &told["cluster"];
+    let printed: Value = serde_json::from_str(&checked.stdout).unwrap();
+    assert_eq!((&printed["cells"], &printed["samples_at_most"]), (&Value::from(400), &Value::from(1_200_000)));
+    let cluster = &printed["cluster"];
     assert_eq!((&cluster["nodes"], &cluster["threads"]), (&Value::from(4), &Value::from(2)));
     for step in ["sample", "start", "piece_written", "piece_read", "row"] {
         assert!(cluster["seconds"][step].as_f64().unwrap() > 0.0, "{step}: {cluster:#}");
@@ -76,7 +76,7 @@ fn check_predicts_the_times_of_shards_and_merge() {
     // The page names every key.
     let page = include_str!("../docs/cluster-costs.md");
     let described = page.split("\n## ").find(|section| section.starts_with("As JSON")).unwrap();
-    for object in [&told, cluster, &cluster["seconds"], &cluster["load"], best] {
+    for object in [&printed, cluster, &cluster["seconds"], &cluster["load"], best] {
         for key in object.as_object().unwrap().keys() {
             assert!(described.contains(&format!("`{key}`")), "`{key}` is not in the page");
         }
@@ -99,6 +99,6 @@ fn integrals_are_not_shared_among_nodes() {
     place.write("job.toml", &job);
     let text = place.run("check job.toml --nodes 4").done().stdout;
     assert!(text.contains("method = \"exact\" draws no samples that nodes could share"), "{text}");
-    let told: Value = serde_json::from_str(&place.run("check job.toml --nodes 4 --json").done().stdout).unwrap();
-    assert!(told["cluster"].is_null() && told["load"].is_null(), "{told:#}");
+    let printed: Value = serde_json::from_str(&place.run("check job.toml --nodes 4 --json").done().stdout).unwrap();
+    assert!(printed["cluster"].is_null() && printed["load"].is_null(), "{printed:#}");
 }

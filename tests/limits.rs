@@ -214,7 +214,7 @@ fn limits_of_samples_hold_for_all_inputs_distributions_and_choices_outside_physi
 }
 
 #[test]
-fn without_a_limit_the_state_is_told() {
+fn without_a_limit_the_state_is_reported() {
     let place = Place::new();
     let text = job("", "rotating_speed = [15.0, 3.0]\npreload = [0.001, 0.005]\nstatic_friction = 0.39", BOTH, EXACT);
     let rows = limits(&place, &text, "--of preload --probability 0.2");

@@ -128,7 +128,7 @@ fn shards_leave_the_limits_to_merge() {
 }
 
 #[test]
-fn what_is_wrong_with_the_table_is_told_with_its_line() {
+fn what_is_wrong_with_the_table_is_reported_with_its_line() {
     let place = Place::new();
     let refused = |sampling: &str, limit: &str, line: usize, texts: &[&str]| {
         let text = job(sampling, limit);

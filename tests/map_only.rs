@@ -72,7 +72,7 @@ fn a_map_that_is_too_costly_is_seen_in_its_tiles() {
         let why = if shard == 1 { "the verdict map is given up" } else { "as a verdict map would have cost more" };
         assert!(said.contains(why) && !said.contains("of them new"), "{said}");
     }
-    assert!(there > 0 && tiles(&place, "run") == there, "tiles were resolved anew");
+    assert!(there > 0 && tiles(&place, "run") == there, "tiles were resolved again");
     place.run("merge run").done();
     assert!(place.surface("run") == place.surface("whole"));
 }

@@ -45,7 +45,7 @@ fn failure(place: &Place, words: &str, exit: i32) -> Value {
 }
 
 /// The object without its text.
-fn told(mut object: Value) -> Value {
+fn without_text(mut object: Value) -> Value {
     object.as_object_mut().unwrap().remove("text");
     object
 }
@@ -79,7 +79,7 @@ fn what_is_wrong_with_a_job_has_its_place() {
     let job = surface_job("a", 2, 1000, 1);
     place.write("wrong.toml", &job.replace("relative_std = 0.2", "relative_std = -1"));
     let at = json!({ "file": "wrong.toml", "line": 10, "column": 16, "key": "random.relative_std" });
-    assert_eq!(told(failure(&place, "submit wrong.toml", 65)), json!({ "code": "job-spec", "place": at }));
+    assert_eq!(without_text(failure(&place, "submit wrong.toml", 65)), json!({ "code": "job-spec", "place": at }));
     // Of several the first, whatever the order in which they are found.
     place.write("several.toml", &job.replace("relative_std = 0.2", "relative_std = -1").replace("[axes]", "[axis]"));
     let object = failure(&place, "check several.toml", 65);
@@ -92,12 +92,12 @@ fn what_is_wrong_with_a_job_has_its_place() {
     let object = failure(&place, "check nameless.toml", 65);
     assert_eq!(object["place"]["key"], "name", "{object}");
     let missing = json!({ "code": "input-output", "place": { "file": "nothing.toml" } });
-    assert_eq!(told(failure(&place, "check nothing.toml", 74)), missing);
+    assert_eq!(without_text(failure(&place, "check nothing.toml", 74)), missing);
     // Tests of brakes have lines, too.
     place.write("tests.csv", "rotating_speed,preload,squealed\n13,0.1,1\n\n14,0.1,maybe\n");
     place.write("job.toml", &job);
     let object = failure(&place, "fit tests.csv --job job.toml", 65);
-    assert_eq!(told(object), json!({ "code": "job-refused", "place": { "file": "tests.csv", "line": 4 } }));
+    assert_eq!(without_text(object), json!({ "code": "job-refused", "place": { "file": "tests.csv", "line": 4 } }));
 }
 
 #[test]
@@ -129,15 +129,15 @@ fn each_state_of_a_run_has_a_code_and_a_remedy() {
         ("merge run", 65, "incomplete", resume),
         ("compare run run", 65, "incomplete", resume),
     ] {
-        assert_eq!(told(failure(&place, words, exit)), json!({ "code": code, "remedy": remedy }), "{words}");
+        assert_eq!(without_text(failure(&place, words, exit)), json!({ "code": code, "remedy": remedy }), "{words}");
     }
     for words in ["resume nothing", "status nothing"] {
         let no_run = json!({ "code": "no-run", "place": { "file": "nothing" } });
-        assert_eq!(told(failure(&place, words, 74)), no_run);
+        assert_eq!(without_text(failure(&place, words, 74)), no_run);
     }
     let object = failure(&place, "submit job.toml --out more.toml", 73);
     let taken = json!({ "code": "cannot-create", "place": { "file": "more.toml" }, "remedy": "--out" });
-    assert_eq!(told(object), taken);
+    assert_eq!(without_text(object), taken);
 
     // What is written and what is finished are notes that programs know.
     place.run("resume run").done();
@@ -152,7 +152,7 @@ fn each_state_of_a_run_has_a_code_and_a_remedy() {
     fs::write(place.path("run/surface.parquet"), "no surface").unwrap();
     let damaged = json!({ "file": "run/surface.parquet" });
     let object = failure(&place, "plot run", 74);
-    assert_eq!(told(object), json!({ "code": "damaged", "place": damaged, "remedy": "stickslip verify run" }));
+    assert_eq!(without_text(object), json!({ "code": "damaged", "place": damaged, "remedy": "stickslip verify run" }));
     let piece = fs::read_dir(place.path("run/shards")).unwrap().next().unwrap().unwrap().path();
     fs::write(&piece, "no piece").unwrap();
     let said = objects(&place.run("--messages json merge run").stderr);
@@ -203,7 +203,7 @@ fn progress_has_numbers_and_an_interruption_its_remedy() {
     let child = begin_long(&place);
     // It is in use meanwhile.
     let object = failure(&place, "resume long", 75);
-    assert_eq!(told(object), json!({ "code": "run-in-use", "remedy": "wait until it ends, or stop it" }));
+    assert_eq!(without_text(object), json!({ "code": "run-in-use", "remedy": "wait until it ends, or stop it" }));
     thread::sleep(Duration::from_millis(1500));
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();

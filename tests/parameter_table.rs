@@ -1,7 +1,7 @@
 //! docs/your-brake-in-numbers.md knows every parameter of the brake, and its table of what ten per cent do is what the
 //! program computes.
 //!
-//! `STICKSLIP_UPDATE=1 cargo test -p stickslip --test parameter_table` writes the table anew.
+//! `STICKSLIP_UPDATE=1 cargo test -p stickslip --test parameter_table` writes the table again.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 

@@ -55,8 +55,8 @@ fn size(png: &[u8]) -> (u32, u32) {
 fn a_surface_is_drawn_as_svg_and_png_with_its_axes_levels_and_boundary() {
     let place = Place::new();
     submitted(&place, "plane", &job("plane", PLANE, 3000));
-    let told = place.run("plot plane").done().stdout;
-    assert_eq!(told, "plane/surface.svg\nplane/surface.png\n");
+    let printed = place.run("plot plane").done().stdout;
+    assert_eq!(printed, "plane/surface.svg\nplane/surface.png\n");
     let svg = fs::read_to_string(place.path("plane/surface.svg")).unwrap();
     for text in [
         "Preload Δ",
@@ -97,7 +97,7 @@ fn limits_are_red_lines_on_the_surface_with_gaps_where_there_are_none() {
     assert!(svg.contains("at P = 0.5, 1e-5"));
     let red = areas(&svg, "#e01030");
     let labels = [">P = 0.5<", ">P = 10⁻⁵<"].map(|label| svg.matches(label).count());
-    // Lines are parted by their labels, or shortened by one near their end.
+    // Lines are interrupted by their labels, or shortened by one near their end.
     let parts = 4 + labels.iter().sum::<usize>();
     assert!((4..=parts).contains(&red.len()), "{red:?} {labels:?}");
     assert!(labels.iter().all(|&count| count >= 1), "{labels:?}");
@@ -224,8 +224,8 @@ fn the_difference_of_two_runs_is_a_map_with_its_line_of_zero_and_hatching() {
     submitted(&place, "plane", &job("plane", PLANE, 1000));
     let other = "[model.friction]\nstribeck_velocity = 0.6\n";
     submitted(&place, "slower", &job("slower", PLANE, 1000).replace("[axes]", &format!("{other}[axes]")));
-    let told = place.run("plot plane --against slower").done().stdout;
-    assert_eq!(told, "plane/difference.svg\nplane/difference.png\n");
+    let printed = place.run("plot plane --against slower").done().stdout;
+    assert_eq!(printed, "plane/difference.svg\nplane/difference.png\n");
     let svg = fs::read_to_string(place.path("plane/difference.svg")).unwrap();
     for text in [
         "Preload Δ",
@@ -308,8 +308,8 @@ fn a_verdict_map_has_a_panel_for_each_brake_with_its_regions_and_tiles() {
         text.replace("relative_std = 0.2", "relative_std = 0.05").replace("samples = 50\nseed = 1", sampling)
     };
     submitted(&place, "map", &with("map", "method = \"exact\"\naudit = 0"));
-    let told = place.run("plot map --of verdicts").done().stdout;
-    assert_eq!(told, "map/verdicts.svg\nmap/verdicts.png\n");
+    let printed = place.run("plot map --of verdicts").done().stdout;
+    assert_eq!(printed, "map/verdicts.svg\nmap/verdicts.png\n");
     let svg = fs::read_to_string(place.path("map/verdicts.svg")).unwrap();
     for text in [
         ">12 rad/s<",

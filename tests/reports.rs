@@ -175,8 +175,8 @@ const SHOWN: &str = "reproduce table3 fig4 fig13 fig14a --report";
 #[test]
 fn the_gallery_has_every_number_of_the_scoreboard_and_needs_nothing_else() {
     let place = Place::new();
-    let told = place.run(&format!("{SHOWN} --out all")).done().stdout;
-    assert!(told.ends_with("\ngallery: all/gallery.html\n"), "{told}");
+    let printed = place.run(&format!("{SHOWN} --out all")).done().stdout;
+    assert!(printed.ends_with("\ngallery: all/gallery.html\n"), "{printed}");
     let page = fs::read_to_string(place.path("all/gallery.html")).unwrap();
     assert!(page.len() < 1_000_000, "{} bytes", page.len());
     for text in [
@@ -205,12 +205,12 @@ fn the_gallery_has_every_number_of_the_scoreboard_and_needs_nothing_else() {
     assert_eq!(fs::read_to_string(place.path("all/gallery.html")).unwrap(), page, "the same bytes again");
 
     // The scoreboard is first, wherever it is named, and complete.
-    let told = place.run("reproduce table3 scoreboard --report --out scores").done().stdout;
+    let printed = place.run("reproduce table3 scoreboard --report --out scores").done().stdout;
     let page = fs::read_to_string(place.path("scores/gallery.html")).unwrap();
     assert!(page.find("id=\"scoreboard\"").unwrap() < page.find("id=\"table3\"").unwrap());
-    let table = told.split("printed in the paper").nth(1).unwrap();
+    let table = printed.split("printed in the paper").nth(1).unwrap();
     let rows: Vec<&str> = table.lines().skip(1).take_while(|line| !line.is_empty()).collect();
-    assert_eq!(rows.len(), 17, "{told}");
+    assert_eq!(rows.len(), 17, "{printed}");
     for row in rows {
         let cells = row.split("  ").map(str::trim).filter(|cell| !cell.is_empty());
         for cell in cells {
@@ -279,11 +279,11 @@ fn the_answer_is_that_of_the_exact_surface() {
         let exact = text.replace("samples = 2000\n", "").replace("seed =", "method = \"exact\"\nseed =");
         place.write("exact.toml", &exact.replace("\"three\"", "\"exact\""));
         place.write("drawn.toml", &text);
-        let told = |name: &str| {
+        let printed = |name: &str| {
             let out = place.run(&format!("submit {name}.toml --out {name}-{job}")).done().stdout;
             out[out.find("P is below").unwrap()..].lines().take(2).collect::<Vec<_>>().join(" ")
         };
-        let (exactly, drawn) = (counts(&told("exact")), counts(&told("drawn")));
+        let (exactly, drawn) = (counts(&printed("exact")), counts(&printed("drawn")));
         let read = |name: &str| Table::read(&place.path(&format!("{name}-{job}/surface.parquet")));
         let (known, estimated) = (read("exact"), read("drawn"));
         for (i, limit) in limits.into_iter().enumerate() {

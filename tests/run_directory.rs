@@ -1,4 +1,4 @@
-//! What becomes of a run directory that is damaged, moved, shared or full of other things: nothing that was computed is
+//! What happens to a run directory that is damaged, moved, shared or full of other things: nothing that was computed is
 //! lost, nothing broken is read as good, and nothing waits for ever.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
@@ -85,7 +85,7 @@ fn a_damaged_surface_is_noticed_wherever_it_is_read_and_written_again() {
 }
 
 #[test]
-fn every_damaged_byte_of_a_frozen_job_is_noticed_and_the_surface_tells_what_it_was() {
+fn every_damaged_byte_of_a_frozen_job_is_noticed_and_the_surface_holds_what_it_was() {
     let place = finished();
     let path = place.path("run/job.toml");
     let sound = fs::read(&path).unwrap();
@@ -113,7 +113,7 @@ fn every_damaged_byte_of_a_frozen_job_is_noticed_and_the_surface_tells_what_it_w
             place.run("status run").refused(74, &["its job.toml is lost", "stickslip verify run"]);
         }
         let verified = place.run("verify run").done();
-        assert!(verified.stdout.contains("the surface tells what it was"), "{}", verified.stdout);
+        assert!(verified.stdout.contains("the surface holds what it was"), "{}", verified.stdout);
         assert!(place.run("status run").done().stdout.contains("finished"));
         place.run("resume run").done();
         assert!(place.surface("run") == surface);
@@ -121,7 +121,7 @@ fn every_damaged_byte_of_a_frozen_job_is_noticed_and_the_surface_tells_what_it_w
 }
 
 #[test]
-fn a_surface_of_fewer_samples_than_there_are_pieces_does_not_tell_the_job() {
+fn a_surface_of_fewer_samples_than_there_are_pieces_does_not_restore_the_job() {
     let place = finished();
     let small = surface_job("small", 3, 2000, 7);
     place.write("large.toml", &small.replace("samples = 2000", "samples = 4000"));
@@ -227,7 +227,7 @@ fn verify_names_what_is_damaged_and_resume_computes_it_again() {
     assert!(place.surface("run") == sound);
     let json = place.run("verify run --json").done().stdout;
     assert!(json.contains("\"state\": \"sound\"") && !json.contains("broken"), "{json}");
-    // Damage to the digests themselves is told from damage to the files.
+    // Damage to the digests themselves is distinguished from damage to the files.
     let digests = place.path("run/digests.json");
     let text = fs::read_to_string(&digests).unwrap();
     fs::write(&digests, text.replacen("\"files\"", "\"fires\"", 1)).unwrap();
@@ -360,7 +360,7 @@ fn a_run_whose_directory_is_moved_or_removed_writes_nothing_under_its_name() {
 }
 
 #[test]
-fn the_second_runner_is_told_who_the_first_is_and_a_killed_one_leaves_no_lock() {
+fn the_second_runner_learns_who_the_first_is_and_a_killed_one_leaves_no_lock() {
     let place = Place::new();
     place.write("slow.toml", &slow("slow", 1));
     let mut first = started(&place, "submit slow.toml --out run --threads 1");

@@ -121,7 +121,7 @@ fn a_sample_has_the_inputs_and_the_verdict_that_replay_shows() {
 }
 
 #[test]
-fn what_feeds_a_sample_is_told_where_there_is_a_disc() {
+fn what_feeds_a_sample_is_printed_where_there_is_a_disc() {
     let place = Place::new();
     let surface =
         submitted(&place, "run", &job("run", "kind = \"coupled-eigenvalue\"\ndisc_modes = 5", BOTH, "samples = 12"));

@@ -162,7 +162,7 @@ fn a_result_that_cannot_be_written_is_named_with_a_remedy() {
         }
         let obstacle = format!("run/{name}");
         obstruct(&place, &obstacle);
-        let then = format!("mend that, or where a disk is full free space, then `stickslip {again} run`");
+        let then = format!("correct that, or where a disk is full free space, then `stickslip {again} run`");
         place.run(&format!("{again} run")).refused(74, &[&format!("cannot write run/{name}"), &then]);
         fs::remove_dir(place.path(&obstacle)).unwrap();
         place.run(&format!("{again} run")).done();

@@ -1,5 +1,5 @@
-//! What versions promise: what `--version` tells and pages repeat, and that runs of other versions are read or refused with
-//! the remedy, and nothing of them is lost.
+//! What versions promise: what `--version` prints and pages repeat, and that runs of other versions are read or refused
+//! with the remedy, and nothing of them is lost.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
 
@@ -96,7 +96,7 @@ fn runs_of_another_version_are_refused_with_the_remedy_and_left_as_they_are() {
         let place = finished(&surface_job("run", 2, 100, 7));
         make_later(&place.path("run/shards"), &format!("{name} version"));
         let before = contents(&place.path("run"));
-        let own = &told()[&format!("{name} version")];
+        let own = &printed()[&format!("{name} version")];
         let versions = format!("({name} version {}, where this one has {own})", own.parse::<u32>().unwrap() + 1);
         for command in NEEDING_SAMPLES {
             place.run(command).refused(65, &["was written by another version of stickslip", &versions, REMEDY]);
@@ -142,15 +142,15 @@ fn maps_and_audits_of_another_version_are_not_used() {
     }
 }
 
-/// What `--version` tells, by name.
-fn told() -> BTreeMap<String, String> {
+/// What `--version` prints, by name.
+fn printed() -> BTreeMap<String, String> {
     let text = Place::new().run("--version").done().stdout;
     let lines = text.lines().skip(1).map(|line| line.split_once(": ").unwrap());
     lines.map(|(name, value)| (name.to_owned(), value.to_owned())).collect()
 }
 
 #[test]
-fn the_version_is_told_in_short_and_in_full() {
+fn the_version_is_printed_in_short_and_in_full() {
     let place = Place::new();
     let version = format!("stickslip {}", env!("CARGO_PKG_VERSION"));
     assert_eq!(place.run("-V").done().stdout, format!("{version}\n"));
@@ -160,14 +160,14 @@ fn the_version_is_told_in_short_and_in_full() {
     let expected = ["commit", "target", "instruction set", "results version", "format version", "licence"];
     assert_eq!(names, expected, "scripts read these lines; later ones come after");
 
-    let told = told();
-    assert!(told["target"].contains(std::env::consts::ARCH), "{}", told["target"]);
+    let printed = printed();
+    assert!(printed["target"].contains(std::env::consts::ARCH), "{}", printed["target"]);
     let sets: &[&str] = match std::env::consts::ARCH {
         "x86_64" => &["SSE2", "AVX2", "AVX-512"],
         "aarch64" => &["NEON"],
         _ => &["baseline"],
     };
-    assert!(sets.contains(&&told["instruction set"][..]), "{}", told["instruction set"]);
+    assert!(sets.contains(&&printed["instruction set"][..]), "{}", printed["instruction set"]);
     let manual = place.run("man").done().stdout;
     assert!(manual.contains(".SH VERSION\nv0.1.0"), "the manual is the same on every machine");
 }
@@ -183,18 +183,18 @@ fn the_instruction_set_is_that_of_the_processor() {
         "aarch64" => "NEON",
         _ => return,
     };
-    assert_eq!(told()["instruction set"], expected);
+    assert_eq!(printed()["instruction set"], expected);
 }
 
 #[test]
-fn sessions_tell_the_build_and_results_do_not() {
+fn sessions_record_the_build_and_results_do_not() {
     let place = finished(&surface_job("run", 2, 100, 7));
     place.run("submit run/job.toml --out run --samples 4000").done();
     let record: serde_json::Value = serde_json::from_slice(&fs::read(place.path("run/run.json")).unwrap()).unwrap();
-    let told = told();
+    let printed = printed();
     for session in record["sessions"].as_array().unwrap() {
         for (key, name) in [("commit", "commit"), ("target", "target"), ("instruction_set", "instruction set")] {
-            assert_eq!(session[key], *told[name], "{session}");
+            assert_eq!(session[key], *printed[name], "{session}");
         }
     }
     place.run("report run").done();
@@ -202,9 +202,9 @@ fn sessions_tell_the_build_and_results_do_not() {
     let program = format!(
         "stickslip {}, commit {}, {}, {}<",
         env!("CARGO_PKG_VERSION"),
-        told["commit"],
-        told["target"],
-        told["instruction set"]
+        printed["commit"],
+        printed["target"],
+        printed["instruction set"]
     );
     assert_eq!(report.matches(&program).count(), 1, "{program}");
 
@@ -216,9 +216,9 @@ fn sessions_tell_the_build_and_results_do_not() {
 #[test]
 fn the_pages_have_the_versions_of_the_program() {
     let page = fs::read_to_string(repository().join("docs/reference/versions.md")).unwrap();
-    let told = told();
+    let printed = printed();
     for name in ["results version", "format version"] {
-        let row = format!("| {name} | {} |", told[name]);
+        let row = format!("| {name} | {} |", printed[name]);
         assert!(page.contains(&row), "docs/reference/versions.md has no line that begins with {row:?}");
     }
     let row = format!("| version of the program | {} |", env!("CARGO_PKG_VERSION"));
@@ -230,7 +230,7 @@ fn the_pages_have_the_versions_of_the_program() {
     assert!(headings.iter().any(|heading| heading.starts_with(&own)), "CHANGELOG.md has no entry {own}: {headings:?}");
     let entry = changes.split(&format!("## {own}")).nth(1).unwrap().split("\n## ").next().unwrap().replace('\n', " ");
     for name in ["results version", "format version"] {
-        let named = format!("{name} {}", told[name]);
+        let named = format!("{name} {}", printed[name]);
         assert!(entry.to_lowercase().contains(&named), "CHANGELOG.md does not name {named} in the entry {own}");
     }
     let citation = fs::read_to_string(repository().join("CITATION.cff")).unwrap();

@@ -17,7 +17,7 @@ const SPEED_RATIOS: RangeInclusive<f64> = 1e-3..=1e3;
 struct Deviates(u64);
 
 impl Deviates {
-    fn of(index: usize) -> Self {
+    fn for_brake(index: usize) -> Self {
         let mut z = (index as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -48,7 +48,7 @@ impl Deviates {
 
 /// The brake of this index, and how many disc modes carry enough of its disc's compliance.
 pub fn random_brake(index: usize) -> (PadOnDisc, usize) {
-    let mut deviates = Deviates::of(index);
+    let mut deviates = Deviates::for_brake(index);
     loop {
         let mut parameters = random_parameters(&mut deviates);
         let resting = PadOnDisc::new(parameters.clone()).expect("every value is within its limits");
@@ -57,7 +57,7 @@ pub fn random_brake(index: usize) -> (PadOnDisc, usize) {
             continue;
         }
         let brake = PadOnDisc::new(parameters).expect("every value is within its limits");
-        // A disc whose modes are all too stiff, or that has no equilibrium, is drawn anew.
+        // A disc whose modes are all too stiff, or that has no equilibrium, is drawn again.
         match FlexibleBrake::with_modes(brake.clone(), DISC_MODES) {
             Ok(_) => return (brake, DISC_MODES),
             Err(FlexibleError::TooFewModes { needed, .. })
@@ -121,7 +121,7 @@ fn stribeck_speed(brake: &PadOnDisc) -> f64 {
     brake.rotating_speed(brake.friction_law().speed_scale)
 }
 
-/// How `stickslip trajectory` is told of a case.
+/// The options of `stickslip trajectory` for a case.
 pub fn description(brake: &PadOnDisc, modes: usize, start: Start) -> String {
     let (parameters, preset) = (brake.parameters(), Parameters::sui_ding_2018());
     let changed = SCALARS.iter().filter(|scalar| scalar.value(parameters) != scalar.value(&preset));

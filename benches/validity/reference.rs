@@ -67,7 +67,7 @@ pub struct Equilibrium {
 }
 
 impl Equilibrium {
-    pub fn of(brake: &PadOnDisc, modes: usize, inputs: RandomInputs) -> Self {
+    pub fn new(brake: &PadOnDisc, modes: usize, inputs: RandomInputs) -> Self {
         let flexible = FlexibleBrake::with_modes(brake.clone(), modes).expect("a random brake has a model");
         let x = flexible.sliding_equilibrium(inputs).expect("a random brake has an equilibrium")[0];
         let growth_rate = flexible.growth_rate(inputs).expect("it has eigenvalues");

@@ -14,19 +14,19 @@ pub struct Place {
 }
 
 impl Place {
-    pub fn of(brake: &PadOnDisc, start: Start) -> Self {
+    pub fn new(brake: &PadOnDisc, start: Start) -> Self {
         Self { brake: brake.clone(), start }
     }
 
     fn value(&self, quantity: Quantity) -> f64 {
-        quantity.of(&self.brake)
+        quantity.value(&self.brake)
     }
 }
 
 /// A verdict held against its reference.
 pub struct Held {
     pub place: Place,
-    /// Undecided if the reference cannot tell.
+    /// Undecided if the reference is.
     pub reference: Verdict,
     pub verdict: Verdict,
     /// With steps half as long.

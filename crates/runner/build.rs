@@ -1,4 +1,4 @@
-//! Tells the program the commit and the target that it is built for. A build in which neither has changed is the same,
+//! Hands the program the commit and the target that it is built for. A build in which neither has changed is the same,
 //! whenever, wherever and by whom it is made.
 //!
 //! The commit is what STICKSLIP_COMMIT says; without it, what git says; without git, "unknown".
@@ -18,8 +18,8 @@ const SOURCES: [&str; 4] = ["Cargo.toml", "Cargo.lock", "crates", "jobs"];
 fn main() {
     println!("cargo::rerun-if-env-changed=STICKSLIP_COMMIT");
     println!("cargo::rerun-if-changed=build.rs");
-    let told = env::var("STICKSLIP_COMMIT").ok().and_then(|told| Some(told.lines().next()?.trim().to_owned()));
-    let commit = told.filter(|commit| !commit.is_empty()).or_else(commit_of_git);
+    let given = env::var("STICKSLIP_COMMIT").ok().and_then(|given| Some(given.lines().next()?.trim().to_owned()));
+    let commit = given.filter(|commit| !commit.is_empty()).or_else(commit_of_git);
     println!("cargo::rustc-env=STICKSLIP_BUILD_COMMIT={}", commit.as_deref().unwrap_or("unknown"));
     println!("cargo::rustc-env=STICKSLIP_BUILD_TARGET={}", env::var("TARGET").as_deref().unwrap_or("unknown"));
 }
@@ -27,7 +27,7 @@ fn main() {
 /// The commit that is checked out, as `0123456789ab (2026-01-31)`, and whether the sources differ from it.
 fn commit_of_git() -> Option<String> {
     watch_head();
-    // In the repository of something else that holds a copy of these files, git would tell the commit of that.
+    // In the repository of something else that holds a copy of these files, git would name the commit of that.
     let is_ours = git(&["rev-parse", "--show-prefix"])? == PACKAGE && git(&["ls-files", "build.rs"])? == "build.rs";
     if !is_ours {
         return None;

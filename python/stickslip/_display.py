@@ -8,7 +8,7 @@ from typing import TextIO
 
 from ._messages import Message
 
-#: Seconds between two lines of progress in a file. Another twentieth of the work is told after the shortest time.
+#: Seconds between two lines of progress in a file. Another twentieth of the work is shown after the shortest time.
 _INTERVAL, _SHORTEST = 30.0, 2.0
 
 _BAR = 30
@@ -21,7 +21,7 @@ class Display:
         self._stream = stream
         self._has_bar = stream is not None and getattr(stream, "isatty", lambda: False)()
         self._drawn = 0
-        self._told_at, self._told = time.monotonic(), 0
+        self._shown_at, self._shown = time.monotonic(), 0
 
     def note(self, text: str) -> None:
         """Show a note in a line of its own."""
@@ -35,12 +35,12 @@ class Display:
         if self._has_bar:
             self._draw(message.text, done / total)
             return
-        if done < self._told:
+        if done < self._shown:
             # Another computation.
-            self._told = 0
-        since = time.monotonic() - self._told_at
-        if since >= _INTERVAL or (since >= _SHORTEST and (done - self._told) * 20 >= total):
-            self._told_at, self._told = time.monotonic(), done
+            self._shown = 0
+        since = time.monotonic() - self._shown_at
+        if since >= _INTERVAL or (since >= _SHORTEST and (done - self._shown) * 20 >= total):
+            self._shown_at, self._shown = time.monotonic(), done
             self.note(message.text)
 
     def clear(self) -> None:

@@ -18,8 +18,8 @@ class Unfinished(Protocol):
         """Continue it."""
 
 
-class _Told:
-    """What the program tells of a failure beside its text.
+class _Details:
+    """What the program says of a failure beside its text.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class _Told:
     remedy: str | None = None
 
 
-class Error(_Told, Exception):
+class Error(_Details, Exception):
     """The program failed. The text is its message, whole.
 
     Attributes
@@ -85,7 +85,7 @@ class ProgramNotFoundError(Error):
     """There is no program that belongs to this package."""
 
 
-class Interrupted(_Told, KeyboardInterrupt):
+class Interrupted(_Details, KeyboardInterrupt):
     """Ctrl-C, after the program has kept what is finished.
 
     Attributes

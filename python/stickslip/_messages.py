@@ -12,7 +12,7 @@ NOTES = frozenset({"note", "file-written", "run-finished", "interrupting"})
 
 @dataclass(frozen=True)
 class Message:
-    """One message. What it does not tell is ``None``."""
+    """One message. What it does not hold is ``None``."""
 
     code: str | None
     text: str
@@ -25,7 +25,7 @@ def parsed(line: bytes) -> Message:
     """The message in a line. What is none, as of a system that cannot start the program, has no code."""
     text = line.decode(errors="replace")
     try:
-        told = json.loads(text)
-        return Message(told["code"], told["text"], told.get("place"), told.get("remedy"), told.get("progress"))
+        sent = json.loads(text)
+        return Message(sent["code"], sent["text"], sent.get("place"), sent.get("remedy"), sent.get("progress"))
     except (ValueError, KeyError, TypeError):
         return Message(None, text)

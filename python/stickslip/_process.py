@@ -1,7 +1,7 @@
 """Running the program: its input, its messages as they come, its end, and Ctrl-C.
 
 The program runs in a session of its own while the main thread waits for it, so that Ctrl-C reaches it once, from here,
-in a terminal and in a notebook alike. In other threads Python is not told of Ctrl-C; there the program stays in the
+in a terminal and in a notebook alike. In other threads Python does not get Ctrl-C; there the program stays in the
 process group of Python, where a terminal reaches it itself, and :func:`interrupt` does so elsewhere.
 """
 
@@ -58,8 +58,8 @@ class _Program:
 def interrupt() -> None:
     """Interrupt every run that is at work in this Python process, as Ctrl-C does.
 
-    Python tells the main thread alone of Ctrl-C. Call this for runs in other threads, for example from the next cell of
-    a notebook. Each of them raises :class:`Interrupted` in its thread.
+    Python passes Ctrl-C to the main thread alone. Call this for runs in other threads, for example from the next cell
+    of a notebook. Each of them raises :class:`Interrupted` in its thread.
     """
     for running in list(_running):
         running.interrupt()
@@ -87,7 +87,7 @@ def call(
     command = [os.fspath(word) for word in (program(), "--messages=json", *arguments)]
     running = _Program()
     display = Display(sys.stderr if progress else None)
-    told: list[Message] = []
+    received: list[Message] = []
     with _ctrl_c(running) as is_forwarded, tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as given:
         if stdin is not None:
             given.write(stdin.encode())
@@ -112,7 +112,7 @@ def call(
                     if message.code == "progress":
                         display.progress(message)
                     elif message.code not in NOTES:
-                        told.append(message)
+                        received.append(message)
                     elif message.code != unsaid:
                         display.note(message.text)
                 process.wait()
@@ -127,9 +127,9 @@ def call(
         output.seek(0)
         result = output.read().decode(errors="replace")
     code = process.returncode if process.returncode >= 0 else 128 - process.returncode
-    failure = _failure(code, running, [message for message in told if message.code != "warning"])
+    failure = _failure(code, running, [message for message in received if message.code != "warning"])
     try:
-        for message in told:
+        for message in received:
             if message.code == "warning":
                 warnings.warn(message.text, JobWarning, stacklevel=_depth_of_caller())
     finally:
@@ -139,12 +139,12 @@ def call(
     return result
 
 
-def _failure(code: int, running: _Program, told: list[Message]) -> Error | Interrupted | None:
+def _failure(code: int, running: _Program, received: list[Message]) -> Error | Interrupted | None:
     """What is raised at the end of the program."""
-    last = told[-1] if told else Message(None, "")
+    last = received[-1] if received else Message(None, "")
     if last.code is None:
         # Lines of somebody else, such as the system that cannot start the program.
-        last = Message(None, "\n".join(message.text for message in told if message.code is None))
+        last = Message(None, "\n".join(message.text for message in received if message.code is None))
     failure: Error | Interrupted
     if code == _INTERRUPTED or running.interruptions:
         failure = Interrupted(last.text or "interrupted")

@@ -22,7 +22,7 @@ Estimate = Literal["static_friction", "preload_factor", "std.preload", "std.stat
 
 
 def check(job: Job, *, threads: int | None = None, nodes: int | None = None) -> dict[str, Any]:
-    """Validate a job, and tell what it will cost. The cost is measured, which takes up to three seconds.
+    """Validate a job, and predict what it will cost. The cost is measured, which takes up to three seconds.
 
     Parameters
     ----------

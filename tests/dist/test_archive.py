@@ -12,7 +12,7 @@ from pathlib import Path
 from conftest import REPOSITORY, TARGET, output, tool
 
 
-def test_it_is_one_folder_that_tells_nothing_of_who_packed_it(archive: Path) -> None:
+def test_it_is_one_folder_that_records_nothing_of_who_packed_it(archive: Path) -> None:
     packed = archive.read_bytes()
     # Flags and time of RFC 1952: no name of a file, no time.
     assert packed[:2] == b"\x1f\x8b" and packed[3:8] == bytes(5)
@@ -82,11 +82,11 @@ def test_no_path_of_the_build_is_in_it(folder: Path) -> None:
         assert os.fsencode(f"{path}/") not in program, path
 
 
-def test_it_tells_what_it_is(folder: Path) -> None:
-    told = output(folder / "bin" / "stickslip", "--version", env={})
-    assert re.search(rf"^target: +{TARGET}$", told, re.MULTILINE), told
+def test_it_prints_what_it_is(folder: Path) -> None:
+    printed = output(folder / "bin" / "stickslip", "--version", env={})
+    assert re.search(rf"^target: +{TARGET}$", printed, re.MULTILINE), printed
     commit = output("git", "log", "-1", "--format=%H", cwd=REPOSITORY).strip()
-    assert re.search(rf"^commit: +{commit[:12]} ", told, re.MULTILINE), told
+    assert re.search(rf"^commit: +{commit[:12]} ", printed, re.MULTILINE), printed
 
 
 def test_it_runs_without_an_environment(folder: Path) -> None:

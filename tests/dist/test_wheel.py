@@ -12,7 +12,7 @@ from pathlib import Path
 from conftest import REPOSITORY
 
 
-def test_the_record_tells_what_is_in_it(wheel: zipfile.ZipFile) -> None:
+def test_the_record_lists_what_is_in_it(wheel: zipfile.ZipFile) -> None:
     assert wheel.testzip() is None
     names = wheel.namelist()
     assert len(names) == len(set(names))
@@ -28,7 +28,7 @@ def test_the_record_tells_what_is_in_it(wheel: zipfile.ZipFile) -> None:
         assert (digest, int(size)) == (f"sha256={expected}", len(data)), name
 
 
-def test_it_tells_nothing_of_where_and_when_it_was_built(wheel: zipfile.ZipFile) -> None:
+def test_it_records_nothing_of_where_and_when_it_was_built(wheel: zipfile.ZipFile) -> None:
     epoch = int(os.environ["SOURCE_DATE_EPOCH"])
     for entry in wheel.infolist():
         # Times in archives have steps of two seconds.
@@ -42,8 +42,8 @@ def test_licences_and_parts_are_those_of_the_archive(folder: Path, wheel: zipfil
     information = metadata.split("/")[0]
     licences = wheel.read(f"{information}/licenses/THIRD-PARTY-LICENSES")
     assert licences == (folder / "THIRD-PARTY-LICENSES").read_bytes()
-    told = wheel.read(metadata).decode().split("\n\n")[0].splitlines()
-    files = [line.removeprefix("License-File: ") for line in told if line.startswith("License-File: ")]
+    headers = wheel.read(metadata).decode().split("\n\n")[0].splitlines()
+    files = [line.removeprefix("License-File: ") for line in headers if line.startswith("License-File: ")]
     assert "THIRD-PARTY-LICENSES" in files
     listed = {f"{information}/licenses/{name}" for name in files}
     assert listed == {name for name in wheel.namelist() if "/licenses/" in name}

@@ -69,7 +69,7 @@ wait_for 40 "first node" is_up n1
 wait_for 40 "second node" is_up n2
 say "a controller and two nodes are up"
 
-# Job numbers that submitting a run has told, the array first.
+# Job numbers that submitting a run has printed, the array first.
 submit() {
     local run=$1
     shift
@@ -91,7 +91,7 @@ reference=$!
 read -r lost _ < <(submit lost short --shards 8)
 wait_for 60 "tasks on n1" running_on n1 "$lost"
 sleep 1
-# All at once, as a power cut does: nothing is left that could tell of the others.
+# All at once, as a power cut does: nothing is left that could report the others.
 n1=$(cat "$place/slurmd.n1.daemon"; tasks_of n1)
 kill -STOP $n1 2>/dev/null || true
 kill -KILL $n1 2>/dev/null || true

@@ -1,4 +1,4 @@
-"""The fault suite: what becomes of runs that are killed, starved, damaged or disturbed.
+"""The fault suite: what happens to runs that are killed, starved, damaged or disturbed.
 
 Usage: python3 tests/faults PROGRAM [--all] [--only ROW] [--kind KIND] [--try LABEL] [--seed N]
 

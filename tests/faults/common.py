@@ -222,7 +222,7 @@ class Place:
         if not (self.run / "job.toml").exists():
             return None
         found = re.search(r'"samples_done": (\d+)', self.stickslip("status", "run", "--json").stdout)
-        check(found, "status --json does not tell samples_done")
+        check(found, "status --json does not hold samples_done")
         return int(found.group(1))
 
     def same_bytes(self) -> str:
@@ -252,7 +252,7 @@ class Place:
         check(not left, f"unfinished files are left: {left}")
 
     def sound(self) -> None:
-        """`verify` finds nothing to mend."""
+        """`verify` finds nothing to repair."""
         said = self.stickslip("verify", "run", "--json").stdout
         check('"state": "sound"' in said and "mended" not in said, f"verify finds more: {said}")
 

@@ -53,10 +53,10 @@ def damaged(suite: Suite) -> Iterator[Try]:
                 sort = file.name if file.parent == Path(".") else f"{file.parent}/*"
                 for what in damages(suite, size, is_small, chance):
                     label = f"{state}, {sort}, {what}"
-                    yield Try(kind, label, lambda place: mended(place, run, file, what), small=True)
+                    yield Try(kind, label, lambda place: repaired(place, run, file, what), small=True)
 
 
-def mended(place: Place, run: Path, file: Path, what: str) -> str:
+def repaired(place: Place, run: Path, file: Path, what: str) -> str:
     """Damages a file of a run; the damage is named, and the run comes to the same result."""
     place.copy_of(run)
     sound = (place.run / file).read_bytes()
@@ -73,7 +73,7 @@ def mended(place: Place, run: Path, file: Path, what: str) -> str:
     if resumed.code != DONE:
         check(file.name in resumed.stderr, f"it is refused without the name of the file: {resumed.stderr!r}")
     if verified.code != DONE or resumed.code != DONE:
-        # What verify cannot mend, the same job does. If the run is there and not finished, resume goes on with it.
+        # What verify cannot repair, the same job does. If the run is there and not finished, resume goes on with it.
         line = ["submit", "job.toml", "--out", "run", "--threads", 1]
         submitted = place.stickslip(*line, expect={DONE, CANNOT_CREATE})
         if submitted.code != DONE:

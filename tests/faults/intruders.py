@@ -116,7 +116,7 @@ def put_in_place(place: Place, run: Path, name: Path, thing: object) -> str:
             shutil.rmtree(aside)
         else:
             aside.unlink()
-    # What was written meanwhile may not fit what lay aside; verify mends that.
+    # What was written meanwhile may not fit what lay aside; verify repairs that.
     place.stickslip("verify", "run", expect={DONE, INPUT_OUTPUT})
     if not (place.run / "surface.parquet").exists():
         place.stickslip("resume", "run")

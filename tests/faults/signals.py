@@ -6,7 +6,7 @@ from typing import Iterator
 
 from common import DONE, KINDS, SAME, STATED, Missed, Place, Row, Running, Suite, Try, check
 
-# Signals that end a process which does nothing about them. They keep what is finished and tell how to go on.
+# Signals that end a process which does nothing about them. They keep what is finished and say how to go on.
 ENDING = [
     number
     for name in (

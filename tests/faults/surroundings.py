@@ -72,7 +72,7 @@ def clocks(suite: Suite) -> Iterator[Try]:
     def act(place: Place) -> str:
         first = with_clock(clock, DONT_FAKE_MONOTONIC="1")
         interrupted(place, first, signal.SIGTERM)
-        # A clock that tells the time since the start wrongly, too.
+        # A clock that measures the time since the start wrongly, too.
         interrupted(place, with_clock(place.random.choice(CLOCKS)), signal.SIGTERM)
         if (place.run / "job.toml").exists():
             place.stickslip("status", "run", environment=first)

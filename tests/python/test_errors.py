@@ -28,7 +28,7 @@ def test_usage(small: dict[str, Any]) -> None:
     assert set(stickslip.run(small, samples=1e3, progress=False).surface()["n_samples"]) == {1000}  # type: ignore[arg-type]
 
 
-def test_a_job_that_is_not_valid_tells_all_errors(small: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_job_that_is_not_valid_reports_all_errors(small: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
     small["axes"]["preload"] = float("nan")
     small["sampling"]["sampels"] = 100
     with pytest.raises(stickslip.JobError) as caught:
@@ -160,8 +160,8 @@ def test_every_error_is_an_error() -> None:
 
 def test_messages_of_many_lines_are_whole(stub: Any, capsys: pytest.CaptureFixture[str]) -> None:
     text = "first\n    |\nsecond\n\n  third"
-    told = [("note", "a note"), ("warning", "odd"), ("job-spec", text)]
-    stub(says(*({"code": code, "text": text} for code, text in told), code=65))
+    sent = [("note", "a note"), ("warning", "odd"), ("job-spec", text)]
+    stub(says(*({"code": code, "text": text} for code, text in sent), code=65))
     with pytest.warns(stickslip.JobWarning, match="^odd$"), pytest.raises(stickslip.JobError) as caught:
         stickslip.limit("job.toml", "preload", 0.1)
     assert str(caught.value) == text

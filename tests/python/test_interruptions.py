@@ -201,11 +201,11 @@ def test_a_notebook_is_interrupted_and_goes_on(place: Path, whole: bytes) -> Non
         client.execute(f"import stickslip, sys\nstickslip.run({LONG!r}, 'long', threads=1)")
         begun(place / "long", manager.is_alive)
         manager.interrupt_kernel()
-        texts = told(client)
+        texts = sent_texts(client)
         assert texts["ename"] == "Interrupted", texts
         assert "interrupted: saving what is finished" in texts["stderr"]
         client.execute("run = sys.last_value.run.resume()\nrun")
-        texts = told(client)
+        texts = sent_texts(client)
         assert "60,000 samples each" in texts["html"], texts
         assert " samples in " in texts["stderr"]
     finally:
@@ -214,8 +214,8 @@ def test_a_notebook_is_interrupted_and_goes_on(place: Path, whole: bytes) -> Non
     assert (place / "long" / "surface.parquet").read_bytes() == whole
 
 
-def told(client: Any) -> dict[str, str]:
-    """What a kernel tells of a cell, until it is idle."""
+def sent_texts(client: Any) -> dict[str, str]:
+    """What a kernel sends about a cell, until it is idle."""
     texts = {"stderr": "", "html": "", "ename": ""}
     while True:
         message = client.get_iopub_msg(timeout=120)

@@ -60,17 +60,17 @@ def share(speed: float, preload: float, static: float) -> float:
 
 
 def test_its_numbers_are_those_of_other_means(outputs: list[nbformat.NotebookNode]) -> None:
-    told = "\n".join(texts(outputs))
-    critical = float(re.search(r"critical speed ([0-9.]+) rad/s", told)[1])  # type: ignore[index]
+    text = "\n".join(texts(outputs))
+    critical = float(re.search(r"critical speed ([0-9.]+) rad/s", text)[1])  # type: ignore[index]
     force = FORCE_PER_PRELOAD * 0.1
     closed_form = STRIBECK / RADIUS * math.log(force * (STATIC - KINETIC) / (STRIBECK * DAMPING))
     assert critical == pytest.approx(closed_form, abs=1e-4)
 
-    p, low, high = map(float, re.search(r"([0-9.]+), between ([0-9.]+) and ([0-9.]+)", told).groups())  # type: ignore[union-attr]
+    p, low, high = map(float, re.search(r"([0-9.]+), between ([0-9.]+) and ([0-9.]+)", text).groups())  # type: ignore[union-attr]
     assert p == pytest.approx(share(15.0, 0.1, 0.39), abs=0.015)
     assert low < share(15.0, 0.1, 0.39) < high
 
-    rows = re.findall(r"^\d +([0-9.]+) +([0-9.]+) +([0-9.]+)$", told, re.MULTILINE)
+    rows = re.findall(r"^\d +([0-9.]+) +([0-9.]+) +([0-9.]+)$", text, re.MULTILINE)
     assert len(rows) == 6
     for speed, target, preload in rows:
         assert share(float(speed), float(preload), 0.39) == pytest.approx(float(target), rel=0.03)

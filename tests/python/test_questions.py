@@ -14,7 +14,7 @@ import tomli_w
 import stickslip
 
 
-def told(*arguments: str) -> Any:
+def printed(*arguments: str) -> Any:
     """What the program prints as JSON."""
     command = [stickslip.program(), *arguments, "--json"]
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
@@ -23,12 +23,12 @@ def told(*arguments: str) -> Any:
 def test_analyse_is_the_programs(small: dict[str, Any], place: Path) -> None:
     # The figure is that of docs/reference/command-line.md.
     assert stickslip.analyse()["critical_speed_rad_s"] == pytest.approx(15.5599, abs=5e-5)
-    wanted = told("analyse", "--set", "friction.static_coefficient=0.45", "--set", "pad.mass=0.12")
+    wanted = printed("analyse", "--set", "friction.static_coefficient=0.45", "--set", "pad.mass=0.12")
     assert stickslip.analyse(friction={"static_coefficient": 0.45}, pad={"mass": np.float64(0.12)}) == wanted
     assert stickslip.analyse({"friction.static_coefficient": 0.45, "pad.mass": 0.12}) == wanted
     assert stickslip.analyse({"friction": {"static_coefficient": 0.45}}, pad={"mass": 0.12}) == wanted
     (place / "small.toml").write_text(tomli_w.dumps(small), encoding="utf-8")
-    wanted = told("analyse", "--job", "small.toml", "--cell", "3")
+    wanted = printed("analyse", "--job", "small.toml", "--cell", "3")
     run = stickslip.run(small, progress=False)
     for job in (small, "small.toml", Path("small.toml"), run):
         assert stickslip.analyse(job=job, cell=3) == wanted
@@ -59,7 +59,7 @@ def test_a_motion_has_a_summary_a_table_and_a_plot(place: Path) -> None:
     assert stickslip.trajectory(horizon=50, disc="rigid").plot(out="motion.svg").svg == place / "motion.svg"
 
 
-def test_check_tells_cells_and_cost(small: dict[str, Any]) -> None:
+def test_check_returns_cells_and_cost(small: dict[str, Any]) -> None:
     answer = stickslip.check(small, threads=1)
     assert answer["cells"] == 24 and answer["samples_at_most"] == 24_000
     assert answer["seconds_of_a_sample"] > 0
@@ -97,7 +97,7 @@ def test_bounds_hold_the_probabilities_between(small: dict[str, Any]) -> None:
     assert between.min() < between[1] < between.max()
 
 
-def test_compare_tells_the_differences(small: dict[str, Any]) -> None:
+def test_compare_returns_the_differences(small: dict[str, Any]) -> None:
     first = stickslip.run(small, "first", progress=False)
     small["model"] = {"friction": {"stribeck_velocity": 0.6}}
     second = stickslip.run(small, "second", progress=False)

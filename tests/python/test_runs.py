@@ -1,4 +1,4 @@
-"""Runs: jobs as dicts and as files, what becomes of a run that exists, and what can be asked of one."""
+"""Runs: jobs as dicts and as files, what happens to a run that exists, and what can be asked of one."""
 
 from __future__ import annotations
 

@@ -15,7 +15,8 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`numerics`] | methods that know nothing of brakes: eigenvalues, quadrature, root location, steps, monotone interpolation, exponential, logarithm, sine and cosine |
+//! | [`numerics`] | methods, independent of brakes: eigenvalues, quadrature, root location, steps, monotone
+//! interpolation, exponential, logarithm, sine and cosine |
 //! | [`friction`] | the friction laws: Stribeck's, the rational one, measured curves |
 //! | [`model`] | what any model is: its quantities, the decisions that it returns, and what it can do beyond them |
 //! | [`models`] | the models: [the pad on the disc](models::pad_on_disc) |

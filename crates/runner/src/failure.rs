@@ -65,12 +65,12 @@ pub enum Failure {
         /// What is kept, and how to continue.
         message: String,
     },
-    /// One of the others, of which programs are told more.
+    /// One of the others, with more for programs to read.
     #[error("{}", .0.failure)]
     Detailed(Box<Detailed>),
 }
 
-/// What programs are told of a failure beside its text.
+/// What a failure holds for programs beside its text.
 #[derive(Debug)]
 pub struct Detailed {
     failure: Failure,
@@ -131,7 +131,7 @@ impl Failure {
         }
     }
 
-    /// What it is about, unless more was told of it.
+    /// What it is about, unless that was set.
     fn code(&self) -> Code {
         match self {
             Self::Usage(_) => Code::Usage,
@@ -183,22 +183,22 @@ impl Failure {
         }
     }
 
-    /// Tells programs what exactly it is about.
+    /// Sets the code, for programs.
     pub fn coded(self, code: Code) -> Self {
         Self::Detailed(Box::new(Detailed { code: Some(code), ..*self.detailed() }))
     }
 
-    /// Tells programs where it is.
+    /// Sets the place, for programs.
     pub fn at(self, place: Place) -> Self {
         Self::Detailed(Box::new(Detailed { place: Some(place), ..*self.detailed() }))
     }
 
-    /// Tells programs the command or action that its text names.
+    /// Sets the remedy for programs: the command or action that its text names.
     pub fn remedied(self, remedy: impl Into<String>) -> Self {
         Self::Detailed(Box::new(Detailed { remedy: Some(remedy.into()), ..*self.detailed() }))
     }
 
-    /// Tells programs the command or action of an advice that its text holds.
+    /// Sets the remedy for programs: the command or action of an advice that its text holds.
     fn advised(self, advice: &Advice) -> Self {
         match advice.remedy() {
             Some(remedy) => self.remedied(remedy),
@@ -212,8 +212,8 @@ impl Failure {
             Self::InputOutput(message) => Self::InputOutput(format!("{message}; {advice}")).advised(advice),
             Self::Detailed(detailed) => {
                 let Detailed { failure, code, place, remedy } = *detailed;
-                let told = failure.with_advice(advice).detailed();
-                Self::Detailed(Box::new(Detailed { code, place, remedy: told.remedy.or(remedy), ..*told }))
+                let inner = failure.with_advice(advice).detailed();
+                Self::Detailed(Box::new(Detailed { code, place, remedy: inner.remedy.or(remedy), ..*inner }))
             }
             other => other,
         }

@@ -1,12 +1,12 @@
-//! Signals that end a process, such as Ctrl-C and SIGTERM: the first is answered in words at once and obeyed within two
-//! seconds. A second one ends the process at once.
+//! Signals that end a process, such as Ctrl-C and SIGTERM: the first is answered by a message at once and obeyed within
+//! two seconds. A second one ends the process at once.
 //!
 //! Threads at work see [`Interrupt::signal`] and hand over what they have finished. If some do not in time, because a
 //! single motion takes longer, the thread that watches for signals ends the process without them. Where no thread is at
 //! work there is nothing to hand over, and the process ends at once. Files are whole or absent whenever it ends.
 //!
-//! A signal that was ignored when the process began (`nohup`, `trap '' HUP`) stays so. SIGPIPE is ignored: the write
-//! fails. So it is with SIGXFSZ. Faults of the processor (SIGSEGV, SIGBUS, SIGILL, SIGFPE) are left to the system.
+//! A signal that was ignored when the process began (`nohup`, `trap '' HUP`) stays so. SIGPIPE and SIGXFSZ are ignored:
+//! the write fails. Faults of the processor (SIGSEGV, SIGBUS, SIGILL, SIGFPE) are left to the system.
 
 use std::fmt;
 use std::fs;
@@ -134,7 +134,7 @@ impl Interrupt {
         }
     }
 
-    /// Tells what is kept from now on of what is interrupted, and how to continue it.
+    /// Sets what the message says is kept from now on of what is interrupted, and how to continue it.
     pub fn remark(&self, remark: impl Into<Advice>) {
         *lock(&self.shared.remark) = Remark { advice: Some(remark.into()), condition: None };
     }

@@ -100,7 +100,7 @@ fn no_command(error: &clap::Error) -> ExitCode {
     if messages::are_json() {
         return fail(&failure);
     }
-    // In colours, where there are some. There is nobody left to tell if it fails.
+    // In colours, where there are some. If it fails, nothing is left to report that to.
     let _ = error.print();
     ExitCode::from(failure.exit_code())
 }

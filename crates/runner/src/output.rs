@@ -108,21 +108,21 @@ pub fn broken(line: &str, width: usize) -> Vec<String> {
 
 /// What to do about a file of a run that could not be written, or threads that could not be started, before the command
 /// that goes on.
-pub const FREE_SPACE: &str = "mend that, or where a disk is full free space, then";
+pub const FREE_SPACE: &str = "correct that, or where a disk is full free space, then";
 
 /// Writes a note to standard error.
 pub fn note(text: fmt::Arguments<'_>) {
-    tell(Code::Note, text);
+    announce(Code::Note, text);
 }
 
-/// Writes a message to standard error that programs know by its code.
-pub fn tell(code: Code, text: fmt::Arguments<'_>) {
+/// Writes a message with a code, which programs know it by, to standard error.
+pub fn announce(code: Code, text: fmt::Arguments<'_>) {
     Message::new(code, &text.to_string()).send();
 }
 
 /// Writes warnings to standard error.
 pub fn warn(warnings: impl IntoIterator<Item = String>) {
-    warnings.into_iter().for_each(|warning| tell(Code::Warning, format_args!("{warning}")));
+    warnings.into_iter().for_each(|warning| announce(Code::Warning, format_args!("{warning}")));
 }
 
 /// Writes a warning about a file to standard error. Its text begins with the path.

@@ -14,7 +14,7 @@ static FILES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// Time between two attempts to get hold of the list.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// A temporary file or directory. Whoever holds this renames or removes it before this is dropped.
+/// A temporary file or directory. The owner of this renames or removes it before this is dropped.
 #[derive(Debug)]
 pub struct Unfinished(PathBuf);
 
@@ -46,7 +46,7 @@ pub fn remove_all(patience: Duration) -> Option<impl Drop> {
         }
     };
     for path in files.iter() {
-        // It may have its final name by now; and there is nobody left to tell.
+        // It may have its final name by now; and nothing is left to report a failure to.
         let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     }
     Some(files)

@@ -121,7 +121,7 @@ mod tests {
     fn lanes_have_the_bits_of_single_values() {
         for law in laws() {
             let r: [f64; 64] = std::array::from_fn(|i| -0.9 + 0.13 * i as f64);
-            let (a, b) = law.shape.parts(Row(r), Row::of(law.exponent));
+            let (a, b) = law.shape.parts(Row(r), Row::splat(law.exponent));
             for (i, r) in r.into_iter().enumerate() {
                 assert_eq!((a.0[i], b.0[i]), law.shape.parts(r, law.exponent), "{law:?} {r}");
             }

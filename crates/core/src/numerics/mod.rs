@@ -1,4 +1,4 @@
-//! Numerical methods that know nothing of brakes.
+//! Numerical methods, independent of brakes.
 
 pub(crate) mod exponential;
 

@@ -11,7 +11,7 @@ pub(crate) trait Number:
     Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// The same number in all lanes.
-    fn of(value: f64) -> Self;
+    fn splat(value: f64) -> Self;
 
     /// The numbers of the lanes.
     fn lanes(&self) -> &[f64];
@@ -71,7 +71,7 @@ pub(crate) trait Number:
 
 impl Number for f64 {
     #[inline(always)]
-    fn of(value: f64) -> Self {
+    fn splat(value: f64) -> Self {
         value
     }
 
@@ -93,7 +93,7 @@ pub(crate) struct Row<const L: usize>(pub [f64; L]);
 
 impl<const L: usize> Number for Row<L> {
     #[inline(always)]
-    fn of(value: f64) -> Self {
+    fn splat(value: f64) -> Self {
         Self([value; L])
     }
 

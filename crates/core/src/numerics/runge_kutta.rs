@@ -42,7 +42,7 @@ pub(crate) fn step_in_place<N: Number>(
     k: &mut [impl AsMut<[N]>; 4],
 ) {
     let n = q.len();
-    let (half, sixth) = (N::of(0.5) * h, h / N::of(6.0));
+    let (half, sixth) = (N::splat(0.5) * h, h / N::splat(6.0));
     next_q.copy_from_slice(q);
     next_u.copy_from_slice(u);
     // One copy of the accelerations, not four: with many lanes the loop over stages has to stay in the processor's cache
@@ -64,6 +64,6 @@ pub(crate) fn step_in_place<N: Number>(
     for i in 0..n {
         N::keep_lanes_together();
         next_q[i] = q[i] + h * (u[i] + sixth * (k1[i] + k2[i] + k3[i]));
-        next_u[i] = u[i] + sixth * (k1[i] + N::of(2.0) * (k2[i] + k3[i]) + k4[i]);
+        next_u[i] = u[i] + sixth * (k1[i] + N::splat(2.0) * (k2[i] + k3[i]) + k4[i]);
     }
 }

@@ -20,7 +20,7 @@ use clap_complete::Shell;
 pub use self::decisions::{BoundsArguments, LimitArguments};
 pub use self::engine::{EngineArguments, EngineKind, ListFormat, ShardArgument};
 pub use self::pad_on_disc::{
-    AllotmentArgument, AnalyseArguments, BrakeArguments, DiscArgument, EstimateArgument, FitArguments,
+    AllotmentArgument, AnalyseArguments, BrakeArguments, DiscArgument, EstimateArgument, FitArguments, MotionArguments,
     ParametersArguments, TrajectoryArguments,
 };
 pub use self::start::StartArgument;
@@ -207,15 +207,8 @@ pub struct ReplayArguments {
     /// The sample of that cell, numbered from 0
     #[arg(long, value_name = "J", value_parser = whole_number)]
     pub sample: u64,
-    /// Scaled time to simulate [default: 500]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    pub horizon: Option<f64>,
-    /// Write the time series to a Parquet file
-    #[arg(long, value_name = "FILE.parquet", value_parser = parquet_file)]
-    pub out: Option<PathBuf>,
-    /// Print the summary as JSON
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub motion: MotionArguments,
 }
 
 /// Arguments of `samples`.

@@ -70,6 +70,13 @@ pub struct TrajectoryArguments {
     /// Relative displacement from the equilibrium at the start [default: the job's, or 0.01]
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     pub displacement: Option<f64>,
+    #[command(flatten)]
+    pub motion: MotionArguments,
+}
+
+/// The motion to simulate, and how it is shown.
+#[derive(Debug, Args)]
+pub struct MotionArguments {
     /// Scaled time to simulate [default: 500]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub horizon: Option<f64>,

@@ -25,15 +25,15 @@ pub fn start(text: &str) -> Result<StartArgument, String> {
     Ok(StartArgument { text: text.to_owned(), start })
 }
 
-impl StartArgument {
+impl From<Start> for StartArgument {
     /// A start as it would be typed.
-    pub fn of(start: Start) -> Self {
+    fn from(start: Start) -> Self {
         let text = match start {
             Start::NearEquilibrium => "near-equilibrium".to_owned(),
             Start::Rest => "rest".to_owned(),
             Start::LimitCycle => "limit-cycle".to_owned(),
             Start::Given(given) => {
-                let number = |number: StartValue| Some(format!("{}={}", number.name(), number.of(&given)?));
+                let number = |number: StartValue| Some(format!("{}={}", number.name(), number.value_in(&given)?));
                 let mut parts: Vec<String> = StartValue::ALL.into_iter().filter_map(number).collect();
                 parts.extend((given.units == StartUnits::Scaled).then(|| "units=scaled".to_owned()));
                 parts.extend(given.from_equilibrium.then(|| "from_equilibrium".to_owned()));
@@ -58,7 +58,7 @@ fn given_start(text: &str) -> Result<GivenStart, String> {
                 let known = StartValue::ALL.into_iter().find(|number| number.name() == name);
                 let number = known.ok_or_else(|| format!("there is no {name:?}; {STARTS}"))?;
                 let parsed = value.parse().map_err(|_| format!("{name}={value}: {value:?} is not a number"))?;
-                if number.of(&start).is_some() {
+                if number.value_in(&start).is_some() {
                     return Err(format!("{name} is given twice"));
                 }
                 number.set(&mut start, parsed);

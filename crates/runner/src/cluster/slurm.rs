@@ -1,8 +1,8 @@
 //! The scripts of a job array of Slurm: one that submits, one of each stage, and the merge at the end.
 //!
-//! Slurm tells a task a while before its time limit by a signal of its own choice. The shell of the task has the program
-//! save its work, and puts the task into the queue again. SIGTERM comes with `scancel`, with preemption and with a time
-//! limit without that warning. After it the task is not started again by itself.
+//! Slurm warns a task a while before its time limit by a signal that the task chooses. The shell of the task has the
+//! program save its work, and puts the task into the queue again. SIGTERM comes with `scancel`, with preemption and
+//! with a time limit without that warning. After it the task is not started again by itself.
 
 use std::process::{Command, Stdio};
 
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn the_cluster_tells_its_limit() {
+    fn the_cluster_shows_its_limit() {
         assert_eq!(limit_in("MailProg                = /bin/true\nMaxArraySize            = 1001\n"), Some(1000));
         assert_eq!(limit_in("MaxArraySize            = 1\n"), None);
         assert_eq!(limit_in("slurm_load_ctl_conf error: Unable to contact slurm controller"), None);

@@ -32,7 +32,7 @@ impl ShardTask {
     /// A shard of the run in the directory `run`, by this program, with the verdict maps of other runs.
     pub fn new(run: &Path, maps: &[PathBuf], shards: u64) -> Result<Self, Failure> {
         let program = std::env::current_exe()
-            .map_err(|error| Failure::InputOutput(format!("cannot tell the path of this program: {error}")))?;
+            .map_err(|error| Failure::InputOutput(format!("cannot find the path of this program: {error}")))?;
         Ok(Self {
             program: absolute_text(&program)?,
             run: absolute_text(run)?,

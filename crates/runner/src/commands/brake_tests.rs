@@ -36,7 +36,7 @@ const HALF_WIDTH: f64 = 1e-5;
 pub struct BrakeTests {
     /// The tests with their boundaries.
     pub data: TestData,
-    /// Whether each tells an onset speed.
+    /// Whether each has an onset speed.
     pub has_onsets: bool,
 }
 
@@ -121,7 +121,7 @@ fn line_of(record: &StringRecord, bytes: &[u8]) -> u64 {
 }
 
 impl Rows<'_> {
-    /// Checks the first line, and says whether the tests tell onset speeds.
+    /// Checks the first line, and returns whether the tests have onset speeds.
     fn check_names(&self) -> Result<bool, Failure> {
         let has = |name: &str| self.place(name).is_some();
         let wrong = |message: String| Err(refused(self.path, 1, &format!("{message}; {HEADERS}")));

@@ -62,7 +62,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let prediction = match (arguments.nodes, &cost.load) {
         (Some(nodes), Some(load)) => {
             let on = Nodes { nodes: nodes.into(), threads: threads as u64 };
-            Some(ClusterPrediction::of(&job, evaluator.parts(), *load, cost.sample, cost.error, on)?)
+            Some(ClusterPrediction::for_job(&job, evaluator.parts(), *load, cost.sample, cost.error, on)?)
         }
         _ => None,
     };
@@ -137,7 +137,7 @@ fn axes(job: &Job) -> String {
     axes.join(" x ")
 }
 
-/// What an axis has the values of.
+/// What varies along an axis.
 fn short_name(quantity: &Quantity) -> &str {
     match (quantity.is_always_shown, quantity.role) {
         (true, Role::Input) => quantity.noun(),

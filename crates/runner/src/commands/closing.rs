@@ -21,7 +21,7 @@ use crate::tables::surface::Surface;
 /// # Errors
 /// An audit that found wrong verdicts in the verdict map.
 pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>, limits: Option<&str>) -> Result<(), Failure> {
-    let summary = Summary::of(surface);
+    let summary = Summary::new(surface);
     let line = closing_line(&directory.surface(), job, &summary) + limits.unwrap_or_default();
     let notes = [
         outside_physics(job, &summary),
@@ -66,7 +66,7 @@ struct Summary {
 }
 
 impl Summary {
-    fn of(surface: &Surface<'_>) -> Self {
+    fn new(surface: &Surface<'_>) -> Self {
         let mut summary = Self {
             estimates: Vec::with_capacity(surface.job().cells() as usize),
             lookups: surface.lookups(),

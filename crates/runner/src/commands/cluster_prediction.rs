@@ -49,8 +49,9 @@ pub struct ClusterPrediction {
 }
 
 impl ClusterPrediction {
-    /// Of a job whose samples take so many seconds on one thread, from what everything else takes here and now.
-    pub fn of(job: &Job, parts: &Parts, load: Load, sample: f64, error: f64, on: Nodes) -> Result<Self, Failure> {
+    /// The prediction for a job whose samples take `sample` seconds each on one thread, from what everything else takes
+    /// here and now.
+    pub fn for_job(job: &Job, parts: &Parts, load: Load, sample: f64, error: f64, on: Nodes) -> Result<Self, Failure> {
         let rates = measured(job, parts, sample)?;
         let shown = SHOWN.map(|shards| load.cost(&rates, on, shards));
         Ok(Self { on, rates, load, error, best: load.best(&rates, on, &SHOWN), shown })
@@ -112,11 +113,11 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
         Ok(())
     })?;
     // Units of several cells, as those of a shard are.
-    let layout = SumLayout::of(job);
+    let layout = SumLayout::for_job(job);
     let unit = |cell: u64| {
         let samples = parts.max_samples(0).clamp(1, parts.unit_samples());
         let counts = VerdictCounts { stable: samples / 2, unstable: samples - samples / 2, ..Default::default() };
-        let part = parts.of(cell).start;
+        let part = parts.in_cell(cell).start;
         FinishedUnit { part, samples: 0..samples, counts, amplitudes: Distribution::default(), sums: layout.zeros() }
     };
     let units: Vec<FinishedUnit> = (0..parts.cells().min(MOST_UNITS)).map(unit).collect();

@@ -14,7 +14,7 @@ use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::{Answer, Job, JobSource, MapUse};
 use crate::messages::Code;
-use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, rate, tell, warn};
+use crate::output::{FREE_SPACE, HumanCount128, announce, counted, note, quoted, rate, warn};
 use crate::schedule::engine::{Engine, Outcome, Samples};
 use crate::schedule::mapping::{CompletedMaps, Mapping};
 use crate::schedule::plan::{Plan, Shard};
@@ -174,7 +174,7 @@ pub fn compute(
         let is_new = surface.publish(&run.directory).map_err(|failure| kept(failure, &run.directory))?;
         if run.job.answer() == Answer::Integral && !is_new {
             let path = run.directory.path().display();
-            tell(Code::RunFinished, format_args!("{path} is finished already; its surface is unchanged"));
+            announce(Code::RunFinished, format_args!("{path} is finished already; its surface is unchanged"));
         }
         if computed > 0 || is_new {
             session.lookups(surface.lookups());
@@ -260,7 +260,7 @@ fn complete_maps(
     engine.complete_maps(evaluator, mapping, interrupt)
 }
 
-/// Resolves the verdict maps of a job, or the share of a shard, and tells how to go on.
+/// Resolves the verdict maps of a job, or the share of a shard, and prints how to go on.
 pub fn map_only(
     directory: &RunDirectory,
     job: &Job,

@@ -99,7 +99,7 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
         publish(&folder, script.name, script.text.as_bytes())?;
     }
     Sharing { engine: kind.name().to_owned(), shards }.record(&out)?;
-    let missing = ShardProgress::of(&out, &job, &Parts::new(&job), &tally, shards).missing();
+    let missing = ShardProgress::new(&out, &job, &Parts::new(&job), &tally, shards).missing();
     // The shards lock the directory themselves.
     drop(directory);
     request.start(&missing, interrupt)
@@ -253,7 +253,7 @@ impl Request<'_> {
                     text => format!("{:?}", text.chars().take(MOST_QUOTED).collect::<String>()),
                 };
                 Err(Failure::InputOutput(format!(
-                    "`{program} --version` does not name {sign}: it ended with {} and wrote {said}. Mend its configuration, or {remedy}. --dry-run shows the scripts anywhere",
+                    "`{program} --version` does not name {sign}: it ended with {} and wrote {said}. Correct its configuration, or {remedy}. --dry-run shows the scripts anywhere",
                     output.status
                 )))
             }
@@ -297,7 +297,7 @@ impl Request<'_> {
             .remedied(again));
         }
         note(format_args!(
-            "submitted; `stickslip status {}` tells how far it is, `scancel {jobs}` stops it",
+            "submitted; `stickslip status {}` shows its progress, `scancel {jobs}` stops it",
             quoted(self.run)
         ));
         result(&format!("{jobs}\n"))
@@ -357,13 +357,13 @@ fn pass_on(errors: impl io::Read) {
 /// Waits for a program to end, and ends it after a signal.
 fn wait(mut child: Child, interrupt: &Interrupt) -> io::Result<ExitStatus> {
     let _working = interrupt.working();
-    let mut is_told = false;
+    let mut is_signalled = false;
     loop {
         if let Some(status) = child.try_wait()? {
             return Ok(status);
         }
-        if interrupt.signal().is_some() && !is_told {
-            is_told = true;
+        if interrupt.signal().is_some() && !is_signalled {
+            is_signalled = true;
             // The first asks GNU parallel to start no more, the second to end.
             for _ in 0..2 {
                 let _ = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();

@@ -1,7 +1,5 @@
 //! What `trajectory` and `replay` say of a motion, in scaled units and SI, and the columns of its time series.
 
-use std::path::Path;
-
 use serde_json::{Map, Value, json};
 use stickslip_core::model::verdict::Verdict;
 use stickslip_core::models::pad_on_disc::motion::moment::Moment;
@@ -9,6 +7,7 @@ use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, Ra
 use stickslip_core::models::pad_on_disc::trajectory::recording::Trajectory;
 use stickslip_core::models::pad_on_disc::trajectory::settled::SettledMotion;
 
+use crate::cli::MotionArguments;
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
 use crate::output::{output_file, result};
@@ -90,19 +89,19 @@ impl Facts {
     }
 }
 
-/// Writes the time series if `out` is given, and says what the motion is.
+/// Writes the time series if `--out` is given, and prints what the motion is.
 pub fn report(
     facts: Facts,
     scales: &Scales,
     trajectory: &Trajectory,
-    out: Option<&Path>,
-    as_json: bool,
+    arguments: &MotionArguments,
 ) -> Result<(), Failure> {
+    let out = arguments.out.as_deref();
     if let Some(out) = out {
         let (directory, name) = output_file(out)?;
         write_columns(&directory, &name, &columns(&trajectory.moments, scales))?;
     }
-    if as_json {
+    if arguments.json {
         let mut summary = facts.keys;
         summary.extend(summary_keys(scales, trajectory));
         summary.insert("file".to_owned(), json!(out.map(|out| out.display().to_string())));

@@ -35,11 +35,11 @@ pub struct LookedAt {
 impl OneBrake {
     /// The brake that the command line names; warns of values that are not plausible.
     pub fn chosen(arguments: &BrakeArguments) -> Result<Self, Failure> {
-        Self::of(chosen_cell(arguments)?, &arguments.set)
+        Self::in_cell(chosen_cell(arguments)?, &arguments.set)
     }
 
     /// The brake of a cell of a job, or else the preset, with changes; warns of values that are not plausible.
-    pub fn of(chosen: Option<(Job, Cell)>, changes: &[String]) -> Result<Self, Failure> {
+    pub fn in_cell(chosen: Option<(Job, Cell)>, changes: &[String]) -> Result<Self, Failure> {
         let Some((job, cell)) = chosen else {
             return Ok(Self { brake: changed_preset(changes)?, model: None });
         };

@@ -172,7 +172,7 @@ fn require_same_axes(runs: [&Path; 2], jobs: [&Job; 2]) -> Result<(), Failure> {
         .map(|name| (name, of(0, name), of(1, name)))
         .find(|(_, a, b)| if a.is_some() && b.is_some() { a != b } else { count(*a) != count(*b) });
     let Some((name, a, b)) = differing else { return Ok(()) };
-    let told = |values: Option<&Vec<f64>>| match values.map(|values| &values[..]) {
+    let described = |values: Option<&Vec<f64>>| match values.map(|values| &values[..]) {
         None => "no axis".to_owned(),
         Some([value]) => format!("the value {}", rounded(*value)),
         Some(values) => {
@@ -184,7 +184,7 @@ fn require_same_axes(runs: [&Path; 2], jobs: [&Job; 2]) -> Result<(), Failure> {
         "{} and {} have different axes, so their difference cannot be drawn: {name} has {} in the first, and {} in the second. Submit one of them again with the [axes] and random.relative_std of the other; `stickslip compare` compares the cells that both have",
         runs[0].display(),
         runs[1].display(),
-        told(a),
-        told(b)
+        described(a),
+        described(b)
     )))
 }

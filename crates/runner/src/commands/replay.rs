@@ -29,7 +29,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     };
     let verdict = sample.decision.verdict;
     let (place, number) = evaluator.parts().locate(arguments.sample);
-    let is_counted = tally.contains(evaluator.parts().of(arguments.cell).start + place as u64, number);
+    let is_counted = tally.contains(evaluator.parts().in_cell(arguments.cell).start + place as u64, number);
     let pad = job.model.as_pad();
     let brake = pad.and_then(|pad| pad.brake(&sample.decided).ok());
     let facts = facts(arguments, &job, &sample, is_counted, brake.as_ref());
@@ -53,11 +53,11 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
 
 /// Shows the sample alone.
 fn without_motion(arguments: &ReplayArguments, facts: &Facts, why: &str) -> Result<(), Failure> {
-    if arguments.out.is_some() {
+    if arguments.motion.out.is_some() {
         return Err(Failure::Usage(format!("--out: this sample is {why}")));
     }
-    let why = if arguments.json { String::new() } else { format!("{why}\n") };
-    result(&format!("{}{why}", facts.text(arguments.json)))
+    let why = if arguments.motion.json { String::new() } else { format!("{why}\n") };
+    result(&format!("{}{why}", facts.text(arguments.motion.json)))
 }
 
 /// Simulates the motion of the sample again, and shows it.
@@ -73,8 +73,8 @@ fn show_motion(
         let verdict = name(sample.decision.verdict);
         return without_motion(arguments, &facts, &format!("{verdict}; its motion cannot be simulated: {error}"));
     }
-    let trajectory = simulate(brake, &disc, settings, inputs(&sample.decided), arguments.horizon)?;
-    report(facts, brake.scales(), &trajectory, arguments.out.as_deref(), arguments.json)
+    let trajectory = simulate(brake, &disc, settings, inputs(&sample.decided), arguments.motion.horizon)?;
+    report(facts, brake.scales(), &trajectory, &arguments.motion)
 }
 
 /// What the run drew and decided.

@@ -38,8 +38,8 @@ pub struct RunProgress {
 }
 
 impl RunProgress {
-    /// Of a run, from its directory alone.
-    pub fn of(directory: &RunDirectory) -> Result<Self, Failure> {
+    /// The progress of a run, from its directory alone.
+    pub fn read(directory: &RunDirectory) -> Result<Self, Failure> {
         let shards = Sharing::read(directory.path()).map(|sharing| sharing.shards);
         Self::of_shards(directory, directory.job()?, shards)
     }
@@ -73,7 +73,7 @@ impl RunProgress {
             probability: mean_probability(&job, &parts, &tally),
             shards: shards
                 .filter(|_| job.draws_samples())
-                .map(|count| ShardProgress::of(directory.path(), &job, &parts, &tally, count)),
+                .map(|count| ShardProgress::new(directory.path(), &job, &parts, &tally, count)),
             undecided: (0..parts.count()).map(|part| tally.counts(part).undecided).sum(),
             failed: (0..parts.count()).map(|part| tally.counts(part).failed).sum(),
             job,

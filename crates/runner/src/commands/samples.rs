@@ -118,7 +118,7 @@ fn draw(
     let length = evaluator.job().unit_samples().min(MOST_UNIT_SAMPLES);
     let units: Vec<(u64, Range<u64>)> = evaluator
         .parts()
-        .of(arguments.cell)
+        .in_cell(arguments.cell)
         .flat_map(|part| {
             let end = tally.counts(part).total();
             (0..end).step_by(length as usize).map(move |start| (part, start..end.min(start + length)))

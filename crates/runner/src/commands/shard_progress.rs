@@ -29,8 +29,8 @@ pub struct ShardProgress {
 }
 
 impl ShardProgress {
-    /// Of a run that is computed in `count` shards.
-    pub fn of(run: &Path, job: &Job, parts: &Parts, tally: &Tally, count: u64) -> Self {
+    /// The progress of a run that is computed in `count` shards.
+    pub fn new(run: &Path, job: &Job, parts: &Parts, tally: &Tally, count: u64) -> Self {
         let samples = |tally: &Tally| Plan::missing_of_shards(tally, parts, job.unit_samples(), count);
         let (missing, all) = (samples(tally), samples(&Tally::new(parts)));
         let share = |(missing, all): (&u128, &u128)| if *all > 0 { 1.0 - *missing as f64 / *all as f64 } else { 1.0 };
@@ -129,7 +129,7 @@ pub fn how_to_submit_missing(run: &Path, job: &Job, tally: &Tally) -> String {
             quoted(run)
         );
     };
-    let progress = ShardProgress::of(run, job, &Parts::new(job), tally, shards);
+    let progress = ShardProgress::new(run, job, &Parts::new(job), tally, shards);
     let what = format!("Of {shards} shards, these are missing: {}", ranges(&progress.missing()));
     match progress.again(run) {
         Some(command) => format!("{what}. Submit them with `{command}`"),

@@ -59,7 +59,7 @@ fn missing(progress: &RunProgress, format: ListFormat, path: &Path) -> Result<()
     let Some(shards) = &progress.shards else {
         require_samples_to_share(&progress.job, "--missing")?;
         return Err(Failure::Usage(format!(
-            "--missing: in how many shards {} is computed is not known; say it with --shards N",
+            "--missing: in how many shards {} is computed is not known; give it with --shards N",
             path.display()
         )));
     };
@@ -72,7 +72,7 @@ fn missing(progress: &RunProgress, format: ListFormat, path: &Path) -> Result<()
 /// One line for each run of a folder. A run that cannot be read does not hide the others.
 fn status_of_all(runs: &[PathBuf], as_json: bool) -> Result<(), Failure> {
     let all: Vec<(&PathBuf, Result<RunProgress, Failure>)> =
-        runs.iter().map(|run| (run, RunDirectory::view(run).and_then(|run| RunProgress::of(&run)))).collect();
+        runs.iter().map(|run| (run, RunDirectory::view(run).and_then(|run| RunProgress::read(&run)))).collect();
     if as_json {
         let values = all.iter().map(|(path, progress)| match progress {
             Ok(progress) => progress.json(path),

@@ -16,7 +16,7 @@ use crate::failure::{Advice, Failure};
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::messages::Code;
-use crate::output::{FREE_SPACE, HumanCount128, counted, note, quoted, tell, warn};
+use crate::output::{FREE_SPACE, HumanCount128, announce, counted, note, quoted, warn};
 use crate::schedule::engine::Engine;
 use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::RunDirectory;
@@ -61,7 +61,7 @@ pub fn submit(arguments: &SubmitArguments, interrupt: &Interrupt) -> Result<(), 
     }
     match state {
         RunState::Finished(tally) if shard.is_none() => {
-            tell(Code::RunFinished, format_args!("{} is finished already; nothing to do", out.display()));
+            announce(Code::RunFinished, format_args!("{} is finished already; nothing to do", out.display()));
             // A lost or damaged surface is written again from the pieces.
             let resume = format!("stickslip resume {}", quoted(&out));
             let resumed = Advice::command(&format!("all samples are kept; {FREE_SPACE}"), &resume);
@@ -113,7 +113,10 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
     if Parts::new(&job).are_complete(&tally) {
-        tell(Code::RunFinished, format_args!("{} has all its samples; nothing to compute", arguments.run.display()));
+        announce(
+            Code::RunFinished,
+            format_args!("{} has all its samples; nothing to compute", arguments.run.display()),
+        );
     }
     let maps = map_directories(&arguments.maps.maps, &job)?;
     let threads = arguments.threads.count();

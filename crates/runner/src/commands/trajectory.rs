@@ -32,7 +32,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         Some(DiscModel::Rigid) => DiscArgument::Rigid,
         Some(DiscModel::Flexible { .. }) | None => DiscArgument::Flexible,
     });
-    let start = arguments.start.clone().unwrap_or_else(|| StartArgument::of(of_job.start));
+    let start = arguments.start.clone().unwrap_or_else(|| StartArgument::from(of_job.start));
     let parameters = pad.parameters();
     let inputs = RandomInputs {
         preload: parameters.operating_point.preload,
@@ -61,7 +61,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         }
     }
     let simulated = match chosen_disc {
-        DiscArgument::Rigid => simulate(&pad, &DiscModel::Rigid, settings, inputs, arguments.horizon)?,
+        DiscArgument::Rigid => simulate(&pad, &DiscModel::Rigid, settings, inputs, arguments.motion.horizon)?,
         DiscArgument::Flexible => {
             let study = ModeStudy::new(&pad, &representative_inputs(&pad));
             // What has no modes or no equilibrium is refused below, with any number.
@@ -77,7 +77,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
                     modes
                 }
             };
-            simulate(&pad, &DiscModel::Flexible { modes }, settings, inputs, arguments.horizon)?
+            simulate(&pad, &DiscModel::Flexible { modes }, settings, inputs, arguments.motion.horizon)?
         }
         DiscArgument::FiniteDifference => {
             let refused = |error: FiniteDifferenceError| Failure::Usage(error.to_string());
@@ -87,7 +87,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
             };
             let grid = arguments.grid.unwrap_or(DiscGrid { radial: 8, per_pad: 8 });
             let reference = FiniteDifferenceBrake::new(pad.clone(), grid).map_err(refused)?;
-            let horizon = checked_horizon(arguments.horizon, reference.step_length())?;
+            let horizon = checked_horizon(arguments.motion.horizon, reference.step_length())?;
             reference.trajectory(inputs, settings.start, settings.displacement, horizon, allotment).map_err(refused)?
         }
     };
@@ -95,7 +95,7 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     facts.add("disc", chosen_disc.name());
     facts.add("start", start.text);
     facts.add_operating_point(parameters.operating_point.rotating_speed, inputs, Some(&pad));
-    report(facts, pad.scales(), &simulated, arguments.out.as_deref(), arguments.json)
+    report(facts, pad.scales(), &simulated, &arguments.motion)
 }
 
 /// Simulates one motion.

@@ -24,12 +24,12 @@ use crate::tables::surface::Surface;
 
 /// `stickslip verify`.
 pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
-    let (directory, can_mend) = match RunDirectory::open_any(&arguments.run, Access::Alone) {
+    let (directory, can_repair) = match RunDirectory::open_any(&arguments.run, Access::Alone) {
         // An archived run can be checked, too.
         Err(failure) if failure.is_of_creating() => (RunDirectory::open_any(&arguments.run, Access::Reading)?, false),
         opened => (opened?, true),
     };
-    let mut check = Check { directory: &directory, can_mend, findings: Vec::new() };
+    let mut check = Check { directory: &directory, can_repair, findings: Vec::new() };
     let advice = check.all()?;
     let findings = check.findings;
     let worst = findings.iter().map(|finding| finding.state).max().unwrap_or(State::Sound);
@@ -61,7 +61,7 @@ enum State {
     /// As it was written, or rightly not there yet.
     Sound,
     /// Damaged or lost, and written again.
-    Mended,
+    Repaired,
     /// Damaged or lost.
     Broken,
 }
@@ -70,7 +70,8 @@ impl State {
     fn name(self) -> &'static str {
         match self {
             Self::Sound => "sound",
-            Self::Mended => "mended",
+            // Programs read this name.
+            Self::Repaired => "mended",
             Self::Broken => "broken",
         }
     }
@@ -86,7 +87,7 @@ struct Finding {
 /// A check in progress.
 struct Check<'a> {
     directory: &'a RunDirectory,
-    can_mend: bool,
+    can_repair: bool,
     findings: Vec<Finding>,
 }
 
@@ -96,14 +97,14 @@ impl Check<'_> {
     }
 
     /// What was damaged and is written again, if anything can be written.
-    fn mended(&self) -> State {
-        if self.can_mend { State::Mended } else { State::Broken }
+    fn repaired(&self) -> State {
+        if self.can_repair { State::Repaired } else { State::Broken }
     }
 
     /// Checks everything; returns what to do about what stays damaged.
     fn all(&mut self) -> Result<Advice, Failure> {
         let directory = self.directory;
-        if self.can_mend {
+        if self.can_repair {
             directory.tidy()?;
         }
         let known = Known::read(directory.root())?;
@@ -111,8 +112,8 @@ impl Check<'_> {
             Known::Digests(_) => self.find(DIGESTS, State::Sound, "sound"),
             Known::Nothing => self.find(DIGESTS, State::Sound, "none; it was removed"),
             Known::Damaged => {
-                let again = if self.can_mend { " and written again" } else { "" };
-                self.find(DIGESTS, self.mended(), format!("damaged{again}; the other files were checked without it"));
+                let again = if self.can_repair { " and written again" } else { "" };
+                self.find(DIGESTS, self.repaired(), format!("damaged{again}; the other files were checked without it"));
             }
         }
         let run = quoted(directory.path());
@@ -127,10 +128,10 @@ impl Check<'_> {
         self.surface(&job)?;
         self.limits(&job)?;
         self.record();
-        if self.can_mend {
+        if self.can_repair {
             self.write_digests()?;
         }
-        Ok(if self.can_mend {
+        Ok(if self.can_repair {
             Advice::command("compute what is lost again with", &format!("stickslip resume {run}"))
         } else {
             Advice::action("nothing can be written in this directory; verify a copy of it")
@@ -158,11 +159,11 @@ impl Check<'_> {
             );
             return Ok(None);
         };
-        if self.can_mend {
+        if self.can_repair {
             self.directory.publish(JOB, source.text.as_bytes())?;
         }
-        let again = if self.can_mend { ", and it is written again" } else { "" };
-        self.find(JOB, self.mended(), format!("{why}; the surface tells what it was{again}"));
+        let again = if self.can_repair { ", and it is written again" } else { "" };
+        self.find(JOB, self.repaired(), format!("{why}; the surface holds what it was{again}"));
         Ok(Some(job))
     }
 
@@ -176,7 +177,7 @@ impl Check<'_> {
             names.iter().filter_map(|name| Some((&**name, read_checked(folder, name).err()?))).collect();
         for (name, defect) in &damaged {
             match defect {
-                Defect::Damaged(why) if self.can_mend => self.directory.set_aside(folder, name, why),
+                Defect::Damaged(why) if self.can_repair => self.directory.set_aside(folder, name, why),
                 Defect::Damaged(why) | Defect::Unread(why) => {
                     warn_of(&folder.path().join(name), format_args!(": {why}"));
                 }
@@ -204,7 +205,7 @@ impl Check<'_> {
                 self.find(SURFACE, State::Sound, "sound, the same bytes as the pieces give");
                 return Ok(());
             }
-            if self.can_mend {
+            if self.can_repair {
                 surface.publish(directory)?;
             }
             let was = match state {
@@ -214,8 +215,8 @@ impl Check<'_> {
                 FileState::Damaged(why) => format!("damaged ({why})"),
                 FileState::Sound => "not the one that the pieces give".to_owned(),
             };
-            let remark = if self.can_mend { "; it is written again from the pieces" } else { "" };
-            self.find(SURFACE, self.mended(), format!("{was}{remark}"));
+            let remark = if self.can_repair { "; it is written again from the pieces" } else { "" };
+            self.find(SURFACE, self.repaired(), format!("{was}{remark}"));
             return Ok(());
         }
         let progress = format!("{} of {} cells are complete", HumanCount(complete), HumanCount(job.cells()));
@@ -228,7 +229,7 @@ impl Check<'_> {
                 self.find(SURFACE, State::Sound, format!("none yet: {progress}"));
             }
             FileState::Damaged(why) => {
-                if self.can_mend {
+                if self.can_repair {
                     directory.set_aside(directory.root(), SURFACE.as_ref(), &why);
                 }
                 self.find(SURFACE, State::Broken, format!("damaged ({why})"));
@@ -248,7 +249,7 @@ impl Check<'_> {
                 self.find(LIMITS, State::Sound, "those of the run before its job was changed");
             }
             FileState::Damaged(why) => {
-                if self.can_mend {
+                if self.can_repair {
                     directory.set_aside(directory.root(), LIMITS.as_ref(), &why);
                 }
                 self.find(LIMITS, State::Broken, format!("damaged ({why})"));
@@ -267,10 +268,10 @@ impl Check<'_> {
             Ok(Some(false)) => "it is not a record of sessions".to_owned(),
             Err(why) => why,
         };
-        if self.can_mend {
+        if self.can_repair {
             directory.set_aside(directory.root(), RECORD.as_ref(), &why);
         }
-        self.find(RECORD, self.mended(), format!("damaged ({why}); nothing depends on it"));
+        self.find(RECORD, self.repaired(), format!("damaged ({why}); nothing depends on it"));
     }
 
     /// Writes the digests of what is there now.

@@ -28,7 +28,7 @@ const BAR: usize = 40;
 pub fn watch(directory: &RunDirectory, path: &Path, shards: Option<u64>, interrupt: &Interrupt) -> Result<(), Failure> {
     interrupt.remark("the run itself is not touched");
     let is_terminal = io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb");
-    let mut seen = Seen::of(directory)?;
+    let mut seen = Seen::read(directory)?;
     let mut progress = RunProgress::of_shards(directory, directory.job()?, shards)?;
     let mut speed = Speed::default();
     let mut shown = String::new();
@@ -67,7 +67,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(directory: &RunDirectory) -> Result<Self, Failure> {
+    fn read(directory: &RunDirectory) -> Result<Self, Failure> {
         let job = directory.job_source()?.map(|source| source.text).unwrap_or_default();
         let shards = directory.shards();
         let pieces = shards.names().map_err(|error| Failure::reading(shards.path(), error))?;
@@ -76,7 +76,7 @@ impl Seen {
 
     /// The progress now.
     fn look(&mut self, directory: &RunDirectory, before: RunProgress) -> Result<RunProgress, Failure> {
-        let now = Self::of(directory)?;
+        let now = Self::read(directory)?;
         let is_same_job = now.job == self.job;
         if is_same_job && now.pieces == self.pieces {
             return Ok(RunProgress { in_use: directory.in_use(), ..before });

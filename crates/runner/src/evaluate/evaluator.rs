@@ -72,7 +72,7 @@ impl<'a> Evaluator<'a> {
             parts: Parts::new(job),
             criteria,
             maps: Maps::new(job),
-            layout: SumLayout::of(job),
+            layout: SumLayout::for_job(job),
             chunk: if is_closed { CHUNK_SAMPLES } else { SIMULATED_CHUNK },
             conditional,
             rare_events: RareEvents::new(job, dimensions),
@@ -263,7 +263,7 @@ impl<'a> Evaluator<'a> {
                 continue;
             }
             let of_part = drawn.start - first..drawn.end - first;
-            let part = self.parts.of(cell).start + part as u64;
+            let part = self.parts.in_cell(cell).start + part as u64;
             self.each_decided(part, of_part, is_stopped, |_, decisions, _| verdicts.extend(verdicts_of(decisions)));
         }
         verdicts
@@ -298,7 +298,7 @@ impl<'a> Evaluator<'a> {
         let samples = drawing.next_chunk(1)?;
         // As in an audit, the sample is simulated even if a map has its verdict.
         let decision = self.decide(&place, samples, &[true], &mut Lookups::default(), &|| false)?.pop()?;
-        let is_audited = self.audited(self.parts.of(cell).start + part as u64, samples.numbers());
+        let is_audited = self.audited(self.parts.in_cell(cell).start + part as u64, samples.numbers());
         let outside = self.outside(&place, samples);
         let is_outside = outside.is_some_and(|outside| outside[0]);
         let fails = is_outside && self.job.outside_physics == OutsidePhysics::Failed;
@@ -381,7 +381,7 @@ impl<'a> Evaluator<'a> {
         Some(samples.with_pair(pair))
     }
 
-    /// Which samples fail because they lie outside the model, where that is what becomes of them.
+    /// Which samples fail because they lie outside the model, where that is what happens to them.
     pub(super) fn failing(&self, cell: &Cell, samples: &Samples) -> Option<Vec<bool>> {
         if self.job.outside_physics == OutsidePhysics::Failed { self.outside(cell, samples) } else { None }
     }

@@ -203,7 +203,7 @@ impl Evaluator<'_> {
                     let pair = samples.pair(i);
                     let (ratio, other) = (pair[varied], pair[1 - varied]);
                     let of = |boundary| Sample { boundary, ratio, other, most_second };
-                    let spans = boundary.map(|boundary| Spans::of(&of(boundary), varied, outside));
+                    let spans = boundary.map(|boundary| Spans::new(&of(boundary), varied, outside));
                     sweep.add(&spans.unwrap_or_else(Spans::without_verdict));
                 }
             }

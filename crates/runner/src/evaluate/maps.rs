@@ -71,7 +71,7 @@ impl Maps {
         self.missing_of(|_| true)
     }
 
-    /// The same of a share of the needed tiles: `is_wanted` tells by the number of a tile among all of them.
+    /// The same of a share of the needed tiles: `is_wanted` decides by the number of a tile among all of them.
     pub fn missing_of(&self, is_wanted: impl Fn(u64) -> bool) -> Vec<(usize, TileIndex)> {
         let needed = self.needed.iter().enumerate();
         let needed = needed.flat_map(|(brake, tiles)| tiles.iter().map(move |&index| (brake, index)));

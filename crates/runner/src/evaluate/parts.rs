@@ -78,7 +78,7 @@ impl Parts {
     }
 
     /// The parts of a cell.
-    pub fn of(&self, cell: u64) -> Range<u64> {
+    pub fn in_cell(&self, cell: u64) -> Range<u64> {
         let parts = self.of_a_cell() as u64;
         cell * parts..(cell + 1) * parts
     }

@@ -25,7 +25,7 @@ pub struct CountedPart {
 /// probabilities, or from samples with weights.
 pub fn estimate(job: &Job, parts: &[CountedPart], confidence: f64) -> Estimate {
     if job.answer() == Answer::Probability {
-        let layout = SumLayout::of(job);
+        let layout = SumLayout::for_job(job);
         let of = |part: &CountedPart| layout.read_probabilities(&part.sums, &part.counts);
         return conditional::estimate(&parts.iter().map(of).collect::<Vec<ConditionalPart>>(), confidence);
     }
@@ -38,7 +38,7 @@ pub fn estimate(job: &Job, parts: &[CountedPart], confidence: f64) -> Estimate {
 
 /// The estimate of a cell whose samples have weights, with what there is to say about it; `None` for other jobs.
 pub fn of_weights(job: &Job, parts: &[CountedPart], confidence: f64) -> Option<WeightedEstimate> {
-    let layout = SumLayout::of(job);
+    let layout = SumLayout::for_job(job);
     let weighted =
         || -> Vec<WeightedPart> { parts.iter().map(|part| layout.read_weighted(&part.sums, &part.counts)).collect() };
     match job.answer() {
@@ -56,6 +56,6 @@ impl Evaluator<'_> {
             let unit = self.count(part, 0..parts.max_samples(parts.place(part).1), is_stopped)?;
             Some(CountedPart { counts: unit.counts, sums: unit.sums.iter().map(|&sum| sum.into()).collect() })
         };
-        parts.of(cell).map(of_part).collect()
+        parts.in_cell(cell).map(of_part).collect()
     }
 }

@@ -73,7 +73,7 @@ const PER_INPUT: usize = 7;
 
 impl SumLayout {
     /// The sums of a job.
-    pub fn of(job: &Job) -> Self {
+    pub fn for_job(job: &Job) -> Self {
         Self {
             samples: job.answer() == Answer::Verdict,
             lookups: job.map_use() == MapUse::LookUp,

@@ -38,7 +38,7 @@ pub struct MapTrial {
 }
 
 impl Evaluator<'_> {
-    /// The cells whose first samples tell what simulating all samples costs; none where that is not asked.
+    /// The cells whose first samples show what simulating all samples costs; none where that is not asked.
     pub fn limiting_cells(&self) -> Vec<u64> {
         if self.job.map_use() != MapUse::LookUp {
             return Vec::new();

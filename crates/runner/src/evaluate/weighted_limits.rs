@@ -1,8 +1,8 @@
 //! Limits along an axis from samples with weights.
 //!
-//! A first scan finds about where the limits are; at each of its values the samples are placed anew. Near each limit the
-//! samples are then placed once. The probability is a smooth function of the value there, so that its interval bounds the
-//! limit.
+//! A first scan finds about where the limits are; at each of its values the samples are placed again. Near each limit
+//! the samples are then placed once. The probability is a smooth function of the value there, so that its interval
+//! bounds the limit.
 
 use stickslip_core::model::ModelError;
 use stickslip_sampler::estimate::interval::Estimate;

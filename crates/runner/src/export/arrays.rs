@@ -62,13 +62,13 @@ impl<'a> GridArrays<'a> {
         axes.chain(columns.map(move |(column, name)| NamedArray {
             name: name.clone(),
             shape: shape.clone(),
-            values: Numbers::of(&column.values),
+            values: Numbers::from(&column.values),
         }))
     }
 }
 
-impl Numbers {
-    fn of(values: &FinishedValues) -> Self {
+impl From<&FinishedValues> for Numbers {
+    fn from(values: &FinishedValues) -> Self {
         let known = |value: &Option<f64>| value.unwrap_or(f64::NAN);
         match values {
             FinishedValues::Real(values) => Self::Real(values.iter().map(known).collect()),
@@ -78,7 +78,9 @@ impl Numbers {
             },
         }
     }
+}
 
+impl Numbers {
     /// As real numbers. Counts are at most 10^15 and stay exact.
     pub fn into_reals(self) -> Vec<f64> {
         match self {
@@ -125,9 +127,9 @@ mod tests {
 
     #[test]
     fn integers_stay_integers_unless_one_is_missing() {
-        let whole = Numbers::of(&FinishedValues::Integer(vec![Some(1), Some(2)]));
+        let whole = Numbers::from(&FinishedValues::Integer(vec![Some(1), Some(2)]));
         assert!(matches!(whole, Numbers::Integer(values) if values == [1, 2]));
-        let holed = Numbers::of(&FinishedValues::Integer(vec![Some(1), None]));
+        let holed = Numbers::from(&FinishedValues::Integer(vec![Some(1), None]));
         assert!(matches!(holed, Numbers::Real(values) if values[0] == 1.0 && values[1].is_nan()));
     }
 }

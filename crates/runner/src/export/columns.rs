@@ -35,7 +35,7 @@ impl ExportedSurface {
     /// As those of [`FinishedSurface`], and a surface without the column of an axis.
     pub fn read(run: &Path) -> Result<Self, Failure> {
         let surface = FinishedSurface::open(run)?;
-        surface.tell_version();
+        surface.note_other_version();
         let columns = surface.columns(|_| true)?;
         let axis = |(name, values): (String, Vec<f64>)| {
             let column = columns.iter().find(|column| column.name == name);

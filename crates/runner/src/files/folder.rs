@@ -1,4 +1,4 @@
-//! A directory that is held open: whatever becomes of its path meanwhile, files are read from and written to the same
+//! A directory that is held open: whatever happens to its path meanwhile, files are read from and written to the same
 //! directory.
 //!
 //! Only ordinary files are read, and only up to a limit: a pipe would be waited for for ever, a link may lead out of the
@@ -55,7 +55,7 @@ impl Folder {
     /// Opens the directory at `path`.
     pub fn open(path: &Path) -> io::Result<Self> {
         let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
-        Self::of(path.to_owned(), File::from(rustix::fs::open(path, flags, Mode::empty())?))
+        Self::new(path.to_owned(), File::from(rustix::fs::open(path, flags, Mode::empty())?))
     }
 
     /// Opens the directory `name` in this one, which must not be a link.
@@ -65,7 +65,7 @@ impl Folder {
             Errno::NOTDIR | Errno::LOOP => io::Error::other("it is no directory of its own, but a file or a link"),
             error => error.into(),
         })?;
-        Self::of(self.path.join(name), File::from(handle))
+        Self::new(self.path.join(name), File::from(handle))
     }
 
     /// The same, if there is anything of that name.
@@ -86,7 +86,7 @@ impl Folder {
         self.within(name)
     }
 
-    fn of(path: PathBuf, handle: File) -> io::Result<Self> {
+    fn new(path: PathBuf, handle: File) -> io::Result<Self> {
         let metadata = handle.metadata()?;
         Ok(Self { path, handle, identity: (metadata.dev(), metadata.ino()) })
     }

@@ -116,7 +116,7 @@ fn check(
         let rows = u64::try_from(group.num_rows()).map_err(|_| "a number of rows is negative")?;
         all_rows = all_rows.saturating_add(rows);
         for &place in &places {
-            let chunk = Chunk::of(group.column(place), rows)
+            let chunk = Chunk::from_metadata(group.column(place), rows)
                 .map_err(|why| format!("its column {} {why}", columns[place].name()))?;
             bytes_left = bytes_left.checked_sub(chunk.bytes).ok_or("its columns are longer than the file")?;
             chunk.check_pages(file)?;
@@ -137,7 +137,7 @@ struct Chunk {
 }
 
 impl Chunk {
-    fn of(described: &ColumnChunkMetaData, rows: u64) -> Result<Self, String> {
+    fn from_metadata(described: &ColumnChunkMetaData, rows: u64) -> Result<Self, String> {
         let (width, largest_page) = match described.column_type() {
             Type::INT64 | Type::DOUBLE => (8, LARGEST_PAGE),
             Type::BYTE_ARRAY => (4, LARGEST_PAGE_OF_TEXTS),
@@ -204,7 +204,7 @@ impl Page {
         for length in HEADERS {
             let bytes = file.get_bytes(at, length.min(left) as usize).map_err(|error| error.to_string())?;
             if let Some(header) = Structure::at_start(&bytes, MOST_DESCRIBED) {
-                return Self::of(&header).ok_or_else(|| "a page cannot be read".to_owned());
+                return Self::from_header(&header).ok_or_else(|| "a page cannot be read".to_owned());
             }
             if length >= left {
                 break;
@@ -213,7 +213,7 @@ impl Page {
         Err("the header of a page cannot be read".to_owned())
     }
 
-    fn of(header: &Structure) -> Option<Self> {
+    fn from_header(header: &Structure) -> Option<Self> {
         let kind = header.number([1, 0])?;
         let (of_kind, encoding) = match kind {
             0 => (5, 2),

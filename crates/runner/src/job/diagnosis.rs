@@ -24,7 +24,7 @@ pub struct Complaint {
     span: Option<Range<usize>>,
     /// What is wrong and what would be right.
     message: String,
-    /// A second place that the message speaks of.
+    /// A second place that the message is about.
     other: Option<Range<usize>>,
     /// The key that is missing, if that is what is wrong.
     missing: Option<&'static str>,
@@ -46,7 +46,7 @@ impl Complaint {
         Self { missing: Some(key), ..Self::maybe_at(span, message) }
     }
 
-    /// The same with a second place that it speaks of.
+    /// The same with a second place that it is about.
     pub fn and_at(self, span: Range<usize>) -> Self {
         Self { other: Some(span), ..self }
     }
@@ -63,11 +63,11 @@ impl Complaint {
             Some((end, _)) => format!("{} ...", &self.message[..end]),
             None => self.message.clone(),
         };
-        let Some(place) = self.span.clone().and_then(|span| Place::of(span, text)) else {
+        let Some(place) = self.span.clone().and_then(|span| Place::locate(span, text)) else {
             return format!("{path}: {message}");
         };
         let mut rendered = format!("{path}:{}:{}: {message}{}", place.line, place.column + 1, place.excerpt());
-        if let Some(other) = self.other.clone().and_then(|span| Place::of(span, text)) {
+        if let Some(other) = self.other.clone().and_then(|span| Place::locate(span, text)) {
             rendered += &format!("\n{path}:{}:{}: and here{}", other.line, other.column + 1, other.excerpt());
         }
         rendered
@@ -85,8 +85,8 @@ struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    /// Of a span, if it lies in the text.
-    fn of(span: Range<usize>, text: &'a str) -> Option<Self> {
+    /// The place of a span, if it lies in the text.
+    fn locate(span: Range<usize>, text: &'a str) -> Option<Self> {
         if span.start > text.len() {
             return None;
         }
@@ -174,11 +174,11 @@ impl Complaints {
         self.list.len()
     }
 
-    /// Where the first of them is, in the order of the text. `key_at` tells the key of a span.
+    /// Where the first of them is, in the order of the text. `key_at` finds the key of a span.
     pub fn place(&self, path: &Path, text: &str, key_at: impl Fn(&Range<usize>) -> Option<String>) -> messages::Place {
         let file = messages::Place::file(path);
         let Some(first) = self.list.iter().min_by_key(|complaint| complaint.start()) else { return file };
-        let at = first.span.clone().and_then(|span| Place::of(span, text));
+        let at = first.span.clone().and_then(|span| Place::locate(span, text));
         let keys = [first.span.as_ref().and_then(key_at), first.missing.map(str::to_owned)];
         let keys: Vec<String> = keys.into_iter().flatten().collect();
         messages::Place {

@@ -36,7 +36,7 @@ pub enum LimitMethod {
 pub fn requested(spec: &Spanned<LimitSpec>, job: &Job) -> Result<Option<LimitRequest>, Complaint> {
     let (Some(of), Some(targets)) = (&spec.get_ref().of, &spec.get_ref().probability) else { return Ok(None) };
     let axis = LimitAxis::named(job, of.get_ref());
-    match axis.and_then(|axis| LimitMethod::of(job, &axis).map(|_| axis)) {
+    match axis.and_then(|axis| LimitMethod::for_axis(job, &axis).map(|_| axis)) {
         Ok(axis) => Ok(Some(LimitRequest { of: axis.name, targets: targets.get_ref().0.clone() })),
         Err(why) => Err(Complaint::at(of.span(), format!("limit.of = {:?}: {why}", of.get_ref()))),
     }
@@ -47,7 +47,7 @@ impl LimitMethod {
     ///
     /// # Errors
     /// Why they cannot be, and what would be right.
-    pub fn of(job: &Job, axis: &LimitAxis) -> Result<Self, String> {
+    pub fn for_axis(job: &Job, axis: &LimitAxis) -> Result<Self, String> {
         let method = job.sampling.method;
         if method.answer() == Answer::Integral {
             return match (job.map_use(), axis.varied) {
@@ -61,7 +61,7 @@ impl LimitMethod {
         }
         if !job.has_closed_form() && !method.answer().is_of_rare_events() {
             return Err(format!(
-                "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" simulates its samples. Submit it: its summary tells up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
+                "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" simulates its samples. Submit it: its summary states up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
                 job.name
             ));
         }

@@ -13,11 +13,11 @@ pub struct LimitAxis {
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// What it has the values of.
+    /// What varies along it.
     pub quantity: usize,
     /// Its place among the axes and the scatter, slowest first.
     pub place: usize,
-    /// Which quantity of the pair it has the values of, if it has those of one.
+    /// Which quantity of the pair varies along it, if one does.
     pub varied: Option<usize>,
     /// Its values, as the job has them.
     pub values: Vec<f64>,

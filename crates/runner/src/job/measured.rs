@@ -50,16 +50,20 @@ pub fn from_csv(path: &Path, column: &str) -> Result<Empirical, String> {
         let record = record.map_err(|error| unreadable(path, &error))?;
         let line = record.position().map_or(0, csv::Position::line);
         let text = record.get(place).unwrap_or_default();
-        match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => values.push(value),
-            _ => {
-                return Err(format!(
-                    "{shown}:{line}: \"{text}\" in column \"{column}\" is not a finite number, such as 0.41 or 4.1e-1"
-                ));
-            }
-        }
+        values.push(finite_number(text, column).map_err(|message| format!("{shown}:{line}: {message}"))?);
     }
     from_values(&values).map_err(|message| format!("{shown}, column \"{column}\": {message}"))
+}
+
+/// A value in a column of a CSV file.
+///
+/// # Errors
+/// That it is not a finite number.
+pub fn finite_number(text: &str, column: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite())
+        .ok_or_else(|| format!("\"{text}\" in column \"{column}\" is not a finite number, such as 0.41 or 4.1e-1"))
 }
 
 /// Why a CSV file cannot be read, with its place.

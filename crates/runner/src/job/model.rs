@@ -21,7 +21,7 @@ use super::keys::nearest;
 use super::random::RandomInputSet;
 use super::spec::JobSpec;
 
-/// What becomes of samples outside the model, as [`Configuration::outside`] finds them.
+/// What happens to samples outside the model, as [`Configuration::outside`] finds them.
 ///
 /// [`Configuration::outside`]: stickslip_core::model::Configuration::outside
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
@@ -123,7 +123,7 @@ pub trait Draft {
         None
     }
 
-    /// The key of what becomes of samples outside the model, if it is given.
+    /// The key of what happens to samples outside the model, if it is given.
     fn outside_physics(&self) -> Option<&Spanned<OutsidePhysics>>;
 
     /// The complaint about an axis that does not exist.
@@ -147,7 +147,7 @@ pub trait Draft {
         self.quantities().iter().map(|quantity| &*quantity.name).collect::<Vec<_>>().join(", ")
     }
 
-    /// The quantity that an axis has the values of, by its place.
+    /// The quantity that varies along an axis, by its place.
     fn place_of_axis(&self, name: &str) -> Option<usize> {
         self.quantities().iter().position(|quantity| quantity.name == name)
     }

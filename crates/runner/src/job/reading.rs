@@ -254,7 +254,7 @@ fn short(text: &str) -> String {
     if line.len() == text.len() && line.chars().count() <= 60 { line.to_owned() } else { "...".to_owned() }
 }
 
-/// The values that the entry at a path may have, if it is one of a few names: an attempt with another name tells them.
+/// The values that the entry at a path may have, if it is one of a few names: an attempt with another name lists them.
 fn choices_at<T: DeserializeOwned>(document: &Spanned<DeTable<'_>>, path: &[String]) -> Vec<String> {
     let mut attempt = document.clone();
     change(attempt.get_mut(), path, Some(DeValue::String("?".into())));
@@ -363,7 +363,7 @@ sbatch = ["--constraint=avx2"]
     }
 
     #[test]
-    fn a_wrong_value_is_told_at_its_own_line_and_at_no_other() {
+    fn a_wrong_value_is_reported_at_its_own_line_and_at_no_other() {
         assert_eq!(complaints(JOB.to_owned()), None);
         let values = ["\"x\"", "3", "-7", "1e400", "{ a = 1 }", "[1]", "[[]]", "true", "1,5", "nan", "1979-05-27", ""];
         for (number, line) in JOB.lines().enumerate().filter(|(_, line)| line.contains(" = ")) {

@@ -166,7 +166,7 @@ impl SamplingSpec {
                 "sampling.until.relative cannot be kept with a verdict map, whose audit leaves the same share open whatever the probability: use half_width, evaluate = \"each\", or audit = 0 (the map is then taken for right)".to_owned(),
             );
         };
-        // The map may not tell some of the first samples.
+        // The map may not decide some of the first samples.
         let open = |samples: u64| audit::upper_bound(0, samples - samples / 20, confidence);
         let wanted = |reach: f64| (libm::log(1.0 - confidence) / libm::log1p(-reach) / 0.95).ceil() as u64 + 2;
         let audit = match audit {

@@ -39,7 +39,7 @@ pub struct Job {
     pub grid: Grid,
     /// The random inputs.
     pub random: RandomInputSet,
-    /// What becomes of samples outside the model.
+    /// What happens to samples outside the model.
     pub outside_physics: OutsidePhysics,
     /// How probabilities are found.
     pub sampling: Sampling,

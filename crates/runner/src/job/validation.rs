@@ -117,7 +117,7 @@ fn validate_grid(draft: &mut dyn Draft, parts: Parts<'_>, complaints: &mut Compl
     }
 }
 
-/// What becomes of samples outside physics; an integral has none.
+/// What happens to samples outside physics; an integral has none.
 fn validate_outside_physics(
     given: Option<(Range<usize>, OutsidePhysics)>,
     sampling: Option<&Sampling>,

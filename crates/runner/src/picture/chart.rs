@@ -39,7 +39,7 @@ pub enum Form {
 pub struct Series {
     /// In the legend; empty for none.
     pub name: String,
-    /// What tells it apart where there are no colours.
+    /// What distinguishes it where there are no colours.
     pub symbol: char,
     pub form: Form,
     pub points: Vec<(f64, f64)>,

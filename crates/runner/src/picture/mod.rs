@@ -343,7 +343,7 @@ fn curves(
     }
     let job = surface.job();
     let title = format!("Probability of instability{}", slice.title(job));
-    let horizontal = ChartAxis::new(&capitalised(along.key()), along.unit(), Scale::of(&along.values));
+    let horizontal = ChartAxis::new(&capitalised(along.key()), along.unit(), Scale::for_values(&along.values));
     let vertical = ChartAxis::new("P", "", Scale::linear(0.0, top));
     let mut chart = Chart::new(title, horizontal, vertical, series);
     chart.note = format!("shaded: {}", job.sampling.method.interval(&job.sampling));

@@ -54,7 +54,7 @@ impl Scale {
     }
 
     /// The scale that the values of an axis of a job were made with: logarithmic where neighbours have one ratio.
-    pub fn of(values: &[f64]) -> Self {
+    pub fn for_values(values: &[f64]) -> Self {
         let (Some(&first), Some(&last)) = (values.first(), values.last()) else { return Self::linear(0.0, 1.0) };
         let (low, high) = (first.min(last), first.max(last));
         let step = libm::pow(last / first, 1.0 / (values.len().max(2) - 1) as f64);
@@ -68,7 +68,7 @@ impl Scale {
 
     /// The same with space for cells about the values: half a step more at each end.
     pub fn with_cells(values: &[f64]) -> Self {
-        let scale = Self::of(values);
+        let scale = Self::for_values(values);
         let [.., before, last] = values else { return scale };
         let (Some(first), Some(second)) = (values.first(), values.get(1)) else { return scale };
         // Half a step beyond a value, seen from its neighbour.
@@ -195,12 +195,12 @@ mod tests {
 
     #[test]
     fn an_axis_with_a_constant_ratio_is_logarithmic() {
-        let scale = Scale::of(&[1e6, 1e7, 1e8, 1e9]);
+        let scale = Scale::for_values(&[1e6, 1e7, 1e8, 1e9]);
         assert_eq!(scale.at(1e6), 0.0);
         assert!((scale.at(libm::pow(10.0, 7.5)) - 0.5).abs() < 1e-12);
         assert_eq!(labels(scale, 5).0, ["10⁶", "10⁷", "10⁸", "10⁹"]);
-        assert_eq!(labels(Scale::of(&[0.1, 1.0, 10.0]), 7).0, ["0.1", "0.2", "0.5", "1", "2", "5", "10"]);
-        assert_eq!(Scale::of(&[1.0, 2.0, 3.0, 30.0]).at(15.5), 0.5);
+        assert_eq!(labels(Scale::for_values(&[0.1, 1.0, 10.0]), 7).0, ["0.1", "0.2", "0.5", "1", "2", "5", "10"]);
+        assert_eq!(Scale::for_values(&[1.0, 2.0, 3.0, 30.0]).at(15.5), 0.5);
     }
 
     #[test]
@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn an_axis_of_one_value_has_a_width() {
         for value in [0.0, -2.0, 15.0] {
-            assert_eq!(Scale::of(&[value]).at(value), 0.5, "{value}");
+            assert_eq!(Scale::for_values(&[value]).at(value), 0.5, "{value}");
         }
     }
 }

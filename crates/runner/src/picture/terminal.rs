@@ -1,6 +1,6 @@
 //! Charts at the terminal, 79 columns wide: curves in braille dots, two by four of them in a character.
 //!
-//! Colours tell curves apart, and a symbol on each curve does where there are none. The text has escape codes for the
+//! Colours distinguish curves; where there are none, a symbol on each curve does. The text has escape codes for the
 //! colours and characters beyond ASCII; `output` takes out what its reader cannot show.
 
 use anstyle::{AnsiColor, Style};

@@ -6,7 +6,7 @@ use crate::plot::panel::Axis;
 
 /// The axis of a grid, with its symbol, name and unit.
 pub fn axis(of: &ViewAxis) -> Axis {
-    Axis { scale: Scale::of(&of.values), title: of.title.clone(), unit: of.unit().to_owned() }
+    Axis { scale: Scale::for_values(&of.values), title: of.title.clone(), unit: of.unit().to_owned() }
 }
 
 /// The same, with space for the cells about its values.

@@ -71,7 +71,7 @@ impl Canvas {
         self.svg_with("").into_bytes()
     }
 
-    /// The plot as an SVG element of an HTML page, which is told as `label` where it is not seen.
+    /// The plot as an SVG element of an HTML page, which has the text `label` for readers who do not see it.
     pub fn element(&self, label: &str) -> String {
         self.svg_with(&format!("role=\"img\" aria-label=\"{label}\" "))
     }

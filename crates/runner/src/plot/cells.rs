@@ -112,7 +112,7 @@ fn of_cell(values: &Values, cell: usize) -> Region {
     region(values.probability[cell], [samples, unstable, undecided, failed].map(|counts| counts[cell]))
 }
 
-/// What the counts of a cell tell: all of its samples, and those that are unstable, undecided and failed.
+/// The region that the counts of a cell show: all of its samples, and those that are unstable, undecided and failed.
 fn region(probability: Option<f64>, [samples, unstable, undecided, failed]: [u64; 4]) -> Region {
     match samples {
         // Without samples, the probability is integrated.

@@ -39,7 +39,7 @@ impl Difference {
     pub fn figure(&self, width: f64) -> Option<Canvas> {
         let view = GridView::new(&self.job);
         let title = "Difference of probability";
-        match Form::of(&view)? {
+        match Form::for_grid(&view)? {
             Form::Curves(along) => {
                 let known =
                     || self.values.iter().zip(self.low.iter().zip(&self.high)).filter(|(value, _)| value.is_some());

@@ -22,7 +22,7 @@ pub struct Along<'a> {
 
 impl<'a> Form<'a> {
     /// The form that suits a grid; none for a single cell.
-    pub fn of(view: &'a GridView) -> Option<Self> {
+    pub fn for_grid(view: &'a GridView) -> Option<Self> {
         let horizontal = view.horizontal()?;
         let Some(vertical) = view.vertical() else {
             return Some(Self::Curves(Along { axis: horizontal, several: None, is_vertical: false }));

@@ -23,7 +23,7 @@ const LIMIT: Pen = Pen::new(RED, 1.8);
 /// A figure of a run, this wide in pixels; none for a single cell.
 pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
     let view = GridView::new(&values.job);
-    match Form::of(&view)? {
+    match Form::for_grid(&view)? {
         Form::Curves(along) => {
             let vertical = Axis {
                 scale: Scale::linear(0.0, top(values)),

@@ -32,7 +32,7 @@ impl Values {
     /// A directory that is no run, a run without its surface, and a surface or limits that cannot be read.
     pub fn read(run: &Path) -> Result<Self, Failure> {
         let surface = FinishedSurface::open(run)?;
-        surface.tell_version();
+        surface.note_other_version();
         let names = ["p_unstable", "p_low", "p_high", "n_samples", "n_unstable", "n_undecided", "n_failed"];
         let [probability, low, high, samples, unstable, undecided, failed] = surface.numbers(names)?;
         let known = |column: Vec<Option<f64>>| column.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();

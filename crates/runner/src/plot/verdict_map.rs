@@ -197,7 +197,7 @@ impl Plane<'_> {
         corners.map(|point| self.place(self.map.inputs(point))).to_vec()
     }
 
-    /// What the boxes of its tiles tell.
+    /// The regions that the boxes of its tiles show.
     fn regions(&self) -> Regions {
         let mut regions = Regions::default();
         for (index, tile) in self.map.tiles() {

@@ -30,7 +30,7 @@ const LINES = ["#3c6eb4", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
 
 // What the view knows of a cell: a value with its interval, in words too.
 const value = (cell) => (view.comparison ? view.comparison.value[cell] : view.run.p[cell]);
-function told(cell) {
+function described(cell) {
   const of = view.comparison ?? view.run;
   const interval = `${number(of.low[cell])} to ${number(of.high[cell])}`;
   if (view.comparison) {
@@ -144,7 +144,8 @@ function drawMap() {
   const { run } = view;
   const across = run.axes[run.horizontal], up = run.axes[run.vertical];
   const cells = cellsOfMap();
-  const text = cells.map((row, i) => row.map((cell, j) => `${named(up, i)}<br>${named(across, j)}<br>${told(cell)}`));
+  const describedAt = (cell, i, j) => `${named(up, i)}<br>${named(across, j)}<br>${described(cell)}`;
+  const text = cells.map((row, i) => row.map((cell, j) => describedAt(cell, i, j)));
   const traces = (view.comparison ? differenceTraces : probabilityTraces)(across.values, up.values, cells, text);
   traces.push({
     type: "scatter", mode: "markers", x: [across.values[place[run.horizontal]]], y: [up.values[place[run.vertical]]],
@@ -217,7 +218,8 @@ function drawSection(target, index) {
     })),
     { x: axis.values, y: cells.map(value), mode: "lines+markers", line: { color: LINES[0], width: 2 },
       marker: { size: 5 }, name: run.path,
-      text: cells.map((cell, i) => `${named(axis, i)}<br>${told(cell)}`), hovertemplate: "%{text}<extra></extra>" },
+      text: cells.map((cell, i) => `${named(axis, i)}<br>${described(cell)}`),
+      hovertemplate: "%{text}<extra></extra>" },
     { x: [axis.values[place[index]]], y: [value(cellAt(run, place))], mode: "markers", hoverinfo: "skip",
       marker: marker(), showlegend: false },
   ];
@@ -246,7 +248,7 @@ function drawSensitivity() {
 function draw() {
   const { run } = view, cell = cellAt(run, place);
   const long = run.axes.map((axis, i) => [axis, i]).filter(([axis]) => axis.values.length > 1);
-  element("selected").textContent = [...long.map(([axis, i]) => named(axis, place[i])), told(cell)].join(", ");
+  element("selected").textContent = [...long.map(([axis, i]) => named(axis, place[i])), described(cell)].join(", ");
   element("expected").textContent = aboutBrake(cell);
   element("interval").textContent = (view.comparison ?? run).interval_name;
   element("sections").hidden = !isMap();
@@ -295,9 +297,9 @@ function addControls() {
     const slider = Object.assign(document.createElement("input"), {
       type: "range", min: 0, max: axis.values.length - 1, step: 1, value: place[i], id: `axis-${i}`,
     });
-    const tell = () => { output.textContent = named(axis, place[i]); };
-    slider.addEventListener("input", () => { select({ [i]: Number(slider.value) }); tell(); });
-    tell();
+    const update = () => { output.textContent = named(axis, place[i]); };
+    slider.addEventListener("input", () => { select({ [i]: Number(slider.value) }); update(); });
+    update();
     label.append(output, slider);
     element("controls").append(label);
   });

@@ -65,7 +65,7 @@ pub fn growth_rates(run: &FinishedRun) -> Result<Vec<Part>, Failure> {
         );
         one_in_si = units::significant(scales.per_second(1.0));
     }
-    let speed = ChartAxis::new("Rotating speed", "rad/s", Scale::of(&speeds));
+    let speed = ChartAxis::new("Rotating speed", "rad/s", Scale::for_values(&speeds));
     let growth = ChartAxis::new("Growth rate in scaled time", "", Scale::linear(SHOWN_GROWTH.0, SHOWN_GROWTH.1));
     let mut chart =
         Chart::new("Figure 4: largest real part of the eigenvalues against rotating speed", speed, growth, lines);

@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn nodes_and_threads_without_work_are_told() {
+    fn nodes_and_threads_without_work_are_reported() {
         let on = |nodes, threads| Nodes { nodes, threads };
         assert_eq!(LOAD.cost(&RATES, on(50, 1), 1).limit, Limit::Idling);
         // A unit is not shared among threads.

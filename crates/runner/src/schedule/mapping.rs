@@ -57,7 +57,7 @@ pub struct Mapping<'a> {
     /// Whether some of those that are there come from other runs; they are kept, too.
     pub borrowed: bool,
     /// Whether only the maps are wanted now, and samples later. Then maps are given up by the cost of tiles that are
-    /// kept alone, so that whoever finds these later gives them up, too.
+    /// kept alone, so that a run that finds these later gives them up, too.
     pub is_all: bool,
     /// The share of the tiles, if others complete the rest.
     pub share: Option<Shard>,

@@ -42,8 +42,8 @@ pub struct Progress {
     meter: RateMeter,
     last_line: Instant,
     last_done: u64,
-    /// Whether a line has told the time left.
-    has_told: bool,
+    /// Whether a line has shown the time left.
+    has_shown_time_left: bool,
 }
 
 impl Progress {
@@ -67,7 +67,7 @@ impl Progress {
             meter: RateMeter::new(),
             last_line: now,
             last_done: 0,
-            has_told: false,
+            has_shown_time_left: false,
         }
     }
 
@@ -100,7 +100,7 @@ impl Progress {
         }
         let since = self.last_line.elapsed();
         let another_twentieth = (self.done - self.last_done).saturating_mul(20) >= self.total;
-        let is_first = !self.has_told && self.time_left() != Prediction::Unknown;
+        let is_first = !self.has_shown_time_left && self.time_left() != Prediction::Unknown;
         let is_due = if are_json() {
             since >= JSON_INTERVAL
         } else {
@@ -109,7 +109,7 @@ impl Progress {
         if is_due {
             self.last_line = Instant::now();
             self.last_done = self.done;
-            self.has_told |= is_first;
+            self.has_shown_time_left |= is_first;
             let share = 100.0 * self.done as f64 / self.total.max(1) as f64;
             let message = Message::new(Code::Progress, &format!("{share:.0} %: {}", self.text()));
             Message { progress: Some(self.numbers()), ..message }.send();

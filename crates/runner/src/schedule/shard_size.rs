@@ -4,7 +4,8 @@
 /// minute to start a task, and a task that is lost costs no more than this.
 const LONGEST: f64 = 600.0;
 
-/// Largest number of shards where it is not given. Slurm numbers the tasks of an array up to 1000 unless it is told otherwise.
+/// Largest number of shards where it is not given. Slurm numbers the tasks of an array up to 1000 unless it is
+/// configured otherwise.
 pub const MOST_TASKS: u64 = 1000;
 
 /// The number of shards, from 1 to `most`, for work that takes one thread so many `seconds` and comes in so many

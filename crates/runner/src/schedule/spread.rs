@@ -1,4 +1,4 @@
-//! The order in which units are computed: spread over the whole job from the beginning, so that what is finished tells
+//! The order in which units are computed: spread over the whole job from the beginning, so that what is finished shows
 //! what the rest costs.
 
 /// Largest number of places at which the work goes on in turn. Samples of a part that are finished out of order are

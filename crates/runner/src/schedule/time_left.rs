@@ -14,10 +14,10 @@ const GROUPS: usize = 8;
 /// Standard errors between an estimate and its bounds.
 const BOUNDS: f64 = 2.0;
 
-/// Largest relative distance of bounds from an estimate that is told without them.
+/// Largest relative distance of bounds from an estimate that is shown without them.
 const CLOSE: f64 = 0.3;
 
-/// Largest relative distance of a lower bound of a rate from which an upper bound of a time is told.
+/// Largest relative distance of a lower bound of a rate from which an upper bound of a time is shown.
 const WIDE: f64 = 0.8;
 
 /// A prediction of a time in seconds.
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn times_are_told_with_two_digits() {
+    fn times_are_shown_with_two_digits() {
         let text = |seconds: f64| Duration(seconds).to_string();
         let texts = [0.004, 0.35, 0.97, 1.0, 1.24, 22.4, 89.0, 91.0, 150.0, 700.0, 7000.0, 1e5, 1e6].map(text);
         let expected = [

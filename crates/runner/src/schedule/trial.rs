@@ -79,7 +79,7 @@ struct Batch {
 impl Engine {
     /// Measures the cost of samples from all over a job.
     pub fn try_samples(&self, evaluator: &Evaluator<'_>) -> Result<SampleTrial, Failure> {
-        let places = Places::of(evaluator);
+        let places = Places::new(evaluator);
         // Some criteria compute tables when they are first used, which a whole run does once.
         let begun = Instant::now();
         places.count(evaluator, 0, 1, &|| begun.elapsed() >= LONGEST);
@@ -228,7 +228,7 @@ struct Places {
 }
 
 impl Places {
-    fn of(evaluator: &Evaluator<'_>) -> Self {
+    fn new(evaluator: &Evaluator<'_>) -> Self {
         let parts = evaluator.parts();
         let of_a_cell = if parts.are_sequential() { 1 } else { parts.of_a_cell() as u64 };
         let count = parts.cells() * of_a_cell;
@@ -239,7 +239,7 @@ impl Places {
     /// The samples of one turn: their part and range.
     fn at(&self, evaluator: &Evaluator<'_>, turn: u64, samples: u64) -> (u64, Range<u64>) {
         let place = self.order.at(turn % self.parts).unwrap_or(0);
-        let part = evaluator.parts().of(place / self.of_a_cell).start + place % self.of_a_cell;
+        let part = evaluator.parts().in_cell(place / self.of_a_cell).start + place % self.of_a_cell;
         // Samples from anywhere in the part. Those of common random numbers are the same in all cells.
         let first = ((turn as f64 * GOLDEN_SECTION).fract() * (self.most - samples + 1) as f64) as u64;
         (part, first..first + samples)

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Most units of a part that a word tells apart.
+/// Most units of a part that a word distinguishes.
 const MOST_UNITS: u64 = 64;
 
 /// The samples that are counted, by the number of the part. Parts that nothing is known of take no memory, as long as
@@ -33,7 +33,7 @@ impl Covered {
             self.words[part] = word;
             return true;
         }
-        let mut ranges = self.of(part, most);
+        let mut ranges = self.ranges(part, most);
         if !insert(&mut ranges, samples) {
             return false;
         }
@@ -54,7 +54,7 @@ impl Covered {
     }
 
     /// What is covered of a part of at most `most` samples: sorted ranges with gaps between them.
-    pub fn of(&self, part: usize, most: u64) -> Vec<Range<u64>> {
+    pub fn ranges(&self, part: usize, most: u64) -> Vec<Range<u64>> {
         if let Some(ranges) = self.ranges.get(&part) {
             return ranges.clone();
         }
@@ -92,7 +92,7 @@ impl Covered {
         if next >= samples {
             return gaps;
         }
-        for range in self.of(part, most) {
+        for range in self.ranges(part, most) {
             if range.start.min(samples) > next {
                 gaps.push(next..range.start.min(samples));
             }
@@ -176,18 +176,18 @@ mod tests {
                 if is_new {
                     range.for_each(|sample| samples[sample as usize] = true);
                 }
-                let told: Vec<u64> = covered.of(1, most).into_iter().flatten().collect();
+                let listed: Vec<u64> = covered.ranges(1, most).into_iter().flatten().collect();
                 let expected: Vec<u64> = (0..64).filter(|&sample| samples[sample as usize]).collect();
-                assert_eq!(told, expected, "of {most} in units of {unit}");
+                assert_eq!(listed, expected, "of {most} in units of {unit}");
                 let end = samples.iter().position(|is_covered| !is_covered).unwrap_or(64) as u64;
                 assert_eq!(covered.end(1, most), end);
                 let missing: Vec<u64> = covered.gaps(1, most, 40).into_iter().flatten().collect();
                 assert_eq!(missing, (0..40).filter(|&sample| !samples[sample as usize]).collect::<Vec<_>>());
             }
-            assert_eq!(covered.of(1, most), from_ref(&(0..64)));
-            assert!(covered.of(0, most).is_empty() && covered.gaps(2, most, 5) == from_ref(&(0..5)));
+            assert_eq!(covered.ranges(1, most), from_ref(&(0..64)));
+            assert!(covered.ranges(0, most).is_empty() && covered.gaps(2, most, 5) == from_ref(&(0..5)));
             covered.clear(1);
-            assert_eq!((covered.of(1, most), covered.end(1, most)), (Vec::new(), 0));
+            assert_eq!((covered.ranges(1, most), covered.end(1, most)), (Vec::new(), 0));
         }
     }
 
@@ -198,7 +198,7 @@ mod tests {
             assert!(covered.cover(0, 63_500, &(1000 * unit..63_500.min(1000 * unit + 1000))));
             assert!(covered.ranges.is_empty());
         }
-        assert_eq!(covered.of(0, 63_500), [0..2000, 3000..4000, 7000..8000, 63_000..63_500]);
+        assert_eq!(covered.ranges(0, 63_500), [0..2000, 3000..4000, 7000..8000, 63_000..63_500]);
         assert!(covered.cover(0, 63_500, &(2000..2500)) && covered.ranges.len() == 1);
         assert!(covered.cover(0, 63_500, &(2500..3000)) && covered.ranges.is_empty());
     }

@@ -91,8 +91,8 @@ impl Known {
 }
 
 impl Digests {
-    /// Adds the digest of what the file `name` will hold, and keeps that of what it holds now. Which of two digests
-    /// that is, after a write that failed, `present` tells.
+    /// Adds the digest of what the file `name` will hold, and keeps that of what it holds now. `present` returns
+    /// which of two digests that is after a write that failed.
     pub fn expect(&mut self, name: &str, digest: &str, present: impl FnOnce() -> Option<String>) {
         let digests = self.files.entry(name.to_owned()).or_default();
         digests.retain(|known| known != digest);

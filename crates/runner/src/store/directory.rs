@@ -331,7 +331,7 @@ impl RunDirectory {
     /// # Errors
     /// Pieces of another job or version, and a result of another version, which would be lost.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
-        let tally = self.tally_of(&self.shards, job, &Parts::new(job), SumLayout::of(job).count())?;
+        let tally = self.tally_of(&self.shards, job, &Parts::new(job), SumLayout::for_job(job).count())?;
         if self.has_surface_of_another_version(job) {
             return Err(Failure::Job(format!(
                 "{} was written by another version of stickslip: its results version or format version is not that of this one, see `stickslip --version`. `plot`, `report` and `export` read it. {REMEDY_OF_VERSIONS}",

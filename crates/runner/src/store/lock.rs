@@ -183,7 +183,7 @@ fn is_the_file(folder: &Folder, file: &File) -> Result<bool, Failure> {
     same.map_err(|error| Failure::creating(&folder.path().join(LOCK), io::Error::from(error)))
 }
 
-/// Whether the file system passes locks on to other machines, as far as its kind tells.
+/// Whether the file system passes locks on to other machines, as far as its kind shows.
 #[cfg(target_os = "linux")]
 fn is_certain(folder: &Folder) -> bool {
     /// FUSE (sshfs), SMB, CIFS, 9P.
@@ -212,7 +212,7 @@ fn holders(folder: &Folder) -> String {
     let read = folder.open_file(LOCK).and_then(|file| file.take(MOST).read_to_string(&mut text));
     let here = gethostname::gethostname().to_string_lossy().into_owned();
     let mut holders: Vec<Holder<'_>> = match read {
-        Ok(_) => text.lines().filter_map(Holder::of).filter(|holder| !holder.has_ended(&here)).collect(),
+        Ok(_) => text.lines().filter_map(Holder::parse).filter(|holder| !holder.has_ended(&here)).collect(),
         Err(_) => Vec::new(),
     };
     let Some(Holder { process, host, since, call }) = holders.pop() else {
@@ -234,7 +234,7 @@ struct Holder<'a> {
 }
 
 impl<'a> Holder<'a> {
-    fn of(line: &'a str) -> Option<Self> {
+    fn parse(line: &'a str) -> Option<Self> {
         let mut parts = line.splitn(4, ' ');
         let process = parts.next()?.parse().ok()?;
         Some(Self { process, host: parts.next()?, since: parts.next()?, call: parts.next()? })

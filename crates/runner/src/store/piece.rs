@@ -68,7 +68,7 @@ pub enum Defect {
     Damaged(String),
 }
 
-/// What becomes of the content of a piece that is not used.
+/// What happens to the content of a piece that is not used.
 const AGAIN: &str = "what was in it will be computed again";
 
 /// The bytes of a piece in `folder`, or why they are not what they were.

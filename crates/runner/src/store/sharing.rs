@@ -61,7 +61,7 @@ pub struct Worker {
     pub missing: f64,
 }
 
-/// What tells others that this process works on a shard, until it is dropped.
+/// What shows others that this process works on a shard, until it is dropped.
 #[derive(Debug)]
 pub struct AtWork {
     path: PathBuf,
@@ -86,7 +86,7 @@ impl AtWork {
         let worker = Worker { shard, shards, host, began: now(), missing: missing as f64 };
         let text = serde_json::to_vec(&worker).ok()?;
         let mut file = File::create(&path).ok()?;
-        // Whoever looks which shards are at work holds it for an instant.
+        // A process that looks which shards are at work holds it for an instant.
         if file.lock().and_then(|()| file.write_all(&text)).is_err() {
             let _ = fs::remove_file(&path);
             return None;

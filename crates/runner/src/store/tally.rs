@@ -89,7 +89,7 @@ impl Tally {
         let (index, most) = self.locate(unit.part);
         let sums = unit.sums.iter().map(|&sum| i128::from(sum));
         self.counts(unit.part) == unit.counts
-            && self.covered.of(index, most) == [unit.samples.clone()]
+            && self.covered.ranges(index, most) == [unit.samples.clone()]
             && self.sums(unit.part).into_iter().eq(sums)
             && self.amplitudes(unit.part).map_or_else(|| unit.amplitudes.count() == 0, |own| *own == unit.amplitudes)
     }
@@ -114,7 +114,7 @@ impl Tally {
     }
 
     /// What is counted of some parts.
-    pub fn of(&self, parts: impl Iterator<Item = u64>) -> Vec<CountedPart> {
+    pub fn counted_parts(&self, parts: impl Iterator<Item = u64>) -> Vec<CountedPart> {
         parts.map(|part| CountedPart { counts: self.counts(part), sums: self.sums(part) }).collect()
     }
 
@@ -126,7 +126,7 @@ impl Tally {
     /// The further sums of one part; empty before anything is counted.
     pub fn sums(&self, part: u64) -> Vec<i128> {
         let (index, most) = self.locate(part);
-        if self.counts[index] == [0; 4] && self.covered.of(index, most).is_empty() {
+        if self.counts[index] == [0; 4] && self.covered.ranges(index, most).is_empty() {
             return Vec::new();
         }
         let places = index * self.sums_of_a_part..(index + 1) * self.sums_of_a_part;
@@ -148,7 +148,7 @@ impl Tally {
     /// Whether a sample of a part is counted.
     pub fn contains(&self, part: u64, sample: u64) -> bool {
         let (index, most) = self.locate(part);
-        self.covered.of(index, most).iter().any(|range| range.contains(&sample))
+        self.covered.ranges(index, most).iter().any(|range| range.contains(&sample))
     }
 
     /// Those of the first `samples` samples of a part that are missing.

@@ -18,7 +18,7 @@ impl Parts {
         let Some(looks) = self.looks() else { return (self.of_a_cell(), Vec::new()) };
         let mut counts = VerdictCounts::default();
         let mut complete = Vec::new();
-        for (place, part) in self.of(cell).enumerate() {
+        for (place, part) in self.in_cell(cell).enumerate() {
             if !tally.is_complete(part, self.max_samples(place)) {
                 return (place + 1, complete);
             }
@@ -36,7 +36,7 @@ impl Parts {
     /// The samples of a cell that are wanted now and missing, by part.
     pub fn missing_of<'a>(&'a self, tally: &'a Tally, cell: u64) -> impl Iterator<Item = (u64, Range<u64>)> + 'a {
         let (wanted, _) = self.progress(tally, cell);
-        self.of(cell)
+        self.in_cell(cell)
             .take(wanted)
             .enumerate()
             .flat_map(|(place, part)| tally.gaps(part, self.max_samples(place)).into_iter().map(move |gap| (part, gap)))
@@ -66,7 +66,7 @@ impl Parts {
         let (wanted, _) = self.progress(tally, cell);
         self.all_units() > 0
             && self
-                .of(cell)
+                .in_cell(cell)
                 .take(wanted)
                 .enumerate()
                 .all(|(place, part)| tally.is_complete(part, self.max_samples(place)))
@@ -84,7 +84,7 @@ impl Parts {
 
     /// The verdict counts of a cell, over all its parts.
     pub fn counts(&self, tally: &Tally, cell: u64) -> VerdictCounts {
-        self.of(cell).fold(VerdictCounts::default(), |counts, part| counts + tally.counts(part))
+        self.in_cell(cell).fold(VerdictCounts::default(), |counts, part| counts + tally.counts(part))
     }
 
     /// The estimate at the look at which a cell stopped, or at its last complete look; `None` for jobs without `until`.

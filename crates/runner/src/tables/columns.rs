@@ -63,7 +63,7 @@ impl Column {
 }
 
 /// The columns of a job's surface, in their order.
-pub fn of(job: &Job, layout: SumLayout) -> Vec<Column> {
+pub fn for_job(job: &Job, layout: SumLayout) -> Vec<Column> {
     let mut columns = first_columns(job);
     let method = job.sampling.method;
     columns.extend(count_columns(method.probability()));

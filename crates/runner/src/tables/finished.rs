@@ -72,8 +72,8 @@ impl FinishedSurface {
         }
     }
 
-    /// Says that another version of stickslip computed the surface, if one did.
-    pub fn tell_version(&self) {
+    /// Writes a note that another version of stickslip computed the surface, if one did.
+    pub fn note_other_version(&self) {
         if self.is_of_another_version {
             note(format_args!(
                 "{} was computed by another version of stickslip, with another results version or format version than this one has; its values are shown as they are",
@@ -106,7 +106,8 @@ impl FinishedSurface {
     /// Gives columns the units and meanings that they have in a surface of this version. Other columns, of other
     /// versions, keep none.
     fn describe(&self, columns: &mut [FinishedColumn]) {
-        let described: Vec<_> = columns::of(&self.job, SumLayout::of(&self.job)).iter().map(Column::field).collect();
+        let described: Vec<_> =
+            columns::for_job(&self.job, SumLayout::for_job(&self.job)).iter().map(Column::field).collect();
         for column in columns {
             if let Some(field) = described.iter().find(|field| *field.name() == column.name) {
                 (column.unit, column.long_name) = (field.metadata()[UNIT].clone(), field.metadata()[LONG_NAME].clone());

@@ -49,7 +49,7 @@ impl<'a> Surface<'a> {
             tally,
             integrated: &[],
             parts: Parts::new(job),
-            layout: SumLayout::of(job),
+            layout: SumLayout::for_job(job),
             at_stop: OnceCell::new(),
         }
     }
@@ -69,7 +69,7 @@ impl<'a> Surface<'a> {
         let counts = self.parts.counts(self.tally, cell);
         let mut amplitudes = Distribution::default();
         let mut sums = Vec::new();
-        for part in self.parts.of(cell) {
+        for part in self.parts.in_cell(cell) {
             self.tally.amplitudes(part).into_iter().for_each(|of_part| amplitudes.add_all(of_part));
             add_sums(&mut sums, &self.tally.sums(part));
         }
@@ -79,7 +79,7 @@ impl<'a> Surface<'a> {
         let is_audited = self.job.sampling.is_audited && lookups.simulated + lookups.audited < counts.total();
         let confidence = self.job.confidence(is_audited);
         let is_weighted = self.job.answer().is_of_rare_events();
-        let parts = || self.tally.of(self.parts.of(cell));
+        let parts = || self.tally.counted_parts(self.parts.in_cell(cell));
         let weighted = is_weighted.then(|| randomised::of_weights(self.job, &parts(), confidence)).flatten();
         let counted = match (&integrated, &weighted) {
             (Some(integrated), _) => integrated.estimate,
@@ -109,7 +109,7 @@ impl<'a> Surface<'a> {
         match self.job.sampling.effort {
             Effort::Samples(_) => self.job.interval(confidence).estimate(counts),
             Effort::Randomisations { .. } => {
-                randomised::estimate(self.job, &self.tally.of(self.parts.of(cell)), confidence)
+                randomised::estimate(self.job, &self.tally.counted_parts(self.parts.in_cell(cell)), confidence)
             }
             Effort::Until(_) => {
                 let nothing = Estimate { probability: None, low: 0.0, high: 1.0 };
@@ -177,7 +177,7 @@ impl<'a> Surface<'a> {
     }
 
     fn encode(&self, out: &mut (dyn Write + Send), cells: u64) -> Result<(), ParquetError> {
-        let columns = columns::of(self.job, self.layout);
+        let columns = columns::for_job(self.job, self.layout);
         let mut writer = TableWriter::new(out, columns.iter().map(Column::field).collect(), &footer(self.job))?;
         let mut first = 0;
         while first < cells {

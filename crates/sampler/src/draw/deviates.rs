@@ -306,19 +306,6 @@ mod tests {
         assert_eq!(digest.finalize().to_hex().to_string(), expected);
     }
 
-    /// Every purpose that a stream of random numbers may have.
-    const PURPOSES: [Purpose; 9] = [
-        Purpose::Inputs,
-        Purpose::CommonInputs,
-        Purpose::Scrambling,
-        Purpose::CommonScrambling,
-        Purpose::Audit,
-        Purpose::Sensitivity,
-        Purpose::CommonSensitivity,
-        Purpose::Population,
-        Purpose::CommonPopulation,
-    ];
-
     #[test]
     fn a_stream_is_drawn_for_its_own_purpose_and_no_other() {
         for (points, common_random_numbers, own) in [
@@ -346,7 +333,7 @@ mod tests {
                     (0..2).map(|_| generator.sample(StandardNormal)).collect()
                 }
             };
-            for purpose in PURPOSES {
+            for purpose in Purpose::ALL {
                 assert_eq!(drawn == of(purpose), purpose == own, "{points:?} {common_random_numbers}: {purpose:?}");
             }
         }

@@ -40,6 +40,20 @@ pub enum Purpose {
 }
 
 impl Purpose {
+    /// Every purpose.
+    #[cfg(test)]
+    pub(crate) const ALL: [Self; 9] = [
+        Self::Inputs,
+        Self::CommonInputs,
+        Self::Scrambling,
+        Self::CommonScrambling,
+        Self::Audit,
+        Self::Sensitivity,
+        Self::CommonSensitivity,
+        Self::Population,
+        Self::CommonPopulation,
+    ];
+
     fn tag(self) -> u32 {
         match self {
             Self::Inputs => 0,
@@ -78,17 +92,7 @@ mod tests {
     fn every_part_of_the_identity_matters() {
         let mut seen = HashSet::new();
         for seed in [0, 1, u64::MAX] {
-            for purpose in [
-                Purpose::Inputs,
-                Purpose::CommonInputs,
-                Purpose::Scrambling,
-                Purpose::CommonScrambling,
-                Purpose::Audit,
-                Purpose::Sensitivity,
-                Purpose::CommonSensitivity,
-                Purpose::Population,
-                Purpose::CommonPopulation,
-            ] {
+            for purpose in Purpose::ALL {
                 for cell in [0, 1, 1 << 40] {
                     for block in [0, 1, 1 << 40] {
                         assert!(seen.insert(block_generator(seed, purpose, cell, block).next_u64()));

@@ -168,7 +168,7 @@ pub fn unpaired_difference(
     confidence: f64,
 ) -> Difference {
     let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
-    let share = |successes, trials| Share::of(successes, trials, &interval);
+    let share = |successes, trials| Share::estimate(successes, trials, &interval);
     let (Some(first), Some(second)) = (share(successes_first, trials_first), share(successes_second, trials_second))
     else {
         return Difference::UNKNOWN;
@@ -200,7 +200,7 @@ pub fn dependent_difference(
     confidence: f64,
 ) -> Difference {
     let interval = BinomialInterval::new(IntervalKind::ClopperPearson, half_of_the_error(confidence));
-    let share = |successes, trials| Share::of(successes, trials, &interval);
+    let share = |successes, trials| Share::estimate(successes, trials, &interval);
     let (Some(first), Some(second)) = (share(successes_first, trials_first), share(successes_second, trials_second))
     else {
         return Difference::UNKNOWN;
@@ -217,7 +217,7 @@ struct Share {
 
 impl Share {
     /// `None` without trials.
-    fn of(successes: u64, trials: u64, interval: &BinomialInterval) -> Option<Self> {
+    fn estimate(successes: u64, trials: u64, interval: &BinomialInterval) -> Option<Self> {
         let (low, high) = interval.bounds(successes, trials);
         (trials > 0).then(|| Self { value: successes as f64 / trials as f64, low, high })
     }

@@ -239,8 +239,8 @@ impl Search<'_> {
                 seen.retain(|direction| direction.allows([corner + rest, corner - rest]));
             }
         }
-        match Trend::of(&proved, true) {
-            Trend { direction: Direction::Turns, .. } => Trend::of(&seen, false),
+        match Trend::from_directions(&proved, true) {
+            Trend { direction: Direction::Turns, .. } => Trend::from_directions(&seen, false),
             trend => trend,
         }
     }

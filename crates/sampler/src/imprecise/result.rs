@@ -55,7 +55,7 @@ pub struct Trend {
 
 impl Trend {
     /// That of the directions that are left.
-    pub(super) fn of(left: &[Direction], is_proved: bool) -> Self {
+    pub(super) fn from_directions(left: &[Direction], is_proved: bool) -> Self {
         match *left {
             [] => Self { direction: Direction::Turns, is_proved: false },
             [direction] => Self { direction, is_proved },

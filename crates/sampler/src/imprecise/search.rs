@@ -45,8 +45,8 @@ const CLOSE: f64 = 30.0;
 const UNCHANGED: usize = 2;
 const UNCHANGED_ANYWAY: usize = 3;
 
-/// Probabilities between which the reliability index is interpolated. Beyond, nothing need be told apart, and a step to
-/// a probability of 0 or 1 must not be too high.
+/// Probabilities between which the reliability index is interpolated. Beyond, nothing need be distinguished, and a step
+/// to a probability of 0 or 1 must not be too high.
 const INTERPOLATED: [f64; 2] = [1e-30, 1.0 - 1e-8];
 
 /// Differences of the reliability index that are rounding.
@@ -305,7 +305,7 @@ fn trend(grid: &Interpolation, variable: usize) -> Trend {
             left.retain(|direction| direction.allows([change; 2]));
         }
     }
-    Trend::of(&left, false)
+    Trend::from_directions(&left, false)
 }
 
 #[cfg(test)]

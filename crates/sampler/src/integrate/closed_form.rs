@@ -99,7 +99,7 @@ pub fn derivatives(boundary: &PairBoundary, inputs: &NormalPair) -> Derivatives 
             over_first(boundary, inputs, &integrand, TOLERANCE).0
         }
     };
-    let mut derivatives = Derivatives::of(inputs, &moments);
+    let mut derivatives = Derivatives::from_moments(inputs, &moments);
     // An input without scatter moves the limit of the other one: dP = -phi(t) dt.
     let slope = |scattering: usize, limit: f64, slope_of_limit: f64| {
         let spread = inputs.spread(scattering);

@@ -30,7 +30,7 @@ impl Derivatives {
     }
 
     /// The derivatives of the probability of a region with these moments.
-    pub(crate) fn of(inputs: &NormalPair, moments: &Moments) -> Self {
+    pub(crate) fn from_moments(inputs: &NormalPair, moments: &Moments) -> Self {
         let [_, first_of_1, first_of_2, second_of_1, second_of_2] = *moments;
         let of_input = |input: usize, first: f64, second: f64| {
             let (spread, std) = (inputs.spread(input), inputs.relative_std[input]);

@@ -194,7 +194,7 @@ impl Sums {
         }
         // The quotient rule, as the known probability depends on the inputs too.
         let quotient = |i: usize| (self.unstable[i] * stable - unstable * self.stable[i]) / (decided * decided);
-        let derivatives = Derivatives::of(pair, &std::array::from_fn(quotient));
+        let derivatives = Derivatives::from_moments(pair, &std::array::from_fn(quotient));
         let value = Some((unstable / decided).clamp(low, high));
         BoundedProbability { value, low, high, derivatives, undecided }
     }

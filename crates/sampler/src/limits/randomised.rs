@@ -25,7 +25,7 @@ impl GroupedSweeps {
     /// Of sweeps over one range.
     #[must_use]
     pub fn new(sweeps: &[SortedSweep]) -> Self {
-        let groups: Vec<Group> = sweeps.iter().map(Group::of).collect();
+        let groups: Vec<Group> = sweeps.iter().map(Group::from_sweep).collect();
         let mut changes: Vec<f64> = groups.iter().flat_map(|group| group.steps.iter().map(|(at, _)| *at)).collect();
         changes.sort_unstable_by(f64::total_cmp);
         Self { groups, changes }
@@ -48,7 +48,7 @@ impl GroupedSweeps {
 }
 
 impl Group {
-    fn of(sweep: &SortedSweep) -> Self {
+    fn from_sweep(sweep: &SortedSweep) -> Self {
         let mut counts = sweep.first();
         let mut steps: Vec<(f64, Counts)> = Vec::new();
         for (at, change) in sweep.changes() {

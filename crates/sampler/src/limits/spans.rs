@@ -7,7 +7,7 @@
 use stickslip_core::model::pair_boundary::PairBoundary;
 use stickslip_core::model::verdict::Verdict;
 
-/// What becomes of samples outside the model: whose first input is not positive, or whose second is below the least.
+/// What happens to samples outside the model: whose first input is not positive, or whose second is below the least.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutsidePhysics {
     /// They are stable.
@@ -63,11 +63,11 @@ impl Spans {
     /// use stickslip_sampler::limits::spans::{OutsidePhysics, Sample, Spans};
     /// let boundary = PairBoundary { critical_product: 0.01, by_second: 1.0, offset: -0.25, least_second: 0.25 };
     /// let sample = Sample { boundary, ratio: 1.25, other: 0.39, most_second: f64::INFINITY };
-    /// let spans = Spans::of(&sample, 0, OutsidePhysics::Stable);
+    /// let spans = Spans::new(&sample, 0, OutsidePhysics::Stable);
     /// assert_eq!(spans.unstable, [boundary.critical_first(0.39) / 1.25, f64::INFINITY]);
     /// ```
     #[must_use]
-    pub fn of(sample: &Sample, varied: usize, outside: OutsidePhysics) -> Self {
+    pub fn new(sample: &Sample, varied: usize, outside: OutsidePhysics) -> Self {
         if varied == 0 { Self::along_first(sample, outside) } else { Self::along_second(sample, outside) }
     }
 

@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn groups_far_apart_are_told_from_each_other() {
+    fn groups_far_apart_are_separated() {
         for dimensions in [1, 2, 10, 20] {
             let found = groups(&drawn(&[(5.0, 0.2), (-5.5, 0.2)], dimensions, 300));
             let mut means: Vec<f64> = found.iter().map(|group| group.density.mean()[0]).collect();

@@ -58,7 +58,7 @@ impl VerdictMap {
         if first <= 0.0 || above < 0.0 {
             return Some(Verdict::Stable);
         }
-        let index = TileIndex::of(first, above)?;
+        let index = TileIndex::at(first, above)?;
         self.tile(index)?.look_up(index, [first, above]).filter(|verdict| verdict.is_decided())
     }
 }

@@ -73,7 +73,7 @@ impl Tile {
                 let open_box = OpenBox { has_undecided, ..open_box };
                 if grid.iter().all(|verdict| *verdict == grid[0]) {
                     nodes[open_box.place] = Node::Uniform(grid[0]);
-                } else if let (true, Some(crossing)) = (open_box.is_small_enough(), Crossing::of(&grid)) {
+                } else if let (true, Some(crossing)) = (open_box.is_small_enough(), Crossing::find(&grid)) {
                     searches.push((open_box, crossing.search(&open_box.bounds)));
                 } else {
                     to_divide.push(open_box);
@@ -224,7 +224,7 @@ struct Crossing {
 impl Crossing {
     /// The crossing over the coordinate along which more lines cross the boundary; `None` if it is a graph over
     /// neither.
-    fn of(grid: &[Verdict]) -> Option<Self> {
+    fn find(grid: &[Verdict]) -> Option<Self> {
         let crossed = |crossing: &Self| crossing.first_above.iter().filter(|&&first| first % GRID > 0).count();
         let found = (0..2).filter_map(|abscissa| Self::over(abscissa, grid));
         found.reduce(|a, b| if crossed(&b) > crossed(&a) { b } else { a })

@@ -108,7 +108,7 @@ fn undecided_samples_have_a_region_of_their_own() {
         _ => Verdict::Stable,
     };
     let (map, questions) = map_of(verdict_at);
-    let index = TileIndex::of(0.2, 0.2).unwrap();
+    let index = TileIndex::at(0.2, 0.2).unwrap();
     assert_eq!(map.tile(index).unwrap().look_up(index, [0.2, 0.2]), Some(Verdict::Undecided));
     assert_eq!(look_up(&map, [0.2, 0.2]), None, "such a sample is simulated");
     // Undecided are 4 % of the plane; what lies beside them is known but for the smallest boxes at the corners of

@@ -44,7 +44,7 @@ pub(super) fn tile_at(coordinate: f64) -> Option<u32> {
 impl TileIndex {
     /// The tile that holds a point of the plane; `None` outside the map.
     #[must_use]
-    pub(crate) fn of(first: f64, second: f64) -> Option<Self> {
+    pub(crate) fn at(first: f64, second: f64) -> Option<Self> {
         Some(Self { column: tile_at(first)?, row: tile_at(second)? })
     }
 

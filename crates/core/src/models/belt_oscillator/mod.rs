@@ -232,7 +232,7 @@ impl BeltOscillator {
             _ => friction.band,
         };
         let start = self.pad.criterion().given_start().unwrap_or_default();
-        let starts = STARTS.iter().map(|(number, ..)| number.of(&start).unwrap_or(f64::NAN));
+        let starts = STARTS.iter().map(|(number, ..)| number.value_in(&start).unwrap_or(f64::NAN));
         entries().map(of).chain(starts).collect()
     }
 

@@ -8,7 +8,7 @@ at_limit=no
 stop() {
     if [ -n "$program" ]; then kill -TERM "$program" 2>/dev/null; fi
 }
-# USR1 tells that the time limit is near. TERM comes with scancel, and is obeyed.
+# USR1 means that the time limit is near. TERM comes with scancel, and is obeyed.
 trap 'at_limit=yes; stop' USR1
 trap stop TERM
 

@@ -26,7 +26,7 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
         let oscillator = Oscillator::new(&pad.map_err(|error| Failure::Job(error.to_string()))?);
         return result(&if arguments.json { format!("{:#}\n", oscillator.json()) } else { oscillator.text() });
     }
-    let OneBrake { brake, model } = OneBrake::of(chosen, &arguments.brake.set)?;
+    let OneBrake { brake, model } = OneBrake::in_cell(chosen, &arguments.brake.set)?;
     let analysis = Analysis::new(brake, model.and_then(|model| model.modes()));
     result(&if arguments.json { format!("{:#}\n", analysis.json()?) } else { analysis.text() })
 }

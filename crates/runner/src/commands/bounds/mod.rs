@@ -16,7 +16,7 @@ use crate::files::table::write_table;
 use crate::interrupt::Interrupt;
 use crate::job::{Combination, ImpreciseJob, JobSource};
 use crate::messages::Code;
-use crate::output::{counted, output_file, result, tell, warn};
+use crate::output::{announce, counted, output_file, result, warn};
 use crate::schedule::engine::Engine;
 use crate::shell::{quoted, shown};
 use stickslip_core::model::IsStopped;
@@ -43,7 +43,7 @@ pub fn bounds(arguments: &BoundsArguments, interrupt: &Interrupt) -> Result<(), 
     let found = Found { source: &source, job: &job, rows };
     if let Some((out, (directory, name))) = out {
         write_table(&directory, &name, &found.table(), &found.footer())?;
-        tell(Code::FileWritten, format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
+        announce(Code::FileWritten, format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
     }
     result(&if *json { format!("{:#}\n", found.json()) } else { found.text() })
 }

@@ -186,7 +186,7 @@ mod tests {
         let verdicts = |unstable: usize| -> Vec<Verdict> {
             (0..100).map(|i| if i < unstable { Verdict::Unstable } else { Verdict::Stable }).collect()
         };
-        let joint = JointCounts::of(&verdicts(20), &verdicts(50));
+        let joint = JointCounts::from_verdicts(&verdicts(20), &verdicts(50));
         let paired = joint.difference(0.95);
         assert_eq!(paired.value, Some(0.3));
         let [first, second] = joint.counts;

@@ -69,7 +69,7 @@ impl<'a> EvaluatedRun<'a> {
             return integrated.estimate;
         }
         if let Effort::Randomisations { .. } = job.sampling.effort {
-            return randomised::estimate(job, &tally.of(parts.of(cell)), confidence);
+            return randomised::estimate(job, &tally.counted_parts(parts.in_cell(cell)), confidence);
         }
         let interval = BinomialInterval::new(IntervalKind::for_confidence(confidence), confidence);
         let estimate = interval.estimate(&self.run.counts(cell));

@@ -33,7 +33,7 @@ use crate::failure::Failure;
 use crate::files::table::write_table;
 use crate::interrupt::Interrupt;
 use crate::messages::Code;
-use crate::output::{note, output_file, result, tell};
+use crate::output::{announce, note, output_file, result};
 use crate::picture::view::rounded;
 use crate::schedule::engine::Engine;
 use crate::store::layout::MAPS;
@@ -82,7 +82,7 @@ pub fn compare(arguments: &CompareArguments, interrupt: &Interrupt) -> Result<()
             ("stickslip:engine_version", VERSION.to_owned()),
         ];
         write_table(&directory, &name, &table(&compared), &footer)?;
-        tell(Code::FileWritten, format_args!("{}: {} rows", out.display(), rows(&compared)));
+        announce(Code::FileWritten, format_args!("{}: {} rows", out.display(), rows(&compared)));
     }
     if arguments.json {
         return result(&format!("{:#}\n", json(&compared, confidence, !arguments.pointwise)));

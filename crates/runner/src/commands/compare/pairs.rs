@@ -33,7 +33,7 @@ pub struct JointCounts {
 impl JointCounts {
     /// Counts verdicts on consecutive samples, both lists beginning with the same sample. Where one list is longer, its
     /// remaining verdicts are in no pair.
-    pub fn of(first: &[Verdict], second: &[Verdict]) -> Self {
+    pub fn from_verdicts(first: &[Verdict], second: &[Verdict]) -> Self {
         let mut joint = Self::default();
         for (counts, verdicts) in joint.counts.iter_mut().zip([first, second]) {
             verdicts.iter().for_each(|&verdict| *counts += verdict.into());
@@ -132,7 +132,7 @@ pub fn count_pairs(
                 false => run.evaluator.verdicts(cell, unit.randomisation, samples, is_stopped),
             }
         };
-        let joint = JointCounts::of(&verdicts(first, cell.first), &verdicts(second, cell.second));
+        let joint = JointCounts::from_verdicts(&verdicts(first, cell.first), &verdicts(second, cell.second));
         (unit.matched, unit.samples.end - unit.samples.start, joint)
     };
     let outcome =
@@ -157,7 +157,7 @@ mod tests {
         use Verdict::{Failed, Stable, Undecided, Unstable};
         let first = [Stable, Stable, Unstable, Unstable, Undecided, Failed, Stable, Undecided];
         let second = [Stable, Unstable, Stable, Unstable, Unstable, Stable, Undecided];
-        let joint = JointCounts::of(&first, &second);
+        let joint = JointCounts::from_verdicts(&first, &second);
         assert_eq!(joint.decided, PairedCounts { both: 1, only_first: 1, only_second: 1, neither: 1 });
         // Where one verdict of a pair is known, the pair cannot take every value.
         assert_eq!(joint.lowest, PairedCounts { both: 2, only_first: 2, only_second: 1, neither: 2 });

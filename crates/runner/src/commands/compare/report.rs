@@ -43,7 +43,7 @@ struct Facts<'a> {
 }
 
 impl<'a> Facts<'a> {
-    fn of(differences: &'a Differences<'_>) -> Self {
+    fn new(differences: &'a Differences<'_>) -> Self {
         let rows = &differences.rows;
         let known = || rows.iter().filter_map(|row| row.difference.value.map(|value| (value, row)));
         let count = known().count();
@@ -74,7 +74,7 @@ impl<'a> Facts<'a> {
 
 /// A summary in a few lines; `meaning` says what the confidence of the intervals is.
 pub fn summary(differences: &Differences<'_>, meaning: &str) -> String {
-    let facts = Facts::of(differences);
+    let facts = Facts::new(differences);
     let Differences { first, second, .. } = differences;
     let mut text = format!(
         "{second} against {first}: {}, {} of them paired\n",
@@ -178,7 +178,7 @@ fn percent(share: f64) -> String {
 /// The summaries as JSON.
 pub fn json(compared: &[Differences<'_>], confidence: f64, simultaneous: bool) -> Value {
     let of = |differences: &Differences<'_>| {
-        let facts = Facts::of(differences);
+        let facts = Facts::new(differences);
         let shares = facts.shares();
         object!({
             "first": differences.first,

@@ -51,7 +51,7 @@ impl Run {
             .coded(Code::Incomplete)
             .remedied(resume));
         }
-        let audited = job.sampling.is_audited.then(|| SumLayout::of(&job));
+        let audited = job.sampling.is_audited.then(|| SumLayout::for_job(&job));
         // A map gives the same verdicts as evaluate = "each" with a small part of the simulations.
         let gains_from_map =
             !job.uses_maps() && !job.model().has_closed_form() && job.random.other().is_none() && job.fits_maps();
@@ -76,7 +76,7 @@ impl Run {
     /// How many samples of a cell were looked up, simulated and audited.
     pub fn lookups(&self, cell: u64) -> Lookups {
         let mut lookups = Lookups::default();
-        for part in self.parts.of(cell) {
+        for part in self.parts.in_cell(cell) {
             lookups.add(self.audited.map(|layout| layout.read_lookups(&self.tally.sums(part))).unwrap_or_default());
         }
         lookups

@@ -16,7 +16,7 @@ use crate::files::table::write_table;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, LimitAxis, LimitMethod};
 use crate::messages::Code;
-use crate::output::{output_file, result, tell, warn};
+use crate::output::{announce, output_file, result, warn};
 use crate::schedule::engine::Engine;
 use crate::store::directory::RunDirectory;
 
@@ -29,7 +29,7 @@ pub fn limit(arguments: &LimitArguments, interrupt: &Interrupt) -> Result<(), Fa
     let (of, targets) = request(&job, of.as_deref(), probabilities)?;
     let refused = |why: String| Failure::Usage(format!("--of {of}: {why}"));
     let axis = LimitAxis::named(&job, of).map_err(refused)?;
-    let method = LimitMethod::of(&job, &axis).map_err(refused)?;
+    let method = LimitMethod::for_axis(&job, &axis).map_err(refused)?;
     let out = out.as_deref().map(|out| output_file(out).map(|place| (out, place))).transpose()?;
     warn(job.warnings());
     let engine = Engine::new(threads.count())?;
@@ -38,7 +38,7 @@ pub fn limit(arguments: &LimitArguments, interrupt: &Interrupt) -> Result<(), Fa
     let found = wanted.find(&engine, Tiles { known: maps.as_ref(), keep: None }, interrupt, &NOTHING.into())?;
     if let Some((out, (directory, name))) = out {
         write_table(&directory, &name, &found.table(), &found.footer())?;
-        tell(Code::FileWritten, format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
+        announce(Code::FileWritten, format_args!("{}: {} rows", out.display(), HumanCount(found.rows.len() as u64)));
     }
     result(&if *json { format!("{:#}\n", found.json()) } else { found.text() })
 }

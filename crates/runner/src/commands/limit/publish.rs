@@ -50,7 +50,7 @@ pub fn check_limits(directory: &RunDirectory, job: &Job) -> Result<Option<FileSt
 /// The axis of a request and how its limits are found. Both were checked with the job.
 fn checked(job: &Job, of: &str) -> Result<(LimitAxis, LimitMethod), Failure> {
     let axis = LimitAxis::named(job, of).map_err(Failure::Job)?;
-    let method = LimitMethod::of(job, &axis).map_err(Failure::Job)?;
+    let method = LimitMethod::for_axis(job, &axis).map_err(Failure::Job)?;
     Ok((axis, method))
 }
 

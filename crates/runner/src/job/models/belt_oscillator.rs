@@ -111,8 +111,7 @@ struct BeltCriterionSpec {
     /// Time after which a sample is undecided, s; by default 10000.
     #[schemars(with = "Option<f64>")]
     horizon: Option<Spanned<f64>>,
-    /// What becomes of samples without normal force or with friction that rises with speed (f_s < f_c); "stable" by
-    /// default.
+    /// What happens to samples outside the model, with normal force at or below 0 or f_s < f_c; "stable" by default.
     #[schemars(with = "Option<OutsidePhysics>")]
     outside_physics: Option<Spanned<OutsidePhysics>>,
     /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude, in m.

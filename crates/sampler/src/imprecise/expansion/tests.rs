@@ -36,7 +36,7 @@ fn the_polynomial_is_the_probability_up_to_its_remainder() {
             }
         }
         assert!(largest <= bound, "{stds:?}: {largest:e} {bound:e}");
-        // The bound is of the right kind: not a thousand times too large, nor too small to tell.
+        // The bound is of the right kind: not a thousand times too large, nor too small to matter.
         assert!(bound < 1e4 * largest.max(1e-9), "{stds:?}: {largest:e} {bound:e}");
     }
 }

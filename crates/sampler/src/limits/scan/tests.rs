@@ -142,7 +142,7 @@ fn a_speed_axis_may_enter_and_leave_instability() {
 }
 
 #[test]
-fn without_a_crossing_the_side_is_told() {
+fn without_a_crossing_the_side_is_returned() {
     let boundary = boundary(15.0);
     let probability = |preload| closed_form::probability(&boundary, &cell(preload, 0.39, [0.2, 0.2]));
     for (axis, target, state) in

@@ -58,7 +58,7 @@ fn spans_are_where_single_samples_are_unstable_or_fail() {
                         for outside in [OutsidePhysics::Stable, OutsidePhysics::Clamped, OutsidePhysics::WithoutVerdict]
                         {
                             let sample = Sample { boundary, ratio, other, most_second };
-                            let spans = Spans::of(&sample, varied, outside);
+                            let spans = Spans::new(&sample, varied, outside);
                             for i in 0..300 {
                                 let value = 0.003_137 + 0.005_113 * f64::from(i);
                                 let within = |[from, to]: Span| from < value && value < to;

@@ -188,7 +188,7 @@ fn bounds_contain_the_exact_limit_as_often_as_they_say() {
                 let ratios = [1.0 + stds[0] * z[0], 1.0 + stds[1] * z[1]];
                 let other = if varied == 0 { friction * ratios[1] } else { preload * ratios[0] };
                 let sample = Sample { boundary, ratio: ratios[varied], other, most_second: f64::INFINITY };
-                sweep.add(&Spans::of(&sample, varied, OutsidePhysics::Stable));
+                sweep.add(&Spans::new(&sample, varied, OutsidePhysics::Stable));
             }
             let sweep = sweep.sorted();
             assert_eq!(sweep.samples(), samples);

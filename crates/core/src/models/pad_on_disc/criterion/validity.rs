@@ -93,7 +93,7 @@ impl Quantity {
 
     /// Its value for a brake; infinite where it divides by nothing.
     #[must_use]
-    pub fn of(self, brake: &PadOnDisc) -> f64 {
+    pub fn value(self, brake: &PadOnDisc) -> f64 {
         let parameters = brake.parameters();
         let friction = &parameters.friction;
         match self {
@@ -186,7 +186,8 @@ pub fn uncovered(brake: &PadOnDisc, disc: &DiscModel) -> Vec<Uncovered> {
         (Quantity::Exponent, _) | (_, LawKind::Table(_)) => false,
         (Quantity::SpeedRatio | Quantity::FrictionRatio, LawKind::Rational) => true,
     };
-    let values = ranges.into_iter().filter(has).map(|covered| Uncovered { covered, value: covered.quantity.of(brake) });
+    let values =
+        ranges.into_iter().filter(has).map(|covered| Uncovered { covered, value: covered.quantity.value(brake) });
     values.filter(|found| !contains(&found.covered, found.value)).collect()
 }
 

@@ -73,13 +73,13 @@ struct InContact<'a> {
 
 impl Accelerations<f64> for InContact<'_> {
     fn accelerations(&mut self, q: &[f64], u: &[f64], accelerations: &mut [f64]) {
-        accelerations[..PAD].copy_from_slice(&self.pad.rates(&PadState::of(q, u), self.contact).1);
+        accelerations[..PAD].copy_from_slice(&self.pad.rates(&PadState::from_coordinates(q, u), self.contact).1);
         accelerations[PAD] = 0.0;
     }
 }
 
 impl PadState {
-    fn of(q: &[f64], u: &[f64]) -> Self {
+    fn from_coordinates(q: &[f64], u: &[f64]) -> Self {
         Self { q: [q[0], q[1], q[2]], u: [u[0], u[1], u[2]], time: q[PAD] }
     }
 }
@@ -91,7 +91,7 @@ impl Equations for PadOnSurface<'_> {
         let PadState { q, u, .. } = state;
         let (q, u) = ([q[0], q[1], q[2], state.time], [u[0], u[1], u[2], 1.0]);
         let end = runge_kutta::step(&mut InContact { pad: self, contact }, PAD + 1, (&q, &u), h);
-        Step { next: PadState::of(&end.q, &end.u), acceleration: end.acceleration }
+        Step { next: PadState::from_coordinates(&end.q, &end.u), acceleration: end.acceleration }
     }
 
     fn tangential(&self, state: &PadState) -> (f64, f64) {

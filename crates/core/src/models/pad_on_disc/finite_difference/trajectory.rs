@@ -100,7 +100,7 @@ impl FiniteDifferenceBrake {
             }
         }
         let at_end = if broken { Verdict::Failed } else { Verdict::Undecided };
-        let settled = SettledMotion::of(&monitored.log, &moments, intervals, interval);
+        let settled = SettledMotion::summarise(&monitored.log, &moments, intervals, interval);
         let verdict = monitored.verdict.unwrap_or(at_end);
         let fed_by = (verdict == Verdict::Unstable).then(|| monitored.monitor.fed_by());
         Ok(Trajectory { moments, interval, settled, verdict, fed_by })

@@ -206,6 +206,17 @@ impl PadOnDisc {
     }
 }
 
+/// lambda^2 for a/b = 0.064/0.135, nu = 0.3, clamped-free, from the zeros of the determinant of Bessel functions
+/// (computed independently of this crate): one row for each number of nodal diameters, from 0.
+#[cfg(test)]
+pub(crate) const BESSEL_FREQUENCIES: [[f64; 3]; 5] = [
+    [11.7565, 76.6917, 220.0855],
+    [11.9802, 78.4021, 221.8871],
+    [13.3679, 83.5585, 227.3205],
+    [17.3691, 92.2270, 236.4629],
+    [24.6646, 104.4948, 249.4168],
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,17 +254,8 @@ mod tests {
 
     #[test]
     fn frequencies_agree_with_the_bessel_determinant() {
-        // lambda^2 for a/b = 0.064/0.135, nu = 0.3, clamped-free, from the zeros of the determinant of Bessel
-        // functions (computed independently of this crate).
-        let table = [
-            [11.7565, 76.6917, 220.0855],
-            [11.9802, 78.4021, 221.8871],
-            [13.3679, 83.5585, 227.3205],
-            [17.3691, 92.2270, 236.4629],
-            [24.6646, 104.4948, 249.4168],
-        ];
         let plate = AnnularPlate { radius_ratio: 0.064 / 0.135, poissons_ratio: 0.3 };
-        for (n, row) in table.iter().enumerate() {
+        for (n, row) in BESSEL_FREQUENCIES.iter().enumerate() {
             let computed = parameters(&plate, n as u32);
             for (value, expected) in computed.iter().zip(row) {
                 assert!((value - expected).abs() < 1e-4, "n = {n}: {value} {expected}");

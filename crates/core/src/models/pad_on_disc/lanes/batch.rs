@@ -118,8 +118,10 @@ impl TimeDomain {
 /// Decides the samples of a queue, with the bits of [`TimeDomain::decide_from`], many at once: until there are no more,
 /// or until the queue stops.
 ///
-/// Samples share lanes if they have the disc model of the first one, and on a flexible disc its mode shapes and patch;
-/// coefficients, steps and starts may differ. Other samples are simulated one by one.
+/// Samples share lanes if they have the disc model and the friction law of the first one, and on a flexible disc its
+/// mode shapes and patch; coefficients, steps and starts may differ. Lanes know all friction laws. Stribeck's law
+/// counts as three: with the exponent 1, with 2, and with any others, which may differ between lanes. The scalar code
+/// simulates samples that do not share lanes one by one, and also the last few.
 pub fn decide_queue<'q>(queue: &mut (impl SampleQueue<'q> + ?Sized)) {
     decide_queue_with(queue, InstructionSet::widest());
 }

@@ -23,7 +23,7 @@ struct Group {
 
 impl Group {
     /// Groups of loads from the factors of each load.
-    fn of(loads: &[Vec<f64>]) -> Vec<Self> {
+    fn from_loads(loads: &[Vec<f64>]) -> Vec<Self> {
         let transposed = |loads: &[Vec<f64>]| -> Vec<f64> {
             let products = loads.first().map_or(0, Vec::len);
             (0..products).flat_map(|product| loads.iter().map(move |load| load[product])).collect()
@@ -52,10 +52,10 @@ impl Tables {
             even,
             odd,
             averages: averages.clone(),
-            even_even: Group::of(&rows(&averages.even_even, even)),
-            odd_odd: Group::of(&rows(&averages.odd_odd, odd)),
-            even_follower: Group::of(&averages.even_follower),
-            odd_follower: Group::of(&averages.odd_follower),
+            even_even: Group::from_loads(&rows(&averages.even_even, even)),
+            odd_odd: Group::from_loads(&rows(&averages.odd_odd, odd)),
+            even_follower: Group::from_loads(&averages.even_follower),
+            odd_follower: Group::from_loads(&averages.odd_follower),
         }
     }
 }

@@ -30,7 +30,7 @@ use crate::numerics::row::Lanes;
 /// Lanes of a flexible disc: as many as keep all degrees of freedom of a step in the first-level cache.
 pub(super) const LANES: usize = BLOCK;
 
-/// Lanes of flexible discs with the same mode shapes and patch.
+/// Lanes of flexible discs with the same mode shapes, patch and friction law.
 pub(super) struct FlexibleBundle<'q> {
     lanes: FlexibleLanes,
     geometry: Arc<DiscGeometry>,
@@ -62,7 +62,7 @@ impl Deref for Held<'_> {
 }
 
 impl<'q> FlexibleBundle<'q> {
-    /// Lanes for brakes with the geometry of this one.
+    /// Lanes for brakes with the geometry and the friction law of this one.
     pub fn new(motion: &FlexibleMotion) -> Self {
         let brake = &motion.brake.equations;
         let tables = Tables::new(&brake.geometry.patch.averages);

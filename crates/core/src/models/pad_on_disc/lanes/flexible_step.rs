@@ -75,7 +75,7 @@ pub(super) fn flexible_step<const W: usize>(lanes: &mut FlexibleLanes) {
     let mut trials = findings(friction_steps, &next_q[0], (&u[0], &next_u[0]), (&first[0], &last[0]), &h);
     let released = if sticks.any() {
         let mut whole = *plain;
-        let patch = WholePatch::of(tables, coefficients, next_q, &mut whole);
+        let patch = WholePatch::at(tables, coefficients, next_q, &mut whole);
         let (_, last_ratio) = coefficients.pad.hold(next_q, next_u, patch.angle, patch.pressure);
         let held = coefficients.pad.friction_at_rest(inputs.static_friction);
         let mut released = [0; BLOCK];
@@ -112,7 +112,7 @@ struct WholePatch {
 impl WholePatch {
     /// At displacements `q`; clears `plain` where the patch may have lifted off in part, or the series do not hold.
     #[inline(always)]
-    fn of(tables: &Tables, coefficients: &Coefficients<Row>, q: &[Row], plain: &mut [u64; BLOCK]) -> Self {
+    fn at(tables: &Tables, coefficients: &Coefficients<Row>, q: &[Row], plain: &mut [u64; BLOCK]) -> Self {
         let (y, phi, amplitudes) = (q[1], &q[2], &q[PAD..]);
         let (mut sine, mut cosine) = (Row::ZERO, Row::ZERO);
         for l in 0..BLOCK {
@@ -145,7 +145,7 @@ impl<const W: usize> Accelerations<Row> for InLanes<'_, W> {
     #[inline(always)]
     fn accelerations(&mut self, q: &[Row], u: &[Row], accelerations: &mut [Row]) {
         let WholePatch { angle, minus_tilt, minus_y, pressure } =
-            WholePatch::of(self.tables, self.coefficients, q, self.plain);
+            WholePatch::at(self.tables, self.coefficients, q, self.plain);
         let (even, odd) = q[PAD..].split_at(self.tables.even);
         let amplitudes = Amplitudes { minus_y: &minus_y, minus_tilt: &minus_tilt, even, odd };
         contact_loads::<W>(self.tables, amplitudes, self.loads);

@@ -11,7 +11,7 @@
 //! |---|---|
 //! | completes a substep, and nothing happened in it | lanes, without a branch |
 //! | is too long for the friction law | the scalar code finds a shorter length; lanes take that step |
-//! | turns | lanes; the scalar code locates the turning point and tells the monitor |
+//! | turns | lanes; the scalar code locates the turning point and passes it to the monitor |
 //! | meets the disc's speed, or releases the pad | the scalar code, which asks lanes for one trial step after the other |
 //! | is in a state of contact that the lanes do not know, or with part of the patch lifted | the scalar code takes it |
 //!

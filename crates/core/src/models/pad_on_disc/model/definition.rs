@@ -127,7 +127,7 @@ impl PadModel {
         [self.parameters.operating_point.preload, friction.static_coefficient]
             .into_iter()
             .chain(configuration_scalars().map(|scalar| scalar.value(&self.parameters)))
-            .chain(StartValue::ALL.map(|number| number.of(&start).unwrap_or(f64::NAN)))
+            .chain(StartValue::ALL.map(|number| number.value_in(&start).unwrap_or(f64::NAN)))
             .collect()
     }
 }

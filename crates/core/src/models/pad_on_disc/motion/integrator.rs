@@ -75,7 +75,7 @@ pub(crate) trait Observer {
     /// The pad comes so near the disc's speed, or meets it so slowly, that errors of the steps may decide whether they
     /// stick. If they do, this comes first.
     fn grazes(&mut self) {}
-    /// The pad will surely reach the disc's speed at once, and stick. Not told for laws that may rise just there.
+    /// The pad will surely reach the disc's speed at once, and stick. Not reported for laws that may rise just there.
     fn is_caught(&mut self) {}
 }
 

@@ -78,7 +78,7 @@ impl StartValue {
 
     /// Its value in a start.
     #[must_use]
-    pub fn of(self, start: &GivenStart) -> Option<f64> {
+    pub fn value_in(self, start: &GivenStart) -> Option<f64> {
         match self {
             Self::Tangential => start.tangential,
             Self::Velocity => start.velocity,

@@ -46,7 +46,7 @@ pub(crate) struct Substep<S> {
     pub acceleration: (f64, f64),
     pub ending: Ending,
     pub grazes: bool,
-    /// It ends close to the disc's speed on a fast approach, and static friction could hold the pad there. Only told
+    /// It ends close to the disc's speed on a fast approach, and static friction could hold the pad there. Only set
     /// for the exponent 1, whose steps seldom end there.
     pub is_caught: bool,
     /// How many times longer the next substep may be, if this one is completed.

@@ -25,7 +25,7 @@ impl<N: Number> SlidingFriction<N> {
     /// mu s at the pad's speed `u`. The `direction` is 1 in slip and -1 where the pad overtakes the disc.
     #[inline(always)]
     pub fn at(&self, u: N, direction: f64) -> N {
-        let direction = N::of(direction);
+        let direction = N::splat(direction);
         let r = direction * (self.disc_speed - u) * self.inverse_stribeck;
         let (a, b) = self.shape.parts(r, self.exponent);
         direction * (self.kinetic + self.falling * a + self.additional * b)

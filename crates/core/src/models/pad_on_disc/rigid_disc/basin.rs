@@ -221,7 +221,7 @@ impl PlanarMotion {
             };
             if caught.x < first {
                 // Orbits do not cross: a motion that overtakes no nearer to steady sliding than the time before does so
-                // for ever. So does one outside the motion that follows a release, or what becomes of that decides.
+                // for ever. So does one outside the motion that follows a release, or what happens to that decides.
                 if caught.x <= last_overtaking {
                     return Fate::Overtakes;
                 }

@@ -189,7 +189,7 @@ impl PlanarMotion {
     }
 
     /// Whether a motion in a state of slip is caught before it has completed a swing, by a margin that a rough
-    /// simulation resolves. False also where only a precise one can tell.
+    /// simulation resolves. False also where only a precise one can decide.
     pub fn is_clearly_caught(&self, from: [f64; 2], size: f64) -> bool {
         if size * self.stiffness.sqrt() > CLEAR_SIZE * self.disc_speed {
             return false;

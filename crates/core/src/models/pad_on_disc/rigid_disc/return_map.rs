@@ -41,7 +41,7 @@ const UNRESOLVED: f64 = 1e-10;
 /// it too.
 const LINEAR: f64 = 0.01;
 
-/// What becomes of a motion whose swings shrink, or grow.
+/// What happens to a motion whose swings shrink, or grow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Fate {
     /// It comes to rest relative to steady sliding.

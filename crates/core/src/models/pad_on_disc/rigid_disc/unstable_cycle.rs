@@ -1,8 +1,8 @@
 //! The unstable cycle around steady sliding, from the return map.
 //!
 //! Between the critical speed and the saddle-node of stick-slip, steady sliding is stable and stick-slip is too. A
-//! cycle of slip parts them: motions that start inside it return to steady sliding, motions outside leave. No orbit on
-//! it or inside it reaches the disc's speed. For the slip phase that just touches the disc's speed does so at the
+//! cycle of slip separates them: motions that start inside it return to steady sliding, motions outside leave. No orbit
+//! on it or inside it reaches the disc's speed. For the slip phase that just touches the disc's speed does so at the
 //! release point, and goes on as every slip phase from there does; below the saddle-node that one is wider than the one
 //! before, so swings grow already where they touch.
 //!

@@ -62,7 +62,7 @@ impl TimeDomain {
                 record(&sample, start, h, steps, |time, state, contact| sample.moment(time, state, contact))
             }
         };
-        let settled = SettledMotion::of(&log, &moments, steps, h);
+        let settled = SettledMotion::summarise(&log, &moments, steps, h);
         let Decision { verdict, fed_by, .. } = self.decide(inputs);
         let fed_by = fed_by.map(|place| DegreeOfFreedom::ALL[place]);
         Ok(Trajectory { moments, interval: h, settled, verdict, fed_by })

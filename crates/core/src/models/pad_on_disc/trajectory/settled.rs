@@ -26,7 +26,7 @@ pub struct SettledMotion {
 
 impl SettledMotion {
     /// Summarises the end of a motion of `steps` steps, if it reached it.
-    pub(crate) fn of(log: &EventLog, moments: &[Moment], steps: u64, h: f64) -> Option<Self> {
+    pub(crate) fn summarise(log: &EventLog, moments: &[Moment], steps: u64, h: f64) -> Option<Self> {
         if steps == 0 || moments.len() as u64 != steps + 1 {
             return None;
         }

@@ -40,8 +40,7 @@ pub struct CriterionSpec {
     /// The paper's index: unstable where the settled amplitude exceeds a limit. Without it the motion itself decides.
     #[schemars(with = "Option<IndexSpec>")]
     pub index: Option<Spanned<IndexSpec>>,
-    /// What becomes of samples without preload (Delta <= 0) or with friction that rises with speed (f_s < f_c);
-    /// "stable" by default.
+    /// What happens to samples outside the model, with preload at or below 0 or f_s < f_c; "stable" by default.
     #[schemars(with = "Option<OutsidePhysics>")]
     pub outside_physics: Option<Spanned<OutsidePhysics>>,
     /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude.

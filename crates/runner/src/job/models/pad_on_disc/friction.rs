@@ -20,7 +20,7 @@ use toml_edit::{DocumentMut, InlineTable, Item, Value};
 use super::overrides::{Overrides, section_properties};
 use crate::job::diagnosis::{Complaint, Complaints};
 use crate::job::keys::nearest;
-use crate::job::measured::{MOST_VALUES, read_csv, unreadable};
+use crate::job::measured::{MOST_VALUES, finite_number, read_csv, unreadable};
 use crate::job::model::Parts;
 
 /// Names of friction laws.
@@ -367,14 +367,7 @@ pub fn read_curve(path: &Path) -> Result<SharedCurve, String> {
         for ((values, place), column) in columns.iter_mut().zip(places).zip(COLUMNS) {
             let Some(place) = place else { continue };
             let text = record.get(place).unwrap_or_default();
-            match text.parse::<f64>() {
-                Ok(value) if value.is_finite() => values.push(value),
-                _ => {
-                    return Err(format!(
-                        "{shown}:{line}: \"{text}\" in column \"{column}\" is not a finite number, such as 0.41 or 4.1e-1"
-                    ));
-                }
-            }
+            values.push(finite_number(text, column).map_err(|message| format!("{shown}:{line}: {message}"))?);
         }
     }
     let [speed, coefficient, std] = columns;
@@ -390,7 +383,7 @@ fn in_rows(error: &CurveError) -> String {
     row_of(error).map_or_else(|| error.to_string(), |row| format!("row {}: {error}", row + 1))
 }
 
-/// The row that an error speaks of.
+/// The row that an error is about.
 fn row_of(error: &CurveError) -> Option<usize> {
     match error {
         CurveError::OutOfRange { row, .. } | CurveError::NotRising { row, .. } | CurveError::TooNear { row, .. } => {

@@ -24,7 +24,7 @@ pub struct GivenForces {
 
 impl GivenForces {
     /// Those in place of the values of the quantity at `place`: of its axis, or without one those of the model.
-    pub fn of(place: usize, entry: Option<&AxisEntry>, model: &ModelSpec) -> Option<Self> {
+    pub fn find(place: usize, entry: Option<&AxisEntry>, model: &ModelSpec) -> Option<Self> {
         if place != PRELOAD_PLACE {
             return None;
         }

@@ -27,7 +27,7 @@ const AXES: [(&str, &str); 3] = [
     ("friction.static_coefficient", "static_friction"),
 ];
 
-/// The axis of a job that has the values of a parameter.
+/// The axis of a job along which a parameter varies.
 pub fn axis_of(key: &str) -> Option<&'static str> {
     AXES.iter().find(|(parameter, _)| *parameter == key).map(|(_, axis)| *axis)
 }
@@ -82,7 +82,7 @@ pub fn suggested(wrong: &str, table: &str) -> Option<String> {
     meant.map(|scalar| format!("; did you mean {}?", place_in_job(scalar, table)))
 }
 
-/// The complaint about a key of the parameters that does not exist. `in_job` tells a job spec from `--set`.
+/// The complaint about a key of the parameters that does not exist. `in_job`: in a job spec, not in `--set`.
 pub fn unknown_parameter(key: &str, in_job: bool) -> String {
     let (section, name) = key.split_once('.').unwrap_or(("", key));
     let table = format!("model.{section}");

@@ -150,7 +150,7 @@ impl Draft for PadDraft {
         axes: &[(usize, Axis)],
         spec: &AxesSpec,
     ) -> Option<Result<Axis, Complaint>> {
-        let forces = GivenForces::of(place, entry, &self.tables.model)?;
+        let forces = GivenForces::find(place, entry, &self.tables.model)?;
         Some(forces.preloads(spec, axes, &self.quantities, &self.defaults()))
     }
 

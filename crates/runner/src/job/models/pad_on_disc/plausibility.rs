@@ -46,7 +46,7 @@ static RULES: [Rule; 18] = [
 ];
 
 impl Rule {
-    fn of(key: &str) -> Option<&'static Self> {
+    fn for_key(key: &str) -> Option<&'static Self> {
         RULES.iter().find(|rule| key == rule.key || key.split_once('.').is_some_and(|(section, _)| section == rule.key))
     }
 
@@ -79,11 +79,11 @@ pub fn hint(key: &str, value: f64, parameters: &Parameters) -> String {
             force = written(value)
         );
     }
-    Rule::of(key).map_or(String::new(), |rule| rule.likely(value))
+    Rule::for_key(key).map_or(String::new(), |rule| rule.likely(value))
 }
 
 fn warning(name: &str, value: f64, scalar: &Scalar) -> Option<String> {
-    let rule = Rule::of(scalar.key).filter(|rule| !rule.allows(value))?;
+    let rule = Rule::for_key(scalar.key).filter(|rule| !rule.allows(value))?;
     let unit = if scalar.unit == "1" { String::new() } else { format!(" {}", scalar.unit) };
     let (least, most) = (written(rule.least), written(rule.most));
     let hint = rule.likely(value);

@@ -73,7 +73,7 @@ impl StartSpecs<'_> {
         let Some(mut start) = start else { return Start::NearEquilibrium };
         for number in StartValue::ALL {
             let axis = self.axes.0.iter().find(|entry| entry.name.get_ref() == number.key());
-            if let (Some(value), Some(entry), Some(spec)) = (number.of(&start), axis, &self.criterion.start) {
+            if let (Some(value), Some(entry), Some(spec)) = (number.value_in(&start), axis, &self.criterion.start) {
                 let message = format!(
                     "criterion.{} = {value} is given a second time as axes.{}, which has the values that are used; remove one of the two",
                     number.key(),
@@ -82,7 +82,7 @@ impl StartSpecs<'_> {
                 complaints.push(Complaint::at(spec.span(), message).and_at(entry.axis.span()));
             }
             let scatters = self.random_numbers().any(|random| random == number);
-            if scatters && axis.is_none() && number.of(&start).is_none() {
+            if scatters && axis.is_none() && number.value_in(&start).is_none() {
                 if number.is_zero_when_left_out(&start) {
                     number.set(&mut start, 0.0);
                 } else {
@@ -114,8 +114,11 @@ impl StartSpecs<'_> {
             };
             let varies = self.complain(Some(number), message);
             let span = self.criterion.start.as_ref().map(Spanned::span);
-            let given =
-                || number.of(start).map(|_| Complaint::maybe_at(span, message(&format!("criterion.{}", number.key()))));
+            let given = || {
+                number
+                    .value_in(start)
+                    .map(|_| Complaint::maybe_at(span, message(&format!("criterion.{}", number.key()))))
+            };
             complaints.push_some(varies.or_else(given));
         }
     }

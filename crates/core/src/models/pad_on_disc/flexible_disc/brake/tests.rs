@@ -243,7 +243,7 @@ fn a_brake_of_shared_geometry_is_the_brake_made_from_scratch() {
         assert_eq!(Arc::ptr_eq(&shared.equations.geometry, &base.equations.geometry), i % 4 != 3);
         let bits = |flexible: &FlexibleBrake| {
             let FlexibleEquations { coefficients, geometry, .. } = &flexible.equations;
-            // `Debug` prints as many digits as tell two numbers apart.
+            // `Debug` prints as many digits as distinguish two numbers.
             format!("{coefficients:?} {geometry:?}")
         };
         assert_eq!(bits(&shared), bits(&own));

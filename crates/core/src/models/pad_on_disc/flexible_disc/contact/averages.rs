@@ -29,9 +29,9 @@ impl Averages {
     /// What no gap of the patch is smaller than, at least: while that is positive, the whole patch is in contact.
     #[inline(always)]
     pub fn least_gap<N: Number>(&self, minus_y: N, tilt: N, amplitudes: &[N]) -> N {
-        let mut least = minus_y - N::of(self.largest_arc) * tilt.abs();
+        let mut least = minus_y - N::splat(self.largest_arc) * tilt.abs();
         for (amplitude, largest) in amplitudes.iter().zip(&self.largest_shape) {
-            least = least - N::of(*largest) * amplitude.abs();
+            least = least - N::splat(*largest) * amplitude.abs();
         }
         least
     }
@@ -41,7 +41,7 @@ impl Averages {
     pub fn mean_gap<N: Number>(&self, minus_y: N, amplitudes: &[N]) -> N {
         let mut mean = minus_y;
         for (amplitude, shape) in amplitudes.iter().zip(&self.shape) {
-            mean = mean + N::of(*shape) * *amplitude;
+            mean = mean + N::splat(*shape) * *amplitude;
         }
         mean
     }

@@ -161,7 +161,7 @@ impl<const L: usize> Couplings<L> {
         let shift = low * self.gyroscopic + self.remainder;
         let core = (low * self.damping - self.remainder).max(square - self.most - shift).max(Row::ZERO).reciprocal();
         // What the elimination of y gives may vanish at a single frequency; without it all parts are monotonic.
-        let y = Row::of(f64::INFINITY);
+        let y = Row::splat(f64::INFINITY);
         self.response([square, square], low, shift, (core, y, square - self.phi_stiffness))
     }
 
@@ -186,7 +186,7 @@ impl<const L: usize> Couplings<L> {
             eliminated: even + at_y * y_column * y + through * odd,
             whole: core * (norm(&[at_y, even]) + through * odd),
         };
-        let amplitudes = x_column[1] * (Row::of(1.0) + through);
+        let amplitudes = x_column[1] * (Row::splat(1.0) + through);
         let x_column = Column {
             at_y: x_column[0],
             eliminated: amplitudes + x_column[0] * y_column * y,

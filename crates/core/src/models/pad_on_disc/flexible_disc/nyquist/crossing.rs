@@ -30,7 +30,7 @@ pub(super) fn crossing<const L: usize>(
     omega: Row<L>,
     half_width: Row<L>,
 ) -> Crossing<L> {
-    let Places { size, phi, x, .. } = Places::of(geometry);
+    let Places { size, phi, x, .. } = Places::new(geometry);
     set_response(geometry, of, work, omega);
     let Work { damping_by_x, gyroscopic, real, imaginary, left, right, .. } = work;
     eliminate_complex(real, imaginary, size);
@@ -38,10 +38,10 @@ pub(super) fn crossing<const L: usize>(
     left_and_right((real, imaginary), size, left, right);
 
     // Sizes, with phi scaled so that its row and its column have the same.
-    let one = Row::of(1.0);
+    let one = Row::splat(1.0);
     let range = half_width * omega;
     let near = couplings.between(omega - range, omega + range);
-    let tiny = Row::of(f64::MIN_POSITIVE);
+    let tiny = Row::splat(f64::MIN_POSITIVE);
     let (phi_row, phi_column) = (norm(&couplings.phi_row), norm(&couplings.phi_column));
     let weight = (phi_column + tiny) * (phi_row + tiny).reciprocal();
     let loop_gain = phi_row * phi_column;
@@ -88,7 +88,7 @@ pub(super) fn crossing<const L: usize>(
 /// L(i omega), complex, with x in the last row and column.
 #[inline(always)]
 fn set_response<const L: usize>(geometry: &DiscGeometry, of: &Coefficients<L>, work: &mut Work<L>, omega: Row<L>) {
-    let Places { size, x, .. } = Places::of(geometry);
+    let Places { size, x, .. } = Places::new(geometry);
     let Work { matrix, damping_by_x, gyroscopic, real, imaginary, .. } = work;
     let square = omega * omega;
     real.copy_from_slice(matrix);
@@ -110,7 +110,7 @@ fn set_response<const L: usize>(geometry: &DiscGeometry, of: &Coefficients<L>, w
 /// The damping of a degree of freedom by itself.
 #[inline(always)]
 fn damping_of<const L: usize>(geometry: &DiscGeometry, of: &Coefficients<L>, place: usize) -> Row<L> {
-    let Places { phi, x, .. } = Places::of(geometry);
+    let Places { phi, x, .. } = Places::new(geometry);
     if place == 0 {
         of.pad.normal_damping
     } else if place < phi {
@@ -132,7 +132,7 @@ fn at_omega<const L: usize>(
     (left, right): (&[Complex<L>], &[Complex<L>]),
 ) -> (Complex<L>, Complex<L>) {
     let (mut both, mut damped) = ((Row::ZERO, Row::ZERO), (Row::ZERO, Row::ZERO));
-    for i in 0..Places::of(geometry).x {
+    for i in 0..Places::new(geometry).x {
         let (re, im) = product(left[i], right[i]);
         let damping = damping_of(geometry, of, i);
         both = (both.0 + re, both.1 + im);
@@ -180,7 +180,7 @@ impl<const L: usize> Response<L> {
     #[inline(always)]
     fn side(&self, omega: Row<L>, range: Row<L>, least: Row<L>) -> Row<L> {
         // The real part may vanish where offset >= linear delta - quadratic delta^2.
-        let (linear, quadratic) = (2.0 * omega - self.slope, Row::of(1.0) + self.curvature);
+        let (linear, quadratic) = (2.0 * omega - self.slope, Row::splat(1.0) + self.curvature);
         let offset = self.value.0.abs() + MARGIN * (omega * omega);
         let covers = linear * range - quadratic * range * range - offset;
         let discriminant = linear * linear - 4.0 * (quadratic * offset);

@@ -45,7 +45,7 @@ pub(crate) fn decide<const L: usize>(geometry: &DiscGeometry, batch: &mut Batch<
     let Batch { coefficients: of, work, findings } = batch;
     set_amplitudes(geometry, of, work);
     let found = find_equilibrium(geometry, of, work);
-    let places = Places::of(geometry);
+    let places = Places::new(geometry);
     set_matrix(places, &geometry.patch.averages, of, work, true);
     let couplings = Couplings::of_scaled(places, &geometry.patch.averages, of, work);
     let omega = couplings.x_stiffness.sqrt();

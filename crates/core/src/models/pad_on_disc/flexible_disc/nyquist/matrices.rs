@@ -29,7 +29,7 @@ impl Places {
     pub const FIRST_AMPLITUDE: usize = 1;
 
     #[inline(always)]
-    pub fn of(geometry: &DiscGeometry) -> Self {
+    pub fn new(geometry: &DiscGeometry) -> Self {
         let (even, odd) = (geometry.patch.even, geometry.patch.odd);
         let amplitudes = even + odd;
         Self { size: amplitudes + 3, phi: amplitudes + 1, x: amplitudes + 2, even, odd }
@@ -49,7 +49,7 @@ struct Angle<const L: usize> {
 
 impl<const L: usize> Angle<L> {
     #[inline(always)]
-    fn of(phi: Row<L>, tilt_scale: Row<L>) -> Self {
+    fn new(phi: Row<L>, tilt_scale: Row<L>) -> Self {
         let (mut sine, mut cosine) = (Row::ZERO, Row::ZERO);
         for l in 0..L {
             (sine.0[l], cosine.0[l]) = small_sine_and_cosine(phi.0[l]);
@@ -83,7 +83,7 @@ pub(super) fn find_equilibrium<const L: usize>(
     of: &Coefficients<L>,
     work: &mut Work<L>,
 ) -> [u64; L] {
-    let (places, averages) = (Places::of(geometry), &geometry.patch.averages);
+    let (places, averages) = (Places::new(geometry), &geometry.patch.averages);
     let Places { size, phi, x, .. } = places;
     // On a rigid disc.
     let contact = (of.pad.normal_stiffness + of.pad.pressure_gain).reciprocal();
@@ -101,7 +101,7 @@ pub(super) fn find_equilibrium<const L: usize>(
 
     // 1 while the search goes on, 2 where it has ended at the equilibrium, 0 where it was given up.
     let mut found = [1_u64; L];
-    let mut before = Row::of(f64::INFINITY);
+    let mut before = Row::splat(f64::INFINITY);
     for _ in 0..MOST_STEPS {
         set_forces(places, averages, of, work);
         solve(&work.real, size, &mut work.forces);
@@ -127,7 +127,7 @@ pub(super) fn find_equilibrium<const L: usize>(
         }
     }
     let angle = work.q[phi];
-    let tilt = Angle::of(angle, of.tilt_scale).tilt;
+    let tilt = Angle::new(angle, of.tilt_scale).tilt;
     let margin = averages.least_gap(-work.q[0], tilt, &work.q[Places::FIRST_AMPLITUDE..phi]);
     let mut whole = [0; L];
     for l in 0..L {
@@ -143,7 +143,7 @@ pub(super) fn find_equilibrium<const L: usize>(
 fn set_forces<const L: usize>(places: Places, averages: &Averages, of: &Coefficients<L>, work: &mut Work<L>) {
     let Places { phi, x, even, odd, .. } = places;
     let Work { q, forces, stiffness, compliance, .. } = work;
-    let angle = Angle::of(q[phi], of.tilt_scale);
+    let angle = Angle::new(q[phi], of.tilt_scale);
     let (y, amplitudes) = (q[0], &q[Places::FIRST_AMPLITUDE..phi]);
     let (a, b) = amplitudes.split_at(even);
     let pressure = of.pad.pressure_gain * averages.mean_gap(-y, a);
@@ -220,7 +220,7 @@ pub(super) fn set_matrix<const L: usize>(
     let Places { size, phi, x, even, odd } = places;
     let Work { q, matrix, damping_by_x, stiffness, compliance, .. } = work;
     let first = Places::FIRST_AMPLITUDE;
-    let angle = Angle::of(q[phi], of.tilt_scale);
+    let angle = Angle::new(q[phi], of.tilt_scale);
     let Angle { sine, cosine, tilt } = angle;
     let tilt_by_angle = of.tilt_scale * (cosine * cosine).reciprocal();
     let (y, amplitudes) = (q[0], &q[first..phi]);

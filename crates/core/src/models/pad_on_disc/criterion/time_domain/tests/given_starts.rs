@@ -14,7 +14,7 @@ fn with(start: GivenStart) -> TimeDomainSettings {
     TimeDomainSettings { start: Start::Given(start), ..Default::default() }
 }
 
-/// What becomes of a motion on a rigid disc, by the adaptive method alone: whether it comes to stick for ever. `None`
+/// What happens to a motion on a rigid disc, by the adaptive method alone: whether it comes to stick for ever. `None`
 /// if this takes too long.
 fn keeps_sticking(motion: &PlanarMotion, mut x: f64, mut u: f64) -> Option<bool> {
     let v = motion.disc_speed;

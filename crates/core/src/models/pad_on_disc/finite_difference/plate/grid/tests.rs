@@ -1,4 +1,5 @@
 use super::*;
+use crate::models::pad_on_disc::flexible_disc::plate_modes::BESSEL_FREQUENCIES;
 
 /// The preset's plate.
 fn plate(rings: usize, columns: usize) -> PlateGrid {
@@ -7,15 +8,7 @@ fn plate(rings: usize, columns: usize) -> PlateGrid {
 
 #[test]
 fn frequencies_converge_with_the_square_of_the_spacing() {
-    // lambda^2 from the Bessel determinant (physics notes, section 7), by nodal diameters.
-    let table = [
-        [11.7565, 76.6917, 220.0855],
-        [11.9802, 78.4021, 221.8871],
-        [13.3679, 83.5585, 227.3205],
-        [17.3691, 92.2270, 236.4629],
-        [24.6646, 104.4948, 249.4168],
-    ];
-    for (n, exact) in table.iter().enumerate() {
+    for (n, exact) in BESSEL_FREQUENCIES.iter().enumerate() {
         let errors = [8, 16, 32].map(|count| {
             let squared = plate(count, 6 * count).squared_frequencies(n).unwrap();
             [0, 1, 2].map(|k| 6.75 * 6.75 * (0.02 * squared[k]).sqrt() / exact[k] - 1.0)

@@ -30,7 +30,7 @@ pub(crate) struct PressedNode<'a> {
     pub waves: &'a [(f64, f64)],
 }
 
-/// What becomes of the nodes: all nodes of a line in turn, then its end.
+/// What happens to the nodes: all nodes of a line in turn, then its end.
 pub(crate) trait Visitor {
     /// A node in contact.
     fn node(&mut self, node: &PressedNode<'_>, radius: &Radius);

@@ -16,7 +16,7 @@ use crate::numerics::row::Number;
 const FIRST: usize = Places::FIRST_AMPLITUDE;
 
 fn lane(value: f64) -> Row<1> {
-    Row::of(value)
+    Row::splat(value)
 }
 
 /// An invented brake in one lane, whose matrix has the structure of a real one.
@@ -28,7 +28,7 @@ struct Invented<'a> {
 impl<'a> Invented<'a> {
     /// Each coupling is left out as often as not; the others are of the size `strength`.
     fn new(geometry: &'a DiscGeometry, strength: f64, draw: &mut impl FnMut() -> f64) -> Self {
-        let Places { size, phi, x, even, odd } = Places::of(geometry);
+        let Places { size, phi, x, even, odd } = Places::new(geometry);
         let averages = &geometry.patch.averages;
         let mut batch = Batch::<1>::new(geometry);
         let Batch { coefficients: of, work, .. } = &mut batch;
@@ -101,12 +101,12 @@ impl<'a> Invented<'a> {
     /// The couplings; this scales the core.
     fn couplings(&mut self) -> Couplings<1> {
         let Batch { coefficients: of, work, .. } = &mut self.batch;
-        Couplings::of_scaled(Places::of(self.geometry), &self.geometry.patch.averages, of, work)
+        Couplings::of_scaled(Places::new(self.geometry), &self.geometry.patch.averages, of, work)
     }
 
     /// A and B as they are in `work` now; without what x adds by its speed if `is_falling` is false.
     fn matrices(&self, is_falling: bool) -> (DMatrix<f64>, DMatrix<f64>) {
-        let Places { size, phi, x, .. } = Places::of(self.geometry);
+        let Places { size, phi, x, .. } = Places::new(self.geometry);
         let Batch { coefficients: of, work, .. } = &self.batch;
         let stiffness = DMatrix::from_fn(size, size, |i, j| work.matrix[i * size + j].0[0]);
         let mut damping = DMatrix::from_fn(size, size, |i, j| match (i == j, i) {
@@ -128,7 +128,7 @@ impl<'a> Invented<'a> {
 
     /// The inverse of the core's least singular value, `1 / |S|` and `|h|` at a frequency.
     fn response(&self, omega: f64) -> [f64; 3] {
-        let Places { size, phi, x, .. } = Places::of(self.geometry);
+        let Places { size, phi, x, .. } = Places::new(self.geometry);
         let (stiffness, damping) = self.matrices(true);
         let all = DMatrix::from_fn(size, size, |i, j| {
             let square = if i == j { omega * omega } else { 0.0 };
@@ -254,7 +254,7 @@ fn the_linearisation_is_that_of_the_equations_at_any_displacements() {
     for changes in [vec![], vec![("disc.thickness", 0.013), ("operating_point.rotating_speed", 300.0)]] {
         let brake = FlexibleBrake::with_modes(PadOnDisc::preset_with(&changes), 6).unwrap();
         let geometry = &*brake.equations.geometry;
-        let places = Places::of(geometry);
+        let places = Places::new(geometry);
         let Places { size, phi, x, .. } = places;
         // The order of the elimination: y, the amplitudes, phi, x.
         let place = |i: usize| {
@@ -318,7 +318,7 @@ fn a_patch_that_may_be_lifted_by_its_tilt_is_left_to_the_eigenvalues() {
         let changes = [("pad.moment_arm", arm), ("disc.youngs_modulus", 2.1e11 * stiffness)];
         let brake = FlexibleBrake::with_modes(PadOnDisc::preset_with(&changes), 5).unwrap();
         let geometry = &*brake.equations.geometry;
-        let Places { phi, .. } = Places::of(geometry);
+        let Places { phi, .. } = Places::new(geometry);
         let mut batch = Batch::<1>::new(geometry);
         batch.set(0, geometry, brake.brake(), RandomInputs { preload: 0.1, static_friction: 0.39 });
         let Batch { coefficients: of, work, .. } = &mut batch;
