@@ -21,9 +21,7 @@ use super::keys::nearest;
 use super::random::RandomInputSet;
 use super::spec::JobSpec;
 
-/// What becomes of samples outside the model, as [`Configuration::outside`] finds them.
-///
-/// [`Configuration::outside`]: stickslip_core::model::Configuration::outside
+/// What becomes of samples outside the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutsidePhysics {
@@ -218,6 +216,11 @@ pub struct Kind {
     pub schemas: [fn(&mut SchemaGenerator) -> Schema; 2],
     /// The names of its axes, each with what it is.
     pub axes: fn() -> Vec<(String, String)>,
+}
+
+/// A value of a spec that stands in no text.
+pub fn written<T>(value: T) -> Spanned<T> {
+    Spanned::new(0..0, value)
 }
 
 /// A value with keys as a table.
