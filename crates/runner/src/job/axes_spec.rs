@@ -6,7 +6,7 @@ use std::fmt;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
 use toml::Spanned;
 
@@ -49,6 +49,12 @@ impl<'de> Deserialize<'de> for AxesSpec {
     }
 }
 
+impl Serialize for AxesSpec {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|entry| (&entry.name, &entry.axis)))
+    }
+}
+
 impl JsonSchema for AxesSpec {
     fn schema_name() -> Cow<'static, str> {
         "AxesSpec".into()
@@ -66,7 +72,8 @@ impl JsonSchema for AxesSpec {
 }
 
 /// One axis: a number, a list of numbers, or `{ from, to, points, scale }`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
 pub enum AxisSpec {
     /// Explicit values.
     Values(Vec<f64>),
@@ -75,29 +82,30 @@ pub enum AxisSpec {
 }
 
 /// Values between two ends, both included.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RangeSpec {
-    /// First value.
+    /// The first value.
     pub from: f64,
-    /// Last value.
+    /// The last value.
     pub to: f64,
-    /// Number of values, at least 2.
+    /// Number of values: at least 2, or 1 if the ends are equal.
     #[schemars(range(min = 1))]
     pub points: u32,
-    /// How they are spaced; evenly by default.
+    /// How the values are spaced.
     #[serde(default)]
     pub scale: ScaleSpec,
 }
 
 /// How the values of an axis are spaced.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ScaleSpec {
     /// Evenly.
     #[default]
     Linear,
-    /// Each value is the same multiple of the one before.
+    /// Each value is the same multiple of the one before; both ends must be positive. Values between the ends are
+    /// rounded to 14 digits.
     Log,
 }
 

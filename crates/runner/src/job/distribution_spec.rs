@@ -2,21 +2,30 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error as _;
-use serde::{Deserialize, Deserializer};
-use serde_json::json;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::{Map, Value, json};
 use stickslip_sampler::inputs::Marginal;
 
 use super::imprecise_schema::one_of;
-use super::keys::nearest;
+use super::keys::{nearest, schema_of};
 
 /// Distributions that are written as a name.
-const NAMES: [&str; 6] = ["normal", "lognormal", "uniform", "weibull", "gumbel", "triangular"];
+const NAMED: [(&str, Marginal); 6] = [
+    ("normal", Marginal::Normal),
+    ("lognormal", Marginal::Lognormal),
+    ("uniform", Marginal::Uniform),
+    ("weibull", Marginal::Weibull),
+    ("gumbel", Marginal::Gumbel),
+    ("triangular", Marginal::Triangular { mode: 0.5 }),
+];
 
-/// Keys of distributions that are written as a table. None is the name of an input.
-const KEYS: [&str; 6] = ["truncated-normal", "triangular", "beta", "csv", "column", "values"];
+/// The schema of each key of a distribution that is written as a table. None is the name of an input.
+static KEYS: LazyLock<Map<String, Value>> =
+    LazyLock::new(|| schema_of::<MarginalTable>()["properties"].as_object().cloned().unwrap_or_default());
 
 /// What a distribution may be, for messages.
 const CHOICE: &str = "a distribution is \"normal\", \"lognormal\", \"uniform\", \"weibull\", \"gumbel\", \"triangular\", \
@@ -25,7 +34,8 @@ const CHOICE: &str = "a distribution is \"normal\", \"lognormal\", \"uniform\", 
     these by input";
 
 /// One distribution for every random input, or a table by input.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
 pub enum DistributionSpec {
     /// The same for every random input.
     Common(MarginalSpec),
@@ -50,14 +60,26 @@ pub enum MarginalSpec {
 }
 
 /// A distribution that is written as a table.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct MarginalTable {
+    /// Ends, in standard deviations from the expected value
+    #[schemars(with = "[f64; 2]")]
     truncated_normal: Option<(f64, f64)>,
+    /// Place of the peak between the lower end (0) and the upper end (1)
+    #[schemars(with = "f64", range(min = 0, max = 1))]
     triangular: Option<f64>,
+    /// Ends, in multiples of the expected value
+    #[schemars(with = "[f64; 2]")]
     beta: Option<(f64, f64)>,
+    /// File of measured values, relative to the job's
+    #[schemars(with = "String")]
     csv: Option<String>,
+    /// Name of their column
+    #[schemars(with = "String")]
     column: Option<String>,
+    /// Measured values
+    #[schemars(with = "Vec<f64>", length(min = 2))]
     values: Option<Vec<f64>>,
 }
 
@@ -71,20 +93,14 @@ impl MarginalSpec {
     }
 
     fn from_name(name: &str) -> Result<Self, String> {
-        Ok(Self::Given(match name {
-            "normal" => Marginal::Normal,
-            "lognormal" => Marginal::Lognormal,
-            "uniform" => Marginal::Uniform,
-            "weibull" => Marginal::Weibull,
-            "gumbel" => Marginal::Gumbel,
-            "triangular" => Marginal::Triangular { mode: 0.5 },
-            _ => return Err(unknown(name, NAMES)),
-        }))
+        let mut named = NAMED.into_iter();
+        let marginal = named.find(|(known, _)| *known == name).map(|(_, marginal)| marginal);
+        marginal.map(Self::Given).ok_or_else(|| unknown(name, NAMED.iter().map(|(name, _)| *name)))
     }
 
     fn from_table(table: &toml::Table) -> Result<Self, String> {
-        if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.as_str())) {
-            return Err(unknown(key, KEYS));
+        if let Some(key) = table.keys().find(|key| !KEYS.contains_key(*key)) {
+            return Err(unknown(key, KEYS.keys().map(String::as_str)));
         }
         let refused = || {
             let pairs: Vec<String> = table.iter().map(|(key, value)| format!("{key} = {value}")).collect();
@@ -114,10 +130,29 @@ impl MarginalSpec {
     }
 }
 
-fn unknown<const N: usize>(name: &str, names: [&str; N]) -> String {
+fn unknown<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
     match nearest(name, names) {
         Some(right) => format!("there is no distribution \"{name}\"; did you mean \"{right}\"?"),
         None => format!("there is no distribution \"{name}\"; {CHOICE}"),
+    }
+}
+
+impl Serialize for MarginalSpec {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut table = MarginalTable::default();
+        match self {
+            Self::Given(Marginal::TruncatedNormal { low, high }) => table.truncated_normal = Some((*low, *high)),
+            Self::Given(Marginal::Triangular { mode }) => table.triangular = Some(*mode),
+            Self::Given(Marginal::Beta { low, high }) => table.beta = Some((*low, *high)),
+            Self::Given(Marginal::Empirical(measured)) => table.values = Some(measured.values().to_vec()),
+            Self::Given(marginal) => {
+                let name = NAMED.iter().find(|(_, named)| named == marginal).map(|(name, _)| *name);
+                return name.serialize(serializer);
+            }
+            Self::Values(values) => table.values = Some(values.clone()),
+            Self::Csv { file, column } => (table.csv, table.column) = (Some(file.clone()), Some(column.clone())),
+        }
+        table.serialize(serializer)
     }
 }
 
@@ -125,7 +160,7 @@ impl<'de> Deserialize<'de> for DistributionSpec {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let value = toml::Value::deserialize(deserializer)?;
         let spec = match &value {
-            toml::Value::Table(table) if !table.keys().any(|key| KEYS.contains(&key.as_str())) => {
+            toml::Value::Table(table) if !table.keys().any(|key| KEYS.contains_key(key)) => {
                 let each = table.iter().map(|(input, value)| match MarginalSpec::from_toml(value) {
                     Ok(marginal) => Ok((input.clone(), marginal)),
                     Err(message) => Err(format!("random.distribution of {input}: {message}")),
@@ -146,33 +181,19 @@ impl JsonSchema for DistributionSpec {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let table = |properties: serde_json::Value| {
-            let keys: Vec<_> = properties.as_object().into_iter().flat_map(|keys| keys.keys().cloned()).collect();
+        let table = |keys: &[&str]| {
+            let properties: Map<String, Value> =
+                keys.iter().map(|key| ((*key).to_owned(), KEYS.get(*key).cloned().unwrap_or_default())).collect();
             json!({ "type": "object", "properties": properties, "required": keys, "additionalProperties": false })
         };
-        let ends = |description: &str| {
-            let number = json!({ "type": "number" });
-            json!({ "type": "array", "items": number, "minItems": 2, "maxItems": 2, "description": description })
-        };
-        let marginal = [
-            json!({ "enum": NAMES }),
-            table(json!({ "truncated-normal": ends("Ends, in standard deviations from the expected value") })),
-            table(json!({ "beta": ends("Ends, in multiples of the expected value") })),
-            table(json!({ "triangular": { "type": "number", "minimum": 0, "maximum": 1,
-                "description": "Place of the peak between the lower end (0) and the upper end (1)" } })),
-            table(
-                json!({ "csv": { "type": "string", "description": "File of measured values, relative to the job's" },
-                "column": { "type": "string", "description": "Name of their column" } }),
-            ),
-            table(json!({ "values": { "type": "array", "items": { "type": "number" }, "minItems": 2,
-                "description": "Measured values" } })),
-        ];
-        let alternatives = one_of(&json!({ "anyOf": marginal }));
-        let mut choices = marginal.to_vec();
-        choices.push(alternatives.clone());
+        const OF_A_FILE: [&str; 2] = ["csv", "column"];
+        let alone = KEYS.keys().map(String::as_str).filter(|key| !OF_A_FILE.contains(key));
+        let mut choices = vec![json!({ "enum": NAMED.map(|(name, _)| name) }), table(&OF_A_FILE)];
+        choices.extend(alone.map(|key| table(&[key])));
+        choices.push(one_of(&json!({ "anyOf": choices })));
         let of_input = json!({ "anyOf": choices });
         let mut keys = vec!["one_of"];
-        keys.extend(KEYS);
+        keys.extend(KEYS.keys().map(String::as_str));
         choices.push(json!({
             "type": "object",
             "additionalProperties": of_input,

@@ -20,29 +20,31 @@ pub const MOST_SHARDS: u64 = 1_000_000;
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EngineSpec {
-    /// Slurm: the partition; by default the cluster's.
+    /// Slurm: the partition, by default the cluster's. Letters, digits and `-_.,:@+/`.
     #[schemars(with = "Option<String>")]
     partition: Option<Spanned<String>>,
-    /// Slurm: the account that is charged; by default yours.
+    /// Slurm: the account that is charged, by default yours. Letters, digits and `-_.,:@+/`.
     #[schemars(with = "Option<String>")]
     account: Option<Spanned<String>>,
-    /// Slurm: the time limit of a task as Slurm writes it, for example "30" (minutes), "2:00:00" or "1-12"; by default
-    /// the partition's.
+    /// Slurm: the time limit of a task, from a minute up, as Slurm writes it: `"30"` (minutes), `"2:00:00"` or
+    /// `"1-12"`; by default the partition's.
     #[schemars(with = "Option<String>")]
     time: Option<Spanned<String>>,
-    /// Slurm: the memory of a task, for example "2G"; by default the partition's.
+    /// Slurm: the memory of a task, for example `"2G"`; by default the partition's.
     #[schemars(with = "Option<String>")]
     memory: Option<Spanned<String>>,
-    /// Slurm: processors of a task, each of which runs a thread; by default 1.
-    #[schemars(with = "Option<u64>", range(min = 1, max = 1024))]
+    /// Slurm: processors of a task, and its threads.
+    #[schemars(with = "Option<u64>", range(min = 1, max = MOST_CPUS), extend("default" = 1))]
     cpus_per_task: Option<Spanned<u64>>,
-    /// The number of shards; by default so many that one takes about ten minutes.
-    #[schemars(with = "Option<u64>", range(min = 1, max = 1_000_000))]
+    /// The number of shards; by default by cost, so many that one takes about ten minutes.
+    #[schemars(with = "Option<u64>", range(min = 1, max = MOST_SHARDS))]
     shards: Option<Spanned<u64>>,
-    /// The largest number of shards where `shards` is left out; by default 1000, or what the cluster allows in an array.
-    #[schemars(with = "Option<u64>", range(min = 1, max = 1_000_000))]
+    /// The largest number of shards where `shards` is left out; by default 1000, or what the cluster allows in an
+    /// array.
+    #[schemars(with = "Option<u64>", range(min = 1, max = MOST_SHARDS))]
     max_shards: Option<Spanned<u64>>,
-    /// Slurm: further options of sbatch, for example ["--constraint=avx2", "--qos=long"].
+    /// Slurm: further options of `sbatch`, as a line `#SBATCH` has them, one each: `["--constraint=avx2",
+    /// "--qos=long"]`.
     #[schemars(with = "Option<Vec<String>>")]
     sbatch: Option<Vec<Spanned<String>>>,
 }

@@ -14,22 +14,29 @@ use stickslip_sampler::draw::identity::RESULTS_VERSION;
 use stickslip_sampler::grid::{Axis, Grid, GridAxis};
 
 use super::model::Tables;
-use super::normalised::{NormalisedExperiment, NormalisedUntil};
+use super::spec::JobSpec;
 use super::validated::Job;
 use crate::version::FORMAT_VERSION;
 
 impl Job {
     /// Identifies the job: everything that its result depends on.
     pub fn hash(&self) -> String {
-        hashed("job", &NormalisedExperiment::from(self))
+        hashed("job", &self.experiment())
     }
 
     /// Identifies the job but for the number of samples: runs that agree in it share their samples.
     pub fn experiment_hash(&self) -> String {
-        let mut experiment = NormalisedExperiment::from(self);
+        let mut experiment = self.experiment();
         experiment.sampling.samples = None;
-        experiment.sampling.until = experiment.sampling.until.map(|until| NormalisedUntil { at_most: 0, ..until });
+        if let Some(until) = &mut experiment.sampling.until {
+            until.get_mut().at_most = Some(0);
+        }
         hashed("job", &experiment)
+    }
+
+    /// What the job computes, whatever it is called.
+    fn experiment(&self) -> JobSpec {
+        JobSpec { name: None, description: None, ..self.written_out() }
     }
 
     /// Identifies what decides a sample of one configuration of the grid: jobs that agree in it can share verdict maps.
@@ -87,10 +94,11 @@ fn add(hasher: &mut blake3::Hasher, value: &Value) {
             head(b'l', list.len());
             list.iter().for_each(|value| add(hasher, value));
         }
+        // A key without a value is none.
         Value::Object(table) => {
-            head(b't', table.len());
-            let mut entries: Vec<_> = table.iter().collect();
+            let mut entries: Vec<_> = table.iter().filter(|(_, value)| !value.is_null()).collect();
             entries.sort_by_key(|(key, _)| *key);
+            head(b't', entries.len());
             for (key, value) in entries {
                 add(hasher, &Value::from(key.as_str()));
                 add(hasher, value);

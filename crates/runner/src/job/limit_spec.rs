@@ -13,10 +13,11 @@ use toml::Spanned;
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitSpec {
-    /// The axis whose values are sought: one of the job's with two values or more.
+    /// The axis whose values are sought, between its smallest and its largest value: one of the job's with two values
+    /// or more, but not of standard deviations or of the start.
     #[schemars(with = "String")]
     pub of: Option<Spanned<String>>,
-    /// The probability of instability that must not be exceeded, above 0 and below 1, or several.
+    /// The targets, probabilities of instability that must not be exceeded: 100 at most, each once.
     #[schemars(with = "TargetsSpec")]
     pub probability: Option<Spanned<TargetsSpec>>,
 }

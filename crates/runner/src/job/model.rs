@@ -220,6 +220,11 @@ pub struct Kind {
     pub axes: fn() -> Vec<(String, String)>,
 }
 
+/// A value of a spec that stands in no text.
+pub fn written<T>(value: T) -> Spanned<T> {
+    Spanned::new(0..0, value)
+}
+
 /// A value with keys as a table.
 pub fn table_of(value: &impl Serialize) -> toml::Table {
     toml::Table::try_from(value).unwrap_or_default()

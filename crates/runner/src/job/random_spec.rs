@@ -7,7 +7,7 @@ use std::fmt;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 use toml::Spanned;
 
 use super::distribution_spec::DistributionSpec;
@@ -17,25 +17,29 @@ use super::imprecise_schema::number_or_imprecise;
 pub const LARGEST_STD: f64 = 10.0;
 
 /// The random inputs.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomSpec {
-    /// The inputs that scatter about their expected value: "preload", "static_friction", "rotating_speed", any
-    /// parameter of the model by its path, for example "stiffness.contact_normal", or a number of the start, for
-    /// example "start.velocity". May be empty.
+    /// The inputs that scatter: `"preload"`, `"static_friction"`, `"rotating_speed"`, a parameter of the model by its
+    /// key, for example `"stiffness.contact_normal"`, or a number of the start, for example `"start.velocity"`. May be
+    /// empty: then nothing scatters, and one sample decides a cell.
     #[schemars(with = "Option<Vec<String>>")]
     pub inputs: Option<Spanned<Vec<Spanned<String>>>>,
     /// Standard deviation over expected value, from 0 to what the distribution allows: 1 for a normal input. A list
-    /// makes an axis of the grid. An input with measured values has their own, and none here.
+    /// makes an axis of the grid. Required with inputs, but for those with measured values, which have their own, and
+    /// those of the start.
     #[schemars(with = "Option<RelativeStdSpec>")]
     pub relative_std: Option<Spanned<RelativeStdSpec>>,
-    /// Standard deviations of numbers of the start, which may be 0 on average: by input, in the unit of the start.
+    /// Standard deviations of numbers of the start and of `friction.band`, in their unit: `{ "start.velocity" = 0.05
+    /// }`. They are not relative, as these may be 0 on average. Required with such inputs.
     #[schemars(with = "Option<BTreeMap<String, f64>>")]
     pub std: Option<Spanned<BTreeMap<Spanned<String>, Spanned<f64>>>>,
-    /// The distribution of every input, or a table by input; by default "normal".
-    #[schemars(with = "Option<DistributionSpec>")]
+    /// The distribution of every input, or of each by name; those left out are normal.
+    #[schemars(with = "Option<DistributionSpec>", extend("default" = "normal"))]
     pub distribution: Option<Spanned<DistributionSpec>>,
-    /// Correlated pairs: [["preload", "static_friction", 0.3], ...], coefficients of the normal deviates behind them.
+    /// Correlated pairs, `[["preload", "static_friction", 0.3]]`: coefficients of the normal deviates behind the
+    /// inputs, greater than -1 and less than 1.
+    #[serde(default)]
     #[schemars(schema_with = "pairs_schema")]
     pub correlation: Option<Spanned<Vec<PairSpec>>>,
 }
@@ -52,7 +56,8 @@ fn pairs_schema(_: &mut SchemaGenerator) -> Schema {
 pub type PairSpec = Spanned<(String, String, f64)>;
 
 /// One relative standard deviation for every random input, or one for each.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
 pub enum StdSpec {
     /// The same for every random input.
     Common(f64),
@@ -61,7 +66,7 @@ pub enum StdSpec {
 }
 
 /// A number, a table by input, or a list of these.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct RelativeStdSpec(pub Vec<StdSpec>);
 
 struct StdVisitor;

@@ -162,7 +162,7 @@ fn in_words(text: &str, path: &[String], error: &Error, suggested: Suggested) ->
     if let Some(names) = message.strip_prefix("unknown field ") {
         let (wrong, names) = names_in(names);
         let place = if table.is_empty() { String::new() } else { format!(" in [{table}]") };
-        let hint = suggestion(wrong, &table, &names, suggested);
+        let hint = suggestion::<JobSpec>(wrong, &table, &names, suggested);
         return format!("unknown key `{wrong}`{place}{hint} (it may have {})", names.join(", "));
     }
     if let Some(names) = message.strip_prefix("unknown variant ") {

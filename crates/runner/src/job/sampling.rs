@@ -129,7 +129,7 @@ impl SamplingSpec {
             evaluate: self.evaluate_mode(),
             audit,
             particles: method.particles().map(|default| self.checked_particles(default)).transpose()?,
-            common_random_numbers: self.common_random_numbers,
+            common_random_numbers: self.common_random_numbers.unwrap_or_default(),
             confidence,
             interval: self.interval.as_ref().map(|interval| *interval.get_ref()),
             simultaneous: self.is_simultaneous(),

@@ -9,71 +9,75 @@ use toml::Spanned;
 pub const AUDIT: Audit = Audit::Samples(300);
 
 /// Sampling of the random inputs.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SamplingSpec {
-    /// How probabilities are found; by default "monte-carlo".
-    #[schemars(with = "Option<SamplingMethod>")]
+    /// How probabilities are found.
+    #[schemars(with = "Option<SamplingMethod>", extend("default" = SamplingMethod::default()))]
     pub method: Option<Spanned<SamplingMethod>>,
-    /// Samples in each cell, at least 1; by default 10000.
-    #[schemars(with = "Option<u64>", range(min = 1))]
+    /// Samples in each cell; with `"sobol"`, `"conditional"` and `"importance"` at most 2^32 for each randomisation.
+    #[schemars(with = "Option<u64>", range(min = 1, max = 1_000_000_000_000_000_u64), extend("default" = 10_000))]
     pub samples: Option<Spanned<u64>>,
-    /// Instead of `samples`: draw until the interval is narrow enough.
+    /// In place of `samples`: draw until the interval is narrow enough.
     #[schemars(with = "Option<UntilSpec>")]
     pub until: Option<Spanned<UntilSpec>>,
-    /// Seed of the random numbers; by default 0. The same seed gives the same result on every machine.
-    #[schemars(with = "Option<u64>")]
+    /// Seed of the random numbers: the same seed gives the same result on every machine. Use at most 2^63 - 1: TOML
+    /// promises no more, and `--seed` and `--samples` refuse what is beyond.
+    #[schemars(with = "Option<u64>", range(min = 0, max = u64::MAX), extend("default" = 0))]
     pub seed: Option<Spanned<u64>>,
-    /// Whether every sample is simulated ("each") or looked up in a map of the verdicts ("boundary"); by default
-    /// "each".
-    #[schemars(with = "Option<EvaluateMode>")]
+    /// How the verdict of a sample is found.
+    #[schemars(with = "Option<EvaluateMode>", extend("default" = EvaluateMode::default()))]
     pub evaluate: Option<Spanned<EvaluateMode>>,
-    /// With a verdict map: how many looked-up samples of each cell are simulated as a check (a whole number), or which
-    /// share of them (less than 1, with evaluate = "boundary"); by default 300.
-    #[schemars(with = "Option<Audit>")]
+    /// Whether all cells draw the same deviates, so that differences between cells are less noisy.
+    #[schemars(extend("default" = false))]
+    pub common_random_numbers: Option<bool>,
+    /// Confidence of the interval `p_low` to `p_high`.
+    #[schemars(with = "Option<f64>", extend("default" = 0.95, "exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    pub confidence: Option<Spanned<f64>>,
+    /// With a verdict map: how many looked-up samples of each cell are simulated as a check, 0 or from 2 to 1e8; or,
+    /// with `evaluate = "boundary"`, which share of them, from 0.0 to 1.0.
+    #[schemars(with = "Option<Audit>", extend("default" = AUDIT))]
     pub audit: Option<Spanned<Audit>>,
-    /// With method = "sobol", "conditional" or "importance": independent randomisations among which the samples are shared;
-    /// with "subset": independent populations; by default 16.
-    #[schemars(with = "Option<u64>", range(min = 2))]
+    /// With `"sobol"`, `"conditional"` and `"importance"`: independent randomisations that share the samples, with
+    /// `"importance"` 8 at least. With `"subset"`: independent populations.
+    #[schemars(with = "Option<u64>", range(min = 2, max = 1000), extend("default" = 16))]
     pub randomisations: Option<Spanned<u64>>,
-    /// With method = "importance" or "subset": particles of a population; by default 300 and 1000.
+    /// With `"importance"` and `"subset"`: particles of a population; by default 300, with `"subset"` 1000.
     #[schemars(with = "Option<u64>", range(min = 50, max = 100_000))]
     pub particles: Option<Spanned<u64>>,
-    /// Whether all cells draw the same deviates; by default false.
-    #[serde(default)]
-    pub common_random_numbers: bool,
-    /// Confidence of the interval p_low to p_high, between 0 and 1; by default 0.95.
-    #[schemars(with = "Option<f64>")]
-    pub confidence: Option<Spanned<f64>>,
-    /// The interval of Monte Carlo; by default "wilson", "clopper-pearson" where the confidence is above 0.95 or
-    /// simultaneous.
-    #[schemars(with = "Option<IntervalSpec>")]
+    /// The interval of counted verdicts.
+    #[schemars(with = "Option<IntervalSpec>", extend("default" = IntervalSpec::default()))]
     pub interval: Option<Spanned<IntervalSpec>>,
-    /// Whether the intervals of all cells hold together with the confidence; by default false.
-    #[schemars(with = "Option<bool>")]
+    /// Whether the intervals of all cells hold together with the confidence.
+    #[schemars(with = "Option<bool>", extend("default" = false))]
     pub simultaneous: Option<Spanned<bool>>,
-    /// Whether the derivatives of the probability are written, as further columns; by default false.
-    #[schemars(with = "Option<bool>")]
+    /// Whether slopes of the probability are written, as further columns.
+    #[schemars(with = "Option<bool>", extend("default" = false))]
     pub derivatives: Option<Spanned<bool>>,
-    /// Whether first-order and total Sobol indices of the inputs are written, as further columns; by default false.
-    #[schemars(with = "Option<bool>")]
+    /// Whether first-order and total Sobol indices of the inputs are written, as further columns.
+    #[schemars(with = "Option<bool>", extend("default" = false))]
     pub sensitivity: Option<Spanned<bool>>,
 }
 
 /// When enough samples are drawn: half_width or relative is given, or both; then the first that is reached.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
     expecting = "a table, for example until = { half_width = 0.005 } or until = { relative = 0.05 }"
 )]
 pub struct UntilSpec {
-    /// Half of the width of the interval that is wanted, greater than 0 and less than 0.5.
+    /// Half of the width of `p_low` to `p_high` that is wanted. This key or `relative` is required; with both, the
+    /// first that is reached counts.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 0.5))]
     pub half_width: Option<f64>,
-    /// The same over the middle of the interval, greater than 0 and less than 1.
+    /// The same over the middle of the interval.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub relative: Option<f64>,
-    /// Confidence of the interval; by default 0.95.
+    /// Confidence of the interval.
+    #[schemars(extend("default" = 0.95, "exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub confidence: Option<f64>,
-    /// Largest number of samples in a cell; by default 1000000. It can be raised later.
+    /// Samples in a cell at most. It can be raised later.
+    #[schemars(range(min = 1, max = 1_000_000_000_000_000_u64), extend("default" = 1_000_000))]
     pub at_most: Option<u64>,
 }
 
@@ -106,13 +110,13 @@ pub enum SamplingMethod {
     MonteCarlo,
     /// Scrambled Sobol points.
     Sobol,
-    /// Scrambled Sobol points of all inputs but preload and static friction, over which it integrates at each of them.
+    /// Scrambled Sobol points of all inputs but preload and static friction, and an integral over these two at each.
     Conditional,
-    /// Scrambled Sobol points of a density that is found for each cell, with weights, for rare events.
+    /// Scrambled Sobol points of a density that is found for each cell, with weights; for rare events.
     Importance,
-    /// Populations of samples that are led to rare events step by step.
+    /// Populations of samples that are led to rare events in steps.
     Subset,
-    /// The probability of the unstable side of the boundary.
+    /// Integration over the unstable side of the boundary, without samples.
     Exact,
 }
 
@@ -127,7 +131,7 @@ impl SamplingMethod {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum EvaluateMode {
-    /// Every sample is simulated.
+    /// Each sample is decided by itself.
     #[default]
     Each,
     /// Looked up in a map of the verdicts; only samples within its resolution are simulated.
@@ -141,6 +145,7 @@ pub enum IntervalSpec {
     /// Wilson's score interval, whose coverage is right on average.
     #[default]
     Wilson,
-    /// Clopper and Pearson's, which is wider and covers at least with the confidence.
+    /// Clopper and Pearson's, whose coverage is never below the confidence; always used where that is above 0.95, with
+    /// `simultaneous`, and for the counts beside an audit.
     ClopperPearson,
 }

@@ -1,8 +1,8 @@
-//! The job spec as TOML: one struct for each table, the source of parsing, of the JSON schema and of its texts.
+//! The job spec as TOML: one struct for each table, which declares its keys once. From it come parsing, the JSON schema, the
+//! reference page, the job written out in full and its identity.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
-use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::axes_spec::AxesSpec;
@@ -14,36 +14,38 @@ use super::sampling_spec::SamplingSpec;
 /// A stickslip job: the probability of instability of a model over a grid of operating points.
 ///
 /// The tables `[model]` and `[criterion]` are read by the kind of model, see [`models`](super::models).
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobSpec {
-    /// Name of the run; its results go to runs/NAME. Letters, digits, '-', '_' and '.'.
+    /// Name of the run; its results go to `runs/NAME`. 1 to 100 letters, digits, `-`, `_` and `.`, not starting with
+    /// `.`.
     #[schemars(with = "String")]
     pub name: Option<Spanned<String>>,
     /// What the job is for, in a sentence.
-    #[serde(default)]
-    pub description: String,
-    /// The model.
-    #[serde(default, rename = "model")]
+    pub description: Option<String>,
+    /// What is computed: the model and its values.
     #[schemars(with = "Option<serde_json::Value>")]
-    _model: Option<IgnoredAny>,
-    /// The grid; the job is the product of the axes. An axis that is left out has the model's one value.
+    pub model: Option<toml::Value>,
+    /// The grid: the job is the product of the axes. An axis that is left out has the model's one value.
     #[serde(default)]
+    #[schemars(extend("default" = {}))]
     pub axes: AxesSpec,
-    /// Which inputs scatter, and how much.
+    /// Which inputs scatter, and how.
     #[serde(default)]
+    #[schemars(extend("default" = {}))]
     pub random: RandomSpec,
     /// What decides whether a sample is stable.
-    #[serde(rename = "criterion")]
     #[schemars(with = "serde_json::Value")]
-    _criterion: Option<IgnoredAny>,
-    /// How many samples are drawn, and how.
+    pub criterion: Option<toml::Value>,
+    /// How the probability is found.
     #[serde(default)]
+    #[schemars(extend("default" = {}))]
     pub sampling: SamplingSpec,
-    /// Which limits are sought along an axis.
+    /// Which limits are sought along an axis. The surface does not depend on it.
+    #[serde(skip_serializing)]
     #[schemars(with = "Option<LimitSpec>")]
     pub limit: Option<Spanned<LimitSpec>>,
-    /// What a cluster is asked for.
-    #[serde(default)]
+    /// What a cluster is asked for. The surface does not depend on it.
+    #[serde(default, skip_serializing)]
     pub engine: EngineSpec,
 }

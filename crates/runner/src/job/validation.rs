@@ -61,7 +61,7 @@ pub fn validate(spec: &JobSpec, mut draft: Box<dyn Draft>, folder: &Path, compla
     }
     let job = Job {
         name: name?,
-        description: spec.description.clone(),
+        description: spec.description.clone().unwrap_or_default(),
         model: model?,
         grid: grid?,
         random: random?,

@@ -1,12 +1,12 @@
 //! The friction oscillator on a belt in job specs.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use stickslip_core::model::Model;
 use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_core::models::belt_oscillator::{BeltCriterion, BeltOscillator, Oscillator, quantities};
@@ -20,11 +20,12 @@ use toml::Spanned;
 use toml_edit::DocumentMut;
 
 use super::pad_on_disc::criterion_spec::Record;
-use super::pad_on_disc::friction::{self, CurveColumns, FrictionSpec, LawSpec, use_law};
+use super::pad_on_disc::friction::{self, FrictionSpec, LawSpec, use_law};
+use super::pad_on_disc::overrides::number_within;
 use super::start_spec::{StartNumbers, StartSpec};
 use crate::job::axes_spec::AxesSpec;
 use crate::job::diagnosis::{Complaint, Complaints};
-use crate::job::model::{Draft, JobModel, Kind, OutsidePhysics, Parts, Tables, configurable, table_of};
+use crate::job::model::{Draft, JobModel, Kind, OutsidePhysics, Parts, Tables, configurable, table_of, written};
 use crate::job::random::RandomInputSet;
 use crate::job::reading;
 use crate::job::spec::JobSpec;
@@ -58,27 +59,35 @@ struct BeltTables {
 }
 
 /// The friction oscillator on a belt, m x'' + c x' + k x = N mu(V - x'): `kind = "belt-oscillator"`.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = describe)]
 struct BeltModelSpec {
-    /// Mass m, kg.
     #[schemars(with = "Option<f64>")]
     mass: Option<Spanned<f64>>,
-    /// Stiffness k of the spring, N/m.
     #[schemars(with = "Option<f64>")]
     stiffness: Option<Spanned<f64>>,
-    /// Damping c, N s/m.
     #[schemars(with = "Option<f64>")]
     damping: Option<Spanned<f64>>,
-    /// Normal force N, N.
     #[schemars(with = "Option<f64>")]
     normal_force: Option<Spanned<f64>>,
-    /// Speed V of the belt, m/s.
     #[schemars(with = "Option<f64>")]
     belt_speed: Option<Spanned<f64>>,
     /// The friction law and its values, as for the pad on the disc.
     #[serde(default)]
+    #[schemars(extend("default" = {}))]
     friction: FrictionSpec,
+}
+
+/// Puts what the core knows of the values into the JSON schema.
+fn describe(schema: &mut Schema) {
+    let Some(properties) = schema.get_mut("properties").and_then(Value::as_object_mut) else { return };
+    for quantity in quantities() {
+        let description = format!("{} ({}), unit {}", quantity.description, quantity.symbol, quantity.unit);
+        if let Some(value) = properties.get_mut(&*quantity.path) {
+            *value = number_within(quantity.limits, &description);
+        }
+    }
 }
 
 impl BeltModelSpec {
@@ -96,26 +105,28 @@ impl BeltModelSpec {
 
 /// What decides whether a sample of an oscillator on a belt is stable. All keys but `kind` and `outside_physics` belong to
 /// the simulation in time.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct BeltCriterionSpec {
     /// How a sample is decided.
     #[schemars(with = "BeltKind")]
     kind: Option<Spanned<BeltKind>>,
-    /// Where a motion starts; by default "near-equilibrium".
-    #[schemars(with = "Option<StartSpec<GivenBeltStart>>")]
+    /// Where a motion starts: by name, or in numbers. With `kind = "time-domain"`.
+    #[schemars(with = "Option<StartSpec<GivenBeltStart>>", extend("default" = "near-equilibrium"))]
     start: Option<Spanned<StartSpec<GivenBeltStart>>>,
-    /// Displacement of a start near the equilibrium, over the equilibrium's own; by default 0.01.
-    #[schemars(with = "Option<f64>")]
+    /// Displacement of a start near the equilibrium, over the equilibrium's own. With the other starts: the distance
+    /// from the equilibrium within which a shrinking motion counts as stable. With `kind = "time-domain"`.
+    #[schemars(with = "Option<f64>", extend("default" = 0.01, "exclusiveMinimum" = 0, "maximum" = 1000))]
     displacement: Option<Spanned<f64>>,
-    /// Time after which a sample is undecided, s; by default 10000.
-    #[schemars(with = "Option<f64>")]
+    /// Time after which a sample is undecided, s. With `kind = "time-domain"`.
+    #[schemars(with = "Option<f64>", extend("default" = 10_000, "exclusiveMinimum" = 0, "maximum" = 1e9))]
     horizon: Option<Spanned<f64>>,
-    /// What happens to samples outside the model, with normal force at or below 0 or f_s < f_c; "stable" by default.
-    #[schemars(with = "Option<OutsidePhysics>")]
+    /// What happens to samples outside the model, with normal force at or below 0 or f_s < f_c.
+    #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     outside_physics: Option<Spanned<OutsidePhysics>>,
-    /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude, in m.
-    #[serde(default)]
+    /// What else is written for each cell: `["amplitude"]` adds mean and quantiles of the settled amplitude of x, in m.
+    /// With `kind = "time-domain"`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     record: Vec<Record>,
 }
 
@@ -123,7 +134,7 @@ struct BeltCriterionSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum BeltKind {
-    /// The eigenvalues of steady sliding, in closed form.
+    /// The eigenvalues of steady sliding, in closed form: unstable where -N mu'(V) > c.
     Eigenvalue,
     /// The motion itself, simulated in time.
     TimeDomain,
@@ -133,13 +144,14 @@ enum BeltKind {
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct GivenBeltStart {
-    /// Displacement, m.
+    /// Displacement x, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     displacement: Option<f64>,
-    /// Speed, m/s.
+    /// Speed x', m/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     velocity: Option<f64>,
-    /// Whether the displacement counts from steady sliding; by default it counts from the spring without force.
+    /// Whether `displacement` counts from steady sliding, x = N mu(V) / k; otherwise it counts from the spring without
+    /// force.
     #[serde(default)]
     from_equilibrium: bool,
 }
@@ -408,26 +420,30 @@ impl JobModel for BeltJob {
 
     fn tables(&self, grid: &Grid) -> Tables {
         let expected = self.0.expected();
-        let friction = self.0.oscillator(&expected).friction;
-        let law = LawSpec::from(&friction.law);
-        let mut model = toml::Table::from_iter([("kind".to_owned(), KIND.name.into())]);
-        let mut of_friction = toml::Table::new();
-        for (place, quantity) in self.0.quantities().iter().enumerate() {
-            if quantity.role == Role::Start || grid.axis_of(place).is_some() {
-                continue;
-            }
-            match quantity.path.strip_prefix("friction.") {
-                Some(name) if law.refusal(name, "").is_some() => {}
-                Some(name) => drop(of_friction.insert(name.to_owned(), expected[place].into())),
-                None => drop(model.insert(quantity.path.to_string(), expected[place].into())),
-            }
-        }
-        of_friction.insert("law".to_owned(), friction.law.name().into());
-        if let Some(curve) = friction.law.table() {
-            of_friction.extend(table_of(&BTreeMap::from([("table", CurveColumns::from(&**curve))])));
-        }
-        model.insert("friction".to_owned(), of_friction.into());
-        Tables { model, criterion: criterion_table(self.0.criterion()) }
+        let law = self.0.oscillator(&expected).friction.law;
+        let given = |place: usize, quantity: &Quantity| {
+            let is_given = quantity.role != Role::Start && grid.axis_of(place).is_none();
+            is_given.then(|| written(expected[place]))
+        };
+        let value = |path: &str| {
+            let mut quantities = self.0.quantities().iter().enumerate();
+            quantities.find(|(_, quantity)| quantity.path == path).and_then(|(place, quantity)| given(place, quantity))
+        };
+        let of_friction = self.0.quantities().iter().enumerate().filter_map(|(place, quantity)| {
+            let name = quantity.path.strip_prefix("friction.")?;
+            let is_own = LawSpec::from(&law).refusal(name, "").is_none();
+            is_own.then(|| Some((written(name.to_owned()), given(place, quantity)?))).flatten()
+        });
+        let mut model = table_of(&BeltModelSpec {
+            mass: value("mass"),
+            stiffness: value("stiffness"),
+            damping: value("damping"),
+            normal_force: value("normal_force"),
+            belt_speed: value("belt_speed"),
+            friction: FrictionSpec::written_out(&law, of_friction.collect()),
+        });
+        model.insert("kind".to_owned(), KIND.name.into());
+        Tables { model, criterion: table_of(&BeltCriterionSpec::from(self.0.criterion())) }
     }
 
     fn map_refusal(&self, _: &Grid, _: &RandomInputSet) -> Option<String> {
@@ -443,28 +459,17 @@ impl JobModel for BeltJob {
     }
 }
 
-/// The criterion written out.
-fn criterion_table(criterion: &Criterion) -> toml::Table {
-    #[derive(Serialize)]
-    struct Written {
-        kind: BeltKind,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        displacement: Option<f64>,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        horizon: Option<f64>,
-        #[serde(skip_serializing_if = "Vec::is_empty")]
-        record: Vec<Record>,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        start: Option<StartSpec<GivenBeltStart>>,
+/// Keys that the kind of criterion has no use for are absent.
+impl From<&Criterion> for BeltCriterionSpec {
+    fn from(criterion: &Criterion) -> Self {
+        let of_kind = |kind: BeltKind| Self { kind: Some(written(kind)), ..Self::default() };
+        let Criterion::TimeDomain { settings, .. } = criterion else { return of_kind(BeltKind::Eigenvalue) };
+        Self {
+            start: Some(written((&settings.start).into())),
+            displacement: Some(written(settings.displacement)),
+            horizon: Some(written(settings.horizon)),
+            record: settings.record_amplitude.then_some(Record::Amplitude).into_iter().collect(),
+            ..of_kind(BeltKind::TimeDomain)
+        }
     }
-    let empty =
-        Written { kind: BeltKind::Eigenvalue, displacement: None, horizon: None, record: Vec::new(), start: None };
-    let Criterion::TimeDomain { settings, .. } = criterion else { return table_of(&empty) };
-    table_of(&Written {
-        kind: BeltKind::TimeDomain,
-        displacement: Some(settings.displacement),
-        horizon: Some(settings.horizon),
-        record: settings.record_amplitude.then_some(Record::Amplitude).into_iter().collect(),
-        start: Some((&settings.start).into()),
-    })
 }

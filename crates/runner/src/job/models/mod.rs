@@ -84,6 +84,19 @@ pub fn schema() -> Schema {
     let axes = axes(&generator.subschema_for::<AxisSpec>());
     let mut schema = generator.into_root_schema_for::<JobSpec>();
     let root = schema.ensure_object();
+    for (i, kind) in KINDS.iter().enumerate() {
+        let reference = model[i].get("$ref").and_then(Value::as_str);
+        let Some(name) = reference.and_then(|path| path.strip_prefix("#/$defs/")) else { continue };
+        // It is taken out before a model reads its table.
+        let table = &mut root["$defs"][name];
+        let description = format!("The kind of model: `\"{}\"`.", kind.name);
+        table["properties"]["kind"] = json!({ "const": kind.name, "description": description });
+        if i == 0 {
+            table["properties"]["kind"]["default"] = kind.name.into();
+        } else {
+            table["required"] = json!(["kind"]);
+        }
+    }
     root["properties"]["model"]["anyOf"] = json!(model);
     root["properties"]["criterion"]["anyOf"] = json!(criterion);
     root["$defs"]["AxesSpec"]["properties"] = axes.into();
@@ -95,8 +108,11 @@ fn axes(axis: &Schema) -> Map<String, Value> {
     let mut properties = Map::new();
     for (key, description) in KINDS.iter().flat_map(|kind| (kind.axes)()) {
         let mut schema = axis.clone();
-        schema.insert("description".to_owned(), description.into());
-        properties.insert(key.clone(), schema.clone().into());
+        schema.insert("description".to_owned(), description.clone().into());
+        // One kind may have an axis with the name of another's section.
+        let section = properties.get(&key).filter(|known| known["type"] == "object");
+        let either = section.map(|section| json!({ "description": description, "anyOf": [section, schema] }));
+        properties.insert(key.clone(), either.unwrap_or_else(|| schema.clone().into()));
         // The same within the table of its section.
         if let Some((section, name)) = key.split_once('.') {
             let section = properties

@@ -5,7 +5,7 @@ use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Unexpected, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use stickslip_core::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
 use stickslip_core::models::pad_on_disc::motion::start::{GivenStart, StartUnits};
 use toml::Spanned;
@@ -15,36 +15,40 @@ use crate::job::models::start_spec::{StartNumbers, StartSpec};
 
 /// The criterion of stability. All keys but `kind` belong to the simulation in time, `disc_modes` also to the coupled
 /// eigenvalues.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CriterionSpec {
     /// How a sample is decided.
     #[schemars(with = "CriterionKind")]
     pub kind: Option<Spanned<CriterionKind>>,
-    /// The disc under the pad; by default "flexible".
-    #[schemars(with = "Option<DiscKind>")]
+    /// The disc under the pad. With `kind = "time-domain"`.
+    #[schemars(with = "Option<DiscKind>", extend("default" = "flexible"))]
     pub disc: Option<Spanned<DiscKind>>,
-    /// How many modes of the flexible disc are kept, those of lowest frequency; by default "auto": as many as the
-    /// growth rates of the job need.
-    #[schemars(with = "Option<ModesSpec>")]
+    /// How many modes of the flexible disc are kept, those of lowest frequency. `"auto"`: as many as the growth rates
+    /// of the job need. With a flexible disc.
+    #[schemars(with = "Option<ModesSpec>", extend("default" = "auto"))]
     pub disc_modes: Option<Spanned<ModesSpec>>,
-    /// Where a motion starts; by default "near-equilibrium".
-    #[schemars(with = "Option<StartSpec<GivenStartSpec>>")]
+    /// Where a motion starts: by name, or in numbers. With `kind = "time-domain"`.
+    #[schemars(with = "Option<StartSpec<GivenStartSpec>>", extend("default" = "near-equilibrium"))]
     pub start: Option<Spanned<StartSpec<GivenStartSpec>>>,
-    /// Displacement of a start near the equilibrium, over the equilibrium's own; by default 0.01.
-    #[schemars(with = "Option<f64>")]
+    /// Displacement of a start near the equilibrium, over the equilibrium's own. With the other starts: the distance
+    /// from the equilibrium within which a shrinking motion counts as stable. With `kind = "time-domain"`.
+    #[schemars(with = "Option<f64>", extend("default" = 0.01, "exclusiveMinimum" = 0, "maximum" = 1000))]
     pub displacement: Option<Spanned<f64>>,
-    /// Scaled time after which a sample is undecided; by default 10000.
-    #[schemars(with = "Option<f64>")]
+    /// Scaled time after which a sample is undecided, at most 1e8 steps. With `kind = "time-domain"`.
+    #[schemars(with = "Option<f64>", extend("default" = 10_000, "exclusiveMinimum" = 0, "maximum" = 1e9))]
     pub horizon: Option<Spanned<f64>>,
-    /// The paper's index: unstable where the settled amplitude exceeds a limit. Without it the motion itself decides.
+    /// The paper's index, `{ amplitude = NUMBER }`: unstable where the settled amplitude of x (half peak to peak, over
+    /// the disc's thickness) exceeds this, above 0 to 1000. Without it the motion itself decides. With `kind =
+    /// "time-domain"`.
     #[schemars(with = "Option<IndexSpec>")]
     pub index: Option<Spanned<IndexSpec>>,
-    /// What happens to samples outside the model, with preload at or below 0 or f_s < f_c; "stable" by default.
-    #[schemars(with = "Option<OutsidePhysics>")]
+    /// What happens to samples outside the model, with preload at or below 0 or f_s < f_c.
+    #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     pub outside_physics: Option<Spanned<OutsidePhysics>>,
-    /// What else is written for each cell; ["amplitude"] adds mean and quantiles of the settled amplitude.
-    #[schemars(with = "Option<Vec<Record>>")]
+    /// What else is written for each cell: `["amplitude"]` adds mean and quantiles of the settled amplitude as further
+    /// columns. With `kind = "time-domain"`.
+    #[schemars(with = "Option<Vec<Record>>", extend("default" = []))]
     pub record: Option<Spanned<Vec<Record>>>,
 }
 
@@ -82,6 +86,15 @@ impl<'de> Deserialize<'de> for ModesSpec {
     }
 }
 
+impl Serialize for ModesSpec {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => "auto".serialize(serializer),
+            Self::Given(modes) => modes.serialize(serializer),
+        }
+    }
+}
+
 impl JsonSchema for ModesSpec {
     fn schema_name() -> Cow<'static, str> {
         "DiscModes".into()
@@ -111,9 +124,9 @@ pub enum CriterionKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DiscKind {
-    /// An elastic annular plate, by its modes.
+    /// An elastic annular plate, by its modes: pad, contact and disc move.
     Flexible,
-    /// A rigid disc.
+    /// A rigid disc: the pad alone moves.
     Rigid,
 }
 
@@ -121,22 +134,23 @@ pub enum DiscKind {
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GivenStartSpec {
-    /// Tangential displacement of the pad, m.
+    /// Displacement x of the pad, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tangential: Option<f64>,
-    /// Tangential speed of the pad, m/s.
+    /// Its speed x', m/s, in the direction in which the disc drags it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<f64>,
-    /// Normal displacement of the pad, m; on a flexible disc.
+    /// Displacement y of the pad, m; on a flexible disc only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal: Option<f64>,
-    /// Rotation of the pad, rad; on a flexible disc.
+    /// Rotation phi of the pad, rad; on a flexible disc only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<f64>,
-    /// Whether displacements and rotation count from steady sliding; by default they count from the pad without forces.
+    /// Whether `tangential`, `normal` and `angle` count from steady sliding; otherwise they count from the pad without
+    /// forces, where x = y = phi = 0.
     #[serde(default)]
     pub from_equilibrium: bool,
-    /// Units of displacements and speed; by default "si".
+    /// Units of displacements and speed.
     #[serde(default)]
     pub units: UnitsSpec,
 }
@@ -148,7 +162,7 @@ pub enum UnitsSpec {
     /// m and m/s.
     #[default]
     Si,
-    /// Thicknesses of the disc, and these over the time scale.
+    /// Lengths over the disc's thickness h, and the speed over h/tau.
     Scaled,
 }
 
@@ -174,10 +188,11 @@ impl From<&GivenStart> for GivenStartSpec {
 }
 
 /// The paper's index of instability.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IndexSpec {
     /// Limit of the settled amplitude, half peak to peak of x over the disc's thickness.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1000))]
     pub amplitude: f64,
 }
 

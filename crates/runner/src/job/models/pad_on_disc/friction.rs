@@ -21,7 +21,7 @@ use super::overrides::{Overrides, section_properties};
 use crate::job::diagnosis::{Complaint, Complaints};
 use crate::job::keys::nearest;
 use crate::job::measured::{MOST_VALUES, finite_number, read_csv, unreadable};
-use crate::job::model::Parts;
+use crate::job::model::{Parts, written};
 
 /// Names of friction laws.
 pub const LAWS: [&str; 3] = ["stribeck", "rational", "table"];
@@ -30,15 +30,16 @@ pub const LAWS: [&str; 3] = ["stribeck", "rational", "table"];
 const COLUMNS: [&str; 3] = ["speed", "coefficient", "std"];
 
 /// `[model.friction]`: the law, its measured curve, and its values.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize)]
 pub struct FrictionSpec {
     pub law: Option<Spanned<LawSpec>>,
     pub table: Option<Spanned<TableSpec>>,
+    #[serde(flatten)]
     pub values: Overrides,
 }
 
 /// A friction law by its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawSpec {
     Stribeck,
@@ -101,7 +102,8 @@ impl From<&LawKind> for LawSpec {
 }
 
 /// A measured curve: a file, or its columns.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
 pub enum TableSpec {
     /// Path, relative to the job's.
     Csv(String),
@@ -200,12 +202,12 @@ impl JsonSchema for FrictionSpec {
         };
         properties.insert(
             "law".to_owned(),
-            json!({ "enum": LAWS, "description": "The friction law; \"stribeck\" by default" }),
+            json!({ "enum": LAWS, "default": LAWS[0], "description": "The friction law. A value of another law is refused" }),
         );
         properties.insert(
             "table".to_owned(),
             json!({
-                "description": "A measured curve: a CSV file with the columns speed, coefficient and perhaps std, relative to the job's folder; or the columns themselves",
+                "description": "The measured curve of `law = \"table\"`: a CSV file, relative to the job's folder, with the columns speed, coefficient and perhaps std; or the columns themselves, `{ speed = [...], coefficient = [...], std = [...] }`",
                 "anyOf": [
                     { "type": "string" },
                     {
@@ -222,6 +224,14 @@ impl JsonSchema for FrictionSpec {
             }),
         );
         json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
+    }
+}
+
+impl FrictionSpec {
+    /// A law and its values.
+    pub fn written_out(law: &LawKind, values: Overrides) -> Self {
+        let table = law.table().map(|curve| written(TableSpec::Columns(CurveColumns::from(&**curve))));
+        Self { law: Some(written(law.into())), table, values }
     }
 }
 

@@ -2,39 +2,41 @@
 
 use stickslip_core::models::pad_on_disc::motion::start::GivenStart;
 use stickslip_core::models::pad_on_disc::motion::start_value::StartValue;
-use stickslip_core::models::pad_on_disc::parameters::{SCALARS, Scalar};
+use stickslip_core::models::pad_on_disc::parameters::{SCALARS, Scalar, scalar};
 
+use super::criterion_spec::CriterionSpec;
 use super::preload_force::{self, AS_INPUT, is_preload_force};
 use crate::job::axes_spec::{AxesSpec, AxisEntry};
-use crate::job::keys::nearest;
+use crate::job::keys::{has_key, nearest, table_with};
+use crate::job::spec::JobSpec;
 
 /// The sections of the model, in the order of the model's table.
 pub const SECTIONS: [&str; 6] = ["disc", "pad", "stiffness", "damping", "friction", "operating_point"];
 
-/// The keys that belong to the pad on the disc, by table.
-const TABLES: [(&str, &[&str]); 2] = [
-    ("axes", &["rotating_speed", "preload", "preload_force", "static_friction"]),
+/// Parameters that are axes of a job, with the names that they have there, and what they are.
+const AXES: [(&str, &str, &str); 4] = [
+    ("operating_point.rotating_speed", "rotating_speed", "Rotating speed of the disc"),
     (
-        "criterion",
-        &["kind", "disc", "disc_modes", "start", "displacement", "horizon", "index", "outside_physics", "record"],
+        "operating_point.preload",
+        "preload",
+        "Expected preload: displacement of the calliper over the thickness of the disc",
     ),
-];
-
-/// Parameters that are axes of a job, with the names that they have there.
-const AXES: [(&str, &str); 3] = [
-    ("operating_point.rotating_speed", "rotating_speed"),
-    ("operating_point.preload", "preload"),
-    ("friction.static_coefficient", "static_friction"),
+    (
+        preload_force::KEY,
+        preload_force::NAME,
+        "In place of `preload`: expected contact force, from 0 to the force at preload 1, unit N",
+    ),
+    ("friction.static_coefficient", "static_friction", "Expected static friction coefficient"),
 ];
 
 /// The axis of a job along which a parameter varies.
 pub fn axis_of(key: &str) -> Option<&'static str> {
-    AXES.iter().find(|(parameter, _)| *parameter == key).map(|(_, axis)| *axis)
+    AXES.iter().find(|(parameter, ..)| *parameter == key).map(|(_, axis, _)| *axis)
 }
 
 /// The parameter whose values an axis has.
 pub fn parameter_of_axis(axis: &str) -> Option<&'static str> {
-    AXES.iter().find(|(_, name)| *name == axis).map(|(parameter, _)| *parameter)
+    AXES.iter().find(|(_, name, _)| *name == axis).map(|(parameter, ..)| *parameter)
 }
 
 /// The axis of a parameter, if the job has it, under any of its names.
@@ -75,8 +77,11 @@ fn place_in_job(scalar: &Scalar, table: &str) -> String {
 
 /// What may have been meant by a key that a table does not have, as the end of a message.
 pub fn suggested(wrong: &str, table: &str) -> Option<String> {
-    if let Some((right, _)) = TABLES.iter().find(|(_, keys)| keys.contains(&wrong)) {
-        return Some(format!("; `{wrong}` belongs in [{right}]"));
+    if parameter_of_axis(wrong).is_some() {
+        return Some(format!("; `{wrong}` belongs in [axes]"));
+    }
+    if has_key::<CriterionSpec>(wrong) {
+        return Some(format!("; `{wrong}` belongs in [criterion]"));
     }
     let meant = parameter(wrong).or_else(|| parameter(&format!("{table}.{wrong}")));
     meant.map(|scalar| format!("; did you mean {}?", place_in_job(scalar, table)))
@@ -115,7 +120,7 @@ pub const AXIS_NAMES: &str = "rotating_speed, preload (or preload_force), static
 /// The complaint about an axis of something that does not exist.
 pub fn unknown_axis(name: &str) -> String {
     if !name.contains('.') {
-        let near = || nearest(name, TABLES[0].1.iter().copied().chain(SECTIONS));
+        let near = || nearest(name, AXES.iter().map(|(_, axis, _)| *axis).chain(SECTIONS));
         let near = near().map(|right| format!("; did you mean `{right}`?"));
         let hint = belongs(name).or(near).or_else(|| suggested(name, "axes")).unwrap_or_default();
         return format!("unknown key `{name}` in [axes]{hint} (it may have {AXIS_NAMES})");
@@ -135,9 +140,9 @@ pub fn unknown_axis(name: &str) -> String {
 
 /// The table in which a key belongs that is no axis, as the end of a message.
 fn belongs(wrong: &str) -> Option<String> {
-    let tables = crate::job::keys::TABLES.iter().chain(&TABLES[1..]);
-    let right = tables.into_iter().find(|(_, keys)| keys.contains(&wrong))?;
-    Some(format!("; `{wrong}` belongs in [{}]", right.0))
+    let of_criterion = || has_key::<CriterionSpec>(wrong).then(|| "criterion".to_owned());
+    let right = table_with::<JobSpec>(wrong).or_else(of_criterion)?;
+    Some(format!("; `{wrong}` belongs in [{right}]"))
 }
 
 /// The complaint about a random input that does not exist.
@@ -158,17 +163,13 @@ pub fn unknown_input(name: &str) -> String {
 
 /// The names of all axes, each with what it is.
 pub fn documented_axes() -> Vec<(String, String)> {
-    let mut axes: Vec<(String, String)> = [
-        ("rotating_speed", "Rotating speed of the disc, rad/s."),
-        ("preload", "Expected preload: displacement of the calliper over the thickness of the disc."),
-        (
-            preload_force::NAME,
-            "In place of preload: expected contact force, N. It depends on disc.thickness, stiffness.contact_normal and stiffness.calliper_normal.",
-        ),
-        ("static_friction", "Expected static friction coefficient."),
-    ]
-    .map(|(name, description)| (name.to_owned(), description.to_owned()))
-    .to_vec();
+    let described = |(key, name, description): (&str, &str, &str)| {
+        let of_model = scalar(key).map(|Scalar { unit, limits, .. }| {
+            format!("{description}, unit {unit}, {limits}; by default that of the model")
+        });
+        (name.to_owned(), of_model.unwrap_or_else(|| description.to_owned()))
+    };
+    let mut axes = AXES.map(described).to_vec();
     let scalars = SCALARS.iter();
     axes.extend(
         scalars.map(|scalar| (scalar.key.to_owned(), format!("Expected {}, unit {}", scalar.description, scalar.unit))),

@@ -31,13 +31,13 @@ use crate::units::force;
 
 pub mod preload_force;
 
+pub mod criterion_spec;
+
 pub mod keys;
 
-mod overrides;
+pub mod overrides;
 
 pub mod friction;
-
-pub mod criterion_spec;
 
 mod tables;
 

@@ -1,8 +1,5 @@
 //! The tables of the pad on the disc written out, with every default filled in.
 
-use std::collections::BTreeMap;
-
-use serde::Serialize;
 use stickslip_core::friction::law::LawKind;
 use stickslip_core::model::Model;
 use stickslip_core::models::pad_on_disc::criterion::time_domain::DiscModel;
@@ -10,106 +7,72 @@ use stickslip_core::models::pad_on_disc::model::{Criterion, PadModel};
 use stickslip_core::models::pad_on_disc::parameters::{Parameters, SCALARS};
 use stickslip_sampler::grid::Grid;
 
-use super::criterion_spec::{CriterionKind, DiscKind, GivenStartSpec, Record};
-use super::friction::{CurveColumns, LawSpec};
-use crate::job::model::{Tables, table_of};
-use crate::job::models::start_spec::StartSpec;
-
-/// The values of the model by section and name, without those that are axes of the grid.
-type NormalisedModel = BTreeMap<&'static str, BTreeMap<&'static str, NormalisedValue>>;
-
-/// A value of the model.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum NormalisedValue {
-    Number(f64),
-    Word(&'static str),
-    Curve(CurveColumns),
-}
+use super::criterion_spec::{CriterionKind, CriterionSpec, DiscKind, IndexSpec, ModesSpec, Record};
+use super::friction::{FrictionSpec, LawSpec};
+use super::overrides::Overrides;
+use super::tables::ModelSpec;
+use crate::job::model::{Tables, table_of, written};
 
 /// The tables of a job, without values that are axes.
 pub fn tables(pad: &PadModel, grid: &Grid) -> Tables {
     let is_axis = |key: &str| pad.place(key).is_some_and(|place| grid.axis_of(place).is_some());
     Tables {
         model: table_of(&model(pad.parameters(), is_axis)),
-        criterion: table_of(&NormalisedCriterion::from(pad.criterion())),
+        criterion: table_of(&CriterionSpec::from(pad.criterion())),
     }
 }
 
 /// The values of the parameters but for those that are axes.
-fn model(parameters: &Parameters, is_axis: impl Fn(&str) -> bool) -> NormalisedModel {
+fn model(parameters: &Parameters, is_axis: impl Fn(&str) -> bool) -> ModelSpec {
     let law = &parameters.friction.law;
-    let mut model = NormalisedModel::new();
-    for scalar in &SCALARS {
-        let is_strange = scalar.section() == "friction" && LawSpec::from(law).refusal(scalar.name(), "").is_some();
-        if !is_axis(scalar.key) && !is_strange {
-            let value = NormalisedValue::Number(scalar.value(parameters));
-            model.entry(scalar.section()).or_default().insert(scalar.name(), value);
-        }
+    let is_strange = |name: &str| LawSpec::from(law).refusal(name, "").is_some();
+    let section = |section: &str| -> Overrides {
+        let scalars = SCALARS.iter().filter(|scalar| scalar.section() == section && !is_axis(scalar.key));
+        let own = scalars.filter(|scalar| section != "friction" || !is_strange(scalar.name()));
+        own.map(|scalar| (written(scalar.name().to_owned()), written(scalar.value(parameters)))).collect()
+    };
+    let mut friction = FrictionSpec::written_out(law, section("friction"));
+    // The one that is meant where a job does not say.
+    if matches!(law, LawKind::Stribeck) {
+        friction.law = None;
     }
-    let friction = model.entry("friction").or_default();
-    if !matches!(law, LawKind::Stribeck) {
-        friction.insert("law", NormalisedValue::Word(law.name()));
+    ModelSpec {
+        preset: None,
+        disc: section("disc"),
+        pad: section("pad"),
+        stiffness: section("stiffness"),
+        damping: section("damping"),
+        friction,
+        operating_point: section("operating_point"),
     }
-    if let Some(curve) = law.table() {
-        friction.insert("table", NormalisedValue::Curve(CurveColumns::from(&**curve)));
-    }
-    model
 }
 
-/// The criterion. Keys that its kind has no use for are absent.
-#[derive(Serialize)]
-struct NormalisedCriterion {
-    kind: CriterionKind,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    disc: Option<DiscKind>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    disc_modes: Option<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    start: Option<StartSpec<GivenStartSpec>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    displacement: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    horizon: Option<f64>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    record: Vec<Record>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    index: Option<NormalisedIndex>,
-}
-
-/// The paper's index of instability.
-#[derive(Serialize)]
-struct NormalisedIndex {
-    amplitude: f64,
-}
-
-impl From<&Criterion> for NormalisedCriterion {
+/// Keys that the kind of criterion has no use for are absent.
+impl From<&Criterion> for CriterionSpec {
     fn from(criterion: &Criterion) -> Self {
-        let empty = Self {
-            kind: CriterionKind::Eigenvalue,
-            disc: None,
-            disc_modes: None,
-            start: None,
-            displacement: None,
-            horizon: None,
-            record: Vec::new(),
-            index: None,
-        };
+        let of_kind = |kind: CriterionKind| Self { kind: Some(written(kind)), ..Self::default() };
+        let given = |modes: usize| Some(written(ModesSpec::Given(modes)));
         match criterion {
-            Criterion::Eigenvalue => empty,
+            Criterion::Eigenvalue => of_kind(CriterionKind::Eigenvalue),
             Criterion::CoupledEigenvalue { modes } => {
-                Self { kind: CriterionKind::CoupledEigenvalue, disc_modes: Some(*modes), ..empty }
+                Self { disc_modes: given(*modes), ..of_kind(CriterionKind::CoupledEigenvalue) }
             }
-            Criterion::TimeDomain { disc, settings } => Self {
-                kind: CriterionKind::TimeDomain,
-                disc: Some(if matches!(disc, DiscModel::Rigid) { DiscKind::Rigid } else { DiscKind::Flexible }),
-                disc_modes: if let DiscModel::Flexible { modes } = disc { Some(*modes) } else { None },
-                start: Some((&settings.start).into()),
-                displacement: Some(settings.displacement),
-                horizon: Some(settings.horizon),
-                record: settings.record_amplitude.then_some(Record::Amplitude).into_iter().collect(),
-                index: settings.amplitude_index.map(|amplitude| NormalisedIndex { amplitude }),
-            },
+            Criterion::TimeDomain { disc, settings } => {
+                let (disc, disc_modes) = match disc {
+                    DiscModel::Rigid => (DiscKind::Rigid, None),
+                    DiscModel::Flexible { modes } => (DiscKind::Flexible, given(*modes)),
+                };
+                Self {
+                    disc: Some(written(disc)),
+                    disc_modes,
+                    start: Some(written((&settings.start).into())),
+                    displacement: Some(written(settings.displacement)),
+                    horizon: Some(written(settings.horizon)),
+                    index: settings.amplitude_index.map(|amplitude| written(IndexSpec { amplitude })),
+                    record: settings.record_amplitude.then(|| written(vec![Record::Amplitude])),
+                    ..of_kind(CriterionKind::TimeDomain)
+                }
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The tables `[model]` and `[criterion]` of the pad on the disc as written.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::criterion_spec::CriterionSpec;
@@ -21,33 +21,34 @@ pub struct PadTables {
 }
 
 /// The pad on the disc: preset and overrides. `kind = "pad-on-disc"` may be written, too.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelSpec {
-    /// The parameter set to start from; "sui-ding-2018" is the only one, and the default.
-    #[schemars(with = "Option<String>")]
+    /// The parameter set to start from; there is only this one.
+    #[schemars(with = "Option<String>", extend("default" = "sui-ding-2018"))]
     pub preset: Option<Spanned<String>>,
-    /// Overrides of the disc's values.
-    #[serde(default)]
+    /// Values of the disc in place of the preset's.
+    #[serde(default, skip_serializing_if = "Overrides::is_empty")]
     #[schemars(schema_with = "section_schema::<0>")]
     pub disc: Overrides,
-    /// Overrides of the pad's values.
-    #[serde(default)]
+    /// Values of the pad in place of the preset's.
+    #[serde(default, skip_serializing_if = "Overrides::is_empty")]
     #[schemars(schema_with = "section_schema::<1>")]
     pub pad: Overrides,
-    /// Overrides of the springs.
-    #[serde(default)]
+    /// Values of the springs in place of the preset's.
+    #[serde(default, skip_serializing_if = "Overrides::is_empty")]
     #[schemars(schema_with = "section_schema::<2>")]
     pub stiffness: Overrides,
-    /// Overrides of the dampers.
-    #[serde(default)]
+    /// Values of the dampers in place of the preset's.
+    #[serde(default, skip_serializing_if = "Overrides::is_empty")]
     #[schemars(schema_with = "section_schema::<3>")]
     pub damping: Overrides,
-    /// The friction law and its values.
+    /// The friction law, and its values in place of the preset's.
     #[serde(default)]
+    #[schemars(extend("default" = {}))]
     pub friction: FrictionSpec,
-    /// Overrides of the operating point, used for axes that are left out.
-    #[serde(default)]
+    /// Values of the operating point in place of the preset's; used for axes that are left out.
+    #[serde(default, skip_serializing_if = "Overrides::is_empty")]
     #[schemars(schema_with = "section_schema::<5>")]
     pub operating_point: Overrides,
 }
