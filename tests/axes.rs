@@ -428,7 +428,7 @@ fn pictures_follow_the_longest_axes_and_fit_a_terminal() {
     let line = place.run("submit curve.toml").done().stdout;
     let is_braille = |c: char| ('\u{2801}'..='\u{28ff}').contains(&c);
     assert!(line.contains(is_braille) && line.contains("Rotating speed, rad/s"), "{line}");
-    assert!(line.contains("shaded: interval with a confidence of 0.95"), "{line}");
+    assert!(line.contains("shaded: 95 % interval"), "{line}");
     assert!(!line.contains('█'));
     place.write("area.toml", &job("area", curve, SCATTER, EIGENVALUE, "samples = 500"));
     let area = place.run("submit area.toml").done().stdout;

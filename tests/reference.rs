@@ -71,6 +71,7 @@ fn types(root: &Value, schema: &Value) -> String {
                 "boolean" => add(&mut words, "`true` or `false`".to_owned()),
                 "array" => match types(root, &choice["items"]) {
                     items if items.contains(" or ") => add(&mut words, "list of these".to_owned()),
+                    items if items.starts_with("list") => add(&mut words, "list of lists".to_owned()),
                     items => add(&mut words, format!("list of {items}s")),
                 },
                 "object" if choice["additionalProperties"].is_object() => add(&mut words, "table by input".to_owned()),
@@ -144,9 +145,10 @@ fn meaning(root: &Value, schema: &Value) -> String {
 /// A table; columns that say nothing are left out.
 fn table<const N: usize>(head: [&str; N], rows: &[[String; N]]) -> String {
     let shown: Vec<usize> = (0..N).filter(|&i| rows.iter().any(|row| !row[i].is_empty())).collect();
-    let line = |cells: &dyn Fn(usize) -> String| {
-        let cells: Vec<String> = shown.iter().map(|&i| cells(i).replace('|', "\\|")).collect();
-        format!("| {} |\n", cells.join(" | ")).replace("|  |", "| |").replace("|  |", "| |")
+    let line = |cell: &dyn Fn(usize) -> String| {
+        let cells = shown.iter().map(|&i| cell(i).replace('|', "\\|"));
+        let cells = cells.map(|text| if text.is_empty() { " |".to_owned() } else { format!(" {text} |") });
+        format!("|{}\n", cells.collect::<String>())
     };
     let rows: String = rows.iter().map(|row| line(&|i| row[i].clone())).collect();
     format!("{}|{}\n{rows}", line(&|i| head[i].to_owned()), "---|".repeat(shown.len()))
