@@ -228,8 +228,8 @@ fn the_tables_of_keys_are_what_the_schema_says() {
         fs::write(path, made).unwrap();
         return;
     }
-    let lines = page.lines().zip(made.lines()).enumerate();
-    for (number, (shown, made)) in lines.filter(|(_, (shown, made))| shown != made) {
+    let mut lines = page.lines().zip(made.lines()).enumerate();
+    if let Some((number, (shown, made))) = lines.find(|(_, (shown, made))| shown != made) {
         panic!("{PAGE}:{}: {shown}\nshould be: {made}\n{ANEW}", number + 1);
     }
     assert_eq!(page, made, "{ANEW}");
