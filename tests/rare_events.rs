@@ -291,7 +291,7 @@ fn weights_are_refused_where_they_do_not_apply() {
             EIGENVALUE,
             BOTH,
             "method = \"importance\"\nderivatives = true",
-            &["derivatives has no meaning", "gives it a weight"],
+            &["derivatives has no meaning", "with weights"],
         ),
         (EIGENVALUE, BOTH, "method = \"importance\"\nuntil = { relative = 0.1 }", &["until has no meaning"]),
         (EIGENVALUE, BOTH, "method = \"subset\"\nrandomisations = 1", &["randomisations = 1", "at least 2"]),

@@ -128,7 +128,7 @@ fn what_a_model_cannot_do_is_refused_with_the_remedy() {
     };
     refused("method = \"exact\"", "this model has no such pair; use method = \"monte-carlo\" or \"sobol\"");
     refused("method = \"conditional\"\nsamples = 1024", "use method = \"sobol\"");
-    refused("samples = 100\nderivatives = true", "remove sampling.derivatives");
+    refused("samples = 100\nderivatives = true", "remove it (sampling.sensitivity");
     let place = Place::new("", "samples = 100");
     let error = place.run("analyse --job ./job.toml").unwrap_err().to_string();
     assert!(error.contains("another model than the pad on the disc"), "{error}");

@@ -125,10 +125,12 @@ pub fn compute(
     let mut evaluator = Evaluator::new(&job)?;
     let mut integrated = Vec::new();
     // Audits of another version are refused before a map is resolved.
-    let mut audits = directory.audits_done(&job)?;
+    let audits = (job.answer() == Answer::Integral).then(|| directory.audits_done(&job)).transpose()?;
     let mut outcome = prepare_maps(&engine, &mut evaluator, &directory, &tally, work, &mut session, interrupt)
         .map_err(|failure| kept(failure, &directory))?;
-    if outcome == Outcome::Finished && job.answer() == Answer::Integral {
+    if outcome == Outcome::Finished
+        && let Some(mut audits) = audits
+    {
         let keep = directory.create_folder(AUDITS)?;
         outcome = engine
             .audit(&evaluator, &mut audits, Some(&keep), interrupt)
@@ -162,11 +164,14 @@ pub fn compute(
             HumanCount128(job.total_samples()),
         );
         let kept = match job.map_use() {
-            MapUse::Nothing => samples,
-            MapUse::LookUp => format!("{samples} and the finished tiles of the verdict map"),
-            MapUse::Integrate => "finished tiles of the verdict map and finished audits".to_owned(),
+            MapUse::Nothing if job.draws_samples() => format!("{samples} are kept; continue with"),
+            MapUse::Nothing => "integrals are not kept one by one; begin again with".to_owned(),
+            MapUse::LookUp => format!("{samples} and the finished tiles of the verdict map are kept; continue with"),
+            MapUse::Integrate => {
+                "finished tiles of the verdict map and finished audits are kept; continue with".to_owned()
+            }
         };
-        return Err(Failure::stopped(signal, &Advice::command(&format!("{kept} are kept; continue with"), &how)));
+        return Err(Failure::stopped(signal, &Advice::command(&kept, &how)));
     }
     let mut run = FinishedRun { directory, job, tally, limits: None, integrated };
     if shard.is_none() {

@@ -31,7 +31,7 @@ pub fn require_samples_to_share(job: &Job, option: &str) -> Result<(), Failure> 
     }
     let asked = job.sampling.method.asked();
     Err(Failure::Usage(format!(
-        "{option}: {asked} draws no samples to share; one process computes it, without {option}"
+        "{option}: {asked} draws no samples to share; one process computes it, without this option"
     )))
 }
 

@@ -226,7 +226,9 @@ impl Check<'_> {
                 self.find(SURFACE, State::Broken, format!("as it was written, but of its pieces only {progress}"));
             }
             FileState::Absent | FileState::OfAnotherJob | FileState::OfAnotherVersion => {
-                self.find(SURFACE, State::Sound, format!("none yet: {progress}"));
+                let remark =
+                    if job.draws_samples() { format!("none yet: {progress}") } else { "not written yet".to_owned() };
+                self.find(SURFACE, State::Sound, remark);
             }
             FileState::Damaged(why) => {
                 if self.can_repair {

@@ -74,11 +74,12 @@ const PER_INPUT: usize = 7;
 impl SumLayout {
     /// The sums of a job.
     pub fn for_job(job: &Job) -> Self {
+        let has_verdicts = job.answer() == Answer::Verdict;
         Self {
-            samples: job.answer() == Answer::Verdict,
+            samples: has_verdicts,
             lookups: job.map_use() == MapUse::LookUp,
             // Samples that a map finds unstable are counted with the first: jobs are refused a map where others grow.
-            sources: if job.draws_samples() { job.model().sources().len().saturating_sub(1) } else { 0 },
+            sources: if has_verdicts { job.model().sources().len().saturating_sub(1) } else { 0 },
             derivatives: job.sampling.derivatives,
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
             probabilities: job.answer() == Answer::Probability,

@@ -23,7 +23,7 @@ pub struct Complaint {
     /// Where in the text, if it can be said.
     span: Option<Range<usize>>,
     /// What is wrong and what would be right.
-    message: String,
+    pub(super) message: String,
     /// A second place that the message is about.
     other: Option<Range<usize>>,
     /// The key that is missing, if that is what is wrong.

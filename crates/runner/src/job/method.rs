@@ -70,7 +70,7 @@ pub trait Method: Debug + Send + Sync {
     /// What it does, as the relative clause of a message.
     fn clause(&self) -> &'static str;
 
-    /// The keys of `[sampling]` that have a meaning with it, beside `method`.
+    /// The keys of `[sampling]` that have a meaning with it, beside `method` and `seed`.
     fn keys(&self) -> &'static [Key];
 
     /// What it needs of model and random inputs.
@@ -169,7 +169,7 @@ pub trait Method: Debug + Send + Sync {
     }
 }
 
-impl dyn Method {
+impl dyn Method + '_ {
     /// Whether a key of `[sampling]` has a meaning with it.
     pub fn takes(&self, key: Key) -> bool {
         self.keys().contains(&key)

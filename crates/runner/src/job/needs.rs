@@ -1,5 +1,5 @@
-//! What methods, and some keys of `[sampling]`, need of the model and of the random inputs. What a combination cannot do is
-//! refused here, and nowhere else.
+//! What methods, and some keys of `[sampling]`, need of the model and of the random inputs. A need that is not met is
+//! refused here.
 
 use std::ops::Range;
 
@@ -25,6 +25,8 @@ pub enum Need {
     SeparatePair,
     /// Inputs that are normal and independent.
     IndependentNormal,
+    /// The same, for integrals over verdict maps.
+    NormalOverMap,
     /// Inputs that are independent, and so many of them at least.
     Independent(usize),
     /// Random inputs, so many at most.
@@ -61,12 +63,12 @@ impl Asked<'_> {
 
 impl Need {
     /// What is missing, as a sentence up to its remedy; `None` if nothing is.
-    fn lack(self, model: &dyn Model, inputs: &RandomInputSet) -> Option<String> {
+    pub fn lack(self, model: &dyn Model, inputs: &RandomInputSet) -> Option<String> {
         let pair = pair_names(model);
         let others = inputs.others();
         match self {
             Self::Pair => model.pair().is_none().then(|| {
-                "knows the boundary of stability as a curve over a pair of quantities, and this model has no such pair; ".to_owned()
+                "needs a boundary of stability that is a curve over a pair of quantities, and this model has no such pair; ".to_owned()
             }),
             Self::PairAlone => inputs.other().map(|other| {
                 let name = &model.quantities()[other].name;
@@ -84,10 +86,13 @@ impl Need {
                 format!("cannot separate these inputs: {error}; lower the coefficients of random.correlation, or ")
             }),
             Self::IndependentNormal => (!inputs.is_plain()).then(|| {
-                "needs independent normal inputs; remove random.distribution and random.correlation, or ".to_owned()
+                "needs independent normal inputs, without random.distribution and random.correlation; otherwise ".to_owned()
+            }),
+            Self::NormalOverMap => (!inputs.is_plain()).then(|| {
+                "integrates independent normal inputs over a verdict map; for other distributions or correlation use criterion.kind = \"eigenvalue\", or ".to_owned()
             }),
             Self::Independent(least) => (inputs.inputs.len() < least || !inputs.correlation.is_independent()).then(|| {
-                format!("splits the variance among independent inputs: it needs {least} of them or more, without random.correlation; otherwise ")
+                format!("splits the variance among independent inputs: it needs at least {least} of them, without random.correlation; otherwise ")
             }),
             Self::Inputs(most) => match inputs.inputs.len() {
                 0 => Some(format!(

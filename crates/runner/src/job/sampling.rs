@@ -8,11 +8,11 @@ use toml::Spanned;
 
 use super::diagnosis::{Complaint, Complaints};
 use super::method::{MapUse, Method, Sampling};
-use super::methods::method;
+use super::methods::{Chosen, method};
 use super::model::JobModel;
 use super::needs::{Asked, Need};
 use super::random::RandomInputSet;
-use super::sampling_key::is_true;
+use super::sampling_key::{Key, is_true};
 use super::sampling_numbers::Effort;
 use super::sampling_spec::{AUDIT, Audit, EvaluateMode, SamplingSpec};
 
@@ -34,7 +34,8 @@ impl Sampling {
         let cells = cells.unwrap_or(1);
         // Which keys have a meaning depends on these two.
         if !["method", "evaluate"].iter().any(|key| complaints.has_unread(&["sampling", key])) {
-            spec.foreign_keys(method).into_iter().for_each(|complaint| complaints.push(complaint));
+            let chosen = Chosen { method, has_closed_form: has_closed_form == Some(true), others };
+            spec.foreign_keys(chosen).into_iter().for_each(|complaint| complaints.push(complaint));
         }
         let confidence = complaints.take(spec.checked_confidence(cells));
         let samples = complaints.take(method.samples(spec));
@@ -87,7 +88,7 @@ impl SamplingSpec {
         }
         if is_true(&self.derivatives) {
             let needs = &[Need::Pair, Need::IndependentNormal];
-            let instead = "remove sampling.derivatives (sampling.sensitivity has other measures)";
+            let instead = "remove it (sampling.sensitivity has measures for any inputs)";
             asked.push(Asked { what: "derivatives", span: at_derivatives, needs, instead });
         }
         if is_true(&self.sensitivity) {
@@ -129,7 +130,9 @@ impl SamplingSpec {
             evaluate: self.evaluate_mode(),
             audit,
             particles: method.particles().map(|default| self.checked_particles(default)).transpose()?,
-            common_random_numbers: self.common_random_numbers.unwrap_or_default(),
+            // A key without a meaning must not change the audit of a map: it is not part of the job's identity.
+            common_random_numbers: method.takes(Key::CommonRandomNumbers)
+                && self.common_random_numbers.unwrap_or_default(),
             confidence,
             interval: self.interval.as_ref().map(|interval| *interval.get_ref()),
             simultaneous: self.is_simultaneous(),

@@ -23,7 +23,7 @@ impl Method for Conditional {
     }
 
     fn clause(&self) -> &'static str {
-        "which integrates at each sample, and whose interval comes from randomisations of Sobol points"
+        "which integrates at each of its randomised Sobol points"
     }
 
     fn keys(&self) -> &'static [Key] {
@@ -35,7 +35,7 @@ impl Method for Conditional {
     }
 
     fn instead(&self) -> &'static str {
-        "use method = \"sobol\", or \"exact\" where only the pair scatters"
+        "use method = \"sobol\""
     }
 
     fn answer(&self) -> Answer {

@@ -42,7 +42,7 @@ impl Method for Importance {
     }
 
     fn clause(&self) -> &'static str {
-        "which decides each sample and gives it a weight, and whose interval comes from randomisations of Sobol points"
+        "which draws randomised Sobol points with weights"
     }
 
     fn keys(&self) -> &'static [Key] {

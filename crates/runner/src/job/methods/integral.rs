@@ -1,24 +1,18 @@
-//! The probability of the unstable side of a boundary that is known in closed form, by integration.
+//! The probability of the unstable side of the boundary of stability, by integration: in closed form, or over a verdict
+//! map.
 
 use crate::job::diagnosis::Complaint;
-use crate::job::method::{Answer, Computed, Method, Sampling};
+use crate::job::method::{Answer, Computed, MapUse, Method, Sampling};
 use crate::job::needs::Need;
 use crate::job::sampling_key::Key;
 use crate::job::sampling_spec::{SamplingMethod, SamplingSpec};
 
-/// Why there are no samples to look at.
-pub const WITHOUT_VERDICTS: &str = "this run integrates its probabilities; it has no samples to replay or to write";
-
-/// What the intervals are, and their upper ends.
-pub const BOUNDS: &str = "bounds of the integral";
-pub const UPPER_BOUNDS: &str = "upper bounds of the integral";
-
-/// What the probability is.
-pub const PROBABILITY: &str = "probability of instability, the integral";
-
 /// See [`Method`].
 #[derive(Debug)]
-pub struct Integral;
+pub struct Integral {
+    /// Whether the boundary is that of a verdict map, of which samples are audited.
+    pub over_map: bool,
+}
 
 impl Method for Integral {
     fn written(&self) -> SamplingMethod {
@@ -30,15 +24,23 @@ impl Method for Integral {
     }
 
     fn clause(&self) -> &'static str {
-        "which draws no samples, and bounds the numerical error by p_low and p_high where the boundary is known in closed form"
+        if self.over_map { "which draws no samples" } else { "which draws no samples and integrates in closed form" }
     }
 
     fn keys(&self) -> &'static [Key] {
-        &[Key::Derivatives]
+        if self.over_map {
+            &[Key::Audit, Key::Confidence, Key::Simultaneous, Key::Derivatives]
+        } else {
+            &[Key::Derivatives]
+        }
     }
 
     fn needs(&self) -> &'static [Need] {
-        &[Need::Pair, Need::PairAlone, Need::NoAmplitude]
+        if self.over_map {
+            &[Need::Pair, Need::PairAlone, Need::NormalOverMap, Need::NoAmplitude]
+        } else {
+            &[Need::Pair, Need::PairAlone]
+        }
     }
 
     fn instead(&self) -> &'static str {
@@ -49,27 +51,35 @@ impl Method for Integral {
         Answer::Integral
     }
 
+    fn map_use(&self) -> MapUse {
+        if self.over_map { MapUse::Integrate } else { MapUse::Nothing }
+    }
+
     fn samples(&self, _: &SamplingSpec) -> Result<u64, Complaint> {
         Ok(0)
     }
 
     fn probability(&self) -> &'static str {
-        PROBABILITY
+        "probability of instability, the integral"
     }
 
     fn without_verdicts(&self, _: &str) -> Option<String> {
-        Some(WITHOUT_VERDICTS.to_owned())
+        Some("this run integrates its probabilities; it has no samples to replay or to write".to_owned())
     }
 
     fn interval(&self, _: &Sampling) -> String {
-        BOUNDS.to_owned()
+        "bounds of the integral".to_owned()
     }
 
     fn upper_ends(&self, _: &Sampling) -> String {
-        UPPER_BOUNDS.to_owned()
+        "upper bounds of the integral".to_owned()
     }
 
     fn closing(&self, _: &Sampling, computed: &Computed) -> String {
-        format!("integrated, error at most {:.1e}", computed.error)
+        let undecided = match computed.undecided {
+            0.0 => String::new(),
+            undecided => format!("; up to {undecided:.1e} of a cell's samples would be undecided, see p_undecided"),
+        };
+        format!("integrated, error at most {:.1e}{undecided}", computed.error)
     }
 }

@@ -22,7 +22,7 @@ impl Method for Sobol {
     }
 
     fn clause(&self) -> &'static str {
-        "whose interval comes from randomisations of Sobol points, which are only good in full powers of two"
+        "which draws randomised Sobol points"
     }
 
     fn keys(&self) -> &'static [Key] {

@@ -23,7 +23,7 @@ impl Method for Subset {
     }
 
     fn clause(&self) -> &'static str {
-        "which draws populations (sampling.particles is the size of one, sampling.randomisations their number) and decides each of their samples"
+        "which draws populations (sampling.particles is the size of one, sampling.randomisations their number)"
     }
 
     fn keys(&self) -> &'static [Key] {

@@ -19,7 +19,7 @@ impl Method for Until {
     }
 
     fn clause(&self) -> &'static str {
-        "which has at_most and confidence of its own (until = { ..., confidence = ..., at_most = ... }), and an interval that stays valid under repeated looks"
+        "which stops by precision (until = { ..., confidence = ..., at_most = ... })"
     }
 
     fn keys(&self) -> &'static [Key] {
