@@ -65,7 +65,9 @@ pub trait Method: Debug + Send + Sync {
     fn written(&self) -> SamplingMethod;
 
     /// How it is asked for, in messages.
-    fn asked(&self) -> &'static str;
+    fn asked(&self) -> String {
+        format!("method = \"{}\"", self.written().name())
+    }
 
     /// What it does, as the relative clause of a message.
     fn clause(&self) -> &'static str;

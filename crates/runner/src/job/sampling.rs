@@ -76,8 +76,8 @@ impl SamplingSpec {
             self.derivatives.as_ref().map(Spanned::span),
             self.sensitivity.as_ref().map(Spanned::span),
         ];
-        let mut asked =
-            vec![Asked { what: method.asked(), span: at_method, needs: method.needs(), instead: method.instead() }];
+        let what = method.asked();
+        let mut asked = vec![Asked { what: &what, span: at_method, needs: method.needs(), instead: method.instead() }];
         if self.evaluate_mode() == EvaluateMode::Boundary {
             asked.push(Asked {
                 what: "evaluate = \"boundary\"",

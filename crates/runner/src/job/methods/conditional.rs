@@ -18,10 +18,6 @@ impl Method for Conditional {
         SamplingMethod::Conditional
     }
 
-    fn asked(&self) -> &'static str {
-        "method = \"conditional\""
-    }
-
     fn clause(&self) -> &'static str {
         "which integrates at each of its randomised Sobol points"
     }

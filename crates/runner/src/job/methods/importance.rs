@@ -37,10 +37,6 @@ impl Method for Importance {
         SamplingMethod::Importance
     }
 
-    fn asked(&self) -> &'static str {
-        "method = \"importance\""
-    }
-
     fn clause(&self) -> &'static str {
         "which draws randomised Sobol points with weights"
     }

@@ -13,10 +13,6 @@ impl Method for Independent {
         SamplingMethod::MonteCarlo
     }
 
-    fn asked(&self) -> &'static str {
-        "method = \"monte-carlo\""
-    }
-
     fn clause(&self) -> &'static str {
         "which draws independent samples"
     }

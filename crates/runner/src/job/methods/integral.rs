@@ -19,10 +19,6 @@ impl Method for Integral {
         SamplingMethod::Exact
     }
 
-    fn asked(&self) -> &'static str {
-        "method = \"exact\""
-    }
-
     fn clause(&self) -> &'static str {
         if self.over_map { "which draws no samples" } else { "which draws no samples and integrates in closed form" }
     }

@@ -26,10 +26,7 @@ mod integral;
 
 /// The method of a job, whose boundary of stability is known in closed form or not.
 pub fn method(spec: &SamplingSpec, has_closed_form: bool) -> &'static dyn Method {
-    match spec.method() {
-        SamplingMethod::MonteCarlo if spec.until.is_some() => &until::Until,
-        written => with_samples(written, has_closed_form),
-    }
+    spec.with_method(spec.method(), has_closed_form)
 }
 
 /// The method that a job names, without `until`.
@@ -54,6 +51,14 @@ pub struct Chosen<'a> {
 }
 
 impl SamplingSpec {
+    /// The method that its other keys make of a name.
+    fn with_method(&self, written: SamplingMethod, has_closed_form: bool) -> &'static dyn Method {
+        match written {
+            SamplingMethod::MonteCarlo if self.until.is_some() => &until::Until,
+            _ => with_samples(written, has_closed_form),
+        }
+    }
+
     /// The keys that have no meaning with the method of the job.
     pub fn foreign_keys(&self, chosen: Chosen<'_>) -> Vec<Complaint> {
         let foreign = |key: &Key| {
@@ -87,7 +92,7 @@ impl SamplingSpec {
             return format!(", or remove {}", method.asked());
         }
         let suits = |written: &&SamplingMethod| {
-            let other = with_samples(**written, has_closed_form);
+            let other = self.with_method(**written, has_closed_form);
             let given = |key: &&Key| key.given(self).1.is_some();
             let can_audit = self.audit.is_none() || self.has_what_is_audited(other);
             let is_met = |(inputs, model): (&RandomInputSet, &dyn JobModel)| {

@@ -17,10 +17,6 @@ impl Method for Sobol {
         SamplingMethod::Sobol
     }
 
-    fn asked(&self) -> &'static str {
-        "method = \"sobol\""
-    }
-
     fn clause(&self) -> &'static str {
         "which draws randomised Sobol points"
     }

@@ -18,10 +18,6 @@ impl Method for Subset {
         SamplingMethod::Subset
     }
 
-    fn asked(&self) -> &'static str {
-        "method = \"subset\""
-    }
-
     fn clause(&self) -> &'static str {
         "which draws populations (sampling.particles is the size of one, sampling.randomisations their number)"
     }

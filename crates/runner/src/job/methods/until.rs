@@ -14,8 +14,8 @@ impl Method for Until {
         SamplingMethod::MonteCarlo
     }
 
-    fn asked(&self) -> &'static str {
-        "sampling.until"
+    fn asked(&self) -> String {
+        "sampling.until".to_owned()
     }
 
     fn clause(&self) -> &'static str {
