@@ -138,6 +138,11 @@ pub trait Model: fmt::Debug + Send + Sync {
         None
     }
 
+    /// What settled amplitudes are, and their unit.
+    fn amplitude(&self) -> [&'static str; 2] {
+        ["half peak to peak", "1"]
+    }
+
     /// Whether decisions have the settled amplitude of unstable motions.
     fn records_amplitude(&self) -> bool {
         false

@@ -79,7 +79,7 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
         let difference = difference(run, against, arguments.threads.count(), interrupt)?;
         let canvas = difference.figure(width).ok_or_else(|| {
             let value = [difference.values[0], Some(difference.low[0]), Some(difference.high[0])];
-            single_cell(run, "the difference of its probabilities", value)
+            single_cell(run, &difference.job, "the difference of its probabilities", value)
         })?;
         return Ok((canvas, run.join("difference")));
     }
@@ -92,7 +92,7 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
             let canvas = canvas.ok_or_else(|| {
                 let Values { probability, low, high, .. } = &values;
                 let value = [probability[0], Some(low[0]), Some(high[0])];
-                single_cell(run, "its probability of instability", value)
+                single_cell(run, &values.job, "its probability of instability", value)
             })?;
             Ok((canvas, run.join("surface")))
         }
@@ -117,15 +117,16 @@ fn note_panels(slices: usize) {
 }
 
 /// The failure of a run that has nothing to draw: a number with the ends of its interval.
-fn single_cell(run: &Path, what: &str, value: [Option<f64>; 3]) -> Failure {
+fn single_cell(run: &Path, job: &Job, what: &str, value: [Option<f64>; 3]) -> Failure {
     let [value, low, high] = value.map(|value| value.map(rounded));
     let known = value.zip(low.zip(high)).map_or_else(
         || "no sample of it is decided".to_owned(),
         |(value, (low, high))| format!("{what} is {value} ({low} to {high})"),
     );
     Failure::Job(format!(
-        "{} has a single cell: {known}. A plot needs several; give a quantity in [axes] more than one value, for example rotating_speed = {{ from = 5.0, to = 30.0, points = 26 }}",
-        run.display()
+        "{} has a single cell: {known}. A plot needs several; give a quantity in [axes] more than one value, for example {} = {{ from = ..., to = ..., points = 26 }}",
+        run.display(),
+        job.quantity(0).name
     ))
 }
 

@@ -51,9 +51,9 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     }
 }
 
-/// Shows the sample alone.
+/// Shows the sample alone. Programs see that no file is named.
 fn without_motion(arguments: &ReplayArguments, facts: &Facts, why: &str) -> Result<(), Failure> {
-    if arguments.motion.out.is_some() {
+    if arguments.motion.out.is_some() && !arguments.motion.json {
         return Err(Failure::Usage(format!("--out: this sample is {why}")));
     }
     let why = if arguments.motion.json { String::new() } else { format!("{why}\n") };

@@ -211,9 +211,10 @@ impl DrawnSamples {
             columns.push(column("fed_by", "1", &meaning, TableValues::Word(decisions.iter().map(name).collect())));
         }
         if job.records_amplitude() {
-            let meaning = "settled amplitude of an unstable sample, half peak to peak of x over disc thickness";
+            let [what, unit] = job.model().amplitude();
+            let meaning = format!("settled amplitude of an unstable sample, {what}");
             let amplitudes = decisions.iter().map(|decision| decision.amplitude).collect();
-            columns.push(column("amplitude", "1", meaning, TableValues::Real(amplitudes)));
+            columns.push(column("amplitude", unit, &meaning, TableValues::Real(amplitudes)));
         }
         columns
     }

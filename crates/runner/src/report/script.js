@@ -62,7 +62,7 @@ function aboutBrake(cell) {
           `${number(100 * expected.stick[cell])} % of the period in stick`,
     );
   }
-  const lines = sentences.length ? [`The brake with exactly these values: ${sentences.join("; ")}.`] : [];
+  const lines = sentences.length ? [`With exactly these values: ${sentences.join("; ")}.`] : [];
   if (amplitude && amplitude.mean[cell] !== null) {
     const length = (share) => (thickness === null ? `${number(share)} h` : `${number(share * thickness)} mm`);
     const { mean, p05, p95 } = amplitude;

@@ -7,6 +7,7 @@ use arrow::array::{ArrayRef, Float64Array};
 use arrow::datatypes::{DataType, Field};
 use stickslip_core::model::Model;
 use stickslip_core::model::decision::Source;
+use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::sobol_indices::SobolIndices;
 use stickslip_sampler::estimate::weighted::{Distrust, WeightedEstimate};
 use stickslip_sampler::inputs::{Marginal, PairParameter};
@@ -72,7 +73,7 @@ pub fn for_job(job: &Job, layout: SumLayout) -> Vec<Column> {
         columns.extend(weight_columns());
     }
     if job.records_amplitude() {
-        columns.extend(amplitude_columns());
+        columns.extend(amplitude_columns(job.model()));
     }
     if job.map_use() == MapUse::Integrate {
         let meaning = "probability that a sample is undecided or fails";
@@ -169,13 +170,19 @@ fn weight_columns() -> Vec<Column> {
 }
 
 /// Columns of jobs that record the settled amplitude.
-#[rustfmt::skip]
-fn amplitude_columns() -> Vec<Column> {
+fn amplitude_columns(model: &dyn Model) -> Vec<Column> {
+    let [what, unit] = model.amplitude();
+    let column = |name: &'static str, meaning: String, value: fn(&Distribution) -> Option<f64>| {
+        Column::new(name, unit, meaning, Values::OptionalReal(Box::new(move |row| value(&row.amplitudes))))
+    };
+    let below = |percent: u32| format!("settled amplitude that {percent} % of the unstable samples do not exceed");
+    let mean = format!("mean settled amplitude of the unstable samples, {what}");
+    let median = "median settled amplitude of the unstable samples".to_owned();
     vec![
-        Column::optional("amplitude_mean", "mean settled amplitude of the unstable samples, half peak to peak of x over disc thickness", |row| row.amplitudes.mean()),
-        Column::optional("amplitude_p05", "settled amplitude that 5 % of the unstable samples do not exceed", |row| row.amplitudes.quantile(0.05)),
-        Column::optional("amplitude_p50", "median settled amplitude of the unstable samples", |row| row.amplitudes.quantile(0.5)),
-        Column::optional("amplitude_p95", "settled amplitude that 95 % of the unstable samples do not exceed", |row| row.amplitudes.quantile(0.95)),
+        column("amplitude_mean", mean, Distribution::mean),
+        column("amplitude_p05", below(5), |amplitudes| amplitudes.quantile(0.05)),
+        column("amplitude_p50", median, |amplitudes| amplitudes.quantile(0.5)),
+        column("amplitude_p95", below(95), |amplitudes| amplitudes.quantile(0.95)),
     ]
 }
 

@@ -47,7 +47,12 @@ impl Oscillator {
     /// normal force.
     #[must_use]
     pub fn as_pad(&self) -> Parameters {
-        self.pressed(self.normal_force)
+        if self.normal_force > 0.0 {
+            return self.pressed(self.normal_force);
+        }
+        // Springs have a stiffness, so that nothing is pressed by a preload of 0.
+        let pad = self.pressed(1.0);
+        Parameters { operating_point: OperatingPoint { preload: 0.0, ..pad.operating_point }, ..pad }
     }
 
     /// The same with springs that make the preload `1` press with this force.
@@ -287,6 +292,14 @@ impl Model for BeltOscillator {
         let like = like.and_then(OnBelt::from_any).map(|like| &*like.pad);
         let pad = self.pad.configure(&self.of_pad(expected), &of_pad, like).map_err(|error| self.reworded(&error))?;
         Ok(Box::new(OnBelt { pad: pad.into(), columns }))
+    }
+
+    fn amplitude(&self) -> [&'static str; 2] {
+        ["half peak to peak of x", "m"]
+    }
+
+    fn length_scale(&self, _: &[f64]) -> Option<f64> {
+        Some(1.0)
     }
 
     fn records_amplitude(&self) -> bool {

@@ -77,7 +77,7 @@ fn all_rows(engine: &Engine, interrupt: &Interrupt, job: &ImpreciseJob) -> Resul
             Ok(row) => Ok(Some(row)),
             Err(Ended::Stopped) => Ok(None),
             Err(Ended::NoSuchConfiguration(error)) => Err(Failure::Job(format!(
-                "there is no brake with some of the imprecise values in cell {cell}: {error}; choose intervals between which there is one everywhere"
+                "there is no configuration with some of the imprecise values in cell {cell}: {error}; choose intervals between which there is one everywhere"
             ))),
         }
     })

@@ -95,7 +95,7 @@ impl<'a> Wanted<'a> {
     fn no_brake(self, cell: u64, value: f64, error: &ModelError) -> Failure {
         let name = &self.axis.name;
         Failure::Job(format!(
-            "there is no brake with {name} = {value} in the combination of cell {cell}: {error}; choose values of axes.{name} between which there is one everywhere"
+            "there is no configuration with {name} = {value} in the combination of cell {cell}: {error}; choose values of axes.{name} between which there is one everywhere"
         ))
     }
 

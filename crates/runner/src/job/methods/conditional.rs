@@ -55,7 +55,7 @@ impl Method for Conditional {
             ("n_samples", format!("samples of the inputs other than {pair}")),
             ("n_stable", format!("samples that are unstable with a probability of at most one half over {pair}")),
             ("n_unstable", format!("samples that are unstable with a probability above one half over {pair}")),
-            ("n_failed", "samples of which no brake can be made".to_owned()),
+            ("n_failed", "samples with a value that is not admissible".to_owned()),
         ]
     }
 

@@ -118,7 +118,7 @@ struct BeltCriterionSpec {
     /// from the equilibrium within which a shrinking motion counts as stable. With `kind = "time-domain"`.
     #[schemars(with = "Option<f64>", extend("default" = 0.01, "exclusiveMinimum" = 0, "maximum" = 1000))]
     displacement: Option<Spanned<f64>>,
-    /// Time after which a sample is undecided, s. With `kind = "time-domain"`.
+    /// Time after which a sample is undecided, s; by default at most 5e6 radians of the fastest oscillator. With `kind = "time-domain"`.
     #[schemars(with = "Option<f64>", extend("default" = 10_000, "exclusiveMinimum" = 0, "maximum" = 1e9))]
     horizon: Option<Spanned<f64>>,
     /// What happens to samples outside the model, with normal force at or below 0 or f_s < f_c.
@@ -180,6 +180,8 @@ struct BeltDraft {
     quantities: Vec<Quantity>,
     friction: Friction,
     expected: Vec<f64>,
+    /// Which quantities have a value in `[model]`, right or wrong.
+    given: Vec<bool>,
     /// Whether nothing of `[model]` was refused.
     is_whole: bool,
 }
@@ -195,7 +197,8 @@ impl BeltDraft {
             stribeck_velocity: f64::NAN,
             ..Parameters::sui_ding_2018().friction
         };
-        Self { tables, quantities, friction: unknown, expected, is_whole: false }
+        let given = vec![false; quantities.len()];
+        Self { tables, quantities, friction: unknown, expected, given, is_whole: false }
     }
 
     fn spec(&self) -> Option<&BeltCriterionSpec> {
@@ -215,6 +218,7 @@ impl BeltDraft {
             complaints.push(Complaint::at(value.span(), message));
             return;
         };
+        self.given[place] = true;
         let quantity = &self.quantities[place];
         if let Some(entry) = axes.0.iter().find(|entry| self.place_of_axis(entry.name.get_ref()) == Some(place)) {
             let message = format!(
@@ -256,8 +260,18 @@ impl BeltDraft {
         }
     }
 
+    /// The longest horizon by default, s.
+    fn longest(&self, grid: Option<&Grid>) -> f64 {
+        let extremes = |name: &str| {
+            let place = self.quantities.iter().position(|quantity| quantity.name == name)?;
+            Some(grid?.axis_of(place).map_or([self.expected[place]; 2], Axis::extremes))
+        };
+        let fastest = extremes("mass").zip(extremes("stiffness")).map(|(mass, stiffness)| stiffness[1] / mass[0]);
+        fastest.map_or(f64::INFINITY, |squared| MOST_RADIANS / squared.sqrt())
+    }
+
     /// The criterion; each key that is refused is complained about.
-    fn criterion(&self, parts: Parts<'_>, complaints: &mut Complaints) -> Option<BeltCriterion> {
+    fn criterion(&self, grid: Option<&Grid>, parts: Parts<'_>, complaints: &mut Complaints) -> Option<BeltCriterion> {
         let Some(spanned) = &self.tables.criterion else {
             complaints.push(Complaint::missing("criterion", None, NO_CRITERION));
             return None;
@@ -276,12 +290,23 @@ impl BeltDraft {
                 ("displacement", spec.displacement.as_ref().map(Spanned::span)),
                 ("horizon", spec.horizon.as_ref().map(Spanned::span)),
                 ("record", (!spec.record.is_empty()).then(|| spanned.span())),
-                ("start", matches!(start, Start::Given(_)).then(|| spanned.span()).filter(|_| spec.start.is_none())),
             ];
             for (key, span) in keys {
                 let message =
                     format!("criterion.{key} belongs to kind = \"time-domain\"; remove it, or change the kind");
                 complaints.push_some(span.map(|span| Complaint::at(span, message)));
+            }
+            let is_start = |place: usize| self.quantities[place].role == Role::Start;
+            for entry in &parts.spec.axes.0 {
+                let name = entry.name.get_ref();
+                if self.place_of_axis(name).is_some_and(is_start) {
+                    let message = format!("axes.{name} {OF_MOTIONS}");
+                    complaints.push(Complaint::at(entry.name.span(), message));
+                }
+            }
+            for name in random.iter().filter(|place| is_start(**place)).map(|place| &self.quantities[*place].name) {
+                let span = parts.spec.random.inputs.as_ref().map(Spanned::span);
+                complaints.push(Complaint::maybe_at(span, format!("random.inputs: {name} {OF_MOTIONS}")));
             }
             return Some(BeltCriterion::Eigenvalue);
         }
@@ -289,7 +314,7 @@ impl BeltDraft {
         let settings = TimeDomainSettings {
             start,
             displacement: spec.displacement.as_ref().map_or(default.displacement, |value| *value.get_ref()),
-            horizon: spec.horizon.as_ref().map_or(default.horizon, |value| *value.get_ref()),
+            horizon: spec.horizon.as_ref().map_or(default.horizon.min(self.longest(grid)), |value| *value.get_ref()),
             record_amplitude: spec.record.contains(&Record::Amplitude),
             ..default
         };
@@ -297,6 +322,14 @@ impl BeltDraft {
         complaints.take(checked).map(|()| BeltCriterion::TimeDomain(settings))
     }
 }
+
+/// What is said of a start where nothing moves.
+const OF_MOTIONS: &str =
+    "is a number of the start, which belongs to kind = \"time-domain\"; remove it, or change the kind";
+
+/// Radians of the fastest oscillator of a job in its default horizon, at most: half of what a motion may take, so that
+/// oscillators that scatter about it have theirs.
+const MOST_RADIANS: f64 = 5e6;
 
 const NO_CRITERION: &str = "there is no [criterion]: what decides whether a sample is stable? For example\n\n  [criterion]\n  kind = \"eigenvalue\"        # or \"time-domain\"";
 
@@ -322,6 +355,7 @@ impl Draft for BeltDraft {
         let mut friction = self.friction.clone();
         use_law(&self.tables.model.friction, folder, &mut friction, complaints);
         self.friction = friction;
+        let has_law = complaints.len() == before;
         // A measured curve gives the static friction coefficient itself.
         let defaults = [
             ("friction.stribeck_exponent", self.friction.stribeck_exponent),
@@ -350,7 +384,9 @@ impl Draft for BeltDraft {
             let is_axis = axes.0.iter().any(|entry| self.place_of_axis(entry.name.get_ref()) == Some(place));
             let of_other_law =
                 quantity.path.strip_prefix("friction.").is_some_and(|name| law.refusal(name, "").is_some());
-            let is_needed = quantity.role != Role::Start && !of_other_law;
+            // Without its law nobody knows what friction needs.
+            let is_known = has_law || !quantity.path.starts_with("friction.");
+            let is_needed = quantity.role != Role::Start && !of_other_law && is_known && !self.given[place];
             if is_needed && self.expected[place].is_nan() && !is_axis && !complaints.has_unread(&["model"]) {
                 let message = format!(
                     "missing key `{path}` in [model]: the {what}, unit {unit}; or give it an axis, axes.{name}",
@@ -365,7 +401,7 @@ impl Draft for BeltDraft {
                 self.expected[place] = 1.0;
             }
         }
-        self.is_whole = complaints.len() == before;
+        self.is_whole = complaints.len() == before && !complaints.has_unread(&["model"]);
     }
 
     fn expected(&self) -> Vec<f64> {
@@ -383,7 +419,7 @@ impl Draft for BeltDraft {
 
     fn check_grid(&self, grid: Option<&Grid>, parts: Parts<'_>, complaints: &mut Complaints) -> bool {
         friction::check_law_of_varied(parts, &self.quantities, &self.friction, complaints);
-        let Some(grid) = grid else { return self.is_whole };
+        let Some(grid) = grid.filter(|_| self.is_whole) else { return self.is_whole };
         let model = BeltOscillator::new(self.oscillator(&self.expected), BeltCriterion::Eigenvalue);
         let checked = configurable(&model, grid).map_err(|error| Complaint::maybe_at(None, format!("model: {error}")));
         complaints.take(checked).is_some()
@@ -395,7 +431,7 @@ impl Draft for BeltDraft {
         parts: Parts<'_>,
         complaints: &mut Complaints,
     ) -> Option<Arc<dyn JobModel>> {
-        let criterion = self.criterion(parts, complaints)?;
+        let criterion = self.criterion(grid, parts, complaints)?;
         let grid = grid?;
         let model = BeltOscillator::new(self.oscillator(&self.expected), criterion);
         let checked =

@@ -64,6 +64,10 @@ impl Model for PadModel {
         }
     }
 
+    fn amplitude(&self) -> [&'static str; 2] {
+        ["half peak to peak of x over disc thickness", "1"]
+    }
+
     fn length_scale(&self, expected: &[f64]) -> Option<f64> {
         self.place("disc.thickness").map(|place| expected[place])
     }

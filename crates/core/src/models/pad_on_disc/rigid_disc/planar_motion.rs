@@ -102,7 +102,8 @@ impl PlanarMotion {
         } else if fastest >= self.disc_speed {
             return false;
         } else {
-            self.law.steepest_chord(self.disc_speed, fastest)
+            // Rounding may leave the speed of a motion at rest below 0.
+            self.law.steepest_chord(self.disc_speed, fastest.max(0.0))
         };
         self.damping > slope
     }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::json;
 use stickslip_core::friction::law::LawKind;
 use stickslip_core::friction::measured_curve::{CurveError, MeasuredCurve, SharedCurve};
-use stickslip_core::model::quantity::Quantity;
+use stickslip_core::model::quantity::{Quantity, Role};
 use stickslip_core::models::pad_on_disc::parameters::Friction;
 use toml::Spanned;
 use toml_edit::{DocumentMut, InlineTable, Item, Value};
@@ -286,10 +286,10 @@ pub fn check_band(friction: &Friction, is_random: bool) -> Result<(), String> {
 }
 
 /// What is wrong with a random input, or an axis, of a parameter that belongs to another friction law. `place` is its
-/// key in the job.
-pub fn check_varied(place: &str, input: &str, friction: &Friction) -> Result<(), String> {
+/// key in the job, `path` that in the tables of the model.
+pub fn check_varied(place: &str, path: &str, friction: &Friction) -> Result<(), String> {
     let law = LawSpec::from(&friction.law);
-    let Some(name) = input.strip_prefix("friction.") else { return Ok(()) };
+    let Some(name) = path.strip_prefix("friction.") else { return Ok(()) };
     if let Some(message) = law.refusal(name, place) {
         return Err(message);
     }
@@ -304,13 +304,17 @@ pub fn check_law_of_varied(
     complaints: &mut Complaints,
 ) {
     let span = spec.random.inputs.as_ref().map(Spanned::span);
-    for name in random.into_iter().flat_map(|random| &random.inputs).map(|input| &*quantities[*input].name) {
-        let checked = check_varied(&format!("random.inputs: {name}"), name, friction);
+    // The pair has a value with every law.
+    let path =
+        |quantity: &Quantity| if quantity.role == Role::Input { String::new() } else { quantity.path.to_string() };
+    for quantity in random.into_iter().flat_map(|random| &random.inputs).map(|input| &quantities[*input]) {
+        let checked = check_varied(&format!("random.inputs: {}", quantity.name), &path(quantity), friction);
         complaints.take(checked.map_err(|message| Complaint::maybe_at(span.clone(), message)));
     }
     for entry in &spec.axes.0 {
         let name = entry.name.get_ref();
-        let checked = check_varied(&format!("axes: {name}"), name, friction);
+        let known = quantities.iter().find(|quantity| quantity.name == *name || quantity.path == *name);
+        let checked = check_varied(&format!("axes: {name}"), &known.map_or_else(String::new, path), friction);
         complaints.take(checked.map_err(|message| Complaint::at(entry.name.span(), message)));
     }
 }
