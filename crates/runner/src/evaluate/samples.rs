@@ -64,10 +64,18 @@ impl Samples {
         changed
     }
 
+    /// The values of the quantities that vary in one sample.
+    pub fn of_sample(&self, sample: usize) -> impl Iterator<Item = f64> {
+        self.columns.iter().map(move |column| match column {
+            &Column::Random(input) => self.values[input][sample],
+            Column::Fixed(values) => values[sample],
+        })
+    }
+
     /// The values of the pair in one sample; of a model without, nothing of meaning.
     pub fn pair(&self, sample: usize) -> [f64; 2] {
-        let columns = self.columns();
-        [0, 1].map(|which| columns.get(which).map_or(f64::NAN, |column| column[sample]))
+        let mut values = self.of_sample(sample);
+        [(); 2].map(|()| values.next().unwrap_or(f64::NAN))
     }
 
     /// Every random input of one sample, in the job's order.

@@ -112,8 +112,9 @@ impl<'q> Unit<'q> {
             let failing = evaluator.failing(&cell, &drawn);
             let decided = clamped.as_ref().unwrap_or(&drawn);
             let look_up = |sample: usize| {
+                let map = map?;
                 let [first, second] = decided.pair(sample);
-                map?.look_up(first, second)
+                map.look_up(first, second)
             };
             let looked_up: Vec<Option<Verdict>> = (0..drawn.len()).map(look_up).collect();
             let is_audited = |sample: usize| audited.get(sample).copied().unwrap_or(false);
