@@ -118,7 +118,8 @@ struct BeltCriterionSpec {
     /// from the equilibrium within which a shrinking motion counts as stable. With `kind = "time-domain"`.
     #[schemars(with = "Option<f64>", extend("default" = 0.01, "exclusiveMinimum" = 0, "maximum" = 1000))]
     displacement: Option<Spanned<f64>>,
-    /// Time after which a sample is undecided, s; by default at most 5e6 radians of the fastest oscillator. With `kind = "time-domain"`.
+    /// Time after which a sample is undecided, s; by default at most 5e6 radians of the fastest oscillator. With `kind =
+    /// "time-domain"`.
     #[schemars(with = "Option<f64>", extend("default" = 10_000, "exclusiveMinimum" = 0, "maximum" = 1e9))]
     horizon: Option<Spanned<f64>>,
     /// What happens to samples outside the model, with normal force at or below 0 or f_s < f_c.
