@@ -297,14 +297,13 @@ pub struct QueuedSample<'q> {
     pub configuration: &'q dyn Configuration,
     /// Its own configuration, not prepared, if the other is not.
     pub outline: Option<Arc<dyn Configuration>>,
-    /// Its values of the varying quantities.
-    pub values: Vec<f64>,
 }
 
 /// Samples to simulate, in any order and from any cells and units of work.
 pub trait SampleQueue<'q> {
-    /// The next sample; `None` if there are no more.
-    fn next(&mut self) -> Option<QueuedSample<'q>>;
+    /// The next sample, and in `values`, in place of what they hold, its values of the varying quantities; `None` if
+    /// there are no more.
+    fn next(&mut self, values: &mut Vec<f64>) -> Option<QueuedSample<'q>>;
 
     /// Receives the decision on the sample with this ticket. Samples are decided in any order.
     fn decided(&mut self, ticket: u64, decision: Decision);

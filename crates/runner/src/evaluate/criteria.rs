@@ -35,9 +35,8 @@ pub(super) struct Motions<'q> {
 
 impl<'q> Motions<'q> {
     /// A sample for simulation.
-    pub(super) fn queued(&self, samples: &Samples, sample: usize, ticket: u64) -> QueuedSample<'q> {
-        let values = samples.of_sample(sample).collect();
-        QueuedSample { ticket, configuration: self.prepared, outline: self.outline.clone(), values }
+    pub(super) fn queued(&self, ticket: u64) -> QueuedSample<'q> {
+        QueuedSample { ticket, configuration: self.prepared, outline: self.outline.clone() }
     }
 }
 

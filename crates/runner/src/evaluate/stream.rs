@@ -255,7 +255,7 @@ impl Stream<'_, '_> {
 }
 
 impl<'q> SampleQueue<'q> for Stream<'q, '_> {
-    fn next(&mut self) -> Option<QueuedSample<'q>> {
+    fn next(&mut self, values: &mut Vec<f64>) -> Option<QueuedSample<'q>> {
         loop {
             self.handed_out += 1;
             if self.handed_out.is_multiple_of(SAMPLES_BETWEEN_QUESTIONS) {
@@ -278,9 +278,12 @@ impl<'q> SampleQueue<'q> for Stream<'q, '_> {
                 continue;
             };
             let ticket = (place as u64) << UNIT_SHIFT | (set as u64) << SET_SHIFT | sample as u64;
-            let queued = unit.motions.as_ref().map(|motions| motions.queued(unit.sets[set].decided(), sample, ticket));
-            match queued {
-                Some(queued) => return Some(queued),
+            match &unit.motions {
+                Some(motions) => {
+                    values.clear();
+                    values.extend(unit.sets[set].decided().of_sample(sample));
+                    return Some(motions.queued(ticket));
+                }
                 None => self.keep(place, (sample, set), Verdict::Failed.into()),
             }
         }

@@ -37,8 +37,8 @@ impl OnBelt {
         then(&*self.pad, &Columns::new(samples.len(), &columns))
     }
 
-    fn values(&self, values: &[f64]) -> Vec<f64> {
-        self.columns.iter().map(|(column, factor)| factor * values[*column]).collect()
+    fn values(&self, values: &[f64]) -> impl Iterator<Item = f64> {
+        self.columns.iter().map(|(column, factor)| factor * values[*column])
     }
 }
 
@@ -79,7 +79,7 @@ impl ClosedForm for OnBelt {
     }
 
     fn boundary_of(&self, values: &[f64]) -> Option<PairBoundary> {
-        self.pad.closed_form()?.boundary_of(&self.values(values))
+        self.pad.closed_form()?.boundary_of(&self.values(values).collect::<Vec<_>>())
     }
 
     fn count(&self, samples: &Columns<'_>) -> VerdictCounts {
@@ -94,28 +94,39 @@ const NEVER: PairBoundary =
     PairBoundary { critical_product: f64::INFINITY, by_second: 1.0, offset: 0.0, least_second: 0.0 };
 
 /// The samples of a queue of oscillators as those of pads.
-pub(super) struct Queue<'s, 'q>(pub(super) &'s mut dyn SampleQueue<'q>);
+pub(super) struct Queue<'s, 'q> {
+    samples: &'s mut dyn SampleQueue<'q>,
+    /// The values of the sample taken last.
+    values: Vec<f64>,
+}
+
+impl<'s, 'q> Queue<'s, 'q> {
+    pub(super) fn new(samples: &'s mut dyn SampleQueue<'q>) -> Self {
+        Self { samples, values: Vec::new() }
+    }
+}
 
 impl<'q> SampleQueue<'q> for Queue<'_, 'q> {
-    fn next(&mut self) -> Option<QueuedSample<'q>> {
+    fn next(&mut self, values: &mut Vec<f64>) -> Option<QueuedSample<'q>> {
         loop {
-            let QueuedSample { ticket, configuration, outline, values } = self.0.next()?;
+            let QueuedSample { ticket, configuration, outline } = self.samples.next(&mut self.values)?;
             let outline = outline.as_deref().and_then(OnBelt::from_any).map(|own| own.pad.clone());
             match OnBelt::from_any(configuration) {
                 Some(own) => {
-                    let values = own.values(&values);
-                    return Some(QueuedSample { ticket, configuration: &*own.pad, outline, values });
+                    values.clear();
+                    values.extend(own.values(&self.values));
+                    return Some(QueuedSample { ticket, configuration: &*own.pad, outline });
                 }
-                None => self.0.decided(ticket, Decision::FAILED),
+                None => self.samples.decided(ticket, Decision::FAILED),
             }
         }
     }
 
     fn decided(&mut self, ticket: u64, decision: Decision) {
-        self.0.decided(ticket, decision);
+        self.samples.decided(ticket, decision);
     }
 
     fn is_stopped(&self) -> bool {
-        self.0.is_stopped()
+        self.samples.is_stopped()
     }
 }

@@ -341,7 +341,7 @@ impl Simulation for BeltOscillator {
     }
 
     fn run<'q>(&self, queue: &mut dyn SampleQueue<'q>) {
-        self.pad.run(&mut Queue(queue));
+        self.pad.run(&mut Queue::new(queue));
     }
 }
 

@@ -99,6 +99,6 @@ impl Simulation for PadModel {
     }
 
     fn run<'q>(&self, queue: &mut dyn SampleQueue<'q>) {
-        decide_queue(&mut Motions(queue));
+        decide_queue(&mut Motions::new(queue));
     }
 }
