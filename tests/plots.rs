@@ -66,7 +66,7 @@ fn a_surface_is_drawn_as_svg_and_png_with_its_axes_levels_and_boundary() {
         ">0.05<",
         ">0.95<",
         "15 rad/s; relative std: preload 0.2, friction 0.2",
-        "dashed: stability boundary of the expected brake",
+        "dashed: stability boundary of the expected values",
     ] {
         assert!(svg.contains(text), "{text}");
     }

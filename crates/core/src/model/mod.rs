@@ -138,6 +138,12 @@ pub trait Model: fmt::Debug + Send + Sync {
         None
     }
 
+    /// On what part of the model the growth rate and the limit cycle of [`Model::behaviours`] are found, as " on a rigid
+    /// disc"; nothing if it is the whole.
+    fn behaviours_on(&self) -> [&'static str; 2] {
+        [""; 2]
+    }
+
     /// What settled amplitudes are, and their unit.
     fn amplitude(&self) -> [&'static str; 2] {
         ["half peak to peak", "1"]

@@ -27,13 +27,13 @@ use super::spec::JobSpec;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutsidePhysics {
-    /// They are decided as they are: stable, as nothing is pressed together and rising friction only damps (on a
-    /// flexible disc unless pad and disc feed each other without any fall of friction).
+    /// They are decided as they are: stable where nothing is pressed together or friction only rises (on a flexible
+    /// disc unless pad and disc feed each other without any fall of friction).
     #[default]
     Stable,
-    /// They count as failed: the normal deviate, not the brake, made them.
+    /// They count as failed: the deviate made them, not the model.
     Failed,
-    /// They are moved to the border of physics, Delta = 0 or f_s = f_c, and decided there.
+    /// They are moved to the edge of the model, where the preload or normal force is 0 or f_s is f_c, and decided there.
     Clamp,
 }
 

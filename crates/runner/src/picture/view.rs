@@ -260,18 +260,15 @@ impl Slice<'_> {
 pub fn scatter(job: &Job, cell: u64) -> String {
     let stds = &job.random.relative_stds[job.grid.cell(cell).scatter];
     let (mut relative, mut absolute) = (Vec::new(), Vec::new());
-    for (&input, &std) in job.random.inputs.iter().zip(stds).filter(|(_, std)| **std > 0.0) {
+    for (position, &std) in stds.iter().enumerate().filter(|(_, std)| **std > 0.0) {
         // The standard deviation of measured values has many digits.
         let std = (std * 1e6).round() / 1e6;
-        let quantity = job.quantity(input);
-        match quantity.role {
-            // The last word of its name is enough.
-            Role::Input => {
-                relative.push(format!("{} {std}", quantity.label.rsplit(' ').next().unwrap_or(&quantity.label)));
-            }
-            Role::Configuration => relative.push(format!("{} {std}", quantity.name)),
-            Role::Start => absolute.push(format!("{} {std}", quantity.name)),
-        }
+        let quantity = job.quantity(job.random.inputs[position]);
+        // The last word of the name of an input is enough.
+        let of_input = || quantity.label.rsplit(' ').next().unwrap_or(&quantity.label);
+        let name = if quantity.role == Role::Input { of_input() } else { &quantity.name };
+        let is_absolute = job.random.absolute().any(|absolute| absolute == position);
+        if is_absolute { &mut absolute } else { &mut relative }.push(format!("{name} {std}"));
     }
     let relative = if relative.is_empty() { "none".to_owned() } else { relative.join(", ") };
     if absolute.is_empty() {

@@ -51,7 +51,7 @@ pub fn figure(values: &Values, width: f64) -> Option<Canvas> {
             let is_of = |place: usize, axis: &ViewAxis| axis.quantity == Some(place);
             let has_boundary = model.has_closed_form()
                 && model.pair().is_some_and(|[first, second]| is_of(first, vertical) && is_of(second, horizontal));
-            let boundary_note = has_boundary.then_some("dashed: stability boundary of the expected brake");
+            let boundary_note = has_boundary.then_some("dashed: stability boundary of the expected values");
             let limits_of =
                 |slice: &Slice<'_>| values.limits.as_ref().map_or_else(Vec::new, |found| lines(found, &view, slice));
             let has_limits = (0..view.slices()).any(|number| !limits_of(&view.slice(number)).is_empty());

@@ -1,4 +1,4 @@
-//! What the brake with exactly the expected values of a cell does.
+//! What the model with exactly the expected values of a cell does.
 
 use serde_json::{Value, json};
 use stickslip_core::model::behaviour::Behaviour;
@@ -17,7 +17,7 @@ pub fn expected_behaviours(job: &Job) -> Value {
         found.iter().map(|behaviour| behaviour.as_ref().and_then(value).map(round)).collect()
     };
     json!({
-        "flexible": !job.model().sources().is_empty(),
+        "on": job.model().behaviours_on(),
         "growth_rate": column(|behaviour| behaviour.growth_rate),
         "amplitude_mm": column(|behaviour| Some(1e3 * behaviour.cycle?.amplitude)),
         "frequency_hz": column(|behaviour| Some(behaviour.cycle?.frequency)),

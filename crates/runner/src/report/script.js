@@ -45,20 +45,20 @@ function described(cell) {
   return `P = ${number(run.p[cell])} (${run.interval_name}: ${interval})${counts}`;
 }
 
-// What the brake with exactly the expected values of a cell does.
-function aboutBrake(cell) {
+// What the model with exactly the expected values of a cell does.
+function aboutModel(cell) {
   if (view.comparison) return "Strokes: the interval contains 0.";
   const { expected, amplitude, thickness_mm: thickness } = view.run;
   const sentences = [];
   if (expected) {
     const rate = expected.growth_rate[cell];
-    const disc = expected.flexible ? "with the flexible disc" : "on a rigid disc";
+    const [rateOn, cycleOn] = expected.on;
     const size = expected.amplitude_mm[cell];
     sentences.push(
       rate === null ? "no growth rate is known"
-        : `small motions about steady sliding ${rate > 0 ? "grow" : "decay"} at ${number(Math.abs(rate))} 1/s ${disc}`,
-      size === null ? "no stick-slip limit cycle on a rigid disc"
-        : `stick-slip limit cycle on a rigid disc: amplitude ${number(size)} mm, ${number(expected.frequency_hz[cell])} Hz, ` +
+        : `small motions about steady sliding ${rate > 0 ? "grow" : "decay"} at ${number(Math.abs(rate))} 1/s${rateOn}`,
+      size === null ? `no stick-slip limit cycle${cycleOn}`
+        : `stick-slip limit cycle${cycleOn}: amplitude ${number(size)} mm, ${number(expected.frequency_hz[cell])} Hz, ` +
           `${number(100 * expected.stick[cell])} % of the period in stick`,
     );
   }
@@ -249,7 +249,7 @@ function draw() {
   const { run } = view, cell = cellAt(run, place);
   const long = run.axes.map((axis, i) => [axis, i]).filter(([axis]) => axis.values.length > 1);
   element("selected").textContent = [...long.map(([axis, i]) => named(axis, place[i])), described(cell)].join(", ");
-  element("expected").textContent = aboutBrake(cell);
+  element("expected").textContent = aboutModel(cell);
   element("interval").textContent = (view.comparison ?? run).interval_name;
   element("sections").hidden = !isMap();
   details("map").hidden = run.horizontal === null;

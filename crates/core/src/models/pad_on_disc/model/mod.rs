@@ -76,6 +76,11 @@ impl Model for PadModel {
         Some(self.behaviours_of_expected())
     }
 
+    fn behaviours_on(&self) -> [&'static str; 2] {
+        let rigid = " on a rigid disc";
+        [if self.criterion().modes().is_some() { " with the flexible disc" } else { rigid }, rigid]
+    }
+
     fn sources(&self) -> &'static [Source] {
         if self.criterion().modes().is_some() { &SOURCES } else { &[] }
     }
