@@ -209,7 +209,7 @@ validity:
 
 # The table of coverage: how often intervals contain the true value, by simulation.
 coverage:
-	$(CARGO) bench --locked -p stickslip-sampler --bench coverage --bench fit_coverage
+	$(CARGO) bench --locked -p stickslip-sampler --bench coverage --bench rare_adversaries --bench fit_coverage
 
 # The same jobs by NumPy, OpenTURNS, UQpy, numba, SciPy and diffrax beside it.
 bench-peers: target/peers/ready target/peers-uqpy/ready

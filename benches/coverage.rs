@@ -23,13 +23,12 @@ use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 use stickslip_sampler::estimate::looks::{Looks, Precision};
 use stickslip_sampler::estimate::score::{ScoreSums, ScoreTotals};
 use stickslip_sampler::estimate::sobol_indices::{IndexCounts, indices};
-use stickslip_sampler::estimate::weighted::{self, WeightedPart, WeightedSums};
 use stickslip_sampler::estimate::{audit, conditional, randomisations};
 use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw, PairParameter};
 use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::pair::Pair;
-use stickslip_sampler::rare::population::{Effort, Points as DeviatePoints, Population};
-use stickslip_sampler::rare::proposal::Proposal;
+use stickslip_sampler::rare::population::Points as DeviatePoints;
+use stickslip_sampler::rare::whole;
 use stickslip_sampler::special_functions::normal;
 
 /// One line of the table.
@@ -410,43 +409,14 @@ fn rare_events() {
 /// if there are none; and their relative error and cost.
 fn print_rare(method: &str, inputs: usize, p: f64, seeds: u64, points: u64, is_unstable: &dyn Fn(&[f64]) -> bool) {
     let value = |u: &[f64]| if is_unstable(u) { 1.0 } else { 0.0 };
-    let mut integrand = |points: &DeviatePoints| Some(points.iter().map(value).collect());
+    let mut integrand = |points: &DeviatePoints| Some(points.iter().map(|u| Some(value(u))).collect());
     let (mut squares, mut trusted, mut evaluations) = (0.0, 0_u64, 0.0);
     let coverage = share(seeds, |seed| {
-        let (particles, moves) = if points == 0 { (1000, 8) } else { (300, 4) };
-        let mut population = |number: u64| {
-            Population::find(inputs, Effort { particles, moves }, &mut generator(100 * seed + number), &mut integrand)
-                .unwrap()
+        let found = match points {
+            0 => whole::subset(inputs, 1000, seed, 0.95, &mut integrand),
+            points => whole::importance(inputs, points, seed, 0.95, &mut integrand),
         };
-        let found = if points == 0 {
-            let part = |number: u64| {
-                let population = population(number);
-                let mut sums = WeightedSums::default();
-                sums.add_population(population.probability, true, population.tried);
-                sums.add_evaluations(population.evaluations);
-                WeightedPart::from_sums(1, &sums.sums().map(i128::from))
-            };
-            weighted::estimate_of_populations(&(0..16).map(part).collect::<Vec<_>>(), 0.95)
-        } else {
-            let populations: Vec<Population> = (0..4).map(&mut population).collect();
-            let proposals: Vec<Proposal> = populations.iter().map(Proposal::new).collect();
-            let dimensions = inputs + 1;
-            let stream = DeviateStream { seed, common_random_numbers: false, dimensions, points: Points::Sobol };
-            let mut scratch = vec![0.0; inputs];
-            let mut part = |randomisation: u64| {
-                let mut sums = WeightedSums::default();
-                for deviates in stream.draw(0, randomisation, 0..points).chunks_exact(dimensions) {
-                    let mut point = deviates.to_vec();
-                    let drawn = proposals[randomisation as usize % 4].draw(&mut point, &mut scratch);
-                    sums.add(drawn.weight, Some(value(&point)), drawn.is_of_inputs);
-                }
-                if randomisation < 4 {
-                    sums.add_evaluations(populations[randomisation as usize].evaluations);
-                }
-                WeightedPart::from_sums(points, &sums.sums().map(i128::from))
-            };
-            weighted::estimate(&(0..16).map(&mut part).collect::<Vec<_>>(), 4, 0.95)
-        };
+        let found = found.unwrap();
         evaluations += found.evaluations;
         if let Some(estimate) = found.estimate.probability {
             trusted += 1;

@@ -142,7 +142,7 @@ fn distrusted(job: &Job, summary: &Summary) -> String {
         (differ, format!("independent populations disagree, so some have missed a region; take more {more}")),
         (
             open,
-            "populations met samples without a verdict, which method = \"importance\" allows for in its interval"
+            "samples without a verdict are more probable than unstable ones, so that the populations say little"
                 .to_owned(),
         ),
     ] {

@@ -91,14 +91,8 @@ impl RareEvents {
         let mut sums = WeightedSums::default();
         if job.answer() == Answer::Population {
             for _ in samples {
-                let mut has_all_verdicts = true;
-                let mut checked = |points: &Points| {
-                    let values = values(points)?;
-                    has_all_verdicts &= values.iter().all(Option::is_some);
-                    Some(values)
-                };
-                let population = self.population(job, cell, randomisation as u64, &mut checked)?;
-                sums.add_population(population.probability, has_all_verdicts, population.tried);
+                let population = self.population(job, cell, randomisation as u64, values)?;
+                sums.add_population(population.probability, population.without_verdict, population.tried);
                 sums.add_evaluations(population.evaluations);
                 unit.counts += if population.probability > 0.0 { Verdict::Unstable } else { Verdict::Stable }.into();
             }
@@ -172,12 +166,7 @@ impl RareEvents {
             false => (Purpose::Population, cell.index),
         };
         let mut generator = block_generator(job.sampling.seed, purpose, cell, number);
-        let mut integrand = |points: &Points| {
-            let values = values(points)?;
-            // A sample without a verdict leads nowhere.
-            Some(values.into_iter().map(|value| value.unwrap_or(0.0)).collect())
-        };
-        Population::find(self.dimensions, self.effort, &mut generator, &mut integrand)
+        Population::find(self.dimensions, self.effort, &mut generator, values)
     }
 }
 

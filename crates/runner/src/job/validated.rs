@@ -196,11 +196,11 @@ impl Job {
         self.sampling.samples > 0
     }
 
-    /// Whether the pair is integrated over at each sample of the other inputs: with `method = "conditional"`, and for rare
-    /// events wherever this is possible.
+    /// Whether the pair is integrated over at each sample of the other inputs: with `method = "conditional"`, and for
+    /// samples with weights wherever this is possible. Populations go by verdicts alone, which checks the integrals.
     pub fn integrates_pair(&self) -> bool {
         self.answer() == Answer::Probability
-            || (self.answer().is_of_rare_events()
+            || (self.answer() == Answer::Weight
                 && self.has_closed_form()
                 && self.outside_physics == OutsidePhysics::Stable
                 && self.random.pair() != [None, None]

@@ -78,14 +78,12 @@ impl WeightedSums {
         numbers[2] += i64::from(contribution > 0.0);
     }
 
-    /// Adds a population: its probability, whether it met samples without a verdict, and the samples of the distribution of
-    /// the inputs that it tried, with the sum of their `g`.
-    pub fn add_population(&mut self, probability: f64, has_all_verdicts: bool, tried: [f64; 2]) {
+    /// Adds a population: its probability, that of a sample without a verdict, and the samples of the distribution of the
+    /// inputs that it tried, with the sum of their `g`.
+    pub fn add_population(&mut self, probability: f64, without_verdict: f64, tried: [f64; 2]) {
         self.add(probability, Some(1.0), false);
         let [_, _, without, of_inputs, numbers] = split(&mut self.0);
-        if !has_all_verdicts {
-            add_words(without, 1.0 / MOST_WEIGHT);
-        }
+        add_words(without, without_verdict.min(1.0) / MOST_WEIGHT);
         let [count, sum] = tried;
         add_words(of_inputs, sum);
         numbers[0] += count as i64;
@@ -158,7 +156,7 @@ pub enum Distrust {
     FewSamples,
     /// Randomisations whose samples were placed independently disagree.
     Disagreement,
-    /// Populations met samples without a verdict.
+    /// Samples without a verdict are more probable than unstable ones.
     WithoutVerdict,
 }
 
@@ -244,11 +242,14 @@ pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> Weigh
 /// ```
 ///
 /// with mean `m` and standard deviation `s` of the `R` logarithms. It is not trusted if the relative standard deviation of
-/// the estimates is above 1, if some populations found nothing, or if any met a sample without a verdict. Where instability
-/// is frequent, the interval includes Clopper and Pearson's for the samples that the populations tried at first.
+/// the estimates is above 1, if some populations found nothing, or if samples without a verdict are more probable than
+/// unstable ones. These count as stable for the low end and as unstable for the high one. Where instability is frequent, the
+/// interval includes Clopper and Pearson's for the samples that the populations tried at first.
 #[must_use]
 pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> WeightedEstimate {
-    let shares: Vec<f64> = parts.iter().filter(|part| part.samples > 0.0).map(|part| part.contributions).collect();
+    let complete = || parts.iter().filter(|part| part.samples > 0.0);
+    let shares: Vec<f64> = complete().map(|part| part.contributions).collect();
+    let highest: Vec<f64> = complete().map(|part| part.contributions + part.without_verdict).collect();
     let count = shares.len() as f64;
     let mean = shares.iter().sum::<f64>() / count.max(1.0);
     let scatter =
@@ -260,7 +261,7 @@ pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> Weigh
         let estimate = Estimate { probability: Some(0.0), low: 0.0, high: NEXT_TO_NOTHING };
         return WeightedEstimate { estimate, mean, effective: contributing, evaluations, distrust: None };
     }
-    let distrust = if without > 0.0 {
+    let distrust = if without > mean * count {
         Some(Distrust::WithoutVerdict)
     } else if mean <= 0.0 {
         Some(Distrust::NothingFound)
@@ -273,9 +274,10 @@ pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> Weigh
     let estimate = if distrust.is_some() {
         Estimate { probability: None, low: 0.0, high: 1.0 }
     } else {
-        let half_width = student(&shares, confidence).1;
-        let (from, to) = of_lognormal(&shares, confidence);
-        let (mut low, mut high) = (below(mean, half_width).min(from), around(mean, half_width).1.max(to));
+        let (from, to) = (of_lognormal(&shares, confidence).0, of_lognormal(&highest, confidence).1);
+        let with_failed = (mean + without / count).min(1.0);
+        let mut low = below(mean, student(&shares, confidence).1).min(from);
+        let mut high = around(with_failed, student(&highest, confidence).1).1.max(to);
         let [tried, unstable] = [0, 1].map(|i| parts.iter().map(|part| part.of_inputs[i]).sum::<f64>());
         if unstable > FREQUENT * tried {
             let (from, to) = binomial(unstable, unstable, tried, confidence);

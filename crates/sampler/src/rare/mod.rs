@@ -7,17 +7,23 @@
 //! | module | contents |
 //! |---|---|
 //! | [`gaussian`] | normal densities, and their fit to points |
-//! | [`population`] | deviates with the density `g(u) phi(u) / P`, found by reducing an enlarged scatter |
+//! | [`scatters`] | the enlarged scatters with which points are tried |
+//! | [`population`] | deviates with the density `g(u) phi(u) / P`, found from such points |
 //! | [`mixture`] | groups of points, each with a normal density |
 //! | [`proposal`] | the density from which samples are drawn, and their weights |
+//! | [`whole`] | a whole estimate in one call |
 
 pub mod gaussian;
+
+pub mod scatters;
 
 pub mod population;
 
 pub mod mixture;
 
 pub mod proposal;
+
+pub mod whole;
 
 #[cfg(test)]
 mod tests;

@@ -1,18 +1,28 @@
-//! Deviates of rare events, from verdicts alone.
+//! Deviates of rare events, from verdicts or from conditional probabilities.
 //!
-//! With deviates `s` times as large, instability is frequent. A population of unstable points of that scatter is led
-//! back to the true one in steps: `s` is reduced so far that the weights `phi_s'(u) / phi_s(u)` of the points are those
-//! of half as many equal ones, the points are drawn again by their weights, and each is moved by steps that leave its
-//! density as it is. The ratios of the steps multiply to the probability. Where `g` is a probability, a power `b` of it
-//! rises from 0 to 1 in the same way before. This is subset simulation (S. K. Au, J. L. Beck, Probabilistic Engineering
-//! Mechanics 16 (2001) 263-277) whose subsets are those of the scatter, as no function says how far a verdict is from
-//! another (compare J. Beaurepaire et al., Probabilistic Engineering Mechanics 33 (2013) 172-181; I. Papaioannou et al.,
-//! Structural Safety 62 (2016) 66-75).
+//! Points are tried with deviates 1, 1.5, 2.25 ... times as large, until instability is frequent. They have the density
+//! `q`, the mean of those of the scatters. The particles, drawn from them, are led to the density `g phi / P` of unstable
+//! points in steps, through
+//!
+//! ```text
+//! pi_t = (g phi)^t q^(1 - t) / Z_t,    t from 0 to 1
+//! ```
+//!
+//! `t` is raised so far that the weights `(g phi / q)^dt` of the points are those of half as many equal ones, the points
+//! are drawn again by their weights, and each is moved by steps that leave `pi_t` as it is. The means of the weights
+//! multiply to the probability. A region keeps about the share of the particles that it has in `pi_t`, whose logarithm is
+//! between those in `q` and in the true density. So a region is found, be it near or far, if a point that was tried lies in
+//! it and leads there; one in which no point lies is not.
+//!
+//! This is a sequential Monte Carlo sampler (P. Del Moral, A. Doucet, A. Jasra, J. R. Stat. Soc. B 68 (2006) 411-436); for
+//! rare events compare subset simulation (S. K. Au, J. L. Beck, Probabilistic Engineering Mechanics 16 (2001) 263-277) and
+//! J. Beaurepaire et al., Probabilistic Engineering Mechanics 33 (2013) 172-181, who change the scatter likewise.
 //!
 //! A point `u` moves to `m + sqrt(1 - r^2) (u - m) + r L xi` with normal `xi`, where `m` and `L L'` are the mean and the
-//! covariance of the enlarged inputs and of the particles, by turns. Such a step leaves the normal density `q` of that mean
-//! and covariance as it is. So the point moves with the probability `(g(new) / g(old))^b` times the ratio of `phi_s / q`
-//! there and here, if that is below 1 (R. M. Neal, Regression and classification using Gaussian process priors, 1998).
+//! covariance of inputs with about the scatter that `pi_t` has without `g`, and of the particles, by turns. Such a step leaves
+//! the normal density `p` of that mean and covariance as it is. So the point moves with the probability of the ratio of
+//! `pi_t / p` there and here, if that is below 1 (R. M. Neal, Regression and classification using Gaussian process priors,
+//! 1998).
 
 use std::ops::Range;
 
@@ -22,6 +32,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::estimate::conditional;
 use crate::rare::gaussian::Gaussian;
+use crate::rare::scatters::{Scatters, square};
 
 /// The enlargements of the scatter that are tried are the powers of this number below the largest.
 const ENLARGEMENT: f64 = 1.5;
@@ -30,13 +41,13 @@ const LARGEST: f64 = 12.0;
 /// Points that are tried at each enlargement, for each particle.
 const TRIED: usize = 3;
 
-/// The share of tried points that should be unstable, at least with some probability, at the first enlargement.
+/// The mean of `g` at which the scatter is not enlarged any further.
 const FREQUENT: f64 = 0.1;
 
-/// The effective share of particles that a reduction of the scatter leaves.
+/// The effective number of points after a step, for each particle.
 const LEFT: f64 = 0.5;
 
-/// Moves after the last reduction.
+/// Moves after the last step.
 const LAST_MOVES: usize = 8;
 
 /// The share of moves that should succeed.
@@ -46,7 +57,7 @@ const ACCEPTED: f64 = 0.35;
 const STEPS: [f64; 2] = [0.02, 1.0];
 const FIRST_STEPS: [f64; 2] = [0.5, 0.8];
 
-/// Bisections for the next scatter or power.
+/// Bisections for the next step.
 const BISECTIONS: usize = 40;
 
 /// Points in the space of deviates, one after the other.
@@ -103,19 +114,21 @@ impl Points {
     }
 }
 
-/// `g` at points, from 0 to 1 each; `None` if it is stopped before.
-pub type Integrand<'a> = dyn FnMut(&Points) -> Option<Vec<f64>> + 'a;
+/// `g` at points, from 0 to 1 each, `None` without a verdict; the outer `None` if it is stopped before.
+pub type Integrand<'a> = dyn FnMut(&Points) -> Option<Vec<Option<f64>>> + 'a;
 
 /// Particles with the density `g(u) phi(u) / P`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Population {
     /// The particles; none if no unstable point was found.
     pub particles: Points,
-    /// How much the scatter was enlarged at first.
-    pub enlargement: f64,
-    /// The probability, from the ratios of the steps. With few particles it is a little too small, as the densities within
+    /// The scatters with which points were tried.
+    pub scatters: Scatters,
+    /// The probability, from the weights of the steps. With few particles it is a little too small, as the densities within
     /// which they move are fitted to them: by some per cent with 300. Zero if no unstable point was found.
     pub probability: f64,
+    /// The probability that a sample has no verdict, from the points that were tried. Such points lead nowhere.
+    pub without_verdict: f64,
     /// The points that were tried without enlargement, and the sum of their values, if that was enough; else zeros.
     pub tried: [f64; 2],
     /// Values of `g` that were computed.
@@ -132,11 +145,12 @@ pub struct Effort {
     pub moves: usize,
 }
 
-/// Particles at one scatter.
+/// Particles on their way.
 struct Particles<'a, 'g> {
     points: Points,
     values: Vec<f64>,
-    scale: f64,
+    scatters: Scatters,
+    /// `t`
     power: f64,
     /// The steps of moves within the distribution of the inputs, and within that of the particles.
     steps: [f64; 2],
@@ -154,47 +168,34 @@ impl Population {
         integrand: &mut Integrand<'_>,
     ) -> Option<Self> {
         let Effort { particles, moves } = effort;
-        let (points, values) = (Points::new(dimensions), Vec::new());
         let mut all = Particles {
-            points,
-            values,
-            scale: 1.0,
+            points: Points::new(dimensions),
+            values: Vec::new(),
+            scatters: Scatters::default(),
             power: 0.0,
             steps: FIRST_STEPS,
             evaluations: 0,
             generator,
             integrand,
         };
-        let Some(share) = all.begin(particles * TRIED)? else {
-            return Some(Self {
-                particles: Points::new(dimensions),
-                enlargement: all.scale,
-                probability: 0.0,
-                tried: [0.0; 2],
-                evaluations: all.evaluations,
-            });
-        };
-        let enlargement = all.scale;
-        let tried = match enlargement {
-            1.0 => [all.values.len() as f64, all.values.iter().sum()],
+        let without_verdict = all.explore(particles * TRIED)?;
+        let tried = match all.scatters.enlargements() {
+            [_] => [all.evaluations as f64, all.values.iter().sum()],
             _ => [0.0; 2],
         };
-        let mut log_probability = libm::log(share);
-        let unstable: Vec<f64> = all.values.iter().map(|value| if *value > 0.0 { 1.0 } else { 0.0 }).collect();
-        all.draw_again(&unstable, particles);
-        while all.power < 1.0 {
-            log_probability += all.raise();
-            all.make_moves(moves)?;
+        let mut log_probability = libm::log(all.points.len() as f64 / all.evaluations as f64);
+        if !all.points.is_empty() {
+            while all.power < 1.0 {
+                log_probability += all.advance(particles);
+                all.make_moves(moves)?;
+            }
+            all.make_moves(LAST_MOVES)?;
         }
-        while all.scale > 1.0 {
-            log_probability += all.reduce(dimensions);
-            all.make_moves(moves)?;
-        }
-        all.make_moves(LAST_MOVES)?;
         Some(Self {
             particles: all.points,
-            enlargement,
+            scatters: all.scatters,
             probability: libm::exp(log_probability),
+            without_verdict,
             tried,
             evaluations: all.evaluations,
         })
@@ -202,66 +203,55 @@ impl Population {
 }
 
 impl Particles<'_, '_> {
-    /// Enlarges the scatter until instability is frequent, or goes back to where it is most frequent. The share of points
-    /// there that may be unstable; the inner `None` if no point may.
-    fn begin(&mut self, points: usize) -> Option<Option<f64>> {
-        let mut best: Option<(usize, Points, Vec<f64>, f64)> = None;
+    /// Tries `points` points each with larger and larger scatter, until instability is frequent, and keeps those that may be
+    /// unstable. The probability that a sample has no verdict.
+    fn explore(&mut self, points: usize) -> Option<f64> {
+        let dimensions = self.points.dimensions;
+        let mut without = Vec::new();
         let mut scale = 1.0;
         while scale < LARGEST {
-            let dimensions = self.points.dimensions;
+            self.scatters.add(scale);
             let mut tried = Points::new(dimensions);
             tried.push((0..points * dimensions).map(|_| scale * self.deviate()));
             let values = self.evaluate(&tried)?;
-            let unstable = values.iter().filter(|value| **value > 0.0).count();
-            if unstable > best.as_ref().map_or(0, |best| best.0) {
-                best = Some((unstable, tried, values, scale));
+            for (point, value) in tried.iter().zip(&values) {
+                match *value {
+                    None => without.push(square(point)),
+                    Some(value) if value > 0.0 => {
+                        self.points.push(point.iter().copied());
+                        self.values.push(value);
+                    }
+                    Some(_) => {}
+                }
             }
-            self.scale = scale;
-            if unstable as f64 >= FREQUENT * points as f64 {
+            if values.iter().flatten().sum::<f64>() >= FREQUENT * points as f64 {
                 break;
             }
             scale *= ENLARGEMENT;
         }
-        let Some((unstable, points, values, scale)) = best else { return Some(None) };
-        let share = unstable as f64 / values.len() as f64;
-        (self.points, self.values, self.scale) = (points, values, scale);
-        Some(Some(share))
+        let weight = |square: f64| libm::exp(self.scatters.log_ratio(square, dimensions));
+        Some(without.into_iter().map(weight).sum::<f64>() / self.evaluations as f64)
     }
 
-    /// Raises the power of `g`: the logarithm of the ratio of the means after and before.
-    fn raise(&mut self) -> f64 {
-        let most = self.values.iter().copied().fold(0.0, f64::max);
-        // Relative to the largest, which cannot underflow.
-        let logarithms: Vec<f64> = self.values.iter().map(|value| libm::log(value / most)).collect();
-        let weights = |power: f64| -> Vec<f64> {
-            logarithms.iter().map(|logarithm| libm::exp((power - self.power) * logarithm)).collect()
+    /// Raises `t`, and draws so many particles by their weights: the logarithm of the mean of the weights.
+    fn advance(&mut self, particles: usize) -> f64 {
+        let logarithm = |(point, value): (&[f64], &f64)| {
+            libm::log(*value) + self.scatters.log_ratio(square(point), self.points.dimensions)
         };
-        let power = farthest(self.power, |power| effective_number(&weights(power)) >= LEFT * logarithms.len() as f64);
+        let logarithms: Vec<f64> = self.points.iter().zip(&self.values).map(logarithm).collect();
+        let most = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // Relative to the largest, which cannot underflow.
+        let before = self.power;
+        let weights = |power: f64| -> Vec<f64> {
+            logarithms.iter().map(|logarithm| libm::exp((power - before) * (logarithm - most))).collect()
+        };
+        let power = farthest(before, |power| effective_number(&weights(power)) >= LEFT * particles as f64);
         let weights = weights(power);
         let mean = weights.iter().sum::<f64>() / weights.len() as f64;
-        let ratio = libm::log(mean) + (power - self.power) * libm::log(most);
-        self.draw_again(&weights, weights.len());
+        let ratio = libm::log(mean) + (power - before) * most;
+        self.draw_again(&weights, particles);
         self.power = power;
         ratio
-    }
-
-    /// Reduces the scatter: the logarithm of the ratio of the probabilities after and before.
-    fn reduce(&mut self, dimensions: usize) -> f64 {
-        let squares: Vec<f64> = self.points.iter().map(|point| point.iter().map(|u| u * u).sum()).collect();
-        let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
-        // Relative to that of the point nearest to the centre, which cannot underflow.
-        let weights = |precision: f64| -> Vec<f64> {
-            let more = precision - 1.0 / (self.scale * self.scale);
-            squares.iter().map(|square| libm::exp(-0.5 * more * (square - least))).collect()
-        };
-        let before = 1.0 / (self.scale * self.scale);
-        let is_enough = |precision: f64| effective_number(&weights(precision)) >= LEFT * squares.len() as f64;
-        let precision = farthest(before, is_enough);
-        let weights = weights(precision);
-        let mean = weights.iter().sum::<f64>() / weights.len() as f64;
-        self.draw_again(&weights, squares.len());
-        self.scale = 1.0 / precision.sqrt();
-        libm::log(mean) - 0.5 * (precision - before) * least + 0.5 * dimensions as f64 * libm::log(precision / before)
     }
 
     /// Draws `count` of the points again, by their weights: each as often as its share of the weights, rounded up or
@@ -284,10 +274,15 @@ impl Particles<'_, '_> {
         (self.points, self.values) = (drawn, values);
     }
 
-    /// Moves every point some times, by turns within the distribution of the inputs and within that of the particles.
+    /// Moves every point some times, by turns within a distribution like that of the inputs and within that of the
+    /// particles.
     fn make_moves(&mut self, moves: usize) -> Option<()> {
         let dimensions = self.points.dimensions;
-        let scaled: Vec<f64> = self.points.coordinates.iter().map(|u| u / self.scale).collect();
+        let mut squares: Vec<f64> = self.points.iter().map(square).collect();
+        squares.sort_by(f64::total_cmp);
+        let of_scatters = self.scatters.precision(squares[squares.len() / 2], dimensions);
+        let scale = 1.0 / (self.power + (1.0 - self.power) * of_scatters).sqrt();
+        let scaled: Vec<f64> = self.points.coordinates.iter().map(|u| u / scale).collect();
         let scaled = Points { dimensions, coordinates: scaled };
         let of_inputs = Gaussian::round(vec![0.0; dimensions], 1.0);
         // Those of the other half: a density that is fitted to the points that it moves holds them where they are.
@@ -299,22 +294,17 @@ impl Particles<'_, '_> {
         let of_others = [of_half(middle..scaled.len()), of_half(0..middle)];
         for turn in 0..moves {
             match turn % 2 {
-                0 => self.move_within(0, &of_inputs, |_| &of_inputs)?,
-                _ => self.move_within(1, &of_inputs, |i| &of_others[usize::from(i >= middle)])?,
+                0 => self.move_within(0, scale, |_| &of_inputs)?,
+                _ => self.move_within(1, scale, |i| &of_others[usize::from(i >= middle)])?,
             }
         }
         Some(())
     }
 
-    /// Moves every point within a distribution of its own, by the step of that number. Distributions are those of the
-    /// deviates without enlargement.
-    fn move_within<'d>(
-        &mut self,
-        which: usize,
-        of_inputs: &Gaussian,
-        of: impl Fn(usize) -> &'d Gaussian,
-    ) -> Option<()> {
-        let (step, scale, dimensions) = (self.steps[which], self.scale, self.points.dimensions);
+    /// Moves every point within a distribution of its own, by the step of that number. Distributions are those of points
+    /// divided by `scale`.
+    fn move_within<'d>(&mut self, which: usize, scale: f64, of: impl Fn(usize) -> &'d Gaussian) -> Option<()> {
+        let (step, dimensions) = (self.steps[which], self.points.dimensions);
         let rest = (1.0 - step * step).sqrt();
         let mut proposed = Points::new(dimensions);
         for i in 0..self.points.len() {
@@ -329,15 +319,21 @@ impl Particles<'_, '_> {
         }
         let values = self.evaluate(&proposed)?;
         let mut scratch = vec![0.0; dimensions];
-        let mut excess = |i: usize, point: &[f64]| {
+        // The logarithm of the density that is wanted over that which the step leaves as it is.
+        let (scatters, power) = (self.scatters.clone(), self.power);
+        let mut excess = |i: usize, point: &[f64], value: f64| {
+            let square = square(point);
+            let wanted =
+                power * libm::log(value) - 0.5 * square - (1.0 - power) * scatters.log_ratio(square, dimensions);
             let point: Vec<f64> = point.iter().map(|u| u / scale).collect();
-            of_inputs.log_density(&point, &mut scratch) - of(i).log_density(&point, &mut scratch)
+            wanted - of(i).log_density(&point, &mut scratch)
         };
         let mut accepted = 0.0;
-        for (i, &value) in values.iter().enumerate() {
+        for (i, value) in values.iter().enumerate() {
             let chance: f64 = self.generator.random();
-            let more = excess(i, proposed.get(i)) - excess(i, self.points.get(i));
-            if value > 0.0 && libm::pow(value / self.values[i], self.power) * libm::exp(more) > chance {
+            let Some(value) = value.filter(|value| *value > 0.0) else { continue };
+            let more = excess(i, proposed.get(i), value) - excess(i, self.points.get(i), self.values[i]);
+            if libm::exp(more) > chance {
                 self.points.replace(i, proposed.get(i));
                 self.values[i] = value;
                 accepted += 1.0;
@@ -352,7 +348,7 @@ impl Particles<'_, '_> {
         self.generator.sample(StandardNormal)
     }
 
-    fn evaluate(&mut self, points: &Points) -> Option<Vec<f64>> {
+    fn evaluate(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
         self.evaluations += points.len() as u64;
         (self.integrand)(points)
     }
@@ -391,7 +387,7 @@ mod tests {
 
     fn find(dimensions: usize, seed: u64, is_unstable: impl Fn(&[f64]) -> bool) -> Population {
         let mut integrand =
-            |points: &Points| Some(points.iter().map(|u| f64::from(u8::from(is_unstable(u)))).collect());
+            |points: &Points| Some(points.iter().map(|u| Some(f64::from(u8::from(is_unstable(u))))).collect());
         let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
         Population::find(dimensions, EFFORT, &mut generator, &mut integrand).unwrap()
     }
@@ -416,7 +412,8 @@ mod tests {
         // Given the first of two inputs, the second exceeds 6 minus it.
         let truth = normal::upper_tail(6.0 / std::f64::consts::SQRT_2);
         let find = |seed: u64| {
-            let mut integrand = |points: &Points| Some(points.iter().map(|u| normal::upper_tail(6.0 - u[0])).collect());
+            let mut integrand =
+                |points: &Points| Some(points.iter().map(|u| Some(normal::upper_tail(6.0 - u[0]))).collect());
             let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
             Population::find(1, EFFORT, &mut generator, &mut integrand).unwrap()
         };
@@ -457,7 +454,7 @@ mod tests {
     #[test]
     fn frequent_events_need_no_larger_scatter() {
         let population = find(3, 1, |u| u[0] > 0.0);
-        assert_eq!(population.enlargement, 1.0);
+        assert_eq!(population.scatters.enlargements(), [1.0]);
         assert!((population.probability - 0.5).abs() < 0.1);
     }
 }

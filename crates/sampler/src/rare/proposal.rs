@@ -4,7 +4,7 @@
 //! with its variance in the direction of the mean alone, which few points determine well whatever the number of inputs,
 //! and one with the standard deviations of the inputs. An eighth of the samples come from the distribution of the inputs itself, so that
 //! no weight is above 8 (a defensive mixture: T. Hesterberg, Technometrics 37 (1995) 185-194), and a sixteenth from the
-//! enlarged scatter in which the population was found, so that a region without a particle can still be met.
+//! enlarged scatters with which points were tried, so that a region without a particle can still be met.
 
 use crate::estimate::weighted::MOST_WEIGHT;
 use crate::rare::gaussian::Gaussian;
@@ -12,7 +12,7 @@ use crate::rare::mixture;
 use crate::rare::population::Population;
 use crate::special_functions::normal;
 
-/// Shares of the samples: from the distribution of the inputs, from the enlarged one, and of the rest from the
+/// Shares of the samples: from the distribution of the inputs, from the enlarged ones, and of the rest from the
 /// densities of the groups with the standard deviations of the inputs, and with their variance along the mean.
 const OF_INPUTS: f64 = 1.0 / MOST_WEIGHT;
 const ENLARGED: f64 = 1.0 / 16.0;
@@ -53,7 +53,10 @@ impl Proposal {
         let rest = if groups.is_empty() { 0.0 } else { 1.0 - OF_INPUTS - ENLARGED };
         let origin = || vec![0.0; size];
         let mut densities = vec![(OF_INPUTS, Gaussian::round(origin(), 1.0))];
-        densities.push((1.0 - OF_INPUTS - rest, Gaussian::round(origin(), population.enlargement)));
+        let enlargements = population.scatters.enlargements();
+        let enlarged =
+            |scale: &f64| ((1.0 - OF_INPUTS - rest) / enlargements.len() as f64, Gaussian::round(origin(), *scale));
+        densities.extend(enlargements.iter().map(enlarged));
         for group in groups {
             let mean = group.density.mean().to_vec();
             let wide = Gaussian::round(mean.clone(), 1.0);
@@ -97,11 +100,15 @@ mod tests {
     use super::*;
     use crate::draw::deviates::{DeviateStream, Points as Source};
     use crate::rare::population::Points;
+    use crate::rare::scatters::Scatters;
 
     fn population(dimensions: usize, particles: &[&[f64]], enlargement: f64) -> Population {
         let mut points = Points::new(dimensions);
         particles.iter().for_each(|particle| points.push(particle.iter().copied()));
-        Population { particles: points, enlargement, probability: 1e-6, tried: [0.0; 2], evaluations: 0 }
+        let mut scatters = Scatters::default();
+        scatters.add(enlargement);
+        let (probability, without_verdict, tried, evaluations) = (1e-6, 0.0, [0.0; 2], 0);
+        Population { particles: points, scatters, probability, without_verdict, tried, evaluations }
     }
 
     /// The mean of a function of the inputs, by weighted samples.

@@ -1,37 +1,15 @@
 //! Whole estimates, against probabilities in closed form.
 
-use rand::SeedableRng;
-use rand_xoshiro::Xoshiro256PlusPlus;
-
-use crate::draw::deviates::{DeviateStream, Points as Source};
-use crate::estimate::weighted::{WeightedEstimate, WeightedPart, WeightedSums, estimate};
-use crate::rare::population::{Effort, Points, Population};
-use crate::rare::proposal::Proposal;
+use crate::estimate::weighted::WeightedEstimate;
+use crate::rare::population::Points;
+use crate::rare::whole;
 use crate::special_functions::normal;
 
-/// An estimate from 16 randomisations of `points` each, in 4 groups of their own population of 300.
+/// An estimate from 16 randomisations of `points` each.
 fn weighted(dimensions: usize, points: u64, seed: u64, is_unstable: &dyn Fn(&[f64]) -> bool) -> WeightedEstimate {
-    let mut integrand = |points: &Points| Some(points.iter().map(|u| f64::from(u8::from(is_unstable(u)))).collect());
-    let proposal = |group: u64| {
-        let mut generator = Xoshiro256PlusPlus::seed_from_u64(1000 * seed + group);
-        Proposal::new(
-            &Population::find(dimensions, Effort { particles: 300, moves: 4 }, &mut generator, &mut integrand).unwrap(),
-        )
-    };
-    let proposals: Vec<Proposal> = (0..4).map(proposal).collect();
-    let stream =
-        DeviateStream { seed, common_random_numbers: false, dimensions: dimensions + 1, points: Source::Sobol };
-    let mut scratch = vec![0.0; dimensions];
-    let mut part = |randomisation: usize| {
-        let mut sums = WeightedSums::default();
-        for deviates in stream.draw(0, randomisation as u64, 0..points).chunks_exact(dimensions + 1) {
-            let mut point = deviates.to_vec();
-            let drawn = proposals[randomisation % 4].draw(&mut point, &mut scratch);
-            sums.add(drawn.weight, Some(f64::from(u8::from(is_unstable(&point)))), drawn.is_of_inputs);
-        }
-        WeightedPart::from_sums(points, &sums.sums().map(i128::from))
-    };
-    estimate(&(0..16).map(&mut part).collect::<Vec<_>>(), 4, 0.95)
+    let value = |u: &[f64]| Some(f64::from(u8::from(is_unstable(u))));
+    let mut integrand = |points: &Points| Some(points.iter().map(value).collect());
+    whole::importance(dimensions, points, seed, 0.95, &mut integrand).unwrap()
 }
 
 /// The share of seeds whose interval contains the truth, that of those that are trusted, and the mean relative error.

@@ -122,7 +122,7 @@ fn populations_are_averaged() {
     let populations = |found: &[f64]| {
         let part = |&p: &f64| {
             let mut sums = WeightedSums::default();
-            sums.add_population(p, true, [0.0; 2]);
+            sums.add_population(p, 0.0, [0.0; 2]);
             sums.add_evaluations(100);
             WeightedPart::from_sums(1, &sums.sums().map(i128::from))
         };
@@ -142,20 +142,23 @@ fn populations_are_averaged() {
     let nearly = populations(&[1e-80; 4]);
     assert_eq!((nearly.distrust, nearly.estimate.probability), (None, Some(0.0)));
     // Equal populations that found everything unstable have the interval of the samples that they tried.
-    let of = |has_all_verdicts: bool| {
+    let of = |probability: f64, without: f64| {
         let mut sums = WeightedSums::default();
-        sums.add_population(1.0, has_all_verdicts, [300.0, 300.0]);
+        sums.add_population(probability, without, [300.0, 300.0 * probability]);
         let part = WeightedPart::from_sums(1, &sums.sums().map(i128::from));
         estimate_of_populations(&[part; 16], 0.95)
     };
-    let certain = of(true).estimate;
+    let certain = of(1.0, 0.0).estimate;
     assert!(certain.low < 0.9995 && certain.low > 0.999 && certain.high == 1.0, "{certain:?}");
-    assert_eq!(of(false).distrust, Some(Distrust::WithoutVerdict));
+    assert_eq!(of(0.4, 0.5).distrust, Some(Distrust::WithoutVerdict));
+    let (decided, open) = (of(0.4, 0.0).estimate, of(0.4, 0.1).estimate);
+    assert_eq!((decided.low, decided.probability), (open.low, open.probability));
+    assert!(decided.high < 0.45 && open.high > 0.5 && open.high < 0.55, "{open:?}");
     // Where it is rare, those samples say nothing.
     let rare = {
         let part = |p: f64| {
             let mut sums = WeightedSums::default();
-            sums.add_population(p, true, [300.0, 1e-5]);
+            sums.add_population(p, 0.0, [300.0, 1e-5]);
             WeightedPart::from_sums(1, &sums.sums().map(i128::from))
         };
         estimate_of_populations(&[part(1e-6), part(1.1e-6), part(0.9e-6), part(1e-6)], 0.95).estimate
