@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use stickslip_core::model::verdict::Verdict;
 use stickslip_sampler::draw::deviates::Points as Source;
-use stickslip_sampler::draw::identity::{Purpose, block_generator};
+use stickslip_sampler::draw::identity::{Generator, Purpose, block_generator};
 use stickslip_sampler::estimate::weighted::WeightedSums;
 use stickslip_sampler::grid::Cell;
-use stickslip_sampler::rare::population::{Effort, Points, Population};
+use stickslip_sampler::rare::population::{Effort, Points, Search};
 use stickslip_sampler::rare::proposal::Proposal;
 
 use crate::evaluate::unit::FinishedUnit;
@@ -91,9 +91,11 @@ impl RareEvents {
         let mut sums = WeightedSums::default();
         if job.answer() == Answer::Population {
             for _ in samples {
-                let population = self.population(job, cell, randomisation as u64, values)?;
-                sums.add_population(population.probability, population.without_verdict, population.tried);
-                sums.add_evaluations(population.evaluations);
+                let mut generator = generator(job, cell, randomisation as u64);
+                let mut search = Search::new(self.dimensions, self.effort, &mut generator, values);
+                let (explored, population) = search.population()?;
+                sums.add_population(population.probability, explored.without_verdict, explored.of_inputs());
+                sums.add_evaluations(search.evaluations());
                 unit.counts += if population.probability > 0.0 { Verdict::Unstable } else { Verdict::Stable }.into();
             }
             return Some(sums);
@@ -138,9 +140,10 @@ impl RareEvents {
         let place = self.place((cell.index, number));
         let mut found = locked(&place);
         if found.is_none() {
-            let population = self.population(job, cell, number, values)?;
-            let proposal = Arc::new(Proposal::new(&population));
-            *found = Some(Found { proposal, evaluations: population.evaluations });
+            let mut generator = generator(job, cell, number);
+            let mut search = Search::new(self.dimensions, self.effort, &mut generator, values);
+            let proposal = Arc::new(Proposal::find(&mut search)?);
+            *found = Some(Found { proposal, evaluations: search.evaluations() });
         }
         found.clone()
     }
@@ -158,16 +161,15 @@ impl RareEvents {
         kept.push_back((key, place.clone()));
         place
     }
+}
 
-    /// Looks for a population of a cell; `None` if it is stopped before.
-    fn population(&self, job: &Job, cell: &Cell, number: u64, values: &mut Values<'_>) -> Option<Population> {
-        let (purpose, cell) = match job.sampling.common_random_numbers {
-            true => (Purpose::CommonPopulation, 0),
-            false => (Purpose::Population, cell.index),
-        };
-        let mut generator = block_generator(job.sampling.seed, purpose, cell, number);
-        Population::find(self.dimensions, self.effort, &mut generator, values)
-    }
+/// The random numbers of a population of a cell.
+fn generator(job: &Job, cell: &Cell, number: u64) -> Generator {
+    let (purpose, cell) = match job.sampling.common_random_numbers {
+        true => (Purpose::CommonPopulation, 0),
+        false => (Purpose::Population, cell.index),
+    };
+    block_generator(job.sampling.seed, purpose, cell, number)
 }
 
 /// What a mutex holds: nothing in it is half changed if a thread panics.

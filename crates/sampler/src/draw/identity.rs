@@ -69,10 +69,13 @@ impl Purpose {
     }
 }
 
+/// What generates random numbers.
+pub type Generator = Xoshiro256PlusPlus;
+
 /// The generator of one block of samples of a cell.
 #[doc(hidden)]
 #[must_use]
-pub fn block_generator(seed: u64, purpose: Purpose, cell: u64, block: u64) -> Xoshiro256PlusPlus {
+pub fn block_generator(seed: u64, purpose: Purpose, cell: u64, block: u64) -> Generator {
     let mut message = [0u8; 32];
     message[0..4].copy_from_slice(&RESULTS_VERSION.to_le_bytes());
     message[4..8].copy_from_slice(&purpose.tag().to_le_bytes());

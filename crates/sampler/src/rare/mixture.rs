@@ -35,13 +35,26 @@ pub fn groups(points: &Points) -> Vec<Group> {
     for count in 1..=MOST_GROUPS.min(points.len()) {
         let Some((log_likelihood, groups)) = fit(points, count) else { continue };
         let size = points.dimensions() as f64;
-        let parameters = count as f64 * (1.0 + size + 0.5 * size * (size + 1.0)) - 1.0;
+        let parameters = count as f64 * (1.0 + 2.0 * size) - 1.0;
         let criterion = parameters * libm::log(points.len() as f64) - 2.0 * log_likelihood;
         if best.as_ref().is_none_or(|best| criterion < best.0) {
             best = Some((criterion, groups));
         }
     }
     best.map(|(_, groups)| groups).unwrap_or_default()
+}
+
+/// The points of each group: those that it has the largest share in.
+#[must_use]
+pub fn members<'p>(points: &'p Points, groups: &[Group]) -> Vec<Vec<&'p [f64]>> {
+    let mut shares = vec![vec![0.0; points.len()]; groups.len()];
+    expect(points, groups, &mut shares);
+    let mut members = vec![Vec::new(); groups.len()];
+    for (i, point) in points.iter().enumerate() {
+        let own = (0..groups.len()).max_by(|a, b| shares[*a][i].total_cmp(&shares[*b][i]));
+        members[own.unwrap_or(0)].push(point);
+    }
+    members
 }
 
 /// So many groups, and the logarithm of the likelihood of the points. `None` if a group vanishes.

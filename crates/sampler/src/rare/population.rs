@@ -50,8 +50,17 @@ const LEFT: f64 = 0.5;
 /// Moves after the last step.
 const LAST_MOVES: usize = 8;
 
+/// Particles that are spread over the region of a few, and their moves.
+pub const SPREAD: usize = 60;
+const SPREADING_MOVES: usize = 24;
+
 /// The share of moves that should succeed.
 const ACCEPTED: f64 = 0.35;
+
+/// From so many inputs on, each of them is moved within the distribution of the inputs with this probability: a region that
+/// few inputs determine is left less often.
+const MANY: usize = 3;
+const MOVED: f64 = 0.5;
 
 /// The range of the step `r` of a move, and its first values.
 const STEPS: [f64; 2] = [0.02, 1.0];
@@ -117,22 +126,50 @@ impl Points {
 /// `g` at points, from 0 to 1 each, `None` without a verdict; the outer `None` if it is stopped before.
 pub type Integrand<'a> = dyn FnMut(&Points) -> Option<Vec<Option<f64>>> + 'a;
 
+/// Points that were tried with larger and larger scatter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Explored {
+    /// Those that may be unstable, and their `g`.
+    pub points: Points,
+    /// See above.
+    pub values: Vec<f64>,
+    /// The scatters, each with as many points.
+    pub scatters: Scatters,
+    /// The number of points.
+    pub tried: u64,
+    /// The probability that a sample has no verdict. Such points lead nowhere.
+    pub without_verdict: f64,
+}
+
+impl Explored {
+    /// What each point adds to the probability: `g phi / q` over the number of points.
+    #[must_use]
+    pub fn weights(&self) -> Vec<f64> {
+        let weight = |(point, value): (&[f64], &f64)| {
+            value * libm::exp(self.scatters.log_ratio(square(point), self.points.dimensions)) / self.tried as f64
+        };
+        self.points.iter().zip(&self.values).map(weight).collect()
+    }
+
+    /// The number of points that were tried without enlargement, and the sum of their `g`, if that was enough; else zeros.
+    #[must_use]
+    pub fn of_inputs(&self) -> [f64; 2] {
+        match self.scatters.enlargements() {
+            [_] => [self.tried as f64, self.values.iter().sum()],
+            _ => [0.0; 2],
+        }
+    }
+}
+
 /// Particles with the density `g(u) phi(u) / P`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Population {
     /// The particles; none if no unstable point was found.
     pub particles: Points,
-    /// The scatters with which points were tried.
-    pub scatters: Scatters,
-    /// The probability, from the weights of the steps. With few particles it is a little too small, as the densities within
-    /// which they move are fitted to them: by some per cent with 300. Zero if no unstable point was found.
+    /// The probability of the regions that they come from, from the weights of the steps. With few particles it is a little
+    /// too small, as the densities within which they move are fitted to them: by some per cent with 300. Zero if no unstable
+    /// point was found.
     pub probability: f64,
-    /// The probability that a sample has no verdict, from the points that were tried. Such points lead nowhere.
-    pub without_verdict: f64,
-    /// The points that were tried without enlargement, and the sum of their values, if that was enough; else zeros.
-    pub tried: [f64; 2],
-    /// Values of `g` that were computed.
-    pub evaluations: u64,
 }
 
 /// How much is done to find a population.
@@ -145,94 +182,137 @@ pub struct Effort {
     pub moves: usize,
 }
 
-/// Particles on their way.
-struct Particles<'a, 'g> {
-    points: Points,
-    values: Vec<f64>,
-    scatters: Scatters,
-    /// `t`
-    power: f64,
-    /// The steps of moves within the distribution of the inputs, and within that of the particles.
-    steps: [f64; 2],
+/// The search for populations.
+pub struct Search<'a, 'g> {
+    dimensions: usize,
+    effort: Effort,
+    /// Values of `g` that were computed.
     evaluations: u64,
     generator: &'a mut Xoshiro256PlusPlus,
     integrand: &'a mut Integrand<'g>,
 }
 
-impl Population {
-    /// Finds a population; `None` if it is stopped before.
-    pub fn find(
+impl<'a, 'g> Search<'a, 'g> {
+    /// Begins.
+    pub fn new(
         dimensions: usize,
         effort: Effort,
-        generator: &mut Xoshiro256PlusPlus,
-        integrand: &mut Integrand<'_>,
-    ) -> Option<Self> {
-        let Effort { particles, moves } = effort;
+        generator: &'a mut Xoshiro256PlusPlus,
+        integrand: &'a mut Integrand<'g>,
+    ) -> Self {
+        Self { dimensions, effort, evaluations: 0, generator, integrand }
+    }
+
+    /// The number of deviates.
+    #[must_use]
+    pub fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+
+    /// Values of `g` that were computed.
+    #[must_use]
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+
+    /// Tries points with larger and larger scatter, until instability is frequent; `None` if it is stopped before.
+    pub fn explore(&mut self) -> Option<Explored> {
+        let dimensions = self.dimensions;
+        let count = TRIED * self.effort.particles;
+        let mut scatters = Scatters::default();
+        let (mut points, mut values, mut without) = (Points::new(dimensions), Vec::new(), Vec::new());
+        let (mut scale, mut tried) = (1.0, 0);
+        while scale < LARGEST {
+            scatters.add(scale);
+            tried += count as u64;
+            let mut drawn = Points::new(dimensions);
+            drawn.push((0..count * dimensions).map(|_| scale * self.deviate()));
+            let found = self.evaluate(&drawn)?;
+            for (point, value) in drawn.iter().zip(&found) {
+                match *value {
+                    None => without.push(square(point)),
+                    Some(value) if value > 0.0 => {
+                        points.push(point.iter().copied());
+                        values.push(value);
+                    }
+                    Some(_) => {}
+                }
+            }
+            if found.iter().flatten().sum::<f64>() >= FREQUENT * count as f64 {
+                break;
+            }
+            scale *= ENLARGEMENT;
+        }
+        let weight = |square: f64| libm::exp(scatters.log_ratio(square, dimensions));
+        let without_verdict = without.into_iter().map(weight).sum::<f64>() / tried as f64;
+        Some(Explored { points, values, scatters, tried, without_verdict })
+    }
+
+    /// Leads particles from the points at these places; `None` if it is stopped before.
+    pub fn lead(&mut self, explored: &Explored, places: &[usize]) -> Option<Population> {
+        let Effort { particles, moves } = self.effort;
+        let mut points = Points::new(self.dimensions);
+        places.iter().for_each(|place| points.push(explored.points.get(*place).iter().copied()));
         let mut all = Particles {
-            points: Points::new(dimensions),
-            values: Vec::new(),
-            scatters: Scatters::default(),
+            points,
+            values: places.iter().map(|place| explored.values[*place]).collect(),
+            scatters: &explored.scatters,
             power: 0.0,
             steps: FIRST_STEPS,
-            evaluations: 0,
-            generator,
-            integrand,
+            search: self,
         };
-        let without_verdict = all.explore(particles * TRIED)?;
-        let tried = match all.scatters.enlargements() {
-            [_] => [all.evaluations as f64, all.values.iter().sum()],
-            _ => [0.0; 2],
-        };
-        let mut log_probability = libm::log(all.points.len() as f64 / all.evaluations as f64);
-        if !all.points.is_empty() {
+        let mut log_probability = libm::log(places.len() as f64 / explored.tried as f64);
+        if !places.is_empty() {
             while all.power < 1.0 {
                 log_probability += all.advance(particles);
                 all.make_moves(moves)?;
             }
             all.make_moves(LAST_MOVES)?;
         }
-        Some(Self {
-            particles: all.points,
-            scatters: all.scatters,
-            probability: libm::exp(log_probability),
-            without_verdict,
-            tried,
-            evaluations: all.evaluations,
-        })
+        Some(Population { particles: all.points, probability: libm::exp(log_probability) })
+    }
+
+    /// Spreads copies of a few particles over their region; `None` if it is stopped before.
+    pub fn spread(&mut self, scatters: &Scatters, few: &[&[f64]]) -> Option<Points> {
+        let mut points = Points::new(self.dimensions);
+        (0..SPREAD).for_each(|i| points.push(few[i % few.len()].iter().copied()));
+        let values = self.evaluate(&points)?.into_iter().map(Option::unwrap_or_default).collect();
+        let mut all = Particles { points, values, scatters, power: 1.0, steps: FIRST_STEPS, search: self };
+        all.make_moves(SPREADING_MOVES)?;
+        Some(all.points)
+    }
+
+    /// Tries points, and leads particles from all of them; `None` if it is stopped before.
+    pub fn population(&mut self) -> Option<(Explored, Population)> {
+        let explored = self.explore()?;
+        let all: Vec<usize> = (0..explored.points.len()).collect();
+        let population = self.lead(&explored, &all)?;
+        Some((explored, population))
+    }
+
+    fn deviate(&mut self) -> f64 {
+        self.generator.sample(StandardNormal)
+    }
+
+    fn evaluate(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
+        self.evaluations += points.len() as u64;
+        (self.integrand)(points)
     }
 }
 
-impl Particles<'_, '_> {
-    /// Tries `points` points each with larger and larger scatter, until instability is frequent, and keeps those that may be
-    /// unstable. The probability that a sample has no verdict.
-    fn explore(&mut self, points: usize) -> Option<f64> {
-        let dimensions = self.points.dimensions;
-        let mut without = Vec::new();
-        let mut scale = 1.0;
-        while scale < LARGEST {
-            self.scatters.add(scale);
-            let mut tried = Points::new(dimensions);
-            tried.push((0..points * dimensions).map(|_| scale * self.deviate()));
-            let values = self.evaluate(&tried)?;
-            for (point, value) in tried.iter().zip(&values) {
-                match *value {
-                    None => without.push(square(point)),
-                    Some(value) if value > 0.0 => {
-                        self.points.push(point.iter().copied());
-                        self.values.push(value);
-                    }
-                    Some(_) => {}
-                }
-            }
-            if values.iter().flatten().sum::<f64>() >= FREQUENT * points as f64 {
-                break;
-            }
-            scale *= ENLARGEMENT;
-        }
-        let weight = |square: f64| libm::exp(self.scatters.log_ratio(square, dimensions));
-        Some(without.into_iter().map(weight).sum::<f64>() / self.evaluations as f64)
-    }
+/// Particles on their way.
+struct Particles<'s, 'a, 'g> {
+    points: Points,
+    values: Vec<f64>,
+    scatters: &'s Scatters,
+    /// `t`
+    power: f64,
+    /// The steps of moves within the distribution of the inputs, and within that of the particles.
+    steps: [f64; 2],
+    search: &'s mut Search<'a, 'g>,
+}
 
+impl Particles<'_, '_, '_> {
     /// Raises `t`, and draws so many particles by their weights: the logarithm of the mean of the weights.
     fn advance(&mut self, particles: usize) -> f64 {
         let logarithm = |(point, value): (&[f64], &f64)| {
@@ -258,7 +338,7 @@ impl Particles<'_, '_> {
     /// down.
     fn draw_again(&mut self, weights: &[f64], count: usize) {
         let step = weights.iter().sum::<f64>() / count as f64;
-        let first: f64 = self.generator.random();
+        let first: f64 = self.search.generator.random();
         let mut drawn = Points::new(self.points.dimensions);
         let mut values = Vec::with_capacity(count);
         let (mut point, mut sum) = (0, weights[0]);
@@ -308,19 +388,20 @@ impl Particles<'_, '_> {
         let rest = (1.0 - step * step).sqrt();
         let mut proposed = Points::new(dimensions);
         for i in 0..self.points.len() {
-            let mut moved: Vec<f64> = (0..dimensions).map(|_| step * self.deviate()).collect();
+            let mut moved: Vec<f64> = (0..dimensions).map(|_| step * self.search.deviate()).collect();
             let around = of(i);
             // This adds the mean.
             around.transform(&mut moved);
             for ((moved, u), mean) in moved.iter_mut().zip(self.points.get(i)).zip(around.mean()) {
-                *moved = scale * (*moved + rest * (u / scale - mean));
+                let is_moved = which == 1 || dimensions < MANY || self.search.generator.random::<f64>() < MOVED;
+                *moved = if is_moved { scale * (*moved + rest * (u / scale - mean)) } else { *u };
             }
             proposed.push(moved);
         }
-        let values = self.evaluate(&proposed)?;
+        let values = self.search.evaluate(&proposed)?;
         let mut scratch = vec![0.0; dimensions];
         // The logarithm of the density that is wanted over that which the step leaves as it is.
-        let (scatters, power) = (self.scatters.clone(), self.power);
+        let (scatters, power) = (self.scatters, self.power);
         let mut excess = |i: usize, point: &[f64], value: f64| {
             let square = square(point);
             let wanted =
@@ -330,7 +411,7 @@ impl Particles<'_, '_> {
         };
         let mut accepted = 0.0;
         for (i, value) in values.iter().enumerate() {
-            let chance: f64 = self.generator.random();
+            let chance: f64 = self.search.generator.random();
             let Some(value) = value.filter(|value| *value > 0.0) else { continue };
             let more = excess(i, proposed.get(i), value) - excess(i, self.points.get(i), self.values[i]);
             if libm::exp(more) > chance {
@@ -342,15 +423,6 @@ impl Particles<'_, '_> {
         let share = accepted / values.len() as f64;
         self.steps[which] = (step * libm::exp(share - ACCEPTED)).clamp(STEPS[0], STEPS[1]);
         Some(())
-    }
-
-    fn deviate(&mut self) -> f64 {
-        self.generator.sample(StandardNormal)
-    }
-
-    fn evaluate(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
-        self.evaluations += points.len() as u64;
-        (self.integrand)(points)
     }
 }
 
@@ -385,11 +457,14 @@ mod tests {
 
     const EFFORT: Effort = Effort { particles: 300, moves: 8 };
 
-    fn find(dimensions: usize, seed: u64, is_unstable: impl Fn(&[f64]) -> bool) -> Population {
-        let mut integrand =
-            |points: &Points| Some(points.iter().map(|u| Some(f64::from(u8::from(is_unstable(u))))).collect());
+    fn find_by(dimensions: usize, seed: u64, g: impl Fn(&[f64]) -> f64) -> (Explored, Population) {
+        let mut integrand = |points: &Points| Some(points.iter().map(|u| Some(g(u))).collect());
         let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
-        Population::find(dimensions, EFFORT, &mut generator, &mut integrand).unwrap()
+        Search::new(dimensions, EFFORT, &mut generator, &mut integrand).population().unwrap()
+    }
+
+    fn find(dimensions: usize, seed: u64, is_unstable: impl Fn(&[f64]) -> bool) -> Population {
+        find_by(dimensions, seed, |u| f64::from(u8::from(is_unstable(u)))).1
     }
 
     #[test]
@@ -411,12 +486,7 @@ mod tests {
     fn a_power_of_probabilities_rises_where_these_are_known() {
         // Given the first of two inputs, the second exceeds 6 minus it.
         let truth = normal::upper_tail(6.0 / std::f64::consts::SQRT_2);
-        let find = |seed: u64| {
-            let mut integrand =
-                |points: &Points| Some(points.iter().map(|u| Some(normal::upper_tail(6.0 - u[0]))).collect());
-            let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
-            Population::find(1, EFFORT, &mut generator, &mut integrand).unwrap()
-        };
+        let find = |seed: u64| find_by(1, seed, |u| normal::upper_tail(6.0 - u[0])).1;
         let populations: Vec<Population> = (0..40).map(find).collect();
         let mean = populations.iter().map(|population| population.probability).sum::<f64>() / 40.0;
         assert!((mean / truth - 1.0).abs() < 0.05, "{mean:e}, {truth:e}");
@@ -453,8 +523,8 @@ mod tests {
 
     #[test]
     fn frequent_events_need_no_larger_scatter() {
-        let population = find(3, 1, |u| u[0] > 0.0);
-        assert_eq!(population.scatters.enlargements(), [1.0]);
+        let (explored, population) = find_by(3, 1, |u| f64::from(u8::from(u[0] > 0.0)));
+        assert_eq!(explored.scatters.enlargements(), [1.0]);
         assert!((population.probability - 0.5).abs() < 0.1);
     }
 }

@@ -8,8 +8,9 @@
 
 use crate::estimate::weighted::MOST_WEIGHT;
 use crate::rare::gaussian::Gaussian;
-use crate::rare::mixture;
-use crate::rare::population::Population;
+use crate::rare::mixture::{self, Group};
+use crate::rare::population::{Explored, Population, SPREAD, Search};
+use crate::rare::scatters::Scatters;
 use crate::special_functions::normal;
 
 /// Shares of the samples: from the distribution of the inputs, from the enlarged ones, and of the rest from the
@@ -18,6 +19,18 @@ const OF_INPUTS: f64 = 1.0 / MOST_WEIGHT;
 const ENLARGED: f64 = 1.0 / 16.0;
 const WIDE: f64 = 0.2;
 const ALONG: f64 = 0.4;
+
+/// A point that was tried is missed if it adds more than this share to the probability, and if a sample there would count as
+/// much as so many others.
+const LEAST_MISSED: f64 = 1e-3;
+const MOST_TIMES: f64 = 10.0;
+
+/// Largest number of populations whose densities are mixed, and the share of the samples that each gets at least.
+const MOST_POPULATIONS: usize = 4;
+const LEAST_SHARE: f64 = 0.1;
+
+/// The share of its population that a group with few particles gets at least.
+const LEAST_OF_GROUP: f64 = 0.05;
 
 /// One density of the mixture.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,26 +58,76 @@ pub struct Weight {
 }
 
 impl Proposal {
-    /// The proposal for a population.
-    #[must_use]
-    pub fn new(population: &Population) -> Self {
-        let size = population.particles.dimensions();
-        let groups = mixture::groups(&population.particles);
-        let rest = if groups.is_empty() { 0.0 } else { 1.0 - OF_INPUTS - ENLARGED };
+    /// Looks for a proposal; `None` if the search is stopped before.
+    ///
+    /// Where points that were tried are missed by the densities of a population, another is led from them.
+    pub fn find(search: &mut Search<'_, '_>) -> Option<Self> {
+        let explored = search.explore()?;
+        let mut populations: Vec<(f64, Vec<Group>)> = Vec::new();
+        let mut places: Vec<usize> = (0..explored.points.len()).collect();
+        loop {
+            let Population { particles, probability } = search.lead(&explored, &places)?;
+            let mut groups = mixture::groups(&particles);
+            let members = mixture::members(&particles, &groups);
+            for (group, members) in groups.iter_mut().zip(members) {
+                if !members.is_empty() && members.len() < SPREAD {
+                    let spread = search.spread(&explored.scatters, &members)?;
+                    let density = Gaussian::fit(spread.iter(), &[1.0; SPREAD]);
+                    group.density = density.unwrap_or(group.density.clone());
+                    group.share = group.share.max(LEAST_OF_GROUP);
+                }
+            }
+            populations.push((probability, groups));
+            let proposal = Self::new(search.dimensions(), &explored.scatters, &populations);
+            let probability = populations.iter().map(|(probability, _)| probability).sum();
+            places = proposal.missed(&explored, probability);
+            if places.is_empty() || populations.len() == MOST_POPULATIONS {
+                return Some(proposal);
+            }
+        }
+    }
+
+    /// The proposal for the groups of populations with their probabilities.
+    fn new(size: usize, scatters: &Scatters, populations: &[(f64, Vec<Group>)]) -> Self {
+        let total: f64 = populations.iter().map(|(probability, _)| probability).sum();
+        let share = |probability: f64| match populations {
+            [_] => 1.0,
+            _ => LEAST_SHARE + (1.0 - populations.len() as f64 * LEAST_SHARE) * probability / total,
+        };
+        let rest = if total > 0.0 { 1.0 - OF_INPUTS - ENLARGED } else { 0.0 };
         let origin = || vec![0.0; size];
         let mut densities = vec![(OF_INPUTS, Gaussian::round(origin(), 1.0))];
-        let enlargements = population.scatters.enlargements();
-        let enlarged =
-            |scale: &f64| ((1.0 - OF_INPUTS - rest) / enlargements.len() as f64, Gaussian::round(origin(), *scale));
-        densities.extend(enlargements.iter().map(enlarged));
-        for group in groups {
-            let mean = group.density.mean().to_vec();
-            let wide = Gaussian::round(mean.clone(), 1.0);
-            let along = Gaussian::along(mean, group.density.variance_along_mean()).unwrap_or(wide.clone());
-            densities.push((rest * WIDE * group.share, wide));
-            densities.push((rest * ALONG * group.share, along));
-            densities.push((rest * (1.0 - WIDE - ALONG) * group.share, group.density));
+        let enlargements = scatters.enlargements();
+        let of_each = (1.0 - OF_INPUTS - rest) / enlargements.len() as f64;
+        densities.extend(enlargements.iter().map(|scale| (of_each, Gaussian::round(origin(), *scale))));
+        for (probability, groups) in populations {
+            let of_groups: f64 = groups.iter().map(|group| group.share).sum();
+            for group in groups {
+                let share = rest * share(*probability) * group.share / of_groups;
+                let mean = group.density.mean().to_vec();
+                let wide = Gaussian::round(mean.clone(), 1.0);
+                let along = Gaussian::along(mean, group.density.variance_along_mean()).unwrap_or(wide.clone());
+                densities.push((WIDE * share, wide));
+                densities.push((ALONG * share, along));
+                densities.push(((1.0 - WIDE - ALONG) * share, group.density.clone()));
+            }
         }
+        Self::of(densities)
+    }
+
+    /// The places of points that matter, but that samples of this proposal hardly ever come near.
+    fn missed(&self, explored: &Explored, probability: f64) -> Vec<usize> {
+        let mut scratch = vec![0.0; explored.points.dimensions()];
+        let weights = explored.weights();
+        let mut is_missed = |&place: &usize| {
+            weights[place] > LEAST_MISSED * probability
+                && explored.values[place] * self.weight(explored.points.get(place), &mut scratch)
+                    > MOST_TIMES * probability
+        };
+        (0..weights.len()).filter(|place| is_missed(place)).collect()
+    }
+
+    fn of(densities: Vec<(f64, Gaussian)>) -> Self {
         let mut sum = 0.0;
         let last = densities.len() - 1;
         let component = |(i, (share, density)): (usize, (f64, Gaussian))| {
@@ -100,15 +163,14 @@ mod tests {
     use super::*;
     use crate::draw::deviates::{DeviateStream, Points as Source};
     use crate::rare::population::Points;
-    use crate::rare::scatters::Scatters;
 
-    fn population(dimensions: usize, particles: &[&[f64]], enlargement: f64) -> Population {
+    fn proposal(dimensions: usize, particles: &[&[f64]], enlargement: f64) -> Proposal {
         let mut points = Points::new(dimensions);
         particles.iter().for_each(|particle| points.push(particle.iter().copied()));
         let mut scatters = Scatters::default();
         scatters.add(enlargement);
-        let (probability, without_verdict, tried, evaluations) = (1e-6, 0.0, [0.0; 2], 0);
-        Population { particles: points, scatters, probability, without_verdict, tried, evaluations }
+        let probability = if particles.is_empty() { 0.0 } else { 1e-6 };
+        Proposal::new(dimensions, &scatters, &[(probability, mixture::groups(&points))])
     }
 
     /// The mean of a function of the inputs, by weighted samples.
@@ -130,7 +192,7 @@ mod tests {
     #[test]
     fn weighted_means_are_those_of_the_inputs() {
         let particles: [&[f64]; 4] = [&[4.0, 0.5, 0.0], &[4.1, -0.5, 0.3], &[4.2, 0.1, -0.6], &[4.5, 0.0, 0.3]];
-        let proposal = Proposal::new(&population(3, &particles, 2.25));
+        let proposal = proposal(3, &particles, 2.25);
         assert!((mean(&proposal, 3, |_| 1.0) - 1.0).abs() < 0.01);
         assert!(mean(&proposal, 3, |u| u[1]).abs() < 0.02);
         assert!((mean(&proposal, 3, |u| u[2] * u[2]) - 1.0).abs() < 0.02);
@@ -141,7 +203,7 @@ mod tests {
 
     #[test]
     fn without_particles_the_inputs_and_a_larger_scatter_are_left() {
-        let proposal = Proposal::new(&population(2, &[], 11.0));
+        let proposal = proposal(2, &[], 11.0);
         assert_eq!(proposal.components.len(), 2);
         let tail = mean(&proposal, 2, |u| f64::from(u8::from(u[0] > 3.0)));
         assert!((tail / normal::upper_tail(3.0) - 1.0).abs() < 0.1, "{tail:e}");

@@ -5,7 +5,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::draw::deviates::{DeviateStream, Points as Source};
 use crate::estimate::weighted::{self, WeightedEstimate, WeightedPart, WeightedSums};
-use crate::rare::population::{Effort, Integrand, Points, Population};
+use crate::rare::population::{Effort, Integrand, Points, Search};
 use crate::rare::proposal::Proposal;
 
 /// Randomisations, and the populations that they share.
@@ -42,9 +42,10 @@ pub fn importance(
     for randomisation in 0..RANDOMISATIONS {
         let mut sums = WeightedSums::default();
         if randomisation < POPULATIONS {
-            let population = Population::find(dimensions, effort, &mut generator(seed, randomisation), integrand)?;
-            sums.add_evaluations(population.evaluations);
-            proposals.push(Proposal::new(&population));
+            let mut generator = generator(seed, randomisation);
+            let mut search = Search::new(dimensions, effort, &mut generator, integrand);
+            proposals.push(Proposal::find(&mut search)?);
+            sums.add_evaluations(search.evaluations());
         }
         let mut scratch = vec![0.0; dimensions];
         let mut drawn = Points::new(dimensions);
@@ -74,10 +75,12 @@ pub fn subset(
     let effort = Effort { particles, moves: 8 };
     let mut parts = Vec::new();
     for number in 0..RANDOMISATIONS {
-        let population = Population::find(dimensions, effort, &mut generator(seed, number), integrand)?;
+        let mut generator = generator(seed, number);
+        let mut search = Search::new(dimensions, effort, &mut generator, integrand);
+        let (explored, population) = search.population()?;
         let mut sums = WeightedSums::default();
-        sums.add_population(population.probability, population.without_verdict, population.tried);
-        sums.add_evaluations(population.evaluations);
+        sums.add_population(population.probability, explored.without_verdict, explored.of_inputs());
+        sums.add_evaluations(search.evaluations());
         parts.push(WeightedPart::from_sums(1, &sums.sums().map(i128::from)));
     }
     Some(weighted::estimate_of_populations(&parts, confidence))
