@@ -1,7 +1,8 @@
 //! Coverage of the project's intervals, by simulation and by exact sums. Each case is a line with method, samples,
 //! probability, nominal and observed coverage.
 //!
-//! `make coverage` runs it in about a minute. Repetitions are seeded. No motion is simulated: verdicts are drawn with a
+//! `make coverage` runs it in some ten minutes; `cargo bench --bench coverage -- sobol` runs one section. Repetitions are
+//! seeded. No motion is simulated: verdicts are drawn with a
 //! known probability, or come from a boundary in closed form.
 
 #![allow(clippy::print_stdout, clippy::disallowed_methods, reason = "a table for people")]
@@ -390,18 +391,18 @@ fn rare_events() {
         let limit = -normal::quantile(p) * (inputs as f64).sqrt();
         let is_unstable = |u: &[f64]| u.iter().sum::<f64>() > limit;
         let points = if inputs == 20 { 512 } else { 128 };
-        print_rare("importance", inputs, p, 1000, points, &is_unstable);
+        print_rare("importance", inputs, p, 200, points, &is_unstable);
     }
     let branches = |u: &[f64]| u[0] > 5.0 || u[1] < -5.0;
     let tail = normal::upper_tail(5.0);
-    print_rare("importance, two branches", 4, tail * (2.0 - tail), 1000, 128, &branches);
+    print_rare("importance, two branches", 4, tail * (2.0 - tail), 200, 128, &branches);
     let island = |u: &[f64]| u[0] > 5.0 || ((3.0..4.0).contains(&u[0]) && (-4.0..-3.0).contains(&u[1]));
     let side = normal::upper_tail(3.0) - normal::upper_tail(4.0);
-    print_rare("importance, an island", 2, tail + side * side, 1000, 128, &island);
+    print_rare("importance, an island", 2, tail + side * side, 200, 128, &island);
     for (inputs, p) in [(2, 1e-3), (2, 1e-6), (2, 1e-9), (10, 1e-3), (10, 1e-6), (10, 1e-9)] {
         let limit = -normal::quantile(p) * (inputs as f64).sqrt();
         let is_unstable = |u: &[f64]| u.iter().sum::<f64>() > limit;
-        print_rare("subset", inputs, p, 300, 0, &is_unstable);
+        print_rare("subset", inputs, p, 60, 0, &is_unstable);
     }
 }
 
@@ -556,14 +557,22 @@ fn audits() {
 
 fn main() {
     println!("Coverage: the share of intervals that contain the true value");
-    binomial_intervals();
-    whole_surfaces();
-    stopping();
-    derivatives();
-    sobol_points();
-    conditional_probabilities();
-    rare_events();
-    sobol_indices();
-    differences();
-    audits();
+    let sections: [(&str, fn()); 10] = [
+        ("binomial", binomial_intervals),
+        ("surfaces", whole_surfaces),
+        ("until", stopping),
+        ("derivatives", derivatives),
+        ("sobol", sobol_points),
+        ("conditional", conditional_probabilities),
+        ("rare", rare_events),
+        ("indices", sobol_indices),
+        ("differences", differences),
+        ("audits", audits),
+    ];
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    for (name, section) in sections {
+        if wanted.is_empty() || wanted.iter().any(|wanted| wanted == name) {
+            section();
+        }
+    }
 }

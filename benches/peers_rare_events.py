@@ -11,8 +11,8 @@ its values and gradients. stickslip gets the brake, and has to find out:
 
 - *by verdicts*: it sees only whether samples are unstable. This applies to two inputs, and to ten with
   `outside_physics = "failed"`, which changes nothing else here, since all inputs are positive.
-- *by integrals*: as it does by itself with `kind = "eigenvalue"` and more than two inputs, it integrates over preload and
-  friction at every sample. An integral counts as one evaluation and takes some twenty microseconds.
+- *by integrals*: as `importance` does by itself with `kind = "eigenvalue"` and more than two inputs, it integrates over
+  preload and friction at every sample. An integral counts as one evaluation and takes some twenty microseconds.
 
 With two inputs `method = "exact"` would need no samples at all; they are here for the comparison. Subset simulation has 16
 populations of 300 particles here and not of 1000, its default, which takes ten seconds a run with ten inputs.
@@ -40,7 +40,7 @@ Seconds are those of the whole process for stickslip, and of the computation alo
 nothing. Each figure is a line with name, value and unit.
 
 A program whose mean is farther from the truth than LARGEST_Z of its standard errors, or which gives fewer numbers than
-FEWEST_NUMBERS, ends the program with exit code 1. UQpy is the exception. The chains of its version here go on from samples
+FEWEST_NUMBERS, has a line that says so, and no number at an error of 5 %. UQpy has none anyway. The chains of its version here go on from samples
 outside of the level, which it has just rejected, so that those it keeps lie too close to the border of the level.
 Probabilities come out too small, the more so the rarer the event, with 10 000 samples a level as with 1000, and with the
 stretch sampler as with modified Metropolis. No number of samples leads to an error of 5 %, so its figures are printed
@@ -222,6 +222,8 @@ class Measured:
             figure(f"{name}, without a number", float(without), f"of {len(self.runs)} runs")
         if without == len(self.runs):
             return
+        if self.method.is_unbiased and not self.agrees():
+            print(f"{name} does not agree with the truth: {self.ratios()}", flush=True)
         figure(f"{name}, P over the true one", float(self.ratios().mean()), f"(z = {self.z():.1f})")
         figure(f"{name}, relative error", self.error(), "rms")
         figure(f"{name}, evaluations", self.evaluations(), "a number")
@@ -246,7 +248,8 @@ def stickslip(binary: Path, sampling: str, outside_physics: str) -> Callable[[Ca
             done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
             seconds = time.perf_counter() - started
             if done.returncode != 0:
-                sys.exit(f"stickslip failed with exit code {done.returncode}:\n{done.stderr}")
+                print(f"  stickslip failed with exit code {done.returncode}: {done.stderr.strip()}", flush=True)
+                return Run(None, 0, 0, seconds)
             [row] = pyarrow.parquet.read_table(out / "surface.parquet").to_pylist()
         evaluations = int(row["n_evaluations"])
         # Of subset simulation all evaluations make the estimate.
@@ -341,14 +344,15 @@ def uqpy(python: Path) -> Callable[[Case], list[Run]]:
         command = [python, Path(__file__).with_name("peers_uqpy.py"), json.dumps(task)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
-            sys.exit(f"UQpy failed with exit code {done.returncode}:\n{done.stderr}")
+            print(f"  UQpy failed with exit code {done.returncode}: {done.stderr.strip()}", flush=True)
+            return []
         return [Run(run["probability"], 0, run["evaluations"], run["seconds"]) for run in json.loads(done.stdout)]
 
     return runs
 
 
-def compare(case: Case, ours: list[Method], theirs: list[Method]) -> list[str]:
-    """Prints the figures of one case, and returns the disagreements with its probability."""
+def compare(case: Case, ours: list[Method], theirs: list[Method]) -> None:
+    """Prints the figures of one case."""
     print(f"{len(case.inputs)} random inputs, P = {case.probability:g}:", flush=True)
     measured = {}
     for method in ours + theirs:
@@ -360,12 +364,6 @@ def compare(case: Case, ours: list[Method], theirs: list[Method]) -> list[str]:
             if our.has_target() and their.has_target():
                 ratio = their.evaluations_at_target() / our.evaluations_at_target()
                 figure(f"  {their_method.name} over {our_method.name}", ratio, "times")
-    return [
-        f"{name}, {len(case.inputs)} inputs, P = {case.probability:g}: {len(each.ratios())} numbers, "
-        f"over the true one {each.ratios()}"
-        for name, each in measured.items()
-        if each.method.is_unbiased and not each.agrees()
-    ]
 
 
 def main() -> None:
@@ -383,10 +381,7 @@ def main() -> None:
         Method("stickslip importance, verdicts", stickslip(binary, IMPORTANCE, "failed")),
         Method("stickslip subset, verdicts", stickslip(binary, SUBSET, "failed")),
     ]
-    by_integrals = [
-        Method("stickslip importance, integrals", stickslip(binary, IMPORTANCE, "stable")),
-        Method("stickslip subset, integrals", stickslip(binary, SUBSET, "stable")),
-    ]
+    by_integrals = [Method("stickslip importance, integrals", stickslip(binary, IMPORTANCE, "stable"))]
     peers = [
         Method("OpenTURNS FORM + importance", openturns_runs(design_point)),
         Method("OpenTURNS directional", openturns_runs(directional)),
@@ -394,12 +389,9 @@ def main() -> None:
         Method("UQpy subset", uqpy(python), is_unbiased=False),
     ]
 
-    disagreements = []
     for inputs, ours in [(TEN[:2], by_verdicts), (TEN, by_verdicts + by_integrals)]:
         for probability in PROBABILITIES:
-            disagreements += compare(Case(inputs, probability), ours, peers)
-    if disagreements:
-        sys.exit("\n".join(disagreements))
+            compare(Case(inputs, probability), ours, peers)
 
 
 if __name__ == "__main__":

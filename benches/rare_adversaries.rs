@@ -2,11 +2,22 @@
 //! easily, each with its probability in closed form. A line for each shape: how often an estimate is given, and how often
 //! its interval contains the truth.
 //!
+//! Then brakes whose measured friction curves are drawn at random, most of them with several unstable regions. Preload and
+//! friction are integrated over, rotating speed and damping scatter; the truth is a sum over a grid of both.
+//!
 //! `make coverage` runs it. Everything is seeded.
 
 #![allow(clippy::print_stdout, clippy::disallowed_methods, reason = "a table for people")]
 #![allow(clippy::unwrap_used, reason = "a table that cannot be made should say so and stop")]
 
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use stickslip_core::friction::measured_curve::{MeasuredCurve, SharedCurve};
+use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
+use stickslip_sampler::estimate::interval::Estimate;
+use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw};
+use stickslip_sampler::integrate::pair::Pair;
 use stickslip_sampler::rare::population::Points;
 use stickslip_sampler::rare::whole;
 use stickslip_sampler::special_functions::normal;
@@ -30,7 +41,7 @@ fn ring(from: f64, to: f64) -> f64 {
 type Region = Box<dyn Fn(&[f64]) -> bool>;
 
 /// A region in the first two inputs, with its probability.
-fn regions() -> Vec<(String, Region, f64)> {
+fn islands() -> Vec<(String, Region, f64)> {
     let mut found: Vec<(String, Region, f64)> = Vec::new();
     for (near, width) in
         [(2.0, 0.1), (2.5, 0.5), (3.0, 0.3), (3.5, 1.0), (4.0, 0.3), (4.0, 1.0), (5.0, 0.5), (5.0, 2.0)]
@@ -76,12 +87,18 @@ fn regions() -> Vec<(String, Region, f64)> {
 }
 
 fn main() {
+    shapes();
+    brakes();
+}
+
+/// Regions in closed form.
+fn shapes() {
     println!(
         "{:<36} {:>6} {:<18} {:>9} {:>6} {:>8} {:>7} {:>11}",
         "region", "inputs", "beside it", "P", "given", "coverage", "worst", "evaluations"
     );
     let (mut all, mut given_all, mut covered_all) = (0, 0, 0);
-    for (name, region, p) in regions() {
+    for (name, region, p) in islands() {
         for (inputs, beside) in [
             (2, "nothing"),
             (3, "a branch at 6"),
@@ -132,4 +149,157 @@ fn main() {
     }
     let coverage = covered_all as f64 / given_all as f64;
     println!("{given_all} of {all} given, {coverage:.4} of these intervals contain the truth");
+}
+
+/// Brakes, and the least and largest probability of those that are counted.
+const BRAKES: usize = 300;
+const COUNTED: [f64; 2] = [1e-13, 0.3];
+
+/// What was found for a brake.
+struct Found {
+    seed: u64,
+    regions: usize,
+    truth: f64,
+    estimate: Estimate,
+}
+
+/// Estimates for brakes with measured friction curves, a share of them on each thread.
+fn brakes() {
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let found: Vec<Found> = std::thread::scope(|scope| {
+        let of_thread = |thread: usize| scope.spawn(move || of_brakes(thread, threads, BRAKES.div_ceil(threads)));
+        let threads: Vec<_> = (0..threads).map(of_thread).collect();
+        threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
+    });
+    let several = found.iter().filter(|found| found.regions > 1).count();
+    let (mut given, mut covered) = (0_u32, 0_u32);
+    let mut worst: Vec<(f64, String)> = Vec::new();
+    for Found { seed, regions, truth, estimate } in &found {
+        let Some(p) = estimate.probability else { continue };
+        given += 1;
+        covered += u32::from(estimate.low <= *truth && *truth <= estimate.high);
+        let end = if p < *truth { estimate.high } else { estimate.low };
+        let off = (p - truth).abs() / (end - p).abs();
+        worst.push((
+            off,
+            format!("brake {seed}: {regions} regions, P {truth:.3e}, found {p:.3e}, off by {off:.2} half widths"),
+        ));
+    }
+    worst.sort_by(|a, b| b.0.total_cmp(&a.0));
+    worst.iter().take(5).for_each(|(_, line)| println!("{line}"));
+    let coverage = f64::from(covered) / f64::from(given);
+    println!(
+        "{} brakes, {several} with several unstable regions: {given} given, {coverage:.4} of these intervals contain the truth",
+        found.len()
+    );
+}
+
+/// So many brakes of one of some threads. Two thirds have several unstable regions.
+fn of_brakes(thread: usize, threads: usize, count: usize) -> Vec<Found> {
+    let mut all: Vec<Found> = Vec::new();
+    let (mut single, mut seed) = (0, thread as u64);
+    while all.len() < count {
+        let brake = Brake::draw(&mut Xoshiro256PlusPlus::seed_from_u64(seed));
+        let is_wanted = |regions: usize| regions > 1 || 3 * single < count;
+        if is_wanted(brake.regions())
+            && let (truth, regions) = brake.truth()
+            && (COUNTED[0]..COUNTED[1]).contains(&truth)
+            && is_wanted(regions)
+        {
+            single += usize::from(regions < 2);
+            let mut integrand = |points: &Points| Some(points.iter().map(|u| brake.given(u)).collect());
+            let estimate = whole::importance(2, 128, seed, 0.95, &mut integrand).unwrap().estimate;
+            all.push(Found { seed, regions, truth, estimate });
+        }
+        seed += threads as u64;
+    }
+    all
+}
+
+/// A brake with a measured friction curve; its rotating speed and tangential damping scatter.
+struct Brake {
+    parameters: Parameters,
+    stds: [f64; 2],
+    pair: Pair,
+}
+
+impl Brake {
+    fn draw(generator: &mut Xoshiro256PlusPlus) -> Self {
+        let mut between = |from: f64, to: f64| from + (to - from) * generator.random::<f64>();
+        // A curve that falls, rises or drops from one row to the next.
+        let (mut speeds, mut coefficients) = (vec![0.0], vec![between(0.35, 0.55)]);
+        while *speeds.last().unwrap() < 6.0 {
+            let (speed, coefficient) = (*speeds.last().unwrap(), *coefficients.last().unwrap());
+            speeds.push(speed + between(0.15, 0.7));
+            let slope = match between(0.0, 1.0) {
+                kind if kind < 0.4 => between(-0.03, 0.0),
+                kind if kind < 0.7 => between(0.0, 0.05),
+                _ => between(-0.25, -0.03),
+            };
+            coefficients.push((coefficient + slope * (speeds.last().unwrap() - speed)).max(0.05));
+        }
+        let mut parameters = Parameters::sui_ding_2018();
+        parameters.friction.use_table(SharedCurve::new(MeasuredCurve::new(&speeds, &coefficients, None).unwrap()));
+        let mut set = |key: &str, value: f64| parameters.set(key, value).unwrap();
+        set("operating_point.rotating_speed", between(5.0, 25.0));
+        set("damping.tangential", between(50.0, 1500.0));
+        let (preload, friction) = (between(0.01, 0.2), parameters.friction.static_coefficient);
+        let input = |expected: f64, std: f64| InputDistribution::relative(&Marginal::Normal, expected, std);
+        let pair = Pair::new(input(preload, between(0.05, 0.15)), input(friction, between(0.04, 0.1)));
+        Self { stds: [between(0.03, 0.12), between(0.03, 0.12)], pair, parameters }
+    }
+
+    /// The probability given two deviates.
+    fn given(&self, u: &[f64]) -> Option<f64> {
+        let mut parameters = self.parameters.clone();
+        let speed = parameters.operating_point.rotating_speed * (1.0 + self.stds[0] * u[0]);
+        parameters.set("operating_point.rotating_speed", speed).ok()?;
+        parameters.damping.tangential *= 1.0 + self.stds[1] * u[1];
+        let boundary = PadOnDisc::new(parameters).ok()?.stability_boundary();
+        Some(self.pair.probability(&boundary, &PairLaw::correlated(0.0), 1e-6))
+    }
+
+    /// The probability, by the trapezoidal rule, and how many regions of the speed matter.
+    fn truth(&self) -> (f64, usize) {
+        let coarse = 0.8;
+        let given = |speed: f64| -> f64 {
+            let at = |k: i32| {
+                let damping = coarse * f64::from(k);
+                self.given(&[speed, damping]).unwrap_or(0.0) * normal::density(damping) * coarse
+            };
+            (-10..=10).map(at).sum()
+        };
+        let along = along(given);
+        (along.iter().sum::<f64>() * FINE, regions(&along))
+    }
+
+    /// How many regions of the speed matter with the expected damping.
+    fn regions(&self) -> usize {
+        regions(&along(|speed| self.given(&[speed, 0.0]).unwrap_or(0.0)))
+    }
+}
+
+/// The distance of the deviates of a sum.
+const FINE: f64 = 0.01;
+
+/// What a deviate adds to a mean, from -8 to 8.
+fn along(given: impl Fn(f64) -> f64) -> Vec<f64> {
+    (-800..=800).map(|i| FINE * f64::from(i)).map(|u| given(u) * normal::density(u)).collect()
+}
+
+/// The peaks of at least a hundredth of the highest, with a valley of a tenth between them.
+fn regions(along: &[f64]) -> usize {
+    let highest = along.iter().copied().fold(0.0, f64::max);
+    let (mut regions, mut rises, mut extreme) = (0, true, 0.0_f64);
+    for &at in along.iter().chain([&0.0]) {
+        if rises && at < 0.1 * extreme {
+            regions += usize::from(extreme > 0.01 * highest);
+            (rises, extreme) = (false, at);
+        } else if !rises && at > 10.0 * extreme {
+            (rises, extreme) = (true, at);
+        } else {
+            extreme = if rises { extreme.max(at) } else { extreme.min(at) };
+        }
+    }
+    regions
 }

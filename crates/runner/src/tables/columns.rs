@@ -157,7 +157,7 @@ fn weight_columns() -> Vec<Column> {
         ),
         Column::integer(
             "distrust",
-            "0 if the probability is to be trusted; else p_unstable is null: 1 nothing unstable was found, 2 few samples have most of the probability, 3 independent populations disagree, 4 samples without a verdict are more probable than unstable ones",
+            "0 if nothing speaks against the probability; else p_unstable is null: 1 nothing unstable was found, 2 few samples have most of the probability, 3 independent populations disagree, 4 samples without a verdict are more probable than unstable ones",
             |row| match row.weighted.as_ref().and_then(|weighted| weighted.distrust) {
                 None => 0,
                 Some(Distrust::NothingFound) => 1,

@@ -26,7 +26,7 @@ pub const WITHOUT_VERDICTS: &str = "the samples of this run are drawn where inst
 
 /// What their probability is.
 pub const PROBABILITY: &str =
-    "probability of instability, the mean of samples with weights; null where it is not to be trusted";
+    "probability of instability, the mean of samples with weights; null where distrust says why";
 
 /// See [`Method`].
 #[derive(Debug)]
