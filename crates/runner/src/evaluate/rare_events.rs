@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use stickslip_core::model::verdict::Verdict;
 use stickslip_sampler::draw::deviates::Points as Source;
 use stickslip_sampler::draw::identity::{Generator, Purpose, block_generator};
-use stickslip_sampler::estimate::weighted::WeightedSums;
+use stickslip_sampler::estimate::weighted::{Event, WeightedSums};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::rare::population::{Effort, Points, Search};
 use stickslip_sampler::rare::proposal::Proposal;
@@ -94,9 +94,11 @@ impl RareEvents {
                 let mut generator = generator(job, cell, randomisation as u64);
                 let mut search = Search::new(self.dimensions, self.effort, &mut generator, values);
                 let (explored, population) = search.population()?;
-                sums.add_population(population.probability, explored.without_verdict, explored.of_inputs());
+                let (without, event) = (explored.without_verdict, explored.event);
+                sums.add_population(population.probability, without, explored.of_inputs(), event);
                 sums.add_evaluations(search.evaluations());
-                unit.counts += if population.probability > 0.0 { Verdict::Unstable } else { Verdict::Stable }.into();
+                let is_unstable = event == Event::Stability || population.probability > 0.0;
+                unit.counts += if is_unstable { Verdict::Unstable } else { Verdict::Stable }.into();
             }
             return Some(sums);
         }
@@ -122,7 +124,8 @@ impl RareEvents {
                 points.push(point);
             }
             for (drawn, value) in weights.iter().zip(values(&points)?) {
-                sums.add(drawn.weight, value, drawn.is_of_inputs);
+                let of_event = value.map(|value| proposal.event().value(value));
+                sums.add(drawn.weight, of_event, drawn.is_of_inputs, proposal.event());
                 unit.counts += match value {
                     Some(value) if value > HALF => Verdict::Unstable,
                     Some(_) => Verdict::Stable,

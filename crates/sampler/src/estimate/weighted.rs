@@ -16,8 +16,9 @@ pub const MOST_WEIGHT: f64 = 8.0;
 /// Words of the sums of contributions, of their squares, and of the other sums: a contribution of 1e-60 still has digits.
 const WORDS: [usize; 4] = [8, 17, 4, 4];
 
-/// Counts behind the words: samples from the distribution of the inputs, evaluations, and contributions above zero.
-const COUNTS: usize = 3;
+/// Counts behind the words: samples from the distribution of the inputs, evaluations, contributions above zero, and samples
+/// that are of stability.
+const COUNTS: usize = 4;
 
 /// Where the sums begin.
 const STARTS: [usize; 5] =
@@ -43,6 +44,31 @@ const FREQUENT: f64 = 0.05;
 /// The relative standard deviation of the estimates of populations above which their mean is not trusted.
 const MOST_SCATTER: f64 = 1.0;
 
+/// What the samples of a part are of: the rarer of both, so that either has all digits.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Event {
+    /// `g` is that of instability.
+    #[default]
+    Instability,
+    /// `g` is 1 less that of instability.
+    Stability,
+}
+
+impl Event {
+    /// `g` of this event, from that of instability.
+    #[must_use]
+    pub fn value(self, of_instability: f64) -> f64 {
+        match self {
+            Self::Instability => of_instability,
+            Self::Stability => 1.0 - of_instability,
+        }
+    }
+
+    fn count(self, samples: i64) -> i64 {
+        if self == Self::Stability { samples } else { 0 }
+    }
+}
+
 /// The sums of weighted samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WeightedSums([i64; WeightedSums::COUNT]);
@@ -56,12 +82,12 @@ impl Default for WeightedSums {
 impl WeightedSums {
     /// The number of sums: of the contributions, their squares, the weights of samples without a verdict, and the
     /// `g` of samples that are drawn from the distribution of the inputs; the number of these, the number of evaluations,
-    /// and the number of contributions above zero.
+    /// the number of contributions above zero, and the number of samples of stability.
     pub const COUNT: usize = STARTS[4] + COUNTS;
 
-    /// Adds a sample: its weight, its `g`, which is `None` without a verdict, and whether it was drawn from the
+    /// Adds a sample: its weight, its `g` of an event, which is `None` without a verdict, and whether it was drawn from the
     /// distribution of the inputs.
-    pub fn add(&mut self, weight: f64, value: Option<f64>, is_of_inputs: bool) {
+    pub fn add(&mut self, weight: f64, value: Option<f64>, is_of_inputs: bool, event: Event) {
         let [contributions, squares, without, of_inputs, numbers] = split(&mut self.0);
         let contribution = weight * value.unwrap_or(0.0) / MOST_WEIGHT;
         add_words(contributions, contribution);
@@ -76,12 +102,13 @@ impl WeightedSums {
         }
         numbers[1] += 1;
         numbers[2] += i64::from(contribution > 0.0);
+        numbers[3] += event.count(1);
     }
 
-    /// Adds a population: its probability, that of a sample without a verdict, and the samples of the distribution of the
-    /// inputs that it tried, with the sum of their `g`.
-    pub fn add_population(&mut self, probability: f64, without_verdict: f64, tried: [f64; 2]) {
-        self.add(probability, Some(1.0), false);
+    /// Adds a population: the probability of its event, that of a sample without a verdict, and the samples of the
+    /// distribution of the inputs that it tried, with the sum of their `g`.
+    pub fn add_population(&mut self, probability: f64, without_verdict: f64, tried: [f64; 2], event: Event) {
+        self.add(probability, Some(1.0), false, event);
         let [_, _, without, of_inputs, numbers] = split(&mut self.0);
         add_words(without, without_verdict.min(1.0) / MOST_WEIGHT);
         let [count, sum] = tried;
@@ -127,6 +154,8 @@ pub struct WeightedPart {
     pub evaluations: f64,
     /// Samples that contribute.
     pub contributing: f64,
+    /// Samples of [`Event::Stability`], all or none.
+    pub of_stability: f64,
 }
 
 impl WeightedPart {
@@ -143,8 +172,47 @@ impl WeightedPart {
             of_inputs: [count(0), of(3)],
             evaluations: count(1),
             contributing: count(2),
+            of_stability: count(3),
         }
     }
+
+    fn is_of_stability(&self) -> bool {
+        self.of_stability > 0.0
+    }
+
+    /// The same samples as those of instability. Digits of a small probability of stability are lost.
+    fn of_instability(&self) -> Self {
+        if !self.is_of_stability() {
+            return *self;
+        }
+        let Self { samples, contributions, squares, without_verdict, of_inputs: [count, stable], .. } = *self;
+        Self {
+            contributions: (samples - contributions - without_verdict).max(0.0),
+            squares: (samples - 2.0 * contributions + squares).max(0.0),
+            of_inputs: [count, count - stable],
+            contributing: samples,
+            of_stability: 0.0,
+            ..*self
+        }
+    }
+}
+
+/// The estimate of instability, from that of the event of the parts: of stability if all are of it.
+fn of_event(parts: &[WeightedPart], estimate: impl Fn(&[WeightedPart]) -> WeightedEstimate) -> WeightedEstimate {
+    if parts.is_empty() || !parts.iter().all(WeightedPart::is_of_stability) {
+        return estimate(&parts.iter().map(WeightedPart::of_instability).collect::<Vec<_>>());
+    }
+    let found = estimate(parts);
+    let sum = |of: fn(&WeightedPart) -> f64| parts.iter().map(of).sum::<f64>();
+    let without = sum(|part| part.without_verdict) / sum(|part| part.samples);
+    let complement = |stable: f64| (1.0 - stable - without).max(0.0);
+    let Estimate { probability, low, high } = found.estimate;
+    if found.distrust == Some(Distrust::NothingFound) {
+        let estimate = Estimate { probability: Some(1.0), low: 1.0 - high, high: 1.0 };
+        return WeightedEstimate { estimate, mean: 1.0, distrust: None, ..found };
+    }
+    let estimate = Estimate { probability: probability.map(complement), low: 1.0 - high, high: 1.0 - low };
+    WeightedEstimate { estimate, mean: complement(found.mean), ..found }
 }
 
 /// Why an estimate is not trusted.
@@ -184,10 +252,16 @@ pub struct WeightedEstimate {
 /// means of the groups. With a significance of 1e-4 the estimate is not trusted, as some have missed a region. Nor is it
 /// with an effective number of samples below 100.
 ///
-/// Samples without a verdict count as stable for the low end and as unstable for the high one. A probability below some
+/// Where instability is frequent, parts are of stability, and 1 less the probability has as many digits. Samples without a
+/// verdict count as stable for the low end and as unstable for the high one. A probability below some
 /// 1e-70, of which the sums have no digits, is given as 0 with a high end of 1e-60 if 100 samples contribute.
 #[must_use]
 pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> WeightedEstimate {
+    of_event(parts, |parts| estimate_of_samples(parts, groups, confidence))
+}
+
+/// The estimate of the event of the parts.
+fn estimate_of_samples(parts: &[WeightedPart], groups: usize, confidence: f64) -> WeightedEstimate {
     let sum = |of: &dyn Fn(&WeightedPart) -> f64| parts.iter().map(of).sum::<f64>();
     let (total, squares) = (sum(&|part| part.contributions), sum(&|part| part.squares));
     let (samples, without) = (sum(&|part| part.samples), sum(&|part| part.without_verdict));
@@ -247,6 +321,11 @@ pub fn estimate(parts: &[WeightedPart], groups: usize, confidence: f64) -> Weigh
 /// interval includes Clopper and Pearson's for the samples that the populations tried at first.
 #[must_use]
 pub fn estimate_of_populations(parts: &[WeightedPart], confidence: f64) -> WeightedEstimate {
+    of_event(parts, |parts| mean_of_populations(parts, confidence))
+}
+
+/// The estimate of the event of the parts.
+fn mean_of_populations(parts: &[WeightedPart], confidence: f64) -> WeightedEstimate {
     let complete = || parts.iter().filter(|part| part.samples > 0.0);
     let shares: Vec<f64> = complete().map(|part| part.contributions).collect();
     let highest: Vec<f64> = complete().map(|part| part.contributions + part.without_verdict).collect();

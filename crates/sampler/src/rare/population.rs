@@ -31,6 +31,7 @@ use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::estimate::conditional;
+use crate::estimate::weighted::Event;
 use crate::rare::gaussian::Gaussian;
 use crate::rare::scatters::{Scatters, square};
 
@@ -139,6 +140,8 @@ pub struct Explored {
     pub tried: u64,
     /// The probability that a sample has no verdict. Such points lead nowhere.
     pub without_verdict: f64,
+    /// Whose `g` it is.
+    pub event: Event,
 }
 
 impl Explored {
@@ -188,6 +191,8 @@ pub struct Search<'a, 'g> {
     effort: Effort,
     /// Values of `g` that were computed.
     evaluations: u64,
+    /// What is looked for.
+    event: Event,
     generator: &'a mut Xoshiro256PlusPlus,
     integrand: &'a mut Integrand<'g>,
 }
@@ -200,7 +205,7 @@ impl<'a, 'g> Search<'a, 'g> {
         generator: &'a mut Xoshiro256PlusPlus,
         integrand: &'a mut Integrand<'g>,
     ) -> Self {
-        Self { dimensions, effort, evaluations: 0, generator, integrand }
+        Self { dimensions, effort, evaluations: 0, event: Event::Instability, generator, integrand }
     }
 
     /// The number of deviates.
@@ -215,7 +220,8 @@ impl<'a, 'g> Search<'a, 'g> {
         self.evaluations
     }
 
-    /// Tries points with larger and larger scatter, until instability is frequent; `None` if it is stopped before.
+    /// Tries points with larger and larger scatter, until instability is frequent; or stability, if it is the rarer of
+    /// both. `None` if it is stopped before.
     pub fn explore(&mut self) -> Option<Explored> {
         let dimensions = self.dimensions;
         let count = TRIED * self.effort.particles;
@@ -227,7 +233,11 @@ impl<'a, 'g> Search<'a, 'g> {
             tried += count as u64;
             let mut drawn = Points::new(dimensions);
             drawn.push((0..count * dimensions).map(|_| scale * self.deviate()));
-            let found = self.evaluate(&drawn)?;
+            let mut found = self.evaluate(&drawn)?;
+            if tried == count as u64 && found.iter().flatten().sum::<f64>() > 0.5 * count as f64 {
+                self.event = Event::Stability;
+                found.iter_mut().flatten().for_each(|value| *value = self.event.value(*value));
+            }
             for (point, value) in drawn.iter().zip(&found) {
                 match *value {
                     None => without.push(square(point)),
@@ -245,7 +255,7 @@ impl<'a, 'g> Search<'a, 'g> {
         }
         let weight = |square: f64| libm::exp(scatters.log_ratio(square, dimensions));
         let without_verdict = without.into_iter().map(weight).sum::<f64>() / tried as f64;
-        Some(Explored { points, values, scatters, tried, without_verdict })
+        Some(Explored { points, values, scatters, tried, without_verdict, event: self.event })
     }
 
     /// Leads particles from the points at these places; `None` if it is stopped before.
@@ -296,7 +306,9 @@ impl<'a, 'g> Search<'a, 'g> {
 
     fn evaluate(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
         self.evaluations += points.len() as u64;
-        (self.integrand)(points)
+        let mut values = (self.integrand)(points)?;
+        values.iter_mut().flatten().for_each(|value| *value = self.event.value(*value));
+        Some(values)
     }
 }
 

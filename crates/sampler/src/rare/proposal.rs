@@ -6,7 +6,7 @@
 //! no weight is above 8 (a defensive mixture: T. Hesterberg, Technometrics 37 (1995) 185-194), and a sixteenth from the
 //! enlarged scatters with which points were tried, so that a region without a particle can still be met.
 
-use crate::estimate::weighted::MOST_WEIGHT;
+use crate::estimate::weighted::{Event, MOST_WEIGHT};
 use crate::rare::gaussian::Gaussian;
 use crate::rare::mixture::{self, Group};
 use crate::rare::population::{Explored, Population, SPREAD, Search};
@@ -46,6 +46,8 @@ struct Component {
 pub struct Proposal {
     /// The first is the distribution of the inputs.
     components: Vec<Component>,
+    /// What is frequent among its samples.
+    event: Event,
 }
 
 /// What a sample drawn from a [`Proposal`] counts for.
@@ -78,8 +80,9 @@ impl Proposal {
                 }
             }
             populations.push((probability, groups));
-            let proposal = Self::new(search.dimensions(), &explored.scatters, &populations);
+            let mut proposal = Self::new(search.dimensions(), &explored.scatters, &populations);
             let probability = populations.iter().map(|(probability, _)| probability).sum();
+            proposal.event = explored.event;
             places = proposal.missed(&explored, probability);
             if places.is_empty() || populations.len() == MOST_POPULATIONS {
                 return Some(proposal);
@@ -135,7 +138,14 @@ impl Proposal {
             let below = if i == last { f64::INFINITY } else { normal::quantile(sum) };
             Component { log_share: libm::log(share), below, density }
         };
-        Self { components: densities.into_iter().enumerate().map(component).collect() }
+        let components = densities.into_iter().enumerate().map(component).collect();
+        Self { components, event: Event::default() }
+    }
+
+    /// What samples are counted of.
+    #[must_use]
+    pub fn event(&self) -> Event {
+        self.event
     }
 
     /// Replaces independent standard normal deviates, one more than inputs, by a point of the mixture: the first chooses

@@ -57,3 +57,39 @@ fn a_region_that_is_not_found_is_not_called_stable() {
     assert_eq!(found.estimate.probability, None);
     assert!(found.estimate.low == 0.0 && found.estimate.high > 0.001);
 }
+
+#[test]
+fn a_probability_near_one_is_resolved_as_well_as_one_near_zero() {
+    let stable = normal::upper_tail(5.0);
+    for seed in 0..10 {
+        let found = weighted(3, 128, seed, &|u| u[0] > -5.0).estimate;
+        let complement = 1.0 - found.probability.unwrap();
+        assert!((complement / stable - 1.0).abs() < 0.1, "{complement:e}");
+        assert!(found.high - found.low < 0.2 * stable, "{found:?}");
+    }
+    let certain = weighted(2, 128, 1, &|_| true).estimate;
+    assert_eq!((certain.probability, certain.high), (Some(1.0), 1.0));
+    assert!(certain.low > 0.98 && certain.low < 1.0, "{certain:?}");
+}
+
+#[test]
+fn points_that_a_population_misses_get_particles_of_their_own() {
+    // A conditional probability that is nowhere zero, and an island with a hundredth of its probability.
+    let valley = |u: &[f64]| normal::upper_tail((5.2 - 0.5 * u[2]) / 0.75_f64.sqrt());
+    let is_of_island = |u: &[f64]| (4.0..5.0).contains(&u[0]) && (4.0..5.0).contains(&u[1]);
+    let side = normal::upper_tail(4.0) - normal::upper_tail(5.0);
+    let truth = normal::upper_tail(5.2) + side * side;
+    let mut met = 0;
+    for seed in 0..10 {
+        let mut samples = 0;
+        let mut g = |points: &Points| {
+            samples += points.iter().filter(|u| is_of_island(u)).count();
+            Some(points.iter().map(|u| Some(if is_of_island(u) { 1.0 } else { valley(u) })).collect())
+        };
+        let found = whole::importance(3, 256, seed, 0.95, &mut g).unwrap();
+        let Some(p) = found.estimate.probability else { continue };
+        met += usize::from(samples > 100);
+        assert!((p / truth - 1.0).abs() < 0.03, "{p:e}, {truth:e}");
+    }
+    assert!(met >= 8, "the island was sampled in {met} of 10 runs");
+}

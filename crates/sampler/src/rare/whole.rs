@@ -55,8 +55,9 @@ pub fn importance(
             weights.push(proposals[randomisation % POPULATIONS].draw(&mut point, &mut scratch));
             drawn.push(point);
         }
+        let event = proposals[randomisation % POPULATIONS].event();
         for (drawn, value) in weights.iter().zip(integrand(&drawn)?) {
-            sums.add(drawn.weight, value, drawn.is_of_inputs);
+            sums.add(drawn.weight, value.map(|value| event.value(value)), drawn.is_of_inputs, event);
         }
         parts.push(WeightedPart::from_sums(points, &sums.sums().map(i128::from)));
     }
@@ -79,7 +80,7 @@ pub fn subset(
         let mut search = Search::new(dimensions, effort, &mut generator, integrand);
         let (explored, population) = search.population()?;
         let mut sums = WeightedSums::default();
-        sums.add_population(population.probability, explored.without_verdict, explored.of_inputs());
+        sums.add_population(population.probability, explored.without_verdict, explored.of_inputs(), explored.event);
         sums.add_evaluations(search.evaluations());
         parts.push(WeightedPart::from_sums(1, &sums.sums().map(i128::from)));
     }

@@ -8,6 +8,7 @@ fn part(samples: u64, contribution: f64) -> WeightedPart {
             if sample % 100 == 0 { contribution } else { 1.0 },
             Some(if sample % 100 == 0 { 1.0 } else { 0.0 }),
             sample % 8 == 0,
+            Event::Instability,
         );
     }
     WeightedPart::from_sums(samples, &sums.sums().map(i128::from))
@@ -16,9 +17,9 @@ fn part(samples: u64, contribution: f64) -> WeightedPart {
 #[test]
 fn sums_have_the_values_that_were_added() {
     let mut sums = WeightedSums::default();
-    sums.add(8.0, Some(1.0), false);
-    sums.add(3e-9, Some(0.5), true);
-    sums.add(0.25, None, true);
+    sums.add(8.0, Some(1.0), false, Event::Instability);
+    sums.add(3e-9, Some(0.5), true, Event::Instability);
+    sums.add(0.25, None, true, Event::Instability);
     sums.add_evaluations(1000);
     let part = WeightedPart::from_sums(3, &sums.sums().map(i128::from));
     let close = |value: f64, expected: f64| assert!((value - expected).abs() <= 1e-15 * expected, "{value:e}");
@@ -30,7 +31,7 @@ fn sums_have_the_values_that_were_added() {
     // Small contributions keep their digits.
     for small in [3e-12, 3e-50] {
         let mut sums = WeightedSums::default();
-        sums.add(small, Some(1.0), false);
+        sums.add(small, Some(1.0), false, Event::Instability);
         let part = WeightedPart::from_sums(1, &sums.sums().map(i128::from));
         assert!((part.contributions / small - 1.0).abs() < 1e-15, "{small:e}");
         assert!((part.squares / (small * small) - 1.0).abs() < 1e-9, "{small:e}");
@@ -42,7 +43,7 @@ fn sums_do_not_depend_on_the_order() {
     let contributions = [1.0 / 3.0, 1e-9 / 7.0, 2.0 / 9.0, 1e-20 / 3.0];
     let sum = |order: &mut dyn Iterator<Item = &f64>| {
         let mut sums = WeightedSums::default();
-        order.for_each(|&weight| sums.add(weight, Some(1.0), false));
+        order.for_each(|&weight| sums.add(weight, Some(1.0), false, Event::Instability));
         sums
     };
     assert_eq!(sum(&mut contributions.iter()), sum(&mut contributions.iter().rev()));
@@ -122,7 +123,7 @@ fn populations_are_averaged() {
     let populations = |found: &[f64]| {
         let part = |&p: &f64| {
             let mut sums = WeightedSums::default();
-            sums.add_population(p, 0.0, [0.0; 2]);
+            sums.add_population(p, 0.0, [0.0; 2], Event::Instability);
             sums.add_evaluations(100);
             WeightedPart::from_sums(1, &sums.sums().map(i128::from))
         };
@@ -144,7 +145,7 @@ fn populations_are_averaged() {
     // Equal populations that found everything unstable have the interval of the samples that they tried.
     let of = |probability: f64, without: f64| {
         let mut sums = WeightedSums::default();
-        sums.add_population(probability, without, [300.0, 300.0 * probability]);
+        sums.add_population(probability, without, [300.0, 300.0 * probability], Event::Instability);
         let part = WeightedPart::from_sums(1, &sums.sums().map(i128::from));
         estimate_of_populations(&[part; 16], 0.95)
     };
@@ -158,7 +159,7 @@ fn populations_are_averaged() {
     let rare = {
         let part = |p: f64| {
             let mut sums = WeightedSums::default();
-            sums.add_population(p, 0.0, [300.0, 1e-5]);
+            sums.add_population(p, 0.0, [300.0, 1e-5], Event::Instability);
             WeightedPart::from_sums(1, &sums.sums().map(i128::from))
         };
         estimate_of_populations(&[part(1e-6), part(1.1e-6), part(0.9e-6), part(1e-6)], 0.95).estimate
@@ -208,4 +209,41 @@ fn parts_that_agree_are_no_surer_than_so_many_independent_samples() {
     let half_width = 1.96 * (200.0_f64).sqrt() / 32_768.0 * 0.99;
     let mean = 200.0 / 32_768.0;
     assert!(found.estimate.low < mean - half_width && found.estimate.high > mean + half_width, "{found:?}");
+}
+
+#[test]
+fn a_probability_near_one_has_the_digits_of_its_complement() {
+    let part = |i: u32, event: Event| {
+        let mut sums = WeightedSums::default();
+        for sample in 0..400 {
+            let value = f64::from(u8::from((sample + i) % 2 == 0));
+            sums.add(1e-9 * f64::from(1 + i % 3), Some(value), sample % 8 == 0, event);
+        }
+        sums.add(1e-10, None, false, event);
+        WeightedPart::from_sums(401, &sums.sums().map(i128::from))
+    };
+    let of = |event: Event| estimate(&(0..16).map(|i| part(i, event)).collect::<Vec<_>>(), 4, 0.95);
+    let (unstable, stable) = (of(Event::Instability), of(Event::Stability));
+    let without = 1e-10 / 401.0;
+    let [p, complement] = [unstable, stable].map(|found| found.estimate.probability.unwrap());
+    assert!(p > 0.9e-9 && (1.0 - complement - p - without).abs() < 1e-15, "{p:e} {complement:e}");
+    assert!((1.0 - stable.estimate.low - unstable.estimate.high).abs() < 1e-15);
+    assert!((1.0 - stable.estimate.high - unstable.estimate.low).abs() < 1e-15);
+    assert_eq!(stable.effective, unstable.effective);
+    // Some parts are of the one and some of the other.
+    let mixed: Vec<WeightedPart> = (0..16)
+        .map(|i| {
+            let event = if i % 4 == 0 { Event::Stability } else { Event::Instability };
+            let mut sums = WeightedSums::default();
+            (0..400).for_each(|sample| sums.add(1.0, Some(f64::from(u8::from((sample + i) % 2 == 0))), true, event));
+            WeightedPart::from_sums(400, &sums.sums().map(i128::from))
+        })
+        .collect();
+    assert!((estimate(&mixed, 4, 0.95).estimate.probability.unwrap() - 0.5).abs() < 1e-12);
+    // Nothing stable was found.
+    let mut sums = WeightedSums::default();
+    (0..400).for_each(|_| sums.add(1.0, Some(0.0), true, Event::Stability));
+    let certain = estimate(&[WeightedPart::from_sums(400, &sums.sums().map(i128::from)); 16], 4, 0.95);
+    assert_eq!((certain.estimate.probability, certain.estimate.high, certain.distrust), (Some(1.0), 1.0, None));
+    assert!(certain.estimate.low > 0.999 && certain.estimate.low < 1.0);
 }
