@@ -216,7 +216,7 @@ fn a_probability_near_one_has_the_digits_of_its_complement() {
     let part = |i: u32, event: Event| {
         let mut sums = WeightedSums::default();
         for sample in 0..400 {
-            let value = f64::from(u8::from((sample + i) % 2 == 0));
+            let value = f64::from(u8::from(u32::is_multiple_of(sample + i, 2)));
             sums.add(1e-9 * f64::from(1 + i % 3), Some(value), sample % 8 == 0, event);
         }
         sums.add(1e-10, None, false, event);
@@ -235,7 +235,9 @@ fn a_probability_near_one_has_the_digits_of_its_complement() {
         .map(|i| {
             let event = if i % 4 == 0 { Event::Stability } else { Event::Instability };
             let mut sums = WeightedSums::default();
-            (0..400).for_each(|sample| sums.add(1.0, Some(f64::from(u8::from((sample + i) % 2 == 0))), true, event));
+            (0..400).for_each(|sample| {
+                sums.add(1.0, Some(f64::from(u8::from(u32::is_multiple_of(sample + i, 2)))), true, event)
+            });
             WeightedPart::from_sums(400, &sums.sums().map(i128::from))
         })
         .collect();
