@@ -236,7 +236,7 @@ fn a_probability_near_one_has_the_digits_of_its_complement() {
             let event = if i % 4 == 0 { Event::Stability } else { Event::Instability };
             let mut sums = WeightedSums::default();
             (0..400).for_each(|sample| {
-                sums.add(1.0, Some(f64::from(u8::from(u32::is_multiple_of(sample + i, 2)))), true, event)
+                sums.add(1.0, Some(f64::from(u8::from(u32::is_multiple_of(sample + i, 2)))), true, event);
             });
             WeightedPart::from_sums(400, &sums.sums().map(i128::from))
         })
