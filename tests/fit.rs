@@ -207,3 +207,18 @@ fn damaged_data_end_in_a_message_or_a_result() {
         }
     }
 }
+
+#[test]
+fn tests_that_contradict_the_model_are_told() {
+    let zigzag = "rotating_speed,preload,squealed,count\n10,0.1,1,400\n12,0.1,1,100\n12,0.1,0,300\n14,0.1,1,348\n14,0.1,0,52\n\
+                  16,0.1,1,40\n16,0.1,0,360\n18,0.1,1,200\n18,0.1,0,200\n20,0.1,0,400\n";
+    let place = place(zigzag);
+    let outcome = place.run("fit data.csv --job job.toml --json").done();
+    assert!(outcome.stderr.contains("the tests contradict the model (p = "), "{}", outcome.stderr);
+    let found: Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert!(number(&found["goodness_of_fit"][0]["p_value"]) < 1e-10, "{found}");
+    // A misplaced decimal point in line 3.
+    place.write("data.csv", "onset_speed,preload\n15.2,0.1\n163,0.1\n14.1,0.1\n17.1,0.1\n16.8,0.12\n15.5,0.12\n");
+    let said = place.run("fit data.csv --job job.toml").failed(65).stderr;
+    assert!(said.contains("data.csv: the model cannot produce the test of line 3, whose"), "{said}");
+}

@@ -92,6 +92,7 @@ fn read(path: &Path, bytes: &[u8], brake: &Brake<'_>) -> Result<BrakeTests, Fail
                 row.wrong(&format!("there are more than {MOST_ROWS} rows; add up equal tests in a column count"))
             );
         }
+        data.begin_row(row.line);
         if has_onsets {
             row.add_onset(&mut data, brake, steepest)?;
         } else {

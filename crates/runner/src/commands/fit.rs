@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 use stickslip_core::models::pad_on_disc::model::{PRELOAD, PadModel, ROTATING_SPEED, STATIC_FRICTION};
-use stickslip_sampler::fit::{ESTIMABLE, Fit, FitModel, FitValues, Prediction, fit as estimate};
+use stickslip_sampler::fit::{ESTIMABLE, Fit, FitModel, FitValues, Goodness, Prediction, fit as estimate};
 use stickslip_sampler::inputs::{Marginal, PairParameter};
 
 use super::brake_tests::{BrakeTests, read_tests};
@@ -21,6 +21,9 @@ const MOST_CELLS: u64 = 1000;
 
 /// Most rows of the table at the terminal.
 const MOST_ROWS: usize = 40;
+
+/// Tests that are as improbable as this contradict the model.
+const CONTRADICTION: f64 = 0.01;
 
 /// The probability of squeal in a cell.
 struct PredictedCell {
@@ -57,6 +60,7 @@ pub fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     let confidence = job.sampling.confidence;
     let fit = estimate(&model, &tests.data, &estimated, confidence)
         .map_err(|error| Failure::Job(format!("{}: {error}", shown(&arguments.data))))?;
+    warn(contradictions(&fit));
     let new_job = match &out {
         Some((directory, name)) => {
             let text = new_text(&job, &source, arguments, &tests, (&model, &fit))?;
@@ -175,6 +179,18 @@ fn new_text(
     Ok(new.text)
 }
 
+/// What is to be said where the tests contradict the model.
+fn contradictions(fit: &Fit<'_>) -> Vec<String> {
+    let contradicts = |goodness: &Goodness| goodness.p_value() < CONTRADICTION;
+    let text = |goodness: Goodness| {
+        format!(
+            "the tests contradict the model (p = {:.1e}), so that estimates and intervals mean little; look for wrong lines, for brakes of another kind, and for values of the job that are not those of the tested brakes",
+            goodness.p_value()
+        )
+    };
+    fit.goodness().into_iter().filter(contradicts).map(text).collect()
+}
+
 /// How many tests there are.
 fn counted(tests: &BrakeTests) -> String {
     let [squealed, quiet] = tests.data.counts();
@@ -241,11 +257,21 @@ fn as_json(
         "squealed": squealed as u64,
         "confidence": job.sampling.confidence,
         "log_likelihood": fit.log_likelihood,
+        "goodness_of_fit": fit.goodness().into_iter().map(goodness).collect::<Vec<_>>(),
         "estimates": estimates,
         "from_job": fixed,
         "cells": cells.iter().map(cell).collect::<Vec<_>>(),
         "job": arguments.out.as_ref().map(|out| out.display().to_string()),
     })
+}
+
+fn goodness(of: Goodness) -> Value {
+    match of {
+        Goodness::Verdicts { deviance, degrees, p_value } => {
+            json!({ "deviance": deviance, "degrees_of_freedom": degrees, "p_value": p_value })
+        }
+        Goodness::Onsets { distance, p_value } => json!({ "kolmogorov_distance": distance, "p_value": p_value }),
+    }
 }
 
 fn as_text(
@@ -266,6 +292,17 @@ fn as_text(
             |fitted| format!("{} to {}", end(fitted.low), end(fitted.high)),
         );
         text += &format!("{:<22}{value:>12}   {interval}\n", model.name(parameter));
+    }
+    for goodness in fit.goodness() {
+        let p = format!("{:.2}", goodness.p_value());
+        text += &match goodness {
+            Goodness::Verdicts { deviance, degrees, .. } => {
+                format!("\ndeviance {deviance:.2} with {degrees} degrees of freedom: p = {p}\n")
+            }
+            Goodness::Onsets { distance, .. } => {
+                format!("\nlargest distance of the shares of onset speeds {distance:.3}: p = {p}\n")
+            }
+        };
     }
     if !cells.is_empty() {
         text += &format!("\n{:<22}{:>12}{:>12}   {percent} % interval\n", "speed, rad/s", "preload", "P(squeal)");

@@ -10,6 +10,8 @@ pub(super) struct Verdicts {
     pub(super) boundary: PairBoundary,
     pub(super) squealed: f64,
     pub(super) quiet: f64,
+    /// The rows of the first that squealed and of the first that did not.
+    pub(super) rows: [Option<u64>; 2],
 }
 
 /// A test that says at which speed squeal began.
@@ -21,6 +23,7 @@ pub(super) struct Onset {
     pub(super) boundaries: [PairBoundary; 2],
     /// The logarithm of the quotient of the two speeds.
     pub(super) width: f64,
+    pub(super) row: u64,
 }
 
 /// The tests. Their order has no effect but on rounding.
@@ -28,16 +31,25 @@ pub(super) struct Onset {
 pub struct TestData {
     pub(super) verdicts: Vec<Verdicts>,
     pub(super) onsets: Vec<Onset>,
+    row: u64,
 }
 
 impl TestData {
+    /// Names the row that the next tests are from.
+    pub fn begin_row(&mut self, row: u64) {
+        self.row = row;
+    }
+
     /// Adds `count` tests at a nominal first input, with the boundary at their speed.
     pub fn add_verdict(&mut self, nominal: f64, boundary: &PairBoundary, squealed: bool, count: u64) {
         let alike = |verdicts: &&mut Verdicts| verdicts.nominal == nominal && verdicts.boundary == *boundary;
         let counted = count as f64;
         let [more_squealed, more_quiet] = if squealed { [counted, 0.0] } else { [0.0, counted] };
+        let row = (count > 0).then_some(self.row);
+        let rows = if squealed { [row, None] } else { [None, row] };
         match self.verdicts.iter_mut().find(alike) {
             Some(verdicts) => {
+                verdicts.rows = [verdicts.rows[0].or(rows[0]), verdicts.rows[1].or(rows[1])];
                 verdicts.squealed += more_squealed;
                 verdicts.quiet += more_quiet;
             }
@@ -46,6 +58,7 @@ impl TestData {
                 boundary: *boundary,
                 squealed: more_squealed,
                 quiet: more_quiet,
+                rows,
             }),
         }
     }
@@ -53,7 +66,7 @@ impl TestData {
     /// Adds a test at a nominal first input in which squeal began at a speed, with the boundaries at two speeds a little
     /// below and above it.
     pub fn add_onset(&mut self, nominal: f64, boundaries: [PairBoundary; 2], speeds: [f64; 2]) {
-        self.onsets.push(Onset { nominal, boundaries, width: libm::log(speeds[1] / speeds[0]) });
+        self.onsets.push(Onset { nominal, boundaries, width: libm::log(speeds[1] / speeds[0]), row: self.row });
     }
 
     /// How many onset speeds and different conditions of verdicts there are.

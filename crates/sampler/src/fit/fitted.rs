@@ -4,6 +4,7 @@ use stickslip_core::model::pair_boundary::PairBoundary;
 use thiserror::Error;
 
 use super::data::{TestData, Verdicts};
+use super::goodness::{Goodness, goodness};
 use super::likelihood::{FitModel, Likelihood};
 use super::maximum::{Matrix, Maximum, maximum, product, slopes};
 use super::parameter::{ESTIMABLE, FitValues, LEAST_STD, Range};
@@ -34,6 +35,12 @@ const MOST_BEYOND: f64 = 1.5;
 
 /// A likelihood this many times as deep as the level is sought from another start as well.
 const TOO_DEEP: f64 = 1.5;
+
+/// Standard deviations at which the search begins as well if some tests are as good as impossible.
+const WIDE_STDS: [f64; 3] = [0.5, 1.0, 3.0];
+
+/// Most rows that a message names.
+const MOST_LISTED: usize = 5;
 
 /// Probabilities are distinguished from 0 and 1 down to these.
 const LEAST_TAILS: [f64; 2] = [1e-300, 1e-15];
@@ -82,6 +89,17 @@ pub enum FitError {
     /// There are no tests.
     #[error("there are no tests")]
     NoTests,
+    /// Some tests are as good as impossible with the values that explain the others.
+    #[error(
+        "the model cannot produce the test{0} of line{0} {1}, whose probability is below 1e-15 with all values that were tried; correct the line{0} (is the speed right?), or take {2} out and say so",
+        if .rows.len() > 1 { "s" } else { "" },
+        listed(.rows),
+        if .rows.len() > 1 { "them" } else { "it" }
+    )]
+    Impossible {
+        /// Their rows.
+        rows: Vec<u64>,
+    },
     /// The standard deviation is that of measured values.
     #[error("{parameter} cannot be estimated: the job has measured values, which scatter as they do; leave it out")]
     Measured {
@@ -135,6 +153,13 @@ pub enum FitError {
     },
 }
 
+/// The first rows of a list.
+fn listed(rows: &[u64]) -> String {
+    let first: Vec<String> = rows.iter().take(MOST_LISTED).map(u64::to_string).collect();
+    let more = if rows.len() > MOST_LISTED { format!(" and {} more", rows.len() - MOST_LISTED) } else { String::new() };
+    first.join(", ") + &more
+}
+
 /// What the tests say.
 pub struct Fit<'a> {
     likelihood: Likelihood<'a>,
@@ -174,7 +199,15 @@ pub fn fit<'a>(
     let level = -normal::quantile(0.5 * (1.0 - confidence));
     let not_identified =
         |parameters: Vec<String>| FitError::NotIdentified { parameters, first: model.names[0].clone() };
-    let mut best = best_of_starts(&likelihood);
+    let mut best = best_of_starts(&likelihood, &[]);
+    let rows = likelihood.impossible(&best.place);
+    if !rows.is_empty() {
+        // With more scatter all may be possible.
+        best = best_of_starts(&likelihood, &WIDE_STDS);
+        if check_limits(&likelihood, &best).is_err() || !likelihood.impossible(&best.place).is_empty() {
+            return Err(FitError::Impossible { rows });
+        }
+    }
     for _ in 0..MOST_MAXIMA {
         check_limits(&likelihood, &best)?;
         let logarithm = |y: &[f64]| likelihood.logarithm(y);
@@ -211,8 +244,8 @@ fn check(model: &FitModel, data: &TestData, estimated: &[PairParameter]) -> Resu
     }
 }
 
-/// The best of the maxima that are reached from the two best of many starts.
-fn best_of_starts(likelihood: &Likelihood<'_>) -> Maximum {
+/// The best of the maxima that are reached from the two best of many starts, with further standard deviations.
+fn best_of_starts(likelihood: &Likelihood<'_>, stds: &[f64]) -> Maximum {
     let mut starts: Vec<Vec<f64>> = vec![Vec::new()];
     let has_second = likelihood.estimated.iter().any(|(parameter, _)| *parameter == PairParameter::Expected(1));
     for (parameter, range) in &likelihood.estimated {
@@ -220,8 +253,8 @@ fn best_of_starts(likelihood: &Likelihood<'_>) -> Maximum {
         let values: Vec<f64> = match parameter {
             PairParameter::Expected(0) if has_second => vec![own],
             PairParameter::Expected(_) => (-8..=8).map(|step| own * libm::exp(0.12 * f64::from(step))).collect(),
-            PairParameter::RelativeStd(0) => vec![own, 0.1],
-            PairParameter::RelativeStd(_) => vec![own, 0.03, 0.1, 0.25],
+            PairParameter::RelativeStd(0) => [&[own, 0.1], stds].concat(),
+            PairParameter::RelativeStd(_) => [&[own, 0.03, 0.1, 0.25], stds].concat(),
             PairParameter::Correlation => vec![own, -0.5, 0.5],
         };
         let extended = |start: &Vec<f64>| {
@@ -380,6 +413,12 @@ fn bound(likelihood: &Likelihood<'_>, best: &Maximum, which: usize, direction: f
 }
 
 impl Fit<'_> {
+    /// How well the model with the estimates explains the tests.
+    #[must_use]
+    pub fn goodness(&self) -> Vec<Goodness> {
+        goodness(self.likelihood.model, self.likelihood.data, &self.values, self.parameters.len())
+    }
+
     /// The probability of squeal at a nominal first input, with the boundary at the speed. Its interval reaches from
     /// the least to the greatest value that it has with parameters whose profile likelihood is high enough, found by
     /// maximising the logarithm of the likelihood plus a multiple of the deviate of the probability: the multiple grows

@@ -10,7 +10,7 @@ use crate::integrate::pair::Pair;
 /// Relative error of each integral, small against the steps of numerical derivatives.
 const TOLERANCE: f64 = 1e-10;
 
-/// A probability below this counts as this, so that the logarithm is finite.
+/// A probability below this counts as this, so that the logarithm is finite. At a maximum no test may be as improbable.
 const LEAST: f64 = 1e-300;
 
 /// The same for the complement of a probability, whose rounding error is about as large.
@@ -103,6 +103,25 @@ impl Likelihood<'_> {
             sum += log(probability, LEAST) - libm::log(onset.width);
         }
         sum
+    }
+
+    /// The rows of tests that are as good as impossible at some coordinates, in order.
+    pub(super) fn impossible(&self, coordinates: &[f64]) -> Vec<u64> {
+        let values = self.values(coordinates);
+        let law = PairLaw::correlated(values.correlation);
+        let mut rows = Vec::new();
+        for verdicts in &self.data.verdicts {
+            let probability = self.model.probability(&values, verdicts.nominal, &verdicts.boundary);
+            rows.extend(verdicts.rows[0].filter(|_| probability <= LEAST));
+            rows.extend(verdicts.rows[1].filter(|_| 1.0 - probability <= LEAST_COMPLEMENT));
+        }
+        for onset in &self.data.onsets {
+            let [slow, fast] = &onset.boundaries;
+            let pair = self.model.pair(&values, onset.nominal);
+            rows.extend((pair.probability_between([slow, fast], &law, TOLERANCE) <= LEAST).then_some(onset.row));
+        }
+        rows.sort_unstable();
+        rows
     }
 
     /// The inputs at a nominal first one, those of the test before if they are the same.

@@ -22,6 +22,8 @@ mod maximum;
 
 mod root;
 
+mod goodness;
+
 mod fitted;
 
 #[cfg(test)]
@@ -29,5 +31,6 @@ mod tests;
 
 pub use data::TestData;
 pub use fitted::{Fit, FitError, FittedParameter, Prediction, fit};
+pub use goodness::Goodness;
 pub use likelihood::FitModel;
 pub use parameter::{ESTIMABLE, FitValues};

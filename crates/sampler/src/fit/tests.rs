@@ -348,3 +348,64 @@ fn many_tests_end_intervals_on_both_sides() {
         assert!(low < fitted.value && fitted.value < high, "{fitted:?}");
     }
 }
+
+#[test]
+fn tests_that_the_model_cannot_produce_are_named() {
+    let model = model(&Marginal::Lognormal, 0.0, 0.0);
+    // A misplaced decimal point: 152 rad/s for 15.2.
+    let mut data = TestData::default();
+    for (row, speed) in (2..).zip([11.0, 13.5, 14.0, 152.0, 16.1, 16.3, 17.7, 19.4]) {
+        let ends = [speed * (1.0 - 1e-5), speed * (1.0 + 1e-5)];
+        data.begin_row(row);
+        data.add_onset(0.1, ends.map(boundary_at), ends);
+    }
+    match fit(&model, &data, &USUAL, 0.95) {
+        Err(FitError::Impossible { rows }) => assert_eq!(rows, [5]),
+        // With much more scatter it is possible, and the fit says that it explains little.
+        Ok(fit) => assert!(fit.goodness()[0].p_value() < 0.01, "{:?} {:?}", fit.values, fit.goodness()),
+        Err(other) => panic!("{other}"),
+    }
+    // One brake of forty that squealed at 60 rad/s.
+    let mut data = data_of(&[(12.0, 95), (15.0, 60), (18.0, 15)], 0.1, 100);
+    let before = fit(&model, &data, &USUAL, 0.95).unwrap().values;
+    data.begin_row(9);
+    data.add_verdict(0.1, &boundary_at(60.0), false, 39);
+    data.begin_row(10);
+    data.add_verdict(0.1, &boundary_at(60.0), true, 1);
+    match fit(&model, &data, &USUAL, 0.95) {
+        Err(FitError::Impossible { rows }) => assert_eq!(rows, [10]),
+        // Only friction up to the limit explains it.
+        Err(FitError::AtLimit { limit, .. }) => assert!((limit - 5.0).abs() < 1e-9),
+        Ok(fit) => assert!((fit.values.relative_std[1] / before.relative_std[1] - 1.0).abs() > 0.01),
+        Err(other) => panic!("{other}"),
+    }
+}
+
+#[test]
+fn goodness_of_fit_finds_data_that_contradict_the_model() {
+    let model = model(&Marginal::Normal, 0.1, 0.0);
+    let p_value = |counts: &[(f64, u64)]| {
+        let data = data_of(counts, 0.1, 400);
+        fit(&model, &data, &USUAL, 0.95).unwrap().goodness()[0].p_value()
+    };
+    let zigzag = [(10.0, 400), (12.0, 100), (14.0, 348), (16.0, 40), (18.0, 200), (20.0, 0)];
+    assert!(p_value(&zigzag) < 1e-10);
+    // Data of the model itself are below 5 % about once in twenty times.
+    let speeds = [11.0, 13.0, 15.0, 17.0, 19.0];
+    let draw = |[a, b]: [f64; 2]| [1.0 + 0.1 * a, 0.39 * (1.0 + 0.08 * b)];
+    let sets = 100;
+    let below = (0..sets).filter(|&seed| p_value(&verdicts(seed, &speeds, 0.1, 400, draw)) < 0.05).count();
+    assert!((1..=11).contains(&below), "{below} of {sets}");
+    // Onset speeds of the model, and of brakes of two kinds.
+    let fitted = |speeds: &[f64]| {
+        let mut data = TestData::default();
+        for &speed in speeds {
+            let ends = [speed * (1.0 - 1e-5), speed * (1.0 + 1e-5)];
+            data.add_onset(0.1, ends.map(boundary_at), ends);
+        }
+        fit(&model, &data, &USUAL, 0.95).unwrap().goodness()[0].p_value()
+    };
+    let even: Vec<f64> = (0..60).map(|i| 15.0 + 1.2 * quantile((f64::from(i) + 0.5) / 60.0)).collect();
+    let two: Vec<f64> = (0..60).map(|i| if i % 2 == 0 { 12.0 } else { 19.0 } + 0.01 * f64::from(i)).collect();
+    assert!(fitted(&even) > 0.5 && fitted(&two) < 0.01, "{} {}", fitted(&even), fitted(&two));
+}

@@ -25,7 +25,7 @@ fn a_fit_begins_where_the_likelihood_has_a_slope() {
         let estimated = [PairParameter::Expected(1), PairParameter::RelativeStd(1)]
             .map(|parameter| (parameter, Range::new(parameter, &model.marginals)))
             .to_vec();
-        best_of_starts(&Likelihood { model: &model, data: &data, estimated }).value
+        best_of_starts(&Likelihood { model: &model, data: &data, estimated }, &[]).value
     };
     // Near the maximum, and with so little scatter that most candidates make the tests impossible: there the likelihood
     // is flat, and no iteration moves.
