@@ -440,3 +440,105 @@ fn pictures_follow_the_longest_axes_and_fit_a_terminal() {
     }
     assert!(fs::exists(place.path("runs/area/surface.parquet")).unwrap());
 }
+
+#[test]
+fn the_pad_slides_at_its_effective_radius() {
+    let place = Place::new();
+    // The brake of the guide. The critical friction coefficient by hand, from the damping that friction has to overcome:
+    // (f_s - f_c) exp(-V / v_s) N k_t2 / (k_t1 v_s) = c_x, with V = r_e Omega and N = h Delta k_en k_y / (k_en + k_y).
+    let random = "inputs = [\"static_friction\"]\nrelative_std = 0.2";
+    let exact = |name: &str, axes: &str| {
+        let axes = format!("{axes}\npreload = 0.026\nstatic_friction = 0.39");
+        let text = job(name, &axes, random, EIGENVALUE, "method = \"exact\"");
+        submitted(&place, name, &text.replace("common_random_numbers = true\n", ""))
+    };
+    let radii = [0.100, 0.114, 0.135];
+    let given = exact("radii", "rotating_speed = 12.0\n\"pad.effective_radius\" = [0.100, 0.114, 0.135]");
+    let speeds = radii.map(|radius| 12.0 * radius / 0.135);
+    let at_the_edge = exact("edge", &format!("rotating_speed = {speeds:?}"));
+    let force = 0.020 * 0.026 * 3.816e7 * 3.249e7 / (3.816e7 + 3.249e7);
+    for (i, radius) in radii.into_iter().enumerate() {
+        let critical = 0.25 + 369.0 * 0.72 * (radius * 12.0 / 0.72_f64).exp() / force;
+        let expected = 0.5 * libm::erfc((critical - 0.39) / (0.2 * 0.39) / std::f64::consts::SQRT_2);
+        for surface in [&given, &at_the_edge] {
+            assert!((surface.column("p_unstable")[i] / expected - 1.0).abs() < 1e-11, "{radius}");
+        }
+    }
+    assert!((given.column("p_unstable")[1] - 0.2417).abs() < 5e-5);
+}
+
+#[test]
+fn without_an_effective_radius_the_pad_slides_at_the_edge_of_the_disc_wherever_that_is() {
+    let place = Place::new();
+    let edges = "rotating_speed = 12.0\npreload = 0.05\n\"disc.outer_radius\" = [0.12, 0.15]";
+    for (name, criterion) in [("eigenvalue", EIGENVALUE), ("rigid", RIGID)] {
+        let counts = |of: &str, axes: &str, model: &str| {
+            let text = job(of, axes, SCATTER, criterion, "samples = 500").replace("[axes]", &format!("{model}[axes]"));
+            submitted(&place, &format!("{name}-{of}"), &text).column("n_unstable").to_vec()
+        };
+        let followed = counts("followed", edges, "");
+        let given = [0.12, 0.15].map(|edge| {
+            let model = format!("[model]\ndisc.outer_radius = 0.16\npad.effective_radius = {edge}\n");
+            counts(&format!("given-{edge}"), "rotating_speed = 12.0\npreload = 0.05", &model)[0]
+        });
+        assert_eq!(followed, given, "{name}");
+        assert!(followed[0] != followed[1], "{name}: {followed:?}");
+    }
+}
+
+#[test]
+fn a_radius_that_scatters_does_what_a_speed_that_scatters_does() {
+    let place = Place::new();
+    let axes = "rotating_speed = 12.0\npreload = 0.035";
+    for (name, criterion, samples) in [
+        ("eigenvalue", EIGENVALUE, 4000),
+        ("coupled", "kind = \"coupled-eigenvalue\"\ndisc_modes = 5", 400),
+        ("rigid", RIGID, 400),
+    ] {
+        let shares = ["pad.effective_radius", "rotating_speed"].map(|input| {
+            let random = format!("inputs = [\"{input}\"]\nrelative_std = 0.03");
+            let text = job(name, axes, &random, criterion, &format!("samples = {samples}"))
+                .replace("[axes]", "[model.pad]\neffective_radius = 0.114\n[axes]");
+            let surface = submitted(&place, &format!("{name}-{input}"), &text);
+            assert_eq!(surface.column("n_failed"), [0.0], "{name} {input}");
+            (surface.column("p_low")[0], surface.column("p_high")[0])
+        });
+        let [(low, high), (other_low, other_high)] = shares;
+        assert!(low < other_high && other_low < high && low > 0.0 && high < 1.0, "{name}: {shares:?}");
+    }
+    // A radius beyond the patch is no brake.
+    let random = "inputs = [\"pad.effective_radius\"]\nrelative_std = 0.2";
+    let text = job("wide", axes, random, EIGENVALUE, "samples = 2000")
+        .replace("[axes]", "[model.pad]\neffective_radius = 0.114\n[axes]");
+    let failed = submitted(&place, "wide", &text).column("n_failed")[0] / 2000.0;
+    // Phi((0.090 - 0.114) / 0.0228) + 1 - Phi((0.135 - 0.114) / 0.0228)
+    let expected = 0.5 * (libm::erfc(0.024 / 0.0228 / 2f64.sqrt()) + libm::erfc(0.021 / 0.0228 / 2f64.sqrt()));
+    assert!((failed - expected).abs() < 0.04, "{failed} {expected}");
+}
+
+#[test]
+fn radii_that_contradict_each_other_are_refused_with_both() {
+    let place = Place::new();
+    let check = |model: &str, axes: &str, texts: &[&str]| {
+        place
+            .write("job.toml", &job("job", axes, SCATTER, EIGENVALUE, "").replace("[axes]", &format!("{model}[axes]")));
+        place.run("check job.toml").refused(65, texts);
+    };
+    let given = |radius: f64| format!("[model.pad]\neffective_radius = {radius}\n");
+    check(&given(0.14), "", &["pad.effective_radius = 0.14 must be at most disc.outer_radius = 0.135"]);
+    check(&given(0.08), "", &["pad.inner_radius = 0.09 must be at most pad.effective_radius = 0.08"]);
+    check(&given(115.0), "", &["did you mean 0.115 (115 mm)?"]);
+    let axes = "\"pad.inner_radius\" = [0.08, 0.11]\n\"pad.effective_radius\" = [0.1, 0.12]";
+    check("", axes, &["pad.inner_radius = 0.11 must be at most pad.effective_radius = 0.1"]);
+    let axes = "\"disc.outer_radius\" = [0.11, 0.13]\n\"pad.effective_radius\" = [0.1, 0.12]";
+    check("", axes, &["pad.effective_radius = 0.12 must be at most disc.outer_radius = 0.11"]);
+    let random = "inputs = [\"pad.effective_radius\"]\nrelative_std = 0.02";
+    place.write("job.toml", &job("job", "", random, EIGENVALUE, ""));
+    place.run("check job.toml").refused(
+        65,
+        &["random.inputs lists \"pad.effective_radius\", which has no expected value: give model.pad.effective_radius, between pad.inner_radius = 0.09 and disc.outer_radius = 0.135"],
+    );
+    // Not given, it follows the edge of the disc.
+    place.write("job.toml", &job("job", "\"disc.outer_radius\" = [0.11, 0.15]", SCATTER, EIGENVALUE, ""));
+    place.run("check job.toml").done();
+}

@@ -86,7 +86,12 @@ fn table(place: &Place) -> String {
     let mut rows: Vec<(f64, f64, String)> = Vec::new();
     for parameter in parameters(place).iter().filter(|parameter| text(parameter, "key") != WITHOUT_ROW) {
         let (key, value) = (text(parameter, "key"), parameter["preset"].as_f64().unwrap());
-        let ends = if value == 0.0 { [0.0, 0.01] } else { [0.9 * value, 1.1 * value] };
+        let ends = match key {
+            _ if value == 0.0 => [0.0, 0.01],
+            // It ends at the edge of the disc.
+            "pad.effective_radius" => [0.9 * value, value],
+            _ => [0.9 * value, 1.1 * value],
+        };
         let [lower, higher] = <[Response; 2]>::try_from(responses(place, key, &ends)).ok().unwrap();
         let (low, high) = (lower.cells(), higher.cells());
         let cells = (0..preset.len()).map(|i| {

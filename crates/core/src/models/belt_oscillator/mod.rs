@@ -68,7 +68,14 @@ impl Oscillator {
                 outer_radius: 1.0,
                 transverse_damping_ratio: 0.0,
             },
-            pad: Pad { mass: self.mass, moment_of_inertia: 1.0, inner_radius: 0.5, half_angle: 0.5, moment_arm: 0.0 },
+            pad: Pad {
+                mass: self.mass,
+                moment_of_inertia: 1.0,
+                inner_radius: 0.5,
+                effective_radius: None,
+                half_angle: 0.5,
+                moment_arm: 0.0,
+            },
             stiffness: Stiffness {
                 calliper_tangential: half,
                 calliper_normal: 2.0 * force,

@@ -14,7 +14,7 @@
 //! `eta0 = D / (rho h^4) = 1 / tau^2`. In SI units these scales are numbers rather than true dimensionless groups
 //! (`tau` carries a stray square root of a metre); the paper uses them so, and so does this crate. Forces of
 //! the scaled equations are divided by `h` and therefore carry N/m. The rotating speed `Omega` is in rad/s
-//! everywhere; the disc passes under the pad at `V = b Omega`, scaled `v`.
+//! everywhere; the disc passes under the pad at `V = r_e Omega`, scaled `v`.
 //!
 //! | paper | here | meaning |
 //! |---|---|---|

@@ -37,6 +37,8 @@ pub struct Pad {
     pub moment_of_inertia: f64,
     /// Inner radius r_a of the contact patch, m; the patch reaches to the outer edge of the disc.
     pub inner_radius: f64,
+    /// Effective radius r_e at which the pad slides, m; where not given, the outer radius of the disc, as in the paper.
+    pub effective_radius: Option<f64>,
     /// Half of the angle psi that the pad covers, rad.
     pub half_angle: f64,
     /// Moment arm q of the friction force, m.
@@ -152,6 +154,9 @@ pub struct Scalar {
     get_mut: fn(&mut Parameters) -> &mut f64,
 }
 
+/// The key of the one parameter that has no value of its own unless it is given one.
+pub const EFFECTIVE_RADIUS_KEY: &str = "pad.effective_radius";
+
 impl Scalar {
     /// The section part of the key.
     #[must_use]
@@ -169,6 +174,13 @@ impl Scalar {
     #[must_use]
     pub fn value(&self, parameters: &Parameters) -> f64 {
         (self.get)(parameters)
+    }
+
+    /// Whether the value in `parameters` is its own, and not that of another parameter: where `pad.effective_radius` is
+    /// not given, it has the value of `disc.outer_radius`.
+    #[must_use]
+    pub fn is_given(&self, parameters: &Parameters) -> bool {
+        self.key != EFFECTIVE_RADIUS_KEY || parameters.pad.effective_radius.is_some()
     }
 
     /// Sets this parameter in `parameters`, whatever the value.
@@ -207,7 +219,7 @@ macro_rules! scalar {
 ///
 /// The upper limits are far beyond any brake; they catch wrong units (GPa for Pa, mm for m), not bad designs.
 #[rustfmt::skip]
-pub static SCALARS: [Scalar; 29] = [
+pub static SCALARS: [Scalar; 30] = [
     scalar!(disc.density, "rho", "kg/m^3", Limits::above(0.0, 1e5), "density of the disc"),
     scalar!(disc.youngs_modulus, "E", "Pa", Limits::above(0.0, 1e13), "Young's modulus of the disc"),
     scalar!(disc.poissons_ratio, "nu", "1", Limits::from_below(0.0, 0.5), "Poisson's ratio of the disc"),
@@ -218,6 +230,15 @@ pub static SCALARS: [Scalar; 29] = [
     scalar!(pad.mass, "M", "kg", Limits::above(0.0, 1e3), "mass of the pad"),
     scalar!(pad.moment_of_inertia, "I_s", "kg m^2", Limits::above(0.0, 1e3), "moment of inertia of the pad"),
     scalar!(pad.inner_radius, "r_a", "m", Limits::above(0.0, 10.0), "inner radius of the contact patch"),
+    Scalar {
+        key: EFFECTIVE_RADIUS_KEY,
+        symbol: "r_e",
+        unit: "m",
+        limits: Limits::above(0.0, 10.0),
+        description: "radius at which the pad slides; disc.outer_radius where not given",
+        get: Parameters::effective_radius,
+        get_mut: |parameters| parameters.pad.effective_radius.get_or_insert(parameters.disc.outer_radius),
+    },
     scalar!(pad.half_angle, "psi", "rad", Limits::above(0.0, std::f64::consts::PI), "half of the angle that the pad covers"),
     scalar!(pad.moment_arm, "q", "m", Limits::from(0.0, 1.0), "moment arm of the friction force"),
     scalar!(stiffness.calliper_tangential, "k_x", "N/m", Limits::above(0.0, 1e13), "tangential stiffness of the calliper"),
@@ -318,6 +339,7 @@ impl Parameters {
                 mass: 0.10,
                 moment_of_inertia: 2.0e-4,
                 inner_radius: 0.090,
+                effective_radius: None,
                 half_angle: std::f64::consts::FRAC_PI_6,
                 moment_arm: 0.008,
             },
@@ -355,6 +377,12 @@ impl Parameters {
         Ok(())
     }
 
+    /// The effective radius r_e, m: the disc passes under the pad at `V = r_e Omega`.
+    #[must_use]
+    pub fn effective_radius(&self) -> f64 {
+        self.pad.effective_radius.unwrap_or(self.disc.outer_radius)
+    }
+
     /// The preload at which steady sliding on a rigid disc has this contact force (N), the inverse of
     /// `N = h Delta k_en k_y / (k_en + k_y)`.
     #[must_use]
@@ -385,11 +413,14 @@ impl Parameters {
         let inner = ("disc.inner_radius", self.disc.inner_radius);
         let outer = ("disc.outer_radius", self.disc.outer_radius);
         let of_pad = ("pad.inner_radius", self.pad.inner_radius);
+        let effective = (EFFECTIVE_RADIUS_KEY, self.effective_radius());
         let kinetic = ("friction.kinetic_coefficient", self.friction.kinetic_coefficient);
         let static_coefficient = ("friction.static_coefficient", self.friction.static_coefficient);
         order(inner, "less than", outer)?;
         order(inner, "at most", of_pad)?;
         order(of_pad, "less than", outer)?;
+        order(of_pad, "at most", effective)?;
+        order(effective, "at most", outer)?;
         order(kinetic, "at most", static_coefficient)
     }
 }
@@ -407,6 +438,7 @@ mod tests {
     fn every_scalar_reads_and_writes_its_own_value() {
         for (index, scalar) in SCALARS.iter().enumerate() {
             let mut parameters = Parameters::sui_ding_2018();
+            parameters.pad.effective_radius = Some(0.115);
             let before: Vec<f64> = SCALARS.iter().map(|s| s.value(&parameters)).collect();
             let changed = before[index] * 0.5 + 0.001 * f64::from(u8::from(before[index] == 0.0));
             *(scalar.get_mut)(&mut parameters) = changed;
@@ -415,6 +447,17 @@ mod tests {
                 assert_eq!(s.value(&parameters), expected, "{} after setting {}", s.key, scalar.key);
             }
         }
+    }
+
+    #[test]
+    fn the_effective_radius_is_the_outer_one_until_it_is_given() {
+        let mut parameters = Parameters::sui_ding_2018();
+        let of_pad = scalar(EFFECTIVE_RADIUS_KEY).unwrap();
+        parameters.set("disc.outer_radius", 0.15).unwrap();
+        assert_eq!((of_pad.value(&parameters), of_pad.is_given(&parameters)), (0.15, false));
+        parameters.set(EFFECTIVE_RADIUS_KEY, 0.115).unwrap();
+        parameters.set("disc.outer_radius", 0.16).unwrap();
+        assert_eq!((of_pad.value(&parameters), of_pad.is_given(&parameters)), (0.115, true));
     }
 
     #[test]
@@ -439,6 +482,8 @@ mod tests {
             ("disc.inner_radius", 0.2, "disc.inner_radius = 0.2 must be less than disc.outer_radius = 0.135"),
             ("pad.inner_radius", 0.05, "disc.inner_radius = 0.064 must be at most pad.inner_radius = 0.05"),
             ("pad.inner_radius", 0.135, "pad.inner_radius = 0.135 must be less than disc.outer_radius = 0.135"),
+            ("pad.effective_radius", 0.089, "pad.inner_radius = 0.09 must be at most pad.effective_radius = 0.089"),
+            ("pad.effective_radius", 0.14, "pad.effective_radius = 0.14 must be at most disc.outer_radius = 0.135"),
         ];
         for (key, value, message) in cases {
             let mut parameters = Parameters::sui_ding_2018();

@@ -1,7 +1,7 @@
 //! The closed form of stability for samples that each have a brake of their own.
 //!
 //! Steady sliding on a rigid disc is unstable exactly when falling friction feeds the tangential motion more than the
-//! damper takes from it (equation 3.8, see [`crate::models::pad_on_disc::rigid_disc::stability`]). With `V = b Omega`, in SI and without any
+//! damper takes from it (equation 3.8, see [`crate::models::pad_on_disc::rigid_disc::stability`]). With `V = r_e Omega`, in SI and without any
 //! scale,
 //!
 //! ```text
@@ -22,7 +22,7 @@ use crate::friction::law::LawKind;
 use crate::friction::shape::Shape;
 use crate::model::verdict::{Verdict, VerdictCounts};
 use crate::models::pad_on_disc::lanes::dispatch::{InstructionSet, dispatch};
-use crate::models::pad_on_disc::parameters::{Parameters, Scalar};
+use crate::models::pad_on_disc::parameters::{EFFECTIVE_RADIUS_KEY, Parameters, Scalar};
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
 use crate::models::pad_on_disc::rigid_disc::varying_brake::{HIGHEST_FRICTION, VaryingBrake};
 use crate::numerics::exponential::exp;
@@ -76,7 +76,7 @@ struct Form {
     damping_columns: Vec<usize>,
     contact_normal: Term,
     calliper_normal: Term,
-    outer_radius: Term,
+    effective_radius: Term,
     rotating_speed: Term,
     kinetic: Term,
     /// v_s, for a table 1 m/s.
@@ -86,8 +86,8 @@ struct Form {
     /// The factors of the additional term, and its value at rest over their product.
     additional: [Term; 2],
     additional_at_rest: f64,
-    /// Inner radius of the disc, inner radius of the pad, outer radius of the disc, if any of them differs.
-    radii: Option<[Term; 3]>,
+    /// Inner radius of the disc, inner and effective radius of the pad, outer radius of the disc, if any of them differs.
+    radii: Option<[Term; 4]>,
 }
 
 /// Samples that are decided together, and what is found of them.
@@ -256,6 +256,10 @@ impl Form {
             }
         };
         let outer_radius = term("disc.outer_radius", disc.outer_radius);
+        let effective_radius = match term(EFFECTIVE_RADIUS_KEY, parameters.effective_radius()) {
+            Term::Shared(_) if pad.effective_radius.is_none() => outer_radius,
+            of_its_own => of_its_own,
+        };
         let driving = [
             term("disc.thickness", disc.thickness),
             term("stiffness.contact_tangential_2", stiffness.contact_tangential_2),
@@ -267,8 +271,12 @@ impl Form {
             term("stiffness.contact_tangential_1", stiffness.contact_tangential_1),
             speed_scale,
         ];
-        let radii =
-            [term("disc.inner_radius", disc.inner_radius), term("pad.inner_radius", pad.inner_radius), outer_radius];
+        let radii = [
+            term("disc.inner_radius", disc.inner_radius),
+            term("pad.inner_radius", pad.inner_radius),
+            effective_radius,
+            outer_radius,
+        ];
         let differs = radii.iter().any(|term| matches!(term, Term::Column(_)));
         Self {
             driving: shared_product(&driving),
@@ -277,7 +285,7 @@ impl Form {
             damping_columns: columns_of(&damping),
             contact_normal,
             calliper_normal,
-            outer_radius,
+            effective_radius,
             rotating_speed: term("operating_point.rotating_speed", operating_point.rotating_speed),
             kinetic: term("friction.kinetic_coefficient", friction.kinetic_coefficient),
             speed_scale,
@@ -321,18 +329,19 @@ fn decide_block(form: &Form, checks: &[Check], block: &mut Block) {
     for l in 0..LANES {
         usual[l] &= u64::from(static_friction[l] <= HIGHEST_FRICTION);
     }
-    if let Some([inner, of_pad, outer]) = form.radii {
-        let (inner, of_pad, outer) = (inner.row(rows), of_pad.row(rows), outer.row(rows));
+    if let Some(radii) = form.radii {
+        let [inner, of_pad, effective, outer] = radii.map(|term| term.row(rows));
         for l in 0..LANES {
-            usual[l] &= u64::from((inner[l] < outer[l]) & (inner[l] <= of_pad[l]) & (of_pad[l] < outer[l]));
+            let is_a_ring = (inner[l] < outer[l]) & (inner[l] <= of_pad[l]) & (of_pad[l] < outer[l]);
+            usual[l] &= u64::from(is_a_ring & (of_pad[l] <= effective[l]) & (effective[l] <= outer[l]));
         }
     }
 
-    let (outer, speed, scale) =
-        (form.outer_radius.row(rows), form.rotating_speed.row(rows), form.speed_scale.row(rows));
+    let (radius, speed, scale) =
+        (form.effective_radius.row(rows), form.rotating_speed.row(rows), form.speed_scale.row(rows));
     let mut ratio = [0.0; LANES];
     for l in 0..LANES {
-        ratio[l] = outer[l] * speed[l] / scale[l];
+        ratio[l] = radius[l] * speed[l] / scale[l];
     }
     let (mut weakening, mut rise) = ([0.0; LANES], [0.0; LANES]);
     slopes(form.shape, &form.exponent.row(rows), &ratio, &mut weakening, &mut rise);

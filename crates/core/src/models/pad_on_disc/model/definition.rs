@@ -6,7 +6,7 @@ use crate::models::pad_on_disc::criterion::settings::TimeDomainSettings;
 use crate::models::pad_on_disc::criterion::time_domain::DiscModel;
 use crate::models::pad_on_disc::motion::start::{GivenStart, Start};
 use crate::models::pad_on_disc::motion::start_value::StartValue;
-use crate::models::pad_on_disc::parameters::Parameters;
+use crate::models::pad_on_disc::parameters::{Parameters, Scalar};
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 
 use super::quantities::{
@@ -90,7 +90,8 @@ impl PadModel {
     /// If a value is not admissible, or values contradict each other.
     pub fn brake(&self, expected: &[f64]) -> Result<PadOnDisc, ModelError> {
         let mut parameters = self.parameters.clone();
-        for (scalar, &value) in configuration_scalars().zip(&expected[2..]) {
+        let given = configuration_scalars().zip(&expected[2..]).filter(|(_, value)| !value.is_nan());
+        for (scalar, &value) in given {
             parameters.set(scalar.key, value).map_err(error)?;
         }
         PadOnDisc::new(parameters).map_err(error)
@@ -119,14 +120,18 @@ impl PadModel {
         Some(start)
     }
 
-    /// The expected values of all quantities, where nothing else is said: those of the parameters and of the start.
+    /// The expected values of all quantities, where nothing else is said: those of the parameters and of the start. What
+    /// is not given has none (NaN): it follows from the others.
     #[must_use]
     pub fn expected(&self) -> Vec<f64> {
         let friction = &self.parameters.friction;
         let start = self.criterion.given_start().unwrap_or_default();
+        let value = |scalar: &Scalar| {
+            if scalar.is_given(&self.parameters) { scalar.value(&self.parameters) } else { f64::NAN }
+        };
         [self.parameters.operating_point.preload, friction.static_coefficient]
             .into_iter()
-            .chain(configuration_scalars().map(|scalar| scalar.value(&self.parameters)))
+            .chain(configuration_scalars().map(value))
             .chain(StartValue::ALL.map(|number| number.value_in(&start).unwrap_or(f64::NAN)))
             .collect()
     }

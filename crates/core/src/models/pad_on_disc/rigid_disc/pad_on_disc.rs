@@ -272,23 +272,23 @@ impl PadOnDisc {
         &self.friction
     }
 
-    /// v, the scaled speed of the disc under the pad, `b Omega` over the speed scale.
+    /// v, the scaled speed of the disc under the pad, `r_e Omega` over the speed scale.
     #[must_use]
     pub fn disc_speed(&self) -> f64 {
-        self.parameters.disc.outer_radius * self.parameters.operating_point.rotating_speed / self.scales.speed
+        self.parameters.effective_radius() * self.parameters.operating_point.rotating_speed / self.scales.speed
     }
 
-    /// V = b Omega (m/s), the speed of the disc under the pad at a rotating speed Omega (rad/s): the sliding speed
+    /// V = r_e Omega (m/s), the speed of the disc under the pad at a rotating speed Omega (rad/s): the sliding speed
     /// while the pad does not move.
     #[must_use]
     pub fn speed_under_pad(&self, rotating_speed: f64) -> f64 {
-        self.parameters.disc.outer_radius * rotating_speed
+        self.parameters.effective_radius() * rotating_speed
     }
 
     /// The rotating speed (rad/s) at which the disc passes the pad with scaled speed `disc_speed`.
     #[must_use]
     pub fn rotating_speed(&self, disc_speed: f64) -> f64 {
-        disc_speed * self.scales.speed / self.parameters.disc.outer_radius
+        disc_speed * self.scales.speed / self.parameters.effective_radius()
     }
 
     /// The contact force over h that one unit of preload produces, `k_en k_y / (k_en + k_y)`, N/m.

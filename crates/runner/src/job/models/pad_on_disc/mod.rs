@@ -9,7 +9,7 @@ use stickslip_core::model::quantity::Quantity;
 use stickslip_core::models::pad_on_disc::criterion::validity::{self, Uncovered};
 use stickslip_core::models::pad_on_disc::model::{Criterion, PRELOAD, PadModel, STATIC_FRICTION, quantities};
 use stickslip_core::models::pad_on_disc::motion::start::GivenStart;
-use stickslip_core::models::pad_on_disc::parameters::Parameters;
+use stickslip_core::models::pad_on_disc::parameters::{EFFECTIVE_RADIUS_KEY, Parameters};
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
@@ -88,6 +88,20 @@ impl PadDraft {
 
     fn kind(&self) -> Option<CriterionKind> {
         self.criterion_spec()?.kind.as_ref().map(|kind| *kind.get_ref())
+    }
+
+    /// Refuses to scatter an effective radius that is not given: about the edge of the disc, half of the samples would be
+    /// beyond it.
+    fn check_effective_radius(&self, parts: Parts<'_>, parameters: &Parameters, complaints: &mut Complaints) {
+        let is_of_it = |input: &usize| self.quantities[*input].path == EFFECTIVE_RADIUS_KEY;
+        let is_random = parts.random.is_some_and(|random| random.inputs.iter().any(is_of_it));
+        if is_random && parameters.pad.effective_radius.is_none() {
+            let message = format!(
+                "random.inputs lists \"{EFFECTIVE_RADIUS_KEY}\", which has no expected value: give model.{EFFECTIVE_RADIUS_KEY}, between pad.inner_radius = {} and disc.outer_radius = {}",
+                parameters.pad.inner_radius, parameters.disc.outer_radius
+            );
+            complaints.push(Complaint::maybe_at(parts.spec.random.inputs.as_ref().map(Spanned::span), message));
+        }
     }
 
     fn defaults(&self) -> Parameters {
@@ -173,6 +187,7 @@ impl Draft for PadDraft {
             complaints.take(made).is_some()
         });
         friction::check_law_of_varied(parts, &self.quantities, &parameters.friction, complaints);
+        self.check_effective_radius(parts, parameters, complaints);
         made
     }
 

@@ -28,6 +28,7 @@ fn model(parameters: &Parameters, is_axis: impl Fn(&str) -> bool) -> ModelSpec {
     let is_strange = |name: &str| LawSpec::from(law).refusal(name, "").is_some();
     let section = |section: &str| -> Overrides {
         let scalars = SCALARS.iter().filter(|scalar| scalar.section() == section && !is_axis(scalar.key));
+        let scalars = scalars.filter(|scalar| scalar.is_given(parameters));
         let own = scalars.filter(|scalar| section != "friction" || !is_strange(scalar.name()));
         own.map(|scalar| (written(scalar.name().to_owned()), written(scalar.value(parameters)))).collect()
     };

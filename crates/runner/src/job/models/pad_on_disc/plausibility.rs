@@ -24,7 +24,7 @@ const PER_CENT: &[(f64, &str)] = &[(1e-2, "per cent")];
 
 /// The first rule that fits a key is its rule.
 #[rustfmt::skip]
-static RULES: [Rule; 18] = [
+static RULES: [Rule; 19] = [
     Rule { key: "disc.density", least: 500.0, most: 25e3, units: &[(1e3, "g/cm^3")] },
     Rule { key: "disc.youngs_modulus", least: 1e9, most: 1.5e12, units: &[(1e9, "GPa"), (1e6, "MPa")] },
     Rule { key: "disc.thickness", least: 5e-4, most: 0.15, units: MILLIMETRES },
@@ -34,6 +34,7 @@ static RULES: [Rule; 18] = [
     Rule { key: "pad.mass", least: 1e-3, most: 20.0, units: &[(1e-3, "g")] },
     Rule { key: "pad.moment_of_inertia", least: 1e-8, most: 1.0, units: &[(1e-6, "kg mm^2"), (1e-9, "g mm^2")] },
     Rule { key: "pad.inner_radius", least: 5e-3, most: 1.5, units: MILLIMETRES },
+    Rule { key: "pad.effective_radius", least: 5e-3, most: 1.5, units: MILLIMETRES },
     Rule { key: "pad.half_angle", least: 0.02, most: 1.6, units: &[(PI / 180.0, "degrees")] },
     Rule { key: "pad.moment_arm", least: 0.0, most: 0.1, units: MILLIMETRES },
     Rule { key: "stiffness.calliper_angular", least: 50.0, most: 1e9, units: &[(1e3, "kN m/rad")] },
@@ -92,8 +93,9 @@ fn warning(name: &str, value: f64, scalar: &Scalar) -> Option<String> {
 
 /// Warnings about the parameters of a brake.
 pub fn of_parameters(parameters: &Parameters) -> Vec<String> {
+    let given = SCALARS.iter().filter(|scalar| scalar.is_given(parameters));
     let mut warnings: Vec<String> =
-        SCALARS.iter().filter_map(|scalar| warning(scalar.key, scalar.value(parameters), scalar)).collect();
+        given.filter_map(|scalar| warning(scalar.key, scalar.value(parameters), scalar)).collect();
     warnings.extend(of_disc(parameters));
     warnings
 }
@@ -123,6 +125,7 @@ pub fn of_job(parameters: &Parameters, quantities: &[Quantity], grid: &Grid) -> 
                 ends.dedup();
                 ends
             }
+            None if !scalar.is_given(parameters) => continue,
             None => vec![(scalar.key.to_owned(), scalar.value(parameters))],
         };
         warnings.extend(values.into_iter().filter_map(|(name, value)| warning(&name, value, scalar)));
@@ -167,6 +170,7 @@ mod tests {
             ("disc.density", 7.8, "7800 (7.8 g/cm^3)"),
             ("disc.thickness", 20.0, "0.02 (20 mm)"),
             ("pad.mass", 300.0, "0.3 (300 g)"),
+            ("pad.effective_radius", 115.0, "0.115 (115 mm)"),
             ("pad.half_angle", 30.0, "0.523599 (30 degrees)"),
             ("stiffness.contact_normal", 38_160.0, "3.816e7 (38160 N/mm)"),
             ("stiffness.contact_normal", 38.16, "3.816e7 (38.16 kN/mm)"),

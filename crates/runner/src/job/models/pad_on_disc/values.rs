@@ -123,12 +123,12 @@ pub fn settle(
     let further = axes.iter().filter(|(place, _)| is_further(&quantities[*place]));
     let further: Vec<(&str, &Axis)> = further.map(|(place, axis)| (&*quantities[*place].name, axis)).collect();
     // Each relation holds everywhere if it does between the largest of the smaller and the smallest of the larger. The
-    // inner radius of the pad is the larger of one pair and the smaller of another.
-    let largest = ["disc.inner_radius", "friction.kinetic_coefficient"];
-    for pad_radius in [0, 1] {
+    // radii of the pad are the larger of one pair and the smaller of another.
+    let always_largest = ["disc.inner_radius", "friction.kinetic_coefficient"];
+    for largest_of_pad in [&[][..], &["pad.inner_radius"], &["pad.inner_radius", "pad.effective_radius"]] {
         for &(name, axis) in &further {
-            let of_pad = if name == "pad.inner_radius" { pad_radius } else { 0 };
-            parameters.set(name, axis.extremes()[usize::from(largest.contains(&name)).max(of_pad)])?;
+            let is_largest = always_largest.contains(&name) || largest_of_pad.contains(&name);
+            parameters.set(name, axis.extremes()[usize::from(is_largest)])?;
         }
         parameters.validate()?;
     }

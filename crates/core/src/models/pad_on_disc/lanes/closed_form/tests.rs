@@ -50,9 +50,10 @@ impl Case {
     }
 }
 
-const OF_THE_FORM: [&str; 12] = [
+const OF_THE_FORM: [&str; 13] = [
     "disc.thickness",
     "disc.outer_radius",
+    "pad.effective_radius",
     "stiffness.contact_normal",
     "stiffness.calliper_normal",
     "stiffness.contact_tangential_1",
