@@ -12,6 +12,8 @@ pub(super) struct Verdicts {
     pub(super) quiet: f64,
     /// The rows of the first that squealed and of the first that did not.
     pub(super) rows: [Option<u64>; 2],
+    /// Whether these are tests of onset speeds that ended without squeal: those that squealed before are not among them.
+    pub(super) are_censored: bool,
 }
 
 /// A test that says at which speed squeal began.
@@ -42,24 +44,35 @@ impl TestData {
 
     /// Adds `count` tests at a nominal first input, with the boundary at their speed.
     pub fn add_verdict(&mut self, nominal: f64, boundary: &PairBoundary, squealed: bool, count: u64) {
-        let alike = |verdicts: &&mut Verdicts| verdicts.nominal == nominal && verdicts.boundary == *boundary;
         let counted = count as f64;
         let [more_squealed, more_quiet] = if squealed { [counted, 0.0] } else { [0.0, counted] };
         let row = (count > 0).then_some(self.row);
         let rows = if squealed { [row, None] } else { [None, row] };
-        match self.verdicts.iter_mut().find(alike) {
+        self.add(Verdicts {
+            nominal,
+            boundary: *boundary,
+            squealed: more_squealed,
+            quiet: more_quiet,
+            rows,
+            are_censored: false,
+        });
+    }
+
+    /// Adds a test at a nominal first input in which the speed was lowered to that of the boundary without squeal.
+    pub fn add_censored(&mut self, nominal: f64, boundary: &PairBoundary) {
+        let rows = [None, Some(self.row)];
+        self.add(Verdicts { nominal, boundary: *boundary, squealed: 0.0, quiet: 1.0, rows, are_censored: true });
+    }
+
+    fn add(&mut self, more: Verdicts) {
+        let condition = |of: &Verdicts| (of.nominal, of.boundary, of.are_censored);
+        match self.verdicts.iter_mut().find(|verdicts| condition(verdicts) == condition(&more)) {
             Some(verdicts) => {
-                verdicts.rows = [verdicts.rows[0].or(rows[0]), verdicts.rows[1].or(rows[1])];
-                verdicts.squealed += more_squealed;
-                verdicts.quiet += more_quiet;
+                verdicts.rows = [verdicts.rows[0].or(more.rows[0]), verdicts.rows[1].or(more.rows[1])];
+                verdicts.squealed += more.squealed;
+                verdicts.quiet += more.quiet;
             }
-            None => self.verdicts.push(Verdicts {
-                nominal,
-                boundary: *boundary,
-                squealed: more_squealed,
-                quiet: more_quiet,
-                rows,
-            }),
+            None => self.verdicts.push(more),
         }
     }
 
@@ -67,6 +80,18 @@ impl TestData {
     /// below and above it.
     pub fn add_onset(&mut self, nominal: f64, boundaries: [PairBoundary; 2], speeds: [f64; 2]) {
         self.onsets.push(Onset { nominal, boundaries, width: libm::log(speeds[1] / speeds[0]), row: self.row });
+    }
+
+    /// The tests without those of a row: all that had its result in its condition.
+    pub(super) fn without(&self, row: u64) -> Self {
+        let mut others = self.clone();
+        for verdicts in &mut others.verdicts {
+            let [squealed, quiet] = verdicts.rows.map(|of| of == Some(row));
+            verdicts.squealed = if squealed { 0.0 } else { verdicts.squealed };
+            verdicts.quiet = if quiet { 0.0 } else { verdicts.quiet };
+        }
+        others.onsets.retain(|onset| onset.row != row);
+        others
     }
 
     /// How many onset speeds and different conditions of verdicts there are.

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::data::{TestData, Verdicts};
 use super::goodness::{Goodness, goodness};
-use super::likelihood::{FitModel, Likelihood};
+use super::likelihood::{FitModel, LEAST, Likelihood, Unlikely};
 use super::maximum::{Matrix, Maximum, maximum, product, slopes};
 use super::parameter::{ESTIMABLE, FitValues, LEAST_STD, Range};
 use super::root::reached;
@@ -39,11 +39,11 @@ const TOO_DEEP: f64 = 1.5;
 /// Standard deviations at which the search begins as well if some tests are as good as impossible.
 const WIDE_STDS: [f64; 3] = [0.5, 1.0, 3.0];
 
+/// Most tests of each result that are left out in turn where the likelihood ends at a limit.
+const MOST_SUSPECTS: usize = 3;
+
 /// Most rows that a message names.
 const MOST_LISTED: usize = 5;
-
-/// Probabilities are distinguished from 0 and 1 down to these.
-const LEAST_TAILS: [f64; 2] = [1e-300, 1e-15];
 
 /// An estimated parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +91,7 @@ pub enum FitError {
     NoTests,
     /// Some tests are as good as impossible with the values that explain the others.
     #[error(
-        "the model cannot produce the test{0} of line{0} {1}, whose probability is below 1e-15 with all values that were tried; correct the line{0} (is the speed right?), or take {2} out and say so",
+        "the model cannot produce the test{0} of line{0} {1}, whose probability is below 1e-300 with all values that were tried; correct the line{0} (is the speed right?), or take {2} out and say so",
         if .rows.len() > 1 { "s" } else { "" },
         listed(.rows),
         if .rows.len() > 1 { "them" } else { "it" }
@@ -131,13 +131,16 @@ pub enum FitError {
     /// The likelihood is greatest at a limit of a parameter.
     #[error(
         "the likelihood grows until {parameter} is {limit:.4}, the limit up to which it is sought; leave {parameter} \
-         out of what is estimated and set it in the job, or test in more different conditions"
+         out of what is estimated and set it in the job, or test in more different conditions{}",
+        suspected(.suspects)
     )]
     AtLimit {
         /// The name of the parameter.
         parameter: String,
         /// The limit.
         limit: f64,
+        /// The tests without which it would not, with their probabilities by what the others say.
+        suspects: Vec<Unlikely>,
     },
     /// Other values explain the data as well, without end in either direction.
     #[error(
@@ -158,6 +161,16 @@ fn listed(rows: &[u64]) -> String {
     let first: Vec<String> = rows.iter().take(MOST_LISTED).map(u64::to_string).collect();
     let more = if rows.len() > MOST_LISTED { format!(" and {} more", rows.len() - MOST_LISTED) } else { String::new() };
     first.join(", ") + &more
+}
+
+/// What is said of tests that lead a fit astray; nothing of none.
+fn suspected(tests: &[Unlikely]) -> String {
+    let each = |test: &Unlikely| format!("line {} (p = {:.1e} by the others)", test.row, test.p_value);
+    let lines: Vec<String> = tests.iter().map(each).collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    format!(". It would not without {}: look whether that is right", lines.join(" or without "))
 }
 
 /// What the tests say.
@@ -213,7 +226,7 @@ pub fn fit<'a>(
         let logarithm = |y: &[f64]| likelihood.logarithm(y);
         match intervals(&likelihood, &best, level) {
             Err(Stop::Better(better)) => best = maximum(&logarithm, &better, None),
-            Err(Stop::Limit(which, limit)) => return Err(at_limit(&likelihood, which, limit)),
+            Err(Stop::Limit(which, limit)) => return Err(at_limit(&likelihood, &best.place, which, limit)),
             Ok(parameters) => {
                 let flat = parameters.iter().filter(|fitted| fitted.low.is_none() && fitted.high.is_none());
                 let flat: Vec<String> = flat.map(|fitted| model.name(fitted.parameter)).collect();
@@ -280,11 +293,11 @@ fn best_of_starts(likelihood: &Likelihood<'_>, stds: &[f64]) -> Maximum {
 fn check_limits(likelihood: &Likelihood<'_>, best: &Maximum) -> Result<(), FitError> {
     let mut parameters = likelihood.estimated.iter().zip(&best.place);
     let found = parameters.find_map(|((parameter, range), &y)| Some((*parameter, range.limit(y)?)));
-    found.map_or(Ok(()), |(parameter, limit)| Err(at_limit(likelihood, parameter, limit)))
+    found.map_or(Ok(()), |(parameter, limit)| Err(at_limit(likelihood, &best.place, parameter, limit)))
 }
 
 /// What is said of a likelihood that is as high at a limit as anywhere.
-fn at_limit(likelihood: &Likelihood<'_>, parameter: PairParameter, limit: f64) -> FitError {
+fn at_limit(likelihood: &Likelihood<'_>, place: &[f64], parameter: PairParameter, limit: f64) -> FitError {
     let is_std = matches!(parameter, PairParameter::RelativeStd(_));
     let is_mixed = |verdicts: &&Verdicts| verdicts.squealed > 0.0 && verdicts.quiet > 0.0;
     let mixed = likelihood.data.verdicts.iter().filter(is_mixed).count();
@@ -294,8 +307,33 @@ fn at_limit(likelihood: &Likelihood<'_>, parameter: PairParameter, limit: f64) -
     } else if is_std && limit < 2.0 * LEAST_STD {
         FitError::NoScatter { parameter, limit }
     } else {
-        FitError::AtLimit { parameter, limit }
+        FitError::AtLimit { parameter, limit, suspects: suspects(likelihood, place) }
     }
+}
+
+/// The tests that alone lead the likelihood to a limit: without one of them its maximum lies within, and makes that one
+/// improbable. Sought among those that the limit makes most improbable, one by one, of those that squealed and of those
+/// that did not: with a value at its limit these need not be the worst.
+fn suspects(likelihood: &Likelihood<'_>, place: &[f64]) -> Vec<Unlikely> {
+    let mut single = likelihood.single(&likelihood.values(place));
+    let mut found = Vec::new();
+    for tests in &mut single {
+        tests.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+        for &Unlikely { row, .. } in tests.iter().take(MOST_SUSPECTS) {
+            let others = likelihood.data.without(row);
+            if check(likelihood.model, &others, &[]).is_err() {
+                continue;
+            }
+            let of_others =
+                Likelihood { model: likelihood.model, data: &others, estimated: likelihood.estimated.clone() };
+            let best = best_of_starts(&of_others, &[]);
+            if of_others.estimated.iter().zip(&best.place).all(|((_, range), &y)| range.limit(y).is_none()) {
+                let p_values = likelihood.p_values(&likelihood.values(&best.place));
+                found.extend(p_values.into_iter().filter(|test| test.row == row));
+            }
+        }
+    }
+    likelihood.worst(found)
 }
 
 /// The intervals of all parameters.
@@ -419,6 +457,13 @@ impl Fit<'_> {
         goodness(self.likelihood.model, self.likelihood.data, &self.values, self.parameters.len())
     }
 
+    /// The tests that the estimates explain worst, three at most: conditions and onset speeds whose probability is below
+    /// 0.05 over the number of them all.
+    #[must_use]
+    pub fn worst(&self) -> Vec<Unlikely> {
+        self.likelihood.worst(self.likelihood.p_values(&self.values))
+    }
+
     /// The probability of squeal at a nominal first input, with the boundary at the speed. Its interval reaches from
     /// the least to the greatest value that it has with parameters whose profile likelihood is high enough, found by
     /// maximising the logarithm of the likelihood plus a multiple of the deviate of the probability: the multiple grows
@@ -426,9 +471,12 @@ impl Fit<'_> {
     #[must_use]
     pub fn predict(&self, nominal: f64, boundary: &PairBoundary) -> Prediction {
         let Self { likelihood, best, level, .. } = self;
-        let of = |y: &[f64]| likelihood.model.probability(&likelihood.values(y), nominal, boundary);
-        let [least, least_complement] = LEAST_TAILS;
-        let deviate = |y: &[f64]| normal::quantile(of(y).clamp(least, 1.0 - least_complement));
+        let both = |y: &[f64]| likelihood.model.probabilities(&likelihood.values(y), nominal, boundary);
+        let of = |y: &[f64]| both(y)[0];
+        let deviate = |y: &[f64]| match both(y) {
+            [squeal, none] if squeal > 0.5 => -normal::quantile(none.max(LEAST)),
+            [squeal, _] => normal::quantile(squeal.max(LEAST)),
+        };
         let probability = of(&best.place);
         let (gradient, _) = slopes(&deviate, &best.place, deviate(&best.place));
         let [low, high] = [-1.0, 1.0].map(|direction| {

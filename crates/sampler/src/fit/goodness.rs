@@ -1,6 +1,8 @@
 //! Whether the model explains the tests.
 
-use super::data::TestData;
+use stickslip_core::model::pair_boundary::PairBoundary;
+
+use super::data::{Onset, TestData};
 use super::likelihood::FitModel;
 use super::parameter::FitValues;
 use crate::special_functions::normal;
@@ -40,7 +42,16 @@ pub enum Goodness {
     },
     /// Of onset speeds: the largest distance between the shares of brakes that began to squeal above a speed and the
     /// probabilities (Kolmogorov and Smirnov; M. A. Stephens, J. R. Stat. Soc. B 32 (1970) 115-122). As parameters are
-    /// estimated from the same speeds, it is too small rather than too large.
+    /// estimated from the same speeds, it is too small rather than too large. Where tests ended without squeal, the shares
+    /// are those of Kaplan and Meier, and each distance is weighted (W. J. Hall, J. A. Wellner, Biometrika 67 (1980)
+    /// 133-143):
+    ///
+    /// ```text
+    /// D = max |F - p| / ((1 + C) (1 - F)),      C = sum over onsets so far of n / (m (m - 1))
+    /// ```
+    ///
+    /// with the share `F`, the probability `p`, `n` tests, and `m` of them that went on until the onset. Without such tests
+    /// all weights are 1.
     Onsets {
         /// The distance.
         distance: f64,
@@ -62,8 +73,8 @@ impl Goodness {
 /// How well values explain tests; nothing of verdicts that have no more groups than there are estimated parameters.
 pub(super) fn goodness(model: &FitModel, data: &TestData, values: &FitValues, estimated: usize) -> Vec<Goodness> {
     let mut conditions: Vec<[f64; 3]> = Vec::new();
-    for verdicts in &data.verdicts {
-        let p = model.probability(values, verdicts.nominal, &verdicts.boundary);
+    for verdicts in data.verdicts.iter().filter(|verdicts| !verdicts.are_censored) {
+        let [p, _] = model.probabilities(values, verdicts.nominal, &verdicts.boundary);
         conditions.push([p, verdicts.squealed, verdicts.quiet]);
     }
     conditions.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -95,15 +106,40 @@ pub(super) fn goodness(model: &FitModel, data: &TestData, values: &FitValues, es
         found.push(Goodness::Verdicts { deviance, degrees, p_value: chi_squared_tail(deviance, degrees) });
     }
     if !data.onsets.is_empty() {
-        let above = |onset: &super::data::Onset| model.probability(values, onset.nominal, &onset.boundaries[0]);
-        let mut above: Vec<f64> = data.onsets.iter().map(above).collect();
-        above.sort_by(f64::total_cmp);
-        let count = above.len() as f64;
-        let apart = |(i, p): (usize, &f64)| (p - i as f64 / count).max((i + 1) as f64 / count - p);
-        let distance = above.iter().enumerate().map(apart).fold(0.0, f64::max);
-        found.push(Goodness::Onsets { distance, p_value: kolmogorov_tail(distance, count) });
+        let above = |nominal: f64, boundary: &PairBoundary| model.probabilities(values, nominal, boundary)[0];
+        let onset = |onset: &Onset| (above(onset.nominal, &onset.boundaries[0]), false);
+        let mut ends: Vec<(f64, bool)> = data.onsets.iter().map(onset).collect();
+        for verdicts in data.verdicts.iter().filter(|verdicts| verdicts.are_censored) {
+            let end = (above(verdicts.nominal, &verdicts.boundary), true);
+            ends.extend(std::iter::repeat_n(end, verdicts.quiet as usize));
+        }
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let distance = onset_distance(&ends);
+        found.push(Goodness::Onsets { distance, p_value: kolmogorov_tail(distance, ends.len() as f64) });
     }
     found
+}
+
+/// The largest weighted distance of tests, in the order of the probabilities at which they ended; those without an onset
+/// are marked.
+fn onset_distance(ends: &[(f64, bool)]) -> f64 {
+    let count = ends.len() as f64;
+    let (mut quiet, mut sum, mut weight, mut distance) = (1.0, 0.0, 1.0, 0.0_f64);
+    for (before, &(p, is_censored)) in ends.iter().enumerate() {
+        if is_censored {
+            continue;
+        }
+        let left = count - before as f64;
+        distance = distance.max(weight * (p - (1.0 - quiet)).abs());
+        quiet *= (left - 1.0) / left;
+        // The last test of all leaves none whose share could be weighted.
+        if left > 1.0 {
+            sum += count / (left * (left - 1.0));
+            weight = 1.0 / ((1.0 + sum) * quiet);
+        }
+        distance = distance.max(weight * (p - (1.0 - quiet)).abs());
+    }
+    distance
 }
 
 /// The upper tail of the chi-squared distribution: a finite sum, or for many degrees of freedom by E. B. Wilson and M. M.
@@ -164,5 +200,20 @@ mod tests {
         // kstwobign.sf(1.358) = 0.0500, of many samples.
         assert!((kolmogorov_tail(1.358 / 1e3, 1e6) - 0.05).abs() < 2e-4);
         assert!(kolmogorov_tail(0.01, 10.0) > 0.9999);
+    }
+
+    #[test]
+    fn the_distance_of_shares_is_that_of_kolmogorov_unless_tests_ended_early() {
+        // By hand: three of five up to 0.4.
+        let all = [0.1, 0.35, 0.4, 0.7, 0.95].map(|p| (p, false));
+        assert!((onset_distance(&all) - 0.2).abs() < 1e-12, "{}", onset_distance(&all));
+        // Two of four that ended at 0.5 without an onset: 1/4 at 0.2 and 1/2 at 0.45, all weights 1.
+        let half = [(0.2, false), (0.45, false), (0.5, true), (0.5, true)];
+        assert!((onset_distance(&half) - 0.2).abs() < 1e-12);
+        // One that ended before the others: by hand, C = 3 / (2 * 1), weight 1 / (2.5 * 0.5) after the first onset.
+        let early = [(0.1, true), (0.6, false), (0.9, false)];
+        assert!((onset_distance(&early) - 0.6).abs() < 1e-12);
+        let late = [(0.1, true), (0.2, false), (0.9, false)];
+        assert!((onset_distance(&late) - 0.8 * 0.4).abs() < 1e-12, "{}", onset_distance(&late));
     }
 }

@@ -2,19 +2,32 @@
 
 use stickslip_core::model::pair_boundary::PairBoundary;
 
-use super::data::TestData;
+use super::data::{Onset, TestData, Verdicts};
 use super::parameter::{FitValues, Range};
 use crate::inputs::{InputDistribution, Marginal, PairLaw, PairParameter};
 use crate::integrate::pair::Pair;
+use crate::special_functions::beta::binomial_at_least;
 
 /// Relative error of each integral, small against the steps of numerical derivatives.
 const TOLERANCE: f64 = 1e-10;
 
-/// A probability below this counts as this, so that the logarithm is finite. At a maximum no test may be as improbable.
-const LEAST: f64 = 1e-300;
+/// A probability below this counts as this, so that the logarithm is finite where the search passes values with which tests
+/// are impossible. At a maximum no test is as improbable: [`Likelihood::impossible`].
+pub(super) const LEAST: f64 = 1e-300;
 
-/// The same for the complement of a probability, whose rounding error is about as large.
-const LEAST_COMPLEMENT: f64 = 1e-16;
+/// Most tests that are named as explained worst, and the probability below which one of all is.
+const MOST_WORST: usize = 3;
+const UNLIKELY: f64 = 0.05;
+
+/// Tests that values explain badly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unlikely {
+    /// Their row.
+    pub row: u64,
+    /// Twice the probability of a result at least as far to its side: of the number of brakes that squeal in these
+    /// conditions, or of the onset speed.
+    pub p_value: f64,
+}
 
 /// What is known of the two random inputs before the fit.
 #[derive(Debug, Clone)]
@@ -55,11 +68,16 @@ impl FitModel {
         Pair::new(of(first, factor * nominal, stds[0]), of(second, expected, stds[1]))
     }
 
-    /// The probability of squeal with given values, at a nominal first input.
-    pub(super) fn probability(&self, values: &FitValues, nominal: f64, boundary: &PairBoundary) -> f64 {
-        let law = PairLaw::correlated(values.correlation);
-        self.pair(values, nominal).probability(boundary, &law, TOLERANCE)
+    /// The probabilities of squeal and of none with given values, at a nominal first input.
+    pub(super) fn probabilities(&self, values: &FitValues, nominal: f64, boundary: &PairBoundary) -> [f64; 2] {
+        both(&self.pair(values, nominal), boundary, &PairLaw::correlated(values.correlation))
     }
+}
+
+/// The probabilities of squeal and of none, each accurate where it is small.
+fn both(pair: &Pair, boundary: &PairBoundary, law: &PairLaw) -> [f64; 2] {
+    let squeal = pair.probability(boundary, law, TOLERANCE);
+    [squeal, if squeal > 0.5 { pair.stable_probability(boundary, law, TOLERANCE) } else { 1.0 - squeal }]
 }
 
 /// The likelihood as a function of the coordinates of the parameters that are estimated.
@@ -85,22 +103,21 @@ impl Likelihood<'_> {
         let law = PairLaw::correlated(values.correlation);
         let mut prepared: Option<(f64, Pair)> = None;
         let mut sum = 0.0;
-        let log = |probability: f64, least: f64| libm::log(probability.max(least));
+        let log = |probability: f64| libm::log(probability.max(LEAST));
         for verdicts in &self.data.verdicts {
             let pair = self.prepare(&mut prepared, &values, verdicts.nominal);
-            let probability = pair.probability(&verdicts.boundary, &law, TOLERANCE);
-            if verdicts.squealed > 0.0 {
-                sum += verdicts.squealed * log(probability, LEAST);
-            }
             if verdicts.quiet > 0.0 {
-                sum += verdicts.quiet * log(1.0 - probability, LEAST_COMPLEMENT);
+                let [squeal, none] = both(pair, &verdicts.boundary, &law);
+                sum += verdicts.squealed * log(squeal) + verdicts.quiet * log(none);
+            } else {
+                sum += verdicts.squealed * log(pair.probability(&verdicts.boundary, &law, TOLERANCE));
             }
         }
         for onset in &self.data.onsets {
             let pair = self.prepare(&mut prepared, &values, onset.nominal);
             let [slow, fast] = &onset.boundaries;
             let probability = pair.probability_between([slow, fast], &law, TOLERANCE);
-            sum += log(probability, LEAST) - libm::log(onset.width);
+            sum += log(probability) - libm::log(onset.width);
         }
         sum
     }
@@ -111,9 +128,10 @@ impl Likelihood<'_> {
         let law = PairLaw::correlated(values.correlation);
         let mut rows = Vec::new();
         for verdicts in &self.data.verdicts {
-            let probability = self.model.probability(&values, verdicts.nominal, &verdicts.boundary);
-            rows.extend(verdicts.rows[0].filter(|_| probability <= LEAST));
-            rows.extend(verdicts.rows[1].filter(|_| 1.0 - probability <= LEAST_COMPLEMENT));
+            let probabilities = self.model.probabilities(&values, verdicts.nominal, &verdicts.boundary);
+            for (row, probability) in verdicts.rows.into_iter().zip(probabilities) {
+                rows.extend(row.filter(|_| probability <= LEAST));
+            }
         }
         for onset in &self.data.onsets {
             let [slow, fast] = &onset.boundaries;
@@ -122,6 +140,53 @@ impl Likelihood<'_> {
         }
         rows.sort_unstable();
         rows
+    }
+
+    /// All tests with their probabilities by some values: of each condition those that squealed and those that did not, then
+    /// the onset speeds.
+    pub(super) fn p_values(&self, values: &FitValues) -> Vec<Unlikely> {
+        let of_verdicts = |verdicts: &Verdicts| {
+            let probabilities = self.model.probabilities(values, verdicts.nominal, &verdicts.boundary);
+            let counts = [verdicts.squealed, verdicts.quiet];
+            // How many ended without squeal says nothing without those that squealed before; each one may.
+            let counts = if verdicts.are_censored { [0.0, 1.0] } else { counts };
+            let tests = counts[0] + counts[1];
+            let as_many = |which: usize| {
+                let p_value = 2.0 * binomial_at_least(counts[which] as u64, tests as u64, probabilities[which]);
+                Some(Unlikely { row: verdicts.rows[which]?, p_value: p_value.min(1.0) })
+            };
+            [as_many(0), as_many(1)]
+        };
+        let of_onset = |onset: &Onset| {
+            let [above, below] = self.model.probabilities(values, onset.nominal, &onset.boundaries[0]);
+            Unlikely { row: onset.row, p_value: 2.0 * above.min(below) }
+        };
+        let verdicts = self.data.verdicts.iter().flat_map(of_verdicts).flatten();
+        verdicts.chain(self.data.onsets.iter().map(of_onset)).collect()
+    }
+
+    /// The probability of squeal of each test that squealed, and of none of each that did not, by some values; onset speeds
+    /// may be too high and too low.
+    pub(super) fn single(&self, values: &FitValues) -> [Vec<Unlikely>; 2] {
+        let mut single: [Vec<Unlikely>; 2] = Default::default();
+        let conditions = self.data.verdicts.iter().map(|of| (of.nominal, &of.boundary, of.rows));
+        let onsets = self.data.onsets.iter().map(|of| (of.nominal, &of.boundaries[0], [Some(of.row); 2]));
+        for (nominal, boundary, rows) in conditions.chain(onsets) {
+            let probabilities = self.model.probabilities(values, nominal, boundary);
+            for ((tests, row), p_value) in single.iter_mut().zip(rows).zip(probabilities) {
+                tests.extend(row.map(|row| Unlikely { row, p_value }));
+            }
+        }
+        single
+    }
+
+    /// The tests among these that are improbable, if the worst of all is rarely as bad.
+    pub(super) fn worst(&self, of: Vec<Unlikely>) -> Vec<Unlikely> {
+        let least = UNLIKELY / self.data.conditions().max(1) as f64;
+        let mut worst: Vec<Unlikely> = of.into_iter().filter(|test| test.p_value < least).collect();
+        worst.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+        worst.truncate(MOST_WORST);
+        worst
     }
 
     /// The inputs at a nominal first one, those of the test before if they are the same.

@@ -24,6 +24,8 @@ mod root;
 
 mod goodness;
 
+pub mod shares;
+
 mod fitted;
 
 #[cfg(test)]
@@ -32,5 +34,5 @@ mod tests;
 pub use data::TestData;
 pub use fitted::{Fit, FitError, FittedParameter, Prediction, fit};
 pub use goodness::Goodness;
-pub use likelihood::FitModel;
+pub use likelihood::{FitModel, Unlikely};
 pub use parameter::{ESTIMABLE, FitValues};

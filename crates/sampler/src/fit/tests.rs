@@ -336,7 +336,7 @@ fn many_tests_end_intervals_on_both_sides() {
     for preload in preloads {
         for speed in [12.0, 14.0, 16.0, 18.0, 20.0] {
             let boundary = boundary_at(speed);
-            let squealed = (each as f64 * correlated.probability(&truth, preload, &boundary)).round() as u64;
+            let squealed = (each as f64 * correlated.probabilities(&truth, preload, &boundary)[0]).round() as u64;
             data.add_verdict(preload, &boundary, true, squealed);
             data.add_verdict(preload, &boundary, false, each - squealed);
         }
@@ -375,7 +375,12 @@ fn tests_that_the_model_cannot_produce_are_named() {
     match fit(&model, &data, &USUAL, 0.95) {
         Err(FitError::Impossible { rows }) => assert_eq!(rows, [10]),
         // Only friction up to the limit explains it.
-        Err(FitError::AtLimit { limit, .. }) => assert!((limit - 5.0).abs() < 1e-9),
+        Err(FitError::AtLimit { limit, suspects, .. }) => {
+            assert!((limit - 5.0).abs() < 1e-9);
+            let rows: Vec<u64> = suspects.iter().map(|test| test.row).collect();
+            assert_eq!(rows, [10], "{suspects:?}");
+            assert!(suspects[0].p_value < 1e-6, "{suspects:?}");
+        }
         Ok(fit) => assert!((fit.values.relative_std[1] / before.relative_std[1] - 1.0).abs() > 0.01),
         Err(other) => panic!("{other}"),
     }
@@ -408,4 +413,58 @@ fn goodness_of_fit_finds_data_that_contradict_the_model() {
     let even: Vec<f64> = (0..60).map(|i| 15.0 + 1.2 * quantile((f64::from(i) + 0.5) / 60.0)).collect();
     let two: Vec<f64> = (0..60).map(|i| if i % 2 == 0 { 12.0 } else { 19.0 } + 0.01 * f64::from(i)).collect();
     assert!(fitted(&even) > 0.5 && fitted(&two) < 0.01, "{} {}", fitted(&even), fitted(&two));
+}
+
+#[test]
+fn tests_that_ended_without_squeal_do_not_seem_to_contradict_the_model() {
+    let model = model(&Marginal::Normal, 0.0, 0.0);
+    // Onset speeds of the model, of which the test bench finds those above some speeds only.
+    let fitted = |shift: f64, ends: [f64; 2]| {
+        let mut data = TestData::default();
+        for (row, i) in (2..).zip(0..60) {
+            let speed = 15.0 + shift * f64::from(i % 2) + 1.2 * quantile((f64::from(i) + 0.5) / 60.0);
+            let end = ends[i as usize % 2];
+            data.begin_row(row);
+            if speed > end {
+                let around = [speed * (1.0 - 1e-5), speed * (1.0 + 1e-5)];
+                data.add_onset(0.1, around.map(boundary_at), around);
+            } else {
+                data.add_censored(0.1, &boundary_at(end));
+            }
+        }
+        let fit = fit(&model, &data, &USUAL, 0.95).unwrap();
+        (fit.goodness(), fit.worst())
+    };
+    for ends in [[15.0, 15.0], [14.0, 15.5], [10.0, 16.0]] {
+        let (goodness, worst) = fitted(0.0, ends);
+        assert!(matches!(goodness[..], [Goodness::Onsets { p_value, .. }] if p_value > 0.5), "{ends:?} {goodness:?}");
+        assert!(worst.is_empty(), "{ends:?} {worst:?}");
+    }
+    // Brakes of two kinds still contradict it.
+    let (goodness, _) = fitted(12.0, [14.0, 14.0]);
+    assert!(goodness[0].p_value() < 0.01, "{goodness:?}");
+}
+
+#[test]
+fn tests_that_are_explained_worst_are_named_with_their_probability() {
+    let model = model(&Marginal::Normal, 0.0, 0.0);
+    // About as many as the model expects.
+    let expected = [12.0, 14.0, 16.0, 18.0, 20.0].map(|speed| {
+        let share = upper_tail((boundary_at(speed).critical_second(0.1) / 0.4 - 1.0) / 0.08);
+        (speed, (400.0 * share).round() as u64)
+    });
+    let mut data = data_of(&expected, 0.1, 400);
+    assert!(fit(&model, &data, &USUAL, 0.95).unwrap().worst().is_empty());
+    data.begin_row(11);
+    data.add_verdict(0.1, &boundary_at(24.0), false, 18);
+    data.begin_row(12);
+    data.add_verdict(0.1, &boundary_at(24.0), true, 12);
+    let found = fit(&model, &data, &USUAL, 0.95).unwrap();
+    let worst = found.worst();
+    // The sum of the binomial distribution itself, with the probability of one test.
+    let p = found.predict(0.1, &boundary_at(24.0)).probability;
+    let choose = |k: i32| (0..k).fold(1.0, |product, i| product * f64::from(30 - i) / f64::from(i + 1));
+    let tail: f64 = (12..=30).map(|k| choose(k) * p.powi(k) * (1.0 - p).powi(30 - k)).sum();
+    near(worst.iter().find(|test| test.row == 12).unwrap().p_value, 2.0 * tail, 1e-9);
+    assert!(worst.len() <= 3 && worst.windows(2).all(|pair| pair[0].p_value <= pair[1].p_value), "{worst:?}");
 }

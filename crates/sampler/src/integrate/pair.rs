@@ -87,6 +87,8 @@ struct Integrand<'a> {
     law: &'a PairLaw,
     /// By how much the boundary is moved towards stability, relative to its coordinates.
     margin: f64,
+    /// Whether stable samples are counted in place of unstable ones.
+    of_stable: bool,
 }
 
 impl Pair {
@@ -105,7 +107,14 @@ impl Pair {
     /// The probability that a sample is unstable, with a relative error of the integral of at most about `tolerance`.
     #[must_use]
     pub fn probability(&self, boundary: &PairBoundary, law: &PairLaw, tolerance: f64) -> f64 {
-        Integrand { pair: self, boundary, law, margin: 0.0 }.integral(tolerance).0.clamp(0.0, 1.0)
+        Integrand { pair: self, boundary, law, margin: 0.0, of_stable: false }.integral(tolerance).0.clamp(0.0, 1.0)
+    }
+
+    /// The probability that a sample is stable: one minus that of instability, by an integral of its own, so that it has
+    /// as many digits where it is small.
+    #[must_use]
+    pub fn stable_probability(&self, boundary: &PairBoundary, law: &PairLaw, tolerance: f64) -> f64 {
+        Integrand { pair: self, boundary, law, margin: 0.0, of_stable: true }.integral(tolerance).0.clamp(0.0, 1.0)
     }
 
     /// The probability that a sample is unstable with the first boundary and stable with the second, which lies close
@@ -113,7 +122,8 @@ impl Pair {
     /// distance is a density. Instability lies above both in the second input.
     #[must_use]
     pub fn probability_between(&self, boundaries: [&PairBoundary; 2], law: &PairLaw, tolerance: f64) -> f64 {
-        let [wide, narrow] = boundaries.map(|boundary| Integrand { pair: self, boundary, law, margin: 0.0 });
+        let [wide, narrow] =
+            boundaries.map(|boundary| Integrand { pair: self, boundary, law, margin: 0.0, of_stable: false });
         let probability = match (self.first.scatters(), self.second.scatters()) {
             (false, _) => share([wide.argument_of_second(), narrow.argument_of_second()]),
             (true, false) => share([wide.argument_of_first(), narrow.argument_of_first()]),
@@ -131,7 +141,8 @@ impl Pair {
     #[must_use]
     pub fn exact_probability(&self, boundary: &PairBoundary, law: &PairLaw) -> ExactProbability {
         const TOLERANCE: f64 = 1e-12;
-        let integral = |margin: f64| Integrand { pair: self, boundary, law, margin }.integral(TOLERANCE);
+        let integral =
+            |margin: f64| Integrand { pair: self, boundary, law, margin, of_stable: false }.integral(TOLERANCE);
         let (value, error) = integral(0.0);
         let slope = (integral(MARGIN).0 - integral(-MARGIN).0).abs() / (2.0 * MARGIN);
         ExactProbability { value: value.clamp(0.0, 1.0), error_bound: error + ROUNDING * (value + slope) }
@@ -147,11 +158,26 @@ impl Integrand<'_> {
             (false, _) => {
                 let std = self.law.second_variance().sqrt();
                 let ends = self.ends(first.value(0.0)).map(|end| (end - mean[1]) / std);
-                (share(ends), 0.0)
+                (self.share(ends), 0.0)
             }
-            (true, false) => (normal::upper_tail(self.argument_of_first()), 0.0),
-            (true, true) => self.over_first(&|u| share(self.arguments(u)), tolerance),
+            (true, false) => (self.share([self.argument_of_first(), f64::INFINITY]), 0.0),
+            (true, true) => {
+                let (value, error) = self.over_first(&|u| self.share(self.arguments(u)), tolerance);
+                let mean = self.law.mean[0];
+                // Where the first input is not positive, samples are stable.
+                let beyond = if self.of_stable {
+                    normal::upper_tail((mean - self.pair.not_positive) / self.law.factor[0])
+                } else {
+                    0.0
+                };
+                (value + beyond, error)
+            }
         }
+    }
+
+    /// The probability that the second deviate has a sample counted: unstable ones lie between the ends.
+    fn share(&self, ends: [f64; 2]) -> f64 {
+        if self.of_stable { outside(ends) } else { share(ends) }
     }
 
     /// The argument of the upper tail of the second input, if the first does not scatter.
@@ -233,10 +259,10 @@ impl Integrand<'_> {
         let inset = 1e-9 * (to - from);
         let [start, end] = [from + inset, to - inset].map(|u| self.arguments(u));
         let mass = mass(from, to);
-        let shares = [share(start), share(end)];
+        let shares = [self.share(start), self.share(end)];
         // Where the region has two ends, the share may be larger in between.
         let most = if start[1].is_finite() || end[1].is_finite() { 1.0 } else { shares[0].max(shares[1]) };
-        let [least_argument, most_argument] = ARGUMENTS;
+        let [least_argument, most_argument] = if self.of_stable { [-ARGUMENTS[1], -ARGUMENTS[0]] } else { ARGUMENTS };
         let clamped = |argument: f64| argument.clamp(least_argument, most_argument);
         let change = |i: usize| (clamped(start[i]) - clamped(end[i])).abs();
         Interval { from, to, bounds: [mass * most, mass * shares[0].min(shares[1])], change: change(0).max(change(1)) }
@@ -315,6 +341,11 @@ fn share([from, to]: [f64; 2]) -> f64 {
     } else {
         normal::upper_tail(-to) - normal::upper_tail(-from)
     }
+}
+
+/// The probability that is not between two arguments of the upper tail.
+fn outside([from, to]: [f64; 2]) -> f64 {
+    if from < to { normal::upper_tail(-from) + normal::upper_tail(to) } else { 1.0 }
 }
 
 /// The probability between two arguments of the upper tail, by the series about their middle if they are close.

@@ -440,3 +440,38 @@ fn the_share_between_two_close_arguments_is_that_of_a_quadrature() {
         }
     }
 }
+
+#[test]
+fn the_probability_of_stability_has_its_digits_where_it_is_small() {
+    // The closed form of the product, seen from its other end.
+    let boundary = product_boundary();
+    for coefficient in [-0.9, 0.0, 0.5, 0.999] {
+        for (first, second) in [(0.2_f64, 0.1), (0.05, 0.4), (1e-3, 0.2)] {
+            for tail in [0.4, 1e-3, 1e-9, 1e-15, 1e-40] {
+                let variance = (first - second).powi(2) + 2.0 * (1.0 + coefficient) * first * second;
+                let preload = boundary.critical_product / 0.4 * (normal::upper_quantile(tail) * variance.sqrt()).exp();
+                let pair = Pair::new(lognormal(preload, first), lognormal(0.4, second));
+                let value = pair.stable_probability(&boundary, &PairLaw::correlated(coefficient), TOLERANCE);
+                assert!((value / tail - 1.0).abs() < 1e-8, "{coefficient} {first} {second} {tail}: {value}");
+            }
+        }
+    }
+    // With the probability of instability it is one, for all kinds of inputs, also where the first is not positive.
+    let boundary = self::boundary(&[]);
+    let input = |marginal: &Marginal, expected: f64, std: f64| InputDistribution::relative(marginal, expected, std);
+    for first in [
+        input(&Marginal::Normal, 0.1, 0.5),
+        input(&Marginal::Uniform, 0.09, 0.2),
+        InputDistribution::fixed(0.1),
+        input(&Marginal::Lognormal, 0.12, 0.1),
+    ] {
+        for second in [input(&Marginal::Normal, 0.4, 0.1), input(&Marginal::Uniform, 0.42, 0.1)] {
+            let pair = Pair::new(first.clone(), second);
+            for coefficient in [0.0, -0.6] {
+                let law = PairLaw::correlated(coefficient);
+                let both = [pair.probability(&boundary, &law, 1e-11), pair.stable_probability(&boundary, &law, 1e-11)];
+                assert!((both[0] + both[1] - 1.0).abs() < 1e-9, "{first:?} {coefficient}: {both:?}");
+            }
+        }
+    }
+}
