@@ -122,7 +122,13 @@ fn rows_that_cannot_be_right_are_refused_with_their_place() {
     for (data, texts) in [
         ("", &["data.csv:1", "rotating_speed,preload,squealed,count"][..]),
         ("speed,preload\n1,2\n", &["data.csv:1", "no column rotating_speed or onset_speed"]),
-        ("onset_speed;preload\n15;0.1\n", &["data.csv:1", "commas", "it has \"onset_speed;preload\""]),
+        ("onset_speed/preload\n15/0.1\n", &["data.csv:1", "commas or semicolons", "it has \"onset_speed/preload\""]),
+        ("onset_speed,preload;x\n15,1;2\n", &["data.csv:1", "commas and semicolons"]),
+        ("onset_speed;preload\n15,2;0,1\n\n15.3;0,1\n", &["data.csv:2", "\"15,2\" here and \"15.3\" in line 4"]),
+        ("onset_speed;preload\n15,200;1\n16,100;1\n", &["data.csv:2", "\"15,200\" may be 15.200 or 15200"]),
+        ("onset_speed;preload\n15,2;0,1\n\nfast;0,1\n", &["data.csv:4", "\"fast\" in column \"onset_speed\""]),
+        ("onset_speed;preload\n15,2;0,1\n15,3;3,5\n", &["data.csv:3", "preload = 3.5 is out of range"]),
+        ("onset_speed,preload\n15,2,0,1\n", &["data.csv:2", "4 fields", "decimal commas need semicolons"]),
         (
             "onset_speed,preload\n15,0.1\n15,0.1\n",
             &["scatter no more than", "std.static_friction is 0.0020", "add tests"],
@@ -131,8 +137,8 @@ fn rows_that_cannot_be_right_are_refused_with_their_place() {
         ("rotating_speed,preload,count\n1,0.1,2\n", &["data.csv:1", "no column squealed"]),
         ("rotating_speed,preload,squealed,Count\n1,0.1,1,2\n", &["data.csv:1", "\"Count\""]),
         ("onset_speed,preload,preload\n1,0.1,0.1\n", &["data.csv:1", "two columns are named preload"]),
-        ("onset_speed,preload\n12,0.1\n\nfast,0.1\n", &["data.csv:4", "\"fast\" in column onset_speed"]),
-        ("onset_speed,preload\n12,0.1\nNaN,0.1\n", &["data.csv:3", "\"NaN\" in column onset_speed"]),
+        ("onset_speed,preload\n12,0.1\n\nfast,0.1\n", &["data.csv:4", "\"fast\" in column \"onset_speed\""]),
+        ("onset_speed,preload\n12,0.1\nNaN,0.1\n", &["data.csv:3", "\"NaN\" in column \"onset_speed\""]),
         ("onset_speed,preload\n-12,0.1\n", &["data.csv:2", "onset_speed = -12 is out of range", "rad/s"]),
         ("onset_speed,preload\n12,35000\n", &["data.csv:2", "preload = 35000 is out of range", "at most 1"]),
         ("onset_speed,preload\n12\n", &["data.csv:2", "1 fields"]),
@@ -221,4 +227,148 @@ fn tests_that_contradict_the_model_are_told() {
     place.write("data.csv", "onset_speed,preload\n15.2,0.1\n163,0.1\n14.1,0.1\n17.1,0.1\n16.8,0.12\n15.5,0.12\n");
     let texts = ["data.csv: the model cannot produce the test of line 3, whose"];
     place.run("fit data.csv --job job.toml").refused(65, &texts);
+}
+
+#[test]
+fn files_of_spreadsheets_say_the_same() {
+    for data in [VERDICTS, ONSETS] {
+        let place = place(data);
+        let said = place.run("fit data.csv --job job.toml").done().stdout;
+        let semicolons = data.replace(',', ";");
+        let decimal_commas = semicolons.replace('.', ",");
+        let empty = ";".repeat(data.lines().next().unwrap().matches(',').count());
+        for other in [
+            semicolons,
+            decimal_commas.clone(),
+            // As Excel writes it: a byte order mark, two characters at the end of a line, and rows without anything.
+            format!("\u{feff}{}{empty}\r\n", decimal_commas.replace('\n', "\r\n")),
+            data.replace(',', "\t").replace('.', ","),
+        ] {
+            place.write("data.csv", &other);
+            assert_eq!(place.run("fit data.csv --job job.toml").done().stdout, said, "{other}");
+        }
+    }
+}
+
+/// The numbers of the elements of an SVG that begin with a text.
+fn elements(svg: &str, beginning: &str, names: &[&str]) -> Vec<Vec<f64>> {
+    let of = |element: &str| {
+        let value = |name: &&str| {
+            let (_, rest) = element.split_once(&format!(" {name}=\"")).unwrap();
+            rest.split('"').next().unwrap().parse().unwrap()
+        };
+        names.iter().map(value).collect()
+    };
+    svg.split(beginning).skip(1).map(|element| of(element.split('>').next().unwrap())).collect()
+}
+
+/// The points of the widest lines of an SVG.
+fn curves(svg: &str) -> Vec<Vec<[f64; 2]>> {
+    let lines = svg.split("<path d=\"M ").skip(1).map(|line| line.split('>').next().unwrap());
+    let points = |line: &str| -> Vec<[f64; 2]> {
+        let numbers = line.split('"').next().unwrap().split([' ', 'L']).filter(|number| !number.is_empty());
+        let numbers: Vec<f64> = numbers.map(|number| number.parse().unwrap()).collect();
+        numbers.chunks(2).map(|pair| [pair[0], pair[1]]).collect()
+    };
+    lines.filter(|line| line.contains("stroke-width=\"1.6\"")).map(points).collect()
+}
+
+/// The height of a curve at a place.
+fn height(curve: &[[f64; 2]], x: f64) -> f64 {
+    let pair = curve.windows(2).find(|pair| pair[0][0] <= x && x <= pair[1][0]).unwrap();
+    let share = (x - pair[0][0]) / (pair[1][0] - pair[0][0]);
+    pair[0][1] + share * (pair[1][1] - pair[0][1])
+}
+
+#[test]
+fn the_picture_shows_the_shares_of_the_tests_and_the_fitted_probabilities() {
+    let place = place(VERDICTS);
+    let found = json(&place, "fit data.csv --job job.toml --plot fit.svg --json");
+    assert_eq!(found["plot"], "fit.svg");
+    let svg = fs::read_to_string(place.path("fit.svg")).unwrap();
+    for text in [
+        "Probability of squeal",
+        "Rotating speed",
+        "rad/s",
+        "nominal preload 0.1",
+        "95 % intervals (Clopper and Pearson)",
+        "pointwise 95 %",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    let points = elements(&svg, "<circle", &["cx", "cy"]);
+    let shares = [39.0, 35.0, 30.0, 19.0, 7.0, 2.0].map(|squealed| squealed / 40.0);
+    assert_eq!(points.len(), shares.len());
+    // The scales, from two points; the others agree.
+    let [first, last] = [&points[0], &points[5]];
+    let x = |speed: f64| first[0] + (speed - 13.0) / 5.0 * (last[0] - first[0]);
+    let y = |share: f64| first[1] + (share - shares[0]) / (shares[5] - shares[0]) * (last[1] - first[1]);
+    for ((point, share), speed) in points.iter().zip(shares).zip([13.0, 14.0, 15.0, 16.0, 17.0, 18.0]) {
+        assert!((point[0] - x(speed)).abs() < 0.02 && (point[1] - y(share)).abs() < 0.02, "{point:?} {speed} {share}");
+    }
+    // SciPy: binomtest(19, 40).proportion_ci(0.95), as a line of this height.
+    let bars = elements(&svg, "<line", &["x1", "x2", "y1", "y2"]);
+    let bar = bars.iter().find(|bar| bar[0] == bar[1] && (bar[0] - x(16.0)).abs() < 0.02).unwrap();
+    assert!((bar[2] - y(0.315_117_0)).abs() < 0.05 && (bar[3] - y(0.638_683_8)).abs() < 0.05, "{bar:?}");
+    // The curve has the probabilities that are predicted for the cells, and the area their intervals.
+    let curves = curves(&svg);
+    let cells = found["cells"].as_array().unwrap();
+    let own: Vec<&Value> = cells.iter().filter(|cell| number(&cell["preload"]) == 0.1).collect();
+    assert_eq!((curves.len(), own.len()), (1, 2));
+    let area = svg.split("<path d=\"M").nth(1).unwrap().split('"').next().unwrap();
+    let corners: Vec<[f64; 2]> = area
+        .trim_end_matches('Z')
+        .split('L')
+        .map(|corner| corner.split_once(',').unwrap())
+        .map(|(x, y)| [x.parse().unwrap(), y.parse().unwrap()])
+        .collect();
+    let (low, high) = corners.split_at(corners.len() / 2);
+    let high: Vec<[f64; 2]> = high.iter().rev().copied().collect();
+    for cell in own {
+        let at = x(number(&cell["rotating_speed_rad_s"]));
+        for (line, key) in [(&curves[0][..], "p_squeal"), (low, "p_low"), (&high, "p_high")] {
+            let drawn = height(line, at);
+            assert!((drawn - y(number(&cell[key]))).abs() < 0.5, "{key} {drawn} {cell}");
+        }
+    }
+    // Onset speeds are drawn as steps.
+    place.write("data.csv", ONSETS);
+    place.run("fit data.csv --job job.toml --plot onsets.svg").done();
+    let svg = fs::read_to_string(place.path("onsets.svg")).unwrap();
+    for text in ["nominal preload 0.08", "nominal preload 0.1", "nominal preload 0.12", "Kaplan and Meier"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert!(self::curves(&svg).len() == 3 && !svg.contains("<circle"));
+    place.run("fit data.csv --job job.toml --plot fit.png").done();
+    assert!(fs::read(place.path("fit.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused_before_the_fit() {
+    let place = place(VERDICTS);
+    place.run("fit data.csv --job job.toml --plot fit.pdf").refused(64, &["SVG or PNG", "fit.svg or fit.png"]);
+    place
+        .run("fit data.csv --job job.toml --plot none/fit.svg --out new.toml")
+        .refused(73, &["there is no directory none"]);
+    let rows: String = (0..8).map(|i| format!("{},0.{:02},{}\n", 12 + i, 7 + i, i % 2)).collect();
+    place.write("data.csv", &format!("rotating_speed,preload,squealed\n{rows}"));
+    let texts = ["data.csv", "8 different preloads", "at most 6", "leave out --plot"];
+    place.run("fit data.csv --job job.toml --plot fit.svg --out new.toml").refused(65, &texts);
+    assert!(!place.path("new.toml").exists() && !place.path("fit.svg").exists());
+}
+
+#[test]
+fn lines_that_are_explained_worst_are_named() {
+    // One of forty that squealed at 60 rad/s is impossible, and at 30 rad/s leads the scatter to its limit.
+    let place = place(&format!("{VERDICTS}60,0.1,1,1\n60,0.1,0,39\n"));
+    place.run("fit data.csv --job job.toml").refused(65, &["cannot produce the test of line 14, whose"]);
+    place.write("data.csv", &format!("{VERDICTS}30,0.1,1,1\n30,0.1,0,39\n"));
+    let texts = ["std.static_friction is 1.0000, the limit", "It would not without line 14 (p = ", "by the others)"];
+    place.run("fit data.csv --job job.toml").refused(65, &texts);
+    // Half of the tests ended without squeal, which is no contradiction.
+    let speeds = (0..40).map(|i| 14.0 + 0.1 * f64::from(i) - 0.002 * f64::from((i - 20) * (i - 20)));
+    let row = |speed: f64| if speed > 15.5 { format!("{speed},0.1,0\n") } else { "15.5,0.1,1\n".to_owned() };
+    place.write("data.csv", &format!("onset_speed,preload,censored\n{}", speeds.map(row).collect::<String>()));
+    let outcome = place.run("fit data.csv --job job.toml --json").done();
+    assert!(!outcome.stderr.contains("contradict"), "{}", outcome.stderr);
 }

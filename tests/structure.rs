@@ -224,7 +224,7 @@ fn a_circle_is_found() {
 }
 
 /// Modules of the runner that are about the pad on the disc, or read the tables of a model. All others know no model.
-const ABOUT_A_MODEL: [&str; 17] = [
+const ABOUT_A_MODEL: [&str; 18] = [
     "job::models",
     "commands::analyse",
     "commands::trajectory",
@@ -233,6 +233,7 @@ const ABOUT_A_MODEL: [&str; 17] = [
     "commands::parameters",
     "commands::fit",
     "commands::fitted_job",
+    "commands::fit_picture",
     "commands::brake_tests",
     "commands::replay",
     "cli::pad_on_disc",

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use stickslip_core::models::pad_on_disc::finite_difference::brake::DiscGrid;
 
 use super::start::{StartArgument, start};
-use super::values::{parquet_file, whole_number};
+use super::values::{parquet_file, plot_file, whole_number};
 
 /// Arguments of `parameters`.
 #[derive(Debug, Args)]
@@ -137,6 +137,9 @@ pub struct FitArguments {
     /// Write a job with the estimates in place
     #[arg(long, value_name = "NEW_JOB.toml")]
     pub out: Option<PathBuf>,
+    /// Draw the tests and the fitted probability of squeal over the speed, as SVG or PNG by the name of the file
+    #[arg(long, value_name = "FILE", value_parser = plot_file)]
+    pub plot: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

@@ -2,19 +2,14 @@
 
 use std::path::Path;
 
-use csv::{ReaderBuilder, StringRecord, Trim};
 use stickslip_core::model::pair_boundary::PairBoundary;
 use stickslip_core::models::pad_on_disc::parameters::Parameters;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::fit::TestData;
 
 use crate::failure::Failure;
-use crate::job::{read_csv, unreadable};
+use crate::files::csv_file::{self, CsvError, CsvFile, MOST_ROWS, read_csv};
 use crate::messages::Place;
-use crate::output::shown;
-
-/// Most rows that are read.
-const MOST_ROWS: u64 = 100_000;
 
 /// Most onset speeds and different conditions of verdicts: each takes an integral for each step of the search.
 const MOST_CONDITIONS: usize = 2000;
@@ -32,12 +27,25 @@ const HEADERS: &str = "the first line should be rotating_speed,preload,squealed,
 /// Half of the relative width of the interval around an onset speed over which its density is found.
 const HALF_WIDTH: f64 = 1e-5;
 
+/// Tests as their rows say.
+pub struct Observed {
+    /// The speed of the test, or at which it ended.
+    pub speed: f64,
+    /// The nominal preload.
+    pub preload: f64,
+    pub squealed: bool,
+    pub count: u64,
+}
+
 /// What the tests say, and of which kind they are.
 pub struct BrakeTests {
     /// The tests with their boundaries.
     pub data: TestData,
+    pub observed: Vec<Observed>,
     /// Whether each has an onset speed.
     pub has_onsets: bool,
+    /// With onset speeds: the speed above which they lie.
+    pub steepest: f64,
 }
 
 /// The brake at its rotating speeds.
@@ -55,10 +63,10 @@ impl Brake<'_> {
     }
 }
 
-/// The rows of a file, with what a message about one says first.
+/// The file, with its columns checked.
 struct Rows<'a> {
     path: &'a Path,
-    names: StringRecord,
+    file: &'a CsvFile,
 }
 
 /// Reads tests of a brake from a file.
@@ -68,121 +76,112 @@ struct Rows<'a> {
 pub fn read_tests(path: &Path, brake: &PadOnDisc) -> Result<BrakeTests, Failure> {
     let bytes = read_csv(path).map_err(|why| Failure::InputOutput(why).at(Place::file(path)))?;
     let brake = Brake { parameters: brake.parameters(), steepest: brake.steepest_speed() };
-    read(path, &bytes, &brake)
+    let file = CsvFile::new(path, bytes).map_err(|error| refused(path, &error))?;
+    Rows { path, file: &file }.read(&brake)
 }
 
-fn read(path: &Path, bytes: &[u8], brake: &Brake<'_>) -> Result<BrakeTests, Failure> {
-    let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(bytes);
-    let names = reader.headers().map_err(|error| Failure::Job(unreadable(path, &error)).at(Place::file(path)))?.clone();
-    let rows = Rows { path, names };
-    let has_onsets = rows.check_names()?;
-    let steepest = match (has_onsets, brake.steepest) {
-        (true, None) => {
-            let why = "onset speeds cannot be used with friction.law = \"table\", whose curve may fall in several places; give verdicts: the columns rotating_speed, preload, squealed";
-            return Err(refused(path, 1, why));
-        }
-        (_, steepest) => steepest.unwrap_or(0.0),
-    };
-    let mut data = TestData::default();
-    for (number, record) in (1..).zip(reader.records()) {
-        let record = record.map_err(|error| Failure::Job(unreadable(path, &error)).at(Place::file(path)))?;
-        let row = Row { rows: &rows, line: line_of(&record, bytes), record: &record };
-        if number > MOST_ROWS {
-            return Err(
-                row.wrong(&format!("there are more than {MOST_ROWS} rows; add up equal tests in a column count"))
-            );
-        }
-        data.begin_row(row.line);
-        if has_onsets {
-            row.add_onset(&mut data, brake, steepest)?;
-        } else {
-            row.add_verdict(&mut data, brake)?;
-        }
-        if data.conditions() > MOST_CONDITIONS {
-            let remedy =
-                if has_onsets { "give fewer tests" } else { "round speeds and preloads, so that more tests are alike" };
-            return Err(row.wrong(&format!("there are more than {MOST_CONDITIONS} different tests; {remedy}")));
-        }
-    }
-    Ok(BrakeTests { data, has_onsets })
-}
-
-/// What is wrong in a line of the file.
-fn refused(path: &Path, line: u64, message: &str) -> Failure {
-    Failure::Job(format!("{}:{line}: {message}", shown(path))).at(Place::line(path, line))
-}
-
-/// The line of a record, whose position is before the empty lines that it follows.
-fn line_of(record: &StringRecord, bytes: &[u8]) -> u64 {
-    record.position().map_or(0, |position| {
-        let rest = bytes.get(position.byte() as usize..).unwrap_or_default();
-        let empty = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).filter(|byte| **byte == b'\n').count();
-        position.line() + empty as u64
-    })
+/// What is wrong in the file.
+fn refused(path: &Path, error: &CsvError) -> Failure {
+    let place = error.line.map_or_else(|| Place::file(path), |line| Place::line(path, line));
+    Failure::Job(error.to_string()).at(place)
 }
 
 impl Rows<'_> {
+    fn read(&self, brake: &Brake<'_>) -> Result<BrakeTests, Failure> {
+        let has_onsets = self.check_names()?;
+        let steepest = match (has_onsets, brake.steepest) {
+            (true, None) => {
+                let why = "onset speeds cannot be used with friction.law = \"table\", whose curve may fall in several places; give verdicts: the columns rotating_speed, preload, squealed";
+                return Err(self.wrong(1, why));
+            }
+            (_, steepest) => steepest.unwrap_or(0.0),
+        };
+        let numbers = ["rotating_speed", "onset_speed", "preload"].map(|name| self.file.place(name));
+        let rows = self.file.rows(&numbers.into_iter().flatten().collect::<Vec<_>>());
+        let (mut data, mut observed) = (TestData::default(), Vec::new());
+        for (number, row) in rows.map_err(|error| refused(self.path, &error))?.into_iter().enumerate() {
+            let row = Row { rows: self, row };
+            if number >= MOST_ROWS {
+                return Err(
+                    row.wrong(&format!("there are more than {MOST_ROWS} rows; add up equal tests in a column count"))
+                );
+            }
+            data.begin_row(row.row.line);
+            observed.push(if has_onsets {
+                row.add_onset(&mut data, brake, steepest)?
+            } else {
+                row.add_verdict(&mut data, brake)?
+            });
+            if data.conditions() > MOST_CONDITIONS {
+                let remedy = if has_onsets {
+                    "give fewer tests"
+                } else {
+                    "round speeds and preloads, so that more tests are alike"
+                };
+                return Err(row.wrong(&format!("there are more than {MOST_CONDITIONS} different tests; {remedy}")));
+            }
+        }
+        Ok(BrakeTests { data, observed, has_onsets, steepest })
+    }
+
+    /// What is wrong in a line.
+    fn wrong(&self, line: u64, message: &str) -> Failure {
+        refused(self.path, &self.file.error(line, message))
+    }
+
     /// Checks the first line, and returns whether the tests have onset speeds.
     fn check_names(&self) -> Result<bool, Failure> {
-        let has = |name: &str| self.place(name).is_some();
-        let wrong = |message: String| Err(refused(self.path, 1, &format!("{message}; {HEADERS}")));
+        let has = |name: &str| self.file.place(name).is_some();
+        let wrong = |message: String| Err(self.wrong(1, &format!("{message}; {HEADERS}")));
+        let names = &self.file.names;
         let (columns, needed): (&[&str], usize) = match (has("onset_speed"), has("rotating_speed")) {
             (true, true) => return wrong("there are both onset_speed and rotating_speed".to_owned()),
-            (false, false) if self.names.iter().all(str::is_empty) => {
+            (false, false) if names.iter().all(str::is_empty) => {
                 return wrong("the file has no first line with the names of columns".to_owned());
             }
             (false, false) => {
-                let there: Vec<String> = self.names.iter().map(|name| format!("{name:?}")).collect();
+                let there: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
                 return wrong(format!(
-                    "there is no column rotating_speed or onset_speed, and commas should separate columns; it has {}",
+                    "there is no column rotating_speed or onset_speed, and commas or semicolons should separate columns; it has {}",
                     there.join(", ")
                 ));
             }
             (true, false) => (&ONSET_COLUMNS, 2),
             (false, true) => (&VERDICT_COLUMNS, 3),
         };
-        if let Some(unknown) = self.names.iter().find(|name| !columns.contains(name)) {
+        if let Some(unknown) = names.iter().find(|name| !columns.contains(name)) {
             return wrong(format!("there is a column {unknown:?}"));
         }
         if let Some(missing) = columns[..needed].iter().find(|name| !has(name)) {
             return wrong(format!("there is no column {missing}"));
         }
-        let is_twice = |name: &&&str| self.names.iter().filter(|other| other == *name).count() > 1;
-        if let Some(twice) = columns.iter().find(is_twice) {
+        if let Some(twice) = self.file.twice() {
             return wrong(format!("two columns are named {twice}"));
         }
         Ok(has("onset_speed"))
-    }
-
-    fn place(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|other| other == name)
     }
 }
 
 /// A row of the file.
 struct Row<'a> {
     rows: &'a Rows<'a>,
-    line: u64,
-    record: &'a StringRecord,
+    row: csv_file::Row,
 }
 
 impl Row<'_> {
     fn wrong(&self, message: &str) -> Failure {
-        refused(self.rows.path, self.line, message)
+        self.rows.wrong(self.row.line, message)
     }
 
     /// The text in a column; `None` without that column.
     fn text(&self, column: &str) -> Option<&str> {
-        self.record.get(self.rows.place(column)?)
+        self.rows.file.place(column).map(|place| self.row.text(place))
     }
 
-    /// A number in a column, from `least` to `most`.
+    /// A number in a column, which exists, from `least` to `most`.
     fn number(&self, column: &str, least: f64, most: f64, unit: &str) -> Result<f64, Failure> {
-        let text = self.text(column).unwrap_or_default();
-        let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-        let Some(number) = number else {
-            return Err(self.wrong(&format!("{text:?} in column {column} is not a number, such as 0.1 or 1.5e1")));
-        };
+        let place = self.rows.file.place(column).unwrap_or(usize::MAX);
+        let number = self.row.number(place, column).map_err(|message| self.wrong(&message))?;
         if number >= least && number <= most {
             return Ok(number);
         }
@@ -219,21 +218,22 @@ impl Row<'_> {
         })
     }
 
-    fn add_verdict(&self, data: &mut TestData, brake: &Brake<'_>) -> Result<(), Failure> {
+    fn add_verdict(&self, data: &mut TestData, brake: &Brake<'_>) -> Result<Observed, Failure> {
         let (speed, preload) = (self.speed("rotating_speed")?, self.preload()?);
         let squealed = self.flag("squealed")?.unwrap_or(false);
         let boundary = brake.boundary(speed).map_err(|error| self.wrong(&error))?;
-        data.add_verdict(preload, &boundary, squealed, self.count()?);
-        Ok(())
+        let count = self.count()?;
+        data.add_verdict(preload, &boundary, squealed, count);
+        Ok(Observed { speed, preload, squealed, count })
     }
 
-    fn add_onset(&self, data: &mut TestData, brake: &Brake<'_>, steepest: f64) -> Result<(), Failure> {
+    fn add_onset(&self, data: &mut TestData, brake: &Brake<'_>, steepest: f64) -> Result<Observed, Failure> {
         let (speed, preload) = (self.speed("onset_speed")?, self.preload()?);
         let boundary = |speed: f64| brake.boundary(speed).map_err(|error| self.wrong(&error));
         if self.flag("censored")?.unwrap_or(false) {
             // A brake that is stable where friction falls most steeply is so at each lower speed.
-            data.add_verdict(preload, &boundary(speed.max(steepest))?, false, 1);
-            return Ok(());
+            data.add_censored(preload, &boundary(speed.max(steepest))?);
+            return Ok(Observed { speed, preload, squealed: false, count: 1 });
         }
         let ends = [speed * (1.0 - HALF_WIDTH), speed * (1.0 + HALF_WIDTH)];
         if ends[0] <= steepest {
@@ -243,6 +243,6 @@ impl Row<'_> {
         }
         let boundaries = [boundary(ends[0])?, boundary(ends[1])?];
         data.add_onset(preload, boundaries, ends);
-        Ok(())
+        Ok(Observed { speed, preload, squealed: true, count: 1 })
     }
 }

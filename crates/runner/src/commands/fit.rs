@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
+use stickslip_core::model::pair_boundary::PairBoundary;
 use stickslip_core::models::pad_on_disc::model::{PRELOAD, PadModel, ROTATING_SPEED, STATIC_FRICTION};
 use stickslip_sampler::fit::{ESTIMABLE, Fit, FitModel, FitValues, Goodness, Prediction, fit as estimate};
 use stickslip_sampler::inputs::{Marginal, PairParameter};
 
 use super::brake_tests::{BrakeTests, read_tests};
+use super::fit_picture::{fit_picture, preloads};
 use super::fitted_job::fitted_job;
 use crate::cli::{EstimateArgument, FitArguments};
 use crate::failure::Failure;
@@ -15,6 +17,7 @@ use crate::files::publish::publish_first;
 use crate::job::{Job, JobSource, OutsidePhysics};
 use crate::output::{note, output_file, quoted, result, shown, warn};
 use crate::picture::view::rounded;
+use crate::plot::drawing::{WIDTHS, write};
 
 /// Most cells of which the probability is predicted: each takes some ten maximisations.
 const MOST_CELLS: u64 = 1000;
@@ -57,6 +60,10 @@ pub fn fit(arguments: &FitArguments) -> Result<(), Failure> {
         model(&job, &estimated).map_err(|message| Failure::Job(format!("{}: {message}", shown(&source.path))))?;
     let brake = pad.brake(&job.grid.cell(0).expected).map_err(|error| Failure::Job(error.to_string()))?;
     let tests = read_tests(&arguments.data, &brake)?;
+    if let Some(plot) = &arguments.plot {
+        output_file(plot)?;
+        preloads(&tests).map_err(|message| Failure::Job(format!("{}: {message}", shown(&arguments.data))))?;
+    }
     let confidence = job.sampling.confidence;
     let fit = estimate(&model, &tests.data, &estimated, confidence)
         .map_err(|error| Failure::Job(format!("{}: {error}", shown(&arguments.data))))?;
@@ -69,10 +76,17 @@ pub fn fit(arguments: &FitArguments) -> Result<(), Failure> {
         None => None,
     };
     let cells = predictions(&job, pad, &fit)?;
+    let drawing = match &arguments.plot {
+        Some(file) => Some((fit_picture(&job, &tests, &fit, |speed| boundary(&job, pad, speed))?, file)),
+        None => None,
+    };
     if let Some((directory, name, text)) = new_job
         && !publish_first(directory, name, text.as_bytes())?
     {
         return Err(taken(&directory.join(name)));
+    }
+    if let Some((picture, file)) = drawing {
+        write(&picture.figure(WIDTHS[1]), file)?;
     }
     if arguments.json {
         return result(&format!("{:#}\n", as_json(&job, arguments, &tests, (&model, &fit), &cells)));
@@ -181,10 +195,13 @@ fn new_text(
 
 /// What is to be said where the tests contradict the model.
 fn contradictions(fit: &Fit<'_>) -> Vec<String> {
+    let lines: Vec<String> =
+        fit.worst().iter().map(|test| format!("line {} with p = {:.1e}", test.row, test.p_value)).collect();
+    let worst = if lines.is_empty() { String::new() } else { format!(" (explained worst: {})", lines.join(", ")) };
     let contradicts = |goodness: &Goodness| goodness.p_value() < CONTRADICTION;
     let text = |goodness: Goodness| {
         format!(
-            "the tests contradict the model (p = {:.1e}), so that estimates and intervals mean little; look for wrong lines, for brakes of another kind, and for values of the job that are not those of the tested brakes",
+            "the tests contradict the model (p = {:.1e}), so that estimates and intervals mean little; look for wrong lines{worst}, for brakes of another kind, and for values of the job that are not those of the tested brakes",
             goodness.p_value()
         )
     };
@@ -208,17 +225,22 @@ fn predictions(job: &Job, pad: &PadModel, fit: &Fit<'_>) -> Result<Vec<Predicted
         ));
         return Ok(Vec::new());
     }
-    let mut expected = job.grid.cell(0).expected;
     let mut predicted = Vec::new();
     for rotating_speed in speeds {
-        expected[ROTATING_SPEED] = rotating_speed;
-        let brake = pad.brake(&expected).map_err(|error| Failure::Job(error.to_string()))?;
-        let boundary = brake.stability_boundary();
+        let boundary = boundary(job, pad, rotating_speed)?;
         let cell =
             |&preload: &f64| PredictedCell { rotating_speed, preload, prediction: fit.predict(preload, &boundary) };
         predicted.extend(preloads.iter().map(cell));
     }
     Ok(predicted)
+}
+
+/// The boundary of stability at a speed.
+fn boundary(job: &Job, pad: &PadModel, rotating_speed: f64) -> Result<PairBoundary, Failure> {
+    let mut expected = job.grid.cell(0).expected;
+    expected[ROTATING_SPEED] = rotating_speed;
+    let brake = pad.brake(&expected).map_err(|error| Failure::Job(error.to_string()))?;
+    Ok(brake.stability_boundary())
 }
 
 fn as_json(
@@ -258,10 +280,12 @@ fn as_json(
         "confidence": job.sampling.confidence,
         "log_likelihood": fit.log_likelihood,
         "goodness_of_fit": fit.goodness().into_iter().map(goodness).collect::<Vec<_>>(),
+        "explained_worst": fit.worst().iter().map(|test| json!({ "line": test.row, "p_value": test.p_value })).collect::<Vec<_>>(),
         "estimates": estimates,
         "from_job": fixed,
         "cells": cells.iter().map(cell).collect::<Vec<_>>(),
         "job": arguments.out.as_ref().map(|out| out.display().to_string()),
+        "plot": arguments.plot.as_ref().map(|plot| plot.display().to_string()),
     })
 }
 
@@ -319,6 +343,9 @@ fn as_text(
     }
     if cells.len() > MOST_ROWS {
         text += &format!("{} further cells: --json shows all\n", cells.len() - MOST_ROWS);
+    }
+    if let Some(plot) = &arguments.plot {
+        text += &format!("\nDrew {}.\n", shown(plot));
     }
     if let Some(out) = &arguments.out {
         text += &format!("\nWrote {}. Next:\n  stickslip check {}\n", shown(out), quoted(out));

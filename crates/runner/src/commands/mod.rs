@@ -51,6 +51,7 @@ mod compare;
 
 mod brake_tests;
 
+mod fit_picture;
 mod fitted_job;
 
 mod fit;

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use super::compare::{CONFIDENCE, Row, Run, differences_of, interval_name};
 use crate::cli::{PlotArguments, PlotQuantity};
 use crate::failure::Failure;
-use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
 use crate::job::Job;
-use crate::output::{note, output_file, result};
+use crate::output::{note, result};
 use crate::picture::view::{GridView, MOST_PANELS, rounded};
 use crate::plot::canvas::Canvas;
 use crate::plot::cells;
 use crate::plot::difference::Difference;
+use crate::plot::drawing::{WIDTHS, write};
 use crate::plot::motion;
 use crate::plot::sobol::Sobol;
 use crate::plot::surface;
@@ -21,9 +21,6 @@ use crate::plot::values::Values;
 use crate::plot::verdict_map::VerdictMaps;
 use crate::schedule::engine::Engine;
 use crate::tables::finished::FinishedSurface;
-
-/// Widths of one and of two columns of a paper, 84 and 174 mm, in pixels.
-const WIDTHS: [f64; 2] = [84.0 / 25.4 * 96.0, 174.0 / 25.4 * 96.0];
 
 /// `stickslip plot`.
 pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -40,14 +37,7 @@ pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Fail
     };
     let mut text = String::new();
     for file in files {
-        let is_svg = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
-        let bytes = if is_svg {
-            canvas.svg()
-        } else {
-            canvas.png().map_err(|why| Failure::CannotCreate(format!("{}: {why}", file.display())))?
-        };
-        let (directory, name) = output_file(&file)?;
-        publish(&directory, &name, &bytes)?;
+        write(&canvas, &file)?;
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{}", file.display());
     }

@@ -5,6 +5,8 @@ mod thrift;
 
 pub mod bounded;
 
+pub mod csv_file;
+
 pub mod foreign;
 
 #[cfg(test)]

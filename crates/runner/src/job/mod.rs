@@ -78,7 +78,6 @@ pub use imprecise::{Combination, ImpreciseJob, ImpreciseQuantity};
 pub use imprecise_values::{Values, What};
 pub use limit::LimitMethod;
 pub use limit_axis::LimitAxis;
-pub use measured::{read_csv, unreadable};
 pub use method::{Answer, Computed, MapUse, Sampling};
 pub use model::OutsidePhysics;
 pub use models::pad_on_disc::keys::unknown_parameter;

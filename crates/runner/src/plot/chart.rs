@@ -6,7 +6,7 @@ use crate::plot::canvas::{BLACK, Canvas, GREY, Pen, Place, Rgb, Side, width_of};
 use crate::plot::panel::{Axis, BELOW, LEFT, Panel, SMALL, left_of};
 
 /// Colours of curves that colour-blind readers can distinguish (Okabe and Ito).
-const COLOURS: [Rgb; 6] = [
+pub const COLOURS: [Rgb; 6] = [
     (0x00, 0x72, 0xb2),
     (0xd5, 0x5e, 0x00),
     (0x00, 0x9e, 0x73),

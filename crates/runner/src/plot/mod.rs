@@ -5,6 +5,8 @@
 
 pub mod canvas;
 
+pub mod drawing;
+
 pub mod contours;
 
 pub mod levels;
@@ -40,3 +42,5 @@ pub mod verdict_map;
 pub mod chart;
 
 pub mod motion;
+
+pub mod fit;

@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
 
-use csv::{ReaderBuilder, Trim};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
@@ -18,10 +17,11 @@ use toml::Spanned;
 use toml_edit::{DocumentMut, InlineTable, Item, Value};
 
 use super::overrides::{Overrides, section_properties};
+use crate::files::csv_file::{CsvFile, MOST_ROWS, read_csv};
 use crate::job::diagnosis::{Complaint, Complaints};
 use crate::job::keys::nearest;
-use crate::job::measured::{MOST_VALUES, finite_number, read_csv, unreadable};
 use crate::job::model::{Parts, written};
+use crate::shell::shown;
 
 /// Names of friction laws.
 pub const LAWS: [&str; 3] = ["stribeck", "rational", "table"];
@@ -341,54 +341,47 @@ pub fn freeze(document: &mut DocumentMut, law: &LawKind) -> String {
     origins
 }
 
-/// A measured curve from a CSV file: names in the first line, decimals with a point. Says file, line and value where it
-/// cannot be read.
+/// A measured curve from a CSV file with names in the first line. Says file, line and value where it cannot be read.
 pub fn read_curve(path: &Path) -> Result<SharedCurve, String> {
-    let shown = path.display();
-    let bytes = read_csv(path)?;
-    let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(&bytes[..]);
-    let names = reader.headers().map_err(|error| unreadable(path, &error))?.clone();
-    let place = |column: &str| names.iter().position(|name| name == column);
-    if let Some(unknown) = names.iter().find(|name| !COLUMNS.contains(name)) {
-        return Err(format!(
-            "{shown}:1: there is a column \"{unknown}\"; a friction curve has the columns speed, coefficient and perhaps std, named in the first line, separated by commas"
+    let file = CsvFile::new(path, read_csv(path)?).map_err(|error| error.to_string())?;
+    let refused = |line: u64, message: &str| file.error(line, message).to_string();
+    if let Some(unknown) = file.names.iter().find(|name| !COLUMNS.contains(name)) {
+        return Err(refused(
+            1,
+            &format!(
+                "there is a column \"{unknown}\"; a friction curve has the columns speed, coefficient and perhaps std, named in the first line, separated by commas or semicolons"
+            ),
         ));
     }
-    let missing = COLUMNS[..2].iter().find(|column| place(column).is_none());
+    let missing = COLUMNS[..2].iter().find(|column| file.place(column).is_none());
     if let Some(missing) = missing {
-        return Err(format!(
-            "{shown}:1: there is no column \"{missing}\"; the first line should name the columns speed, coefficient and perhaps std, separated by commas"
+        return Err(refused(
+            1,
+            &format!(
+                "there is no column \"{missing}\"; the first line should name the columns speed, coefficient and perhaps std, separated by commas or semicolons"
+            ),
         ));
     }
-    if let Some(twice) = COLUMNS.iter().find(|column| names.iter().filter(|name| name == *column).count() > 1) {
-        return Err(format!("{shown}:1: two columns are named \"{twice}\""));
+    if let Some(twice) = file.twice() {
+        return Err(refused(1, &format!("two columns are named \"{twice}\"")));
     }
-    let places = COLUMNS.map(place);
-    let (mut columns, mut lines): ([Vec<f64>; 3], Vec<u64>) = Default::default();
-    for record in reader.records() {
-        let record = record.map_err(|error| unreadable(path, &error))?;
-        let line = record.position().map_or(0, |position| {
-            // The position of a record is before the empty lines that it follows.
-            let rest = bytes.get(position.byte() as usize..).unwrap_or_default();
-            let empty =
-                rest.iter().take_while(|byte| byte.is_ascii_whitespace()).filter(|byte| **byte == b'\n').count();
-            position.line() + empty as u64
-        });
-        lines.push(line);
-        if lines.len() > MOST_VALUES {
-            return Err(format!("{shown}:{line}: a curve has at most {MOST_VALUES} rows; thin it out"));
-        }
+    let places = COLUMNS.map(|column| file.place(column));
+    let rows = file.rows(&places.into_iter().flatten().collect::<Vec<_>>()).map_err(|error| error.to_string())?;
+    if let Some(row) = rows.get(MOST_ROWS) {
+        return Err(refused(row.line, &format!("a curve has at most {MOST_ROWS} rows; thin it out")));
+    }
+    let mut columns: [Vec<f64>; 3] = Default::default();
+    for row in &rows {
         for ((values, place), column) in columns.iter_mut().zip(places).zip(COLUMNS) {
             let Some(place) = place else { continue };
-            let text = record.get(place).unwrap_or_default();
-            values.push(finite_number(text, column).map_err(|message| format!("{shown}:{line}: {message}"))?);
+            values.push(row.number(place, column).map_err(|message| refused(row.line, &message))?);
         }
     }
     let [speed, coefficient, std] = columns;
     let curve = CurveColumns { speed, coefficient, std: places[2].is_some().then_some(std) };
-    curve.curve().map_err(|error| match row_of(&error).and_then(|row| lines.get(row)) {
-        Some(line) => format!("{shown}:{line}: {error}"),
-        None => format!("{shown}: {error}"),
+    curve.curve().map_err(|error| match row_of(&error).and_then(|row| rows.get(row)) {
+        Some(row) => refused(row.line, &error.to_string()),
+        None => format!("{}: {error}", shown(path)),
     })
 }
 
