@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, Union, overload
 
+from ._errors import Error
 from ._job import Job, PathLike, absolute, as_argument, expanded, settings, threads_option, whole
 from ._motion import Motion
 from ._process import call, call_json
+from ._rows import csv_of
 from ._tables import Table, TableKind, converted, read
 
 if TYPE_CHECKING:
@@ -17,6 +21,11 @@ if TYPE_CHECKING:
     import polars
     import pyarrow
 
+#: Tests of brakes: the path of a CSV file, a DataFrame of pandas or polars, a table of pyarrow, a dict of columns, or a
+#: dict for each row.
+Tests = Union[
+    PathLike, "pandas.DataFrame", "polars.DataFrame", "pyarrow.Table", Mapping[str, Any], Iterable[Mapping[str, Any]]
+]
 #: What `fit` can estimate.
 Estimate = Literal["static_friction", "preload_factor", "std.preload", "std.static_friction", "correlation"]
 
@@ -267,32 +276,64 @@ def compare(
 
 
 def fit(
-    data: PathLike, job: Job, *, estimate: Sequence[Estimate] | None = None, out: PathLike | None = None
+    data: Tests,
+    job: Job,
+    *,
+    estimate: Sequence[Estimate] | None = None,
+    out: PathLike | None = None,
+    plot: PathLike | None = None,
 ) -> dict[str, Any]:
     """Estimate friction, its scatter and that of the preload from tests of brakes.
 
     Parameters
     ----------
     data
-        A CSV file of tests.
+        A CSV file of tests, or the tests themselves: a DataFrame of pandas or polars, a table of pyarrow, a dict of
+        columns, or a list with a dict for each row. The columns are those of the file, ``squealed`` and ``censored``
+        may be bools. Messages call such tests ``data`` and count lines as in a file: line 2 is the first row.
     job
         The job whose brake was tested.
     estimate
         What is estimated; ``["static_friction", "std.static_friction"]`` by default.
     out
         A new file for the job with the estimates in place.
+    plot
+        A file, SVG or PNG, for a picture of the tests and the fit.
 
     Returns
     -------
     dict
         The keys of ``fit --json``: ``estimates`` by parameter, each with ``value``, ``low`` and ``high``, ``cells``
-        with predicted probabilities, and others.
+        with predicted probabilities, and others. ``data`` is ``None`` for tests that are not in a file.
     """
     argument, stdin = as_argument(job)
     options = [] if estimate is None else [f"--estimate={','.join(estimate)}"]
     if out is not None:
         options.append(f"--out={absolute(out)}")
-    answer: dict[str, Any] = call_json(["fit", expanded(data), f"--job={argument}", *options], stdin=stdin)
+    if plot is not None:
+        options.append(f"--plot={absolute(plot)}")
+    ask = partial(call_json, stdin=stdin)
+    if isinstance(data, (str, os.PathLike)):
+        answer: dict[str, Any] = ask(["fit", expanded(data), f"--job={argument}", *options])
+        return answer
+    text = csv_of(data)
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+        file = Path(folder) / "data.csv"
+        file.write_text(text, encoding="utf-8")
+        try:
+            answer = ask(["fit", file, f"--job={argument}", *options])
+        except Error as error:
+            # The file is gone when the message is read.
+            error.args = (str(error).replace(str(file), "data"),)
+            if error.place is not None and error.place.get("file") == str(file):
+                error.place = {**error.place, "file": "data"}
+            raise
+    answer["data"] = None
+    if out is not None:
+        # The job says where its estimates come from.
+        written = absolute(out).read_text(encoding="utf-8")
+        first, rest = written.split("\n", 1)
+        absolute(out).write_text(first.replace(f'"{file}"', "of a Python session") + "\n" + rest, encoding="utf-8")
     return answer
 
 

@@ -8,6 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas
+import polars
+import pyarrow
 import pytest
 import tomli_w
 
@@ -124,5 +127,67 @@ def test_fit_finds_the_friction_of_tests(small: dict[str, Any], place: Path) -> 
     assert answer["estimates"]["static_friction"]["value"] == pytest.approx(0.4011, abs=5e-5)
     assert answer["estimates"]["std.static_friction"]["low"] == pytest.approx(0.0754, abs=5e-5)
     assert stickslip.check("fitted.toml")["name"] == "small-fitted"
-    one = stickslip.fit("tests.csv", small, estimate=["static_friction"])
+    one = stickslip.fit("tests.csv", small, estimate=["static_friction"], plot="fit.svg")
     assert list(one["estimates"]) == ["static_friction"]
+    assert (place / "fit.svg").read_text(encoding="utf-8").startswith("<svg ")
+
+
+def _tests() -> dict[str, list[Any]]:
+    """The tests of docs/how-to/fit-to-tests.md, by column."""
+    squealed, silent = [39, 35, 30, 19, 7, 2], [1, 5, 10, 21, 33, 38]
+    return {
+        "rotating_speed": [13, 14, 15, 16, 17, 18] * 2,
+        "preload": [0.1] * 12,
+        "squealed": [True] * 6 + [False] * 6,
+        "count": squealed + silent,
+    }
+
+
+@pytest.fixture
+def tested(small: dict[str, Any]) -> dict[str, Any]:
+    small["axes"] = {"rotating_speed": [12.0, 15.0, 18.0], "preload": 0.1, "static_friction": 0.39}
+    small["random"]["relative_std"] = {"preload": 0.05, "static_friction": 0.1}
+    small["sampling"] = {"method": "exact"}
+    return small
+
+
+def test_fit_takes_tables_of_all_kinds(tested: dict[str, Any], place: Path) -> None:
+    columns = _tests()
+    floats = pandas.DataFrame(columns).astype({"count": float, "squealed": int})
+    tables: list[Any] = [
+        columns,
+        {name: np.array(values) for name, values in columns.items()},
+        [dict(zip(columns, row)) for row in zip(*columns.values())],
+        pandas.DataFrame(columns),
+        floats[floats["rotating_speed"] > 0].sort_values("count"),
+        polars.DataFrame(columns),
+        pyarrow.table(columns),
+    ]
+    for table in tables:
+        answer = stickslip.fit(table, tested)
+        assert answer["tests"] == 240 and answer["data"] is None, type(table)
+        assert answer["estimates"]["static_friction"]["value"] == pytest.approx(0.4011, abs=5e-5), type(table)
+    speeds, censored = [15.2, 16.3, 14.1, 17.1, 12.0], [False] * 4 + [True]
+    onsets = pandas.DataFrame({"onset_speed": speeds, "preload": 0.1, "censored": censored})
+    assert stickslip.fit(onsets, tested, out="fitted.toml")["kind"] == "onset"
+    first = (place / "fitted.toml").read_text(encoding="utf-8").splitlines()[0]
+    assert first.startswith("# Written by stickslip fit from the tests of a Python session and the job "), first
+
+
+def test_fit_says_what_is_wrong_in_a_table(tested: dict[str, Any]) -> None:
+    columns = _tests()
+    with pytest.raises(ValueError, match=r"column preload has nan in row 1 \(the first is 0\)"):
+        stickslip.fit(pandas.DataFrame({**columns, "preload": [0.1, None] + [0.1] * 10}), tested)
+    with pytest.raises(ValueError, match="column count has None in row 2"):
+        stickslip.fit([*({**row, "count": 1} for row in [{"preload": 0.1}] * 2), {"preload": 0.1}], tested)
+    with pytest.raises(ValueError, match="preload has 11"):
+        stickslip.fit({**columns, "preload": [0.1] * 11}, tested)
+    with pytest.raises(ValueError, match="two columns have the same name"):
+        stickslip.fit(pandas.DataFrame([[1, 2]], columns=["preload", "preload"]), tested)
+    with pytest.raises(TypeError, match="column preload has one value, 0.1"):
+        stickslip.fit({**columns, "preload": 0.1}, tested)
+    with pytest.raises(TypeError, match="not int"):
+        stickslip.fit(3, tested)  # type: ignore[arg-type]
+    with pytest.raises(stickslip.JobError, match=r"^data:4: preload = 35000 is out of range") as raised:
+        stickslip.fit(polars.DataFrame({**columns, "preload": [0.1, 0.1, 35000.0] + [0.1] * 9}), tested)
+    assert raised.value.place == {"file": "data", "line": 4}
