@@ -33,6 +33,10 @@ const LEAST_EFFECTIVE: f64 = 100.0;
 /// Where fewer samples matter than this, the interval is at least as wide as that of independent samples.
 const FEW: f64 = 300.0;
 
+/// The number of samples with most of the sum of squares below which an estimate from few samples is not trusted: its
+/// variance is not known then.
+const LEAST_DECISIVE: f64 = 20.0;
+
 /// The significance at which the groups of randomisations differ so much that the interval comes from these, and that at
 /// which the estimate is not trusted.
 const DOUBT: f64 = 0.05;
@@ -250,7 +254,7 @@ pub struct WeightedEstimate {
 /// Randomisation `r` belongs to group `r` modulo `groups`. The samples of each group were placed independently. If the
 /// scatter between the groups is larger than that within them (analysis of variance, 5 %), the interval comes from the
 /// means of the groups. With a significance of 1e-4 the estimate is not trusted, as some have missed a region. Nor is it
-/// with an effective number of samples below 100.
+/// with an effective number of samples below 100, or below 300 if fewer than 20 of them have most of the variance.
 ///
 /// Where instability is frequent, parts are of stability, and 1 less the probability has as many digits. Samples without a
 /// verdict count as stable for the low end and as unstable for the high one. A probability below some
@@ -277,7 +281,10 @@ fn estimate_of_samples(parts: &[WeightedPart], groups: usize, confidence: f64) -
     }
     let distrust = if total <= 0.0 {
         Some(Distrust::NothingFound)
-    } else if effective < LEAST_EFFECTIVE || !is_complete {
+    } else if effective < LEAST_EFFECTIVE
+        || !is_complete
+        || (effective < FEW && decisive_samples(parts) < LEAST_DECISIVE)
+    {
         Some(Distrust::FewSamples)
     } else {
         (between < DISAGREEMENT).then_some(Distrust::Disagreement)
@@ -306,6 +313,15 @@ fn estimate_of_samples(parts: &[WeightedPart], groups: usize, confidence: f64) -
     let high = around(with_failed.min(1.0), half_width(&highest)).1;
     let estimate = Estimate { probability: Some(mean.min(1.0)), low: low.max(0.0), high: high.min(1.0) };
     WeightedEstimate { estimate, mean, effective, evaluations, distrust }
+}
+
+/// About how many samples have most of the sum of squares, from how unevenly the randomisations share it. Where these are
+/// few, the variance itself is known badly, and is likely to come out too small (A. B. Owen, Monte Carlo theory, methods and
+/// examples, 2013, section 9.3).
+fn decisive_samples(parts: &[WeightedPart]) -> f64 {
+    let means = || parts.iter().map(|part| part.squares / part.samples);
+    let randomisations = effective_number(means().sum(), means().map(|mean| mean * mean).sum());
+    1.0 / (1.0 / randomisations - 1.0 / parts.len() as f64).max(0.0)
 }
 
 /// The mean of the estimates of independent populations. Their logarithms are about normal, and the interval is the one

@@ -1,6 +1,6 @@
 //! Deviates of rare events, from verdicts or from conditional probabilities.
 //!
-//! Points are tried with deviates 1, 1.5, 2.25 ... times as large, until instability is frequent. They have the density
+//! Points are tried with deviates 1, 1.5, 2.25 ... times as large, until instability is frequent and twice beyond. They have the density
 //! `q`, the mean of those of the scatters. The particles, drawn from them, are led to the density `g phi / P` of unstable
 //! points in steps, through
 //!
@@ -45,6 +45,10 @@ const TRIED: usize = 3;
 
 /// The mean of `g` at which the scatter is not enlarged any further.
 const FREQUENT: f64 = 0.1;
+
+/// Scatters beyond that one that are tried as well, unless it is that of the inputs: an island beside a region that becomes
+/// frequent is met there.
+const FURTHER: usize = 2;
 
 /// The effective number of points after a step, for each particle.
 const LEFT: f64 = 0.5;
@@ -227,7 +231,7 @@ impl<'a, 'g> Search<'a, 'g> {
         let count = TRIED * self.effort.particles;
         let mut scatters = Scatters::default();
         let (mut points, mut values, mut without) = (Points::new(dimensions), Vec::new(), Vec::new());
-        let (mut scale, mut tried) = (1.0, 0);
+        let (mut scale, mut tried, mut further) = (1.0, 0, 0);
         while scale < LARGEST {
             scatters.add(scale);
             tried += count as u64;
@@ -249,7 +253,10 @@ impl<'a, 'g> Search<'a, 'g> {
                 }
             }
             if found.iter().flatten().sum::<f64>() >= FREQUENT * count as f64 {
-                break;
+                if scale == 1.0 || further == FURTHER {
+                    break;
+                }
+                further += 1;
             }
             scale *= ENLARGEMENT;
         }

@@ -22,7 +22,7 @@ const ALONG: f64 = 0.4;
 
 /// A point that was tried is missed if it adds more than this share to the probability, and if a sample there would count as
 /// much as so many others.
-const LEAST_MISSED: f64 = 1e-3;
+const LEAST_MISSED: f64 = 1e-4;
 const MOST_TIMES: f64 = 10.0;
 
 /// Largest number of populations whose densities are mixed, and the share of the samples that each gets at least.

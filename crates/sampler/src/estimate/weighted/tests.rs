@@ -98,6 +98,23 @@ fn few_samples_are_not_trusted() {
 }
 
 #[test]
+fn few_samples_that_decide_the_variance_are_not_trusted() {
+    // Of 256 samples of 1e-6, one counts so many times as much.
+    let with = |samples: u64, times: f64| {
+        let mut parts: Vec<WeightedPart> = (0..16).map(|_| part(samples, 1e-6)).collect();
+        parts[3].contributions += (times - 1.0) * 1e-6;
+        parts[3].squares += (times * times - 1.0) * 1e-12;
+        estimate(&parts, 4, 0.95)
+    };
+    let found = with(1600, 12.0);
+    assert!(found.effective > 150.0);
+    assert_eq!((found.distrust, found.estimate.probability), (Some(Distrust::FewSamples), None));
+    assert_eq!(with(1600, 3.0).distrust, None);
+    // Among more samples the mean is known well enough.
+    assert_eq!(with(6400, 12.0).distrust, None);
+}
+
+#[test]
 fn a_probability_without_digits_is_nearly_zero() {
     let parts: Vec<WeightedPart> = (0..16).map(|_| part(6400, 1e-90)).collect();
     let found = estimate(&parts, 4, 0.95);
