@@ -231,6 +231,16 @@ impl FrictionLaw {
         }
     }
 
+    /// Whether it falls infinitely steeply at rest.
+    pub(crate) fn is_infinitely_steep_at_rest(&self) -> bool {
+        self.shape == Shape::Stribeck && self.exponent < 1.0 && self.falling() > 0.0
+    }
+
+    /// Whether it is a measured curve.
+    pub(crate) fn is_table(&self) -> bool {
+        matches!(self.shape, Shape::Table(_))
+    }
+
     /// Whether friction surely falls at no speed.
     pub(crate) fn never_falls(&self) -> bool {
         !matches!(self.shape, Shape::Table(_)) && self.falling() <= 0.0
@@ -257,6 +267,34 @@ impl FrictionLaw {
             }
             _ => from,
         }
+    }
+
+    /// The largest sliding speed below `v` at which friction may fall more steeply than `steep`, and the least friction
+    /// at speeds up to there; of a measured curve, the end of the cubic. Nothing where it does not.
+    ///
+    /// `last` finds the speed in a bracket between one where it does and one where it does not.
+    pub(crate) fn last_steeper_than(
+        &self,
+        steep: f64,
+        v: f64,
+        last: impl FnOnce((f64, f64)) -> f64,
+    ) -> Option<(f64, f64)> {
+        if self.is_table() {
+            let pieces = self.pieces().filter(|piece| piece.from * self.speed_scale < v);
+            let piece = pieces.clone().filter(|piece| {
+                let at = piece.steepest_fall(piece.from, piece.to);
+                -piece.slope(at) > steep * self.speed_scale
+            });
+            let to = piece.map(|piece| piece.to).last()?;
+            let least = pieces.filter(|piece| piece.to <= to).map(|piece| piece.bounds(piece.from, piece.to).0);
+            return Some(((to * self.speed_scale).min(v), least.fold(f64::INFINITY, f64::min)));
+        }
+        let steepest = self.steepest_between(1e-9 * v, v);
+        if self.falling() <= 0.0 || self.fall(steepest) <= steep {
+            return None;
+        }
+        let sliding = if self.fall(v) > steep { v } else { last((steepest, v)) };
+        Some((sliding, self.coefficient(sliding)))
     }
 
     /// The cubics of a table, over r; those of other laws are none.

@@ -16,6 +16,8 @@ pub(crate) mod root_location;
 
 pub(crate) mod dormand_prince;
 
+pub(crate) mod rosenbrock;
+
 pub(crate) mod row;
 
 pub(crate) mod runge_kutta;

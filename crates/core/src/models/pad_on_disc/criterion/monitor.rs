@@ -30,6 +30,10 @@ pub(crate) trait Monitor: Observer + Copy {
     /// What feeds the motion, if it is unstable.
     fn fed_by(&self) -> DegreeOfFreedom;
 
+    /// The motion has taken as many substeps as it may, and is at `x` with this speed. What is known of its fate without
+    /// simulating it is the verdict.
+    fn is_exhausted(&mut self, _x: f64, _speed: f64) {}
+
     /// Checks displacement and speed, every [`STEPS_BETWEEN_CHECKS`] steps: a motion without turning points has no
     /// swings.
     fn check(&mut self, x: f64, speed: f64);

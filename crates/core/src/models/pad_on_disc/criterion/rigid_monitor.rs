@@ -16,6 +16,7 @@
 //! | | is about to be caught in that swing, at the end of a step (exponent 1) | the return map decides from the release |
 //! | | overtakes the disc | swinging, with nothing to compare with |
 //! | | for the second time, and the motion after a release, which lies inside, does not come to rest | unstable |
+//! | | takes more substeps than a motion may | the return map decides from there |
 //! | held | would stick for longer than [`LONGEST_STICK`] | the return map decides from the release |
 //! | | slips | swinging |
 //!
@@ -28,7 +29,7 @@ use crate::models::pad_on_disc::degree_of_freedom::DegreeOfFreedom;
 use crate::models::pad_on_disc::motion::integrator::Observer;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::models::pad_on_disc::rigid_disc::inner_cycles::Turns;
-use crate::models::pad_on_disc::rigid_disc::planar_motion::PlanarMotion;
+use crate::models::pad_on_disc::rigid_disc::planar_motion::{PlanarMotion, SlipEnd};
 use crate::models::pad_on_disc::rigid_disc::return_map::Fate;
 
 /// A relative change of amplitude over a cycle beyond all errors of the steps, whose damping is 4e-7.
@@ -94,11 +95,12 @@ impl RigidMonitor {
             last_change: None,
             amplitude: 0.0,
             sticks: u32::from(starts_at_release),
-            started: Some([x, speed]),
+            started: None,
         };
         if speed == 0.0 && monitor.verdict.is_none() {
             monitor.turns(0.0, x);
         }
+        monitor.started = Some([x, speed]);
         monitor
     }
 
@@ -127,6 +129,34 @@ impl RigidMonitor {
         if !self.until_settled {
             self.verdict = Some(Verdict::Unstable);
         }
+    }
+
+    /// Whether the motion surely comes to rest, which makes it stable.
+    #[inline]
+    fn comes_to_rest_from(&mut self, x: f64, speed: f64) -> bool {
+        let is_stable = self.verdict.is_none() && !self.is_known_unstable && self.motion.comes_to_rest(x, speed);
+        if is_stable {
+            self.verdict = Some(Verdict::Stable);
+        }
+        is_stable
+    }
+
+    /// Whether the first swing since the start or the last release ends as the return map finds it, if that is in
+    /// doubt. If not, concludes from what that finds.
+    fn ends_as_precisely(&mut self, is_captured: bool, is_in_doubt: impl Fn(&PlanarMotion) -> bool) -> bool {
+        let Some(state) = self.started.filter(|_| self.verdict.is_none() && is_in_doubt(&self.motion)) else {
+            return true;
+        };
+        let end = self.motion.first_swing_from(state);
+        if end != SlipEnd::Unresolved && (end == SlipEnd::Captured) == is_captured {
+            return true;
+        }
+        self.started = None;
+        self.conclude_from(self.motion.fate_from(state));
+        if self.verdict.is_none() && !self.is_known_unstable {
+            self.verdict = Some(Verdict::Undecided);
+        }
+        false
     }
 
     /// Concludes from what the return map finds. A motion that is captured sticks and is released; what comes after a
@@ -195,8 +225,18 @@ impl Monitor for RigidMonitor {
 
     #[inline]
     fn check(&mut self, x: f64, speed: f64) {
-        if self.verdict.is_none() && !self.is_known_unstable && self.motion.comes_to_rest(x, speed) {
-            self.verdict = Some(Verdict::Stable);
+        if self.comes_to_rest_from(x, speed) {
+            // It may have passed the disc's speed by since its last turning point.
+            self.verdict = None;
+            if self.ends_as_precisely(false, |_| true) {
+                self.verdict = Some(Verdict::Stable);
+            }
+        }
+    }
+
+    fn is_exhausted(&mut self, x: f64, speed: f64) {
+        if self.verdict.is_none() {
+            self.conclude_from(self.motion.fate_in_plane([x, speed], false));
         }
     }
 }
@@ -208,8 +248,14 @@ impl Observer for RigidMonitor {
         if let Some(before) = last_turn {
             self.amplitude = 0.5 * (x - before).abs();
         }
-        self.check(x, 0.0);
         let a = x - self.equilibrium;
+        // After its release a motion turns once before it can come to the disc's speed.
+        let is_first =
+            self.last_top.is_none() && self.started.is_some_and(|[_, speed]| speed == self.motion.disc_speed);
+        if a > 0.0 && !is_first && !self.ends_as_precisely(false, |motion| motion.passes_slowly(x)) {
+            return;
+        }
+        self.comes_to_rest_from(x, 0.0);
         if a <= 0.0 || self.verdict.is_some() {
             return;
         }
@@ -243,7 +289,7 @@ impl Observer for RigidMonitor {
     }
 
     fn sticks(&mut self, _: f64, x: f64) {
-        if self.verdict.is_some() {
+        if self.verdict.is_some() || !self.ends_as_precisely(true, |motion| motion.meets_slowly(x)) {
             return;
         }
         self.sticks += 1;
@@ -261,6 +307,10 @@ impl Observer for RigidMonitor {
     }
 
     fn overtakes(&mut self, x: f64, then: ContactState) {
+        // A pad that meets the disc's speed where static friction has let go of it touches it at the end of stick-slip.
+        if then == ContactState::Slip && !self.ends_as_precisely(false, |_| true) {
+            return;
+        }
         self.last_top = None;
         self.started = None;
         if then != ContactState::Overtaking || self.verdict.is_some() {
@@ -288,8 +338,9 @@ impl Observer for RigidMonitor {
         }
     }
 
-    fn is_caught(&mut self) {
-        if self.started.take().is_some() && self.verdict.is_none() {
+    fn is_caught(&mut self, x: f64) {
+        let is_certain = self.ends_as_precisely(true, |motion| motion.meets_slowly(x));
+        if is_certain && self.started.take().is_some() && self.verdict.is_none() {
             self.conclude_from(Fate::Captured);
         }
     }

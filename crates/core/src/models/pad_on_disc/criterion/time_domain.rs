@@ -42,9 +42,9 @@ use crate::models::pad_on_disc::criterion::settings::{SettingsError, TimeDomainS
 use crate::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
 use crate::models::pad_on_disc::flexible_disc::error::FlexibleError;
 use crate::models::pad_on_disc::flexible_disc::linear_stability::LinearStability;
-use crate::models::pad_on_disc::motion::advance::advance;
+use crate::models::pad_on_disc::motion::advance::{Substeps, advance_counted};
 use crate::models::pad_on_disc::motion::flexible::{FlexibleMotion, FlexibleSample, FlexibleState};
-use crate::models::pad_on_disc::motion::integrator::{Equations, Motion};
+use crate::models::pad_on_disc::motion::integrator::{Equations, Motion, Stopped};
 use crate::models::pad_on_disc::motion::rigid::{RigidBrake, RigidSample, RigidState};
 use crate::models::pad_on_disc::motion::start::{Start, StartError, TangentialStart, check_reach};
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
@@ -53,6 +53,13 @@ use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInput
 
 /// Largest number of steps to the horizon.
 const MOST_STEPS: f64 = 1e8;
+
+/// Substeps of a motion at most, from which on the motion may not divide a step further: a tenth of a second of work.
+const MOST_SUBSTEPS: u64 = 1 << 20;
+
+/// Further substeps for each step to the horizon on a flexible disc, where no return map decides in place of the
+/// simulation.
+const SUBSTEPS_PER_STEP: u64 = 100;
 
 /// Why there is no time-domain criterion, or no motion of a sample.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -357,10 +364,12 @@ impl TimeDomain {
         begun: u64,
     ) -> Decision {
         let steps = self.steps_to_horizon(h);
+        let mut substeps = Substeps::at_most(self.most_substeps(h));
         for step in begun..steps {
             let time = step as f64 * h;
-            if advance(equations, &mut motion, time, h, &mut monitor).is_err() {
-                return self.conclude_without_verdict(Verdict::Failed, &monitor, time);
+            let advanced = advance_counted(equations, &mut motion, (time, h), &mut substeps, &mut monitor);
+            if let Err(stopped) = advanced {
+                return self.conclude_stopped(stopped, &mut monitor, equations.tangential(&motion.state), time);
             }
             if is_check_due(step + 1) {
                 let (x, u) = equations.tangential(&motion.state);
@@ -371,6 +380,34 @@ impl TimeDomain {
             }
         }
         self.conclude_without_verdict(Verdict::Undecided, &monitor, steps as f64 * h)
+    }
+
+    /// The decision on a motion that is not simulated further, at x and x'. One that took too many substeps is left to
+    /// the monitor, and is undecided if that does not know its fate.
+    pub(crate) fn conclude_stopped<M: Monitor>(
+        &self,
+        stopped: Stopped,
+        monitor: &mut M,
+        (x, speed): (f64, f64),
+        time: f64,
+    ) -> Decision {
+        if stopped == Stopped::BrokeDown {
+            return self.conclude_without_verdict(Verdict::Failed, monitor, time);
+        }
+        monitor.is_exhausted(x, speed);
+        match monitor.verdict() {
+            Some(verdict) => self.conclude(verdict, monitor, time),
+            None => self.conclude_without_verdict(Verdict::Undecided, monitor, time),
+        }
+    }
+
+    /// How many substeps of steps of length `h` a motion may take. It does not depend on the horizon where a return map
+    /// takes over.
+    pub(crate) fn most_substeps(&self, h: f64) -> u64 {
+        match self.system {
+            System::Rigid(_) => MOST_SUBSTEPS,
+            System::Flexible(_) => MOST_SUBSTEPS + SUBSTEPS_PER_STEP * self.steps_to_horizon(h),
+        }
     }
 
     /// The decision on a motion that ended at the horizon or broke down. If it is known to be unstable, that is its

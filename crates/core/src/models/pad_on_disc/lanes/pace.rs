@@ -4,7 +4,7 @@
 //! together. Here the plain ones are judged as [`crate::models::pad_on_disc::motion::substep`] judges them, without a branch: those that
 //! complete a substep of slip, or of stick where the kernel knows it.
 
-use crate::models::pad_on_disc::motion::advance::{LEAST_REMAINDER, MOST_SUBSTEPS};
+use crate::models::pad_on_disc::motion::advance::LEAST_REMAINDER;
 use crate::models::pad_on_disc::motion::friction_steps::MOST_GROWTH;
 use crate::models::pad_on_disc::motion::substep::SHORTEST;
 
@@ -28,8 +28,9 @@ pub(super) struct Pace<const N: usize> {
     /// What is over of the step, and the longest substep that is tried next.
     pub done: [f64; N],
     pub longest: [f64; N],
-    /// Substeps of this step that are over, and steps. Whole numbers.
+    /// Substeps of the motion that are over, how many it may take, and steps that are over. Whole numbers.
     pub substeps: [f64; N],
+    pub most_substeps: [f64; N],
     pub steps: [f64; N],
     /// The number of steps after which the lane is visited.
     pub due: [f64; N],
@@ -72,6 +73,7 @@ impl<const N: usize> Default for Pace<N> {
             done: zero,
             longest: zero,
             substeps: zero,
+            most_substeps: [f64::INFINITY; N],
             steps: zero,
             due: zero,
             is_held: [0; N],
@@ -96,8 +98,8 @@ impl<const N: usize> Pace<N> {
             let left = step - done_then;
             let is_over = (length >= step - done) | (left <= LEAST_REMAINDER * step);
             let substeps = self.substeps[l] + 1.0;
-            let is_endless = u64::from(!is_over & (substeps >= MOST_SUBSTEPS as f64));
-            let is_event = (trials.is_event[l] | held | is_endless) & (1 - is_too_long);
+            let is_exhausted = u64::from(!is_over & (substeps >= self.most_substeps[l]));
+            let is_event = (trials.is_event[l] | held | is_exhausted) & (1 - is_too_long);
             let is_plain = (is_too_long | is_event) == 0;
             let steps = if is_plain & is_over { self.steps[l] + 1.0 } else { self.steps[l] };
             let is_due = u64::from(is_plain & is_over & (steps >= self.due[l]));
@@ -112,13 +114,7 @@ impl<const N: usize> Pace<N> {
             let left = step - done_next;
             let next = if left < longest { left } else { longest };
             self.steps[l] = steps;
-            self.substeps[l] = if !is_plain {
-                self.substeps[l]
-            } else if is_over {
-                0.0
-            } else {
-                substeps
-            };
+            self.substeps[l] = if is_plain { substeps } else { self.substeps[l] };
             self.done[l] = if is_plain { done_next } else { done };
             self.longest[l] = if is_plain { longest } else { self.longest[l] };
             let shortened = if is_too_long == 1 { trials.factor[l] * length } else { length };

@@ -8,10 +8,8 @@ use crate::models::pad_on_disc::lanes::bundle::{Begun, Bundle};
 use crate::models::pad_on_disc::lanes::dispatch::InstructionSet;
 use crate::models::pad_on_disc::lanes::pace::{DUE, EVENT, TOO_LONG, TURN};
 use crate::models::pad_on_disc::lanes::queue::{QueuedSample, SampleQueue};
-use crate::models::pad_on_disc::motion::advance::StepInProgress;
-use crate::models::pad_on_disc::motion::integrator::{
-    Breakdown, Equations as _, Motion, Observer as _, Step, turning_point,
-};
+use crate::models::pad_on_disc::motion::advance::{StepInProgress, Substeps};
+use crate::models::pad_on_disc::motion::integrator::{Equations as _, Motion, Observer as _, Step, turning_point};
 use crate::models::pad_on_disc::motion::substep::Attempt;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 
@@ -133,7 +131,8 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
                 Err(decision) => self.queue.decided(ticket, decision),
                 Ok(Begun { motion, monitor, step }) => {
                     self.busy += usize::from(self.running[lane].is_none());
-                    let progress = StepInProgress::new(motion.contact, step);
+                    let substeps = Substeps::at_most(criterion.most_substeps(step));
+                    let progress = StepInProgress::new(motion.contact, step, substeps);
                     let running = Running {
                         ticket,
                         criterion,
@@ -174,7 +173,8 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
         pace.shortest[l] = shortest.unwrap_or(0.0);
         pace.done[l] = progress.done;
         pace.longest[l] = progress.longest;
-        pace.substeps[l] = progress.substeps as f64;
+        pace.substeps[l] = progress.substeps.taken as f64;
+        pace.most_substeps[l] = progress.substeps.most as f64;
         pace.steps[l] = steps;
         pace.due[l] = due;
     }
@@ -249,8 +249,9 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
         let (pace, l) = self.bundle.pace(lane);
         let (mut steps, h, is_held) = (pace.steps[l], pace.step[l], pace.is_held[l] != 0);
         let (length, shortest) = (pace.length[l], pace.shortest[l]);
-        let (done, longest, substeps) = (pace.done[l], pace.longest[l], pace.substeps[l] as u64);
+        let (done, longest, taken) = (pace.done[l], pace.longest[l], pace.substeps[l] as u64);
         let running = self.running[lane].as_mut()?;
+        let substeps = Substeps { taken, ..running.progress.substeps };
         let equations = self.bundle.equations(lane)?;
         let mut progress = if is_held {
             running.progress
@@ -274,8 +275,9 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
                 None => equations.step(&motion.state, motion.contact, progress.attempt.length),
             };
             match progress.judge(&equations, &mut motion, &step, time, &mut running.monitor) {
-                Err(Breakdown) => {
-                    return Some(running.criterion.conclude_without_verdict(Verdict::Failed, &running.monitor, time));
+                Err(stopped) => {
+                    let at = equations.tangential(&motion.state);
+                    return Some(running.criterion.conclude_stopped(stopped, &mut running.monitor, at, time));
                 }
                 Ok(true) => {
                     steps += 1.0;
@@ -283,7 +285,7 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
                     if decision.is_some() {
                         return decision;
                     }
-                    progress = StepInProgress::new(motion.contact, h);
+                    progress = StepInProgress::new(motion.contact, h, progress.substeps);
                 }
                 Ok(false) => {}
             }

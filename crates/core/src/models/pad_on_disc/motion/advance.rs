@@ -4,18 +4,35 @@
 //! [`crate::models::pad_on_disc::motion::substep`].
 
 use crate::models::pad_on_disc::motion::integrator::{
-    Breakdown, Equations, Motion, Observer, Step, turning_point, turns,
+    Equations, Motion, Observer, Step, Stopped, turning_point, turns,
 };
 use crate::models::pad_on_disc::motion::substep::{Attempt, Ending, Substep};
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 
-/// Changes of contact in one step at most, and substeps; more of them mean that the equations make no sense. Some
-/// hundred substeps are usual where the disc is a thousand times faster than the Stribeck velocity.
+/// Changes of contact in one step at most; more of them mean that the equations make no sense.
 const MOST_CHANGES: u32 = 64;
-pub(crate) const MOST_SUBSTEPS: u64 = 1_000_000;
+
+/// Substeps of one step at most, for motions whose substeps are not counted beyond it. Some hundred are usual where the
+/// disc is a thousand times faster than the Stribeck velocity.
+const MOST_SUBSTEPS: u64 = 1_000_000;
 
 /// A step is over when no more than this share of it is left.
 pub(crate) const LEAST_REMAINDER: f64 = 1e-13;
+
+/// The substeps of a motion, and how many it may take: a bound on the work that does not depend on the clock.
+///
+/// A motion of whole steps is bounded by its horizon, so only a step that is divided further ends a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Substeps {
+    pub taken: u64,
+    pub most: u64,
+}
+
+impl Substeps {
+    pub fn at_most(most: u64) -> Self {
+        Self { taken: 0, most }
+    }
+}
 
 /// Simulates one step of length `h` from `time` on, whatever happens in it.
 pub(crate) fn advance<E: Equations>(
@@ -24,11 +41,23 @@ pub(crate) fn advance<E: Equations>(
     time: f64,
     h: f64,
     observer: &mut impl Observer,
-) -> Result<(), Breakdown> {
-    let mut step = StepInProgress::new(motion.contact, h);
+) -> Result<(), Stopped> {
+    advance_counted(equations, motion, (time, h), &mut Substeps::at_most(MOST_SUBSTEPS), observer)
+}
+
+/// The same for a motion whose `substeps` are counted.
+pub(crate) fn advance_counted<E: Equations>(
+    equations: &E,
+    motion: &mut Motion<E::State>,
+    (time, h): (f64, f64),
+    substeps: &mut Substeps,
+    observer: &mut impl Observer,
+) -> Result<(), Stopped> {
+    let mut step = StepInProgress::new(motion.contact, h, *substeps);
     loop {
         let trial = equations.step(&motion.state, motion.contact, step.attempt.length);
         if step.judge(equations, motion, &trial, time, observer)? {
+            *substeps = step.substeps;
             return Ok(());
         }
     }
@@ -45,17 +74,17 @@ pub(crate) struct StepInProgress<S> {
     pub done: f64,
     /// The longest substep that is tried: after a cut, substeps grow again step by step.
     pub longest: f64,
-    /// Substeps that are over, and changes of contact.
-    pub substeps: u64,
+    /// Substeps of the motion that are over, and changes of contact in the step.
+    pub substeps: Substeps,
     pub changes: u32,
 }
 
 impl<S: Copy> StepInProgress<S> {
-    /// At its beginning.
+    /// At its beginning, after the `substeps` of the steps before.
     #[inline]
-    pub fn new(contact: ContactState, h: f64) -> Self {
+    pub fn new(contact: ContactState, h: f64, substeps: Substeps) -> Self {
         let attempt = Attempt::new(contact, h, false);
-        Self { attempt, h, done: 0.0, longest: h, substeps: 0, changes: 0 }
+        Self { attempt, h, done: 0.0, longest: h, substeps, changes: 0 }
     }
 
     /// Judges a trial step of the present substep. If that ends with it, `motion` goes on to its end, and the observer
@@ -68,14 +97,14 @@ impl<S: Copy> StepInProgress<S> {
         trial: &Step<S>,
         time: f64,
         observer: &mut impl Observer,
-    ) -> Result<bool, Breakdown> {
+    ) -> Result<bool, Stopped> {
         let Some(part) = self.attempt.judge(equations, motion, trial)? else { return Ok(false) };
         report(equations, motion, &part, time + self.done, observer);
         let is_completed = part.ending == Ending::Completed;
         let just_released = !is_completed && part.end.contact != ContactState::Stick;
         self.longest = if is_completed { part.growth * part.time } else { self.h };
         self.changes += u32::from(!is_completed);
-        self.substeps += 1;
+        self.substeps.taken += 1;
         *motion = part.end;
         let remaining = self.h - self.done;
         self.done += part.time;
@@ -83,8 +112,11 @@ impl<S: Copy> StepInProgress<S> {
         if part.time >= remaining || left <= LEAST_REMAINDER * self.h {
             return Ok(true);
         }
-        if self.changes > MOST_CHANGES || self.substeps >= MOST_SUBSTEPS {
-            return Err(Breakdown);
+        if self.changes > MOST_CHANGES {
+            return Err(Stopped::BrokeDown);
+        }
+        if self.substeps.taken >= self.substeps.most {
+            return Err(Stopped::Exhausted);
         }
         self.attempt = Attempt::new(motion.contact, left.min(self.longest), just_released);
         Ok(false)
@@ -110,7 +142,7 @@ fn report<E: Equations>(
         observer.grazes();
     }
     if part.is_caught {
-        observer.is_caught();
+        observer.is_caught(next_x);
     }
     match part.ending {
         Ending::Completed => {}

@@ -75,8 +75,9 @@ pub(crate) trait Observer {
     /// The pad comes so near the disc's speed, or meets it so slowly, that errors of the steps may decide whether they
     /// stick. If they do, this comes first.
     fn grazes(&mut self) {}
-    /// The pad will surely reach the disc's speed at once, and stick. Not reported for laws that may rise just there.
-    fn is_caught(&mut self) {}
+    /// The pad, at `x`, will surely reach the disc's speed at once, and stick. Not reported for laws that may rise just
+    /// there.
+    fn is_caught(&mut self, _x: f64) {}
 }
 
 /// A pad grazes where its sliding speed has a minimum, or a step ends, below this share of the disc's speed. A step
@@ -92,6 +93,20 @@ pub(crate) const GRAZING_RATE: f64 = 3e-2;
 /// The computation broke down: not a number, or farther away than any brake could go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Breakdown;
+
+/// Why a motion is not simulated further.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stopped {
+    BrokeDown,
+    /// It took as many substeps as it may.
+    Exhausted,
+}
+
+impl From<Breakdown> for Stopped {
+    fn from(Breakdown: Breakdown) -> Self {
+        Self::BrokeDown
+    }
+}
 
 /// A state with its contact.
 #[derive(Debug, Clone, Copy)]

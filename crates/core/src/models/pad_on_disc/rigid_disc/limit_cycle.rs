@@ -249,6 +249,31 @@ mod tests {
     }
 
     #[test]
+    fn the_saddle_node_is_precise_where_friction_falls_infinitely_steeply_at_rest() {
+        // SciPy 1.17.1, solve_ivp with DOP853, rtol 1e-13, in the square root of the sliding speed near rest, bisected to
+        // 1e-10: exponent, damping, static friction, Stribeck velocity, preload; speed.
+        for ([exponent, damping, friction, velocity, preload], speed) in [
+            ([0.5, 200.0, 0.39, 0.72, 0.1], 44.855_302_388),
+            ([0.5, 300.0, 0.5, 0.05, 0.1], 31.132_255_654),
+            ([0.5, 100.0, 0.6, 0.01, 0.05], 38.619_358_008),
+            ([0.5, 400.0, 0.6, 1.5, 0.2], 109.243_908_135),
+            ([0.6, 300.0, 0.5, 0.1, 0.1], 33.426_329_936),
+            ([0.7, 300.0, 0.5, 0.1, 0.1], 32.867_073_201),
+            ([0.9, 300.0, 0.5, 0.05, 0.1], 29.598_592_150),
+        ] {
+            let brake = PadOnDisc::preset_with(&[
+                ("friction.stribeck_exponent", exponent),
+                ("damping.tangential", damping),
+                ("friction.static_coefficient", friction),
+                ("friction.stribeck_velocity", velocity),
+                ("operating_point.preload", preload),
+            ]);
+            let found = brake.saddle_node_speed().unwrap();
+            assert!((found / speed - 1.0).abs() < 3e-10, "{exponent} {damping}: {found} {speed}");
+        }
+    }
+
+    #[test]
     fn on_a_very_slow_disc_the_cycle_is_nearly_all_stick() {
         // The slip phase no longer depends on the disc's speed, so the stick phase lasts its width over the speed.
         let slow =

@@ -7,9 +7,13 @@ pub mod stability;
 
 pub mod varying_brake;
 
+pub(crate) mod near_rest;
+
 pub(crate) mod planar_motion;
 
 pub(crate) mod inner_cycles;
+
+pub(crate) mod slow_passage;
 
 pub(crate) mod return_map;
 

@@ -8,10 +8,19 @@
 //!
 //! Steps are those of Dormand and Prince's method, adaptive, with a local error of 1e-12 of the motion's own size. Ends
 //! of slip and turning points are located by bisection.
+//!
+//! Next to the disc's speed friction with a Stribeck exponent below 1 falls infinitely steeply, and the square root of the
+//! sliding speed takes the place of the speed ([`near_rest`](crate::models::pad_on_disc::rigid_disc::near_rest)).
+//!
+//! Where friction rises so steeply that it damps a speed within a hundredth of a radian of the natural oscillation, the
+//! pad creeps, and the motion is stiff: an explicit method would take steps as short as that damping, up to millions of
+//! them. There, steps are those of a Rosenbrock method ([`crate::numerics::rosenbrock`]).
 
 use crate::friction::law::FrictionLaw;
+use crate::models::pad_on_disc::rigid_disc::near_rest::{NearRest, PassageEnd};
 use crate::numerics::dormand_prince;
 use crate::numerics::root_location::bisect;
+use crate::numerics::rosenbrock::{self, Slopes};
 
 /// Local error allowed in one step, relative to the size of the motion; and in a first, rough simulation that takes a
 /// sixth of the time.
@@ -23,6 +32,12 @@ const ROUGH_TOLERANCE: f64 = 1e-8;
 /// times the disc's speed over the natural frequency.
 const CLEAR_RATE: f64 = 3e-2;
 const CLEAR_SIZE: f64 = 1e3;
+
+/// The damping of speeds over the natural frequency beyond which a motion is stiff; and how much larger errors are
+/// allowed then. They only shift the creep in time: across the one curve in the plane of x and x' along which the pad
+/// creeps, they die away.
+const STIFF: f64 = 100.0;
+const STIFF_EASE: f64 = 1e3;
 
 /// Largest number of steps of one slip phase; some hundred are usual. Only a pad so light or so damped that its motion
 /// is stiff needs more; an explicit method is the wrong one for it.
@@ -126,9 +141,29 @@ impl PlanarMotion {
         [speed, self.law.coefficient(self.disc_speed - speed) - self.stiffness * x - self.damping * speed]
     }
 
-    /// One step of the method; the second value is the estimate of its error.
+    /// The damping of the pad's speed in a state, if it makes the motion stiff there.
+    fn stiff_damping(&self, [_, speed]: [f64; 2]) -> Option<f64> {
+        let stiff = STIFF * self.stiffness.sqrt();
+        let may_rise = self.law.is_table();
+        if !may_rise && self.damping + self.law.additional / self.law.speed_scale <= stiff {
+            return None;
+        }
+        let damping =
+            self.damping - self.law.fall((self.disc_speed - speed).abs()) * (self.disc_speed - speed).signum();
+        (damping > stiff).then_some(damping)
+    }
+
+    /// One step of the method; the second value is the estimate of its error, over what is allowed of it elsewhere.
     fn step(&self, state: [f64; 2], h: f64) -> ([f64; 2], [f64; 2]) {
-        dormand_prince::step(|state| self.rate(state), state, h)
+        let rate = |state| self.rate(state);
+        match self.stiff_damping(state) {
+            None => dormand_prince::step(rate, state, h),
+            Some(damping) => {
+                let slopes = Slopes { by_x: -self.stiffness, by_u: -damping };
+                let (next, error) = rosenbrock::step(rate, slopes, state, h);
+                (next, error.map(|error| error / STIFF_EASE))
+            }
+        }
     }
 
     /// The part of a step at whose end `event` vanishes; it is positive at its beginning, not at its end.
@@ -146,11 +181,28 @@ impl PlanarMotion {
     fn slip_within(&self, tolerance: f64, from: [f64; 2], size: f64) -> Slip {
         let frequency = self.stiffness.sqrt();
         let sliding = |state: [f64; 2]| self.disc_speed - state[1];
+        let near_rest = NearRest {
+            stiffness: self.stiffness,
+            damping: self.damping,
+            disc_speed: self.disc_speed,
+            law: &self.law,
+            release: self.release(),
+        };
         let mut state = from;
         let mut slip = Slip { end: SlipEnd::Unresolved, duration: 0.0, x: from[0], smallest: from[0] };
         let mut h = 1e-3 / frequency;
         let shortest = 1e-9 * h;
         for count in 1..=MOST_STEPS {
+            if near_rest.includes(state) {
+                let passage = near_rest.pass(state, tolerance);
+                slip.duration += passage.duration;
+                (state, slip.x) = ([passage.x, passage.speed], passage.x);
+                match passage.end {
+                    PassageEnd::Left => continue,
+                    PassageEnd::Captured => return Slip { end: SlipEnd::Captured, ..slip },
+                    PassageEnd::Unresolved => return slip,
+                }
+            }
             let (next, error) = self.step(state, h);
             let error = (error[0].abs() / size).max(error[1].abs() / (size * frequency)) / tolerance;
             if error.is_nan() {
@@ -190,8 +242,9 @@ impl PlanarMotion {
     }
 
     /// Whether a motion in a state of slip is caught before it has completed a swing, by a margin that a rough
-    /// simulation resolves. False also where only a precise one can decide.
-    pub fn is_clearly_caught(&self, from: [f64; 2], size: f64) -> bool {
+    /// simulation resolves. False also where only a precise one can decide: `is_narrow` says that of the x at which it
+    /// meets the disc's speed.
+    pub fn is_clearly_caught(&self, from: [f64; 2], size: f64, is_narrow: impl Fn(f64) -> bool) -> bool {
         if size * self.stiffness.sqrt() > CLEAR_SIZE * self.disc_speed {
             return false;
         }
@@ -200,7 +253,8 @@ impl PlanarMotion {
             slip = self.slip_within(ROUGH_TOLERANCE, [slip.x, 0.0], size);
         }
         let rate = self.rate([slip.x, self.disc_speed])[1];
-        slip.end == SlipEnd::Captured && rate > CLEAR_RATE * self.disc_speed * self.stiffness.sqrt()
+        let is_fast = rate > CLEAR_RATE * self.disc_speed * self.stiffness.sqrt();
+        slip.end == SlipEnd::Captured && is_fast && !is_narrow(slip.x)
     }
 
     /// A time within the step `h` from `state` to `next` at which the pad is not slower than the disc, if there is one:

@@ -37,6 +37,12 @@ const MOST_SCANNED: usize = 160;
 /// Changes over a cycle, relative to the amplitude, that are lost in the errors of the method.
 const UNRESOLVED: f64 = 1e-10;
 
+/// Distances from steady sliding, relative to x0, that are lost in rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// How far from a cycle, relative to its amplitude, swings show whether it attracts.
+const BESIDE: f64 = 1e-6;
+
 /// How near the change over a cycle must come to that of the linearised motion, for smaller amplitudes to change like
 /// it too.
 const LINEAR: f64 = 0.01;
@@ -75,6 +81,8 @@ impl PlanarMotion {
     fn change_and_bottom(&self, a: f64) -> (f64, f64) {
         let swing = self.swing(a);
         let change = match swing.end {
+            // A pad that creeps to rest may turn by rounding alone.
+            SlipEnd::Turned if self.rests_at(swing.x) => f64::NEG_INFINITY,
             SlipEnd::Turned => libm::log((swing.x - self.equilibrium()) / a),
             SlipEnd::Captured => f64::INFINITY,
             SlipEnd::Equilibrium => f64::NEG_INFINITY,
@@ -92,9 +100,14 @@ impl PlanarMotion {
 
     /// The fate of a motion that has turned at `x0 + a`, `a` > 0.
     pub fn fate_of_swing(&self, a: f64) -> Fate {
+        if self.rests_at(self.equilibrium() + a) {
+            return Fate::Equilibrium;
+        }
         let (change, bottom) = self.change_and_bottom(a);
-        if change.is_nan() || change.abs() <= UNRESOLVED {
+        if change.is_nan() {
             Fate::Unresolved
+        } else if change.abs() <= UNRESOLVED {
+            self.fate_on_cycle(a)
         } else if change > 0.0 {
             Fate::Grows { from: a }
         } else if change == f64::NEG_INFINITY {
@@ -102,6 +115,20 @@ impl PlanarMotion {
         } else {
             self.fate_of_shrinking(a, change, bottom)
         }
+    }
+
+    /// Whether a motion that turns at `x` is at rest, to all digits.
+    fn rests_at(&self, x: f64) -> bool {
+        let distance = x - self.equilibrium();
+        distance <= ROUNDING * self.equilibrium().abs() && self.comes_to_rest(x, 0.0)
+    }
+
+    /// The fate of a motion that turns at `x0 + a` and, as far as is resolved, does so again. If swings a little wider
+    /// shrink and those a little narrower grow, it stays between them for ever, since orbits do not cross.
+    fn fate_on_cycle(&self, a: f64) -> Fate {
+        let (inner, outer) = (a * (1.0 - BESIDE), a * (1.0 + BESIDE));
+        let is_attracting = self.change(inner) > UNRESOLVED && self.change(outer) < -UNRESOLVED;
+        if is_attracting { Fate::Trapped { inner, outer } } else { Fate::Unresolved }
     }
 
     /// The fate of a motion released from stick.
@@ -112,7 +139,7 @@ impl PlanarMotion {
     /// The fate of a motion in a state of slip, up to its first capture.
     pub fn fate_from(&self, state: [f64; 2]) -> Fate {
         let size = (state[0] - self.equilibrium()).abs().max(self.disc_speed / self.stiffness.sqrt());
-        if self.is_clearly_caught(state, size) {
+        if self.is_clearly_caught(state, size, |x| self.meets_slowly(x)) {
             return Fate::Captured;
         }
         let first = self.slip(state, size);

@@ -2,9 +2,11 @@ mod given_starts;
 
 use super::*;
 use crate::models::pad_on_disc::degree_of_freedom::DegreeOfFreedom;
+use crate::models::pad_on_disc::motion::advance::advance;
 use crate::models::pad_on_disc::motion::integrator::Observer;
 use crate::models::pad_on_disc::motion::start::{GivenStart, Start};
-use crate::models::pad_on_disc::rigid_disc::pad_on_disc::bstab_with;
+use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{bstab_with, uniform_draws};
+use crate::models::pad_on_disc::rigid_disc::return_map::Fate;
 
 mod laws;
 
@@ -452,4 +454,44 @@ fn settings_out_of_range_are_refused() {
         TimeDomain::new(&brake, &DiscModel::Rigid, endless).unwrap_err(),
         TimeDomainError::Settings(SettingsError::OutOfRange { key: "horizon", .. })
     ));
+}
+
+#[test]
+fn verdicts_are_right_on_both_sides_of_the_end_of_stick_slip() {
+    // Its speed is where the adaptive method finds it: to 1e-10, as the tests of `limit_cycle` see it with SciPy.
+    let mut draw = uniform_draws(31);
+    let mut found = 0;
+    for _ in 0..40 {
+        let spread = |share: f64, low: f64, high: f64| libm::exp(libm::log(low) + share * libm::log(high / low));
+        let changes = [
+            ("damping.tangential", spread(draw(), 10.0, 1500.0)),
+            ("friction.kinetic_coefficient", 0.25),
+            ("friction.static_coefficient", 0.25 + 0.4 * draw()),
+            ("friction.stribeck_velocity", spread(draw(), 0.01, 1.0)),
+            ("friction.stribeck_exponent", [0.5, 0.7, 1.0, 1.5, 2.0][(5.0 * draw()) as usize]),
+            ("operating_point.preload", spread(draw(), 0.02, 0.4)),
+        ];
+        let Some(end) = PadOnDisc::preset_with(&changes).saddle_node_speed() else { continue };
+        for distance in [-1e-5, -1e-6, -1e-7, 1e-7, 1e-6, 1e-5] {
+            let speed = [("operating_point.rotating_speed", end * (1.0 + distance))];
+            let brake = PadOnDisc::preset_with(&[&changes[..], &speed].concat());
+            let parameters = brake.parameters();
+            let inputs = RandomInputs {
+                preload: parameters.operating_point.preload,
+                static_friction: parameters.friction.static_coefficient,
+            };
+            let settings = TimeDomainSettings { start: Start::LimitCycle, ..Default::default() };
+            let criterion = TimeDomain::new(&brake, &DiscModel::Rigid, settings).unwrap();
+            let after_a_pass = brake.planar_motion().fate_of_release();
+            let expected = match (distance < 0.0, after_a_pass) {
+                (true, _) => Verdict::Unstable,
+                (false, Fate::Equilibrium) => Verdict::Stable,
+                // A cycle without sticking, or sliding that is linearly unstable.
+                (false, _) => continue,
+            };
+            assert_eq!(criterion.decide(inputs).verdict, expected, "{changes:?} {distance}");
+            found += 1;
+        }
+    }
+    assert!(found > 120, "{found}");
 }

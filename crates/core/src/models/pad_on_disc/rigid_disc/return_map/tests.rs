@@ -174,11 +174,27 @@ fn a_clear_capture_is_one() {
         if slip.end == SlipEnd::Turned {
             slip = motion.slip([slip.x, 0.0], size);
         }
-        let (is_clear, is_caught) = (motion.is_clearly_caught(start, size), slip.end == SlipEnd::Captured);
+        let (is_clear, is_caught) = (motion.is_clearly_caught(start, size, |_| false), slip.end == SlipEnd::Captured);
         assert!(is_caught || !is_clear, "{motion:?} {start:?}");
         counts[0] += usize::from(is_caught);
         counts[1] += usize::from(is_clear);
     }
     // Hardly any capture is not clear.
     assert!(counts[0] > 300 && counts[0] < 1800 && counts[1] * 100 > counts[0] * 90, "{counts:?}");
+}
+
+#[test]
+fn a_motion_on_an_attracting_cycle_stays_there() {
+    let motion = motion(&[&SMOOTH[..], &[("operating_point.rotating_speed", 0.97214)]].concat());
+    let (mut inner, mut outer) = match motion.fate_of_swing(0.05 * motion.equilibrium()) {
+        Fate::Trapped { inner, outer } => (inner, outer),
+        fate => panic!("{fate:?}"),
+    };
+    // The place where no change is resolved.
+    for _ in 0..60 {
+        let middle = 0.5 * (inner + outer);
+        if motion.change(middle) > 0.0 { inner = middle } else { outer = middle }
+    }
+    let fate = motion.fate_of_swing(inner);
+    assert!(motion.change(inner).abs() < UNRESOLVED && matches!(fate, Fate::Trapped { .. }), "{fate:?}");
 }

@@ -1,6 +1,7 @@
 //! What each part of a step does alone.
 
 use super::*;
+use crate::models::pad_on_disc::motion::integrator::Breakdown;
 use crate::models::pad_on_disc::motion::substep::check;
 
 /// The substep that begins in a state, by trial steps one after the other.
@@ -257,6 +258,22 @@ fn a_step_is_cut_no_further_than_makes_sense() {
 fn a_step_that_is_not_a_number_breaks_down() {
     for toy in [Toy::steep(Law::Broken), Toy::new(Law::Broken, HOLDS)] {
         assert_eq!(resolved(&toy, pad(0.0, 0.0), 1.0).err(), Some(Breakdown));
-        assert_eq!(advance(&toy, &mut slipping(0.0, 0.0), 0.0, 1.0, &mut Log::default()), Err(Breakdown));
+        assert_eq!(advance(&toy, &mut slipping(0.0, 0.0), 0.0, 1.0, &mut Log::default()), Err(Stopped::BrokeDown));
     }
+}
+
+#[test]
+fn a_motion_ends_with_its_last_substep_in_a_step_that_is_divided_further() {
+    // Steps of 1 are cut to 0.2 near rest.
+    let toy = Toy::steep(Law::Constant(-1.0, 0.0));
+    let mut motion = Motion { state: pad(0.0, V), contact: ContactState::Slip };
+    let mut substeps = Substeps::at_most(3);
+    let advanced = advance_counted(&toy, &mut motion, (0.0, 1.0), &mut substeps, &mut Log::default());
+    assert_eq!(advanced, Err(Stopped::Exhausted));
+    assert!(motion.state.u > V - 0.7 && motion.state.u < V - 0.5, "where three substeps lead: {}", motion.state.u);
+    // One that needs no division goes on, however many substeps were taken.
+    let mut substeps = Substeps { taken: 3, most: 3 };
+    let free = Toy::new(Law::Constant(0.01, 0.0), HOLDS);
+    assert_eq!(advance_counted(&free, &mut slipping(0.0, 0.0), (0.0, 1.0), &mut substeps, &mut Log::default()), Ok(()));
+    assert_eq!(substeps.taken, 4);
 }
