@@ -9,6 +9,9 @@ use fates::{FATES, FATES_AT_BOUNDARIES, cases};
 use stickslip_core::model::decision::Decision;
 use stickslip_core::model::verdict::Verdict;
 
+/// 500 brakes with friction curves that jump from row to row, linearly stable.
+const JAGGED_FATES: &str = include_str!("data/jagged-fates.csv");
+
 /// Decides every case of a file with steps divided by `divisor`, asserts that no verdict is wrong, and returns the
 /// number of undecided ones.
 #[track_caller]
@@ -34,6 +37,11 @@ fn verdicts_are_those_of_an_independent_return_map() {
 }
 
 #[test]
+fn verdicts_with_jagged_friction_curves_are_those_of_a_stiff_integration() {
+    assert_eq!(assert_fates(JAGGED_FATES, 1.0), 0);
+}
+
+#[test]
 fn shorter_steps_change_no_verdict() {
     for divisor in [2.0, 8.0] {
         assert!(assert_fates(FATES, divisor) <= 1);
@@ -43,7 +51,7 @@ fn shorter_steps_change_no_verdict() {
 
 #[test]
 fn lanes_and_scalar_code_agree_on_brakes_of_all_kinds() {
-    for case in cases(FATES).iter().step_by(4) {
+    for case in cases(FATES).iter().step_by(4).chain(cases(JAGGED_FATES).iter().step_by(25)) {
         let (criterion, inputs) = case.criterion(1.0);
         let bits = |decision: Decision| (decision.verdict, decision.time.to_bits(), decision.fed_by);
         let expected = bits(criterion.decide(inputs));

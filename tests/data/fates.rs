@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a file that cannot be read should say so and stop")]
 
+use stickslip_core::friction::measured_curve::{MeasuredCurve, SharedCurve};
 use stickslip_core::model::decision::Decision;
 use stickslip_core::model::verdict::Verdict;
 use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
@@ -60,11 +61,13 @@ pub fn cases(text: &str) -> Vec<Case> {
             line: line + 1,
             parameters: Parameters::sui_ding_2018(),
             start: Start::Rest,
-            displacement: f64::NAN,
+            displacement: 0.01,
             fate: Verdict::Failed,
         };
+        let mut speeds: Vec<f64> = Vec::new();
         for (name, value) in header.iter().zip(row.split(',')) {
             let number = || value.parse::<f64>().unwrap();
+            let numbers = || value.split(' ').map(|number| number.parse::<f64>().unwrap()).collect::<Vec<_>>();
             match *name {
                 "preload" | "rotating_speed" => {
                     case.parameters.set(&format!("operating_point.{name}"), number()).unwrap();
@@ -85,6 +88,11 @@ pub fn cases(text: &str) -> Vec<Case> {
                         "unstable" => Verdict::Unstable,
                         other => panic!("line {}: fate {other}", line + 1),
                     }
+                }
+                "speeds" => speeds = numbers(),
+                "coefficients" => {
+                    let curve = MeasuredCurve::new(&speeds, &numbers(), None).unwrap();
+                    case.parameters.friction.use_table(SharedCurve::new(curve));
                 }
                 "kind" | "damping_ratio" | "margin" => {}
                 key => case.parameters.set(key, number()).unwrap(),
