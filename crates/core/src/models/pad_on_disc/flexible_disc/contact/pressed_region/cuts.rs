@@ -109,9 +109,11 @@ impl Survey<'_> {
             let last = predicted;
             if let Some(before) = before {
                 predicted = near.0 + near.1 * (near.0 - before.0) / (before.1 - near.1);
-                if (predicted - last).abs() < resolution {
-                    return predicted;
-                }
+            }
+            // Away from where they meet, two other roots may be the nearest, and their distance predicts nothing.
+            let between = predicted > near.0.min(few) - resolution && predicted < near.0.max(few) + resolution;
+            if between && (predicted - last).abs() < resolution {
+                return predicted;
             }
             let inside = (predicted - near.0) * (predicted - few) < 0.0;
             let r = if inside { near.0 + 0.9 * (predicted - near.0) } else { 0.5 * (near.0 + few) };
