@@ -120,16 +120,10 @@ impl FlexibleBrake {
     /// The displacements of steady sliding: x and y over h, phi in rad, then the amplitudes of the disc over h.
     ///
     /// # Errors
-    /// [`FlexibleError::NotPressed`] for a preload of zero or less, [`FlexibleError::NoEquilibrium`] if the iteration
-    /// does not converge.
+    /// [`FlexibleError::NotPressed`] for a preload of zero or less, [`FlexibleError::NoEquilibrium`] if neither Newton's
+    /// method nor continuation from the equilibrium without friction finds one.
     pub fn sliding_equilibrium(&self, inputs: RandomInputs) -> Result<Vec<f64>, FlexibleError> {
-        let search = match self.search.get() {
-            Some(search) => search,
-            None => {
-                let search = EquilibriumSearch::new(&self.equations)?;
-                self.search.get_or_init(|| search)
-            }
-        };
+        let search = self.search.get_or_init(|| EquilibriumSearch::new(&self.equations));
         search.find(&self.equations, inputs)
     }
 

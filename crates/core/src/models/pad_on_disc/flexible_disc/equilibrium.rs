@@ -14,13 +14,13 @@ use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
 /// Finds equilibria by Newton's method with the linearisation at one operating point.
 #[derive(Debug, Clone)]
 pub(crate) struct EquilibriumSearch {
-    /// Of the derivatives of the accelerations by the displacements.
-    approximate_inverse: DMatrix<f64>,
+    /// Of the derivatives of the accelerations by the displacements, unless they are singular there.
+    approximate_inverse: Option<DMatrix<f64>>,
 }
 
 impl EquilibriumSearch {
     /// Linearises at the operating point of the brake, or at the preset's preload if that has none.
-    pub fn new(equations: &FlexibleEquations) -> Result<Self, FlexibleError> {
+    pub fn new(equations: &FlexibleEquations) -> Self {
         let parameters = equations.brake.parameters();
         let preload = parameters.operating_point.preload;
         let inputs = RandomInputs {
@@ -29,40 +29,37 @@ impl EquilibriumSearch {
         };
         let at = equations.equilibrium_on_rigid_disc(inputs);
         let (stiffness, _) = equations.linearise(inputs, &at);
-        let unsolvable =
-            FlexibleError::NoEquilibrium { preload: inputs.preload, static_friction: inputs.static_friction };
-        Ok(Self { approximate_inverse: stiffness.try_inverse().ok_or(unsolvable)? })
+        Self { approximate_inverse: stiffness.try_inverse() }
     }
 
     /// The displacements of steady sliding: all accelerations vanish without any speed, as far as numbers resolve it.
     ///
     /// # Errors
-    /// [`FlexibleError::NotPressed`] for a preload of zero or less, [`FlexibleError::NoEquilibrium`] if the iteration
-    /// does not converge.
+    /// [`FlexibleError::NotPressed`] for a preload of zero or less, [`FlexibleError::NoEquilibrium`] if neither Newton's
+    /// method nor [continuation](FlexibleEquations::equilibrium_by_rising_friction) finds one.
     pub fn find(&self, equations: &FlexibleEquations, inputs: RandomInputs) -> Result<Vec<f64>, FlexibleError> {
         if inputs.preload.is_nan() || inputs.preload <= 0.0 {
             return Err(FlexibleError::NotPressed { preload: inputs.preload });
         }
-        let none = FlexibleError::NoEquilibrium { preload: inputs.preload, static_friction: inputs.static_friction };
-        let start = equations.equilibrium_on_rigid_disc(inputs);
-        // A pad that has turned over is a solution of the equations, but of no brake.
-        let upright = |q: Vec<f64>| if q[2].abs() < FRAC_PI_2 { Ok(q) } else { Err(none.clone()) };
-        if let Some(q) = equations.iterate(inputs, start.clone(), &self.approximate_inverse) {
-            return upright(q);
-        }
-        // The fixed linearisation is too far off: linearise again at each step.
-        let mut inverse = DMatrix::zeros(0, 0);
-        let mut q = start;
-        for _ in 0..50 {
-            inverse = equations.linearise(inputs, &q).0.try_inverse().ok_or_else(|| none.clone())?;
-            match equations.iterate_once(inputs, &mut q, &inverse) {
-                step if step.is_nan() => return Err(none),
-                step if step < 1e-3 => break,
-                _ => {}
-            }
-        }
-        equations.iterate(inputs, q, &inverse).ok_or_else(|| none.clone()).and_then(upright)
+        let found = self.near_rigid_disc(equations, inputs);
+        let found = found.or_else(|| equations.equilibrium_by_rising_friction(inputs));
+        let RandomInputs { preload, static_friction } = inputs;
+        found.ok_or(FlexibleError::NoEquilibrium { preload, static_friction })
     }
+
+    /// By Newton's method from the equilibrium on a rigid disc.
+    pub(super) fn near_rigid_disc(&self, equations: &FlexibleEquations, inputs: RandomInputs) -> Option<Vec<f64>> {
+        let start = equations.equilibrium_on_rigid_disc(inputs);
+        let inverse = self.approximate_inverse.as_ref();
+        let found = inverse.and_then(|inverse| equations.iterate(inputs, start.clone(), inverse));
+        // The fixed linearisation may be too far off: linearise again at each step.
+        found.or_else(|| equations.newton(inputs, start)).filter(|q| is_upright(q))
+    }
+}
+
+/// A pad that has turned over is a solution of the equations, but of no brake.
+pub(super) fn is_upright(q: &[f64]) -> bool {
+    q[2].abs() < FRAC_PI_2
 }
 
 impl FlexibleEquations {
@@ -72,6 +69,20 @@ impl FlexibleEquations {
         let mut q = vec![0.0; self.size()];
         q[..PAD].copy_from_slice(&[rigid.tangential, rigid.normal, rigid.angle]);
         q
+    }
+
+    /// Newton's method, linearised again at each step.
+    pub(super) fn newton(&self, inputs: RandomInputs, mut q: Vec<f64>) -> Option<Vec<f64>> {
+        let mut inverse = DMatrix::zeros(0, 0);
+        for _ in 0..50 {
+            inverse = self.linearise(inputs, &q).0.try_inverse()?;
+            match self.iterate_once(inputs, &mut q, &inverse) {
+                step if step.is_nan() => return None,
+                step if step < 1e-3 => break,
+                _ => {}
+            }
+        }
+        self.iterate(inputs, q, &inverse)
     }
 
     /// Newton's method with a fixed linearisation, until the steps are lost in rounding.

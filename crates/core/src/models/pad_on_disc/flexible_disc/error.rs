@@ -44,7 +44,7 @@ pub enum FlexibleError {
     },
     /// The search for the equilibrium did not end.
     #[error(
-        "there is no sliding equilibrium near that of a rigid disc (preload {preload}, static friction {static_friction}): is the disc far too soft?"
+        "no sliding equilibrium was found (preload {preload}, static friction {static_friction}), neither from that of a rigid disc nor from that without friction: is the disc far too soft?"
     )]
     NoEquilibrium {
         /// The preload.

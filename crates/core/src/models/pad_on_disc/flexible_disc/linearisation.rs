@@ -32,19 +32,24 @@ impl FlexibleEquations {
         let mut pressure = 0.0;
         let mut by_gap = DMatrix::<f64>::zeros(1 + 2 * modes, size);
         let mut follower = vec![0.0; modes];
+        let (mut gap_by, mut weighted) = (vec![0.0; size], vec![0.0; modes]);
         self.geometry.patch.for_each_contact(position, &q[PAD..], |node| {
             let &ContactNode { weight, gap, slope, arc, shapes, slopes } = node;
             pressure += weight * gap;
-            let mut gap_by = vec![0.0; size];
             gap_by[1] = -1.0;
             gap_by[2] = -arc * tilt_by_angle;
             gap_by[PAD..].copy_from_slice(shapes);
-            for column in 0..size {
+            weighted.iter_mut().zip(shapes).for_each(|(weighted, shape)| *weighted = weight * shape);
+            for (column, (sums, gap_by)) in
+                by_gap.as_mut_slice().chunks_exact_mut(1 + 2 * modes).zip(&gap_by).enumerate()
+            {
                 let slope_by = if column >= PAD { slopes[column - PAD] } else { 0.0 };
-                by_gap[(0, column)] += weight * gap_by[column];
-                for k in 0..modes {
-                    by_gap[(1 + k, column)] += weight * shapes[k] * gap_by[column];
-                    by_gap[(1 + modes + k, column)] += weight * shapes[k] * (gap_by[column] * slope + gap * slope_by);
+                let follower_by = gap_by * slope + gap * slope_by;
+                sums[0] += weight * gap_by;
+                let (on_modes, follower) = sums[1..].split_at_mut(modes);
+                for ((on_mode, follower), weighted) in on_modes.iter_mut().zip(follower).zip(&weighted) {
+                    *on_mode += weighted * gap_by;
+                    *follower += weighted * follower_by;
                 }
             }
             for (follower, shape) in follower.iter_mut().zip(shapes) {

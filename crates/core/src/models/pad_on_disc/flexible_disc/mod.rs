@@ -15,6 +15,8 @@ pub(crate) mod equations;
 
 mod linearisation;
 
+mod continuation;
+
 mod equilibrium;
 
 mod critical_products;

@@ -5,6 +5,7 @@ use crate::models::pad_on_disc::flexible_disc::contact::points::sufficient_point
 use crate::models::pad_on_disc::flexible_disc::contact::position::PadPosition;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::models::pad_on_disc::pad::equations::PAD;
+use crate::models::pad_on_disc::parameters::Parameters;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::uniform_draws;
 
 #[test]
@@ -306,6 +307,116 @@ fn the_contact_of_a_disc_of_any_thickness_is_the_integral_over_the_patch() {
             let scale = amplitude.compliance * (pressure * slimness + load.0.abs());
             assert!((found[PAD + k] - expected).abs() < 1e-4 * scale, "{thickness} {k}: {} {expected}", found[PAD + k]);
             assert!(load.1.abs() > 1e-6 * pressure * slimness, "the follower load is there to be compared");
+        }
+    }
+}
+
+/// A disc of 2 mm, 74 mm and 77 GPa, so soft that the pad presses it in places only: inner radii of disc and pad in m.
+fn soft_ring(inner: f64, pad: f64, changes: &[(&str, f64)]) -> PadOnDisc {
+    let mut parameters = Parameters::sui_ding_2018();
+    (parameters.disc.inner_radius, parameters.disc.outer_radius) = (inner, 0.074);
+    parameters.pad.inner_radius = pad;
+    let all = [("disc.thickness", 0.002), ("disc.youngs_modulus", 7.7e10), ("operating_point.preload", 0.272)];
+    for (key, value) in all.iter().chain(changes) {
+        parameters.set(key, *value).unwrap();
+    }
+    PadOnDisc::new(parameters).unwrap()
+}
+
+/// The mean of the gap where it is positive, by the midpoint rule.
+fn mean_gap_by_midpoints(flexible: &FlexibleBrake, q: &[f64]) -> f64 {
+    let (parameters, modes) = (flexible.brake().parameters(), &flexible.equations.geometry.modes);
+    let inner = parameters.pad.inner_radius / parameters.disc.outer_radius;
+    let tilt = libm::tan(q[2]) * parameters.disc.outer_radius / parameters.disc.thickness;
+    let (lines, angles) = (400, 1600);
+    let mut sum = 0.0;
+    for i in 0..lines {
+        let r = inner + (1.0 - inner) * (f64::from(i) + 0.5) / f64::from(lines);
+        let shapes: Vec<f64> = modes.iter().map(|mode| mode.shape(r)).collect();
+        for j in 0..angles {
+            let theta = parameters.pad.half_angle * (2.0 * (f64::from(j) + 0.5) / f64::from(angles) - 1.0);
+            let (mut gap, mut sines) = (-q[1] - r * theta * tilt, PAD + modes.len());
+            for ((mode, shape), amplitude) in modes.iter().zip(&shapes).zip(&q[PAD..]) {
+                let angle = f64::from(mode.nodal_diameters) * theta;
+                gap += amplitude * shape * libm::cos(angle);
+                if mode.nodal_diameters > 0 {
+                    gap += q[sines] * shape * libm::sin(angle);
+                    sines += 1;
+                }
+            }
+            sum += gap.max(0.0) * r * 2.0 / (1.0 + inner);
+        }
+    }
+    sum / f64::from(lines * angles)
+}
+
+#[test]
+fn a_disc_that_is_pressed_in_places_has_its_equilibrium_with_any_number_of_modes() {
+    for (inner, pad, modes) in [(0.061, 0.066, 12), (0.049, 0.069, 12), (0.040, 0.070, 24), (0.046, 0.071, 8)] {
+        let brake = soft_ring(inner, pad, &[]);
+        let flexible = FlexibleBrake::of_modes(brake.clone(), &lowest_modes(&brake).unwrap()[..modes]);
+        let inputs = RandomInputs { preload: 0.272, static_friction: 1.1 };
+        let q = flexible.sliding_equilibrium(inputs).unwrap();
+        for acceleration in accelerations(&flexible, inputs, &q, &vec![0.0; q.len()]) {
+            assert!(acceleration.abs() < 1e-13, "{inner} {modes}: {acceleration:e}");
+        }
+        let mut loads = ContactLoads::zero();
+        let position = flexible.equations.position(&q, crate::numerics::sine_cosine::sine_and_cosine(q[2]));
+        flexible.equations.geometry.patch.loads_of_pressed_part(position, &q[PAD..], &mut loads);
+        let pressed = mean_gap_by_midpoints(&flexible, &q);
+        assert!((loads.pressure / pressed - 1.0).abs() < 2e-4, "{inner} {modes}: {} {pressed}", loads.pressure);
+    }
+}
+
+#[test]
+fn continuation_finds_the_equilibrium_that_newtons_method_finds() {
+    let mut draw = uniform_draws(21);
+    for _ in 0..12 {
+        let mut between = |from: f64, to: f64| from + (to - from) * draw();
+        let inner = between(0.03, 0.06);
+        let kinetic = between(0.1, 0.39);
+        let changes = [
+            ("friction.kinetic_coefficient", kinetic),
+            ("friction.stribeck_velocity", between(0.2, 3.0)),
+            ("operating_point.rotating_speed", between(5.0, 40.0)),
+        ];
+        let brake = soft_ring(inner, between(inner, 0.07), &changes);
+        let flexible = FlexibleBrake::of_modes(brake.clone(), &lowest_modes(&brake).unwrap()[..8]);
+        let inputs = RandomInputs { preload: between(0.02, 0.3), static_friction: kinetic * between(1.0, 2.5) };
+        let q = flexible.sliding_equilibrium(inputs).unwrap();
+        let continued = flexible.equations.equilibrium_by_rising_friction(inputs).unwrap();
+        for (a, b) in q.iter().zip(&continued) {
+            assert!((a - b).abs() < 1e-13, "{changes:?} {inputs:?}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn where_newtons_method_fails_friction_is_raised_from_none() {
+    let mut parameters = Parameters::sui_ding_2018();
+    (parameters.disc.inner_radius, parameters.disc.outer_radius) = (0.036841162732313575, 0.11451993693212617);
+    parameters.pad.inner_radius = 0.10951644133142807;
+    for (key, value) in [
+        ("friction.static_coefficient", 0.7315277700253591),
+        ("friction.kinetic_coefficient", 0.47580889489256917),
+        ("disc.thickness", 0.0017334738891891905),
+        ("disc.youngs_modulus", 122902329349.78128),
+        ("friction.stribeck_velocity", 2.2986704920513503),
+        ("disc.transverse_damping_ratio", 0.017565322366776086),
+        ("operating_point.rotating_speed", 37.218937424447624),
+        ("operating_point.preload", 0.2336953022704781),
+    ] {
+        parameters.set(key, value).unwrap();
+    }
+    let brake = PadOnDisc::new(parameters).unwrap();
+    let inputs = RandomInputs { preload: 0.2336953022704781, static_friction: 0.7315277700253591 };
+    for modes in [12, 24] {
+        let flexible = FlexibleBrake::of_modes(brake.clone(), &lowest_modes(&brake).unwrap()[..modes]);
+        let search = EquilibriumSearch::new(&flexible.equations);
+        assert_eq!(search.near_rigid_disc(&flexible.equations, inputs), None);
+        let q = flexible.sliding_equilibrium(inputs).unwrap();
+        for acceleration in accelerations(&flexible, inputs, &q, &vec![0.0; q.len()]) {
+            assert!(acceleration.abs() < 1e-13, "{modes}: {acceleration:e}");
         }
     }
 }
