@@ -98,7 +98,8 @@ impl FlexibleBrake {
         let mu = pad.steady_friction(inputs.static_friction);
         let (stiffness, damping) = self.equations.linearise_with(&q, mu, 0.0);
         let without_fall = eigenvalues(&first_order(&stiffness, &damping))?;
-        let fed_by = if without_fall.first().is_none_or(|value| value.re <= 0.0) {
+        let falls = self.equations.friction_slope(inputs.static_friction) > 0.0;
+        let fed_by = if falls && without_fall.first().is_none_or(|value| value.re <= 0.0) {
             DegreeOfFreedom::Tangential
         } else {
             self.largest_share(&matrix, *fastest)

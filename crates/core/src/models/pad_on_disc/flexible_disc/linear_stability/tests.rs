@@ -71,3 +71,25 @@ fn an_eigenvector_is_one() {
         assert!(residual < 1e-7 * vector.norm(), "{value}: {residual}");
     }
 }
+
+#[test]
+fn friction_that_rises_feeds_the_disc_and_not_the_tangential_motion() {
+    // Stable at constant friction: it is the rise that makes the disc unstable.
+    let brake = flexible(&[
+        ("friction.kinetic_coefficient", 0.265_554),
+        ("disc.thickness", 0.010_090_7),
+        ("disc.youngs_modulus", 1.804_529e11),
+        ("disc.transverse_damping_ratio", 2.571_451e-6),
+        ("operating_point.rotating_speed", 24.187_893),
+        ("friction.stribeck_velocity", 7.032_717),
+        ("damping.tangential", 281.416_845),
+    ]);
+    let inputs = RandomInputs { preload: 0.177_652, static_friction: 0.034_344 };
+    let q = brake.sliding_equilibrium(inputs).unwrap();
+    let mu = brake.equations.coefficients.pad.steady_friction(inputs.static_friction);
+    assert!(brake.linearisation(&q, mu).growth_rate(0.0).unwrap() < 0.0);
+    assert!(brake.growth_rate(inputs).unwrap() > 0.0);
+    let disc = LinearStability::Unstable { fed_by: DegreeOfFreedom::Disc };
+    assert_eq!(brake.by_eigenvalues(inputs).unwrap(), disc);
+    assert_eq!(brake.linear_stability(inputs).unwrap(), disc);
+}
