@@ -61,6 +61,14 @@ fn enough_disc_modes_are_chosen_and_too_few_cause_a_warning() {
     assert!(!chosen.contains("disc_modes = 5\n"), "{chosen}");
     let (_, warned) = check("disc_modes = 5", soft);
     assert!(warned.contains("warning: 5 disc modes: growth rate"), "{warned}");
+    // A thin ring needs more modes than there are.
+    let ring = "[model.disc]\nthickness = 0.002\ninner_radius = 0.075\nouter_radius = 0.090\n\n[model.pad]\ninner_radius = 0.078";
+    let (chosen, warned) = check("", ring);
+    assert!(chosen.contains("disc_modes = 24\n"), "{chosen}");
+    assert!(
+        warned.contains("warning: 24 disc modes: growth rate") && warned.contains("an error remains in results"),
+        "{warned}"
+    );
 }
 
 #[test]

@@ -5,8 +5,9 @@ use stickslip_core::models::pad_on_disc::criterion::time_domain::{DiscModel, Tim
 use stickslip_core::models::pad_on_disc::finite_difference::brake::{
     Allotment, DiscGrid, FiniteDifferenceBrake, FiniteDifferenceError,
 };
-use stickslip_core::models::pad_on_disc::flexible_disc::brake::DISC_MODES;
+use stickslip_core::models::pad_on_disc::flexible_disc::error::FlexibleError;
 use stickslip_core::models::pad_on_disc::flexible_disc::mode_count::{ModeStudy, representative_inputs};
+use stickslip_core::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
 use stickslip_core::models::pad_on_disc::motion::start::Start;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 use stickslip_core::models::pad_on_disc::trajectory::recording::Trajectory;
@@ -63,20 +64,26 @@ pub fn trajectory(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let simulated = match chosen_disc {
         DiscArgument::Rigid => simulate(&pad, &DiscModel::Rigid, settings, inputs, arguments.motion.horizon)?,
         DiscArgument::Flexible => {
+            let refused = |error: FlexibleError| Failure::Usage(error.to_string());
             let study = ModeStudy::new(&pad, &representative_inputs(&pad));
-            // What has no modes or no equilibrium is refused below, with any number.
-            let modes = match (arguments.disc_modes, model.and_then(|model| model.modes())) {
-                (None, None) => study.and_then(|study| study.smallest()).unwrap_or(DISC_MODES),
-                (None, Some(of_job)) => of_job,
-                (Some(modes), _) => {
-                    if let Ok(check) = study.and_then(|study| study.check(modes))
-                        && !check.is_enough
-                    {
-                        warn([format!("{check}; leave out --disc-modes")]);
-                    }
-                    modes
-                }
+            let of_job = model.and_then(|model| model.modes());
+            let chosen = arguments.disc_modes.or(of_job);
+            // Without modes or an equilibrium nothing is simulated below, with any number.
+            let modes = match (&study, chosen) {
+                (Ok(study), None) => study.smallest().map_err(refused)?,
+                (Err(error), None) => return Err(refused(error.clone())),
+                (_, Some(modes)) => modes,
             };
+            let check = study.and_then(|study| study.check(modes)).ok();
+            if let Some(check) = check.filter(|check| !check.is_enough)
+                && (arguments.disc_modes.is_some() || of_job.is_none())
+            {
+                warn([if arguments.disc_modes.is_some_and(|modes| modes < MOST_DISC_MODES) {
+                    format!("{check}; leave out --disc-modes")
+                } else {
+                    plausibility::of_modes(check)
+                }]);
+            }
             simulate(&pad, &DiscModel::Flexible { modes }, settings, inputs, arguments.motion.horizon)?
         }
         DiscArgument::FiniteDifference => {

@@ -11,7 +11,8 @@ use self::point::Analysis;
 use super::one_brake::{OneBrake, chosen_cell};
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
-use crate::output::result;
+use crate::job::plausibility;
+use crate::output::{result, warn};
 
 /// `stickslip analyse`.
 pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
@@ -28,5 +29,6 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
     }
     let OneBrake { brake, model } = OneBrake::in_cell(chosen, &arguments.brake.set)?;
     let analysis = Analysis::new(brake, model.and_then(|model| model.modes()));
+    warn(analysis.coupled.iter().filter_map(|coupled| coupled.too_few).map(plausibility::of_modes));
     result(&if arguments.json { format!("{:#}\n", analysis.json()?) } else { analysis.text() })
 }

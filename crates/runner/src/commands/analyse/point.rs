@@ -7,6 +7,7 @@ use stickslip_core::models::pad_on_disc::degree_of_freedom::DegreeOfFreedom;
 use stickslip_core::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::models::pad_on_disc::flexible_disc::error::FlexibleError;
 use stickslip_core::models::pad_on_disc::flexible_disc::linear_stability::LinearStability;
+use stickslip_core::models::pad_on_disc::flexible_disc::mode_count::ModeCheck;
 use stickslip_core::models::pad_on_disc::parameters::SCALARS;
 use stickslip_core::models::pad_on_disc::rigid_disc::basin::Basin;
 use stickslip_core::models::pad_on_disc::rigid_disc::limit_cycle::LimitCycle;
@@ -42,14 +43,15 @@ impl Analysis {
         let static_friction = parameters.friction.static_coefficient;
         let inputs = RandomInputs { preload, static_friction };
         let flexible = match modes {
-            Some(modes) => FlexibleBrake::with_modes(brake.clone(), modes),
-            None => FlexibleBrake::with_enough_modes(brake.clone()),
+            Some(modes) => FlexibleBrake::with_modes(brake.clone(), modes).map(|flexible| (flexible, None)),
+            None => FlexibleBrake::with_enough_modes(brake.clone()).map(|(flexible, check)| (flexible, Some(check))),
         };
-        let coupled = flexible.and_then(|flexible| {
+        let coupled = flexible.and_then(|(flexible, check)| {
             Ok(Coupled {
                 growth_rate: flexible.growth_rate(inputs)?,
                 stability: flexible.by_eigenvalues(inputs)?,
                 modes: flexible.modes(),
+                too_few: check.filter(|check| !check.is_enough),
             })
         });
         let boundary = brake.stability_boundary();
@@ -182,6 +184,8 @@ pub struct Coupled {
     pub growth_rate: f64,
     pub stability: LinearStability,
     pub modes: usize,
+    /// Where no number of modes is enough: how far off the most of them are.
+    pub too_few: Option<ModeCheck>,
 }
 
 impl Coupled {

@@ -32,7 +32,6 @@ pub(crate) fn relative_compliances(brake: &PadOnDisc, modes: &[PlateMode]) -> Ve
 }
 
 /// [`relative_compliances`] in m/N: times `h^3 / (D b^2)` and by the square of the frequency for one unit of lambda^2.
-#[cfg(test)]
 pub(crate) fn compliances(brake: &PadOnDisc, modes: &[PlateMode]) -> Vec<f64> {
     let disc = &brake.parameters().disc;
     let gain = disc.thickness * disc.thickness * disc.thickness / brake.scales().flexural_rigidity;
@@ -41,17 +40,25 @@ pub(crate) fn compliances(brake: &PadOnDisc, modes: &[PlateMode]) -> Vec<f64> {
     relative_compliances(brake, modes).iter().map(|compliance| unit * compliance).collect()
 }
 
-/// The modes of lowest frequency, enough of them for every choice.
+/// The modes of lowest frequency, enough of them for every model.
 ///
 /// # Errors
 /// As [`AnnularPlate::modes`](crate::models::pad_on_disc::flexible_disc::plate_modes::AnnularPlate::modes).
 pub(crate) fn lowest_modes(brake: &PadOnDisc) -> Result<Vec<PlateMode>, EigenvalueError> {
+    modes_below(brake, MOST_DISC_MODES as u32)
+}
+
+/// The modes with fewer nodal diameters and up to three nodal circles, in the order of their frequencies. As many of
+/// them as there are nodal diameters are the lowest of all.
+///
+/// # Errors
+/// As [`lowest_modes`].
+pub(crate) fn modes_below(brake: &PadOnDisc, nodal_diameters: u32) -> Result<Vec<PlateMode>, EigenvalueError> {
     let plate = brake.annular_plate();
     let mut modes = Vec::new();
-    for nodal_diameters in 0..MOST_DISC_MODES as u32 {
+    for nodal_diameters in 0..nodal_diameters {
         modes.extend(plate.modes(nodal_diameters, 4)?);
     }
     modes.sort_by(|a, b| a.frequency_parameter.total_cmp(&b.frequency_parameter));
-    modes.truncate(4 * MOST_DISC_MODES);
     Ok(modes)
 }

@@ -26,6 +26,9 @@ const QUADRATURE_POINTS: usize = 48;
 /// Modes of the disc that a model may keep, and the number of nodal diameters among which they are sought.
 pub const MOST_DISC_MODES: usize = 24;
 
+/// Modes of the disc with which models are compared, at the most.
+pub(crate) const MOST_REFERENCE_MODES: usize = 2 * MOST_DISC_MODES;
+
 /// A clamped-free annular plate, by its two ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnnularPlate {

@@ -2,9 +2,10 @@
 //! [`crate::models::pad_on_disc::flexible_disc::equations`].
 
 use crate::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
-use crate::models::pad_on_disc::flexible_disc::contact::loads::{ContactLoads, MOST_AMPLITUDES};
+use crate::models::pad_on_disc::flexible_disc::contact::loads::ContactLoads;
 use crate::models::pad_on_disc::flexible_disc::equations::FlexibleEquations;
 use crate::models::pad_on_disc::flexible_disc::error::FlexibleError;
+use crate::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
 use crate::models::pad_on_disc::motion::friction_steps::{DAMPED_STEP, FrictionSteps};
 use crate::models::pad_on_disc::motion::integrator::{Equations, Reserve, Step};
 use crate::models::pad_on_disc::motion::moment::{Moment, RecordedContact};
@@ -18,7 +19,7 @@ use crate::numerics::sine_cosine::sine_and_cosine;
 const STEP: f64 = 0.45;
 
 /// Largest number of degrees of freedom.
-pub(crate) const MOST_FREEDOMS: usize = PAD + MOST_AMPLITUDES;
+pub(crate) const MOST_FREEDOMS: usize = PAD + 2 * MOST_DISC_MODES;
 
 /// Pad and flexible disc, and the steps in which their motion is simulated.
 #[derive(Debug, Clone)]

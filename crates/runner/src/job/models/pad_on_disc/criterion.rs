@@ -7,7 +7,8 @@ use stickslip_core::models::pad_on_disc::criterion::time_domain::{DiscModel, Tim
 use stickslip_core::models::pad_on_disc::flexible_disc::brake::DISC_MODES;
 use stickslip_core::models::pad_on_disc::flexible_disc::brake::FlexibleBrake;
 use stickslip_core::models::pad_on_disc::flexible_disc::error::FlexibleError;
-use stickslip_core::models::pad_on_disc::flexible_disc::mode_count::{ModeCheck, ModeStudy};
+use stickslip_core::models::pad_on_disc::flexible_disc::mode_count::ModeStudy;
+use stickslip_core::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
 use stickslip_core::models::pad_on_disc::model::{Criterion, PRELOAD, STATIC_FRICTION};
 use stickslip_core::models::pad_on_disc::motion::start::Start;
 use stickslip_core::models::pad_on_disc::parameters::Parameters;
@@ -19,6 +20,7 @@ use super::corners::Corners;
 use super::criterion_spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record};
 use super::start::StartSpecs;
 use crate::job::diagnosis::{Complaint, Complaints};
+use crate::job::plausibility;
 
 /// Standard deviations by which the static friction coefficient is taken to scatter.
 const REACH: f64 = 6.0;
@@ -56,21 +58,39 @@ pub fn validate(
     let modes = match spec.disc_modes.as_ref().map(Spanned::get_ref) {
         Some(ModesSpec::Given(modes)) => *modes,
         _ if kind == CriterionKind::Eigenvalue || disc == DiscKind::Rigid => DISC_MODES,
-        // A disc without modes or equilibrium is refused below, with any number.
-        _ => enough_modes(parameters, grid).unwrap_or(DISC_MODES),
+        // Without any preload every sample is stable by definition.
+        _ if grid.values_of(PRELOAD).iter().all(|preload| *preload <= 0.0) => DISC_MODES,
+        _ => match enough_modes(parameters, grid) {
+            Ok(modes) => modes,
+            Err(error) => {
+                // A disc without modes or equilibrium is refused with any number, and for that reason.
+                let with_any = criterion_of(kind, disc, DISC_MODES, settings);
+                let complaint = check_model(&with_any, specs, parameters, grid).err().unwrap_or_else(|| {
+                    let span = spec.disc_modes.as_ref().map(Spanned::span);
+                    let message = format!(
+                        "criterion.disc_modes = \"auto\": how many disc modes are enough could not be found, as {error}. Write a number, from 1 to {MOST_DISC_MODES}"
+                    );
+                    Complaint::maybe_at(span, message)
+                });
+                complaints.push(complaint);
+                return None;
+            }
+        },
     };
-    let criterion = match kind {
+    let criterion = criterion_of(kind, disc, modes, settings);
+    complaints.take(check_model(&criterion, specs, parameters, grid)).map(|()| criterion)
+}
+
+fn criterion_of(kind: CriterionKind, disc: DiscKind, modes: usize, settings: TimeDomainSettings) -> Criterion {
+    let disc = match disc {
+        DiscKind::Rigid => DiscModel::Rigid,
+        DiscKind::Flexible => DiscModel::Flexible { modes },
+    };
+    match kind {
         CriterionKind::Eigenvalue => Criterion::Eigenvalue,
         CriterionKind::CoupledEigenvalue => Criterion::CoupledEigenvalue { modes },
-        CriterionKind::TimeDomain => {
-            let disc = match disc {
-                DiscKind::Rigid => DiscModel::Rigid,
-                DiscKind::Flexible => DiscModel::Flexible { modes },
-            };
-            Criterion::TimeDomain { disc, settings }
-        }
-    };
-    complaints.take(check_model(&criterion, specs, parameters, grid)).map(|()| criterion)
+        CriterionKind::TimeDomain => Criterion::TimeDomain { disc, settings },
+    }
 }
 
 /// Builds the model at the extremes of the axes, and looks for its equilibrium at the largest inputs.
@@ -187,12 +207,25 @@ pub fn growth_without_fall(
     None
 }
 
-/// What the kept modes give and what more of them would give, if they are too few somewhere.
-pub fn too_few_modes(criterion: &Criterion, parameters: &Parameters, grid: &Grid) -> Option<ModeCheck> {
+/// What to say of a number of modes that is too few somewhere, or of which that could not be found out. `given` is a
+/// number that stands in the job.
+pub fn doubts_about_modes(criterion: &Criterion, given: bool, parameters: &Parameters, grid: &Grid) -> Option<String> {
     let modes = criterion.modes()?;
-    let studies = mode_studies(parameters, grid).ok()?;
+    // A smaller number that was chosen is enough.
+    if !given && modes < MOST_DISC_MODES || grid.values_of(PRELOAD).iter().all(|preload| *preload <= 0.0) {
+        return None;
+    }
+    let studies = match mode_studies(parameters, grid) {
+        Ok(studies) => studies,
+        Err(error) => return Some(format!("whether {modes} disc modes are enough could not be found, as {error}")),
+    };
     let mut checks = studies.iter().filter_map(|study| study.check(modes).ok());
-    checks.find(|check| !check.is_enough)
+    let check = checks.find(|check| !check.is_enough)?;
+    Some(if modes < MOST_DISC_MODES {
+        format!("{check}; use disc_modes = \"auto\"")
+    } else {
+        plausibility::of_modes(check)
+    })
 }
 
 /// The disc of a job at the extremes of its axes, at the corners of preloads and friction coefficients with some

@@ -267,11 +267,7 @@ impl JobModel for PadJob {
         if let Criterion::TimeDomain { settings, .. } = criterion {
             warnings.extend(plausibility::of_displacement("criterion.displacement", settings.displacement));
         }
-        if self.modes_are_given
-            && let Some(check) = criterion::too_few_modes(criterion, parameters, grid)
-        {
-            warnings.push(format!("{check}; use disc_modes = \"auto\""));
-        }
+        warnings.extend(criterion::doubts_about_modes(criterion, self.modes_are_given, parameters, grid));
         // The scatter of the inputs is not looked at.
         warnings.extend(self.uncovered(grid).iter().map(|uncovered| format!(
             "{uncovered}, the limit up to which verdicts in time were tested. They may be right beyond it; look at single samples with `stickslip trajectory`, and compare the run with one of a tenfold criterion.horizon (`stickslip compare`)"

@@ -6,6 +6,7 @@
 use std::f64::consts::{PI, TAU};
 
 use stickslip_core::model::quantity::Quantity;
+use stickslip_core::models::pad_on_disc::flexible_disc::mode_count::ModeCheck;
 use stickslip_core::models::pad_on_disc::parameters::{Parameters, SCALARS, Scalar};
 use stickslip_sampler::grid::Grid;
 
@@ -132,6 +133,15 @@ pub fn of_job(parameters: &Parameters, quantities: &[Quantity], grid: &Grid) -> 
     }
     warnings.extend(of_disc(parameters));
     warnings
+}
+
+/// What to say of the most modes of the disc that a model may keep where they are too few.
+pub fn of_modes(check: ModeCheck) -> String {
+    format!(
+        "{check}. There are no more than {} disc modes to choose, so an error remains in results: here {:.2} % of the growth rate, or of the pad's damping rate where that is larger",
+        check.count,
+        100.0 * check.growth_error
+    )
 }
 
 /// A warning about a start near the equilibrium that is far from it.

@@ -1,9 +1,11 @@
 //! Averages over the patch of products of mode shapes.
 
 use crate::models::pad_on_disc::flexible_disc::contact::node::Node;
+use crate::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
 use crate::numerics::row::Number;
 
-/// Averages over the patch of products of mode shapes; even amplitudes are `i`, odd ones `j`.
+/// Averages over the patch of products of mode shapes; even amplitudes are `i`, odd ones `j`. Those of two and three
+/// shapes, whose number grows with the third power of that of the modes, are there for up to [`MOST_DISC_MODES`] modes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Averages {
     /// `<psi_i>`.
@@ -34,6 +36,11 @@ impl Averages {
             least = least - N::splat(*largest) * amplitude.abs();
         }
         least
+    }
+
+    /// Whether there are averages of two and three shapes.
+    pub fn has_products(&self) -> bool {
+        !self.even_even.is_empty()
     }
 
     /// `<g+>` while the whole patch is in contact: the odd shapes have no mean.
@@ -75,13 +82,16 @@ impl Averages {
             same.chain(evens.clone().map(|i| by_normal(k, i))).chain(odds.clone().map(|j| by_tilt(k, j))).collect()
         };
         let largest = |value: &dyn Fn(&Node) -> f64| nodes.iter().map(|node| value(node).abs()).fold(0.0, f64::max);
+        let shape = evens.clone().map(|i| average(&|node| node.shapes[i])).collect();
+        let arc_shape = odds.clone().map(|j| average(&|node| node.shapes[j] * node.arc)).collect();
+        let products_of = |range: &std::ops::Range<usize>| if even > MOST_DISC_MODES { 0..0 } else { range.clone() };
         Self {
-            shape: evens.clone().map(|i| average(&|node| node.shapes[i])).collect(),
-            arc_shape: odds.clone().map(|j| average(&|node| node.shapes[j] * node.arc)).collect(),
-            even_even: products(evens.clone()),
-            odd_odd: products(odds.clone()),
-            even_follower: evens.clone().map(even_follower).collect(),
-            odd_follower: odds.clone().map(odd_follower).collect(),
+            shape,
+            arc_shape,
+            even_even: products(products_of(&evens)),
+            odd_odd: products(products_of(&odds)),
+            even_follower: products_of(&evens).map(even_follower).collect(),
+            odd_follower: products_of(&odds).map(odd_follower).collect(),
             largest_shape: (0..even + odd).map(|k| largest(&|node| node.shapes[k])).collect(),
             largest_arc: largest(&|node| node.arc),
         }

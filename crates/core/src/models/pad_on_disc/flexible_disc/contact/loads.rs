@@ -1,9 +1,9 @@
 //! The loads of the contact.
 
-use crate::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
+use crate::models::pad_on_disc::flexible_disc::plate_modes::MOST_REFERENCE_MODES;
 
 /// Largest number of amplitudes: a cosine and a sine for every mode.
-pub(crate) const MOST_AMPLITUDES: usize = 2 * MOST_DISC_MODES;
+pub(crate) const MOST_AMPLITUDES: usize = 2 * MOST_REFERENCE_MODES;
 
 /// The loads of the contact, before they are multiplied by stiffness and friction.
 #[derive(Debug, Clone)]

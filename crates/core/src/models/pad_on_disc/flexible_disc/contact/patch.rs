@@ -77,13 +77,18 @@ impl ContactPatch {
 
     /// The loads where part of the patch may have lifted off.
     pub fn loads_of_pressed_part(&self, pad: PadPosition, amplitudes: &[f64], loads: &mut ContactLoads) {
-        loads.pressure = 0.0;
-        loads.on_modes.fill(0.0);
-        loads.follower.fill(0.0);
+        self.clear(loads);
         let mut sums = LineSums::new(self, loads);
         if self.region.visit(pad, amplitudes, &mut sums) == Pressed::Whole {
             self.loads_by_node(pad, amplitudes, loads);
         }
+    }
+
+    fn clear(&self, loads: &mut ContactLoads) {
+        let amplitudes = self.even + self.odd;
+        loads.pressure = 0.0;
+        loads.on_modes[..amplitudes].fill(0.0);
+        loads.follower[..amplitudes].fill(0.0);
     }
 
     /// The loads node by node, all of which are in contact.
@@ -102,6 +107,10 @@ impl ContactPatch {
     /// The loads while the whole patch is in contact.
     pub fn loads_of_whole_patch(&self, pad: PadPosition, amplitudes: &[f64], loads: &mut ContactLoads) {
         let averages = &self.averages;
+        if !averages.has_products() {
+            self.clear(loads);
+            return self.loads_by_node(pad, amplitudes, loads);
+        }
         let (a, b) = amplitudes.split_at(self.even);
         loads.pressure = averages.mean_gap(-pad.normal, amplitudes);
         for i in 0..self.even {
@@ -218,7 +227,7 @@ impl Visitor for LineSums<'_> {
             self.loads.on_modes[k] += shape * sums.sine;
             self.loads.follower[k] += shape * sums.follower_sine;
         }
-        self.harmonics = [HarmonicLoads::default(); MOST_HARMONICS];
+        self.harmonics[..region.harmonic_count].fill(HarmonicLoads::default());
     }
 }
 

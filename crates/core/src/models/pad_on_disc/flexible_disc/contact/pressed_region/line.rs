@@ -1,10 +1,10 @@
 //! The gap on one line of constant radius, and where it changes its sign.
 
-use crate::models::pad_on_disc::flexible_disc::plate_modes::MOST_DISC_MODES;
+use crate::models::pad_on_disc::flexible_disc::plate_modes::MOST_REFERENCE_MODES;
 use crate::numerics::sine_cosine::sine_and_cosine;
 
 /// Harmonics in the angle, n = 0 included.
-pub(crate) const MOST_HARMONICS: usize = MOST_DISC_MODES;
+pub(crate) const MOST_HARMONICS: usize = MOST_REFERENCE_MODES;
 
 /// Largest number of roots of the gap on one line: more than the harmonics and the linear term can make on most pads.
 /// What is beyond is left out.
@@ -17,7 +17,7 @@ const ROOT_STEP: f64 = 1e-7;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Radius {
     pub r: f64,
-    pub shapes: [f64; MOST_DISC_MODES],
+    pub shapes: [f64; MOST_REFERENCE_MODES],
 }
 
 /// An angle at which the gap of every line is evaluated.

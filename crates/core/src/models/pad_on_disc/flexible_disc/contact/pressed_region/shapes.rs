@@ -2,7 +2,7 @@
 
 use crate::models::pad_on_disc::flexible_disc::contact::pressed_region::line::{Radius, SampleAngle};
 use crate::models::pad_on_disc::flexible_disc::plate_modes::{
-    MOST_DISC_MODES, PlateMode, RADIAL_FUNCTIONS, RadialFunctions,
+    MOST_REFERENCE_MODES, PlateMode, RADIAL_FUNCTIONS, RadialFunctions,
 };
 use crate::numerics::quadrature::gauss_legendre;
 
@@ -25,7 +25,7 @@ pub(crate) struct PressedRegion {
     /// a / b.
     pub radius_ratio: f64,
     /// Of the radial functions, each in all modes.
-    pub coefficients: Vec<[f64; MOST_DISC_MODES]>,
+    pub coefficients: Vec<[f64; MOST_REFERENCE_MODES]>,
     pub probes: Vec<Radius>,
     pub(super) samples: Vec<SampleAngle>,
     /// For panels wider than a quarter of the pad, and for narrower ones, which count for less.
@@ -34,8 +34,8 @@ pub(crate) struct PressedRegion {
 }
 
 /// The expansions of modes, function by function.
-fn coefficients(modes: &[PlateMode]) -> Vec<[f64; MOST_DISC_MODES]> {
-    let mut rows = vec![[0.0; MOST_DISC_MODES]; RADIAL_FUNCTIONS];
+fn coefficients(modes: &[PlateMode]) -> Vec<[f64; MOST_REFERENCE_MODES]> {
+    let mut rows = vec![[0.0; MOST_REFERENCE_MODES]; RADIAL_FUNCTIONS];
     for (index, mode) in modes.iter().enumerate() {
         for (row, coefficient) in rows.iter_mut().zip(mode.coefficients()) {
             row[index] = *coefficient;
@@ -83,7 +83,7 @@ impl PressedRegion {
 
     pub fn at(&self, r: f64) -> Radius {
         let functions = RadialFunctions::at(r, self.radius_ratio);
-        let (mut shapes, modes) = ([0.0; MOST_DISC_MODES], self.harmonics.len());
+        let (mut shapes, modes) = ([0.0; MOST_REFERENCE_MODES], self.harmonics.len());
         for (function, coefficients) in functions.values().zip(&self.coefficients) {
             for (shape, coefficient) in shapes[..modes].iter_mut().zip(coefficients) {
                 *shape += coefficient * function;
