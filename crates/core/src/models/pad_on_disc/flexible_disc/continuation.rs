@@ -7,11 +7,12 @@
 //! Applications of Bifurcation Theory, 1977). So a branch that turns back on its way, at a share that falls again for a
 //! while, is followed all the same.
 
+use std::f64::consts::FRAC_PI_2;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::models::pad_on_disc::flexible_disc::contact::loads::ContactLoads;
 use crate::models::pad_on_disc::flexible_disc::equations::FlexibleEquations;
-use crate::models::pad_on_disc::flexible_disc::equilibrium::is_upright;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::RandomInputs;
 
@@ -31,6 +32,11 @@ const CORRECTIONS: usize = 6;
 /// Size of the last correction, relative to the displacements. The end of the branch is refined until the steps are
 /// lost in rounding.
 const CORRECTED: f64 = 1e-6;
+
+/// A pad that has turned over is a solution of the equations, but of no brake.
+pub(super) fn is_upright(q: &[f64]) -> bool {
+    q[2].abs() < FRAC_PI_2
+}
 
 /// The brake with any share of its friction.
 struct Branch<'a> {
@@ -175,7 +181,7 @@ impl Branch<'_> {
     fn tangent(&self, q: &DVector<f64>, share: f64, before: &(DVector<f64>, f64)) -> Option<(DVector<f64>, f64)> {
         let (residual, stiffness) = self.at(q, share);
         let (direction, by_share) = self.solve((q, stiffness), before, (&(0.0 * residual), 1.0))?;
-        let norm = direction.norm().hypot(by_share);
+        let norm = libm::hypot(direction.norm(), by_share);
         Some((direction / norm, by_share / norm))
     }
 
@@ -193,7 +199,7 @@ impl Branch<'_> {
         for corrections in 1..=CORRECTIONS {
             let (residual, stiffness) = self.at(&point, at);
             let (step, by_share) = self.solve((&point, stiffness), tangent, (&residual, 0.0))?;
-            let size = step.norm().hypot(by_share);
+            let size = libm::hypot(step.norm(), by_share);
             if size.is_nan() || size > 0.5 * last {
                 return None;
             }

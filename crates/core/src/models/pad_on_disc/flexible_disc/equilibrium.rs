@@ -1,10 +1,9 @@
 //! Steady sliding of pad and flexible disc together.
 
-use std::f64::consts::FRAC_PI_2;
-
 use nalgebra::{DMatrix, DVector};
 
 use crate::models::pad_on_disc::flexible_disc::contact::loads::ContactLoads;
+use crate::models::pad_on_disc::flexible_disc::continuation::is_upright;
 use crate::models::pad_on_disc::flexible_disc::equations::FlexibleEquations;
 use crate::models::pad_on_disc::flexible_disc::error::FlexibleError;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
@@ -55,11 +54,6 @@ impl EquilibriumSearch {
         // The fixed linearisation may be too far off: linearise again at each step.
         found.or_else(|| equations.newton(inputs, start)).filter(|q| is_upright(q))
     }
-}
-
-/// A pad that has turned over is a solution of the equations, but of no brake.
-pub(super) fn is_upright(q: &[f64]) -> bool {
-    q[2].abs() < FRAC_PI_2
 }
 
 impl FlexibleEquations {

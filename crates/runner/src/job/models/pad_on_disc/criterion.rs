@@ -18,9 +18,9 @@ use toml::Spanned;
 
 use super::corners::Corners;
 use super::criterion_spec::{CriterionKind, CriterionSpec, DiscKind, ModesSpec, Record};
+use super::plausibility;
 use super::start::StartSpecs;
 use crate::job::diagnosis::{Complaint, Complaints};
-use crate::job::plausibility;
 
 /// Standard deviations by which the static friction coefficient is taken to scatter.
 const REACH: f64 = 6.0;
