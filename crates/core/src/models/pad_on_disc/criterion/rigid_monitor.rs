@@ -17,6 +17,7 @@
 //! | | overtakes the disc | swinging, with nothing to compare with |
 //! | | for the second time, and the motion after a release, which lies inside, does not come to rest | unstable |
 //! | | takes more substeps than a motion may | the return map decides from there |
+//! | | meets the disc's speed or passes it by as slowly as only errors of the steps may decide | the return map is asked to confirm it ([`slow_passage`](crate::models::pad_on_disc::rigid_disc::slow_passage)) |
 //! | held | would stick for longer than [`LONGEST_STICK`] | the return map decides from the release |
 //! | | slips | swinging |
 //!
@@ -29,7 +30,7 @@ use crate::models::pad_on_disc::degree_of_freedom::DegreeOfFreedom;
 use crate::models::pad_on_disc::motion::integrator::Observer;
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::models::pad_on_disc::rigid_disc::inner_cycles::Turns;
-use crate::models::pad_on_disc::rigid_disc::planar_motion::{PlanarMotion, SlipEnd};
+use crate::models::pad_on_disc::rigid_disc::planar_motion::PlanarMotion;
 use crate::models::pad_on_disc::rigid_disc::return_map::Fate;
 
 /// A relative change of amplitude over a cycle beyond all errors of the steps, whose damping is 4e-7.
@@ -73,6 +74,8 @@ pub(crate) struct RigidMonitor {
     sticks: u32,
     /// The state of slip at the start or the last release, until the first swing since then is over.
     started: Option<[f64; 2]>,
+    /// Turning points at the largest x since then.
+    tops: u32,
 }
 
 impl RigidMonitor {
@@ -96,11 +99,13 @@ impl RigidMonitor {
             amplitude: 0.0,
             sticks: u32::from(starts_at_release),
             started: None,
+            tops: 0,
         };
         if speed == 0.0 && monitor.verdict.is_none() {
             monitor.turns(0.0, x);
         }
         monitor.started = Some([x, speed]);
+        monitor.tops = 0;
         monitor
     }
 
@@ -141,14 +146,13 @@ impl RigidMonitor {
         is_stable
     }
 
-    /// Whether the first swing since the start or the last release ends as the return map finds it, if that is in
-    /// doubt. If not, concludes from what that finds.
-    fn ends_as_precisely(&mut self, is_captured: bool, is_in_doubt: impl Fn(&PlanarMotion) -> bool) -> bool {
+    /// Whether the motion since the start or the last release is caught, within so many swings, as the return map finds it
+    /// to be, if that is in doubt. If it is not, concludes from what that finds.
+    fn is_confirmed(&mut self, is_caught: bool, swings: u32, is_in_doubt: impl Fn(&PlanarMotion) -> bool) -> bool {
         let Some(state) = self.started.filter(|_| self.verdict.is_none() && is_in_doubt(&self.motion)) else {
             return true;
         };
-        let end = self.motion.first_swing_from(state);
-        if end != SlipEnd::Unresolved && (end == SlipEnd::Captured) == is_captured {
+        if self.motion.is_caught_within(swings, state) == Some(is_caught) {
             return true;
         }
         self.started = None;
@@ -228,7 +232,7 @@ impl Monitor for RigidMonitor {
         if self.comes_to_rest_from(x, speed) {
             // It may have passed the disc's speed by since its last turning point.
             self.verdict = None;
-            if self.ends_as_precisely(false, |_| true) {
+            if self.is_confirmed(false, self.tops + 1, |_| true) {
                 self.verdict = Some(Verdict::Stable);
             }
         }
@@ -249,10 +253,10 @@ impl Observer for RigidMonitor {
             self.amplitude = 0.5 * (x - before).abs();
         }
         let a = x - self.equilibrium;
+        self.tops += u32::from(a > 0.0);
         // After its release a motion turns once before it can come to the disc's speed.
-        let is_first =
-            self.last_top.is_none() && self.started.is_some_and(|[_, speed]| speed == self.motion.disc_speed);
-        if a > 0.0 && !is_first && !self.ends_as_precisely(false, |motion| motion.passes_slowly(x)) {
+        let is_first = self.tops == 1 && self.started.is_some_and(|[_, speed]| speed == self.motion.disc_speed);
+        if a > 0.0 && !is_first && !self.is_confirmed(false, self.tops, |motion| motion.passes_slowly(x)) {
             return;
         }
         self.comes_to_rest_from(x, 0.0);
@@ -289,7 +293,7 @@ impl Observer for RigidMonitor {
     }
 
     fn sticks(&mut self, _: f64, x: f64) {
-        if self.verdict.is_some() || !self.ends_as_precisely(true, |motion| motion.meets_slowly(x)) {
+        if self.verdict.is_some() || !self.is_confirmed(true, self.tops + 1, |motion| motion.meets_slowly(x)) {
             return;
         }
         self.sticks += 1;
@@ -303,12 +307,13 @@ impl Observer for RigidMonitor {
 
     fn slips(&mut self, _: f64) {
         self.started = Some([self.motion.release(), self.motion.disc_speed]);
+        self.tops = 0;
         self.last_top = None;
     }
 
     fn overtakes(&mut self, x: f64, then: ContactState) {
         // A pad that meets the disc's speed where static friction has let go of it touches it at the end of stick-slip.
-        if then == ContactState::Slip && !self.ends_as_precisely(false, |_| true) {
+        if then == ContactState::Slip && !self.is_confirmed(false, self.tops + 1, |_| true) {
             return;
         }
         self.last_top = None;
@@ -339,7 +344,7 @@ impl Observer for RigidMonitor {
     }
 
     fn is_caught(&mut self, x: f64) {
-        let is_certain = self.ends_as_precisely(true, |motion| motion.meets_slowly(x));
+        let is_certain = self.is_confirmed(true, self.tops + 1, |motion| motion.meets_slowly(x));
         if is_certain && self.started.take().is_some() && self.verdict.is_none() {
             self.conclude_from(Fate::Captured);
         }

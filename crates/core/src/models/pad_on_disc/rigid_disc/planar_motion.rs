@@ -178,6 +178,16 @@ impl PlanarMotion {
         self.slip_within(TOLERANCE, from, size)
     }
 
+    /// The same, rough and fast.
+    pub fn rough_slip(&self, from: [f64; 2], size: f64) -> Slip {
+        self.slip_within(ROUGH_TOLERANCE, from, size)
+    }
+
+    /// The size of a motion in a state of slip: errors are relative to it.
+    pub fn size_of(&self, state: [f64; 2]) -> f64 {
+        (state[0] - self.equilibrium()).abs().max(self.disc_speed / self.stiffness.sqrt())
+    }
+
     fn slip_within(&self, tolerance: f64, from: [f64; 2], size: f64) -> Slip {
         let frequency = self.stiffness.sqrt();
         let sliding = |state: [f64; 2]| self.disc_speed - state[1];
@@ -248,9 +258,9 @@ impl PlanarMotion {
         if size * self.stiffness.sqrt() > CLEAR_SIZE * self.disc_speed {
             return false;
         }
-        let mut slip = self.slip_within(ROUGH_TOLERANCE, from, size);
+        let mut slip = self.rough_slip(from, size);
         if slip.end == SlipEnd::Turned {
-            slip = self.slip_within(ROUGH_TOLERANCE, [slip.x, 0.0], size);
+            slip = self.rough_slip([slip.x, 0.0], size);
         }
         let rate = self.rate([slip.x, self.disc_speed])[1];
         let is_fast = rate > CLEAR_RATE * self.disc_speed * self.stiffness.sqrt();

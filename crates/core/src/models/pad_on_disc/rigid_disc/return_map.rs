@@ -138,7 +138,7 @@ impl PlanarMotion {
 
     /// The fate of a motion in a state of slip, up to its first capture.
     pub fn fate_from(&self, state: [f64; 2]) -> Fate {
-        let size = (state[0] - self.equilibrium()).abs().max(self.disc_speed / self.stiffness.sqrt());
+        let size = self.size_of(state);
         if self.is_clearly_caught(state, size, |x| self.meets_slowly(x)) {
             return Fate::Captured;
         }

@@ -11,11 +11,18 @@
 //! orbit that stays on it to the end is the one that just touches the disc's speed, at the end of stick-slip. Its
 //! neighbours depart from the line at any s at which it repels, not only next to the disc's speed.
 //!
-//! The line repels at the rate `G |d mu / ds| - C`. Let s be the largest sliding speed below v at which that rate
-//! exceeds [`REPELS`] times the natural frequency, and `x(s)` the least x of the line up to there. A motion that departed
-//! towards the disc meets it at `x >= x(s)`. One that departed away from it was as fast as `v - s` at `x >= x(s)`, and
-//! its next turning point is as far out at least as its energy then carries it: against the least friction up to the
-//! speed v, and a damper that takes no more than `C (v - s)` times the distance.
+//! The line repels at the rate `r(s) = G |d mu / ds| - C`, which is also how K x rises with falling s along it. So from
+//! `s_0`, the largest sliding speed below v at which that rate exceeds [`REPELS`] times the natural frequency, down to s
+//! disturbances grow by `exp(E)`,
+//!
+//! ```text
+//! E(s) = integral from s to s_0 of r(s)^2 / [K (v - s)] ds
+//! ```
+//!
+//! and before, while a motion approaches the line at s as a free pad does, by `r(s)` times the root of `2 (s_0 - s) / (K v)` at
+//! most, which is added. A motion within the errors of the steps, [`ERROR`] times v, of the orbit that stays on the line is still on it as long as
+//! the distance grows to less than s, `E < ln(s / (ERROR v))`. It departs further down the line. Then it meets the disc's
+//! speed farther out than the line is there, or turns farther out than a motion that leaves that place at `v - s_0`.
 
 use crate::models::pad_on_disc::rigid_disc::planar_motion::{PlanarMotion, SlipEnd};
 use crate::numerics::root_location::bisect;
@@ -24,16 +31,25 @@ use crate::numerics::root_location::bisect;
 /// fixed steps stay as small as they are elsewhere.
 const REPELS: f64 = 1.0;
 
-/// How close the largest such sliding speed is located.
+/// How close the largest such sliding speed is located, relative to itself.
 const LOCATED: f64 = 1e-2;
 
-/// Where motions are that may have followed the repelling line.
+/// A bound of the errors of fixed steps over the disc's speed, with a margin of ten.
+const ERROR: f64 = 1e-4;
+
+/// Points of the integral over the line.
+const POINTS: u32 = 16;
+
+/// The share of a turning point's distance from steady sliding that a rough simulation may miss it by.
+const ROUGH: f64 = 1e-4;
+
+/// Where motions are that may be as near the orbit that stays on the repelling line as errors are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct SlowPassage {
     /// The least x at which they meet the disc's speed.
     meeting: f64,
-    /// The least x at which those turn that do not.
-    top: f64,
+    /// The pad's speed at which those have that x or more that do not meet it.
+    speed: f64,
 }
 
 impl PlanarMotion {
@@ -44,27 +60,59 @@ impl PlanarMotion {
 
     /// Whether a motion that turns at `x`, its largest in a swing, may have followed the repelling line.
     pub fn passes_slowly(&self, x: f64) -> bool {
-        self.slow_passage().is_some_and(|passage| x >= passage.top)
+        let Some(SlowPassage { meeting, speed }) = self.slow_passage() else { return false };
+        // It turns as far out at least as its energy carries it, against the friction of steady sliding and a damper that
+        // takes no more than at this speed.
+        let (from, drag) = (meeting - self.equilibrium(), self.damping * speed / self.stiffness);
+        let energy = (from + drag) * (from + drag) + speed * speed / self.stiffness;
+        let is_near = self.law.is_table() || x - self.equilibrium() >= energy.sqrt() - drag;
+        if x < meeting || !is_near {
+            return false;
+        }
+        let (size, state) = (self.size_of([meeting, speed]), [meeting, speed]);
+        let slip = self.rough_slip(state, size);
+        slip.end != SlipEnd::Turned || x >= slip.x - ROUGH * (slip.x - self.equilibrium()).abs()
     }
 
-    /// How the first swing of a motion in a state of slip ends.
-    pub fn first_swing_from(&self, state: [f64; 2]) -> SlipEnd {
-        let size = (state[0] - self.equilibrium()).abs().max(self.disc_speed / self.stiffness.sqrt());
-        let first = self.slip(state, size);
-        if first.end == SlipEnd::Turned { self.slip([first.x, 0.0], size).end } else { first.end }
+    /// Whether a motion in a state of slip is caught in one of its next `swings`, each to a turning point at the largest
+    /// x; `None` if that is not resolved.
+    pub fn is_caught_within(&self, swings: u32, state: [f64; 2]) -> Option<bool> {
+        let size = self.size_of(state);
+        let mut state = state;
+        for _ in 0..swings {
+            let slip = self.slip(state, size);
+            match slip.end {
+                SlipEnd::Turned => state = [slip.x, 0.0],
+                SlipEnd::Captured => return Some(true),
+                SlipEnd::Equilibrium => return Some(false),
+                SlipEnd::Unresolved => return None,
+            }
+        }
+        Some(false)
     }
 
     fn slow_passage(&self) -> Option<SlowPassage> {
         let (v, k) = (self.disc_speed, self.stiffness);
         let steep = self.damping + REPELS * k.sqrt();
-        let (sliding, pull) = self.law.last_steeper_than(steep, v, |bracket| {
+        let (first, least_pull) = self.law.last_steeper_than(steep, v, |bracket| {
             bisect(bracket, 50, LOCATED, |sliding| self.law.fall(sliding) > steep).1
         })?;
-        let meeting = (pull - self.damping * v) / k;
-        let (speed, from) = (v - sliding, meeting - self.equilibrium());
-        let drag = self.damping * speed / k;
-        // From x(s) on, with the energy there; below steady sliding it cannot turn before that.
-        let turning = (drag * drag + from * from + 2.0 * drag * from + speed * speed / k).max(0.0).sqrt() - drag;
-        Some(SlowPassage { meeting, top: self.equilibrium() + turning.max(from) })
+        // In the root of s, as the rate may grow like its inverse; to the end of each part from its middle.
+        let part = 1.0 / f64::from(POINTS);
+        let mut growth = 0.0;
+        for i in 0..POINTS {
+            let root = 1.0 - (f64::from(i) + 0.5) * part;
+            let sliding = first * root * root;
+            let rate = (self.law.fall(sliding) - self.damping).max(0.0);
+            growth += rate * rate * 2.0 * first * root * part / (k * (v - sliding).max(ERROR * v));
+            let approach = rate * (2.0 * (first - sliding) / (k * v)).sqrt();
+            if growth + approach >= libm::log(sliding / (ERROR * v)) {
+                // From the beginning of this part on.
+                let begin = first * (root + 0.5 * part) * (root + 0.5 * part);
+                let pull = if self.law.is_table() { least_pull } else { self.law.coefficient(begin) };
+                return Some(SlowPassage { meeting: (pull - self.damping * v) / k, speed: v - first });
+            }
+        }
+        None
     }
 }
