@@ -111,8 +111,10 @@ fn every_key_that_the_example_shows_is_accepted() {
         let checked = place.run("check job.toml --threads 1");
         assert_eq!(checked.code, Some(0), "{line}\n{}", checked.stderr);
         assert!(!checked.stderr.contains("warning"), "{line}\n{}", checked.stderr);
-        // The values of the brake that are shown are those of the preset.
-        assert!(section != "model" || body(&checked.stdout) == plain, "{line}");
+        // The values of the brake that are shown are those of the preset. One of them is not listed unless it is given, as
+        // it follows another.
+        let listed = body(&checked.stdout).replace("effective_radius = 0.135\n", "");
+        assert!(section != "model" || listed == plain, "{line}");
     }
 }
 

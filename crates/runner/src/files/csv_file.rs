@@ -258,7 +258,7 @@ mod tests {
             "v;p\n12.5;0.1\n\n1e3;-0.25\n",
             "v;p\r\n12,5;0,1\r\n\r\n1000;-0,25\r\n;\r\n;\r\n",
             "v\tp\n12,5\t0,1\n\n1000\t-0,25\n",
-            "\"v\" ; \"p\"\n\"12,5\";\"0,1\"\n\n1,0e3 ; -0,25",
+            "\"v\";\"p\"\n\"12,5\";\"0,1\"\n\n1,0e3 ; -0,25",
             "\u{feff}v;p\n12,5;0,1\n\n1000;-0,25\n",
             "\u{feff}v,p\n12.5,0.1\n\n1000,-0.25\n",
             // A comma in a name, as Excel writes it beside semicolons; and the other way round.
