@@ -154,7 +154,7 @@ impl PlanarMotion {
     }
 
     /// One step of the method; the second value is the estimate of its error, over what is allowed of it elsewhere.
-    fn step(&self, state: [f64; 2], h: f64) -> ([f64; 2], [f64; 2]) {
+    pub fn step(&self, state: [f64; 2], h: f64) -> ([f64; 2], [f64; 2]) {
         let rate = |state| self.rate(state);
         match self.stiff_damping(state) {
             None => dormand_prince::step(rate, state, h),
@@ -262,9 +262,14 @@ impl PlanarMotion {
         if slip.end == SlipEnd::Turned {
             slip = self.rough_slip([slip.x, 0.0], size);
         }
+        slip.end == SlipEnd::Captured && self.is_clear_capture(&slip, size) && !is_narrow(slip.x)
+    }
+
+    /// Whether a capture in a rough simulation is as fast as to be clear.
+    pub fn is_clear_capture(&self, slip: &Slip, size: f64) -> bool {
         let rate = self.rate([slip.x, self.disc_speed])[1];
-        let is_fast = rate > CLEAR_RATE * self.disc_speed * self.stiffness.sqrt();
-        slip.end == SlipEnd::Captured && is_fast && !is_narrow(slip.x)
+        let frequency = self.stiffness.sqrt();
+        size * frequency <= CLEAR_SIZE * self.disc_speed && rate > CLEAR_RATE * self.disc_speed * frequency
     }
 
     /// A time within the step `h` from `state` to `next` at which the pad is not slower than the disc, if there is one:

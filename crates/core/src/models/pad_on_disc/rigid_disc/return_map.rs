@@ -139,7 +139,7 @@ impl PlanarMotion {
     /// The fate of a motion in a state of slip, up to its first capture.
     pub fn fate_from(&self, state: [f64; 2]) -> Fate {
         let size = self.size_of(state);
-        if self.is_clearly_caught(state, size, |x| self.meets_slowly(x)) {
+        if self.is_clearly_caught(state, size, |x| self.meets_slowly_if_rough(x)) {
             return Fate::Captured;
         }
         let first = self.slip(state, size);
