@@ -47,6 +47,9 @@ const NARROW: f64 = 500.0;
 /// Points of the integral over the line.
 const POINTS: u32 = 16;
 
+/// Local error of that simulation in one step, over its size: far below `s_0 / v`.
+const ROUGH_TOP: f64 = 1e-7;
+
 /// The share of a turning point's distance from steady sliding that a rough simulation may miss it by.
 const ROUGH: f64 = 1e-3;
 
@@ -105,7 +108,7 @@ impl PlanarMotion {
         let (mut state, mut h) = (from, 1e-2 / frequency);
         for _ in 0..MOST_ROUGH_STEPS {
             let (next, error) = self.step(state, h);
-            let error = (error[0].abs() / size).max(error[1].abs() / (size * frequency)) / (0.1 * ROUGH);
+            let error = (error[0].abs() / size).max(error[1].abs() / (size * frequency)) / ROUGH_TOP;
             if error.is_nan() || next[1] >= v {
                 return None;
             }
@@ -127,8 +130,8 @@ impl PlanarMotion {
     /// x; `None` if that is not resolved. Where a rough simulation is clear, it decides.
     pub fn is_caught_within(&self, swings: u32, state: [f64; 2]) -> Option<bool> {
         let size = self.size_of(state);
-        let rough = self.last_swing(swings, state, |state| self.rough_slip(state, size));
-        if let Some(line) = self.repelling_line() {
+        if let Some(line) = self.repelling_line().filter(|line| !self.is_narrow(line)) {
+            let rough = self.last_swing(swings, state, |state| self.rough_slip(state, size));
             let departure = self.departure(&line, ROUGH_ERROR);
             let is_clear = match rough.end {
                 SlipEnd::Captured => rough.x < departure[0] && self.is_clear_capture(&rough, size),
