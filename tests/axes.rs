@@ -458,7 +458,7 @@ fn the_pad_slides_at_its_effective_radius() {
     let at_the_edge = exact("edge", &format!("rotating_speed = {speeds:?}"));
     let force = 0.020 * 0.026 * 3.816e7 * 3.249e7 / (3.816e7 + 3.249e7);
     for (i, radius) in radii.into_iter().enumerate() {
-        let critical = 0.25 + 369.0 * 0.72 * (radius * 12.0 / 0.72_f64).exp() / force;
+        let critical = 0.25 + 369.0 * 0.72 * libm::exp(radius * 12.0 / 0.72) / force;
         let expected = 0.5 * libm::erfc((critical - 0.39) / (0.2 * 0.39) / std::f64::consts::SQRT_2);
         for surface in [&given, &at_the_edge] {
             assert!((surface.column("p_unstable")[i] / expected - 1.0).abs() < 1e-11, "{radius}");
