@@ -19,11 +19,14 @@
 //! E(s) = integral from s to s_0 of r(s)^2 / [K (v - s)] ds
 //! ```
 //!
-//! and before, while a motion approaches the line at s as a free pad does, by `r(s)` times the root of `2 (s_0 - s) / (K v)` at
-//! most, which is added. A motion within the errors of the steps, [`ERROR`] times v, of the orbit that stays on the line is still on it as long as
-//! the distance grows to less than s, `E < ln(s / (ERROR v))`. It departs further down the line. Then it meets the disc's
-//! speed farther out than the line is there, or turns farther out than the motion through that place of the line, since
-//! orbits do not cross.
+//! and before, while a motion approaches the line at s as a free pad does, by the exponential of `r(s)` times the root of
+//! `2 (s_0 - s) / (K v)` at most, which is added to E. A motion within the errors of the steps, [`ERROR`] times v, of the
+//! orbit that stays on the line is still on it as long as the distance grows to less than s, `E < ln(s / (ERROR v))`. It
+//! departs further down the line. Then it meets the disc's speed farther out than the line is there, or turns farther out
+//! than the motion through that place of the line, since orbits do not cross.
+//!
+//! The bounds of errors are estimates. What they give was tested on both sides of the end of stick-slip, see
+//! docs/methods.md.
 
 use crate::models::pad_on_disc::rigid_disc::planar_motion::{PlanarMotion, Slip, SlipEnd};
 use crate::numerics::dormand_prince;
