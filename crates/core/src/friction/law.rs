@@ -243,7 +243,7 @@ impl FrictionLaw {
 
     /// Whether friction surely falls at no speed.
     pub(crate) fn never_falls(&self) -> bool {
-        !matches!(self.shape, Shape::Table(_)) && self.falling() <= 0.0
+        !self.is_table() && self.falling() <= 0.0
     }
 
     /// The speed in `from..=to` at which friction falls most steeply, for `f_s >= f_c`; `from` > 0.

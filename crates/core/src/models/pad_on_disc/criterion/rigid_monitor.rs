@@ -136,14 +136,10 @@ impl RigidMonitor {
         }
     }
 
-    /// Whether the motion surely comes to rest, which makes it stable.
+    /// Whether a motion without a verdict surely comes to rest.
     #[inline]
-    fn comes_to_rest_from(&mut self, x: f64, speed: f64) -> bool {
-        let is_stable = self.verdict.is_none() && !self.is_known_unstable && self.motion.comes_to_rest(x, speed);
-        if is_stable {
-            self.verdict = Some(Verdict::Stable);
-        }
-        is_stable
+    fn comes_to_rest(&self, x: f64, speed: f64) -> bool {
+        self.verdict.is_none() && !self.is_known_unstable && self.motion.comes_to_rest(x, speed)
     }
 
     /// Whether the motion since the start or the last release is caught, within so many swings, as the return map finds it
@@ -229,12 +225,9 @@ impl Monitor for RigidMonitor {
 
     #[inline]
     fn check(&mut self, x: f64, speed: f64) {
-        if self.comes_to_rest_from(x, speed) {
-            // It may have passed the disc's speed by since its last turning point.
-            self.verdict = None;
-            if self.is_confirmed(false, self.tops + 1, |_| true) {
-                self.verdict = Some(Verdict::Stable);
-            }
+        // It may have passed the disc's speed by since its last turning point.
+        if self.comes_to_rest(x, speed) && self.is_confirmed(false, self.tops + 1, |_| true) {
+            self.verdict = Some(Verdict::Stable);
         }
     }
 
@@ -259,7 +252,9 @@ impl Observer for RigidMonitor {
         if a > 0.0 && !is_first && !self.is_confirmed(false, self.tops, |motion| motion.passes_slowly(x)) {
             return;
         }
-        self.comes_to_rest_from(x, 0.0);
+        if self.comes_to_rest(x, 0.0) {
+            self.verdict = Some(Verdict::Stable);
+        }
         if a <= 0.0 || self.verdict.is_some() {
             return;
         }

@@ -93,6 +93,11 @@ pub(crate) struct Overtaking {
     pub x: f64,
 }
 
+/// The last of some swings, or the first that does not end where it turns.
+pub(super) fn last_swing(swings: u32, state: [f64; 2], slip: impl Fn([f64; 2]) -> Slip) -> Slip {
+    (1..swings).fold(slip(state), |last, _| if last.end == SlipEnd::Turned { slip([last.x, 0.0]) } else { last })
+}
+
 impl PlanarMotion {
     /// Steady sliding, x0.
     pub fn equilibrium(&self) -> f64 {
@@ -252,17 +257,14 @@ impl PlanarMotion {
     }
 
     /// Whether a motion in a state of slip is caught before it has completed a swing, by a margin that a rough
-    /// simulation resolves. False also where only a precise one can decide: `is_narrow` says that of the x at which it
+    /// simulation resolves. False also where only a precise one can decide: `is_in_doubt` says that of the x at which it
     /// meets the disc's speed.
-    pub fn is_clearly_caught(&self, from: [f64; 2], size: f64, is_narrow: impl Fn(f64) -> bool) -> bool {
+    pub fn is_clearly_caught(&self, from: [f64; 2], size: f64, is_in_doubt: impl Fn(f64) -> bool) -> bool {
         if size * self.stiffness.sqrt() > CLEAR_SIZE * self.disc_speed {
             return false;
         }
-        let mut slip = self.rough_slip(from, size);
-        if slip.end == SlipEnd::Turned {
-            slip = self.rough_slip([slip.x, 0.0], size);
-        }
-        slip.end == SlipEnd::Captured && self.is_clear_capture(&slip, size) && !is_narrow(slip.x)
+        let slip = last_swing(2, from, |state| self.rough_slip(state, size));
+        slip.end == SlipEnd::Captured && self.is_clear_capture(&slip, size) && !is_in_doubt(slip.x)
     }
 
     /// Whether a capture in a rough simulation is as fast as to be clear.

@@ -28,7 +28,7 @@
 //! The bounds of errors are estimates. What they give was tested on both sides of the end of stick-slip, see
 //! docs/methods.md.
 
-use crate::models::pad_on_disc::rigid_disc::planar_motion::{PlanarMotion, Slip, SlipEnd};
+use crate::models::pad_on_disc::rigid_disc::planar_motion::{PlanarMotion, SlipEnd, last_swing};
 use crate::numerics::dormand_prince;
 use crate::numerics::root_location::bisect;
 
@@ -134,7 +134,7 @@ impl PlanarMotion {
     pub fn is_caught_within(&self, swings: u32, state: [f64; 2]) -> Option<bool> {
         let size = self.size_of(state);
         if let Some(line) = self.repelling_line().filter(|line| !self.is_narrow(line)) {
-            let rough = self.last_swing(swings, state, |state| self.rough_slip(state, size));
+            let rough = last_swing(swings, state, |state| self.rough_slip(state, size));
             let departure = self.departure(&line, ROUGH_ERROR);
             let is_clear = match rough.end {
                 SlipEnd::Captured => rough.x < departure[0] && self.is_clear_capture(&rough, size),
@@ -145,16 +145,11 @@ impl PlanarMotion {
                 return Some(rough.end == SlipEnd::Captured);
             }
         }
-        match self.last_swing(swings, state, |state| self.slip(state, size)).end {
+        match last_swing(swings, state, |state| self.slip(state, size)).end {
             SlipEnd::Captured => Some(true),
             SlipEnd::Turned | SlipEnd::Equilibrium => Some(false),
             SlipEnd::Unresolved => None,
         }
-    }
-
-    /// The last of some swings, or the first that does not end where it turns.
-    fn last_swing(&self, swings: u32, state: [f64; 2], slip: impl Fn([f64; 2]) -> Slip) -> Slip {
-        (1..swings).fold(slip(state), |last, _| if last.end == SlipEnd::Turned { slip([last.x, 0.0]) } else { last })
     }
 
     /// Whether fixed steps do not resolve the line.
