@@ -14,7 +14,7 @@ const MOST_VALUES: usize = MOST_ROWS;
 /// The distribution of a list of values.
 pub fn from_values(values: &[f64]) -> Result<Empirical, String> {
     if values.len() > MOST_VALUES {
-        return Err(format!("more than {MOST_VALUES} values are too many"));
+        return Err(format!("{} values are too many; the limit is {MOST_VALUES}", values.len()));
     }
     Empirical::new(values).map_err(|error: EmpiricalError| error.to_string())
 }
