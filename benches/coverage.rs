@@ -28,7 +28,7 @@ use stickslip_sampler::estimate::{audit, conditional, randomisations};
 use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw, PairParameter};
 use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::pair::Pair;
-use stickslip_sampler::rare::population::Points as DeviatePoints;
+use stickslip_sampler::rare::points::Points as DeviatePoints;
 use stickslip_sampler::rare::whole;
 use stickslip_sampler::special_functions::normal;
 

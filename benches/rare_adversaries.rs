@@ -18,7 +18,7 @@ use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw};
 use stickslip_sampler::integrate::pair::Pair;
-use stickslip_sampler::rare::population::Points;
+use stickslip_sampler::rare::points::{Continuous, LimitState, Points};
 use stickslip_sampler::rare::whole;
 use stickslip_sampler::special_functions::normal;
 
@@ -87,8 +87,101 @@ fn islands() -> Vec<(String, Region, f64)> {
 }
 
 fn main() {
-    shapes();
-    brakes();
+    // A part by its name, or all.
+    let wanted = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    for (name, part) in [("shapes", shapes as fn()), ("smooth", smooth), ("brakes", brakes)] {
+        if wanted.as_deref().is_none_or(|wanted| wanted == name) {
+            part();
+        }
+    }
+}
+
+/// A limit state.
+type Limit = Box<dyn Fn(&[f64]) -> f64>;
+
+/// Limit states with gradients, each with the probability that it is below zero.
+fn limit_states() -> Vec<(String, usize, Limit, f64)> {
+    let mut found: Vec<(String, usize, Limit, f64)> = Vec::new();
+    for inputs in [2, 10, 20] {
+        for p in [1e-3, 1e-6, 1e-9] {
+            let limit = -normal::quantile(p);
+            let root = libm::sqrt(inputs as f64);
+            let state: Limit = Box::new(move |u| limit - u.iter().sum::<f64>() / root);
+            found.push(("plane".to_owned(), inputs, state, p));
+        }
+    }
+    for (near, far) in [(4.0, 4.1), (4.0, 4.6), (3.0, 5.0)] {
+        let tails = [near, far].map(normal::upper_tail);
+        let state: Limit = Box::new(move |u| (near - u[0]).min(far + u[1]));
+        found.push((format!("branches at {near} and {far}"), 4, state, tails[0] + tails[1] - tails[0] * tails[1]));
+    }
+    for (from, to) in [(4.0, 4.3), (5.0, 5.5)] {
+        for beyond in [5.5, 6.5] {
+            let state: Limit = Box::new(move |u| {
+                let slab = (u[0] - 0.5 * (from + to)).abs() - 0.5 * (to - from);
+                slab.min(beyond - u[1..].iter().sum::<f64>() / 3.0)
+            });
+            let (slab, branch) = (between(from, to), normal::upper_tail(beyond));
+            let p = slab + branch - slab * branch;
+            found.push((format!("slab from {from} to {to}, branch at {beyond}"), 10, state, p));
+        }
+    }
+    for (bend, limit) in [(0.1, 4.5), (-0.05, 4.5), (0.3, 3.5)] {
+        // A paraboloid: the sum of the squares of nine deviates is integrated over.
+        let state: Limit = Box::new(move |u| limit + bend * u[1..].iter().map(|u| u * u).sum::<f64>() - u[0]);
+        let step = 0.001;
+        let chi = |x: f64| libm::pow(x, 3.5) * libm::exp(-0.5 * x) / (libm::pow(2.0, 4.5) * 11.631_728_396_567_448);
+        let term = |i: i32| {
+            let x = step * (f64::from(i) + 0.5);
+            step * chi(x) * normal::upper_tail(limit + bend * x)
+        };
+        found.push((format!("paraboloid of {bend} at {limit}"), 10, state, (0..100_000).map(term).sum()));
+    }
+    for radius in [4.5, 6.0] {
+        let state: Limit = Box::new(move |u| radius - libm::sqrt(u[0] * u[0] + u[1] * u[1]));
+        found.push((format!("ring beyond {radius}"), 2, state, ring(radius, 40.0)));
+    }
+    for waves in [1.5, 3.0] {
+        let state: Limit = Box::new(move |u| 4.5 + libm::cos(waves * u[1]) - u[0]);
+        let term = |i: i32| {
+            let x = 0.001 * f64::from(i);
+            0.001 * normal::density(x) * normal::upper_tail(4.5 + libm::cos(waves * x))
+        };
+        found.push((format!("{waves} waves"), 2, state, (-10_000..=10_000).map(term).sum()));
+    }
+    found
+}
+
+/// Limit states with gradients: the same columns.
+fn smooth() {
+    println!();
+    let (mut all, mut given_all, mut covered_all) = (0, 0, 0);
+    for (name, inputs, state, truth) in limit_states() {
+        let (mut given, mut covered, mut worst, mut evaluations) = (0, 0, 0.0_f64, 0.0);
+        let mut squares = 0.0;
+        let started = std::time::Instant::now();
+        for seed in 0..SEEDS {
+            let found = whole::importance(inputs, 128, seed, 0.95, &mut LimitState(&state)).unwrap();
+            evaluations += found.evaluations / SEEDS as f64;
+            if let Some(p) = found.estimate.probability {
+                given += 1;
+                squares += (p / truth - 1.0) * (p / truth - 1.0);
+                covered += u64::from(found.estimate.low <= truth && truth <= found.estimate.high);
+                let end = if p < truth { found.estimate.high } else { found.estimate.low };
+                worst = worst.max((p - truth).abs() / (end - p).abs());
+            }
+        }
+        let seconds = started.elapsed().as_secs_f64() / SEEDS as f64;
+        (all, given_all, covered_all) = (all + SEEDS, given_all + given, covered_all + covered);
+        let coverage = covered as f64 / given as f64;
+        let error = 100.0 * libm::sqrt(squares / given as f64);
+        println!(
+            "{name:<36} {inputs:>6} {truth:>9.2e} {given:>6} {coverage:>8.3} {worst:>7.2} {evaluations:>11.0} {error:>6.1} % {:>8.2} ms",
+            1e3 * seconds
+        );
+    }
+    let coverage = covered_all as f64 / given_all as f64;
+    println!("{given_all} of {all} given, {coverage:.4} of these intervals contain the truth");
 }
 
 /// Regions in closed form.
@@ -207,7 +300,7 @@ fn of_brakes(thread: usize, threads: usize, count: usize) -> Vec<Found> {
             && is_wanted(regions)
         {
             single += usize::from(regions < 2);
-            let mut integrand = |points: &Points| Some(points.iter().map(|u| brake.given(u)).collect());
+            let mut integrand = Continuous(|points: &Points| Some(points.iter().map(|u| brake.given(u)).collect()));
             let estimate = whole::importance(2, 128, seed, 0.95, &mut integrand).unwrap().estimate;
             all.push(Found { seed, regions, truth, estimate });
         }
@@ -261,13 +354,13 @@ impl Brake {
 
     /// The probability, by the trapezoidal rule, and how many regions of the speed matter.
     fn truth(&self) -> (f64, usize) {
-        let coarse = 0.8;
+        let coarse = 0.4;
         let given = |speed: f64| -> f64 {
             let at = |k: i32| {
                 let damping = coarse * f64::from(k);
                 self.given(&[speed, damping]).unwrap_or(0.0) * normal::density(damping) * coarse
             };
-            (-10..=10).map(at).sum()
+            (-20..=20).map(at).sum()
         };
         let along = along(given);
         (along.iter().sum::<f64>() * FINE, regions(&along))

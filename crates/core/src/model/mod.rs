@@ -12,6 +12,7 @@
 //! | the boundary of stability in two quantities in closed form | [`ClosedForm`] | integrals in place of samples, critical values |
 //! | decisions by simulation, many at once, interruptible | [`Simulation`] | samples that cost much |
 //! | growth rate and limit cycle | [`Behaviours`] | what a cell with exactly the expected values does |
+//! | how far a sample is from instability | [`Configuration::limit_states`] | rare events by design points |
 //! | a map of verdicts over two quantities | [`Configuration::map_origin`] | samples that are looked up, integrals |
 //! | the settled amplitude beside the verdict | [`Model::records_amplitude`] | distributions of it |
 //!
@@ -265,6 +266,18 @@ pub trait Configuration: Any + Send + Sync {
     /// Its boundary of stability, if it is known in closed form.
     fn closed_form(&self) -> Option<&dyn ClosedForm> {
         None
+    }
+
+    /// Limit states of samples: a continuous function of what varies, with a gradient nearly everywhere, that is below zero
+    /// where a sample is unstable. Not a number for samples that have none; `None` if it is known of no sample. Unless a
+    /// model says more, that of its closed form.
+    fn limit_states(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
+        let form = self.closed_form()?;
+        let of_sample = |sample: usize| {
+            let values: Vec<f64> = samples.sample(sample).collect();
+            form.boundary_of(&values).map_or(f64::NAN, |boundary| boundary.limit_state(values[0], values[1]))
+        };
+        Some((0..samples.len()).map(of_sample).collect())
     }
 }
 

@@ -2,6 +2,9 @@
 
 use crate::model::verdict::{Verdict, VerdictCounts};
 
+/// The largest limit state.
+const FARTHEST: f64 = 700.0;
+
 /// The hyperbola `a (b - b_0) = critical_product` that separates stable from unstable samples in the plane of two
 /// quantities `a` and `b`, called the first and the second. For a pad or an oscillator with friction these are what
 /// presses, and the static friction coefficient.
@@ -96,6 +99,17 @@ impl PairBoundary {
         let driving = first * self.driving(second);
         // `&`, not `&&`: the loop over samples then has no branches and runs in vector registers.
         (first > 0.0) & (second >= self.least_second) & (driving > self.critical_product)
+    }
+
+    /// A limit state: `ln(critical_product / (a (by_second b + offset)))`, below zero where samples are unstable, from -700
+    /// to 700, which is also that of samples outside the model.
+    #[must_use]
+    pub fn limit_state(&self, first: f64, second: f64) -> f64 {
+        let driving = self.driving(second);
+        if !(first > 0.0 && second >= self.least_second && driving > 0.0) {
+            return FARTHEST;
+        }
+        libm::log(self.critical_product / (first * driving)).clamp(-FARTHEST, FARTHEST)
     }
 
     /// The verdicts on samples `(firsts[i], seconds[i])`, counted.

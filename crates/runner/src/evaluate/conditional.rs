@@ -8,6 +8,7 @@ use stickslip_core::model::{Configuration, ModelError};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::{Correlation, InputDistribution};
 use stickslip_sampler::integrate::pair::Pair;
+use stickslip_sampler::rare::points::{Continuous, Integrand, Points};
 
 use crate::job::Job;
 use stickslip_core::model::IsStopped;
@@ -122,4 +123,28 @@ impl<'a> ConditionalCell<'a> {
         deviates[others.len()..].fill(0.0);
         Some(self.pair.probability(&boundary, &law, TOLERANCE))
     }
+}
+
+/// Probabilities of instability given the deviates of the inputs that are not integrated over.
+pub(super) fn integrand<'a>(
+    conditional: &'a Conditional,
+    job: &'a Job,
+    cell: &'a Cell,
+    is_stopped: IsStopped<'a>,
+) -> impl Integrand + 'a {
+    // None if no sample of the cell is admissible.
+    let of_cell = ConditionalCell::new(conditional, job, cell).ok();
+    let mut sample = Vec::new();
+    Continuous(move |points: &Points| {
+        let mut values = Vec::with_capacity(points.len());
+        for point in points.iter() {
+            if is_stopped() {
+                return None;
+            }
+            sample.clear();
+            sample.extend(point.iter().chain(&[0.0; 2]));
+            values.push(of_cell.as_ref().and_then(|of_cell| of_cell.probability(&mut sample)));
+        }
+        Some(values)
+    })
 }

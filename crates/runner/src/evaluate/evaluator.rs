@@ -16,12 +16,13 @@ use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::conditional::ProbabilitySums;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::grid::Cell;
+use stickslip_sampler::rare::points::{Integrand, Points as DeviatePoints};
 
-use crate::evaluate::conditional::{Conditional, ConditionalCell};
+use crate::evaluate::conditional::{self, Conditional};
 use crate::evaluate::criteria::Criteria;
 use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
-use crate::evaluate::rare_events::{RareEvents, Values};
+use crate::evaluate::rare_events::RareEvents;
 use crate::evaluate::samples::{Drawing, Samples};
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
@@ -114,8 +115,11 @@ impl<'a> Evaluator<'a> {
         let configuration = self.job.grid.configuration_index(cell.index);
         let mut unit = self.empty_unit(part, samples.clone());
         if let Some(rare_events) = &self.rare_events {
-            let mut values = self.values(&cell, is_stopped);
-            let sums = rare_events.evaluate(self.job, &cell, place, samples, &mut *values, &mut unit)?;
+            let mut integrand: Box<dyn Integrand> = match &self.conditional {
+                Some(conditional) => Box::new(conditional::integrand(conditional, self.job, &cell, is_stopped)),
+                None => Box::new(DecidedIntegrand::new(self, &cell, is_stopped)),
+            };
+            let sums = rare_events.evaluate(self.job, &cell, place, samples, &mut *integrand, &mut unit)?;
             self.layout.add_weighted(&mut unit.sums, &sums);
             return Some(unit);
         }
@@ -158,37 +162,6 @@ impl<'a> Evaluator<'a> {
         }
         self.record_lookups(&mut unit, lookups);
         Some(unit)
-    }
-
-    /// Decides points in the space of deviates, for samples with weights.
-    fn values<'v>(&'v self, cell: &'v Cell, is_stopped: IsStopped<'v>) -> Box<Values<'v>> {
-        if let Some(conditional) = &self.conditional {
-            let of_cell = ConditionalCell::new(conditional, self.job, cell).ok();
-            let mut sample = Vec::new();
-            return Box::new(move |points| {
-                let mut values = Vec::with_capacity(points.len());
-                for point in points.iter() {
-                    if is_stopped() {
-                        return None;
-                    }
-                    sample.clear();
-                    sample.extend(point.iter().chain(&[0.0; 2]));
-                    values.push(of_cell.as_ref().and_then(|of_cell| of_cell.probability(&mut sample)));
-                }
-                Some(values)
-            });
-        }
-        let mut drawing = self.draw(cell, 0, &(0..0), Points::Random);
-        Box::new(move |points| {
-            let samples = drawing.of_deviates(points.iter());
-            let decisions = self.decide(cell, samples, &[], &mut Lookups::default(), is_stopped)?;
-            let value = |decision: Decision| match decision.verdict {
-                Verdict::Unstable => Some(1.0),
-                Verdict::Stable => Some(0.0),
-                Verdict::Undecided | Verdict::Failed => None,
-            };
-            Some(decisions.into_iter().map(value).collect())
-        })
     }
 
     /// A unit of which nothing is counted yet.
@@ -366,6 +339,13 @@ impl<'a> Evaluator<'a> {
         configuration.outside(&Columns::new(samples.len(), &samples.columns()))
     }
 
+    /// How far samples of a cell are from instability, where their model has such a function.
+    fn limit_states(&self, cell: &Cell, samples: &Samples) -> Option<Vec<f64>> {
+        let configuration = self.criteria.configuration(self.job, self.job.grid.configuration_index(cell.index))?;
+        let within = self.within(cell, samples);
+        configuration.limit_states(&Columns::new(within.len(), &within.columns()))
+    }
+
     /// The samples that are decided: those outside the model are clamped if the job says so.
     fn within<'s>(&self, cell: &Cell, samples: &'s Samples) -> Cow<'s, Samples> {
         self.clamped(cell, samples).map_or(Cow::Borrowed(samples), Cow::Owned)
@@ -443,6 +423,39 @@ impl<'a> Evaluator<'a> {
                 audit::choose(self.job.sampling.seed, key, numbers, share)
             }
         }
+    }
+}
+
+/// Verdicts on points in the space of deviates, and how far these are from instability.
+struct DecidedIntegrand<'a> {
+    evaluator: &'a Evaluator<'a>,
+    cell: &'a Cell,
+    is_stopped: IsStopped<'a>,
+    drawing: Drawing<'a>,
+}
+
+impl<'a> DecidedIntegrand<'a> {
+    fn new(evaluator: &'a Evaluator<'a>, cell: &'a Cell, is_stopped: IsStopped<'a>) -> Self {
+        let drawing = evaluator.draw(cell, 0, &(0..0), Points::Random);
+        Self { evaluator, cell, is_stopped, drawing }
+    }
+}
+
+impl Integrand for DecidedIntegrand<'_> {
+    fn values(&mut self, points: &DeviatePoints) -> Option<Vec<Option<f64>>> {
+        let samples = self.drawing.of_deviates(points.iter());
+        let decisions = self.evaluator.decide(self.cell, samples, &[], &mut Lookups::default(), self.is_stopped)?;
+        let value = |decision: &Decision| match decision.verdict {
+            Verdict::Unstable => Some(1.0),
+            Verdict::Stable => Some(0.0),
+            Verdict::Undecided | Verdict::Failed => None,
+        };
+        Some(decisions.iter().map(value).collect())
+    }
+
+    fn limit_states(&mut self, points: &DeviatePoints, _: &[Option<f64>]) -> Option<Vec<f64>> {
+        let samples = self.drawing.of_deviates(points.iter());
+        self.evaluator.limit_states(self.cell, samples)
     }
 }
 

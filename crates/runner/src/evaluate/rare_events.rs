@@ -9,7 +9,8 @@ use stickslip_sampler::draw::deviates::Points as Source;
 use stickslip_sampler::draw::identity::{Generator, Purpose, block_generator};
 use stickslip_sampler::estimate::weighted::{Event, WeightedSums};
 use stickslip_sampler::grid::Cell;
-use stickslip_sampler::rare::population::{Effort, Points, Search};
+use stickslip_sampler::rare::exploration::{Effort, Search};
+use stickslip_sampler::rare::points::{Integrand, Points};
 use stickslip_sampler::rare::proposal::Proposal;
 
 use crate::evaluate::unit::FinishedUnit;
@@ -29,10 +30,6 @@ const MOST_KEPT: usize = 64;
 
 /// A probability above this counts as an unstable sample.
 const HALF: f64 = 0.5;
-
-/// `g` of samples: 1 if it is unstable, 0 if not, or the probability of instability given the sample; `None` without a
-/// verdict. The outer `None` if it is stopped before.
-pub type Values<'a> = dyn FnMut(&Points) -> Option<Vec<Option<f64>>> + 'a;
 
 /// How many populations the randomisations of a cell share: randomisation `r` uses population `r` modulo this number.
 pub fn populations(job: &Job) -> usize {
@@ -85,14 +82,14 @@ impl RareEvents {
         cell: &Cell,
         randomisation: usize,
         samples: Range<u64>,
-        values: &mut Values<'_>,
+        integrand: &mut dyn Integrand,
         unit: &mut FinishedUnit,
     ) -> Option<WeightedSums> {
         let mut sums = WeightedSums::default();
         if job.answer() == Answer::Population {
             for _ in samples {
                 let mut generator = generator(job, cell, randomisation as u64);
-                let mut search = Search::new(self.dimensions, self.effort, &mut generator, values);
+                let mut search = Search::new(self.dimensions, self.effort, &mut generator, integrand);
                 let (explored, population) = search.population()?;
                 let (without, event) = (explored.without_verdict, explored.event);
                 sums.add_population(population.probability, without, explored.of_inputs(), event);
@@ -103,7 +100,7 @@ impl RareEvents {
             return Some(sums);
         }
         let number = randomisation % populations(job);
-        let Found { proposal, evaluations } = self.found(job, cell, number as u64, values)?;
+        let Found { proposal, evaluations } = self.found(job, cell, number as u64, integrand)?;
         // Each population is counted once, with the first sample of the first randomisation that uses it.
         if samples.start == 0 && randomisation == number {
             sums.add_evaluations(evaluations);
@@ -123,7 +120,7 @@ impl RareEvents {
                 weights.push(proposal.draw(&mut point, &mut scratch));
                 points.push(point);
             }
-            for (drawn, value) in weights.iter().zip(values(&points)?) {
+            for (drawn, value) in weights.iter().zip(integrand.values(&points)?) {
                 let of_event = value.map(|value| proposal.event().value(value));
                 sums.add(drawn.weight, of_event, drawn.is_of_inputs, proposal.event());
                 unit.counts += match value {
@@ -139,12 +136,12 @@ impl RareEvents {
     }
 
     /// The density of a population of a cell; `None` if it is stopped before.
-    fn found(&self, job: &Job, cell: &Cell, number: u64, values: &mut Values<'_>) -> Option<Found> {
+    fn found(&self, job: &Job, cell: &Cell, number: u64, integrand: &mut dyn Integrand) -> Option<Found> {
         let place = self.place((cell.index, number));
         let mut found = locked(&place);
         if found.is_none() {
             let mut generator = generator(job, cell, number);
-            let mut search = Search::new(self.dimensions, self.effort, &mut generator, values);
+            let mut search = Search::new(self.dimensions, self.effort, &mut generator, integrand);
             let proposal = Arc::new(Proposal::find(&mut search)?);
             *found = Some(Found { proposal, evaluations: search.evaluations() });
         }

@@ -68,6 +68,15 @@ impl Event {
         }
     }
 
+    /// A limit state of this event, from that of instability.
+    #[must_use]
+    pub fn limit_state(self, of_instability: f64) -> f64 {
+        match self {
+            Self::Instability => of_instability,
+            Self::Stability => -of_instability,
+        }
+    }
+
     fn count(self, samples: i64) -> i64 {
         if self == Self::Stability { samples } else { 0 }
     }

@@ -5,7 +5,7 @@
 //! Stat. Soc. B 39 (1977) 1-38), from groups around points that lie far from each other.
 
 use crate::rare::gaussian::Gaussian;
-use crate::rare::population::Points;
+use crate::rare::points::Points;
 
 /// Largest number of groups.
 const MOST_GROUPS: usize = 4;

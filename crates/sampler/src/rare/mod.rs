@@ -8,7 +8,10 @@
 //! |---|---|
 //! | [`gaussian`] | normal densities, and their fit to points |
 //! | [`scatters`] | the enlarged scatters with which points are tried |
+//! | [`points`] | points in the space of deviates, and what is known of them |
+//! | [`exploration`] | points tried with these scatters |
 //! | [`population`] | deviates with the density `g(u) phi(u) / P`, found from such points |
+//! | [`design_points`] | the most probable points of regions, by the gradient of a limit state |
 //! | [`mixture`] | groups of points, each with a normal density |
 //! | [`proposal`] | the density from which samples are drawn, and their weights |
 //! | [`whole`] | a whole estimate in one call |
@@ -17,7 +20,13 @@ pub mod gaussian;
 
 pub mod scatters;
 
+pub mod points;
+
+pub mod exploration;
+
 pub mod population;
+
+pub mod design_points;
 
 pub mod mixture;
 

@@ -28,27 +28,15 @@ use std::ops::Range;
 
 use rand::RngExt;
 use rand::seq::SliceRandom;
-use rand_distr::StandardNormal;
-use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::estimate::conditional;
-use crate::estimate::weighted::Event;
+use crate::rare::exploration::{Effort, Explored, Search};
 use crate::rare::gaussian::Gaussian;
+use crate::rare::points::Points;
 use crate::rare::scatters::{Scatters, square};
 
-/// The enlargements of the scatter that are tried are the powers of this number below the largest.
-const ENLARGEMENT: f64 = 1.5;
-const LARGEST: f64 = 12.0;
-
 /// Points that are tried at each enlargement, for each particle.
-const TRIED: usize = 3;
-
-/// The mean of `g` at which the scatter is not enlarged any further.
-const FREQUENT: f64 = 0.1;
-
-/// Scatters beyond that one that are tried as well, unless it is that of the inputs: an island beside a region that becomes
-/// frequent is met there.
-const FURTHER: usize = 2;
+pub const TRIED: usize = 3;
 
 /// The effective number of points after a step, for each particle.
 const LEFT: f64 = 0.5;
@@ -75,100 +63,6 @@ const FIRST_STEPS: [f64; 2] = [0.5, 0.8];
 /// Bisections for the next step.
 const BISECTIONS: usize = 40;
 
-/// Points in the space of deviates, one after the other.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Points {
-    dimensions: usize,
-    coordinates: Vec<f64>,
-}
-
-impl Points {
-    /// No points yet.
-    #[must_use]
-    pub fn new(dimensions: usize) -> Self {
-        Self { dimensions, coordinates: Vec::new() }
-    }
-
-    /// The number of deviates of a point, at least one.
-    #[must_use]
-    pub fn dimensions(&self) -> usize {
-        self.dimensions
-    }
-
-    /// The number of points.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.coordinates.len() / self.dimensions.max(1)
-    }
-
-    /// Whether there are none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.coordinates.is_empty()
-    }
-
-    /// Adds a point.
-    pub fn push(&mut self, point: impl IntoIterator<Item = f64>) {
-        self.coordinates.extend(point);
-    }
-
-    /// The points.
-    #[must_use]
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[f64]> + Clone {
-        self.coordinates.chunks_exact(self.dimensions.max(1))
-    }
-
-    /// A point.
-    #[must_use]
-    pub fn get(&self, point: usize) -> &[f64] {
-        &self.coordinates[point * self.dimensions..][..self.dimensions]
-    }
-
-    fn replace(&mut self, point: usize, by: &[f64]) {
-        self.coordinates[point * self.dimensions..][..self.dimensions].copy_from_slice(by);
-    }
-}
-
-/// `g` at points, from 0 to 1 each, `None` without a verdict; the outer `None` if it is stopped before.
-pub type Integrand<'a> = dyn FnMut(&Points) -> Option<Vec<Option<f64>>> + 'a;
-
-/// Points that were tried with larger and larger scatter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Explored {
-    /// Those that may be unstable, and their `g`.
-    pub points: Points,
-    /// See above.
-    pub values: Vec<f64>,
-    /// The scatters, each with as many points.
-    pub scatters: Scatters,
-    /// The number of points.
-    pub tried: u64,
-    /// The probability that a sample has no verdict. Such points lead nowhere.
-    pub without_verdict: f64,
-    /// Whose `g` it is.
-    pub event: Event,
-}
-
-impl Explored {
-    /// What each point adds to the probability: `g phi / q` over the number of points.
-    #[must_use]
-    pub fn weights(&self) -> Vec<f64> {
-        let weight = |(point, value): (&[f64], &f64)| {
-            value * libm::exp(self.scatters.log_ratio(square(point), self.points.dimensions)) / self.tried as f64
-        };
-        self.points.iter().zip(&self.values).map(weight).collect()
-    }
-
-    /// The number of points that were tried without enlargement, and the sum of their `g`, if that was enough; else zeros.
-    #[must_use]
-    pub fn of_inputs(&self) -> [f64; 2] {
-        match self.scatters.enlargements() {
-            [_] => [self.tried as f64, self.values.iter().sum()],
-            _ => [0.0; 2],
-        }
-    }
-}
-
 /// Particles with the density `g(u) phi(u) / P`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Population {
@@ -179,99 +73,14 @@ pub struct Population {
     pub probability: f64,
 }
 
-/// How much is done to find a population.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Effort {
-    /// Particles.
-    pub particles: usize,
-    /// Moves of each after a step: some 4 to see where the particles lie, 8 for their probability, as with fewer moves in
-    /// ten dimensions it scatters by twice as much.
-    pub moves: usize,
-}
-
-/// The search for populations.
-pub struct Search<'a, 'g> {
-    dimensions: usize,
-    effort: Effort,
-    /// Values of `g` that were computed.
-    evaluations: u64,
-    /// What is looked for.
-    event: Event,
-    generator: &'a mut Xoshiro256PlusPlus,
-    integrand: &'a mut Integrand<'g>,
-}
-
-impl<'a, 'g> Search<'a, 'g> {
-    /// Begins.
-    pub fn new(
-        dimensions: usize,
-        effort: Effort,
-        generator: &'a mut Xoshiro256PlusPlus,
-        integrand: &'a mut Integrand<'g>,
-    ) -> Self {
-        Self { dimensions, effort, evaluations: 0, event: Event::Instability, generator, integrand }
-    }
-
-    /// The number of deviates.
-    #[must_use]
-    pub fn dimensions(&self) -> usize {
-        self.dimensions
-    }
-
-    /// Values of `g` that were computed.
-    #[must_use]
-    pub fn evaluations(&self) -> u64 {
-        self.evaluations
-    }
-
-    /// Tries points with larger and larger scatter, until instability is frequent; or stability, if it is the rarer of
-    /// both. `None` if it is stopped before.
-    pub fn explore(&mut self) -> Option<Explored> {
-        let dimensions = self.dimensions;
-        let count = TRIED * self.effort.particles;
-        let mut scatters = Scatters::default();
-        let (mut points, mut values, mut without) = (Points::new(dimensions), Vec::new(), Vec::new());
-        let (mut scale, mut tried, mut further) = (1.0, 0, 0);
-        while scale < LARGEST {
-            scatters.add(scale);
-            tried += count as u64;
-            let mut drawn = Points::new(dimensions);
-            drawn.push((0..count * dimensions).map(|_| scale * self.deviate()));
-            let mut found = self.evaluate(&drawn)?;
-            if tried == count as u64 && found.iter().flatten().sum::<f64>() > 0.5 * count as f64 {
-                self.event = Event::Stability;
-                found.iter_mut().flatten().for_each(|value| *value = self.event.value(*value));
-            }
-            for (point, value) in drawn.iter().zip(&found) {
-                match *value {
-                    None => without.push(square(point)),
-                    Some(value) if value > 0.0 => {
-                        points.push(point.iter().copied());
-                        values.push(value);
-                    }
-                    Some(_) => {}
-                }
-            }
-            if found.iter().flatten().sum::<f64>() >= FREQUENT * count as f64 {
-                if scale == 1.0 || further == FURTHER {
-                    break;
-                }
-                further += 1;
-            }
-            scale *= ENLARGEMENT;
-        }
-        let weight = |square: f64| libm::exp(scatters.log_ratio(square, dimensions));
-        let without_verdict = without.into_iter().map(weight).sum::<f64>() / tried as f64;
-        Some(Explored { points, values, scatters, tried, without_verdict, event: self.event })
-    }
-
+impl Search<'_> {
     /// Leads particles from the points at these places; `None` if it is stopped before.
     pub fn lead(&mut self, explored: &Explored, places: &[usize]) -> Option<Population> {
-        let Effort { particles, moves } = self.effort;
+        let Effort { particles, moves } = self.effort();
         // In no order: either half of the particles has the same distribution then.
         let mut places = places.to_vec();
         places.shuffle(self.generator);
-        let mut points = Points::new(self.dimensions);
+        let mut points = Points::new(self.dimensions());
         places.iter().for_each(|place| points.push(explored.points.get(*place).iter().copied()));
         let mut all = Particles {
             points,
@@ -294,7 +103,7 @@ impl<'a, 'g> Search<'a, 'g> {
 
     /// Spreads copies of a few particles over their region; `None` if it is stopped before.
     pub fn spread(&mut self, scatters: &Scatters, few: &[&[f64]]) -> Option<Points> {
-        let mut points = Points::new(self.dimensions);
+        let mut points = Points::new(self.dimensions());
         (0..SPREAD).for_each(|i| points.push(few[i % few.len()].iter().copied()));
         let values = self.evaluate(&points)?.into_iter().map(Option::unwrap_or_default).collect();
         let mut all = Particles { points, values, scatters, power: 1.0, steps: FIRST_STEPS, search: self };
@@ -304,26 +113,15 @@ impl<'a, 'g> Search<'a, 'g> {
 
     /// Tries points, and leads particles from all of them; `None` if it is stopped before.
     pub fn population(&mut self) -> Option<(Explored, Population)> {
-        let explored = self.explore()?;
+        let explored = self.explore(TRIED * self.effort().particles)?;
         let all: Vec<usize> = (0..explored.points.len()).collect();
         let population = self.lead(&explored, &all)?;
         Some((explored, population))
     }
-
-    fn deviate(&mut self) -> f64 {
-        self.generator.sample(StandardNormal)
-    }
-
-    fn evaluate(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
-        self.evaluations += points.len() as u64;
-        let mut values = (self.integrand)(points)?;
-        values.iter_mut().flatten().for_each(|value| *value = self.event.value(*value));
-        Some(values)
-    }
 }
 
 /// Particles on their way.
-struct Particles<'s, 'a, 'g> {
+struct Particles<'s, 'a> {
     points: Points,
     values: Vec<f64>,
     scatters: &'s Scatters,
@@ -331,14 +129,14 @@ struct Particles<'s, 'a, 'g> {
     power: f64,
     /// The steps of moves within the distribution of the inputs, and within that of the particles.
     steps: [f64; 2],
-    search: &'s mut Search<'a, 'g>,
+    search: &'s mut Search<'a>,
 }
 
-impl Particles<'_, '_, '_> {
+impl Particles<'_, '_> {
     /// Raises `t`, and draws so many particles by their weights: the logarithm of the mean of the weights.
     fn advance(&mut self, particles: usize) -> f64 {
         let logarithm = |(point, value): (&[f64], &f64)| {
-            libm::log(*value) + self.scatters.log_ratio(square(point), self.points.dimensions)
+            libm::log(*value) + self.scatters.log_ratio(square(point), self.points.dimensions())
         };
         let logarithms: Vec<f64> = self.points.iter().zip(&self.values).map(logarithm).collect();
         let most = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -361,7 +159,7 @@ impl Particles<'_, '_, '_> {
     fn draw_again(&mut self, weights: &[f64], count: usize) {
         let step = weights.iter().sum::<f64>() / count as f64;
         let first: f64 = self.search.generator.random();
-        let mut drawn = Points::new(self.points.dimensions);
+        let mut drawn = Points::new(self.points.dimensions());
         let mut values = Vec::with_capacity(count);
         let (mut point, mut sum) = (0, weights[0]);
         for i in 0..count {
@@ -379,7 +177,7 @@ impl Particles<'_, '_, '_> {
     /// Moves every point some times, by turns within a distribution like that of the inputs and within that of the
     /// particles.
     fn make_moves(&mut self, moves: usize) -> Option<()> {
-        let dimensions = self.points.dimensions;
+        let dimensions = self.points.dimensions();
         let mut squares: Vec<f64> = self.points.iter().map(square).collect();
         squares.sort_by(f64::total_cmp);
         let of_scatters = self.scatters.precision(squares[squares.len() / 2], dimensions);
@@ -403,7 +201,7 @@ impl Particles<'_, '_, '_> {
 
     /// The density fitted to some of the points, divided by `scale`.
     fn fitted(&self, points: Range<usize>, scale: f64) -> Option<Gaussian> {
-        let mut scaled = Points::new(self.points.dimensions);
+        let mut scaled = Points::new(self.points.dimensions());
         points.for_each(|i| scaled.push(self.points.get(i).iter().map(|u| u / scale)));
         Gaussian::fit(scaled.iter(), &vec![1.0; scaled.len()])
     }
@@ -411,7 +209,7 @@ impl Particles<'_, '_, '_> {
     /// Moves some of the points within a distribution, by the step of that number. It is that of points divided by
     /// `scale`.
     fn move_within(&mut self, which: usize, scale: f64, points: Range<usize>, around: &Gaussian) -> Option<()> {
-        let (step, dimensions) = (self.steps[which], self.points.dimensions);
+        let (step, dimensions) = (self.steps[which], self.points.dimensions());
         let rest = (1.0 - step * step).sqrt();
         let mut proposed = Points::new(dimensions);
         for i in points.clone() {
@@ -480,6 +278,7 @@ mod tests {
     use super::*;
     use crate::special_functions::normal;
     use rand::SeedableRng;
+    use rand_xoshiro::Xoshiro256PlusPlus;
 
     const EFFORT: Effort = Effort { particles: 300, moves: 8 };
 

@@ -7,10 +7,11 @@
 //! enlarged scatters with which points were tried, so that a region without a particle can still be met.
 
 use crate::estimate::weighted::{Event, MOST_WEIGHT};
+use crate::rare::design_points::Region;
+use crate::rare::exploration::{Explored, Search};
 use crate::rare::gaussian::Gaussian;
 use crate::rare::mixture::{self, Group};
-use crate::rare::population::{Explored, Population, SPREAD, Search};
-use crate::rare::scatters::Scatters;
+use crate::rare::population::{Population, SPREAD, TRIED};
 use crate::special_functions::normal;
 
 /// Shares of the samples: from the distribution of the inputs, from the enlarged ones, and of the rest from the
@@ -24,6 +25,9 @@ const ALONG: f64 = 0.4;
 /// much as so many others.
 const LEAST_MISSED: f64 = 1e-4;
 const MOST_TIMES: f64 = 10.0;
+
+/// Particles for each of the points that are tried at an enlargement where there is a limit state.
+const PARTICLES_TO_A_TRY: usize = 8;
 
 /// Largest number of populations whose densities are mixed, and the share of the samples that each gets at least.
 const MOST_POPULATIONS: usize = 4;
@@ -62,9 +66,28 @@ pub struct Weight {
 impl Proposal {
     /// Looks for a proposal; `None` if the search is stopped before.
     ///
-    /// Where points that were tried are missed by the densities of a population, another is led from them.
-    pub fn find(search: &mut Search<'_, '_>) -> Option<Self> {
-        let explored = search.explore()?;
+    /// Where there is a limit state, its gradient leads to design points. If it leads to a single one, around which the limit
+    /// state is about linear, the event is rare, and the few points that were tried have shown nothing else, that is all.
+    /// Else populations are led from many more points. Where points that were tried are missed by the densities so far, another population is
+    /// led from these.
+    pub fn find(search: &mut Search<'_>) -> Option<Self> {
+        let particles = search.effort().particles;
+        let mut regions = Vec::new();
+        if search.has_limit_states() {
+            let explored = search.explore(particles.div_ceil(PARTICLES_TO_A_TRY))?;
+            regions = search.design_points(&explored)?;
+            if let [region] = &regions[..]
+                && region.is_linear
+                && explored.scatters.enlargements().len() > 1
+            {
+                let populations = [(region.probability, vec![region.group.clone()])];
+                let proposal = Self::new(search.dimensions(), &explored, &populations);
+                if proposal.missed(&explored, region.probability).is_empty() {
+                    return Some(proposal);
+                }
+            }
+        }
+        let explored = search.explore(TRIED * particles)?;
         let mut populations: Vec<(f64, Vec<Group>)> = Vec::new();
         let mut places: Vec<usize> = (0..explored.points.len()).collect();
         loop {
@@ -80,18 +103,30 @@ impl Proposal {
                 }
             }
             populations.push((probability, groups));
-            let mut proposal = Self::new(search.dimensions(), &explored.scatters, &populations);
+            let proposal = Self::new(search.dimensions(), &explored, &populations);
             let probability = populations.iter().map(|(probability, _)| probability).sum();
-            proposal.event = explored.event;
             places = proposal.missed(&explored, probability);
             if places.is_empty() || populations.len() == MOST_POPULATIONS {
-                return Some(proposal);
+                regions.retain(|region| region.event == explored.event && proposal.misses(region, probability));
+                if regions.is_empty() {
+                    return Some(proposal);
+                }
+                let probability = regions.iter().map(|region| region.probability).sum();
+                populations.push((probability, regions.into_iter().map(|region| region.group).collect()));
+                return Some(Self::new(search.dimensions(), &explored, &populations));
             }
         }
     }
 
+    /// Whether a region matters, but samples of this proposal hardly ever come near its middle.
+    fn misses(&self, region: &Region, probability: f64) -> bool {
+        let mean = region.group.density.mean();
+        region.probability > LEAST_MISSED * probability
+            && self.weight(mean, &mut vec![0.0; mean.len()]) > MOST_TIMES * probability
+    }
+
     /// The proposal for the groups of populations with their probabilities.
-    fn new(size: usize, scatters: &Scatters, populations: &[(f64, Vec<Group>)]) -> Self {
+    fn new(size: usize, explored: &Explored, populations: &[(f64, Vec<Group>)]) -> Self {
         let total: f64 = populations.iter().map(|(probability, _)| probability).sum();
         let share = |probability: f64| match populations {
             [_] => 1.0,
@@ -100,7 +135,7 @@ impl Proposal {
         let rest = if total > 0.0 { 1.0 - OF_INPUTS - ENLARGED } else { 0.0 };
         let origin = || vec![0.0; size];
         let mut densities = vec![(OF_INPUTS, Gaussian::round(origin(), 1.0))];
-        let enlargements = scatters.enlargements();
+        let enlargements = explored.scatters.enlargements();
         let of_each = (1.0 - OF_INPUTS - rest) / enlargements.len() as f64;
         densities.extend(enlargements.iter().map(|scale| (of_each, Gaussian::round(origin(), *scale))));
         for (probability, groups) in populations {
@@ -115,7 +150,7 @@ impl Proposal {
                 densities.push(((1.0 - WIDE - ALONG) * share, group.density.clone()));
             }
         }
-        Self::of(densities)
+        Self::of(densities, explored.event)
     }
 
     /// The places of points that matter, but that samples of this proposal hardly ever come near.
@@ -130,7 +165,7 @@ impl Proposal {
         (0..weights.len()).filter(|place| is_missed(place)).collect()
     }
 
-    fn of(densities: Vec<(f64, Gaussian)>) -> Self {
+    fn of(densities: Vec<(f64, Gaussian)>, event: Event) -> Self {
         let mut sum = 0.0;
         let last = densities.len() - 1;
         let component = |(i, (share, density)): (usize, (f64, Gaussian))| {
@@ -139,7 +174,7 @@ impl Proposal {
             Component { log_share: libm::log(share), below, density }
         };
         let components = densities.into_iter().enumerate().map(component).collect();
-        Self { components, event: Event::default() }
+        Self { components, event }
     }
 
     /// What samples are counted of.
@@ -172,15 +207,25 @@ impl Proposal {
 mod tests {
     use super::*;
     use crate::draw::deviates::{DeviateStream, Points as Source};
-    use crate::rare::population::Points;
+    use crate::rare::points::Points;
+    use crate::rare::scatters::Scatters;
 
     fn proposal(dimensions: usize, particles: &[&[f64]], enlargement: f64) -> Proposal {
         let mut points = Points::new(dimensions);
         particles.iter().for_each(|particle| points.push(particle.iter().copied()));
         let mut scatters = Scatters::default();
         scatters.add(enlargement);
+        let explored = Explored {
+            points: Points::new(dimensions),
+            values: Vec::new(),
+            with_limit_state: Vec::new(),
+            scatters,
+            tried: 1,
+            without_verdict: 0.0,
+            event: Event::Instability,
+        };
         let probability = if particles.is_empty() { 0.0 } else { 1e-6 };
-        Proposal::new(dimensions, &scatters, &[(probability, mixture::groups(&points))])
+        Proposal::new(dimensions, &explored, &[(probability, mixture::groups(&points))])
     }
 
     /// The mean of a function of the inputs, by weighted samples.

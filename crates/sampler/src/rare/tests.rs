@@ -1,7 +1,7 @@
 //! Whole estimates, against probabilities in closed form.
 
 use crate::estimate::weighted::WeightedEstimate;
-use crate::rare::population::Points;
+use crate::rare::points::Points;
 use crate::rare::whole;
 use crate::special_functions::normal;
 

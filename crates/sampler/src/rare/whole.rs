@@ -5,7 +5,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::draw::deviates::{DeviateStream, Points as Source};
 use crate::estimate::weighted::{self, WeightedEstimate, WeightedPart, WeightedSums};
-use crate::rare::population::{Effort, Integrand, Points, Search};
+use crate::rare::exploration::{Effort, Search};
+use crate::rare::points::{Integrand, Points};
 use crate::rare::proposal::Proposal;
 
 /// Randomisations, and the populations that they share.
@@ -19,7 +20,7 @@ const POPULATIONS: usize = 4;
 /// use stickslip_sampler::rare::whole::importance;
 ///
 /// // Unstable where the sum of three deviates is above 9.
-/// let mut g = |points: &stickslip_sampler::rare::population::Points| {
+/// let mut g = |points: &stickslip_sampler::rare::points::Points| {
 ///     Some(points.iter().map(|u| Some(if u.iter().sum::<f64>() > 9.0 { 1.0 } else { 0.0 })).collect())
 /// };
 /// let found = importance(3, 256, 1, 0.95, &mut g).unwrap().estimate;
@@ -32,7 +33,7 @@ pub fn importance(
     points: u64,
     seed: u64,
     confidence: f64,
-    integrand: &mut Integrand<'_>,
+    integrand: &mut dyn Integrand,
 ) -> Option<WeightedEstimate> {
     let stream =
         DeviateStream { seed, common_random_numbers: false, dimensions: dimensions + 1, points: Source::Sobol };
@@ -56,7 +57,7 @@ pub fn importance(
             drawn.push(point);
         }
         let event = proposals[randomisation % POPULATIONS].event();
-        for (drawn, value) in weights.iter().zip(integrand(&drawn)?) {
+        for (drawn, value) in weights.iter().zip(integrand.values(&drawn)?) {
             sums.add(drawn.weight, value.map(|value| event.value(value)), drawn.is_of_inputs, event);
         }
         parts.push(WeightedPart::from_sums(points, &sums.sums().map(i128::from)));
@@ -71,7 +72,7 @@ pub fn subset(
     particles: usize,
     seed: u64,
     confidence: f64,
-    integrand: &mut Integrand<'_>,
+    integrand: &mut dyn Integrand,
 ) -> Option<WeightedEstimate> {
     let effort = Effort { particles, moves: 8 };
     let mut parts = Vec::new();

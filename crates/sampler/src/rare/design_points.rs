@@ -1,0 +1,330 @@
+//! Regions of a rare event by the gradient of a limit state, as the first-order reliability method finds them.
+//!
+//! A limit state `s(u)` is below zero where the event happens. The most probable point of a region, its design point, is the
+//! point with `s <= 0` that is nearest to the origin. With `s` linear around a point `x`, with gradient `a`, it is
+//!
+//! ```text
+//! u = -a c / (|a|^2 + e),    c = max(s(x) - a . x, 0),    beta = c / sqrt(|a|^2 + e),    P = Phi(-beta)
+//! ```
+//!
+//! with `e = 0`. Where `g` is a conditional probability, `s` is [the deviate](super::points::Continuous) that it
+//! corresponds to, a further normal deviate `xi` decides with `s + xi <= 0`, and `e = 1`. The step is repeated from there,
+//! shortened where it leads to a worse point (A. M. Hasofer, N. C. Lind, J. Eng. Mech. Div. ASCE 100 (1974) 111-121; R.
+//! Rackwitz, B. Fiessler, Computers & Structures 9 (1978) 489-494; shortened by a merit function as in P.-L. Liu, A. Der
+//! Kiureghian, Structural Safety 9 (1991) 161-177). Gradients are differences.
+//!
+//! It starts from the origin, and from points of all directions and distances among those that were tried. A design point is
+//! what its linear limit state says of it only if a few samples around it agree.
+
+use crate::estimate::conditional::effective_number;
+use crate::estimate::weighted::Event;
+use crate::rare::exploration::{Explored, Search};
+use crate::rare::gaussian::Gaussian;
+use crate::rare::mixture::Group;
+use crate::rare::points::Points;
+use crate::rare::scatters::square;
+use crate::special_functions::normal;
+
+/// Largest number of starts, and the least distance between two over that of the farther from the origin.
+const MOST_STARTS: usize = 6;
+const LEAST_APART: f64 = 0.5;
+
+/// Largest number of steps from a start, and of halvings of a step.
+const MOST_STEPS: usize = 10;
+const MOST_HALVINGS: usize = 4;
+
+/// The distance of the points of a difference.
+const DIFFERENCE: f64 = 0.01;
+
+/// The distance below which a step is the last, and that below which two steps lead to one design point.
+const CLOSE: f64 = 0.1;
+const SAME: f64 = 0.5;
+
+/// Samples around a design point; their effective number over this, and the factor between the probabilities that they and
+/// the linear limit state give, where they agree.
+const SAMPLES: usize = 40;
+const LEAST_EFFECTIVE: f64 = 0.15;
+const MOST_FACTOR: f64 = 3.0;
+
+/// The share of the variance along the design point that is replaced by that of the inputs.
+const LEAST_SHARE: f64 = 0.03;
+
+/// A region around a design point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// Its probability, from the samples.
+    pub probability: f64,
+    /// Its density.
+    pub group: Group,
+    /// Whose region it is.
+    pub event: Event,
+    /// Whether the samples are what the linear limit state makes of them.
+    pub is_linear: bool,
+}
+
+/// A limit state that is linear around a point.
+struct Linear {
+    gradient: Vec<f64>,
+    /// `|a|^2 + e`
+    square: f64,
+    /// `c`, but below zero too.
+    offset: f64,
+}
+
+impl Linear {
+    fn target(&self) -> Vec<f64> {
+        let factor = -self.offset.max(0.0) / self.square;
+        self.gradient.iter().map(|slope| factor * slope).collect()
+    }
+
+    /// The distance of the design point from the origin, with `xi` as one more deviate.
+    fn distance(&self) -> f64 {
+        self.offset / self.square.sqrt()
+    }
+
+    /// The law of the deviates where the event happens: the mean, and the variance along it.
+    fn density(&self) -> Option<Gaussian> {
+        let distance = self.distance();
+        // The mean and the variance of a standard normal deviate above the distance.
+        let mean = normal::density(distance) / normal::upper_tail(distance);
+        let variance = 1.0 + distance * mean - mean * mean;
+        let along = square(&self.gradient) / self.square;
+        let variance = along * variance + 1.0 - along;
+        let factor = -mean / self.square.sqrt();
+        Gaussian::along(
+            self.gradient.iter().map(|slope| factor * slope).collect(),
+            (1.0 - LEAST_SHARE) * variance + LEAST_SHARE,
+        )
+    }
+}
+
+/// What a point is worth on the way to a design point: less is better.
+fn merit(point: &[f64], limit_state: f64, value: Option<f64>, penalty: f64) -> f64 {
+    let of_state = match value {
+        Some(value) if is_conditional(value) => -libm::log(value),
+        Some(_) => penalty * limit_state.max(0.0),
+        None => f64::INFINITY,
+    };
+    let merit = 0.5 * square(point) + of_state;
+    if merit.is_nan() { f64::INFINITY } else { merit }
+}
+
+/// Whether `g` is neither of both verdicts.
+fn is_conditional(value: f64) -> bool {
+    0.0 < value && value < 1.0
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+/// Where the steps begin: the origin, then points where the event happens, the nearest first, then others.
+fn starts(explored: &Explored) -> Vec<&[f64]> {
+    let mut all: Vec<&(Vec<f64>, f64)> = explored.with_limit_state.iter().collect();
+    let key = |(point, state): &(Vec<f64>, f64)| if *state < 0.0 { (false, square(point)) } else { (true, *state) };
+    all.sort_by(|a, b| {
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    let mut chosen: Vec<&[f64]> = Vec::new();
+    for (point, _) in all {
+        let is_apart = |other: &&[f64]| {
+            let farther = square(point).max(square(other)).sqrt();
+            distance(point, other) > LEAST_APART * farther
+        };
+        if chosen.len() < MOST_STARTS && chosen.iter().all(is_apart) {
+            chosen.push(point);
+        }
+    }
+    chosen
+}
+
+impl Search<'_> {
+    /// The regions to which the limit state leads; `None` if it is stopped before.
+    pub fn design_points(&mut self, explored: &Explored) -> Option<Vec<Region>> {
+        let origin = vec![0.0; self.dimensions()];
+        let mut found: Vec<Linear> = Vec::new();
+        for start in std::iter::once(&origin[..]).chain(starts(explored)) {
+            let linear = self.design_point(start, &found)?;
+            found.extend(linear);
+        }
+        let mut regions = Vec::new();
+        for linear in &found {
+            let Some(density) = linear.density() else { continue };
+            regions.push(self.region(linear, density)?);
+        }
+        regions.retain(|region| region.probability > 0.0);
+        Some(regions)
+    }
+
+    /// The limit state around the design point to which steps lead; the inner `None` if they lead to one that is known or
+    /// to none, the outer one if it is stopped before.
+    fn design_point(&mut self, start: &[f64], found: &[Linear]) -> Option<Option<Linear>> {
+        let mut point = start.to_vec();
+        for _ in 0..MOST_STEPS {
+            let Some((linear, state, value)) = self.linear(&point)? else { return Some(None) };
+            let target = linear.target();
+            if found.iter().any(|known| distance(&known.target(), &target) < SAME) {
+                return Some(None);
+            }
+            if distance(&target, &point) < CLOSE {
+                return Some(Some(linear));
+            }
+            let penalty = 2.0 * square(&target).max(square(&point)).max(1.0).sqrt() / linear.square.sqrt();
+            let before = merit(&point, state, value, penalty);
+            let mut share = 1.0;
+            let mut next = None;
+            for _ in 0..=MOST_HALVINGS {
+                let tried: Vec<f64> = point.iter().zip(&target).map(|(from, to)| from + share * (to - from)).collect();
+                let mut points = Points::new(self.dimensions());
+                points.push(tried.iter().copied());
+                let (values, states) = self.evaluate_with_limit_states(&points)?;
+                if merit(&tried, states[0], values[0], penalty) < before {
+                    next = Some(tried);
+                    break;
+                }
+                share *= 0.5;
+            }
+            let Some(next) = next else { return Some(None) };
+            point = next;
+        }
+        Some(None)
+    }
+
+    /// The limit state around a point, its value there and `g`; the inner `None` where it has no gradient, the outer one
+    /// if it is stopped before.
+    fn linear(&mut self, point: &[f64]) -> Option<Option<(Linear, f64, Option<f64>)>> {
+        let mut points = Points::new(point.len());
+        points.push(point.iter().copied());
+        for moved in 0..point.len() {
+            points.push(point.iter().enumerate().map(|(i, u)| if i == moved { u + DIFFERENCE } else { *u }));
+        }
+        let (values, states) = self.evaluate_with_limit_states(&points)?;
+        let gradient: Vec<f64> = states[1..].iter().map(|state| (state - states[0]) / DIFFERENCE).collect();
+        let extra = if values[0].is_some_and(is_conditional) { 1.0 } else { 0.0 };
+        let square = square(&gradient) + extra;
+        let along: f64 = gradient.iter().zip(point).map(|(slope, u)| slope * u).sum();
+        let offset = states[0] - along;
+        if !(square > 0.0 && square.is_finite() && offset.is_finite()) {
+            return Some(None);
+        }
+        Some(Some((Linear { gradient, square, offset }, states[0], values[0])))
+    }
+
+    /// What samples say of a region; `None` if it is stopped before.
+    fn region(&mut self, linear: &Linear, density: Gaussian) -> Option<Region> {
+        let dimensions = self.dimensions();
+        let mut points = Points::new(dimensions);
+        for _ in 0..SAMPLES {
+            let mut point: Vec<f64> = (0..dimensions).map(|_| self.deviate()).collect();
+            density.transform(&mut point);
+            points.push(point);
+        }
+        let values = self.evaluate(&points)?;
+        let mut scratch = vec![0.0; dimensions];
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for (point, value) in points.iter().zip(values) {
+            let ratio = libm::exp(-0.5 * square(point) - density.log_density(point, &mut scratch));
+            let term = ratio * value.unwrap_or(0.0);
+            sum += term;
+            squares += term * term;
+        }
+        let probability = sum / SAMPLES as f64;
+        let factor = probability / normal::upper_tail(linear.distance());
+        let is_linear = effective_number(sum, squares) >= LEAST_EFFECTIVE * SAMPLES as f64
+            && (1.0 / MOST_FACTOR..MOST_FACTOR).contains(&factor);
+        Some(Region { probability, group: Group { share: probability, density }, event: self.event(), is_linear })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rare::exploration::Effort;
+    use crate::rare::points::{Continuous, Integrand, LimitState};
+    use rand::SeedableRng;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    /// The regions that a search finds, and the number of its evaluations.
+    fn regions(inputs: usize, seed: u64, integrand: &mut dyn Integrand) -> (Vec<Region>, u64) {
+        let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut search = Search::new(inputs, Effort { particles: 300, moves: 4 }, &mut generator, integrand);
+        let explored = search.explore(40).unwrap();
+        let regions = search.design_points(&explored).unwrap();
+        (regions, search.evaluations())
+    }
+
+    #[test]
+    fn densities_have_the_moments_of_the_region_of_a_plane() {
+        // With scipy 1.14: truncnorm(3, inf).mean() and var().
+        let (mean, variance) = (3.283_098_654_930_44, 0.070_559_186_785_255_86);
+        let verdict = Linear { gradient: vec![0.0, -2.0], square: 4.0, offset: 6.0 };
+        let density = verdict.density().unwrap();
+        assert!((density.mean()[1] - mean).abs() < 1e-9 && density.mean()[0] == 0.0);
+        assert!((density.variance_along_mean() - (0.97 * variance + 0.03)).abs() < 1e-9);
+        // With a further deviate of the same weight, it shares mean and excess of the variance with the other.
+        let conditional = Linear { gradient: vec![0.0, -1.0], square: 2.0, offset: 3.0 * 2.0_f64.sqrt() };
+        let density = conditional.density().unwrap();
+        assert!((density.mean()[1] - mean / 2.0_f64.sqrt()).abs() < 1e-9);
+        assert!((density.variance_along_mean() - (0.97 * 0.5 * (1.0 + variance) + 0.03)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_plane_has_one_region_after_some_four_hundred_evaluations() {
+        for inputs in [1, 2, 10, 20] {
+            let root = libm::sqrt(inputs as f64);
+            let mut plane = LimitState(|u: &[f64]| 5.0 - u.iter().sum::<f64>() / root);
+            // The sum of the others exceeds 5 roots, less a further deviate of the same weight.
+            let given = |u: &[f64]| normal::upper_tail(5.0 * 2.0_f64.sqrt() - u.iter().sum::<f64>() / root);
+            let mut conditional = Continuous(|points: &Points| Some(points.iter().map(|u| Some(given(u))).collect()));
+            for integrand in [&mut plane as &mut dyn Integrand, &mut conditional] {
+                let (regions, evaluations) = regions(inputs, 1, integrand);
+                let [region] = &regions[..] else { panic!("{inputs} inputs: {} regions", regions.len()) };
+                assert!(region.is_linear && evaluations < 400 + 8 * inputs as u64, "{inputs} inputs: {evaluations}");
+                let factor = region.probability / normal::upper_tail(5.0);
+                assert!((0.5..2.0).contains(&factor), "{inputs} inputs: {factor}");
+            }
+        }
+    }
+
+    #[test]
+    fn branches_of_like_weight_have_design_points() {
+        let mut found = 0;
+        for seed in 0..20 {
+            let branches = |u: &[f64]| (4.0 - u[0]).min(4.2 + u[0]).min(4.1 - (u[1] + u[2]) / 2.0_f64.sqrt());
+            let (regions, _) = regions(5, seed, &mut LimitState(branches));
+            // The means of a standard normal deviate above 4, 4.1 and 4.2.
+            for region in &regions {
+                let distance = square(region.group.density.mean()).sqrt();
+                assert!([4.2256, 4.3207, 4.4160].iter().any(|mean| (distance - mean).abs() < 2e-3), "{distance}");
+            }
+            assert!(regions.len() > 1, "seed {seed}");
+            found += regions.len();
+        }
+        assert!(found >= 55, "{found} of 60");
+    }
+
+    #[test]
+    fn a_region_that_is_not_that_of_a_plane_is_told() {
+        // A narrow paraboloid, a slab behind its nearer face, a ring that surrounds the origin.
+        let paraboloid = |u: &[f64]| 4.0 + 0.5 * square(&u[1..]) - u[0];
+        let slab = |u: &[f64]| (u[0] - 4.005).abs() - 0.005;
+        let ring = |u: &[f64]| 5.0 - square(u).sqrt();
+        for seed in 0..10 {
+            for mut integrand in
+                [LimitState(&paraboloid as &dyn Fn(&[f64]) -> f64), LimitState(&slab), LimitState(&ring)]
+            {
+                let (regions, _) = regions(6, seed, &mut integrand);
+                assert!(regions.len() != 1 || !regions[0].is_linear, "seed {seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_gradient_there_is_no_design_point() {
+        let (found, _) = regions(3, 1, &mut LimitState(|u: &[f64]| if u[0] > 3.0 { -1.0 } else { 1.0 }));
+        assert!(found.is_empty());
+        let (found, _) = regions(3, 1, &mut LimitState(|_: &[f64]| f64::NAN));
+        assert!(found.is_empty());
+    }
+}

@@ -1,0 +1,110 @@
+//! Points in the space of deviates, and what is known of them.
+
+use crate::special_functions::normal;
+
+/// Points in the space of deviates, one after the other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Points {
+    dimensions: usize,
+    coordinates: Vec<f64>,
+}
+
+impl Points {
+    /// No points yet.
+    #[must_use]
+    pub fn new(dimensions: usize) -> Self {
+        Self { dimensions, coordinates: Vec::new() }
+    }
+
+    /// The number of deviates of a point, at least one.
+    #[must_use]
+    pub fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+
+    /// The number of points.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.coordinates.len() / self.dimensions.max(1)
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.coordinates.is_empty()
+    }
+
+    /// Adds a point.
+    pub fn push(&mut self, point: impl IntoIterator<Item = f64>) {
+        self.coordinates.extend(point);
+    }
+
+    /// The points.
+    #[must_use]
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[f64]> + Clone {
+        self.coordinates.chunks_exact(self.dimensions.max(1))
+    }
+
+    /// A point.
+    #[must_use]
+    pub fn get(&self, point: usize) -> &[f64] {
+        &self.coordinates[point * self.dimensions..][..self.dimensions]
+    }
+
+    /// Puts another point in the place of one.
+    pub(super) fn replace(&mut self, point: usize, by: &[f64]) {
+        self.coordinates[point * self.dimensions..][..self.dimensions].copy_from_slice(by);
+    }
+}
+
+/// What a rare event is the mean of.
+///
+/// A closure that returns `g` at points is one without a limit state.
+pub trait Integrand {
+    /// `g` at points, from 0 to 1 each, `None` without a verdict; the outer `None` if it is stopped before.
+    fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>>;
+
+    /// A limit state at points with these `g`: a continuous function of the deviates, with a gradient nearly everywhere,
+    /// that is below zero where `g` is above 1/2. Not a number where there is none; `None` if there is none anywhere.
+    fn limit_states(&mut self, points: &Points, values: &[Option<f64>]) -> Option<Vec<f64>> {
+        let _ = (points, values);
+        None
+    }
+}
+
+impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for F {
+    fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
+        self(points)
+    }
+}
+
+/// A conditional probability that is a continuous function of the deviates, by a closure that returns it at points. Its limit
+/// state is `-z`, where a standard normal deviate is below `z` with this probability.
+pub struct Continuous<F>(pub F);
+
+impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for Continuous<F> {
+    fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
+        self.0(points)
+    }
+
+    fn limit_states(&mut self, _: &Points, values: &[Option<f64>]) -> Option<Vec<f64>> {
+        let limit_state = |value: &Option<f64>| match *value {
+            Some(g) if 0.0 < g && g < 1.0 => -normal::quantile(g),
+            _ => f64::NAN,
+        };
+        Some(values.iter().map(limit_state).collect())
+    }
+}
+
+/// A limit state, by a closure that returns it at a point: `g` is 1 where it is below zero.
+pub struct LimitState<S>(pub S);
+
+impl<S: FnMut(&[f64]) -> f64> Integrand for LimitState<S> {
+    fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
+        Some(points.iter().map(|point| Some(if self.0(point) < 0.0 { 1.0 } else { 0.0 })).collect())
+    }
+
+    fn limit_states(&mut self, points: &Points, _: &[Option<f64>]) -> Option<Vec<f64>> {
+        Some(points.iter().map(&mut self.0).collect())
+    }
+}
