@@ -28,7 +28,7 @@ use stickslip_sampler::estimate::{audit, conditional, randomisations};
 use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw, PairParameter};
 use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::pair::Pair;
-use stickslip_sampler::rare::points::Points as DeviatePoints;
+use stickslip_sampler::rare::points::{Integrand, LimitState, Points as DeviatePoints};
 use stickslip_sampler::rare::whole;
 use stickslip_sampler::special_functions::normal;
 
@@ -389,33 +389,37 @@ fn rare_events() {
     heading("rare events, 16 randomisations");
     for (inputs, p) in [(2, 1e-3), (2, 1e-6), (2, 1e-9), (10, 1e-3), (10, 1e-6), (10, 1e-9), (20, 1e-9)] {
         let limit = -normal::quantile(p) * (inputs as f64).sqrt();
-        let is_unstable = |u: &[f64]| u.iter().sum::<f64>() > limit;
         let points = if inputs == 20 { 512 } else { 128 };
-        print_rare("importance", inputs, p, 200, points, &is_unstable);
+        let mut verdicts = verdicts(|u| u.iter().sum::<f64>() > limit);
+        print_rare("importance, verdicts", inputs, p, 200, points, &mut verdicts);
+        let mut limit_state = LimitState(|u: &[f64]| limit - u.iter().sum::<f64>());
+        print_rare("importance, limit state", inputs, p, 200, 128, &mut limit_state);
     }
-    let branches = |u: &[f64]| u[0] > 5.0 || u[1] < -5.0;
+    let mut branches = verdicts(|u| u[0] > 5.0 || u[1] < -5.0);
     let tail = normal::upper_tail(5.0);
-    print_rare("importance, two branches", 4, tail * (2.0 - tail), 200, 128, &branches);
-    let island = |u: &[f64]| u[0] > 5.0 || ((3.0..4.0).contains(&u[0]) && (-4.0..-3.0).contains(&u[1]));
+    print_rare("importance, two branches", 4, tail * (2.0 - tail), 200, 128, &mut branches);
+    let mut island = verdicts(|u| u[0] > 5.0 || ((3.0..4.0).contains(&u[0]) && (-4.0..-3.0).contains(&u[1])));
     let side = normal::upper_tail(3.0) - normal::upper_tail(4.0);
-    print_rare("importance, an island", 2, tail + side * side, 200, 128, &island);
+    print_rare("importance, an island", 2, tail + side * side, 200, 128, &mut island);
     for (inputs, p) in [(2, 1e-3), (2, 1e-6), (2, 1e-9), (10, 1e-3), (10, 1e-6), (10, 1e-9)] {
         let limit = -normal::quantile(p) * (inputs as f64).sqrt();
-        let is_unstable = |u: &[f64]| u.iter().sum::<f64>() > limit;
-        print_rare("subset", inputs, p, 60, 0, &is_unstable);
+        print_rare("subset", inputs, p, 60, 0, &mut verdicts(|u| u.iter().sum::<f64>() > limit));
     }
+}
+
+/// Verdicts on points.
+fn verdicts(is_unstable: impl Fn(&[f64]) -> bool) -> impl FnMut(&DeviatePoints) -> Option<Vec<Option<f64>>> {
+    move |points| Some(points.iter().map(|u| Some(if is_unstable(u) { 1.0 } else { 0.0 })).collect())
 }
 
 /// Prints the coverage of estimates of a rare event, with so many points in each randomisation, or by populations alone
 /// if there are none; and their relative error and cost.
-fn print_rare(method: &str, inputs: usize, p: f64, seeds: u64, points: u64, is_unstable: &dyn Fn(&[f64]) -> bool) {
-    let value = |u: &[f64]| if is_unstable(u) { 1.0 } else { 0.0 };
-    let mut integrand = |points: &DeviatePoints| Some(points.iter().map(|u| Some(value(u))).collect());
+fn print_rare(method: &str, inputs: usize, p: f64, seeds: u64, points: u64, integrand: &mut dyn Integrand) {
     let (mut squares, mut trusted, mut evaluations) = (0.0, 0_u64, 0.0);
     let coverage = share(seeds, |seed| {
         let found = match points {
-            0 => whole::subset(inputs, 1000, seed, 0.95, &mut integrand),
-            points => whole::importance(inputs, points, seed, 0.95, &mut integrand),
+            0 => whole::subset(inputs, 1000, seed, 0.95, integrand),
+            points => whole::importance(inputs, points, seed, 0.95, integrand),
         };
         let found = found.unwrap();
         evaluations += found.evaluations;

@@ -2,7 +2,7 @@
 //! easily, each with its probability in closed form. A line for each shape: how often an estimate is given, and how often
 //! its interval contains the truth.
 //!
-//! Then brakes whose measured friction curves are drawn at random, most of them with several unstable regions. Preload and
+//! Then limit states with gradients. Then brakes whose measured friction curves are drawn at random, most of them with several unstable regions. Preload and
 //! friction are integrated over, rotating speed and damping scatter; the truth is a sum over a grid of both.
 //!
 //! `make coverage` runs it. Everything is seeded.
@@ -13,6 +13,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use stickslip_core::friction::measured_curve::{MeasuredCurve, SharedCurve};
+use stickslip_core::model::pair_boundary::PairBoundary;
 use stickslip_core::models::pad_on_disc::parameters::Parameters;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::estimate::interval::Estimate;
@@ -248,12 +249,12 @@ fn shapes() {
 const BRAKES: usize = 300;
 const COUNTED: [f64; 2] = [1e-13, 0.3];
 
-/// What was found for a brake.
+/// What was found for a brake: by conditional probabilities, and by its limit state with preload and friction drawn too.
 struct Found {
     seed: u64,
     regions: usize,
     truth: f64,
-    estimate: Estimate,
+    estimates: [Estimate; 2],
 }
 
 /// Estimates for brakes with measured friction curves, a share of them on each thread.
@@ -265,26 +266,27 @@ fn brakes() {
         threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
     });
     let several = found.iter().filter(|found| found.regions > 1).count();
-    let (mut given, mut covered) = (0_u32, 0_u32);
-    let mut worst: Vec<(f64, String)> = Vec::new();
-    for Found { seed, regions, truth, estimate } in &found {
-        let Some(p) = estimate.probability else { continue };
-        given += 1;
-        covered += u32::from(estimate.low <= *truth && *truth <= estimate.high);
-        let end = if p < *truth { estimate.high } else { estimate.low };
-        let off = (p - truth).abs() / (end - p).abs();
-        worst.push((
-            off,
-            format!("brake {seed}: {regions} regions, P {truth:.3e}, found {p:.3e}, off by {off:.2} half widths"),
-        ));
+    println!("\n{} brakes, {several} with several unstable regions", found.len());
+    for (way, name) in ["conditional probabilities", "limit states"].into_iter().enumerate() {
+        let (mut given, mut covered) = (0_u32, 0_u32);
+        let mut worst: Vec<(f64, String)> = Vec::new();
+        for Found { seed, regions, truth, estimates } in &found {
+            let estimate = &estimates[way];
+            let Some(p) = estimate.probability else { continue };
+            given += 1;
+            covered += u32::from(estimate.low <= *truth && *truth <= estimate.high);
+            let end = if p < *truth { estimate.high } else { estimate.low };
+            let off = (p - truth).abs() / (end - p).abs();
+            worst.push((
+                off,
+                format!("brake {seed}: {regions} regions, P {truth:.3e}, found {p:.3e}, off by {off:.2} half widths"),
+            ));
+        }
+        worst.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let coverage = f64::from(covered) / f64::from(given);
+        println!("{name}: {given} given, {coverage:.4} of these intervals contain the truth; the worst:");
+        worst.iter().take(5).for_each(|(_, line)| println!("{line}"));
     }
-    worst.sort_by(|a, b| b.0.total_cmp(&a.0));
-    worst.iter().take(5).for_each(|(_, line)| println!("{line}"));
-    let coverage = f64::from(covered) / f64::from(given);
-    println!(
-        "{} brakes, {several} with several unstable regions: {given} given, {coverage:.4} of these intervals contain the truth",
-        found.len()
-    );
 }
 
 /// So many brakes of one of some threads. Two thirds have several unstable regions.
@@ -301,8 +303,10 @@ fn of_brakes(thread: usize, threads: usize, count: usize) -> Vec<Found> {
         {
             single += usize::from(regions < 2);
             let mut integrand = Continuous(|points: &Points| Some(points.iter().map(|u| brake.given(u)).collect()));
-            let estimate = whole::importance(2, 128, seed, 0.95, &mut integrand).unwrap().estimate;
-            all.push(Found { seed, regions, truth, estimate });
+            let given = whole::importance(2, 128, seed, 0.95, &mut integrand).unwrap().estimate;
+            let mut limit_state = LimitState(|u: &[f64]| brake.limit_state(u));
+            let decided = whole::importance(4, 128, seed, 0.95, &mut limit_state).unwrap().estimate;
+            all.push(Found { seed, regions, truth, estimates: [given, decided] });
         }
         seed += threads as u64;
     }
@@ -313,6 +317,7 @@ fn of_brakes(thread: usize, threads: usize, count: usize) -> Vec<Found> {
 struct Brake {
     parameters: Parameters,
     stds: [f64; 2],
+    inputs: [InputDistribution; 2],
     pair: Pair,
 }
 
@@ -338,18 +343,29 @@ impl Brake {
         set("damping.tangential", between(50.0, 1500.0));
         let (preload, friction) = (between(0.01, 0.2), parameters.friction.static_coefficient);
         let input = |expected: f64, std: f64| InputDistribution::relative(&Marginal::Normal, expected, std);
-        let pair = Pair::new(input(preload, between(0.05, 0.15)), input(friction, between(0.04, 0.1)));
-        Self { stds: [between(0.03, 0.12), between(0.03, 0.12)], pair, parameters }
+        let inputs = [input(preload, between(0.05, 0.15)), input(friction, between(0.04, 0.1))];
+        let pair = Pair::new(inputs[0].clone(), inputs[1].clone());
+        Self { stds: [between(0.03, 0.12), between(0.03, 0.12)], inputs, pair, parameters }
     }
 
-    /// The probability given two deviates.
-    fn given(&self, u: &[f64]) -> Option<f64> {
+    /// The boundary of stability given two deviates.
+    fn boundary(&self, u: &[f64]) -> Option<PairBoundary> {
         let mut parameters = self.parameters.clone();
         let speed = parameters.operating_point.rotating_speed * (1.0 + self.stds[0] * u[0]);
         parameters.set("operating_point.rotating_speed", speed).ok()?;
         parameters.damping.tangential *= 1.0 + self.stds[1] * u[1];
-        let boundary = PadOnDisc::new(parameters).ok()?.stability_boundary();
-        Some(self.pair.probability(&boundary, &PairLaw::correlated(0.0), 1e-6))
+        Some(PadOnDisc::new(parameters).ok()?.stability_boundary())
+    }
+
+    /// The probability given two deviates.
+    fn given(&self, u: &[f64]) -> Option<f64> {
+        Some(self.pair.probability(&self.boundary(u)?, &PairLaw::correlated(0.0), 1e-6))
+    }
+
+    /// The limit state of four deviates, the last two those of preload and friction.
+    fn limit_state(&self, u: &[f64]) -> f64 {
+        let [preload, friction] = [0, 1].map(|i| self.inputs[i].value(u[2 + i]));
+        self.boundary(&u[..2]).map_or(f64::NAN, |boundary| boundary.limit_state(preload, friction))
     }
 
     /// The probability, by the trapezoidal rule, and how many regions of the speed matter.

@@ -178,7 +178,7 @@ impl Search<'_> {
                 let tried: Vec<f64> = point.iter().zip(&target).map(|(from, to)| from + share * (to - from)).collect();
                 let mut points = Points::new(self.dimensions());
                 points.push(tried.iter().copied());
-                let (values, states) = self.evaluate_with_limit_states(&points)?;
+                let (values, states) = self.evaluate_limit_states(&points)?;
                 if merit(&tried, states[0], values[0], penalty) < before {
                     next = Some(tried);
                     break;
@@ -199,7 +199,7 @@ impl Search<'_> {
         for moved in 0..point.len() {
             points.push(point.iter().enumerate().map(|(i, u)| if i == moved { u + DIFFERENCE } else { *u }));
         }
-        let (values, states) = self.evaluate_with_limit_states(&points)?;
+        let (values, states) = self.evaluate_limit_states(&points)?;
         let gradient: Vec<f64> = states[1..].iter().map(|state| (state - states[0]) / DIFFERENCE).collect();
         let extra = if values[0].is_some_and(is_conditional) { 1.0 } else { 0.0 };
         let square = square(&gradient) + extra;
@@ -249,7 +249,7 @@ mod tests {
     fn regions(inputs: usize, seed: u64, integrand: &mut dyn Integrand) -> (Vec<Region>, u64) {
         let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut search = Search::new(inputs, Effort { particles: 300, moves: 4 }, &mut generator, integrand);
-        let explored = search.explore(40).unwrap();
+        let explored = search.explore_limit_states(40).unwrap();
         let regions = search.design_points(&explored).unwrap();
         (regions, search.evaluations())
     }

@@ -36,7 +36,7 @@ pub struct Explored {
     pub points: Points,
     /// See above.
     pub values: Vec<f64>,
-    /// Those with a limit state, stable ones too, and this of each; below zero where the event happens.
+    /// Those with a limit state, stable ones too, and this of each, if it was asked for; below zero where the event happens.
     pub with_limit_state: Vec<(Vec<f64>, f64)>,
     /// The scatters, each with as many points.
     pub scatters: Scatters,
@@ -114,6 +114,19 @@ impl<'a> Search<'a> {
     /// Tries `count` points each with larger and larger scatter, until instability is frequent; or stability, if it is the
     /// rarer of both. `None` if it is stopped before.
     pub fn explore(&mut self, count: usize) -> Option<Explored> {
+        self.explore_by(count, |search, points| Some((search.integrand.values(points)?, Vec::new())))
+    }
+
+    /// [`Search::explore`], and the limit states of the points.
+    pub fn explore_limit_states(&mut self, count: usize) -> Option<Explored> {
+        self.explore_by(count, Self::values_and_limit_states)
+    }
+
+    fn explore_by(
+        &mut self,
+        count: usize,
+        evaluate: impl Fn(&mut Self, &Points) -> Option<(Vec<Option<f64>>, Vec<f64>)>,
+    ) -> Option<Explored> {
         let dimensions = self.dimensions;
         self.event = Event::Instability;
         let mut scatters = Scatters::default();
@@ -125,7 +138,8 @@ impl<'a> Search<'a> {
             tried += count as u64;
             let mut drawn = Points::new(dimensions);
             drawn.push((0..count * dimensions).map(|_| scale * self.deviate()));
-            let (of_instability, limit_states) = self.evaluate_both(&drawn)?;
+            self.evaluations += count as u64;
+            let (of_instability, limit_states) = evaluate(self, &drawn)?;
             if tried == count as u64 && of_instability.iter().flatten().sum::<f64>() > 0.5 * count as f64 {
                 self.event = Event::Stability;
             }
@@ -168,14 +182,14 @@ impl<'a> Search<'a> {
     }
 
     /// `g` at points, and their limit states, none where there are none; `None` if it is stopped before.
-    pub(super) fn evaluate_with_limit_states(&mut self, points: &Points) -> Option<(Vec<Option<f64>>, Vec<f64>)> {
-        let (values, states) = self.evaluate_both(points)?;
+    pub(super) fn evaluate_limit_states(&mut self, points: &Points) -> Option<(Vec<Option<f64>>, Vec<f64>)> {
+        self.evaluations += points.len() as u64;
+        let (values, states) = self.values_and_limit_states(points)?;
         Some((self.of_event(values), states.into_iter().map(|state| self.event.limit_state(state)).collect()))
     }
 
     /// The same, of instability.
-    fn evaluate_both(&mut self, points: &Points) -> Option<(Vec<Option<f64>>, Vec<f64>)> {
-        self.evaluations += points.len() as u64;
+    fn values_and_limit_states(&mut self, points: &Points) -> Option<(Vec<Option<f64>>, Vec<f64>)> {
         let values = self.integrand.values(points)?;
         let states = self.integrand.limit_states(points, &values).unwrap_or_default();
         Some((values, states))

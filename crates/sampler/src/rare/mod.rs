@@ -11,8 +11,8 @@
 //! | [`points`] | points in the space of deviates, and what is known of them |
 //! | [`exploration`] | points tried with these scatters |
 //! | [`population`] | deviates with the density `g(u) phi(u) / P`, found from such points |
-//! | [`design_points`] | the most probable points of regions, by the gradient of a limit state |
 //! | [`mixture`] | groups of points, each with a normal density |
+//! | [`design_points`] | the most probable points of regions, by the gradient of a limit state |
 //! | [`proposal`] | the density from which samples are drawn, and their weights |
 //! | [`whole`] | a whole estimate in one call |
 
@@ -26,9 +26,9 @@ pub mod exploration;
 
 pub mod population;
 
-pub mod design_points;
-
 pub mod mixture;
+
+pub mod design_points;
 
 pub mod proposal;
 

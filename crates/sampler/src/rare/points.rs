@@ -96,12 +96,14 @@ impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for Continuous<F> 
     }
 }
 
-/// A limit state, by a closure that returns it at a point: `g` is 1 where it is below zero.
+/// A limit state, by a closure that returns it at a point: `g` is 1 where it is below zero. Where it is not a number there is
+/// no verdict.
 pub struct LimitState<S>(pub S);
 
 impl<S: FnMut(&[f64]) -> f64> Integrand for LimitState<S> {
     fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
-        Some(points.iter().map(|point| Some(if self.0(point) < 0.0 { 1.0 } else { 0.0 })).collect())
+        let value = |state: f64| (!state.is_nan()).then_some(if state < 0.0 { 1.0 } else { 0.0 });
+        Some(points.iter().map(|point| value(self.0(point))).collect())
     }
 
     fn limit_states(&mut self, points: &Points, _: &[Option<f64>]) -> Option<Vec<f64>> {

@@ -1,10 +1,11 @@
 //! The density from which samples of a rare event are drawn, and their weights.
 //!
-//! It is a mixture. Each group of a [`Population`] has three normal densities around its mean: one with its covariance, one
-//! with its variance in the direction of the mean alone, which few points determine well whatever the number of inputs,
-//! and one with the standard deviations of the inputs. An eighth of the samples come from the distribution of the inputs itself, so that
-//! no weight is above 8 (a defensive mixture: T. Hesterberg, Technometrics 37 (1995) 185-194), and a sixteenth from the
-//! enlarged scatters with which points were tried, so that a region without a particle can still be met.
+//! It is a mixture. Each group of a [`Population`], and the region of each design point, has three normal densities around
+//! its mean: one with its covariance, one with its variance in the direction of the mean alone, which few points determine
+//! well whatever the number of inputs, and one with the standard deviations of the inputs. An eighth of the samples come
+//! from the distribution of the inputs itself, so that no weight is above 8 (a defensive mixture: T. Hesterberg,
+//! Technometrics 37 (1995) 185-194), and a sixteenth from the enlarged scatters with which points were tried, so that a
+//! region without a particle can still be met.
 
 use crate::estimate::weighted::{Event, MOST_WEIGHT};
 use crate::rare::design_points::Region;
@@ -74,7 +75,7 @@ impl Proposal {
         let particles = search.effort().particles;
         let mut regions = Vec::new();
         if search.has_limit_states() {
-            let explored = search.explore(particles.div_ceil(PARTICLES_TO_A_TRY))?;
+            let explored = search.explore_limit_states(particles.div_ceil(PARTICLES_TO_A_TRY))?;
             regions = search.design_points(&explored)?;
             if let [region] = &regions[..]
                 && region.is_linear
