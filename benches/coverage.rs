@@ -393,7 +393,7 @@ fn rare_events() {
         let mut verdicts = verdicts(|u| u.iter().sum::<f64>() > limit);
         print_rare("importance, verdicts", inputs, p, 200, points, &mut verdicts);
         let mut limit_state = LimitState(|u: &[f64]| limit - u.iter().sum::<f64>());
-        print_rare("importance, limit state", inputs, p, 200, 128, &mut limit_state);
+        print_rare("importance, limit state", inputs, p, 1000, 128, &mut limit_state);
     }
     let mut branches = verdicts(|u| u[0] > 5.0 || u[1] < -5.0);
     let tail = normal::upper_tail(5.0);

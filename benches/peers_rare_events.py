@@ -7,10 +7,11 @@ lognormal inputs its logarithm is a normal sum, and the probability the tail of 
 is chosen so that it is 1e-3, 1e-6 and 1e-9, with two random inputs and with ten.
 
 The peers get the same event as a linear limit state in independent standard normal deviates, `beta - direction . u`, and
-its values and gradients. stickslip gets the brake, and has to find out:
+its values and gradients. stickslip gets the brake:
 
-- *by verdicts*: it sees only whether samples are unstable. This applies to two inputs, and to ten with
-  `outside_physics = "failed"`, which changes nothing else here, since all inputs are positive.
+- *by verdicts*: samples are counted by verdicts. This applies to two inputs, and to ten with
+  `outside_physics = "failed"`, which changes nothing else here, since all inputs are positive. `importance` looks for design
+  points by the values of the limit state, whose gradients are differences; each value counts. `subset` sees verdicts alone.
 - *by integrals*: as `importance` does by itself with `kind = "eigenvalue"` and more than two inputs, it integrates over
   preload and friction at every sample. An integral counts as one evaluation and takes some twenty microseconds.
 
@@ -32,7 +33,7 @@ Of SEEDS runs each, for every case and method: the mean of the probabilities ove
 root-mean-square error, the mean number of evaluations, those that an error of 5 % takes, how many of the 95 % intervals
 contain the truth, and the median of the seconds. stickslip gives no number where it does not trust it; such runs are
 counted, and their evaluations are added to those of the others. "At an error of 5 %" scales evaluations by the square of
-the error. That holds for the sampling part only, so what is spent on finding the region (stickslip's populations before
+the error. That holds for the sampling part only, so what is spent on finding the region (stickslip's search before
 importance sampling, FORM) stays as it is. An error of SEEDS runs is itself uncertain by a sixth, its square by a third.
 The ratios are those numbers of peers over stickslip: above 1, stickslip needs less.
 
