@@ -19,7 +19,7 @@ use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::inputs::{InputDistribution, Marginal, PairLaw};
 use stickslip_sampler::integrate::pair::Pair;
-use stickslip_sampler::rare::points::{Continuous, LimitState, Points};
+use stickslip_sampler::rare::points::{ConditionalProbability, LimitState, Points};
 use stickslip_sampler::rare::whole;
 use stickslip_sampler::special_functions::normal;
 
@@ -100,6 +100,20 @@ fn main() {
 /// A limit state.
 type Limit = Box<dyn Fn(&[f64]) -> f64>;
 
+/// The probability of a disc in two deviates, so far from the origin, by the midpoint rule.
+fn disc(distance: f64, radius: f64) -> f64 {
+    let (rings, angles) = (400, 400);
+    let mut sum = 0.0;
+    for ring in 0..rings {
+        let r = radius * (f64::from(ring) + 0.5) / f64::from(rings);
+        for angle in 0..angles {
+            let cosine = libm::cos(std::f64::consts::TAU * f64::from(angle) / f64::from(angles));
+            sum += r * libm::exp(-0.5 * (distance * distance + r * r + 2.0 * r * distance * cosine));
+        }
+    }
+    sum * radius / f64::from(rings) / f64::from(angles)
+}
+
 /// Limit states with gradients, each with the probability that it is below zero.
 fn limit_states() -> Vec<(String, usize, Limit, f64)> {
     let mut found: Vec<(String, usize, Limit, f64)> = Vec::new();
@@ -137,6 +151,16 @@ fn limit_states() -> Vec<(String, usize, Limit, f64)> {
             step * chi(x) * normal::upper_tail(limit + bend * x)
         };
         found.push((format!("paraboloid of {bend} at {limit}"), 10, state, (0..100_000).map(term).sum()));
+    }
+    for inputs in [4, 10, 20] {
+        let state: Limit = Box::new(|u| (5.5 - u[2]).min((3.0 - u[0]).max(3.2 - u[1])));
+        let (corner, plane) = (normal::upper_tail(3.0) * normal::upper_tail(3.2), normal::upper_tail(5.5));
+        found.push(("corner at 3, 3.2, branch at 5.5".to_owned(), inputs, state, corner + plane - corner * plane));
+    }
+    for (radius, inputs) in [(0.3, 3), (0.3, 6), (0.6, 3), (0.6, 6), (0.6, 10)] {
+        let state: Limit = Box::new(move |u| (0.7 * (5.0 - u[2])).min(libm::hypot(u[0] + 4.0, u[1] - 3.0) - radius));
+        let (disc, plane) = (disc(5.0, radius), normal::upper_tail(5.0));
+        found.push((format!("disc of {radius}, branch at 5"), inputs, state, disc + plane - disc * plane));
     }
     for radius in [4.5, 6.0] {
         let state: Limit = Box::new(move |u| radius - libm::sqrt(u[0] * u[0] + u[1] * u[1]));
@@ -302,7 +326,8 @@ fn of_brakes(thread: usize, threads: usize, count: usize) -> Vec<Found> {
             && is_wanted(regions)
         {
             single += usize::from(regions < 2);
-            let mut integrand = Continuous(|points: &Points| Some(points.iter().map(|u| brake.given(u)).collect()));
+            let mut integrand =
+                ConditionalProbability(|points: &Points| Some(points.iter().map(|u| brake.given(u)).collect()));
             let given = whole::importance(2, 128, seed, 0.95, &mut integrand).unwrap().estimate;
             let mut limit_state = LimitState(|u: &[f64]| brake.limit_state(u));
             let decided = whole::importance(4, 128, seed, 0.95, &mut limit_state).unwrap().estimate;

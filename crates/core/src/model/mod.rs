@@ -12,7 +12,7 @@
 //! | the boundary of stability in two quantities in closed form | [`ClosedForm`] | integrals in place of samples, critical values |
 //! | decisions by simulation, many at once, interruptible | [`Simulation`] | samples that cost much |
 //! | growth rate and limit cycle | [`Behaviours`] | what a cell with exactly the expected values does |
-//! | how far a sample is from instability | [`Configuration::limit_states`] | rare events by design points |
+//! | a limit state of samples | [`Configuration::limit_states`] | rare events by design points |
 //! | a map of verdicts over two quantities | [`Configuration::map_origin`] | samples that are looked up, integrals |
 //! | the settled amplitude beside the verdict | [`Model::records_amplitude`] | distributions of it |
 //!
@@ -268,8 +268,8 @@ pub trait Configuration: Any + Send + Sync {
         None
     }
 
-    /// Limit states of samples: a continuous function of what varies, with a gradient nearly everywhere, that is below zero
-    /// where a sample is unstable. Not a number for samples that have none; `None` if it is known of no sample. Unless a
+    /// Limit states of samples: a function of what varies that is below zero where a sample is unstable, continuous with a
+    /// gradient nearly everywhere within the model. Not a number for samples that have none; `None` if it is known of no sample. Unless a
     /// model says more, that of its closed form.
     fn limit_states(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
         let form = self.closed_form()?;

@@ -102,7 +102,7 @@ impl PairBoundary {
     }
 
     /// A limit state: `ln(critical_product / (a (by_second b + offset)))`, below zero where samples are unstable, from -700
-    /// to 700, which is also that of samples outside the model.
+    /// to 700. Samples outside the model have 700.
     #[must_use]
     pub fn limit_state(&self, first: f64, second: f64) -> f64 {
         let driving = self.driving(second);

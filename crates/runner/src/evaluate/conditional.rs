@@ -8,7 +8,7 @@ use stickslip_core::model::{Configuration, ModelError};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::{Correlation, InputDistribution};
 use stickslip_sampler::integrate::pair::Pair;
-use stickslip_sampler::rare::points::{Continuous, Integrand, Points};
+use stickslip_sampler::rare::points::{ConditionalProbability, Integrand, Points};
 
 use crate::job::Job;
 use stickslip_core::model::IsStopped;
@@ -135,7 +135,7 @@ pub(super) fn integrand<'a>(
     // None if no sample of the cell is admissible.
     let of_cell = ConditionalCell::new(conditional, job, cell).ok();
     let mut sample = Vec::new();
-    Continuous(move |points: &Points| {
+    ConditionalProbability(move |points: &Points| {
         let mut values = Vec::with_capacity(points.len());
         for point in points.iter() {
             if is_stopped() {

@@ -339,7 +339,7 @@ impl<'a> Evaluator<'a> {
         configuration.outside(&Columns::new(samples.len(), &samples.columns()))
     }
 
-    /// How far samples of a cell are from instability, where their model has such a function.
+    /// Limit states of samples of a cell, where their model has them.
     fn limit_states(&self, cell: &Cell, samples: &Samples) -> Option<Vec<f64>> {
         let configuration = self.criteria.configuration(self.job, self.job.grid.configuration_index(cell.index))?;
         let within = self.within(cell, samples);
@@ -426,7 +426,7 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// Verdicts on points in the space of deviates, and how far these are from instability.
+/// Verdicts on points in the space of deviates, and limit states of these.
 struct DecidedIntegrand<'a> {
     evaluator: &'a Evaluator<'a>,
     cell: &'a Cell,

@@ -7,14 +7,14 @@
 //! u = -a c / (|a|^2 + e),    c = max(s(x) - a . x, 0),    beta = c / sqrt(|a|^2 + e),    P = Phi(-beta)
 //! ```
 //!
-//! with `e = 0`. Where `g` is a conditional probability, `s` is [the deviate](super::points::Continuous) that it
+//! with `e = 0`. Where `g` is a conditional probability, `s` is [the deviate](super::points::ConditionalProbability) that it
 //! corresponds to, a further normal deviate `xi` decides with `s + xi <= 0`, and `e = 1`. The step is repeated from there,
 //! shortened where it leads to a worse point (A. M. Hasofer, N. C. Lind, J. Eng. Mech. Div. ASCE 100 (1974) 111-121; R.
 //! Rackwitz, B. Fiessler, Computers & Structures 9 (1978) 489-494; shortened by a merit function as in P.-L. Liu, A. Der
 //! Kiureghian, Structural Safety 9 (1991) 161-177). Gradients are differences.
 //!
-//! It starts from the origin, and from points of all directions and distances among those that were tried. A design point is
-//! what its linear limit state says of it only if a few samples around it agree.
+//! It starts from the origin, and then from the points that were tried whose limit state is farthest below what the design
+//! points found so far make of it. A region is that of a plane only if a few samples around its design point agree.
 
 use crate::estimate::conditional::effective_number;
 use crate::estimate::weighted::Event;
@@ -25,9 +25,11 @@ use crate::rare::points::Points;
 use crate::rare::scatters::square;
 use crate::special_functions::normal;
 
-/// Largest number of starts, and the least distance between two over that of the farther from the origin.
+/// Largest number of starts beside the origin, the least distance between two over that of the farther from the origin, and
+/// the least difference between what is known and what was found at them, over the sum of both.
 const MOST_STARTS: usize = 6;
 const LEAST_APART: f64 = 0.5;
+const LEAST_SURPRISE: f64 = 0.1;
 
 /// Largest number of steps from a start, and of halvings of a step.
 const MOST_STEPS: usize = 10;
@@ -55,42 +57,55 @@ pub struct Region {
     /// Its probability, from the samples.
     pub probability: f64,
     /// Its density.
-    pub group: Group,
+    pub density: Gaussian,
     /// Whose region it is.
     pub event: Event,
-    /// Whether the samples are what the linear limit state makes of them.
-    pub is_linear: bool,
+    /// Whether the samples, and the points that were tried, are what the linear limit state makes of them.
+    pub is_plane: bool,
+}
+
+impl Region {
+    /// The region as a group of a mixture.
+    #[must_use]
+    pub fn group(&self) -> Group {
+        Group { share: self.probability, density: self.density.clone() }
+    }
 }
 
 /// A limit state that is linear around a point.
 struct Linear {
     gradient: Vec<f64>,
     /// `|a|^2 + e`
-    square: f64,
+    scale: f64,
     /// `c`, but below zero too.
     offset: f64,
 }
 
 impl Linear {
     fn target(&self) -> Vec<f64> {
-        let factor = -self.offset.max(0.0) / self.square;
+        let factor = -self.offset.max(0.0) / self.scale;
         self.gradient.iter().map(|slope| factor * slope).collect()
     }
 
-    /// The distance of the design point from the origin, with `xi` as one more deviate.
-    fn distance(&self) -> f64 {
-        self.offset / self.square.sqrt()
+    /// The distance of the design point from the origin, with `xi` as one more deviate; below zero if the event happens there.
+    fn beta(&self) -> f64 {
+        self.offset / self.scale.sqrt()
+    }
+
+    /// The limit state of the plane at a point.
+    fn at(&self, point: &[f64]) -> f64 {
+        self.offset + self.gradient.iter().zip(point).map(|(slope, u)| slope * u).sum::<f64>()
     }
 
     /// The law of the deviates where the event happens: the mean, and the variance along it.
     fn density(&self) -> Option<Gaussian> {
-        let distance = self.distance();
+        let beta = self.beta();
         // The mean and the variance of a standard normal deviate above the distance.
-        let mean = normal::density(distance) / normal::upper_tail(distance);
-        let variance = 1.0 + distance * mean - mean * mean;
-        let along = square(&self.gradient) / self.square;
+        let mean = normal::density(beta) / normal::upper_tail(beta);
+        let variance = 1.0 + beta * mean - mean * mean;
+        let along = square(&self.gradient) / self.scale;
         let variance = along * variance + 1.0 - along;
-        let factor = -mean / self.square.sqrt();
+        let factor = -mean / self.scale.sqrt();
         Gaussian::along(
             self.gradient.iter().map(|slope| factor * slope).collect(),
             (1.0 - LEAST_SHARE) * variance + LEAST_SHARE,
@@ -101,12 +116,13 @@ impl Linear {
 /// What a point is worth on the way to a design point: less is better.
 fn merit(point: &[f64], limit_state: f64, value: Option<f64>, penalty: f64) -> f64 {
     let of_state = match value {
-        Some(value) if is_conditional(value) => -libm::log(value),
+        Some(value) if limit_state.is_nan() && value >= 1.0 => 0.0,
+        Some(_) if limit_state.is_nan() => f64::INFINITY,
+        Some(value) if is_conditional(value) => 0.5 * limit_state.max(0.0) * limit_state.max(0.0),
         Some(_) => penalty * limit_state.max(0.0),
         None => f64::INFINITY,
     };
-    let merit = 0.5 * square(point) + of_state;
-    if merit.is_nan() { f64::INFINITY } else { merit }
+    0.5 * square(point) + of_state
 }
 
 /// Whether `g` is neither of both verdicts.
@@ -118,40 +134,44 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// Where the steps begin: the origin, then points where the event happens, the nearest first, then others.
-fn starts(explored: &Explored) -> Vec<&[f64]> {
-    let mut all: Vec<&(Vec<f64>, f64)> = explored.with_limit_state.iter().collect();
-    let key = |(point, state): &(Vec<f64>, f64)| if *state < 0.0 { (false, square(point)) } else { (true, *state) };
-    all.sort_by(|a, b| {
-        let (a, b) = (key(a), key(b));
-        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-    });
-    let mut chosen: Vec<&[f64]> = Vec::new();
-    for (point, _) in all {
-        let is_apart = |other: &&[f64]| {
-            let farther = square(point).max(square(other)).sqrt();
-            distance(point, other) > LEAST_APART * farther
-        };
-        if chosen.len() < MOST_STARTS && chosen.iter().all(is_apart) {
-            chosen.push(point);
+/// The point that was tried, apart from other starts, that differs most from the planes that are known: its limit state is the
+/// farthest below all of them, the nearest first where that is below zero and they are not.
+fn most_surprising<'e>(explored: &'e Explored, known: &[Linear], starts: &[&[f64]]) -> Option<&'e [f64]> {
+    let is_apart = |point: &[f64], other: &[f64]| {
+        let farther = square(point).max(square(other)).sqrt();
+        distance(point, other) > LEAST_APART * farther
+    };
+    let surprise = |point: &[f64], state: f64| {
+        let expected = known.iter().map(|plane| plane.at(point)).fold(f64::INFINITY, f64::min);
+        match expected {
+            _ if state < 0.0 && expected > 0.0 => 1.0 + 1.0 / (1.0 + square(point)),
+            f64::INFINITY => 1.0 / (1.0 + state),
+            _ if expected <= 0.0 => 0.0,
+            _ => (expected - state) / (expected + state),
         }
-    }
-    chosen
+    };
+    let candidates = explored.with_limit_state.iter().map(|(point, state)| (&point[..], surprise(point, *state)));
+    let candidates = candidates.filter(|(_, surprise)| *surprise > LEAST_SURPRISE);
+    let apart = candidates.filter(|(point, _)| starts.iter().all(|start| is_apart(point, start)));
+    apart.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(point, _)| point)
 }
 
 impl Search<'_> {
     /// The regions to which the limit state leads; `None` if it is stopped before.
-    pub fn design_points(&mut self, explored: &Explored) -> Option<Vec<Region>> {
+    pub(super) fn design_points(&mut self, explored: &Explored) -> Option<Vec<Region>> {
         let origin = vec![0.0; self.dimensions()];
-        let mut found: Vec<Linear> = Vec::new();
-        for start in std::iter::once(&origin[..]).chain(starts(explored)) {
+        let mut found: Vec<Linear> = self.design_point(&origin, &[])?.into_iter().collect();
+        let mut starts: Vec<&[f64]> = Vec::new();
+        while starts.len() < MOST_STARTS {
+            let Some(start) = most_surprising(explored, &found, &starts) else { break };
+            starts.push(start);
             let linear = self.design_point(start, &found)?;
             found.extend(linear);
         }
         let mut regions = Vec::new();
         for linear in &found {
             let Some(density) = linear.density() else { continue };
-            regions.push(self.region(linear, density)?);
+            regions.push(self.region(linear, density, explored)?);
         }
         regions.retain(|region| region.probability > 0.0);
         Some(regions)
@@ -164,13 +184,11 @@ impl Search<'_> {
         for _ in 0..MOST_STEPS {
             let Some((linear, state, value)) = self.linear(&point)? else { return Some(None) };
             let target = linear.target();
-            if found.iter().any(|known| distance(&known.target(), &target) < SAME) {
-                return Some(None);
-            }
             if distance(&target, &point) < CLOSE {
-                return Some(Some(linear));
+                let is_known = found.iter().any(|known| distance(&known.target(), &target) < SAME);
+                return Some((!is_known).then_some(linear));
             }
-            let penalty = 2.0 * square(&target).max(square(&point)).max(1.0).sqrt() / linear.square.sqrt();
+            let penalty = 2.0 * square(&target).max(square(&point)).max(1.0).sqrt() / linear.scale.sqrt();
             let before = merit(&point, state, value, penalty);
             let mut share = 1.0;
             let mut next = None;
@@ -202,17 +220,17 @@ impl Search<'_> {
         let (values, states) = self.evaluate_limit_states(&points)?;
         let gradient: Vec<f64> = states[1..].iter().map(|state| (state - states[0]) / DIFFERENCE).collect();
         let extra = if values[0].is_some_and(is_conditional) { 1.0 } else { 0.0 };
-        let square = square(&gradient) + extra;
+        let scale = square(&gradient) + extra;
         let along: f64 = gradient.iter().zip(point).map(|(slope, u)| slope * u).sum();
         let offset = states[0] - along;
-        if !(square > 0.0 && square.is_finite() && offset.is_finite()) {
+        if !(scale > 0.0 && scale.is_finite() && offset.is_finite()) {
             return Some(None);
         }
-        Some(Some((Linear { gradient, square, offset }, states[0], values[0])))
+        Some(Some((Linear { gradient, scale, offset }, states[0], values[0])))
     }
 
     /// What samples say of a region; `None` if it is stopped before.
-    fn region(&mut self, linear: &Linear, density: Gaussian) -> Option<Region> {
+    fn region(&mut self, linear: &Linear, density: Gaussian, explored: &Explored) -> Option<Region> {
         let dimensions = self.dimensions();
         let mut points = Points::new(dimensions);
         for _ in 0..SAMPLES {
@@ -230,10 +248,12 @@ impl Search<'_> {
             squares += term * term;
         }
         let probability = sum / SAMPLES as f64;
-        let factor = probability / normal::upper_tail(linear.distance());
-        let is_linear = effective_number(sum, squares) >= LEAST_EFFECTIVE * SAMPLES as f64
-            && (1.0 / MOST_FACTOR..MOST_FACTOR).contains(&factor);
-        Some(Region { probability, group: Group { share: probability, density }, event: self.event(), is_linear })
+        let factor = probability / normal::upper_tail(linear.beta());
+        let is_explained = |(point, state): &(Vec<f64>, f64)| *state > 0.0 || linear.at(point) <= 0.0;
+        let is_plane = effective_number(sum, squares) >= LEAST_EFFECTIVE * SAMPLES as f64
+            && (1.0 / MOST_FACTOR..MOST_FACTOR).contains(&factor)
+            && explored.with_limit_state.iter().all(is_explained);
+        Some(Region { probability, density, event: self.event(), is_plane })
     }
 }
 
@@ -241,7 +261,7 @@ impl Search<'_> {
 mod tests {
     use super::*;
     use crate::rare::exploration::Effort;
-    use crate::rare::points::{Continuous, Integrand, LimitState};
+    use crate::rare::points::{ConditionalProbability, Integrand, LimitState};
     use rand::SeedableRng;
     use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -258,12 +278,12 @@ mod tests {
     fn densities_have_the_moments_of_the_region_of_a_plane() {
         // With scipy 1.14: truncnorm(3, inf).mean() and var().
         let (mean, variance) = (3.283_098_654_930_44, 0.070_559_186_785_255_86);
-        let verdict = Linear { gradient: vec![0.0, -2.0], square: 4.0, offset: 6.0 };
+        let verdict = Linear { gradient: vec![0.0, -2.0], scale: 4.0, offset: 6.0 };
         let density = verdict.density().unwrap();
         assert!((density.mean()[1] - mean).abs() < 1e-9 && density.mean()[0] == 0.0);
         assert!((density.variance_along_mean() - (0.97 * variance + 0.03)).abs() < 1e-9);
         // With a further deviate of the same weight, it shares mean and excess of the variance with the other.
-        let conditional = Linear { gradient: vec![0.0, -1.0], square: 2.0, offset: 3.0 * 2.0_f64.sqrt() };
+        let conditional = Linear { gradient: vec![0.0, -1.0], scale: 2.0, offset: 3.0 * 2.0_f64.sqrt() };
         let density = conditional.density().unwrap();
         assert!((density.mean()[1] - mean / 2.0_f64.sqrt()).abs() < 1e-9);
         assert!((density.variance_along_mean() - (0.97 * 0.5 * (1.0 + variance) + 0.03)).abs() < 1e-9);
@@ -276,11 +296,12 @@ mod tests {
             let mut plane = LimitState(|u: &[f64]| 5.0 - u.iter().sum::<f64>() / root);
             // The sum of the others exceeds 5 roots, less a further deviate of the same weight.
             let given = |u: &[f64]| normal::upper_tail(5.0 * 2.0_f64.sqrt() - u.iter().sum::<f64>() / root);
-            let mut conditional = Continuous(|points: &Points| Some(points.iter().map(|u| Some(given(u))).collect()));
+            let mut conditional =
+                ConditionalProbability(|points: &Points| Some(points.iter().map(|u| Some(given(u))).collect()));
             for integrand in [&mut plane as &mut dyn Integrand, &mut conditional] {
                 let (regions, evaluations) = regions(inputs, 1, integrand);
                 let [region] = &regions[..] else { panic!("{inputs} inputs: {} regions", regions.len()) };
-                assert!(region.is_linear && evaluations < 400 + 8 * inputs as u64, "{inputs} inputs: {evaluations}");
+                assert!(region.is_plane && evaluations < 400 + 8 * inputs as u64, "{inputs} inputs: {evaluations}");
                 let factor = region.probability / normal::upper_tail(5.0);
                 assert!((0.5..2.0).contains(&factor), "{inputs} inputs: {factor}");
             }
@@ -295,13 +316,45 @@ mod tests {
             let (regions, _) = regions(5, seed, &mut LimitState(branches));
             // The means of a standard normal deviate above 4, 4.1 and 4.2.
             for region in &regions {
-                let distance = square(region.group.density.mean()).sqrt();
+                let distance = square(region.density.mean()).sqrt();
                 assert!([4.2256, 4.3207, 4.4160].iter().any(|mean| (distance - mean).abs() < 2e-3), "{distance}");
             }
             assert!(regions.len() > 1, "seed {seed}");
             found += regions.len();
         }
         assert!(found >= 55, "{found} of 60");
+    }
+
+    #[test]
+    fn what_one_plane_does_not_explain_is_noticed() {
+        // A corner without a design point, which many tried points are in; a disc, which hardly any is in.
+        let corner = |u: &[f64]| (5.5 - u[2]).min((3.0 - u[0]).max(3.2 - u[1]));
+        let disc = |u: &[f64]| (0.7 * (5.0 - u[2])).min(libm::hypot(u[0] + 4.0, u[1] - 3.0) - 0.6);
+        // A probability that jumps up far from where it is small and hardly depends on the inputs.
+        let jump = |u: &[f64]| normal::upper_tail(5.5 - 0.2 * u[1] - 3.5 * (1.0 + libm::tanh(3.0 * (u[0] - 4.3))));
+        let mut jump = ConditionalProbability(|points: &Points| Some(points.iter().map(|u| Some(jump(u))).collect()));
+        for inputs in [6, 10, 20] {
+            let states: [&dyn Fn(&[f64]) -> f64; 2] = [&corner, &disc];
+            let [mut corner, mut disc] = states.map(LimitState);
+            let missed = |integrand: &mut dyn Integrand| {
+                let is_missed = |seed: &u64| {
+                    let (regions, _) = regions(inputs, *seed, integrand);
+                    regions.len() == 1 && regions[0].is_plane
+                };
+                (0..20).filter(is_missed).count()
+            };
+            let [corner, disc, jump] = [&mut corner as &mut dyn Integrand, &mut disc, &mut jump].map(missed);
+            assert!(corner == 0 && disc <= 2 && jump == 0, "{inputs} inputs: {corner} {disc} {jump}");
+        }
+    }
+
+    #[test]
+    fn a_point_without_a_limit_state_is_no_way_to_a_design_point() {
+        assert_eq!(merit(&[3.0, 4.0], f64::NAN, Some(0.0), 2.0), f64::INFINITY);
+        assert_eq!(merit(&[3.0, 4.0], f64::NAN, None, 2.0), f64::INFINITY);
+        assert_eq!(merit(&[3.0, 4.0], f64::NAN, Some(1.0), 2.0), 12.5);
+        assert_eq!(merit(&[3.0, 4.0], 0.5, Some(0.0), 2.0), 13.5);
+        assert_eq!(merit(&[3.0, 4.0], 1.0, Some(normal::upper_tail(1.0)), 2.0), 13.0);
     }
 
     #[test]
@@ -315,7 +368,7 @@ mod tests {
                 [LimitState(&paraboloid as &dyn Fn(&[f64]) -> f64), LimitState(&slab), LimitState(&ring)]
             {
                 let (regions, _) = regions(6, seed, &mut integrand);
-                assert!(regions.len() != 1 || !regions[0].is_linear, "seed {seed}");
+                assert!(regions.len() != 1 || !regions[0].is_plane, "seed {seed}");
             }
         }
     }

@@ -191,7 +191,9 @@ impl<'a> Search<'a> {
     /// The same, of instability.
     fn values_and_limit_states(&mut self, points: &Points) -> Option<(Vec<Option<f64>>, Vec<f64>)> {
         let values = self.integrand.values(points)?;
-        let states = self.integrand.limit_states(points, &values).unwrap_or_default();
+        let mut states = self.integrand.limit_states(points, &values).unwrap_or_else(|| vec![f64::NAN; points.len()]);
+        // What has no verdict leads nowhere.
+        states.iter_mut().zip(&values).filter(|(_, value)| value.is_none()).for_each(|(state, _)| *state = f64::NAN);
         Some((values, states))
     }
 

@@ -80,9 +80,9 @@ impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for F {
 
 /// A conditional probability that is a continuous function of the deviates, by a closure that returns it at points. Its limit
 /// state is `-z`, where a standard normal deviate is below `z` with this probability.
-pub struct Continuous<F>(pub F);
+pub struct ConditionalProbability<F>(pub F);
 
-impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for Continuous<F> {
+impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for ConditionalProbability<F> {
     fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
         self.0(points)
     }

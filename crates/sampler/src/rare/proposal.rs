@@ -28,7 +28,7 @@ const LEAST_MISSED: f64 = 1e-4;
 const MOST_TIMES: f64 = 10.0;
 
 /// Particles for each of the points that are tried at an enlargement where there is a limit state.
-const PARTICLES_TO_A_TRY: usize = 8;
+const PARTICLES_PER_POINT: usize = 8;
 
 /// Largest number of populations whose densities are mixed, and the share of the samples that each gets at least.
 const MOST_POPULATIONS: usize = 4;
@@ -75,13 +75,13 @@ impl Proposal {
         let particles = search.effort().particles;
         let mut regions = Vec::new();
         if search.has_limit_states() {
-            let explored = search.explore_limit_states(particles.div_ceil(PARTICLES_TO_A_TRY))?;
+            let explored = search.explore_limit_states(particles.div_ceil(PARTICLES_PER_POINT))?;
             regions = search.design_points(&explored)?;
             if let [region] = &regions[..]
-                && region.is_linear
+                && region.is_plane
                 && explored.scatters.enlargements().len() > 1
             {
-                let populations = [(region.probability, vec![region.group.clone()])];
+                let populations = [(region.probability, vec![region.group()])];
                 let proposal = Self::new(search.dimensions(), &explored, &populations);
                 if proposal.missed(&explored, region.probability).is_empty() {
                     return Some(proposal);
@@ -113,7 +113,8 @@ impl Proposal {
                     return Some(proposal);
                 }
                 let probability = regions.iter().map(|region| region.probability).sum();
-                populations.push((probability, regions.into_iter().map(|region| region.group).collect()));
+                populations.retain(|(_, groups)| !groups.is_empty());
+                populations.push((probability, regions.iter().map(Region::group).collect()));
                 return Some(Self::new(search.dimensions(), &explored, &populations));
             }
         }
@@ -121,7 +122,7 @@ impl Proposal {
 
     /// Whether a region matters, but samples of this proposal hardly ever come near its middle.
     fn misses(&self, region: &Region, probability: f64) -> bool {
-        let mean = region.group.density.mean();
+        let mean = region.density.mean();
         region.probability > LEAST_MISSED * probability
             && self.weight(mean, &mut vec![0.0; mean.len()]) > MOST_TIMES * probability
     }
@@ -169,6 +170,10 @@ impl Proposal {
     fn of(densities: Vec<(f64, Gaussian)>, event: Event) -> Self {
         let mut sum = 0.0;
         let last = densities.len() - 1;
+        debug_assert!(
+            (densities.iter().map(|(share, _)| share).sum::<f64>() - 1.0).abs() < 1e-9,
+            "shares of a mixture"
+        );
         let component = |(i, (share, density)): (usize, (f64, Gaussian))| {
             sum += share;
             let below = if i == last { f64::INFINITY } else { normal::quantile(sum) };
