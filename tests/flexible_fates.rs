@@ -174,8 +174,9 @@ fn motions_are_those_of_an_independent_integration() {
 
 #[test]
 fn stick_slip_settles_to_the_cycle_of_an_independent_integration() {
-    for case in cases().iter().filter(|case| case.start == Start::LimitCycle) {
-        let Some(cycle) = &case.cycle else { continue };
+    let cases = cases();
+    // Every fourth of them: they take long.
+    for (case, cycle) in cases.iter().filter_map(|case| Some((case, case.cycle.as_ref()?))).step_by(4) {
         // The last quarter of the trajectory is summarised.
         let settled = case.trajectory(cycle.time * 4.0 / 3.0 + 20.0 * cycle.period, 1.0).settled.unwrap();
         let swing = cycle.largest - cycle.smallest;

@@ -28,7 +28,7 @@ The motion
 ----------
 SciPy's DOP853 follows one state of contact at a time, to a relative tolerance of 1e-10. A pad that slips or overtakes the
 disc does so until x' = v, a pad that sticks until static friction, f_s P, is less than what it takes to keep x'' = 0. Both
-are located as events. Where x' = v and static friction can hold the pad, it sticks; otherwise it passes.
+are located as events, and a touch between two steps by the largest x' there. Where x' = v and static friction can hold the pad, it sticks; otherwise it passes.
 
 How a fate is found
 -------------------
@@ -459,19 +459,35 @@ class Brake:
             can, needed = self.held(s)
             return can - abs(needed)
 
-        meets.terminal, meets.direction = True, -1.0
+        def passes(_, s):
+            return contact * self.rate(s, contact)[0][n]
+
+        def phase(until, watch, dense):
+            return solve_ivp(lambda _, s: self.rate(s, contact)[0], (now, until), state, method="DOP853", rtol=tolerance,
+                             atol=atol, events=watch, dense_output=dense, max_step=0.5)
+
         def turns_back(_, s):
             return s[n]
 
+        meets.terminal, meets.direction = True, -1.0
+        passes.direction = -1.0
         turns.terminal, turns.direction = True, -1.0
         turns_back.direction = 1.0
         slips.terminal, slips.direction = True, -1.0
         while now < longest:
-            end = longest
-            watch = [slips] if contact == STICK else [meets, turns, turns_back] if contact == SLIP else [meets]
+            watch = [slips] if contact == STICK else [meets, turns, turns_back, passes] if contact == SLIP else [meets]
             wanted = [t for t in times if t >= now]
-            solved = solve_ivp(lambda _, s: self.rate(s, contact)[0], (now, end), state, method="DOP853", rtol=tolerance,
-                               atol=atol, events=watch, dense_output=bool(wanted), max_step=0.5)
+            solved = phase(longest, watch, bool(wanted))
+            if contact == SLIP:
+                # A step may reach beyond the disc's speed and back: then the pad has met the disc before it was fastest.
+                peaks = zip(solved.t_events[3], solved.y_events[3])
+                fastest = next((t for t, s in peaks if s[n] >= v and t > now + 1e-3), None)
+                if fastest is not None and fastest < solved.t[-1]:
+                    until_then, before = phase(fastest, [], True).sol, 1e-6
+                    while until_then(fastest - before)[n] >= v:
+                        before *= 2.0
+                    meeting = brentq(lambda t: v - until_then(t)[n], fastest - before, fastest, xtol=1e-14)
+                    solved = phase(meeting, [meets, turns, turns_back], True)
             if not solved.success:
                 raise ArithmeticError(solved.message)
             self.least_gap = min([self.least_gap] + [self.rate(s, contact)[3] for s in solved.y.T])
