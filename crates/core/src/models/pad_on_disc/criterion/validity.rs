@@ -1,8 +1,8 @@
 //! Over which brakes verdicts in time were tested, and how often they were wrong or missing.
 //!
-//! `make validity` repeats the first table and 20 of the random flexible brakes (some ten minutes on two cores), and lists the
-//! cases one by one; `VALIDITY_BRAKES=196` in the environment takes those of the second table (some hours, as single brakes
-//! take half an hour). A range contains its lower end.
+//! `make validity` repeats the first table and 20 of the random flexible brakes (some ten minutes on two cores), and
+//! lists the cases one by one; `VALIDITY_BRAKES=196` in the environment takes those of the second table (some hours, as
+//! single brakes take half an hour). A range contains its lower end.
 //!
 //! # Rigid disc
 //!
@@ -37,8 +37,8 @@
 //!
 //! # Flexible disc
 //!
-//! 585 verdicts on 195 random brakes (0 to 195 without 153, whose motions take too long), three starts each, with a horizon
-//! of 10 000. The reference of a linearly unstable brake is its eigenvalues; else motions of the same equations with a
+//! 585 verdicts on 195 random brakes (0 to 195 without 153, whose motions take too long), three starts each, with a
+//! horizon of 10 000. The reference of a linearly unstable brake is its eigenvalues; else motions of the same equations with a
 //! quarter of the step, up to three times the horizon, whose last quarters are compared.
 //!
 //! | range | cases | wrong | undecided | share of both | no reference | changed by half steps |
@@ -66,12 +66,12 @@
 //! | start: rest | 195 | 0 | 0 | 0.00 % | 1 | 0 |
 //! | start: limit cycle | 195 | 1 | 1 | 1.03 % | 1 | 1 |
 //!
-//! The wrong verdict is that on brake 169, within 3e-4 below the speed at which stick-slip ends with the steps in use; with
-//! half of them it ends 2e-4 lower, below the brake's own speed.
+//! The wrong verdict is that on brake 169. With the steps in use its stick-slip ends 1e-4 to 3e-4 above the brake's
+//! speed, with steps half as long up to 1e-4 below it.
 //!
-//! 64 motions of 32 further brakes, from rest and from the limit cycle, have references that share no code with this crate
-//! (tests/data/flexible-fates.csv): no verdict is wrong, none undecided. x and its speed in the first swings, and the settled
-//! cycles, are the same to 1e-4 with fine steps; to 1e-3 where the pad lifts off and the reference is less accurate.
+//! 64 motions of 32 further brakes, from rest and from the limit cycle, have references that share no code with this
+//! crate (tests/data/flexible-fates.csv): no verdict is wrong, none undecided. x and its speed in the first swings, and
+//! the settled cycles, are the same to 1e-4 with fine steps; to 1e-3 where the pad lifts off and the reference is less accurate.
 //!
 //! # Outside the range
 //!
