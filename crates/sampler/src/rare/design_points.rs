@@ -334,8 +334,7 @@ mod tests {
         let jump = |u: &[f64]| normal::upper_tail(5.5 - 0.2 * u[1] - 3.5 * (1.0 + libm::tanh(3.0 * (u[0] - 4.3))));
         let mut jump = ConditionalProbability(|points: &Points| Some(points.iter().map(|u| Some(jump(u))).collect()));
         for inputs in [6, 10, 20] {
-            let states: [&dyn Fn(&[f64]) -> f64; 2] = [&corner, &disc];
-            let [mut corner, mut disc] = states.map(LimitState);
+            let (mut corner, mut disc) = (LimitState(corner), LimitState(disc));
             let missed = |integrand: &mut dyn Integrand| {
                 let is_missed = |seed: &u64| {
                     let (regions, _) = regions(inputs, *seed, integrand);

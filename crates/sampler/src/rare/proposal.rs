@@ -4,8 +4,8 @@
 //! its mean: one with its covariance, one with its variance in the direction of the mean alone, which few points determine
 //! well whatever the number of inputs, and one with the standard deviations of the inputs. An eighth of the samples come
 //! from the distribution of the inputs itself, so that no weight is above 8 (a defensive mixture: T. Hesterberg,
-//! Technometrics 37 (1995) 185-194), and a sixteenth from the enlarged scatters with which points were tried, so that a
-//! region without a particle can still be met.
+//! Technometrics 37 (1995) 185-194), and a sixteenth or more from the enlarged scatters with which points were tried, so
+//! that a region without a particle can still be met.
 
 use crate::estimate::weighted::{Event, MOST_WEIGHT};
 use crate::rare::design_points::Region;
@@ -15,10 +15,12 @@ use crate::rare::mixture::{self, Group};
 use crate::rare::population::{Population, SPREAD, TRIED};
 use crate::special_functions::normal;
 
-/// Shares of the samples: from the distribution of the inputs, from the enlarged ones, and of the rest from the
+/// Shares of the samples: from the distribution of the inputs, from the enlarged ones, also where points are missed that no
+/// population came near, so that the scatter of the estimates shows what these have, and of the rest from the
 /// densities of the groups with the standard deviations of the inputs, and with their variance along the mean.
 const OF_INPUTS: f64 = 1.0 / MOST_WEIGHT;
 const ENLARGED: f64 = 1.0 / 16.0;
+const ENLARGED_WHERE_MISSED: f64 = 1.0 / 4.0;
 const WIDE: f64 = 0.2;
 const ALONG: f64 = 0.4;
 
@@ -82,7 +84,7 @@ impl Proposal {
                 && explored.scatters.enlargements().len() > 1
             {
                 let populations = [(region.probability, vec![region.group()])];
-                let proposal = Self::new(search.dimensions(), &explored, &populations);
+                let proposal = Self::new(search.dimensions(), &explored, &populations, ENLARGED);
                 if proposal.missed(&explored, region.probability).is_empty() {
                     return Some(proposal);
                 }
@@ -104,18 +106,18 @@ impl Proposal {
                 }
             }
             populations.push((probability, groups));
-            let proposal = Self::new(search.dimensions(), &explored, &populations);
+            let proposal = Self::new(search.dimensions(), &explored, &populations, ENLARGED);
             let probability = populations.iter().map(|(probability, _)| probability).sum();
             places = proposal.missed(&explored, probability);
             if places.is_empty() || populations.len() == MOST_POPULATIONS {
+                let enlarged = if places.is_empty() { ENLARGED } else { ENLARGED_WHERE_MISSED };
                 regions.retain(|region| region.event == explored.event && proposal.misses(region, probability));
-                if regions.is_empty() {
-                    return Some(proposal);
+                if !regions.is_empty() {
+                    let probability = regions.iter().map(|region| region.probability).sum();
+                    populations.retain(|(_, groups)| !groups.is_empty());
+                    populations.push((probability, regions.iter().map(Region::group).collect()));
                 }
-                let probability = regions.iter().map(|region| region.probability).sum();
-                populations.retain(|(_, groups)| !groups.is_empty());
-                populations.push((probability, regions.iter().map(Region::group).collect()));
-                return Some(Self::new(search.dimensions(), &explored, &populations));
+                return Some(Self::new(search.dimensions(), &explored, &populations, enlarged));
             }
         }
     }
@@ -128,13 +130,13 @@ impl Proposal {
     }
 
     /// The proposal for the groups of populations with their probabilities.
-    fn new(size: usize, explored: &Explored, populations: &[(f64, Vec<Group>)]) -> Self {
+    fn new(size: usize, explored: &Explored, populations: &[(f64, Vec<Group>)], enlarged: f64) -> Self {
         let total: f64 = populations.iter().map(|(probability, _)| probability).sum();
         let share = |probability: f64| match populations {
             [_] => 1.0,
             _ => LEAST_SHARE + (1.0 - populations.len() as f64 * LEAST_SHARE) * probability / total,
         };
-        let rest = if total > 0.0 { 1.0 - OF_INPUTS - ENLARGED } else { 0.0 };
+        let rest = if total > 0.0 { 1.0 - OF_INPUTS - enlarged } else { 0.0 };
         let origin = || vec![0.0; size];
         let mut densities = vec![(OF_INPUTS, Gaussian::round(origin(), 1.0))];
         let enlargements = explored.scatters.enlargements();
@@ -231,7 +233,7 @@ mod tests {
             event: Event::Instability,
         };
         let probability = if particles.is_empty() { 0.0 } else { 1e-6 };
-        Proposal::new(dimensions, &explored, &[(probability, mixture::groups(&points))])
+        Proposal::new(dimensions, &explored, &[(probability, mixture::groups(&points))], ENLARGED)
     }
 
     /// The mean of a function of the inputs, by weighted samples.
