@@ -330,8 +330,8 @@ mod tests {
         // A corner without a design point, which many tried points are in; a disc, which hardly any is in.
         let corner = |u: &[f64]| (5.5 - u[2]).min((3.0 - u[0]).max(3.2 - u[1]));
         let disc = |u: &[f64]| (0.7 * (5.0 - u[2])).min(libm::hypot(u[0] + 4.0, u[1] - 3.0) - 0.6);
-        // A probability that jumps up far from where it is small and hardly depends on the inputs.
-        let jump = |u: &[f64]| normal::upper_tail(5.5 - 0.2 * u[1] - 3.5 * (1.0 + libm::tanh(3.0 * (u[0] - 4.3))));
+        // A probability that rises to 1 far from where it is small and hardly depends on the inputs.
+        let jump = |u: &[f64]| normal::upper_tail(5.5 - 0.2 * u[1] - 8.0 * (1.0 + libm::tanh(3.0 * (u[0] - 4.3))));
         let mut jump = ConditionalProbability(|points: &Points| Some(points.iter().map(|u| Some(jump(u))).collect()));
         for inputs in [6, 10, 20] {
             let (mut corner, mut disc) = (LimitState(corner), LimitState(disc));

@@ -78,8 +78,12 @@ impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for F {
     }
 }
 
+/// The largest limit state of a conditional probability, beyond that of the smallest number.
+const FARTHEST: f64 = 40.0;
+
 /// A conditional probability that is a continuous function of the deviates, by a closure that returns it at points. Its limit
-/// state is `-z`, where a standard normal deviate is below `z` with this probability.
+/// state is `-z`, where a standard normal deviate is below `z` with this probability; from -40, where it is 1, to 40, where
+/// it is 0.
 pub struct ConditionalProbability<F>(pub F);
 
 impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for ConditionalProbability<F> {
@@ -89,8 +93,10 @@ impl<F: FnMut(&Points) -> Option<Vec<Option<f64>>>> Integrand for ConditionalPro
 
     fn limit_states(&mut self, _: &Points, values: &[Option<f64>]) -> Option<Vec<f64>> {
         let limit_state = |value: &Option<f64>| match *value {
-            Some(g) if 0.0 < g && g < 1.0 => -normal::quantile(g),
-            _ => f64::NAN,
+            None => f64::NAN,
+            Some(g) if g <= 0.0 => FARTHEST,
+            Some(g) if g >= 1.0 => -FARTHEST,
+            Some(g) => -normal::quantile(g),
         };
         Some(values.iter().map(limit_state).collect())
     }
@@ -108,5 +114,22 @@ impl<S: FnMut(&[f64]) -> f64> Integrand for LimitState<S> {
 
     fn limit_states(&mut self, points: &Points, _: &[Option<f64>]) -> Option<Vec<f64>> {
         Some(points.iter().map(&mut self.0).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limit_states_of_probabilities_are_ordered_from_one_to_zero() {
+        let probabilities = [1.0, 1.0 - f64::EPSILON, 0.5, 1e-9, 5e-324, 0.0].map(Some);
+        let mut points = Points::new(1);
+        (0..6).for_each(|i| points.push([f64::from(i)]));
+        let mut integrand = ConditionalProbability(|_: &Points| Some(probabilities.to_vec()));
+        let states = integrand.limit_states(&points, &probabilities).unwrap();
+        assert!(states.is_sorted() && states[0] == -40.0 && states[2] == 0.0 && states[5] == 40.0, "{states:?}");
+        assert!((states[3] - 5.997_807_015_007_687).abs() < 1e-12, "{states:?}");
+        assert!(integrand.limit_states(&points, &[None]).unwrap()[0].is_nan());
     }
 }
