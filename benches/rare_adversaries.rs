@@ -2,8 +2,9 @@
 //! easily, each with its probability in closed form. A line for each shape: how often an estimate is given, and how often
 //! its interval contains the truth.
 //!
-//! Then limit states with gradients. Then brakes whose measured friction curves are drawn at random, most of them with several unstable regions. Preload and
-//! friction are integrated over, rotating speed and damping scatter; the truth is a sum over a grid of both.
+//! Then limit states with gradients. Then brakes whose measured friction curves are drawn at random, most of them with
+//! several unstable regions. Preload and friction are integrated over or drawn too, rotating speed and damping scatter; the
+//! truth is a sum over a grid of both.
 //!
 //! `make coverage` runs it. Everything is seeded.
 

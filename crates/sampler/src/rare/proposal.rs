@@ -71,8 +71,8 @@ impl Proposal {
     ///
     /// Where there is a limit state, its gradient leads to design points. If it leads to a single one, around which the limit
     /// state is about linear, the event is rare, and the few points that were tried have shown nothing else, that is all.
-    /// Else populations are led from many more points. Where points that were tried are missed by the densities so far, another population is
-    /// led from these.
+    /// Else populations are led from many more points. Where points that were tried are missed by the densities so far,
+    /// another population is led from these.
     pub fn find(search: &mut Search<'_>) -> Option<Self> {
         let particles = search.effort().particles;
         let mut regions = Vec::new();

@@ -71,7 +71,8 @@
 //!
 //! 64 motions of 32 further brakes, from rest and from the limit cycle, have references that share no code with this
 //! crate (tests/data/flexible-fates.csv): no verdict is wrong, none undecided. x and its speed in the first swings, and
-//! the settled cycles, are the same to 1e-4 with fine steps; to 1e-3 where the pad lifts off and the reference is less accurate.
+//! the settled cycles, are the same to 1e-4 with fine steps; to 1e-3 where the pad lifts off and the reference is less
+//! accurate.
 //!
 //! # Outside the range
 //!
