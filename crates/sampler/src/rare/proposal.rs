@@ -74,23 +74,30 @@ impl Proposal {
     /// Else populations are led from many more points. Where points that were tried are missed by the densities so far,
     /// another population is led from these.
     pub fn find(search: &mut Search<'_>) -> Option<Self> {
-        let particles = search.effort().particles;
         let mut regions = Vec::new();
         if search.has_limit_states() {
-            let explored = search.explore_limit_states(particles.div_ceil(PARTICLES_PER_POINT))?;
+            let explored = search.explore_limit_states(search.effort().particles.div_ceil(PARTICLES_PER_POINT))?;
             regions = search.design_points(&explored)?;
-            if let [region] = &regions[..]
-                && region.is_plane
-                && explored.scatters.enlargements().len() > 1
-            {
-                let populations = [(region.probability, vec![region.group()])];
-                let proposal = Self::new(search.dimensions(), &explored, &populations, ENLARGED);
-                if proposal.missed(&explored, region.probability).is_empty() {
-                    return Some(proposal);
-                }
+            if let Some(proposal) = Self::around_one_plane(&explored, &regions) {
+                return Some(proposal);
             }
         }
-        let explored = search.explore(TRIED * particles)?;
+        Self::around_populations(search, regions)
+    }
+
+    /// The proposal for a rare event in one region that is that of a plane; `None` if it is not, or if it misses points.
+    fn around_one_plane(explored: &Explored, regions: &[Region]) -> Option<Self> {
+        let [region] = regions else { return None };
+        if !region.is_plane || explored.scatters.enlargements().len() == 1 {
+            return None;
+        }
+        let proposal = Self::new(explored, &[(region.probability, vec![region.group()])], ENLARGED);
+        proposal.missed(explored, region.probability).is_empty().then_some(proposal)
+    }
+
+    /// The proposal for populations, and for those of the regions that they miss.
+    fn around_populations(search: &mut Search<'_>, mut regions: Vec<Region>) -> Option<Self> {
+        let explored = search.explore(TRIED * search.effort().particles)?;
         let mut populations: Vec<(f64, Vec<Group>)> = Vec::new();
         let mut places: Vec<usize> = (0..explored.points.len()).collect();
         loop {
@@ -106,7 +113,7 @@ impl Proposal {
                 }
             }
             populations.push((probability, groups));
-            let proposal = Self::new(search.dimensions(), &explored, &populations, ENLARGED);
+            let proposal = Self::new(&explored, &populations, ENLARGED);
             let probability = populations.iter().map(|(probability, _)| probability).sum();
             places = proposal.missed(&explored, probability);
             if places.is_empty() || populations.len() == MOST_POPULATIONS {
@@ -117,7 +124,7 @@ impl Proposal {
                     populations.retain(|(_, groups)| !groups.is_empty());
                     populations.push((probability, regions.iter().map(Region::group).collect()));
                 }
-                return Some(Self::new(search.dimensions(), &explored, &populations, enlarged));
+                return Some(Self::new(&explored, &populations, enlarged));
             }
         }
     }
@@ -130,14 +137,14 @@ impl Proposal {
     }
 
     /// The proposal for the groups of populations with their probabilities.
-    fn new(size: usize, explored: &Explored, populations: &[(f64, Vec<Group>)], enlarged: f64) -> Self {
+    fn new(explored: &Explored, populations: &[(f64, Vec<Group>)], enlarged: f64) -> Self {
         let total: f64 = populations.iter().map(|(probability, _)| probability).sum();
         let share = |probability: f64| match populations {
             [_] => 1.0,
             _ => LEAST_SHARE + (1.0 - populations.len() as f64 * LEAST_SHARE) * probability / total,
         };
         let rest = if total > 0.0 { 1.0 - OF_INPUTS - enlarged } else { 0.0 };
-        let origin = || vec![0.0; size];
+        let origin = || vec![0.0; explored.points.dimensions()];
         let mut densities = vec![(OF_INPUTS, Gaussian::round(origin(), 1.0))];
         let enlargements = explored.scatters.enlargements();
         let of_each = (1.0 - OF_INPUTS - rest) / enlargements.len() as f64;
@@ -233,7 +240,7 @@ mod tests {
             event: Event::Instability,
         };
         let probability = if particles.is_empty() { 0.0 } else { 1e-6 };
-        Proposal::new(dimensions, &explored, &[(probability, mixture::groups(&points))], ENLARGED)
+        Proposal::new(&explored, &[(probability, mixture::groups(&points))], ENLARGED)
     }
 
     /// The mean of a function of the inputs, by weighted samples.
