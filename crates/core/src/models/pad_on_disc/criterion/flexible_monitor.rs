@@ -40,7 +40,11 @@ const ARRIVED: f64 = 1e-6;
 const STILL: f64 = 1e-6;
 const STILL_SWINGS: u32 = 100;
 
-/// How a motion is decision.
+/// A change of amplitude from swing to swing that may be due to the steps, and when it is looked at first.
+const SLOW: f64 = 2e-5;
+const FIRST_COMPARISON: f64 = 20.0;
+
+/// How a motion is decided.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MonitorOptions {
     /// Slowest damping rate of the degrees of freedom that disturb the tangential motion.
@@ -72,6 +76,11 @@ pub(crate) struct FlexibleMonitor {
     verdict: Option<Verdict>,
     /// The motion is known to be unstable, and may be simulated further for its amplitude.
     is_known_unstable: bool,
+    /// The pad came so near to sticking, or stuck so briefly, that errors of the steps may have decided whether it did.
+    has_grazed: bool,
+    /// The swing that later ones are compared with to see whether the motion hovers, and how many there were since.
+    hovering_from: Option<(f64, f64)>,
+    swings_since: u32,
     swings: Swings,
     cycles: Cycles,
     settled: SettledAmplitude,
@@ -91,6 +100,9 @@ impl FlexibleMonitor {
             still_swings: 0,
             last_distance: None,
             verdict: (options.linear_growth_fed_by.is_some() && !options.until_settled).then_some(Verdict::Unstable),
+            has_grazed: false,
+            hovering_from: None,
+            swings_since: 0,
             is_known_unstable: options.linear_growth_fed_by.is_some(),
             swings: Swings::new(starts_turning_at),
             cycles: Cycles::new(),
@@ -112,8 +124,21 @@ impl FlexibleMonitor {
         }
     }
 
+    /// Notes a motion whose amplitude hardly changes from swing to swing: it is near an unstable cycle, and damping by
+    /// the steps may decide whether it grows.
+    fn notice_hovering(&mut self, time: f64, amplitude: f64) {
+        self.swings_since += 1;
+        let (before, since) = *self.hovering_from.get_or_insert((amplitude, time));
+        if time > 2.0 * since + FIRST_COMPARISON {
+            let change = libm::log(amplitude / before).abs();
+            self.has_grazed |= change < SLOW * f64::from(self.swings_since);
+            (self.hovering_from, self.swings_since) = (Some((amplitude, time)), 0);
+        }
+    }
+
     /// A swing of a motion that does not stick.
     fn compare_swing(&mut self, time: f64, amplitude: f64) {
+        self.notice_hovering(time, amplitude);
         let imitated = self.transients.imitated(time, amplitude);
         match self.swings.trend(time, imitated) {
             // What is still may be errors of the steps, as of a start at the equilibrium itself.
@@ -145,6 +170,10 @@ impl Monitor for FlexibleMonitor {
 
     fn amplitude(&self) -> f64 {
         self.settled.value().unwrap_or(self.swings.amplitude())
+    }
+
+    fn is_doubtful(&self) -> bool {
+        self.has_grazed && self.linear_growth_fed_by.is_none()
     }
 
     fn fed_by(&self) -> DegreeOfFreedom {
@@ -203,6 +232,10 @@ impl Observer for FlexibleMonitor {
         self.last_distance = None;
         self.transients.slips(time);
         self.cycles.slips(time);
+    }
+
+    fn grazes(&mut self) {
+        self.has_grazed = true;
     }
 }
 

@@ -17,6 +17,8 @@ pub(crate) mod rigid_monitor;
 
 pub(crate) mod flexible_monitor;
 
+pub(crate) mod confirmation;
+
 pub mod time_domain;
 
 mod coupled_eigenvalues;

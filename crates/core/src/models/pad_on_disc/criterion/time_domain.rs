@@ -35,6 +35,7 @@ use thiserror::Error;
 
 use crate::model::decision::Decision;
 use crate::model::verdict::Verdict;
+use crate::models::pad_on_disc::criterion::confirmation::Confirmation;
 use crate::models::pad_on_disc::criterion::flexible_monitor::{FlexibleMonitor, MonitorOptions};
 use crate::models::pad_on_disc::criterion::monitor::{Monitor, is_check_due};
 use crate::models::pad_on_disc::criterion::rigid_monitor::RigidMonitor;
@@ -210,15 +211,24 @@ impl TimeDomain {
             System::Rigid(motion) => {
                 let sample = motion.sample(inputs);
                 match self.start_rigid(&sample, inputs, start) {
-                    Ok((start, monitor)) => self.simulate(&sample, start, monitor, motion.step, 0),
+                    Ok((start, mut monitor)) => self.simulate(&sample, start, &mut monitor, motion.step),
                     Err(known) => known,
                 }
             }
             System::Flexible(motion) => {
-                let sample = motion.sample(inputs);
-                match self.start_flexible(&sample, start, FlexibleBrake::by_eigenvalues) {
-                    Ok((start, monitor)) => self.simulate(&sample, start, monitor, motion.step, 0),
-                    Err(known) => known,
+                let mut confirmation = Confirmation::NONE;
+                loop {
+                    let divisor = confirmation.divisor;
+                    let sample = motion.sample_in_finer_steps(inputs, divisor);
+                    let (start, mut monitor) = match self.start_flexible(&sample, start, FlexibleBrake::by_eigenvalues)
+                    {
+                        Ok(begun) => begun,
+                        Err(known) => return known,
+                    };
+                    let decision = self.simulate(&sample, start, &mut monitor, motion.step / divisor);
+                    if let Some(decision) = confirmation.accept(decision, monitor.is_doubtful()) {
+                        return decision;
+                    }
                 }
             }
         }
@@ -354,32 +364,31 @@ impl TimeDomain {
         Ok((start.motion(sample, state), equilibrium))
     }
 
-    /// Simulates a motion from step `begun` on, to its verdict or to the horizon.
+    /// Simulates a motion to its verdict or to the horizon.
     pub(crate) fn simulate<E: Equations, M: Monitor>(
         &self,
         equations: &E,
         mut motion: Motion<E::State>,
-        mut monitor: M,
+        monitor: &mut M,
         h: f64,
-        begun: u64,
     ) -> Decision {
         let steps = self.steps_to_horizon(h);
         let mut substeps = Substeps::at_most(self.most_substeps(h));
-        for step in begun..steps {
+        for step in 0..steps {
             let time = step as f64 * h;
-            let advanced = advance_counted(equations, &mut motion, (time, h), &mut substeps, &mut monitor);
+            let advanced = advance_counted(equations, &mut motion, (time, h), &mut substeps, monitor);
             if let Err(stopped) = advanced {
-                return self.conclude_stopped(stopped, &mut monitor, equations.tangential(&motion.state), time);
+                return self.conclude_stopped(stopped, monitor, equations.tangential(&motion.state), time);
             }
             if is_check_due(step + 1) {
                 let (x, u) = equations.tangential(&motion.state);
                 monitor.check(x, u);
             }
             if let Some(verdict) = monitor.verdict() {
-                return self.conclude(verdict, &monitor, (step + 1) as f64 * h);
+                return self.conclude(verdict, monitor, (step + 1) as f64 * h);
             }
         }
-        self.conclude_without_verdict(Verdict::Undecided, &monitor, steps as f64 * h)
+        self.conclude_without_verdict(Verdict::Undecided, monitor, steps as f64 * h)
     }
 
     /// The decision on a motion that is not simulated further, at x and x'. One that took too many substeps is left to

@@ -86,7 +86,7 @@ impl FiniteDifferenceBrake {
             before,
             after,
             length: self.step_length,
-            friction_steps: self.modal.friction_steps(inputs),
+            friction_steps: self.modal.friction_steps(inputs, 1.0),
         }
     }
 

@@ -66,15 +66,15 @@ impl TimeDomain {
             match &self.system {
                 System::Rigid(brake) => {
                     let sample = brake.sample(inputs);
-                    if let Ok((motion, monitor)) = self.start_rigid(&sample, inputs, self.start()) {
-                        self.simulate(&Counted { equations: &sample, taken: &taken }, motion, monitor, brake.step, 0);
+                    if let Ok((motion, mut monitor)) = self.start_rigid(&sample, inputs, self.start()) {
+                        self.simulate(&Counted { equations: &sample, taken: &taken }, motion, &mut monitor, brake.step);
                     }
                 }
                 System::Flexible(motion) => {
                     let sample = motion.sample(inputs);
                     let start = self.start_flexible(&sample, self.start(), FlexibleBrake::linear_stability);
-                    if let Ok((start, monitor)) = start {
-                        self.simulate(&Counted { equations: &sample, taken: &taken }, start, monitor, motion.step, 0);
+                    if let Ok((start, mut monitor)) = start {
+                        self.simulate(&Counted { equations: &sample, taken: &taken }, start, &mut monitor, motion.step);
                     }
                 }
             }
@@ -225,7 +225,7 @@ fn take_bundle_steps<'q, B: Bundle<'q>>(
     assert!(InstructionSet::available().contains(&set), "this processor has no {set:?}");
     for inputs in inputs.chunks_exact(B::LANES) {
         for (lane, &inputs) in inputs.iter().enumerate() {
-            if let Some((motion, step)) = bundle.place(lane, QueuedSample::new(0, criterion, inputs)) {
+            if let Some((motion, step)) = bundle.place(lane, &QueuedSample::new(0, criterion, inputs)) {
                 bundle.set_next(lane, &motion);
                 let (pace, l) = bundle.pace(lane);
                 pace.step[l] = step;

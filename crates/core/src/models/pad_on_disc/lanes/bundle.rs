@@ -36,19 +36,19 @@ pub(super) trait Bundle<'q> {
     /// What is found of some samples together.
     fn examine(&self, samples: &[QueuedSample<'q>]) -> Vec<Self::Known>;
 
-    /// Gives a lane the equations of a sample; or decides the sample if it needs no simulation, or none in this bundle.
+    /// Gives a lane the equations of a sample, for steps divided by `divisor`; or decides the sample if it needs no simulation, or none in this bundle.
     /// It takes a shorter way to the same as soon as it `is_stopped`, if there is one.
     fn begin(
         &mut self,
         lane: usize,
-        sample: QueuedSample<'q>,
+        sample: (&QueuedSample<'q>, f64),
         known: Self::Known,
         is_stopped: &dyn Fn() -> bool,
     ) -> Result<Begun<Self::State, Self::Monitor>, Decision>;
 
     /// Gives a lane the equations of a sample, decided or not. Returns the motion at its beginning and the length of
     /// its steps, if it has equations.
-    fn place(&mut self, lane: usize, sample: QueuedSample<'q>) -> Option<(Motion<Self::State>, f64)>;
+    fn place(&mut self, lane: usize, sample: &QueuedSample<'q>) -> Option<(Motion<Self::State>, f64)>;
 
     /// A trial step in every lane, from the next states of the last one.
     fn step(&mut self, set: InstructionSet);

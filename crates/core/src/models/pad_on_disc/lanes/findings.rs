@@ -43,7 +43,7 @@ fn findings_with<const N: usize>(
         let sliding = (disc_speed - u.0, disc_speed - u.1);
         let touches = may_touch(sliding, (-acceleration.0, -acceleration.1), h.0[l]);
         let ordinary = (sliding.1 > 0.0) & (sliding.1 < f64::MAX) & (next_x.0[l].abs() < FARTHEST);
-        let grazes = grazes_at_end(sliding, disc_speed);
+        let grazes = grazes_at_end(sliding, disc_speed, steps.grazing_speed);
         let (is_too_long, factor) = steps.judge(u, acceleration, h.0[l]);
         (trials.is_too_long[l], trials.factor[l]) = (u64::from(is_too_long), factor);
         trials.is_event[l] = u64::from(touches | grazes | !ordinary);

@@ -81,8 +81,8 @@ impl<'q> FlexibleBundle<'q> {
             && (Arc::ptr_eq(geometry, &self.geometry) || is_same(&self.geometry))
     }
 
-    /// The equations of a sample, if the lanes can take them; or else its decision.
-    fn equations_of(&self, sample: &QueuedSample<'q>) -> Result<Placed<'q>, Decision> {
+    /// The equations of a sample for steps divided by `divisor`, if the lanes can take them; or else its decision.
+    fn equations_of(&self, sample: &QueuedSample<'q>, divisor: f64) -> Result<Placed<'q>, Decision> {
         let System::Flexible(shared) = &sample.criterion.system else { return Err(sample.clone().decide()) };
         let motion = match &sample.brake {
             None => Held::Shared(shared),
@@ -95,7 +95,7 @@ impl<'q> FlexibleBundle<'q> {
         if !self.fits(&motion) {
             return Err(sample.clone().decide());
         }
-        let friction_steps = motion.friction_steps(sample.inputs);
+        let friction_steps = motion.friction_steps(sample.inputs, divisor);
         Ok(Placed { motion, inputs: sample.inputs, friction_steps })
     }
 
@@ -156,7 +156,7 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
     fn begin(
         &mut self,
         lane: usize,
-        sample: QueuedSample<'q>,
+        (sample, divisor): (&QueuedSample<'q>, f64),
         known: Self::Known,
         is_stopped: &dyn Fn() -> bool,
     ) -> Result<Begun<FlexibleState, FlexibleMonitor>, Decision> {
@@ -164,20 +164,20 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
         if sample.inputs.preload <= 0.0 {
             return Err(Decision::OUTSIDE_PHYSICS);
         }
-        let placed = self.equations_of(&sample)?;
+        let placed = self.equations_of(sample, divisor)?;
         let stability = |brake: &FlexibleBrake, inputs: RandomInputs| match &known {
             Some(known) => known.clone(),
             None => brake.linear_stability_until(inputs, is_stopped),
         };
         let start = sample.scaled_start();
         let (motion, monitor) = sample.criterion.start_flexible(&placed.equations(), start, stability)?;
-        let step = placed.motion.step;
+        let step = placed.motion.step / divisor;
         self.set_sample(lane, placed);
         Ok(Begun { motion, monitor, step })
     }
 
-    fn place(&mut self, lane: usize, sample: QueuedSample<'q>) -> Option<(Motion<FlexibleState>, f64)> {
-        let placed = self.equations_of(&sample).ok()?;
+    fn place(&mut self, lane: usize, sample: &QueuedSample<'q>) -> Option<(Motion<FlexibleState>, f64)> {
+        let placed = self.equations_of(sample, 1.0).ok()?;
         let (motion, _) = sample.criterion.flexible_start(&placed.equations(), sample.scaled_start()).ok()?;
         let step = placed.motion.step;
         self.set_sample(lane, placed);

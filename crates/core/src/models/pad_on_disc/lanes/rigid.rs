@@ -57,21 +57,21 @@ impl<'q> Bundle<'q> for RigidBundle {
     fn begin(
         &mut self,
         lane: usize,
-        sample: QueuedSample<'q>,
+        (sample, _): (&QueuedSample<'q>, f64),
         (): (),
         _: &dyn Fn() -> bool,
     ) -> Result<Begun<RigidState, RigidMonitor>, Decision> {
-        let equations = equations_of(&sample)?;
+        let equations = equations_of(sample)?;
         if equations.brake.law.shape != self.shape {
-            return Err(sample.decide());
+            return Err(sample.clone().decide());
         }
         let (motion, monitor) = sample.criterion.start_rigid(&equations, sample.inputs, sample.scaled_start())?;
         self.set_sample(lane, equations);
         Ok(Begun { motion, monitor, step: equations.brake.step })
     }
 
-    fn place(&mut self, lane: usize, sample: QueuedSample<'q>) -> Option<(Motion<RigidState>, f64)> {
-        let equations = equations_of(&sample).ok()?;
+    fn place(&mut self, lane: usize, sample: &QueuedSample<'q>) -> Option<(Motion<RigidState>, f64)> {
+        let equations = equations_of(sample).ok()?;
         self.set_sample(lane, equations);
         Some((sample.criterion.rigid_start(&equations, sample.scaled_start()), equations.brake.step))
     }

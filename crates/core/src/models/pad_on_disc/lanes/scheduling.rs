@@ -2,8 +2,8 @@
 
 use crate::model::decision::Decision;
 use crate::model::verdict::Verdict;
+use crate::models::pad_on_disc::criterion::confirmation::Confirmation;
 use crate::models::pad_on_disc::criterion::monitor::{Monitor, STEPS_BETWEEN_CHECKS, is_check_due};
-use crate::models::pad_on_disc::criterion::time_domain::TimeDomain;
 use crate::models::pad_on_disc::lanes::bundle::{Begun, Bundle};
 use crate::models::pad_on_disc::lanes::dispatch::InstructionSet;
 use crate::models::pad_on_disc::lanes::pace::{DUE, EVENT, TOO_LONG, TURN};
@@ -22,10 +22,17 @@ const STEPS_BETWEEN_QUESTIONS: usize = 4096;
 /// Steps of the scalar code between two such questions.
 const SCALAR_STEPS_BETWEEN_QUESTIONS: u64 = 256;
 
+/// A sample that waits for a lane, with what is known of it.
+struct Waiting<'q, K> {
+    sample: QueuedSample<'q>,
+    known: K,
+    confirmation: Confirmation,
+}
+
 /// A sample in a lane.
 struct Running<'q, S, M> {
-    ticket: u64,
-    criterion: &'q TimeDomain,
+    sample: QueuedSample<'q>,
+    confirmation: Confirmation,
     monitor: M,
     contact: ContactState,
     /// Steps to the horizon.
@@ -40,8 +47,8 @@ struct Running<'q, S, M> {
 struct Flow<'q, 'b, B: Bundle<'q>, Q> {
     bundle: &'b mut B,
     queue: &'b mut Q,
-    /// Samples that were taken from the queue, the next one last.
-    waiting: Vec<(QueuedSample<'q>, B::Known)>,
+    /// Samples that were taken from the queue, and those to simulate again, the next one last.
+    waiting: Vec<Waiting<'q, B::Known>>,
     running: Vec<Option<Running<'q, B::State, B::Monitor>>>,
     busy: usize,
     is_exhausted: bool,
@@ -107,19 +114,24 @@ impl<'q, Q: SampleQueue<'q> + ?Sized> SampleQueue<'q> for Preceded<'q, '_, Q> {
 }
 
 impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
-    /// The next sample, with what is known of it.
-    fn take(&mut self) -> Option<(QueuedSample<'q>, B::Known)> {
+    /// The next sample.
+    fn take(&mut self) -> Option<Waiting<'q, B::Known>> {
         if self.waiting.is_empty() {
             let samples: Vec<_> = std::iter::from_fn(|| self.queue.next()).take(B::AT_ONCE).collect();
-            let known = self.bundle.examine(&samples);
-            self.waiting.extend(samples.into_iter().zip(known).rev());
+            self.wait(samples, Confirmation::NONE);
         }
         self.waiting.pop()
     }
 
+    fn wait(&mut self, samples: Vec<QueuedSample<'q>>, confirmation: Confirmation) {
+        let known = self.bundle.examine(&samples);
+        let waiting = samples.into_iter().zip(known).map(|(sample, known)| Waiting { sample, known, confirmation });
+        self.waiting.extend(waiting.rev());
+    }
+
     /// Puts the next sample that needs simulation into a lane.
     fn refill(&mut self, lane: usize) {
-        while let Some((sample, known)) = self.take() {
+        while let Some(Waiting { sample, known, confirmation }) = self.take() {
             // To find its linear stability may take longer than its motion.
             if self.queue.is_stopped() {
                 self.is_stopped = true;
@@ -127,15 +139,15 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
             }
             let (ticket, criterion) = (sample.ticket, sample.criterion);
             let queue = &*self.queue;
-            match self.bundle.begin(lane, sample, known, &|| queue.is_stopped()) {
+            match self.bundle.begin(lane, (&sample, confirmation.divisor), known, &|| queue.is_stopped()) {
                 Err(decision) => self.queue.decided(ticket, decision),
                 Ok(Begun { motion, monitor, step }) => {
                     self.busy += usize::from(self.running[lane].is_none());
                     let substeps = Substeps::at_most(criterion.most_substeps(step));
                     let progress = StepInProgress::new(motion.contact, step, substeps);
                     let running = Running {
-                        ticket,
-                        criterion,
+                        sample,
+                        confirmation,
                         monitor,
                         contact: motion.contact,
                         limit: criterion.steps_to_horizon(step),
@@ -213,8 +225,14 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
     }
 
     fn decided(&mut self, lane: usize, decision: Decision) {
-        if let Some(running) = &self.running[lane] {
-            self.queue.decided(running.ticket, decision);
+        if let Some(running) = &mut self.running[lane] {
+            match running.confirmation.accept(decision, running.monitor.is_doubtful()) {
+                Some(decision) => self.queue.decided(running.sample.ticket, decision),
+                None => {
+                    let (sample, confirmation) = (running.sample.clone(), running.confirmation);
+                    self.wait(vec![sample], confirmation);
+                }
+            }
         }
         self.refill(lane);
     }
@@ -277,7 +295,7 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
             match progress.judge(&equations, &mut motion, &step, time, &mut running.monitor) {
                 Err(stopped) => {
                     let at = equations.tangential(&motion.state);
-                    return Some(running.criterion.conclude_stopped(stopped, &mut running.monitor, at, time));
+                    return Some(running.sample.criterion.conclude_stopped(stopped, &mut running.monitor, at, time));
                 }
                 Ok(true) => {
                     steps += 1.0;
@@ -303,14 +321,11 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
     /// Simulates the samples of all lanes to their end by the scalar code, or until the queue stops.
     fn finish(&mut self) {
         for lane in 0..B::LANES {
-            if self.is_stopped {
-                return;
-            }
-            let state = self.bundle.next(lane);
-            if let Some(decision) = self.judge(lane, state, None, true)
-                && let Some(running) = &self.running[lane]
-            {
-                self.queue.decided(running.ticket, decision);
+            while !self.is_stopped && self.running[lane].is_some() {
+                let state = self.bundle.next(lane);
+                if let Some(decision) = self.judge(lane, state, None, true) {
+                    self.decided(lane, decision);
+                }
             }
         }
     }
@@ -324,9 +339,9 @@ impl<S, M: Monitor> Running<'_, S, M> {
             self.monitor.check(x, u);
         }
         match self.monitor.verdict() {
-            Some(verdict) => Some(self.criterion.conclude(verdict, &self.monitor, end)),
+            Some(verdict) => Some(self.sample.criterion.conclude(verdict, &self.monitor, end)),
             None => (count >= self.limit)
-                .then(|| self.criterion.conclude_without_verdict(Verdict::Undecided, &self.monitor, end)),
+                .then(|| self.sample.criterion.conclude_without_verdict(Verdict::Undecided, &self.monitor, end)),
         }
     }
 

@@ -60,12 +60,17 @@ impl FlexibleMotion {
 
     /// The equations of one sample.
     pub fn sample(&self, inputs: RandomInputs) -> FlexibleSample<'_> {
-        FlexibleSample { brake: &self.brake, inputs, friction_steps: self.friction_steps(inputs) }
+        self.sample_in_finer_steps(inputs, 1.0)
     }
 
-    /// The limits that the friction of a sample sets to steps.
-    pub fn friction_steps(&self, inputs: RandomInputs) -> FrictionSteps {
-        FrictionSteps::of_pad(&self.brake.equations.coefficients.pad, inputs, self.refinement)
+    /// The same for steps divided by `divisor`.
+    pub fn sample_in_finer_steps(&self, inputs: RandomInputs, divisor: f64) -> FlexibleSample<'_> {
+        FlexibleSample { brake: &self.brake, inputs, friction_steps: self.friction_steps(inputs, divisor) }
+    }
+
+    /// The limits that the friction of a sample sets to steps divided by `divisor`.
+    pub fn friction_steps(&self, inputs: RandomInputs, divisor: f64) -> FrictionSteps {
+        FrictionSteps::of_pad(&self.brake.equations.coefficients.pad, inputs, self.refinement / divisor)
     }
 
     /// The length of a step that resolves every degree of freedom.

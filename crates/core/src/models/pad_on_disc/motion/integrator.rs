@@ -80,16 +80,6 @@ pub(crate) trait Observer {
     fn is_caught(&mut self, _x: f64) {}
 }
 
-/// A pad grazes where its sliding speed has a minimum, or a step ends, below this share of the disc's speed. A step
-/// that ends there on an approach faster than [`GRAZING_RATE`] only comes before the meeting. Where stick-slip ends,
-/// errors of the sliding speed are some 1e-6 of the disc's (a test of the steps).
-pub(crate) const GRAZING_SPEED: f64 = 1e-4;
-
-/// A pad grazes too where it meets the disc with less than this share of the disc's speed times its natural frequency:
-/// the acceleration at the meeting grows with the square root of the distance to a mere touch. The same as the rate of
-/// a clear capture in `rigid_disc::planar_motion`.
-pub(crate) const GRAZING_RATE: f64 = 3e-2;
-
 /// The computation broke down: not a number, or farther away than any brake could go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Breakdown;
@@ -125,8 +115,8 @@ pub(crate) fn may_touch(r: (f64, f64), rate: (f64, f64), h: f64) -> bool {
 /// Whether a step that slows down the sliding ends so near the disc's speed that the pad grazes it. `r` is the sliding
 /// speed at both ends.
 #[inline(always)]
-pub(crate) fn grazes_at_end(r: (f64, f64), disc_speed: f64) -> bool {
-    (r.1 < GRAZING_SPEED * disc_speed) & (r.1 < r.0)
+pub(crate) fn grazes_at_end(r: (f64, f64), disc_speed: f64, grazing_speed: f64) -> bool {
+    (r.1 < grazing_speed * disc_speed) & (r.1 < r.0)
 }
 
 /// The turning point inside a step at whose ends the speeds `u` differ in sign: its time after the beginning and its

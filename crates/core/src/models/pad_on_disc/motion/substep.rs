@@ -16,7 +16,7 @@
 
 use crate::models::pad_on_disc::motion::friction_steps::MOST_GROWTH;
 use crate::models::pad_on_disc::motion::integrator::{
-    Breakdown, Equations, FARTHEST, GRAZING_RATE, GRAZING_SPEED, Motion, Step, grazes_at_end, may_touch,
+    Breakdown, Equations, FARTHEST, Motion, Step, grazes_at_end, may_touch,
 };
 use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::numerics::root_location::FalsePosition;
@@ -162,15 +162,15 @@ impl<S: Copy> Attempt<S> {
         let rate = (-relative.direction * step.acceleration.0, -relative.direction * step.acceleration.1);
         let ends = (relative.sliding(&from.state), relative.sliding(&step.next));
         let mut meets = (ends.1 <= 0.0).then_some((h, step.next));
-        let is_near = grazes_at_end(ends, equations.disc_speed());
-        let is_fast = is_near && rate.1 <= -GRAZING_RATE * equations.meeting_rate();
+        let limits = equations.friction_steps();
+        let is_near = grazes_at_end(ends, equations.disc_speed(), limits.grazing_speed);
+        let is_fast = is_near && rate.1 <= -limits.grazing_rate * equations.meeting_rate();
         let mut grazes = is_near && !is_fast;
-        let is_caught = is_fast
-            && !equations.friction_steps().are_fine_near_rest()
-            && margin(equations, &equations.moving_with_disc(&step.next)) > 0.0;
+        let is_caught =
+            is_fast && !limits.are_fine_near_rest() && margin(equations, &equations.moving_with_disc(&step.next)) > 0.0;
         if meets.is_none() && ends.0 > 0.0 && may_touch(ends, rate, h) {
             let (part, nearest) = relative.least_sliding(&from.state, h);
-            grazes |= relative.sliding(&nearest) < GRAZING_SPEED * equations.disc_speed();
+            grazes |= relative.sliding(&nearest) < limits.grazing_speed * equations.disc_speed();
             meets = (relative.sliding(&nearest) <= 0.0).then_some((part, nearest));
         }
         let Some((late, state)) = meets else {
@@ -248,7 +248,11 @@ fn meeting<E: Equations>(
     } else {
         (ContactState::Slip, Ending::Overtaken)
     };
-    let grazes = comes_from_slip && acceleration.1.abs() < GRAZING_RATE * equations.meeting_rate();
+    let slowest = equations.friction_steps().grazing_rate * equations.meeting_rate();
+    let held = 0.5 * (reserve.against_slip + reserve.against_overtaking);
+    let is_close = |reserve: f64| reserve.abs() < equations.friction_steps().grazing_reserve() * held;
+    let barely_holds = is_close(reserve.against_slip) || is_close(reserve.against_overtaking);
+    let grazes = comes_from_slip && (acceleration.1.abs() < slowest || barely_holds);
     Substep { time, end: Motion { state, contact }, acceleration, ending, grazes, is_caught: false, growth: 1.0 }
 }
 

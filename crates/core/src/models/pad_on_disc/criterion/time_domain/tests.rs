@@ -79,8 +79,8 @@ fn unaided_verdict(criterion: &TimeDomain, inputs: RandomInputs) -> Verdict {
         linear_growth_fed_by: None,
     };
     let turning = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
-    let monitor = FlexibleMonitor::new(options, equilibrium, criterion.settings.displacement, turning);
-    criterion.simulate(&sample, motion, monitor, brake.step, 0).verdict
+    let mut monitor = FlexibleMonitor::new(options, equilibrium, criterion.settings.displacement, turning);
+    criterion.simulate(&sample, motion, &mut monitor, brake.step).verdict
 }
 
 /// Follows a sample ten times as long as its verdict took, and at least for some hundred cycles, and finds the same.
