@@ -1,3 +1,4 @@
+mod end_of_stick_slip;
 mod given_starts;
 
 use super::*;
