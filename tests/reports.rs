@@ -55,6 +55,36 @@ fn a_report_is_one_file_with_the_answer_the_job_and_the_library() {
     assert_eq!(fs::read_to_string(place.path("again.html")).unwrap(), page);
 }
 
+/// A thin ring, which more disc modes than a job may keep would bend further.
+const RING: &str = r#"
+name = "ring"
+[model]
+disc = { thickness = 0.002, inner_radius = 0.075, outer_radius = 0.090 }
+pad = { inner_radius = 0.078 }
+[axes]
+rotating_speed = 15
+preload = 0.1
+static_friction = { from = 0.3, to = 0.5, points = 3 }
+[random]
+inputs = ["preload", "static_friction"]
+relative_std = 0.1
+[criterion]
+kind = "coupled-eigenvalue"
+[sampling]
+samples = 50
+seed = 1
+"#;
+
+#[test]
+fn a_report_warns_of_what_check_warns_of() {
+    let place = Place::new();
+    submitted(&place, "ring", RING);
+    place.run("report ring").done();
+    let page = fs::read_to_string(place.path("ring/report.html")).unwrap();
+    assert!(page.contains("<p >Warning: 24 disc modes: growth rate"), "no warning in the report");
+    assert!(page.contains("an error remains in results"), "no error in the warning");
+}
+
 /// A small job with Sobol indices, and another that differs from it in its damping.
 const DRAWN: &str = r#"
 name = "drawn"

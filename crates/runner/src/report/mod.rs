@@ -88,7 +88,7 @@ fn in_script(data: &Value) -> String {
     data.to_string().replace('<', "\\u003c")
 }
 
-/// The description and the answer of a run, with its name if there are several.
+/// The description and the answer of a run, with its name if there are several, and what `check` warns of.
 fn answered(run: &ReportedRun, has_name: bool) -> String {
     let values = &run.values;
     let job = &values.job;
@@ -98,6 +98,7 @@ fn answered(run: &ReportedRun, has_name: bool) -> String {
     heading(run, has_name)
         + &element("p", "class=\"note\"", &job.description)
         + &element("p", "class=\"answer\"", answer(job, &estimates).trim_end())
+        + &job.warnings().iter().map(|warning| element("p", "", &format!("Warning: {warning}."))).collect::<String>()
 }
 
 /// The pictures of the verdict maps.

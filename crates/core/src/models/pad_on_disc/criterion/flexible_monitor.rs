@@ -11,6 +11,9 @@
 //! | growing, or constant | not still | unstable |
 //! | stick-slip persists | | unstable |
 //!
+//! A motion is doubtful if the pad grazed the disc's speed, or if its amplitude hardly changed from swing to swing for a
+//! long time. It is then simulated again with finer steps (`confirmation`).
+//!
 //! If the settled amplitude is wanted, an unstable motion is simulated until stick-slip has settled or until its swings
 //! are constant. The criterion finds out whether the equilibrium is linearly stable; if it is not, a motion is
 //! monitored only for its amplitude.
@@ -76,9 +79,10 @@ pub(crate) struct FlexibleMonitor {
     verdict: Option<Verdict>,
     /// The motion is known to be unstable, and may be simulated further for its amplitude.
     is_known_unstable: bool,
-    /// The pad came so near to sticking, or stuck so briefly, that errors of the steps may have decided whether it did.
-    has_grazed: bool,
-    /// The swing that later ones are compared with to see whether the motion hovers, and how many there were since.
+    /// Errors of the steps may have decided whether the pad stuck, or whether the motion grew.
+    is_doubtful: bool,
+    /// Amplitude and time of the swing with which a later one is compared to see whether the motion hovers, and the
+    /// number of swings since.
     hovering_from: Option<(f64, f64)>,
     swings_since: u32,
     swings: Swings,
@@ -100,7 +104,7 @@ impl FlexibleMonitor {
             still_swings: 0,
             last_distance: None,
             verdict: (options.linear_growth_fed_by.is_some() && !options.until_settled).then_some(Verdict::Unstable),
-            has_grazed: false,
+            is_doubtful: false,
             hovering_from: None,
             swings_since: 0,
             is_known_unstable: options.linear_growth_fed_by.is_some(),
@@ -131,7 +135,7 @@ impl FlexibleMonitor {
         let (before, since) = *self.hovering_from.get_or_insert((amplitude, time));
         if time > 2.0 * since + FIRST_COMPARISON {
             let change = libm::log(amplitude / before).abs();
-            self.has_grazed |= change < SLOW * f64::from(self.swings_since);
+            self.is_doubtful |= change < SLOW * f64::from(self.swings_since);
             (self.hovering_from, self.swings_since) = (Some((amplitude, time)), 0);
         }
     }
@@ -173,7 +177,7 @@ impl Monitor for FlexibleMonitor {
     }
 
     fn is_doubtful(&self) -> bool {
-        self.has_grazed && self.linear_growth_fed_by.is_none()
+        self.is_doubtful && self.linear_growth_fed_by.is_none()
     }
 
     fn fed_by(&self) -> DegreeOfFreedom {
@@ -235,7 +239,7 @@ impl Observer for FlexibleMonitor {
     }
 
     fn grazes(&mut self) {
-        self.has_grazed = true;
+        self.is_doubtful = true;
     }
 }
 

@@ -27,6 +27,10 @@
 //! and the other laws have limits of this kind (module `friction_steps`). With these steps the saddle-node of
 //! stick-slip is accurate to 1e-5 for disc speeds of ten to a thousand Stribeck velocities, and to 2.1e-5 at lower
 //! ones, as the tests check.
+//!
+//! On a flexible disc, contact and disc ring along, and errors of the steps move the end of stick-slip by 1e-4 of the
+//! speed, in single brakes by 5e-3. So a motion whose fate such errors may have decided is simulated again with half the
+//! steps, and with a quarter if that does not settle it (module `confirmation`).
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;

@@ -321,11 +321,12 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
     /// Simulates the samples of all lanes to their end by the scalar code, or until the queue stops.
     fn finish(&mut self) {
         for lane in 0..B::LANES {
-            while !self.is_stopped && self.running[lane].is_some() {
-                let state = self.bundle.next(lane);
-                if let Some(decision) = self.judge(lane, state, None, true) {
-                    self.decided(lane, decision);
-                }
+            // A sample may be followed by itself, in finer steps.
+            while let Some(decision) = self.judge(lane, self.bundle.next(lane), None, true) {
+                self.decided(lane, decision);
+            }
+            if self.is_stopped {
+                return;
             }
         }
     }
