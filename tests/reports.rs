@@ -81,7 +81,7 @@ fn a_report_warns_of_what_check_warns_of() {
     submitted(&place, "ring", RING);
     place.run("report ring").done();
     let page = fs::read_to_string(place.path("ring/report.html")).unwrap();
-    assert!(page.contains("<p >Warning: 24 disc modes: growth rate"), "no warning in the report");
+    assert!(page.contains("<p class=\"warning\">Warning: 24 disc modes: growth rate"), "no warning in the report");
     assert!(page.contains("an error remains in results"), "no error in the warning");
 }
 

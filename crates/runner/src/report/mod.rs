@@ -98,7 +98,13 @@ fn answered(run: &ReportedRun, has_name: bool) -> String {
     heading(run, has_name)
         + &element("p", "class=\"note\"", &job.description)
         + &element("p", "class=\"answer\"", answer(job, &estimates).trim_end())
-        + &job.warnings().iter().map(|warning| element("p", "", &format!("Warning: {warning}."))).collect::<String>()
+        + &job.warnings().iter().map(|warning| warned(warning)).collect::<String>()
+}
+
+/// A warning as a sentence.
+fn warned(warning: &str) -> String {
+    let end = if warning.ends_with(['.', '?']) { "" } else { "." };
+    element("p", "class=\"warning\"", &format!("Warning: {warning}{end}"))
 }
 
 /// The pictures of the verdict maps.

@@ -1,7 +1,7 @@
-//! Finer steps for a motion whose fate errors of the steps may have decided.
+//! Finer steps for a motion whose verdict may depend on errors of the steps.
 //!
-//! A motion is doubtful if it grazed the disc's speed, or hovered about an unstable cycle. What counts as grazing shrinks
-//! with the errors of the steps.
+//! A motion is doubtful if it grazed the disc's speed, or hovered about an unstable cycle; what counts as either shrinks with
+//! the errors of the steps. A motion without a verdict is not simulated again.
 //!
 //! | steps divided by | a motion |
 //! |---|---|
@@ -51,7 +51,7 @@ impl Confirmation {
 mod tests {
     use super::*;
 
-    /// The verdict after simulations with these verdicts, all of them doubtful, and how many there were.
+    /// The verdict after simulations with these verdicts, all of them doubtful, and by what its steps are divided then.
     fn verdict_of(verdicts: [Verdict; 3]) -> (Verdict, f64) {
         let mut confirmation = Confirmation::NONE;
         for verdict in verdicts {

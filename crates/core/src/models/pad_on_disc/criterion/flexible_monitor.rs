@@ -43,7 +43,8 @@ const ARRIVED: f64 = 1e-6;
 const STILL: f64 = 1e-6;
 const STILL_SWINGS: u32 = 100;
 
-/// A change of amplitude from swing to swing that may be due to the steps, and when it is looked at first.
+/// A change of amplitude from swing to swing that may be due to the steps, and when it is looked at first. The change
+/// shrinks with the fourth power of the steps.
 const SLOW: f64 = 2e-5;
 const FIRST_COMPARISON: f64 = 20.0;
 
@@ -60,6 +61,8 @@ pub(crate) struct MonitorOptions {
     /// What feeds small motions about steady sliding, if it is linearly unstable: then the verdict is known, and only
     /// the amplitude is not.
     pub linear_growth_fed_by: Option<DegreeOfFreedom>,
+    /// The length of the steps over that of the first simulation.
+    pub refinement: f64,
 }
 
 /// What is known of one motion so far.
@@ -81,14 +84,22 @@ pub(crate) struct FlexibleMonitor {
     is_known_unstable: bool,
     /// Errors of the steps may have decided whether the pad stuck, or whether the motion grew.
     is_doubtful: bool,
-    /// Amplitude and time of the swing with which a later one is compared to see whether the motion hovers, and the
-    /// number of swings since.
-    hovering_from: Option<(f64, f64)>,
-    swings_since: u32,
+    /// The change of amplitude from swing to swing below which the motion hovers.
+    slow: f64,
+    /// The swing with which later ones are compared to see whether it does.
+    hovering_from: Option<HoveringFrom>,
     swings: Swings,
     cycles: Cycles,
     settled: SettledAmplitude,
     transients: Transients,
+}
+
+/// A swing, and how many came after it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct HoveringFrom {
+    amplitude: f64,
+    time: f64,
+    swings: u32,
 }
 
 impl FlexibleMonitor {
@@ -105,8 +116,8 @@ impl FlexibleMonitor {
             last_distance: None,
             verdict: (options.linear_growth_fed_by.is_some() && !options.until_settled).then_some(Verdict::Unstable),
             is_doubtful: false,
+            slow: SLOW * libm::pow(options.refinement, 4.0),
             hovering_from: None,
-            swings_since: 0,
             is_known_unstable: options.linear_growth_fed_by.is_some(),
             swings: Swings::new(starts_turning_at),
             cycles: Cycles::new(),
@@ -131,12 +142,20 @@ impl FlexibleMonitor {
     /// Notes a motion whose amplitude hardly changes from swing to swing: it is near an unstable cycle, and damping by
     /// the steps may decide whether it grows.
     fn notice_hovering(&mut self, time: f64, amplitude: f64) {
-        self.swings_since += 1;
-        let (before, since) = *self.hovering_from.get_or_insert((amplitude, time));
-        if time > 2.0 * since + FIRST_COMPARISON {
-            let change = libm::log(amplitude / before).abs();
-            self.is_doubtful |= change < SLOW * f64::from(self.swings_since);
-            (self.hovering_from, self.swings_since) = (Some((amplitude, time)), 0);
+        // Within the displacement it has come back, however slowly it goes on: linear stability is known.
+        if self.is_known_unstable || amplitude <= self.basin {
+            return;
+        }
+        let now = HoveringFrom { amplitude, time, swings: 0 };
+        let Some(from) = &mut self.hovering_from else {
+            self.hovering_from = Some(now);
+            return;
+        };
+        from.swings += 1;
+        if time > 2.0 * from.time + FIRST_COMPARISON {
+            let change = libm::log(amplitude / from.amplitude).abs();
+            self.is_doubtful |= change < self.slow * f64::from(from.swings);
+            self.hovering_from = Some(now);
         }
     }
 
@@ -217,6 +236,7 @@ impl Observer for FlexibleMonitor {
 
     fn sticks(&mut self, time: f64, x: f64) {
         self.last_distance = None;
+        self.hovering_from = None;
         if self.swings.sticks(x) {
             self.becomes_unstable();
         }
@@ -239,7 +259,7 @@ impl Observer for FlexibleMonitor {
     }
 
     fn grazes(&mut self) {
-        self.is_doubtful = true;
+        self.is_doubtful |= !self.is_known_unstable;
     }
 }
 

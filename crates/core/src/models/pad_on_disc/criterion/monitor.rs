@@ -9,7 +9,7 @@
 //! | `flexible_monitor` | the monitor of a flexible disc, made of the four state machines below |
 //! | `swings` | whether amplitudes grow or shrink from swing to swing |
 //! | `cycles` | whether stick-slip persists from cycle to cycle |
-//! | `confirmation` | finer steps for a motion whose fate errors of the steps may have decided |
+//! | `confirmation` | finer steps for a motion whose verdict may depend on errors of the steps |
 //! | `settled_amplitude` | the amplitude to which stick-slip settles |
 //! | `transients` | how large a change of amplitude the ringing of the other degrees of freedom can imitate |
 
@@ -28,7 +28,7 @@ pub(crate) trait Monitor: Observer + Copy {
     /// The amplitude that the motion settled to, or else of its last swing: half peak to peak.
     fn amplitude(&self) -> f64;
 
-    /// Whether errors of the steps may have decided its fate.
+    /// Whether its verdict may depend on errors of the steps.
     fn is_doubtful(&self) -> bool {
         false
     }

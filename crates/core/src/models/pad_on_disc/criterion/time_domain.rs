@@ -29,8 +29,8 @@
 //! ones, as the tests check.
 //!
 //! On a flexible disc, contact and disc ring along, and errors of the steps move the end of stick-slip by 1e-4 of the
-//! speed, in single brakes by 5e-3. So a motion whose fate such errors may have decided is simulated again with half the
-//! steps, and with a quarter if that does not settle it (module `confirmation`).
+//! speed, in single brakes by 5e-3. So a motion whose verdict may depend on such errors is simulated again with steps of
+//! half the length, and of a quarter if that does not settle it (module `confirmation`).
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -56,7 +56,7 @@ use crate::models::pad_on_disc::pad::contact_state::ContactState;
 use crate::models::pad_on_disc::parameters::ParameterError;
 use crate::models::pad_on_disc::rigid_disc::pad_on_disc::{PadOnDisc, RandomInputs};
 
-/// Largest number of steps to the horizon.
+/// Largest number of steps to the horizon, when a motion is simulated for the first time.
 const MOST_STEPS: f64 = 1e8;
 
 /// Substeps of a motion at most, from which on the motion may not divide a step further: a tenth of a second of work.
@@ -219,21 +219,28 @@ impl TimeDomain {
                     Err(known) => known,
                 }
             }
-            System::Flexible(motion) => {
-                let mut confirmation = Confirmation::NONE;
-                loop {
-                    let divisor = confirmation.divisor;
-                    let sample = motion.sample_in_finer_steps(inputs, divisor);
-                    let (start, mut monitor) = match self.start_flexible(&sample, start, FlexibleBrake::by_eigenvalues)
-                    {
-                        Ok(begun) => begun,
-                        Err(known) => return known,
-                    };
-                    let decision = self.simulate(&sample, start, &mut monitor, motion.step / divisor);
-                    if let Some(decision) = confirmation.accept(decision, monitor.is_doubtful()) {
-                        return decision;
-                    }
-                }
+            System::Flexible(motion) => self.decide_flexible(motion, inputs, start),
+        }
+    }
+
+    /// Decides a sample on a flexible disc, in finer steps where the verdict may depend on errors of the steps.
+    fn decide_flexible(&self, motion: &FlexibleMotion, inputs: RandomInputs, start: Start) -> Decision {
+        let mut confirmation = Confirmation::NONE;
+        loop {
+            let divisor = confirmation.divisor;
+            let sample = motion.sample_in_finer_steps(inputs, divisor);
+            // Only motions about a stable equilibrium are simulated again.
+            let stability = |brake: &FlexibleBrake, inputs: RandomInputs| match divisor {
+                1.0 => brake.by_eigenvalues(inputs),
+                _ => Ok(LinearStability::Stable),
+            };
+            let (begun, mut monitor) = match self.start_flexible(&sample, start, stability) {
+                Ok(begun) => begun,
+                Err(known) => return known,
+            };
+            let decision = self.simulate(&sample, begun, &mut monitor, motion.step / divisor);
+            if let Some(decision) = confirmation.accept(decision, monitor.is_doubtful()) {
+                return decision;
             }
         }
     }
@@ -321,6 +328,7 @@ impl TimeDomain {
             smallest_cycle: brake.equations.coefficients.pad.smallest_cycle(),
             until_settled: self.settings.until_settled(),
             linear_growth_fed_by,
+            refinement: sample.friction_steps.refinement,
         };
         let (motion, equilibrium) = self.flexible_start(sample, start).map_err(|_| Decision::FAILED)?;
         let starts_turning_at = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);

@@ -78,7 +78,13 @@ impl FiniteDifferenceBrake {
             LinearStability::Unstable { fed_by } => Some(fed_by),
         };
         let smallest_cycle = self.pad().smallest_cycle();
-        let options = MonitorOptions { slowest_transient, smallest_cycle, until_settled: false, linear_growth_fed_by };
+        let options = MonitorOptions {
+            slowest_transient,
+            smallest_cycle,
+            until_settled: false,
+            linear_growth_fed_by,
+            refinement: 1.0,
+        };
         let monitor = FlexibleMonitor::new(options, equilibrium, displacement, (u == 0.0).then_some(x));
         let rises = inputs.static_friction < self.pad().kinetic_friction;
         let verdict = monitor.verdict().or(rises.then_some(Verdict::Stable));

@@ -31,17 +31,19 @@ pub(super) trait Bundle<'q> {
 
     /// Samples that are taken from the queue together, and what is found of them then.
     const AT_ONCE: usize;
-    type Known;
+    type Known: Default;
 
     /// What is found of some samples together.
     fn examine(&self, samples: &[QueuedSample<'q>]) -> Vec<Self::Known>;
 
-    /// Gives a lane the equations of a sample, for steps divided by `divisor`; or decides the sample if it needs no simulation, or none in this bundle.
-    /// It takes a shorter way to the same as soon as it `is_stopped`, if there is one.
+    /// Gives a lane the equations of a sample, for steps divided by `divisor`; or decides the sample if it needs no
+    /// simulation, or none in this bundle. Nothing has to be known of a sample that is simulated again, with a divisor
+    /// above 1. It takes a shorter way to the same as soon as it `is_stopped`, if there is one.
     fn begin(
         &mut self,
         lane: usize,
-        sample: (&QueuedSample<'q>, f64),
+        sample: &QueuedSample<'q>,
+        divisor: f64,
         known: Self::Known,
         is_stopped: &dyn Fn() -> bool,
     ) -> Result<Begun<Self::State, Self::Monitor>, Decision>;

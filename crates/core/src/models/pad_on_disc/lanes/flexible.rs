@@ -156,7 +156,8 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
     fn begin(
         &mut self,
         lane: usize,
-        (sample, divisor): (&QueuedSample<'q>, f64),
+        sample: &QueuedSample<'q>,
+        divisor: f64,
         known: Self::Known,
         is_stopped: &dyn Fn() -> bool,
     ) -> Result<Begun<FlexibleState, FlexibleMonitor>, Decision> {
@@ -166,6 +167,8 @@ impl<'q> Bundle<'q> for FlexibleBundle<'q> {
         }
         let placed = self.equations_of(sample, divisor)?;
         let stability = |brake: &FlexibleBrake, inputs: RandomInputs| match &known {
+            // Only motions about a stable equilibrium are simulated again.
+            _ if divisor > 1.0 => Ok(LinearStability::Stable),
             Some(known) => known.clone(),
             None => brake.linear_stability_until(inputs, is_stopped),
         };

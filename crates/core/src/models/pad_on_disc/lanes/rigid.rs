@@ -57,7 +57,8 @@ impl<'q> Bundle<'q> for RigidBundle {
     fn begin(
         &mut self,
         lane: usize,
-        (sample, _): (&QueuedSample<'q>, f64),
+        sample: &QueuedSample<'q>,
+        _: f64,
         (): (),
         _: &dyn Fn() -> bool,
     ) -> Result<Begun<RigidState, RigidMonitor>, Decision> {

@@ -118,15 +118,11 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
     fn take(&mut self) -> Option<Waiting<'q, B::Known>> {
         if self.waiting.is_empty() {
             let samples: Vec<_> = std::iter::from_fn(|| self.queue.next()).take(B::AT_ONCE).collect();
-            self.wait(samples, Confirmation::NONE);
+            let known = self.bundle.examine(&samples);
+            let first = |(sample, known)| Waiting { sample, known, confirmation: Confirmation::NONE };
+            self.waiting.extend(samples.into_iter().zip(known).map(first).rev());
         }
         self.waiting.pop()
-    }
-
-    fn wait(&mut self, samples: Vec<QueuedSample<'q>>, confirmation: Confirmation) {
-        let known = self.bundle.examine(&samples);
-        let waiting = samples.into_iter().zip(known).map(|(sample, known)| Waiting { sample, known, confirmation });
-        self.waiting.extend(waiting.rev());
     }
 
     /// Puts the next sample that needs simulation into a lane.
@@ -139,7 +135,7 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
             }
             let (ticket, criterion) = (sample.ticket, sample.criterion);
             let queue = &*self.queue;
-            match self.bundle.begin(lane, (&sample, confirmation.divisor), known, &|| queue.is_stopped()) {
+            match self.bundle.begin(lane, &sample, confirmation.divisor, known, &|| queue.is_stopped()) {
                 Err(decision) => self.queue.decided(ticket, decision),
                 Ok(Begun { motion, monitor, step }) => {
                     self.busy += usize::from(self.running[lane].is_none());
@@ -224,14 +220,13 @@ impl<'q, B: Bundle<'q>, Q: SampleQueue<'q>> Flow<'q, '_, B, Q> {
         }
     }
 
+    /// Ends the simulation of a lane with this decision, and begins the next one.
     fn decided(&mut self, lane: usize, decision: Decision) {
-        if let Some(running) = &mut self.running[lane] {
-            match running.confirmation.accept(decision, running.monitor.is_doubtful()) {
-                Some(decision) => self.queue.decided(running.sample.ticket, decision),
-                None => {
-                    let (sample, confirmation) = (running.sample.clone(), running.confirmation);
-                    self.wait(vec![sample], confirmation);
-                }
+        if let Some(Running { sample, mut confirmation, monitor, .. }) = self.running[lane].take() {
+            self.busy -= 1;
+            match confirmation.accept(decision, monitor.is_doubtful()) {
+                Some(decision) => self.queue.decided(sample.ticket, decision),
+                None => self.waiting.push(Waiting { sample, known: B::Known::default(), confirmation }),
             }
         }
         self.refill(lane);

@@ -114,15 +114,15 @@ const GRAZING_SPEED: f64 = 1e-4;
 /// `rigid_disc::planar_motion`.
 const GRAZING_RATE: f64 = 3e-2;
 
-/// The same on a disc that yields, where contact and disc ring along in steps that hardly resolve them: of 40 random
-/// brakes, stick-slip of every fifth ended at a speed that finer steps changed by 1e-3 to 5e-3.
-const YIELDING_GRAZING_SPEED: f64 = 4e-3;
-const YIELDING_GRAZING_RATE: f64 = 0.2;
+/// The same on a flexible disc, where contact and disc ring along in steps that hardly resolve them: of 40 random brakes,
+/// stick-slip of every fourth ended at a speed that finer steps changed by 1e-3 to 5e-3. Steep friction draws the pad to
+/// the disc, or does not, at sliding speeds of up to 3 % of the disc's, hence the first of these.
+const FLEXIBLE_GRAZING_SPEED: f64 = 0.05;
+const FLEXIBLE_GRAZING_RATE: f64 = 0.2;
 
-/// Near the disc's speed growing friction draws the pad to the disc. Whether it does is decided at a sliding speed of a
-/// few Stribeck velocities, at most this share of the disc's speed.
-const DRAWING_SPEED: f64 = 5.0;
-const LARGEST_DRAWING_SPEED: f64 = 0.05;
+/// The share of static friction by which it has to hold, or fail to hold, a pad that meets a flexible disc, or else the
+/// pad grazes it too.
+const FLEXIBLE_GRAZING_RESERVE: f64 = 0.02;
 
 /// Length of any step times the highest damping rate: the method is stable up to 2.8.
 pub(crate) const DAMPED_STEP: f64 = 1.0;
@@ -169,6 +169,8 @@ numbers! {
         pub grazing_speed: N,
         /// An acceleration, over the disc's speed times the natural frequency, below which they may.
         pub grazing_rate: N,
+        /// A reserve of static friction, over the friction at rest, below which they may.
+        pub grazing_reserve: N,
     }
 }
 
@@ -196,10 +198,11 @@ impl FrictionSteps {
             refinement,
             grazing_speed: GRAZING_SPEED,
             grazing_rate: GRAZING_RATE,
+            grazing_reserve: 0.0,
         }
     }
 
-    /// For a pad on a disc that yields, with the contact force on a rigid disc, which no motion exceeds by much.
+    /// For a pad on a flexible disc, with the contact force on a rigid disc, which no motion exceeds by much.
     pub fn of_pad(pad: &PadEquations, inputs: RandomInputs, refinement: f64) -> Self {
         let law = LimitedLaw::new(pad.friction_shape, pad.stribeck_exponent);
         let gain = pad.friction_per_preload * inputs.preload;
@@ -207,20 +210,13 @@ impl FrictionSteps {
         let pulls = (falling, gain * pad.additional_friction);
         let limits = Self::new(pad.disc_speed, pad.inverse_stribeck, law, pulls, refinement);
         // Errors of the method shrink with the fourth power of the steps, and a rate is of the square root of a distance.
-        // A motion that friction may draw to the disc is simulated again once, and further if that changes its fate.
         let finer = refinement * refinement;
-        let drawn = (DRAWING_SPEED / (pad.disc_speed * pad.inverse_stribeck)).min(LARGEST_DRAWING_SPEED);
         Self {
-            grazing_speed: YIELDING_GRAZING_SPEED.max(drawn) * (finer * finer),
-            grazing_rate: YIELDING_GRAZING_RATE * finer,
+            grazing_speed: FLEXIBLE_GRAZING_SPEED * (finer * finer),
+            grazing_rate: FLEXIBLE_GRAZING_RATE * finer,
+            grazing_reserve: FLEXIBLE_GRAZING_RESERVE * (finer * finer),
             ..limits
         }
-    }
-
-    /// The share of static friction by which it has to hold, or fail to hold, a pad that meets the disc, or else the pad
-    /// grazes it.
-    pub fn grazing_reserve(&self) -> f64 {
-        0.5 * self.grazing_rate * self.grazing_rate
     }
 
     /// Whether a step of length `h` with the speeds `u` and accelerations at its ends is too long, and the length of

@@ -250,7 +250,7 @@ fn meeting<E: Equations>(
     };
     let slowest = equations.friction_steps().grazing_rate * equations.meeting_rate();
     let held = 0.5 * (reserve.against_slip + reserve.against_overtaking);
-    let is_close = |reserve: f64| reserve.abs() < equations.friction_steps().grazing_reserve() * held;
+    let is_close = |reserve: f64| reserve.abs() < equations.friction_steps().grazing_reserve * held;
     let barely_holds = is_close(reserve.against_slip) || is_close(reserve.against_overtaking);
     let grazes = comes_from_slip && (acceleration.1.abs() < slowest || barely_holds);
     Substep { time, end: Motion { state, contact }, acceleration, ending, grazes, is_caught: false, growth: 1.0 }

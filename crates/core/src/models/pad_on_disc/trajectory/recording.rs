@@ -31,8 +31,9 @@ pub struct Trajectory {
 }
 
 impl TimeDomain {
-    /// The motion of one sample for a time `horizon`, recorded at every step. The steps are those by which
-    /// [`TimeDomain::decide`] decides, bit for bit.
+    /// The motion of one sample for a time `horizon`, recorded at every step. The steps are those in which
+    /// [`TimeDomain::decide`] simulates it for the first time, bit for bit; the verdict on a flexible disc
+    /// may come from a second simulation in finer ones.
     ///
     /// # Errors
     /// [`TimeDomainError`] if there is no equilibrium to start from, or if the horizon is out of range.

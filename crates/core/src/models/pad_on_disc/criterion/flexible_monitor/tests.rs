@@ -9,7 +9,13 @@ const RINGS_FOR_EVER: f64 = 0.0;
 const DISPLACEMENT: f64 = 0.01;
 
 fn options(slowest_transient: f64) -> MonitorOptions {
-    MonitorOptions { slowest_transient, smallest_cycle: 1.0, until_settled: false, linear_growth_fed_by: None }
+    MonitorOptions {
+        slowest_transient,
+        smallest_cycle: 1.0,
+        until_settled: false,
+        linear_growth_fed_by: None,
+        refinement: 1.0,
+    }
 }
 
 struct Driven {
@@ -298,6 +304,7 @@ const REPELLED: MonitorOptions = MonitorOptions {
     smallest_cycle: 1.0,
     until_settled: false,
     linear_growth_fed_by: Some(DegreeOfFreedom::Normal),
+    refinement: 1.0,
 };
 
 #[test]
@@ -401,4 +408,42 @@ fn growth_of_what_is_still_says_nothing() {
     assert_eq!((driven.monitor.verdict(), driven.monitor.is_unstable()), (None, false));
     driven.swing(1.1e-6);
     assert_eq!(driven.monitor.verdict(), Some(Verdict::Unstable));
+}
+
+/// Whether a motion of these amplitudes is doubtful, in steps of this length over that of the first simulation.
+fn hovers(refinement: f64, amplitude: impl Fn(f64) -> f64) -> bool {
+    let mut driven = Driven::with(MonitorOptions { refinement, ..options(RINGS_NEVER) }, DISPLACEMENT);
+    driven.swings(amplitude);
+    driven.monitor.is_doubtful()
+}
+
+#[test]
+fn a_motion_that_hovers_is_doubtful() {
+    assert!(hovers(1.0, |_| 0.5), "constant");
+    assert!(!hovers(1.0, |time| 0.5 * libm::exp(-0.01 * time)), "shrinking");
+    // The amplitude changes by 1e-5 from swing to swing, and then shrinks.
+    let lingers = |time: f64| 0.5 * libm::exp(-1e-5 * time.min(200.0) / 3.0 - 0.01 * (time - 200.0).max(0.0));
+    assert!(hovers(1.0, lingers) && !hovers(0.5, lingers));
+    assert!(!hovers(1.0, |_| 0.99 * DISPLACEMENT), "within the displacement");
+}
+
+#[test]
+fn a_stick_ends_hovering() {
+    let mut driven = Driven::new(RINGS_NEVER);
+    (0..5).for_each(|_| driven.swing(0.5));
+    driven.stick(1.0);
+    // Long after the swing before the stick, and soon after the first one since.
+    (0..5).for_each(|_| driven.swing(0.5));
+    assert!(!driven.monitor.is_doubtful());
+}
+
+#[test]
+fn a_pad_that_grazes_is_doubtful_unless_its_verdict_is_known() {
+    for (linear_growth_fed_by, is_doubtful) in [(None, true), (Some(DegreeOfFreedom::Tangential), false)] {
+        let options = MonitorOptions { until_settled: true, linear_growth_fed_by, ..options(RINGS_NEVER) };
+        let mut driven = Driven::with(options, DISPLACEMENT);
+        assert!(!driven.monitor.is_doubtful());
+        driven.monitor.grazes();
+        assert_eq!(driven.monitor.is_doubtful(), is_doubtful);
+    }
 }

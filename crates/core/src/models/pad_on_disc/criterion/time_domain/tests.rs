@@ -78,6 +78,7 @@ fn unaided_verdict(criterion: &TimeDomain, inputs: RandomInputs) -> Verdict {
         smallest_cycle: brake.brake.equations.coefficients.pad.smallest_cycle(),
         until_settled: false,
         linear_growth_fed_by: None,
+        refinement: 1.0,
     };
     let turning = (motion.state.u[0] == 0.0).then_some(motion.state.q[0]);
     let mut monitor = FlexibleMonitor::new(options, equilibrium, criterion.settings.displacement, turning);

@@ -156,6 +156,18 @@ fn what_meets_the_disc_slowly_grazes() {
 }
 
 #[test]
+fn what_friction_barely_holds_grazes_where_the_limits_say() {
+    let reserves: [(Reserves, bool); 4] =
+        [(|_| (0.03, 1.97), false), (|_| (0.01, 1.99), true), (|_| (1.99, 0.01), true), (|_| (2.01, -0.01), true)];
+    for (number, (reserve, grazes)) in reserves.into_iter().enumerate() {
+        let mut toy = Toy::new(Law::Constant(2.0, 0.0), reserve);
+        assert!(!slide(&toy, &slipping(1.0, 0.0), 1.0, false).unwrap().grazes, "{number}");
+        toy.limits.grazing_reserve = 0.02;
+        assert_eq!(slide(&toy, &slipping(1.0, 0.0), 1.0, false).unwrap().grazes, grazes, "{number}");
+    }
+}
+
+#[test]
 fn a_step_that_ends_next_to_the_disc_speed_grazes_or_is_about_to_meet_it() {
     let end = |from: f64, to: f64, exponent: f64| {
         let law = LimitedLaw::new(Shape::of_stribeck(exponent), exponent);
