@@ -6,7 +6,8 @@
 //! | state | a swing whose amplitude | trend | then |
 //! |---|---|---|---|
 //! | no reference | is any | unclear | it is the reference |
-//! | reference | exceeds the reference by more than ringing can imitate | growing | it is the new reference |
+//! | reference | exceeds the reference by more than ringing can imitate, and all amplitudes before | growing | it is the new reference |
+//! | | exceeds the reference by so much, but not all before | unclear: a beat | it is the new reference |
 //! | | falls short of it by more than half of that | shrinking | it is the new reference |
 //! | | does neither | unclear | the same reference until time has doubled; then this amplitude |
 //! | | has done neither for [`SUSTAINED`] swings and twice the time, when ringing can imitate nothing any more | constant | the same reference |
@@ -39,6 +40,8 @@ pub(crate) struct Swings {
     last_turn: Option<f64>,
     amplitude: f64,
     reference: Option<Reference>,
+    /// The largest amplitude since the last stick.
+    largest: f64,
     /// Swings without a trend since the reference.
     unclear: u32,
 }
@@ -65,7 +68,7 @@ impl Reference {
 impl Swings {
     /// Of a motion that starts at a turning point, or not.
     pub fn new(starts_turning_at: Option<f64>) -> Self {
-        Self { last_turn: starts_turning_at, amplitude: 0.0, reference: None, unclear: 0 }
+        Self { last_turn: starts_turning_at, amplitude: 0.0, reference: None, largest: 0.0, unclear: 0 }
     }
 
     /// The motion turns at `x`: the amplitude of the swing that ends there, if it began at a turning point.
@@ -84,13 +87,15 @@ impl Swings {
     pub fn trend(&mut self, time: f64, imitated: f64) -> Trend {
         let amplitude = self.amplitude;
         let now = Reference { amplitude, time, imitated };
+        let largest = self.largest;
+        self.largest = largest.max(amplitude);
         let Some(reference) = self.reference else {
             self.restart(Some(now));
             return Trend::Unclear;
         };
         if reference.grows_to(amplitude) {
             self.restart(Some(now));
-            return Trend::Growing;
+            return if amplitude > largest { Trend::Growing } else { Trend::Unclear };
         }
         if reference.shrinks_to(amplitude) {
             self.restart(Some(now));
@@ -110,10 +115,14 @@ impl Swings {
     /// The motion sticks at `x`: no later swing is compared with the ones before. Returns whether the swing that ends
     /// here, which is at least this long, had grown.
     pub fn sticks(&mut self, x: f64) -> bool {
-        let reference = self.reference;
+        let (reference, largest) = (self.reference, self.largest);
         self.restart(None);
+        self.largest = 0.0;
         match (reference, self.last_turn) {
-            (Some(reference), Some(turn)) => reference.grows_to(0.5 * (x - turn).abs()),
+            (Some(reference), Some(turn)) => {
+                let amplitude = 0.5 * (x - turn).abs();
+                reference.grows_to(amplitude) && amplitude > largest
+            }
             _ => false,
         }
     }
@@ -180,7 +189,12 @@ mod tests {
     #[test]
     fn a_swing_with_a_trend_is_the_next_to_compare_with() {
         assert_eq!(Driven::trends(&[1.0, 2.0, 1.5])[2], Trend::Shrinking);
-        assert_eq!(Driven::trends(&[1.0, 0.5, 0.7])[2], Trend::Growing);
+        assert_eq!(Driven::trends(&[1.0, 0.5, 0.7, 0.6])[3], Trend::Shrinking);
+    }
+
+    #[test]
+    fn growth_goes_beyond_all_that_was_before() {
+        assert_eq!(Driven::trends(&[1.0, 0.5, 0.7, 1.1])[2..], [Trend::Unclear, Trend::Growing]);
     }
 
     #[test]
