@@ -1,0 +1,276 @@
+//! Whether a sample has an unstable pair: by a series where that is sure, by refining single eigenvalues where it is not,
+//! and by all eigenvalues where nothing else will do.
+
+use super::quadratic::{DenseQuadratic, Quadratic};
+use super::refine::Pair;
+use super::region::{Region, damping_ratio};
+use super::series::{FOLLOWED, Followed, ModeSeries};
+use crate::numerics::eigenvalues::Eigenvalue;
+
+/// Relative rounding of eigenvalues of the series, in parts of the unit of frequency.
+const ROUNDING: f64 = 1e-11;
+
+/// Decides samples of a problem about an origin.
+pub struct Decider<'a> {
+    problem: &'a DenseQuadratic,
+    /// In the unit of the problem; a pair in one of them makes a sample unstable.
+    regions: &'a [Region],
+    series: Option<&'a ModeSeries>,
+}
+
+/// How a sample was decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// By the series alone.
+    Series,
+    /// By the series and refined eigenvalues.
+    Refined,
+    /// By all eigenvalues.
+    All,
+}
+
+impl<'a> Decider<'a> {
+    /// Decides by regions in the unit of the problem, with a series if there is one.
+    pub(super) fn new(problem: &'a DenseQuadratic, regions: &'a [Region], series: Option<&'a ModeSeries>) -> Self {
+        Self { problem, regions, series }
+    }
+
+    /// Whether a sample with these coefficients is unstable, and how that was found; `None` if eigenvalues do not converge.
+    #[must_use]
+    pub fn is_unstable(&self, coefficients: &[f64]) -> Option<(bool, Way)> {
+        let followed = self.series.and_then(|series| Some((series, series.follow(coefficients)?)));
+        if let Some((series, followed)) = followed {
+            let mut unsure = Vec::new();
+            for mode in &followed {
+                match self.sure(mode) {
+                    Some(true) => return Some((true, Way::Series)),
+                    Some(false) => {}
+                    None => unsure.push(*mode),
+                }
+            }
+            if unsure.is_empty() {
+                return Some((false, Way::Series));
+            }
+            let problem = self.problem.at(coefficients);
+            if let Some(refined) = refine(series, &problem, &unsure) {
+                return Some((refined.iter().any(|value| self.contains(*value)), Way::Refined));
+            }
+        }
+        let all = self.problem.at(coefficients).eigenvalues().ok()?;
+        Some((all.iter().any(|value| self.contains(*value)), Way::All))
+    }
+
+    fn contains(&self, eigenvalue: Eigenvalue) -> bool {
+        self.regions.iter().any(|region| region.contains(eigenvalue))
+    }
+
+    /// Whether a followed eigenvalue surely is in one of the regions, or surely in none.
+    fn sure(&self, mode: &Followed) -> Option<bool> {
+        let mut outside = true;
+        for region in self.regions {
+            match region.sure(mode.eigenvalue, mode.radius + ROUNDING) {
+                Some(true) => return Some(true),
+                Some(false) => {}
+                None => outside = false,
+            }
+        }
+        outside.then_some(false)
+    }
+
+    /// The eigenvalue in the bands whose damping ratio is least above its threshold, in rad/s; `None` if there is none in a
+    /// band, or none that converges.
+    #[must_use]
+    pub fn least_damped(&self, coefficients: &[f64]) -> Option<Eigenvalue> {
+        let problem = self.problem.at(coefficients);
+        let least = |values: Vec<Eigenvalue>| {
+            let in_band = values.into_iter().filter(|value| value.im >= 0.0 && self.excess(*value).is_finite());
+            in_band.min_by(|a, b| self.excess(*a).total_cmp(&self.excess(*b)))
+        };
+        let by_series = || {
+            let series = self.series?;
+            let followed = series.follow(coefficients)?;
+            let highest = self.regions.iter().map(|region| region.highest).fold(0.0, f64::max);
+            // The least and largest that the excess of a followed eigenvalue may be.
+            let bounds = |mode: &Followed| {
+                let magnitude = libm::hypot(mode.eigenvalue.re, mode.eigenvalue.im);
+                let by = 1.1 * mode.radius / (magnitude - mode.radius).max(f64::MIN_POSITIVE);
+                let ends = [-mode.radius, mode.radius].map(|radius| {
+                    let at = Eigenvalue::new(mode.eigenvalue.re, mode.eigenvalue.im + radius);
+                    let bands = self.regions.iter().filter(|region| region.has_frequency_of(at));
+                    let ratio = damping_ratio(mode.eigenvalue);
+                    bands.map(|region| ratio - region.damping_ratio).fold(f64::INFINITY, f64::min)
+                });
+                [ends[0].min(ends[1]) - by, ends[0].max(ends[1]) + by]
+            };
+            let least = followed.iter().map(|mode| bounds(mode)[1]).fold(f64::INFINITY, f64::min);
+            // Modes that are not followed may have less damping than those with much of it.
+            if !(least < 0.3 * FOLLOWED && highest.is_finite()) {
+                return None;
+            }
+            let candidates: Vec<Followed> = followed.into_iter().filter(|mode| bounds(mode)[0] <= least).collect();
+            refine(series, &problem, &candidates)
+        };
+        let values = match by_series().and_then(least) {
+            Some(value) => Some(value),
+            None => least(problem.eigenvalues().ok()?),
+        };
+        values.map(|value| value * self.problem.unit())
+    }
+
+    /// The damping ratio of an eigenvalue less the threshold; infinite outside the bands.
+    fn excess(&self, eigenvalue: Eigenvalue) -> f64 {
+        let bands = self.regions.iter().filter(|region| region.has_frequency_of(eigenvalue));
+        bands.map(|region| damping_ratio(eigenvalue) - region.damping_ratio).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The smallest damping ratio in the bands less its threshold, by the series as far as that reaches; 1 where there is
+    /// no pair in a band. `None` if eigenvalues do not converge.
+    #[must_use]
+    pub fn limit_state(&self, coefficients: &[f64]) -> Option<f64> {
+        let by_series = self.series.and_then(|series| series.follow(coefficients));
+        let certain = by_series.filter(|followed| followed.iter().all(|mode| mode.radius < 1e-3));
+        let values: Vec<Eigenvalue> = match certain {
+            Some(followed) => followed.iter().map(|mode| mode.eigenvalue).collect(),
+            None => self.problem.at(coefficients).eigenvalues().ok()?,
+        };
+        Some(values.into_iter().map(|value| self.excess(value)).fold(1.0, f64::min))
+    }
+}
+
+/// Followed eigenvalues refined; `None` if one does not converge near to where it starts, or two converge to one.
+fn refine(series: &ModeSeries, problem: &Quadratic, followed: &[Followed]) -> Option<Vec<Eigenvalue>> {
+    let mut refined: Vec<Eigenvalue> = Vec::with_capacity(followed.len());
+    for mode in followed {
+        let Pair { eigenvalue, .. } = series.start(mode).refined(problem)?;
+        let distance = |from: Eigenvalue| libm::hypot((from - eigenvalue).re, (from - eigenvalue).im);
+        let is_near = distance(mode.eigenvalue) <= mode.radius + ROUNDING;
+        if !is_near || refined.iter().any(|other| distance(*other) <= ROUNDING) {
+            return None;
+        }
+        refined.push(eigenvalue);
+    }
+    Some(refined)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+
+    /// A sequence of numbers from -1 to 1.
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        /// Nearly normal, with variance 1.
+        fn normal(&mut self) -> f64 {
+            (0..12).map(|_| self.next()).sum::<f64>() / 2.0
+        }
+
+        fn matrix(&mut self, size: usize) -> DMatrix<f64> {
+            DMatrix::from_fn(size, size, |_, _| self.next())
+        }
+
+        fn definite(&mut self, size: usize) -> DMatrix<f64> {
+            let root = self.matrix(size);
+            &root * root.transpose() + DMatrix::identity(size, size) * 0.1
+        }
+    }
+
+    /// A problem with damping, strong damping of some directions, gyroscopic terms, friction and a band.
+    fn problem(seed: u64) -> (DenseQuadratic, Vec<f64>, Region) {
+        let mut numbers = Numbers(seed);
+        for _ in 0..5 {
+            numbers.next();
+        }
+        let size = 1 + seed as usize % 8;
+        let mass = numbers.definite(size);
+        let skew = numbers.matrix(size);
+        let direction = numbers.matrix(size).column(0).into_owned();
+        let damping = [
+            numbers.definite(size) * 0.02,
+            &direction * direction.transpose() * if seed % 3 == 0 { 8.0 } else { 0.1 },
+            (&skew - skew.transpose()) * 0.05,
+        ];
+        let stiffness = [numbers.definite(size) * 4.0, numbers.matrix(size), numbers.matrix(size) * 0.2];
+        let origin = vec![1.0, 1.0, 0.7, 1.0, 0.4, 1.0];
+        let problem = DenseQuadratic::new(&mass, &damping, &stiffness, &origin).unwrap();
+        let frequency = problem.unit() * (1.0 + numbers.next());
+        let region = Region {
+            lowest: if seed % 4 == 0 { 0.0 } else { 0.3 * frequency },
+            highest: if seed % 5 == 0 { f64::INFINITY } else { 2.0 * frequency },
+            damping_ratio: [0.0, -0.01, 0.02][seed as usize % 3],
+        };
+        let region = region.in_unit(problem.unit());
+        (problem, origin, region)
+    }
+
+    /// Verdicts of as many problems on as many samples against all eigenvalues; and how they came about.
+    fn compare(problems: std::ops::Range<u64>, samples: usize, scatter: f64) -> [usize; 3] {
+        let mut ways = [0; 3];
+        for seed in problems {
+            let (problem, origin, region) = problem(seed);
+            let mut numbers = Numbers(seed + 1_000_000);
+            let series = ModeSeries::new(&problem, &origin, &[1, 2, 3, 4], &[region]);
+            let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+            for _ in 0..samples {
+                let mut coefficients = origin.clone();
+                (1..5).for_each(|k| coefficients[k] *= 1.0 + scatter * numbers.normal());
+                let all = problem.at(&coefficients).eigenvalues().unwrap();
+                let edge = |value: &Eigenvalue| {
+                    let ratio = (damping_ratio(*value) - region.damping_ratio).abs();
+                    let ends = [region.lowest, region.highest].map(|end| (value.im.abs() - end).abs());
+                    ratio < 1e-8 || value.im != 0.0 && ends.iter().any(|end| *end < 1e-8)
+                };
+                let expected = all.iter().any(|value| region.contains(*value));
+                let (unstable, way) = decider.is_unstable(&coefficients).unwrap();
+                ways[way as usize] += 1;
+                assert!(
+                    unstable == expected || all.iter().any(edge),
+                    "problem {seed}, {coefficients:?}, {way:?}: {unstable}, all eigenvalues {all:?}"
+                );
+            }
+        }
+        ways
+    }
+
+    #[test]
+    fn verdicts_are_those_of_all_eigenvalues() {
+        for scatter in [0.01, 0.1, 0.4] {
+            let ways = compare(0..60, 60, scatter);
+            assert!(scatter > 0.2 || ways[Way::Series as usize] > ways[Way::All as usize], "{scatter} {ways:?}");
+        }
+    }
+
+    #[test]
+    #[ignore = "takes minutes"]
+    fn verdicts_on_many_problems_are_those_of_all_eigenvalues() {
+        for scatter in [0.02, 0.1, 0.3] {
+            println!("{scatter}: {:?}", compare(1000..6000, 200, scatter));
+        }
+    }
+
+    #[test]
+    fn the_least_damped_pair_is_that_of_all_eigenvalues() {
+        for seed in 0..40 {
+            let (problem, origin, region) = problem(seed);
+            let series = ModeSeries::new(&problem, &origin, &[1, 2, 3, 4], &[region]);
+            let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+            let mut numbers = Numbers(seed + 77);
+            for _ in 0..20 {
+                let mut coefficients = origin.clone();
+                (1..5).for_each(|k| coefficients[k] *= 1.0 + 0.1 * numbers.normal());
+                let all = problem.at(&coefficients).eigenvalues().unwrap();
+                let in_band = all.into_iter().filter(|value| value.im >= 0.0 && region.has_frequency_of(*value));
+                let least = in_band.map(damping_ratio).fold(f64::INFINITY, f64::min);
+                let found = decider.least_damped(&coefficients).map_or(f64::INFINITY, damping_ratio);
+                assert!(least == found || (least - found).abs() < 1e-9, "problem {seed}: {least} {found}");
+            }
+        }
+    }
+}

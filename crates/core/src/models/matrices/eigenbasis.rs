@@ -1,0 +1,192 @@
+//! All eigenvalues of a quadratic problem with their vectors, in which changes of its matrices are written.
+
+use nalgebra::{Complex, DMatrix, Schur};
+
+use super::quadratic::{DenseQuadratic, Quadratic};
+use crate::numerics::eigenvalues::Eigenvalue;
+
+pub(super) type ComplexMatrix = DMatrix<Complex<f64>>;
+
+/// QR sweeps allowed for each row.
+const SWEEPS_PER_ROW: usize = 60;
+
+/// The condition number of an eigenvalue up to which vectors are taken for a basis.
+const WORST_CONDITION: f64 = 1e6;
+
+/// The eigenvalues of `z' = A z` with `z = (q, q')`, and their right and left vectors: `W A V = diag(lambda)`, `W V = 1`.
+pub(super) struct Eigenbasis {
+    /// The eigenvalues.
+    pub(super) eigenvalues: Vec<Eigenvalue>,
+    /// The upper half of V: displacements, a column for each eigenvalue.
+    pub(super) right: ComplexMatrix,
+    /// The right half of W, a row for each eigenvalue. Its rows are the left vectors of the quadratic problem.
+    pub(super) left: ComplexMatrix,
+}
+
+impl Eigenbasis {
+    /// The basis of a problem; `None` if there is none, or one so skew that it says little about what is near.
+    pub(super) fn new(problem: &Quadratic) -> Option<Self> {
+        let companion = problem.companion();
+        let (states, size) = (companion.nrows(), companion.nrows() / 2);
+        if companion.iter().any(|value| !value.is_finite()) {
+            return None;
+        }
+        let (schur_vectors, triangle) =
+            Schur::try_new(companion, f64::EPSILON, SWEEPS_PER_ROW * states)?.unpack();
+        let (schur_vectors, triangle) = complex_schur(&schur_vectors, &triangle);
+        let vectors = real_product(&schur_vectors, &vectors_of_triangle(&triangle));
+        let inverse = vectors.clone().lu().try_inverse()?;
+        let length = |values: &mut dyn Iterator<Item = Complex<f64>>| {
+            values.map(|value| value.re * value.re + value.im * value.im).sum::<f64>().sqrt()
+        };
+        let is_skew = (0..states).any(|i| {
+            let condition = length(&mut inverse.row(i).iter().copied()) * length(&mut vectors.column(i).iter().copied());
+            condition.is_nan() || condition > WORST_CONDITION
+        });
+        (!is_skew).then(|| Self {
+            eigenvalues: triangle.diagonal().iter().copied().collect(),
+            right: vectors.rows(0, size).into_owned(),
+            left: inverse.columns(size, size).into_owned(),
+        })
+    }
+
+    /// What a unit of a coefficient changes, in this basis: `W (dA / dc) V`.
+    pub(super) fn change(&self, problem: &DenseQuadratic, coefficient: usize) -> ComplexMatrix {
+        let mut moved = self.right.clone();
+        if problem.is_damping(coefficient) {
+            for (mut column, eigenvalue) in moved.column_iter_mut().zip(&self.eigenvalues) {
+                column *= *eigenvalue;
+            }
+        }
+        let term = problem.term(coefficient);
+        let forces = complex(&-(term * real(&moved)), &-(term * imaginary(&moved)));
+        real_product(&self.left, &forces)
+    }
+}
+
+pub(super) fn real(matrix: &ComplexMatrix) -> DMatrix<f64> {
+    matrix.map(|value| value.re)
+}
+
+pub(super) fn imaginary(matrix: &ComplexMatrix) -> DMatrix<f64> {
+    matrix.map(|value| value.im)
+}
+
+pub(super) fn complex(re: &DMatrix<f64>, im: &DMatrix<f64>) -> ComplexMatrix {
+    re.zip_map(im, Complex::new)
+}
+
+/// A product of complex matrices by four of real ones, which are faster.
+pub(super) fn real_product(a: &ComplexMatrix, b: &ComplexMatrix) -> ComplexMatrix {
+    let (a_re, a_im, b_re, b_im) = (real(a), imaginary(a), real(b), imaginary(b));
+    complex(&(&a_re * &b_re - &a_im * &b_im), &(&a_re * &b_im + &a_im * &b_re))
+}
+
+/// A complex Schur form from a real one: rotations make its blocks of two triangular.
+fn complex_schur(vectors: &DMatrix<f64>, triangle: &DMatrix<f64>) -> (ComplexMatrix, ComplexMatrix) {
+    let mut z = vectors.map(Complex::from);
+    let mut t = triangle.map(Complex::from);
+    let states = t.nrows();
+    for low in (1..states).rev() {
+        let high = low - 1;
+        if t[(low, high)] == Complex::from(0.0) {
+            continue;
+        }
+        let (a, b, c, d) = (t[(high, high)], t[(high, low)], t[(low, high)], t[(low, low)]);
+        let (half, product) = ((a - d) * 0.5, b * c);
+        let eigenvalue = d + half + square_root(half * half + product);
+        let shifted = eigenvalue - d;
+        let length = libm::hypot(libm::hypot(shifted.re, shifted.im), libm::hypot(c.re, c.im));
+        let (cosine, sine) = (shifted / length, c / length);
+        for column in high..states {
+            let (upper, lower) = (t[(high, column)], t[(low, column)]);
+            t[(high, column)] = cosine.conj() * upper + sine.conj() * lower;
+            t[(low, column)] = cosine * lower - sine * upper;
+        }
+        for row in 0..=low {
+            let (left, right) = (t[(row, high)], t[(row, low)]);
+            t[(row, high)] = left * cosine + right * sine;
+            t[(row, low)] = right * cosine.conj() - left * sine.conj();
+        }
+        for row in 0..states {
+            let (left, right) = (z[(row, high)], z[(row, low)]);
+            z[(row, high)] = left * cosine + right * sine;
+            z[(row, low)] = right * cosine.conj() - left * sine.conj();
+        }
+        t[(low, high)] = Complex::from(0.0);
+    }
+    (z, t)
+}
+
+/// The square root in the right half plane.
+pub(super) fn square_root(of: Complex<f64>) -> Complex<f64> {
+    let magnitude = libm::hypot(of.re, of.im);
+    if magnitude == 0.0 {
+        return Complex::from(0.0);
+    }
+    let larger = (0.5 * (magnitude + of.re.abs())).sqrt();
+    let smaller = 0.5 * of.im.abs() / larger;
+    let (re, im) = if of.re >= 0.0 { (larger, smaller) } else { (smaller, larger) };
+    Complex::new(re, if of.im < 0.0 { -im } else { im })
+}
+
+/// The right vectors of an upper triangular matrix, each of length 1.
+fn vectors_of_triangle(triangle: &ComplexMatrix) -> ComplexMatrix {
+    let states = triangle.nrows();
+    let largest = triangle.iter().map(|value| libm::hypot(value.re, value.im)).fold(0.0, f64::max);
+    let least = f64::EPSILON * largest.max(f64::MIN_POSITIVE);
+    let mut vectors = ComplexMatrix::zeros(states, states);
+    for j in 0..states {
+        let mut x = vec![Complex::from(0.0); j + 1];
+        x[j] = Complex::from(1.0);
+        let mut rest: Vec<Complex<f64>> = (0..j).map(|i| -triangle[(i, j)]).collect();
+        for i in (0..j).rev() {
+            let mut between = triangle[(i, i)] - triangle[(j, j)];
+            if libm::hypot(between.re, between.im) < least {
+                between = Complex::from(least);
+            }
+            x[i] = rest[i] / between;
+            for (row, rest) in rest[..i].iter_mut().enumerate() {
+                *rest -= triangle[(row, i)] * x[i];
+            }
+        }
+        let length = x.iter().map(|value| value.re * value.re + value.im * value.im).sum::<f64>().sqrt();
+        for (i, value) in x.into_iter().enumerate() {
+            vectors[(i, j)] = value / length;
+        }
+    }
+    vectors
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::dmatrix;
+
+    use super::*;
+
+    #[test]
+    fn the_basis_diagonalises_the_problem_and_its_changes() {
+        let mass = DMatrix::identity(3, 3);
+        let terms = [
+            dmatrix![0.3, -0.1, 0.0; -0.1, 0.2, 0.0; 0.0, 0.0, 5.0],
+            dmatrix![2.0, 0.7, 0.1; 0.2, 2.5, 0.0; 0.3, -0.4, 4.0],
+            dmatrix![0.1, 0.2, 0.3; -0.2, 0.1, 0.0; 0.5, 0.0, 0.4],
+        ];
+        let problem = DenseQuadratic::new(&mass, &terms[..1], &terms[1..], &[1.0, 1.0, 1.0]).unwrap();
+        let basis = Eigenbasis::new(&problem.at(&[1.0, 1.0, 0.0])).unwrap();
+        let step = 1e-6;
+        let changes: Vec<ComplexMatrix> = (0..3).map(|k| basis.change(&problem, k)).collect();
+        for (k, change) in changes.iter().enumerate() {
+            let mut coefficients = [1.0, 1.0, 0.0];
+            coefficients[k] += step;
+            let moved = problem.at(&coefficients).eigenvalues().unwrap();
+            for (i, eigenvalue) in basis.eigenvalues.iter().enumerate() {
+                let first_order = eigenvalue + change[(i, i)] * step;
+                let nearest = moved.iter().map(|value| libm::hypot((value - first_order).re, (value - first_order).im));
+                assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-10, "{k} {i}");
+            }
+        }
+        let real_one = basis.eigenvalues.iter().filter(|value| value.im == 0.0).count();
+        assert!(real_one >= 2, "an overdamped mode has real eigenvalues: {:?}", basis.eigenvalues);
+    }
+}

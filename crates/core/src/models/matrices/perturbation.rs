@@ -1,0 +1,177 @@
+//! What perturbation theory needs of a group of modes: vectors of first and second order, and the polynomials that its
+//! eigenvalues are found from. The formulas are those of [`series`](super::series).
+
+use nalgebra::{Complex, DMatrix};
+
+use super::eigenbasis::{ComplexMatrix, complex, imaginary, real};
+use crate::numerics::eigenvalues::Eigenvalue;
+
+/// A complex matrix as two real ones, whose products are faster.
+pub(super) struct Split {
+    re: DMatrix<f64>,
+    im: DMatrix<f64>,
+}
+
+impl Split {
+    pub(super) fn new(matrix: &ComplexMatrix) -> Self {
+        Self { re: real(matrix), im: imaginary(matrix) }
+    }
+
+    fn times(&self, of: &ComplexMatrix) -> ComplexMatrix {
+        let (re, im) = (real(of), imaginary(of));
+        complex(&(&self.re * &re - &self.im * &im), &(&self.re * &im + &self.im * &re))
+    }
+
+    fn after(&self, of: &ComplexMatrix) -> ComplexMatrix {
+        let (re, im) = (real(of), imaginary(of));
+        complex(&(&re * &self.re - &im * &self.im), &(&re * &self.im + &im * &self.re))
+    }
+
+    pub(super) fn entry(&self, row: usize, column: usize) -> Complex<f64> {
+        Complex::new(self.re[(row, column)], self.im[(row, column)])
+    }
+}
+
+/// Eigenvalues of the origin, and what a unit of each coefficient changes in its basis.
+pub(super) struct Changes {
+    pub(super) eigenvalues: Vec<Eigenvalue>,
+    pub(super) changes: Vec<Split>,
+}
+
+/// The vectors of first order of a group of modes for each coefficient: `X_k` by columns, `Y_k` transposed by columns, with
+/// a row for each mode of the origin, zero for those of the group.
+pub(super) struct FirstOrder<'a> {
+    all: &'a Changes,
+    modes: &'a [usize],
+    right: Vec<ComplexMatrix>,
+    left: Vec<ComplexMatrix>,
+}
+
+impl<'a> FirstOrder<'a> {
+    pub(super) fn new(all: &'a Changes, modes: &'a [usize]) -> Self {
+        let over_gaps = |entry: &dyn Fn(usize, usize) -> Complex<f64>| {
+            ComplexMatrix::from_fn(all.eigenvalues.len(), modes.len(), |other, j| {
+                if modes.contains(&other) {
+                    return Complex::from(0.0);
+                }
+                entry(other, modes[j]) / (all.eigenvalues[modes[j]] - all.eigenvalues[other])
+            })
+        };
+        let right = all.changes.iter().map(|change| over_gaps(&|other, mode| change.entry(other, mode))).collect();
+        let left = all.changes.iter().map(|change| over_gaps(&|other, mode| change.entry(mode, other))).collect();
+        Self { all, modes, right, left }
+    }
+
+    /// Entries of the group in a change.
+    pub(super) fn own(&self, k: usize) -> ComplexMatrix {
+        let own = self.modes.len();
+        ComplexMatrix::from_fn(own, own, |i, j| self.all.changes[k].entry(self.modes[i], self.modes[j]))
+    }
+
+    /// What two coefficients do together to P: `E_cr X + Y E_rc + Y lambda_r X`, where `E_cr = Y (lambda_c - lambda_r)`.
+    pub(super) fn second(&self, k: usize, l: usize) -> ComplexMatrix {
+        let (x, y) = (&self.right[l], &self.left[k]);
+        let own = self.modes.len();
+        ComplexMatrix::from_fn(own, own, |i, j| {
+            let (to, from) = (self.all.eigenvalues[self.modes[i]], self.all.eigenvalues[self.modes[j]]);
+            let terms = (0..x.nrows()).map(|r| y[(r, i)] * x[(r, j)] * (to + from - self.all.eigenvalues[r]));
+            terms.fold(Complex::from(0.0), |sum, term| sum + term)
+        })
+    }
+
+    /// What two coefficients do together to N: `Y X`.
+    pub(super) fn norm(&self, k: usize, l: usize) -> ComplexMatrix {
+        self.left[k].tr_mul(&self.right[l])
+    }
+}
+
+/// The vectors of second order, and what three coefficients do together.
+pub(super) struct SecondOrder {
+    /// `Y E X` for three coefficients in this order.
+    third: Vec<ComplexMatrix>,
+    count: usize,
+    /// The squared norms of the vectors of first and of second order as quadratic forms of the monomials of their order,
+    /// from the right and from the left. Each row is weighted by its distance from the group.
+    pub(super) norms: [[DMatrix<f64>; 2]; 2],
+}
+
+impl SecondOrder {
+    pub(super) fn new(first: &FirstOrder<'_>) -> Self {
+        let count = first.right.len();
+        let (mut right, mut left) = (Vec::new(), Vec::new());
+        let mut third = Vec::with_capacity(count * count * count);
+        // Products with a change, for all vectors at once.
+        let moved: Vec<Vec<ComplexMatrix>> = first
+            .all
+            .changes
+            .iter()
+            .map(|change| first.right.iter().map(|x| change.times(x)).collect())
+            .collect();
+        for k in 0..count {
+            for moved in &moved {
+                third.extend(moved.iter().map(|moved| first.left[k].tr_mul(moved)));
+            }
+        }
+        for k in 0..count {
+            for l in k..count {
+                let of = |k: usize, l: usize| {
+                    let x = &moved[k][l] - &first.right[l] * first.own(k);
+                    let y = first.all.changes[k].after(&first.left[l].transpose()).transpose()
+                        - &first.left[l] * first.own(k).transpose();
+                    (x, y)
+                };
+                let (mut x, mut y) = of(k, l);
+                if k != l {
+                    let (more_x, more_y) = of(l, k);
+                    x += more_x;
+                    y += more_y;
+                }
+                right.push(first.over_gaps(x));
+                left.push(first.over_gaps(y));
+            }
+        }
+        let norms = [
+            [first.gram(&first.right), first.gram(&right)],
+            [first.gram(&first.left), first.gram(&left)],
+        ];
+        Self { third, count, norms }
+    }
+
+    /// What three coefficients do together to P, in this order.
+    pub(super) fn third(&self, k: usize, l: usize, m: usize) -> &ComplexMatrix {
+        &self.third[(k * self.count + l) * self.count + m]
+    }
+}
+
+impl FirstOrder<'_> {
+    fn over_gaps(&self, mut of: ComplexMatrix) -> ComplexMatrix {
+        for other in 0..of.nrows() {
+            for (j, &mode) in self.modes.iter().enumerate() {
+                let gap = self.all.eigenvalues[mode] - self.all.eigenvalues[other];
+                of[(other, j)] = if self.modes.contains(&other) { Complex::from(0.0) } else { of[(other, j)] / gap };
+            }
+        }
+        of
+    }
+
+    /// Products of vectors with each other, weighted by the largest distance of each row from the group.
+    fn gram(&self, vectors: &[ComplexMatrix]) -> DMatrix<f64> {
+        let eigenvalues = &self.all.eigenvalues;
+        let weights: Vec<f64> = (0..eigenvalues.len())
+            .map(|other| {
+                let gaps = self.modes.iter().map(|&mode| eigenvalues[mode] - eigenvalues[other]);
+                gaps.map(|gap| libm::hypot(gap.re, gap.im)).fold(0.0, f64::max).sqrt()
+            })
+            .collect();
+        let rows = 2 * weights.len() * self.modes.len();
+        let mut weighted = DMatrix::zeros(rows, vectors.len());
+        for (mut column, vector) in weighted.column_iter_mut().zip(vectors) {
+            for (i, value) in vector.iter().enumerate() {
+                let weight = weights[i % weights.len()];
+                column[2 * i] = weight * value.re;
+                column[2 * i + 1] = weight * value.im;
+            }
+        }
+        weighted.tr_mul(&weighted)
+    }
+}

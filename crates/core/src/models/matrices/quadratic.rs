@@ -1,0 +1,240 @@
+//! The quadratic eigenvalue problem of a sum of dense matrices.
+
+use nalgebra::{Complex, DMatrix, DVector};
+use thiserror::Error;
+
+use crate::numerics::eigenvalues::{Eigenvalue, EigenvalueError, eigenvalues};
+
+/// `(lambda^2 M + lambda C + K) q = 0` with `C = sum_i c_i C_i` and `K = sum_j k_j K_j`, the c_i and k_j being
+/// coefficients that differ from sample to sample. M is symmetric and positive definite, and the same in all samples.
+///
+/// Held in coordinates in which M is the identity (M = L L^T; A becomes `L^-1 A L^-T`) and in a unit of frequency in which
+/// K is near 1.
+#[derive(Debug, Clone)]
+pub struct DenseQuadratic {
+    /// Matrices of the coefficients: first those of C, then those of K.
+    terms: Vec<DMatrix<f64>>,
+    /// How many belong to C.
+    damping_terms: usize,
+    /// rad/s of the unit of frequency.
+    unit: f64,
+}
+
+/// Why there is no such problem.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum QuadraticError {
+    /// The mass matrix has a direction without mass.
+    #[error("the mass matrix is not positive definite: some motion of the model has no mass")]
+    MassNotDefinite,
+}
+
+impl DenseQuadratic {
+    /// The problem of these matrices, which are square and of one size. Typical coefficients, in the order of the terms
+    /// of C and then those of K, fix the unit of frequency.
+    ///
+    /// # Errors
+    /// [`QuadraticError::MassNotDefinite`].
+    pub fn new(
+        mass: &DMatrix<f64>,
+        damping: &[DMatrix<f64>],
+        stiffness: &[DMatrix<f64>],
+        typical: &[f64],
+    ) -> Result<Self, QuadraticError> {
+        // Degrees of freedom may have different units, such as m and rad: scaled by powers of two to a mass near 1.
+        let scales: Vec<f64> = mass.diagonal().iter().map(|mass| power_of_two(1.0 / mass.abs().sqrt())).collect();
+        if mass.diagonal().iter().any(|mass| mass.is_nan() || *mass <= 0.0) {
+            return Err(QuadraticError::MassNotDefinite);
+        }
+        let scaled = |matrix: &DMatrix<f64>| {
+            DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |row, column| {
+                matrix[(row, column)] * scales[row] * scales[column]
+            })
+        };
+        let mass = scaled(mass);
+        let mass = 0.5 * (&mass + mass.transpose());
+        let factor = mass.cholesky().ok_or(QuadraticError::MassNotDefinite)?.unpack();
+        let smallest = factor.diagonal().iter().fold(f64::INFINITY, |least, value| least.min(*value));
+        if smallest < 1e-7 * factor.diagonal().amax() {
+            return Err(QuadraticError::MassNotDefinite);
+        }
+        let reduced = |matrix: &DMatrix<f64>| {
+            let mut left = scaled(matrix);
+            factor.solve_lower_triangular_mut(&mut left);
+            let mut both = left.transpose();
+            factor.solve_lower_triangular_mut(&mut both);
+            both.transpose()
+        };
+        let mut terms: Vec<DMatrix<f64>> = damping.iter().chain(stiffness).map(reduced).collect();
+        let of_stiffness = terms.iter().zip(typical).skip(damping.len());
+        let size = of_stiffness.map(|(term, coefficient)| term.amax() * coefficient.abs()).fold(0.0, f64::max);
+        let unit = if size > 0.0 && size.is_finite() { power_of_two(size.sqrt()) } else { 1.0 };
+        for (i, term) in terms.iter_mut().enumerate() {
+            *term /= if i < damping.len() { unit } else { unit * unit };
+        }
+        Ok(Self { terms, damping_terms: damping.len(), unit })
+    }
+
+    /// The number of coordinates.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.terms.first().map_or(0, DMatrix::nrows)
+    }
+
+    /// The number of coefficients.
+    #[must_use]
+    pub fn coefficients(&self) -> usize {
+        self.terms.len()
+    }
+
+    /// rad/s of the unit of frequency in which eigenvalues of [`DenseQuadratic::at`] are.
+    #[must_use]
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// Whether a coefficient belongs to C.
+    #[must_use]
+    pub(super) fn is_damping(&self, coefficient: usize) -> bool {
+        coefficient < self.damping_terms
+    }
+
+    /// The matrix of a coefficient.
+    #[must_use]
+    pub(super) fn term(&self, coefficient: usize) -> &DMatrix<f64> {
+        &self.terms[coefficient]
+    }
+
+    /// The problem with these coefficients.
+    #[must_use]
+    pub fn at(&self, coefficients: &[f64]) -> Quadratic {
+        let size = self.size();
+        let sum = |places: std::ops::Range<usize>| {
+            let mut sum = DMatrix::zeros(size, size);
+            for (term, coefficient) in self.terms[places.clone()].iter().zip(&coefficients[places]) {
+                if *coefficient != 0.0 {
+                    for (sum, value) in sum.as_mut_slice().iter_mut().zip(term.as_slice()) {
+                        *sum += coefficient * value;
+                    }
+                }
+            }
+            sum
+        };
+        Quadratic { damping: sum(0..self.damping_terms), stiffness: sum(self.damping_terms..self.terms.len()) }
+    }
+}
+
+/// `(lambda^2 + lambda C + K) q = 0`.
+#[derive(Debug, Clone)]
+pub struct Quadratic {
+    /// C.
+    pub damping: DMatrix<f64>,
+    /// K.
+    pub stiffness: DMatrix<f64>,
+}
+
+impl Quadratic {
+    /// The matrix `A` of `z' = A z` for `z = (q, q')`.
+    #[must_use]
+    pub fn companion(&self) -> DMatrix<f64> {
+        let size = self.stiffness.nrows();
+        DMatrix::from_fn(2 * size, 2 * size, |row, column| match (row.checked_sub(size), column.checked_sub(size)) {
+            (None, None) => 0.0,
+            (None, Some(column)) => f64::from(u8::from(row == column)),
+            (Some(row), None) => -self.stiffness[(row, column)],
+            (Some(row), Some(column)) => -self.damping[(row, column)],
+        })
+    }
+
+    /// All eigenvalues, both of each conjugate pair.
+    ///
+    /// # Errors
+    /// As [`eigenvalues`].
+    pub fn eigenvalues(&self) -> Result<Vec<Eigenvalue>, EigenvalueError> {
+        eigenvalues(&self.companion())
+    }
+
+    /// `lambda^2 + lambda C + K`.
+    #[must_use]
+    pub fn value(&self, eigenvalue: Eigenvalue) -> DMatrix<Complex<f64>> {
+        let mut value = DMatrix::from_fn(self.stiffness.nrows(), self.stiffness.ncols(), |row, column| {
+            let (damping, stiffness) = (self.damping[(row, column)], self.stiffness[(row, column)]);
+            Complex::new(stiffness + eigenvalue.re * damping, eigenvalue.im * damping)
+        });
+        let square = eigenvalue * eigenvalue;
+        (0..value.nrows()).for_each(|row| value[(row, row)] += square);
+        value
+    }
+
+    /// `(2 lambda + C) x`.
+    #[must_use]
+    pub fn derivative_times(&self, eigenvalue: Eigenvalue, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        product(&self.damping, x) + x * (eigenvalue * 2.0)
+    }
+
+    /// `(2 lambda + C)^T y`.
+    #[must_use]
+    pub fn transposed_derivative_times(
+        &self,
+        eigenvalue: Eigenvalue,
+        y: &DVector<Complex<f64>>,
+    ) -> DVector<Complex<f64>> {
+        transposed_product(&self.damping, y) + y * (eigenvalue * 2.0)
+    }
+
+    /// `(lambda^2 + lambda C + K) x`.
+    #[must_use]
+    pub fn value_times(&self, eigenvalue: Eigenvalue, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        product(&self.damping, x) * eigenvalue + product(&self.stiffness, x) + x * (eigenvalue * eigenvalue)
+    }
+}
+
+/// A real matrix times a complex vector.
+pub(super) fn product(matrix: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let (re, im) = (matrix * x.map(|value| value.re), matrix * x.map(|value| value.im));
+    re.zip_map(&im, Complex::new)
+}
+
+/// The transpose of a real matrix times a complex vector.
+pub(super) fn transposed_product(matrix: &DMatrix<f64>, y: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let (re, im) = (matrix.tr_mul(&y.map(|value| value.re)), matrix.tr_mul(&y.map(|value| value.im)));
+    re.zip_map(&im, Complex::new)
+}
+
+/// The largest power of two not above a positive value.
+fn power_of_two(value: f64) -> f64 {
+    let (_, exponent) = libm::frexp(value);
+    libm::ldexp(1.0, (exponent - 1).clamp(-500, 500))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::dmatrix;
+
+    use super::*;
+
+    /// Two masses of different units: eigenvalues are those of the closed form.
+    #[test]
+    fn eigenvalues_are_those_of_the_generalised_problem() {
+        let mass = dmatrix![4.0, 1.0; 1.0, 3e-6];
+        assert!(DenseQuadratic::new(&mass, &[], &[dmatrix![1.0, 0.0; 0.0, 1.0]], &[1.0]).is_err());
+        let mass = dmatrix![4.0, 1e-3; 1e-3, 3e-6];
+        let stiffness = [dmatrix![5.0, -1e-3; -1e-3, 7e-3], dmatrix![0.0, 2e-3; 0.0, 0.0]];
+        let problem = DenseQuadratic::new(&mass, &[], &stiffness, &[1.0, 1.0]).unwrap();
+        let sum = &stiffness[0] + &stiffness[1] * 0.5;
+        // det(K - w^2 M) = 0.
+        let a = mass.determinant();
+        let b = -(mass[(0, 0)] * sum[(1, 1)] + mass[(1, 1)] * sum[(0, 0)]
+            - mass[(0, 1)] * sum[(1, 0)]
+            - mass[(1, 0)] * sum[(0, 1)]);
+        let c = sum.determinant();
+        let root = (b * b - 4.0 * a * c).sqrt();
+        let mut values = problem.at(&[1.0, 0.5]).eigenvalues().unwrap();
+        values.retain(|value| value.im > 0.0);
+        values.sort_by(|x, y| x.im.total_cmp(&y.im));
+        for (value, sign) in values.iter().zip([-1.0, 1.0]) {
+            let expected = ((-b + sign * root) / (2.0 * a)).sqrt();
+            assert!((value.im * problem.unit() / expected - 1.0).abs() < 1e-12, "{value} {expected}");
+        }
+    }
+}
