@@ -8,11 +8,18 @@
 //! | | swings once more | free: stick-slip has ended |
 //! | | sticks | sticking, with one more cycle |
 //!
-//! Stick-slip persists if it lasts for more than [`CYCLES_TO_PERSIST`] cycles in a row. If the share of stick is small,
-//! a small disturbance could end it. Then it has to last for [`CYCLES_WITH_SHORT_STICKS`] cycles, and until nothing
-//! rings any more, or for [`CYCLES_WHILE_RINGING`].
+//! Stick-slip persists if it lasts for more cycles in a row than these:
+//!
+//! | share of stick | while something rings | when nothing rings any more |
+//! |---|---|---|
+//! | large and steady | [`CYCLES_TO_PERSIST`] | [`CYCLES_TO_PERSIST`] |
+//! | large | [`CYCLES_WHILE_RINGING`] | [`CYCLES_TO_PERSIST`] |
+//! | small: a small disturbance could end it | [`CYCLES_WHILE_RINGING`] | [`CYCLES_WITH_SHORT_STICKS`] |
+//!
+//! While something rings it may be what makes the pad stick, as it lifts and lowers the normal force. Then the share of
+//! stick changes from cycle to cycle, with the beats of the ringing and with its decay.
 
-use crate::models::pad_on_disc::criterion::transients::FIRST_SWINGS;
+use crate::models::pad_on_disc::criterion::transients::{FIRST_SWINGS, Transients};
 
 /// Cycles in a row after which stick-slip persists: with a large share of stick; with a small one, after the ringing
 /// has died away; and while it lasts.
@@ -27,6 +34,23 @@ const CYCLES_WHILE_RINGING: u32 = 600;
 /// The share of stick in a cycle that is large.
 const LARGE_SHARE: f64 = 0.05;
 
+/// The share of stick is steady if it differs by less than this over the last cycles, relative to the largest of them.
+///
+/// Measured on 125 brakes that start from rest: random brake 248 of `make validity` with speed, preload, damping, friction
+/// and stiffness of the disc scattered by factors of up to 1.3 to 3. Ringing keeps stick-slip with a large share up in many
+/// of them, for up to 460 cycles. Without this limit and [`DECAY`] 56 of them count as persistent; with a limit of 5, 2, 1
+/// and 0.5 % these are 25, 7, 2 and 1. Stick-slip that lasts, on 104 random brakes, is steady to 1 % after 14 cycles on
+/// average, and to 0.5 % after 21.
+const STEADY: f64 = 0.01;
+
+/// Nor may a steady share have fallen by more than this part of what the ringing has decayed by: a share that follows the
+/// ringing falls at least as fast. Less than [`ERRORS`] is no fall.
+const DECAY: f64 = 0.5;
+const ERRORS: f64 = 1e-4;
+
+/// How many cycles are compared: those of which the share is known when stick-slip has lasted for [`CYCLES_TO_PERSIST`].
+const COMPARED: usize = CYCLES_TO_PERSIST as usize - 1;
+
 /// Stick-slip cycles in a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Cycles {
@@ -37,7 +61,8 @@ pub(crate) struct Cycles {
     first_stick: f64,
     last_stick: f64,
     last_release: Option<f64>,
-    stick_share: f64,
+    /// The shares of stick in the last cycles, the latest last.
+    stick_shares: [f64; COMPARED],
 }
 
 impl Cycles {
@@ -50,7 +75,7 @@ impl Cycles {
             first_stick: 0.0,
             last_stick: 0.0,
             last_release: None,
-            stick_share: 0.0,
+            stick_shares: [0.0; COMPARED],
         }
     }
 
@@ -69,7 +94,8 @@ impl Cycles {
     pub fn slips(&mut self, time: f64) {
         self.is_stuck = false;
         if let Some(before) = self.last_release.replace(time) {
-            self.stick_share = (time - self.last_stick) / (time - before);
+            self.stick_shares.rotate_left(1);
+            self.stick_shares[COMPARED - 1] = (time - self.last_stick) / (time - before);
         }
     }
 
@@ -105,15 +131,31 @@ impl Cycles {
         self.last_stick - self.first_stick
     }
 
-    /// Whether stick-slip has lasted so long that it stays; `still_rings` is whether what was excited before the first
-    /// stick may still matter.
-    pub fn persists(&self, still_rings: bool) -> bool {
-        let kept = match (self.stick_share >= LARGE_SHARE, still_rings) {
+    /// Whether stick-slip has lasted so long that it stays, although what was excited before the first stick may still
+    /// ring.
+    pub fn persists(&self, transients: &Transients) -> bool {
+        if self.sticks <= CYCLES_TO_PERSIST {
+            return false;
+        }
+        let still_rings = transients.last_longer_than(self.duration());
+        let is_large = self.stick_shares[COMPARED - 1] >= LARGE_SHARE;
+        let kept = match (is_large, still_rings) {
+            (true, true) if !self.is_steady(transients) => CYCLES_WHILE_RINGING,
             (true, _) => CYCLES_TO_PERSIST,
             (false, false) => CYCLES_WITH_SHORT_STICKS,
             (false, true) => CYCLES_WHILE_RINGING,
         };
         self.sticks > kept
+    }
+
+    /// Whether the share of stick has hardly changed in the last cycles, and not fallen as the ringing decays.
+    fn is_steady(&self, transients: &Transients) -> bool {
+        let (first, last) = (self.stick_shares[0], self.stick_shares[COMPARED - 1]);
+        let smallest = self.stick_shares.iter().copied().fold(first, f64::min);
+        let largest = self.stick_shares.iter().copied().fold(first, f64::max);
+        let period = self.duration() / f64::from(self.sticks - 1);
+        let decayed = 1.0 - transients.left_after((COMPARED - 1) as f64 * period);
+        smallest >= (1.0 - STEADY) * largest && last >= (1.0 - DECAY * decayed - ERRORS) * first
     }
 }
 
@@ -121,18 +163,32 @@ impl Cycles {
 mod tests {
     use super::*;
 
-    /// Simulates cycles of period 2 with a share of stick, until they persist or there are `most`.
-    fn sticks_until_kept(cycles: &mut Cycles, share: f64, most: u32) -> Option<u32> {
+    /// Rates at which nothing rings any more after a cycle, and at which something rings for ever.
+    const RINGS_NEVER: f64 = 10.0;
+    const RINGS_FOR_EVER: f64 = 0.0;
+
+    fn persists(cycles: &Cycles, rate: f64) -> bool {
+        cycles.persists(&Transients::new(rate))
+    }
+
+    /// Simulates cycles of period 2 with these shares of stick beside ringing that decays at a rate, until they persist or
+    /// there are `most`.
+    fn sticks_until_kept_beside(rate: f64, cycles: &mut Cycles, share: impl Fn(u32) -> f64, most: u32) -> Option<u32> {
         for count in 1..=most {
             let time = 2.0 * f64::from(count);
             cycles.sticks(time);
-            if cycles.persists(false) {
+            if persists(cycles, rate) {
                 return Some(count);
             }
-            cycles.slips(time + 2.0 * share);
+            cycles.slips(time + 2.0 * share(count));
             assert!(!cycles.swings() && !cycles.swings(), "two turns lie between two sticks");
         }
         None
+    }
+
+    /// The same with a constant share, when nothing rings.
+    fn sticks_until_kept(cycles: &mut Cycles, share: f64, most: u32) -> Option<u32> {
+        sticks_until_kept_beside(RINGS_NEVER, cycles, |_| share, most)
     }
 
     #[test]
@@ -154,27 +210,67 @@ mod tests {
         let mut cycles = Cycles::new();
         assert_eq!(sticks_until_kept(&mut cycles, 0.01, 60), None);
         (0..540).for_each(|cycle| cycles.sticks(200.0 + f64::from(cycle)));
-        assert!(cycles.persists(false) && !cycles.persists(true));
+        assert!(persists(&cycles, RINGS_NEVER) && !persists(&cycles, RINGS_FOR_EVER));
         cycles.sticks(800.0);
-        assert!(cycles.persists(true));
+        assert!(persists(&cycles, RINGS_FOR_EVER));
         assert_eq!(cycles.duration(), 798.0);
+    }
+
+    #[test]
+    fn while_the_disc_rings_long_sticks_persist_after_six_cycles_if_they_are_steady() {
+        let kept = |scatter: f64| {
+            let share = move |count: u32| 0.2 + if count.is_multiple_of(2) { scatter } else { 0.0 };
+            sticks_until_kept_beside(RINGS_FOR_EVER, &mut Cycles::new(), share, 700)
+        };
+        assert_eq!(kept(0.0), Some(7));
+        assert_eq!(kept(0.002), Some(7));
+        assert_eq!(kept(0.005), Some(601));
+        let steady_later = |count: u32| if count < 20 { 0.1 + 0.01 * f64::from(count) } else { 0.3 };
+        let found = sticks_until_kept_beside(RINGS_FOR_EVER, &mut Cycles::new(), steady_later, 100);
+        assert!(found.is_some_and(|count| (20..30).contains(&count)), "{found:?}");
+    }
+
+    #[test]
+    fn long_sticks_that_fall_as_the_ringing_decays_do_not_persist_until_it_is_gone() {
+        // 0.2 % in a cycle, so that five cycles differ by less than counts as unsteady.
+        let rate = 0.001;
+        let falls = |count: u32| 0.3 * libm::exp(-2.0 * rate * f64::from(count));
+        assert_eq!(sticks_until_kept_beside(rate, &mut Cycles::new(), falls, 60), None);
+        assert_eq!(sticks_until_kept_beside(rate, &mut Cycles::new(), |_| 0.3, 60), Some(7));
+        // The same fall beside faster ringing does not follow it.
+        assert_eq!(sticks_until_kept_beside(0.02, &mut Cycles::new(), falls, 60), Some(7));
+    }
+
+    #[test]
+    fn stick_slip_that_ringing_keeps_up_for_a_dozen_cycles_does_not_persist() {
+        // Sticks and releases of random brake 248 of `make validity`, from rest. Friction falls by 1.5 % only, and 30 units
+        // of time later the motion has died away.
+        let sticks =
+            [0.008, 7.416, 8.731, 10.140, 11.579, 13.033, 14.514, 15.952, 17.418, 18.855, 20.328, 21.828, 23.338];
+        let held = [6.182, 0.126, 0.236, 0.262, 0.343, 0.311, 0.331, 0.289, 0.268, 0.258, 0.225, 0.118, 0.058];
+        let mut cycles = Cycles::new();
+        for (stick, held) in sticks.into_iter().zip(held) {
+            cycles.sticks(stick);
+            assert!(!persists(&cycles, 0.0126), "{stick}");
+            cycles.slips(stick + held);
+        }
     }
 
     #[test]
     fn the_share_of_the_last_cycle_counts() {
         let mut cycles = Cycles::new();
         sticks_until_kept(&mut cycles, 0.01, 20);
-        assert!(!cycles.persists(false));
+        assert!(!persists(&cycles, RINGS_NEVER));
         cycles.sticks(42.0);
         cycles.slips(43.0);
-        assert!(cycles.persists(false), "a cycle from the release at 40.02 to that at 43, stuck for 1");
+        assert!(persists(&cycles, RINGS_NEVER), "a cycle from the release at 40.02 to that at 43, stuck for 1");
     }
 
     #[test]
     fn without_a_stick_nothing_is_ongoing_and_nothing_has_ended() {
         let mut cycles = Cycles::new();
         assert!((0..20).all(|_| !cycles.swings()));
-        assert!(!cycles.is_ongoing() && !cycles.persists(false) && !cycles.is_stuck());
+        assert!(!cycles.is_ongoing() && !persists(&cycles, RINGS_NEVER) && !cycles.is_stuck());
     }
 
     #[test]
@@ -195,7 +291,7 @@ mod tests {
             cycles.slips(f64::from(cycle) + 0.5);
             assert!((0..3).all(|_| !cycles.swings()));
         }
-        assert!(cycles.is_ongoing() && cycles.persists(false));
+        assert!(cycles.is_ongoing() && persists(&cycles, RINGS_NEVER));
     }
 
     #[test]

@@ -243,8 +243,7 @@ impl Observer for FlexibleMonitor {
         self.transients.sticks(time);
         self.cycles.sticks(time);
         let has_settled = self.until_settled && self.cycles.has_cycle() && self.settled.add(self.swings.amplitude());
-        let still_rings = self.transients.last_longer_than(self.cycles.duration());
-        if self.cycles.persists(still_rings) {
+        if self.cycles.persists(&self.transients) {
             self.is_known_unstable = true;
             if has_settled || !self.until_settled {
                 self.verdict = Some(Verdict::Unstable);

@@ -72,12 +72,17 @@ impl Transients {
 
     /// Whether after this time more than [`NEGLIGIBLE_RINGING`] of a ringing is left.
     pub fn last_longer_than(&self, duration: f64) -> bool {
-        libm::exp(-self.rate * duration) > NEGLIGIBLE_RINGING
+        self.left_after(duration) > NEGLIGIBLE_RINGING
+    }
+
+    /// The share of a ringing that is left after this time.
+    pub fn left_after(&self, duration: f64) -> f64 {
+        libm::exp(-self.rate * duration)
     }
 
     /// The share of the excitation that has not died away.
     fn left(&self, time: f64) -> f64 {
-        libm::exp(-self.rate * (time - self.excited_at))
+        self.left_after(time - self.excited_at)
     }
 }
 

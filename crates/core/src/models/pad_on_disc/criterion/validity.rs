@@ -69,8 +69,8 @@
 //! The wrong verdict is that on brake 169. With the steps in use its stick-slip ends 1e-4 to 3e-4 above the brake's
 //! speed, with steps half as long up to 1e-4 below it. The table is from before such motions were simulated again with
 //! finer steps; the verdict is right since then. Of 300 verdicts on 100 further brakes (195 to 295 without 286) one was
-//! wrong (248, from rest: ringing of the disc keeps stick-slip up for more cycles than count as persistent, although
-//! friction hardly falls), and one undecided (213).
+//! wrong (248, from rest), and one undecided (213). Ringing of the disc kept stick-slip up for more cycles than counted as
+//! persistent, although friction hardly falls there; the verdict is right since these cycles have to be steady.
 //!
 //! 64 motions of 32 further brakes, from rest and from the limit cycle, have references that share no code with this
 //! crate (tests/data/flexible-fates.csv): no verdict is wrong, none undecided. x and its speed in the first swings, and
