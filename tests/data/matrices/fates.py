@@ -207,8 +207,8 @@ def main():
             m, c, k, band, threshold, unstable, worst, program, lapack_says = result
             found += 1
             wrong += lapack_says != unstable
-            worst_ratio = "" if worst is None else repr(damping_ratio(worst))
-            hertz = "" if worst is None else repr(abs(worst.imag) / HERTZ)
+            worst_ratio = "" if worst is None else repr(float(damping_ratio(worst)))
+            hertz = "" if worst is None else repr(float(abs(worst.imag) / HERTZ))
             rows.append([len(rows), kind, n, *band, threshold, int(unstable), worst_ratio, hertz, program])
             models.append({name: a.ravel().tolist() for name, a in (("m", m), ("c", c), ("k", k))})
     with open(folder / "fates.csv", "w", newline="") as file:
