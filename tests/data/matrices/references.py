@@ -167,7 +167,7 @@ def tu_brake():
             nonzeros=matrix.nnz,
             printed=printed_norms[key],
             computed=norm,
-            tolerance=0.02 if key == "KGEO" else 2e-3,
+            tolerance=0.02 if key == "KGEO" else 4e-3,
         )
 
     def matrices(speed, s=1.0, lining_damping=0.0):
@@ -214,7 +214,8 @@ def tu_brake():
     # 125 Hz apart, and each finds more pairs than there are in that distance.
     worst = {}
     for factor in (0.1, 1.0, 1.5, 1.95, 2.9):
-        found = np.concatenate([nearest(*matrices(damped[0], factor, damped[1]), 1j * HERTZ * f, 24) for f in np.arange(1062.5, 3000.0, 125.0)])
+        shifts = [1j * HERTZ * f for f in np.arange(1062.5, 3000.0, 125.0)]
+        found = np.concatenate([nearest(*matrices(damped[0], factor, damped[1]), shift, 24) for shift in shifts])
         inside = found[(found.imag > HERTZ * 1000.0) & (found.imag < HERTZ * 3000.0)]
         # One mode is undamped: its ratio is zero to within rounding.
         inside = inside[abs(inside.imag / HERTZ - 816.56) > 5.0]
@@ -227,7 +228,7 @@ def own_brake():
     data = {k: v.tocsc() for k, v in scipy.io.loadmat(JOBS / "own-brake" / "own-brake.mat").items() if k[0] != "_"}
     modulus, contact, alpha, beta = 8e9, 5e12, 20.0, 5e-7
     structure = data["K0"] + modulus * data["K_lining"] + contact * data["K_contact"]
-    c = alpha * data["M"] + beta * structure
+    c = alpha * data["M"] + beta * (data["K0"] + modulus * data["K_lining"])
     state = {}
 
     def ratio(mu):
@@ -241,7 +242,10 @@ def own_brake():
 
 
 # Of the own brake: name, pair to start from, two values of friction near the crossing.
-CROSSINGS = []
+CROSSINGS = [
+    ("own-brake-12-khz", 2j * math.pi * 12743.0, 0.282, 0.283),
+    ("own-brake-16-khz", 2j * math.pi * 16820.0, 0.155, 0.160),
+]
 
 
 def main():
