@@ -154,7 +154,9 @@ class Model:
         text += "".join(f"{kind} = [\n{''.join(terms)}]\n" for kind, terms in lines.items() if terms)
         text += "[model.parameters]\n" + "".join(f"{key} = {value!r}\n" for key, value in self.expected.items())
         text += f"[random]\ninputs = {json.dumps(list(self.relative_std))}\n"
-        text += "relative_std = { " + ", ".join(f"{key} = {value!r}" for key, value in self.relative_std.items()) + " }\n"
+        text += (
+            "relative_std = { " + ", ".join(f"{key} = {value!r}" for key, value in self.relative_std.items()) + " }\n"
+        )
         text += '[criterion]\nkind = "complex-eigenvalue"\n'
         if self.band[1] < math.inf:
             text += f"frequency = [{self.band[0]!r}, {self.band[1]!r}]\n"

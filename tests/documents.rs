@@ -333,7 +333,16 @@ fn everything_that_the_documents_show_runs() {
         fs::create_dir(place.path("jobs")).unwrap();
         for entry in fs::read_dir(repository().join("jobs")).unwrap() {
             let path = entry.unwrap().path();
-            fs::copy(&path, place.path("jobs").join(path.file_name().unwrap())).unwrap();
+            let copy = place.path("jobs").join(path.file_name().unwrap());
+            if path.is_dir() {
+                fs::create_dir(&copy).unwrap();
+                for file in fs::read_dir(&path).unwrap() {
+                    let file = file.unwrap();
+                    fs::copy(file.path(), copy.join(file.file_name())).unwrap();
+                }
+            } else {
+                fs::copy(&path, copy).unwrap();
+            }
         }
         for (number, block) in blocks.iter().enumerate() {
             let reason = block.words.iter().any(|word| word.starts_with('('));

@@ -127,7 +127,7 @@ def build(size="usual"):
         terms[name] = sparse.coo_matrix((values, (rows, columns)), (total, total))
 
     free = np.setdiff1d(np.arange(total), np.concatenate(fixed))
-    nodes = np.concatenate([np.vstack([d // 3 + 1, d % 3 + 1]).T for d in [np.arange(total)]])[free]
+    nodes = np.vstack([free // 3 + 1, free % 3 + 1]).T
     return {name: cleaned(term.tocsc()[free][:, free], name) for name, term in terms.items()}, nodes
 
 

@@ -212,15 +212,34 @@ def main():
             rows.append([len(rows), kind, n, *band, threshold, int(unstable), worst_ratio, hertz, program])
             models.append({name: a.ravel().tolist() for name, a in (("m", m), ("c", c), ("k", k))})
     with open(folder / "fates.csv", "w", newline="") as file:
-        file.write("# 500 verdicts on random models given by matrices, which are in fates.json. Made by tests/data/matrices/fates.py, which\n")
-        file.write("# shares no code with the program: LAPACK, and mpmath with 50 digits where LAPACK's rounding could matter, 2026-11.\n")
+        file.write(
+            "# 500 verdicts on random models given by matrices, which are in fates.json. Made by tests/data/matrices/fates.py, which\n"
+        )
+        file.write(
+            "# shares no code with the program: LAPACK, and mpmath with 50 digits where LAPACK's rounding could matter, 2026-11.\n"
+        )
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["case", "kind", "coordinates", "from_hz", "to_hz", "damping_ratio", "unstable", "worst", "worst_hz", "program"])
+        writer.writerow(
+            [
+                "case",
+                "kind",
+                "coordinates",
+                "from_hz",
+                "to_hz",
+                "damping_ratio",
+                "unstable",
+                "worst",
+                "worst_hz",
+                "program",
+            ]
+        )
         writer.writerows(rows)
     with open(folder / "fates.json", "w") as file:
         file.write("[\n" + ",\n".join(json.dumps(model, separators=(",", ":")) for model in models) + "\n]\n")
     unstable = sum(row[6] for row in rows)
-    print(f"{len(rows)} cases, {unstable} unstable, {sum(r[9] == 'mpmath' for r in rows)} by mpmath; LAPACK alone wrong on {wrong}")
+    print(
+        f"{len(rows)} cases, {unstable} unstable, {sum(r[9] == 'mpmath' for r in rows)} by mpmath; LAPACK alone wrong on {wrong}"
+    )
 
 
 if __name__ == "__main__":

@@ -88,12 +88,27 @@ def small_models():
         about = f"k11 = 2, k12 = 1, k22 = 2.2, c = ({c1}, {c2}): the critical D"
         entry(f"hoffmann-damped-{c1}-{c2}", f"[M] {paper}", about, formula=formula, computed=found, tolerance=1e-10)
     formula, found = coupled(2.0, 1.0, 2.2)
-    entry("hoffmann-detuned", f"[M] {paper}", "k22 = 2.2, undamped: the critical D", formula=formula, computed=found, tolerance=1e-9)
+    entry(
+        "hoffmann-detuned",
+        f"[M] {paper}",
+        "k22 = 2.2, undamped: the critical D",
+        formula=formula,
+        computed=found,
+        tolerance=1e-9,
+    )
     for ratio in (1, 10):
         formula, found = coupled(2.0, 1.0, 2.2, 1e-4, 1e-4 * ratio)
         limit = coupled(2.0, 1.0, 2.2, 1e-9, 1e-9 * ratio)[0]
         about = f"k22 = 2.2, c1 = 1e-4, c2 = {ratio} c1: the critical D; formula_limit for c1 -> 0. Damping can destabilise."
-        entry(f"hoffmann-destabilised-{ratio}", f"[M] {paper}", about, formula=formula, formula_limit=limit, computed=found, tolerance=1e-8)
+        entry(
+            f"hoffmann-destabilised-{ratio}",
+            f"[M] {paper}",
+            about,
+            formula=formula,
+            formula_limit=limit,
+            computed=found,
+            tolerance=1e-8,
+        )
 
     w1, w2 = HERTZ * 100.0, HERTZ * 75.0
     printed = {(0.0, 0.0): 0.2916667, (0.02, 0.02): 0.2893671, (0.01, 0.05): 0.2390839}
@@ -104,7 +119,11 @@ def small_models():
             k = [[w1**2, -mu * w2**2], [mu * w1**2, w2**2]]
             return largest_growth(np.eye(2), c, k) > (1e-4 if undamped else 0.0)
 
-        more = {"formula": abs(w1**2 - w2**2) / (2.0 * w1 * w2)} if e1 == 0.0 else {"formula": hulten_damped(w1, w2, e1, e2)}
+        more = (
+            {"formula": abs(w1**2 - w2**2) / (2.0 * w1 * w2)}
+            if e1 == 0.0
+            else {"formula": hulten_damped(w1, w2, e1, e2)}
+        )
         # The damped figures, too, come from the condition of Routh and Hurwitz.
         entry(
             f"hulten-{e1}-{e2}",
@@ -148,21 +167,47 @@ def disk_brake100():
             tolerance=1e-8,
         )
     found = crossing(lambda s: largest_growth(*matrices(2.0 * math.pi, s)) > 0.0, 0.01, 0.3)
-    entry("disk-brake-100-factor", source, "speed 2 pi: the factor on DR and KR together at which max Re = 0", given=0.0835794671, computed=found, tolerance=1e-6)
+    entry(
+        "disk-brake-100-factor",
+        source,
+        "speed 2 pi: the factor on DR and KR together at which max Re = 0",
+        given=0.0835794671,
+        computed=found,
+        tolerance=1e-6,
+    )
 
 
 def tu_brake():
     zamm = "Graebner, Mehrmann, Quraishi, Schroeder, von Wagner, ZAMM 96 (2016) 1388"
     data = {k: v.tocsc() for k, v in scipy.io.loadmat(JOBS / "tu-brake" / "tu-brake.mat").items() if k[0] != "_"}
 
-    printed_counts = {"M": 93207, "D1": 5683, "DG": 66643, "DR": 5683, "D4": 23885, "K1": 280845, "KR": 21646, "KGEO": 280871}
-    printed_norms = {"M": 6.09e-5, "D1": 6.86, "DG": 1.52e-4, "DR": 6.86, "D4": 3.22e4, "K1": 5.98e7, "KR": 1.45e5, "KGEO": 2.40e-3}
+    printed_counts = {
+        "M": 93207,
+        "D1": 5683,
+        "DG": 66643,
+        "DR": 5683,
+        "D4": 23885,
+        "K1": 280845,
+        "KR": 21646,
+        "KGEO": 280871,
+    }
+    printed_norms = {
+        "M": 6.09e-5,
+        "D1": 6.86,
+        "DG": 1.52e-4,
+        "DR": 6.86,
+        "D4": 3.22e4,
+        "K1": 5.98e7,
+        "KR": 1.45e5,
+        "KGEO": 2.40e-3,
+    }
     for key, matrix in data.items():
         norm = scipy.sparse.linalg.svds(matrix, 1, return_singular_vectors=False, random_state=1)[0]
         entry(
             f"tu-brake-{key}",
             f"[P] {zamm}",
-            f"{key}: number of nonzeros and 2-norm" + ("; the printed norm is not that of the file" if key == "KGEO" else ""),
+            f"{key}: number of nonzeros and 2-norm"
+            + ("; the printed norm is not that of the file" if key == "KGEO" else ""),
             printed_nonzeros=printed_counts[key],
             nonzeros=matrix.nnz,
             printed=printed_norms[key],
@@ -178,7 +223,15 @@ def tu_brake():
     for turns, values in logs.items():
         for i, value in enumerate(values):
             found = follow(*matrices(turns * math.pi), value)
-            entry(f"tu-brake-{turns}pi-{i}", f"[P] logs of the code of {zamm}", f"speed {turns} pi, without D4: eigenvalue [re, im]", speed=turns * math.pi, printed=value, computed=found, tolerance=1e-6)
+            entry(
+                f"tu-brake-{turns}pi-{i}",
+                f"[P] logs of the code of {zamm}",
+                f"speed {turns} pi, without D4: eigenvalue [re, im]",
+                speed=turns * math.pi,
+                printed=value,
+                computed=found,
+                tolerance=1e-6,
+            )
     for i, value in enumerate(
         [
             -10.173152 + 1413.56400j,
@@ -195,7 +248,15 @@ def tu_brake():
         ]
     ):
         found = follow(*matrices(4.0 * math.pi), value)
-        entry(f"tu-brake-4pi-{i}", "[L] ARPACK, sparse LU", "speed 4 pi, without D4: eigenvalue [re, im]; given: to the digits handed down", speed=4.0 * math.pi, given=value, computed=found, tolerance=1e-7)
+        entry(
+            f"tu-brake-4pi-{i}",
+            "[L] ARPACK, sparse LU",
+            "speed 4 pi, without D4: eigenvalue [re, im]; given: to the digits handed down",
+            speed=4.0 * math.pi,
+            given=value,
+            computed=found,
+            tolerance=1e-7,
+        )
 
     damped = 4.0 * math.pi, 1.0 / 1600.0
     state = {"guess": 17354.76j}
@@ -207,9 +268,25 @@ def tu_brake():
     s = zero_by_secant(ratio, 1.95, 1.97)
     hertz = abs(state["guess"]) / HERTZ
     about = "speed 4 pi, D4/1600: the factor on KR at which the pair of 2.76 kHz crosses, and its frequency in Hz"
-    entry("tu-brake-critical", "[L] ARPACK, sparse LU", about, given=1.9602310483, computed=s, given_hertz=2762.0966, computed_hertz=hertz, tolerance=1e-9)
+    entry(
+        "tu-brake-critical",
+        "[L] ARPACK, sparse LU",
+        about,
+        given=1.9602310483,
+        computed=s,
+        given_hertz=2762.0966,
+        computed_hertz=hertz,
+        tolerance=1e-9,
+    )
     probability = scipy.stats.norm.sf(s, 1.5, 0.2)
-    entry("tu-brake-probability", "[L] from the critical factor", "s normal with mean 1.5 and standard deviation 0.2, 1 to 3 kHz: P", given=0.0106914289, computed=probability, tolerance=1e-9)
+    entry(
+        "tu-brake-probability",
+        "[L] from the critical factor",
+        "s normal with mean 1.5 and standard deviation 0.2, 1 to 3 kHz: P",
+        given=0.0106914289,
+        computed=probability,
+        tolerance=1e-9,
+    )
     # No other pair between 1 and 3 kHz may cross within seven standard deviations, or P would be another one. The shifts lie
     # 125 Hz apart, and each finds more pairs than there are in that distance.
     worst = {}
@@ -220,7 +297,14 @@ def tu_brake():
         # One mode is undamped: its ratio is zero to within rounding.
         inside = inside[abs(inside.imag / HERTZ - 816.56) > 5.0]
         worst[factor] = min(damping_ratio(v) for v in inside)
-    entry("tu-brake-band", "[L] ARPACK, sparse LU", "least damping ratio between 1 and 3 kHz at these factors on KR, speed 4 pi, D4/1600", factors=list(worst), computed=list(worst.values()), tolerance=1e-7)
+    entry(
+        "tu-brake-band",
+        "[L] ARPACK, sparse LU",
+        "least damping ratio between 1 and 3 kHz at these factors on KR, speed 4 pi, D4/1600",
+        factors=list(worst),
+        computed=list(worst.values()),
+        tolerance=1e-7,
+    )
 
 
 def own_brake():
@@ -238,7 +322,9 @@ def own_brake():
     for name, guess, a, b in CROSSINGS:
         state["guess"] = guess
         mu = zero_by_secant(ratio, a, b)
-        entry(name, "[L] ARPACK, sparse LU", "jobs/own-brake/own-brake.mat: the critical friction, and the frequency in Hz", computed=mu, computed_hertz=abs(state["guess"]) / HERTZ, tolerance=1e-9)
+        about = "jobs/own-brake/own-brake.mat: the critical friction, and the frequency in Hz"
+        hertz = abs(state["guess"]) / HERTZ
+        entry(name, "[L] ARPACK, sparse LU", about, computed=mu, computed_hertz=hertz, tolerance=1e-9)
 
 
 # Of the own brake: name, pair to start from, two values of friction near the crossing.
@@ -249,7 +335,9 @@ CROSSINGS = [
 
 
 def main():
-    print("# Made by tests/data/matrices/references.py. [P] printed by others, [L] computed independently, [M] a formula.")
+    print(
+        "# Made by tests/data/matrices/references.py. [P] printed by others, [L] computed independently, [M] a formula."
+    )
     print("# computed: found by that script; tolerance: relative, of the computed value.")
     small_models()
     disk_brake100()
