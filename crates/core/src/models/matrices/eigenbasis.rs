@@ -31,8 +31,7 @@ impl Eigenbasis {
         if companion.iter().any(|value| !value.is_finite()) {
             return None;
         }
-        let (schur_vectors, triangle) =
-            Schur::try_new(companion, f64::EPSILON, SWEEPS_PER_ROW * states)?.unpack();
+        let (schur_vectors, triangle) = Schur::try_new(companion, f64::EPSILON, SWEEPS_PER_ROW * states)?.unpack();
         let (schur_vectors, triangle) = complex_schur(&schur_vectors, &triangle);
         let vectors = real_product(&schur_vectors, &vectors_of_triangle(&triangle));
         let inverse = vectors.clone().lu().try_inverse()?;
@@ -40,7 +39,8 @@ impl Eigenbasis {
             values.map(|value| value.re * value.re + value.im * value.im).sum::<f64>().sqrt()
         };
         let is_skew = (0..states).any(|i| {
-            let condition = length(&mut inverse.row(i).iter().copied()) * length(&mut vectors.column(i).iter().copied());
+            let condition =
+                length(&mut inverse.row(i).iter().copied()) * length(&mut vectors.column(i).iter().copied());
             condition.is_nan() || condition > WORST_CONDITION
         });
         (!is_skew).then(|| Self {

@@ -32,7 +32,9 @@ pub enum FactorError {
     #[error("there is no parameter `{0}`")]
     UnknownParameter(String),
     /// Something that a factor cannot have.
-    #[error("`{found}` has no place here: a factor is a product of numbers and powers of parameters, such as \"friction / speed^2\"")]
+    #[error(
+        "`{found}` has no place here: a factor is a product of numbers and powers of parameters, such as \"friction / speed^2\""
+    )]
     Unexpected {
         /// What was found.
         found: String,
@@ -181,7 +183,10 @@ fn word(text: &str) -> Option<(&str, &str)> {
 fn power(text: &str) -> Result<(i32, &str), FactorError> {
     let Some(after) = text.strip_prefix('^').or_else(|| text.strip_prefix("**")) else { return Ok((1, text)) };
     let after = after.trim_start();
-    let end = after.char_indices().find(|(i, c)| !(c.is_ascii_digit() || *i == 0 && *c == '-')).map_or(after.len(), |(i, _)| i);
+    let end = after
+        .char_indices()
+        .find(|(i, c)| !(c.is_ascii_digit() || *i == 0 && *c == '-'))
+        .map_or(after.len(), |(i, _)| i);
     let power: Option<i32> = after[..end].parse().ok().filter(|power: &i32| power.abs() <= LARGEST_POWER);
     let is_whole = !after[end..].starts_with('.');
     let wrong = || FactorError::Power(after.split_whitespace().next().unwrap_or_default().to_owned());

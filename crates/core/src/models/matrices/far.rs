@@ -14,8 +14,11 @@ use crate::numerics::eigenvalues::Eigenvalue;
 const LARGEST_CHANGE: f64 = 1.0;
 const MOST_HALVINGS: usize = 8;
 
-/// Signs of changes of all coefficients together.
-const SIGN_PATTERNS: usize = 6;
+/// The part of the way to the surface of the ellipsoid that samples may take.
+const WITHIN: f64 = 0.75;
+
+/// Signs of changes of all coefficients together that are tried at most; all there are for four coefficients.
+const MOST_PATTERNS: usize = 16;
 
 /// Changes of each coefficient that are safe.
 pub(super) struct SafeChanges {
@@ -32,12 +35,23 @@ impl SafeChanges {
         near: f64,
         follow: impl Fn(&[f64]) -> Option<Vec<Followed>>,
     ) -> Self {
+        // A mode that passes through a band from one side to the other is not near at both ends of its way.
+        let below = |all: &[Eigenvalue]| -> Vec<usize> {
+            let is_below = |region: &Region, value: &Eigenvalue| {
+                value.im.abs() < region.lowest && value.re.abs() < 0.5 * region.highest
+            };
+            regions.iter().map(|region| all.iter().filter(|value| is_below(region, value)).count()).collect()
+        };
+        let below_at_origin = problem.at(origin).eigenvalues().map(|all| below(&all)).unwrap_or_default();
         let is_safe = |delta: &[f64]| {
             let mut coefficients = origin.to_vec();
             changing.iter().zip(delta).for_each(|(&k, delta)| coefficients[k] += delta);
             let (Some(followed), Ok(all)) = (follow(delta), problem.at(&coefficients).eigenvalues()) else {
                 return false;
             };
+            if below(&all) != below_at_origin {
+                return false;
+            }
             let mut left: Vec<&Followed> = followed.iter().collect();
             all.into_iter().filter(|value| value.im >= 0.0).all(|value| {
                 if regions.iter().all(|region| region.distance(value) >= 0.5 * near) {
@@ -60,13 +74,20 @@ impl SafeChanges {
                 sizes[k] = if halvings > MOST_HALVINGS { 0.0 } else { 0.5 * sizes[k] };
             }
         }
+        let patterns = 1_usize.checked_shl(count as u32).map_or(MOST_PATTERNS, |all| all.min(MOST_PATTERNS));
+        // Beyond four coefficients their signs are spread by a multiplication.
+        let signs = |pattern: usize| if count <= 4 { pattern } else { (pattern + 1).wrapping_mul(0x9E37_79B9) >> 3 };
+        let half = |sizes: &[f64]| -> Vec<f64> { sizes.iter().map(|size| 0.5 * size).collect() };
         let together = |pattern: usize, sizes: &[f64]| -> Vec<f64> {
             let part = 1.0 / (count as f64).sqrt();
-            let sign = |k: usize| if (k * (pattern + 1) + pattern * pattern / 2) % 3 == 0 { -part } else { part };
+            let sign = |k: usize| if signs(pattern) >> k & 1 == 1 { -part } else { part };
             sizes.iter().enumerate().map(|(k, size)| sign(k) * size).collect()
         };
         for _ in 0..MOST_HALVINGS {
-            if count < 2 || (0..SIGN_PATTERNS).all(|pattern| is_safe(&together(pattern, &sizes))) {
+            if count < 2
+                || (0..patterns)
+                    .all(|pattern| is_safe(&together(pattern, &sizes)) && is_safe(&together(pattern, &half(&sizes))))
+            {
                 return Self { sizes };
             }
             sizes.iter_mut().for_each(|size| *size *= 0.7);
@@ -74,10 +95,11 @@ impl SafeChanges {
         Self { sizes: vec![0.0; count] }
     }
 
-    /// Whether changes lie within the ellipsoid of those that are safe.
+    /// Whether changes lie within the ellipsoid of those that are safe, with some way left to its surface, which is not safe
+    /// in every direction.
     pub(super) fn contain(&self, delta: &[f64]) -> bool {
         let part = |(delta, size): (&f64, &f64)| if *delta == 0.0 { 0.0 } else { (delta / size) * (delta / size) };
-        delta.iter().zip(&self.sizes).map(part).sum::<f64>() <= 1.0
+        delta.iter().zip(&self.sizes).map(part).sum::<f64>() <= WITHIN * WITHIN
     }
 }
 

@@ -1,5 +1,6 @@
 //! Models given by matrices as models of jobs: their parameters are the quantities, complex eigenvalues the criterion.
 
+use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
 use faer::sparse::SparseColMat;
@@ -170,7 +171,6 @@ pub fn quantities(parameters: &[Parameter], bands: usize) -> Vec<Quantity> {
         label: parameter.label.clone().into(),
         unit: parameter.unit.clone().into(),
         limits: parameter.range,
-        is_always_shown: true,
         ..Quantity::new(parameter.name.clone(), "1", parameter.label.clone())
     };
     let band = (bands > 1).then(|| Quantity {
@@ -190,7 +190,7 @@ impl Model for MatrixModel {
         &self,
         expected: &[f64],
         varying: &[usize],
-        _: Option<&dyn Configuration>,
+        like: Option<&dyn Configuration>,
     ) -> Result<Box<dyn Configuration>, ModelError> {
         let parameters = &expected[..self.matrices.parameters.len()];
         let factors = self.matrices.damping.iter().chain(&self.matrices.stiffness);
@@ -210,15 +210,18 @@ impl Model for MatrixModel {
                 regions = vec![regions[band as usize - 1]];
             }
         }
-        let regions = regions.into_iter().map(|region| region.in_unit(self.problem.unit())).collect();
-        Ok(Box::new(Samples {
+        let regions: Vec<Region> = regions.into_iter().map(|region| region.in_unit(self.problem.unit())).collect();
+        let like = like.and_then(Samples::from_any).map(|like| like.shared.clone());
+        let like = like.filter(|like| like.regions == regions && like.varying == varying);
+        let shared = Shared {
             matrices: self.matrices.clone(),
             problem: self.problem.clone(),
             regions,
             expected: expected.to_vec(),
             varying: varying.to_vec(),
             series: OnceLock::new(),
-        }))
+        };
+        Ok(Box::new(Samples { shared: Arc::new(shared), like, serves: OnceLock::new() }))
     }
 
     fn outside_meaning(&self) -> &'static str {
@@ -228,37 +231,63 @@ impl Model for MatrixModel {
 
 /// What samples with the same expected values share.
 struct Samples {
+    shared: Arc<Shared>,
+    /// Another configuration, whose series serves where it reaches well beyond the expected values.
+    like: Option<Arc<Shared>>,
+    /// Whether it does.
+    serves: OnceLock<bool>,
+}
+
+/// A configuration with the series about its expected values, made when it is first wanted.
+struct Shared {
     matrices: Arc<Matrices>,
     problem: Arc<DenseQuadratic>,
     /// In the unit of the problem.
     regions: Vec<Region>,
     expected: Vec<f64>,
     varying: Vec<usize>,
-    /// Made when it is first wanted.
     series: OnceLock<Option<ModeSeries>>,
 }
 
-impl Samples {
+impl Shared {
+    fn origin(&self) -> Vec<f64> {
+        self.matrices.coefficients(&self.expected)
+    }
+
     fn series(&self) -> Option<&ModeSeries> {
         let make = || {
-            let origin = self.matrices.coefficients(&self.expected);
             let terms = self.matrices.damping.iter().chain(&self.matrices.stiffness).enumerate();
             let changes = |term: &Term| term.factor.parameters().any(|own| self.varying.contains(&own));
             let changing: Vec<usize> = terms.filter(|(_, term)| changes(term)).map(|(place, _)| place).collect();
-            ModeSeries::new(&self.problem, &origin, &changing, &self.regions)
+            ModeSeries::new(&self.problem, &self.origin(), &changing, &self.regions)
         };
         self.series.get_or_init(make).as_ref()
     }
+}
+
+impl Samples {
+    fn from_any(configuration: &dyn Configuration) -> Option<&Self> {
+        let any: &dyn Any = configuration;
+        any.downcast_ref()
+    }
+
+    fn series(&self) -> Option<&ModeSeries> {
+        let other = self.like.as_ref();
+        let reaches =
+            |other: &Arc<Shared>| other.series().is_some_and(|series| series.reaches_beyond(&self.shared.origin()));
+        let serves = *self.serves.get_or_init(|| other.is_some_and(reaches));
+        other.filter(|_| serves).unwrap_or(&self.shared).series()
+    }
 
     fn coefficients(&self, samples: &Columns<'_>, sample: usize) -> Vec<f64> {
-        self.matrices.coefficients(&samples.complete(sample, &self.expected, &self.varying))
+        self.shared.matrices.coefficients(&samples.complete(sample, &self.shared.expected, &self.shared.varying))
     }
 
     fn verdict(&self, coefficients: &[f64]) -> Verdict {
         if coefficients.iter().any(|value| !value.is_finite()) {
             return Verdict::Failed;
         }
-        match Decider::new(&self.problem, &self.regions, self.series()).is_unstable(coefficients) {
+        match Decider::new(&self.shared.problem, &self.shared.regions, self.series()).is_unstable(coefficients) {
             Some((true, _)) => Verdict::Unstable,
             Some((false, _)) => Verdict::Stable,
             None => Verdict::Failed,
@@ -266,15 +295,15 @@ impl Samples {
     }
 
     fn is_outside(&self, samples: &Columns<'_>, sample: usize) -> bool {
-        let mut values = self.varying.iter().zip(samples.sample(sample));
+        let mut values = self.shared.varying.iter().zip(samples.sample(sample));
         values.any(|(&place, value)| {
-            self.matrices.parameters.get(place).is_some_and(|parameter| !parameter.range.contain(value))
+            self.shared.matrices.parameters.get(place).is_some_and(|parameter| !parameter.range.contain(value))
         })
     }
 
     fn has_ranges(&self) -> bool {
-        self.varying.iter().any(|&place| {
-            self.matrices.parameters.get(place).is_some_and(|parameter| parameter.range != Limits::ANY)
+        self.shared.varying.iter().any(|&place| {
+            self.shared.matrices.parameters.get(place).is_some_and(|parameter| parameter.range != Limits::ANY)
         })
     }
 }
@@ -299,7 +328,7 @@ impl Configuration for Samples {
 
     /// The smallest damping ratio in the bands less the threshold.
     fn limit_states(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
-        let decider = Decider::new(&self.problem, &self.regions, self.series());
+        let decider = Decider::new(&self.shared.problem, &self.shared.regions, self.series());
         let state = |sample: usize| {
             let coefficients = self.coefficients(samples, sample);
             decider.limit_state(&coefficients).unwrap_or(f64::NAN)

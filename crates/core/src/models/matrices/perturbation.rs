@@ -101,12 +101,8 @@ impl SecondOrder {
         let (mut right, mut left) = (Vec::new(), Vec::new());
         let mut third = Vec::with_capacity(count * count * count);
         // Products with a change, for all vectors at once.
-        let moved: Vec<Vec<ComplexMatrix>> = first
-            .all
-            .changes
-            .iter()
-            .map(|change| first.right.iter().map(|x| change.times(x)).collect())
-            .collect();
+        let moved: Vec<Vec<ComplexMatrix>> =
+            first.all.changes.iter().map(|change| first.right.iter().map(|x| change.times(x)).collect()).collect();
         for k in 0..count {
             for moved in &moved {
                 third.extend(moved.iter().map(|moved| first.left[k].tr_mul(moved)));
@@ -130,10 +126,7 @@ impl SecondOrder {
                 left.push(first.over_gaps(y));
             }
         }
-        let norms = [
-            [first.gram(&first.right), first.gram(&right)],
-            [first.gram(&first.left), first.gram(&left)],
-        ];
+        let norms = [[first.gram(&first.right), first.gram(&right)], [first.gram(&first.left), first.gram(&left)]];
         Self { third, count, norms }
     }
 

@@ -41,6 +41,9 @@ const LARGEST_RATIO: f64 = 0.6;
 /// What the bound of the error is multiplied by, for what it leaves out.
 const SAFETY: f64 = 2.0;
 
+/// A series serves for samples about other coefficients if so many times their distance is within its reach.
+const REACH: f64 = 4.0;
+
 /// Changing coefficients up to which there is a series: beyond, it costs more than it saves.
 const MOST_COEFFICIENTS: usize = 24;
 
@@ -222,6 +225,14 @@ impl ModeSeries {
         Some(followed)
     }
 
+    /// Whether the series serves well for samples about these coefficients.
+    pub(super) fn reaches_beyond(&self, coefficients: &[f64]) -> bool {
+        let changing = self.changing.iter().map(|&k| REACH * (coefficients[k] - self.origin[k])).collect::<Vec<_>>();
+        let others = (0..coefficients.len()).filter(|k| !self.changing.contains(k));
+        others.into_iter().all(|k| coefficients[k] == self.origin[k])
+            && self.safe.as_ref().is_some_and(|safe| safe.contain(&changing))
+    }
+
     /// Where the refinement of a followed eigenvalue starts.
     pub(super) fn start(&self, followed: &Followed) -> Pair {
         let size = self.basis.right.nrows();
@@ -248,7 +259,8 @@ fn size(value: Complex<f64>) -> f64 {
 /// Groups modes that typical changes couple strongly.
 fn groups(modes: &[usize], all: &Changes, typical: &[f64]) -> Vec<Vec<usize>> {
     let mixing = |i: usize, j: usize| {
-        let coupled = |(change, typical): (&Split, &f64)| size(change.entry(i, j) * change.entry(j, i)) * typical * typical;
+        let coupled =
+            |(change, typical): (&Split, &f64)| size(change.entry(i, j) * change.entry(j, i)) * typical * typical;
         let coupled: f64 = all.changes.iter().zip(typical).map(coupled).sum();
         coupled.sqrt() > STRONG_COUPLING * size(all.eigenvalues[i] - all.eigenvalues[j])
     };

@@ -22,6 +22,8 @@ pub mod pad_on_disc;
 
 mod belt_oscillator;
 
+mod matrices;
+
 #[cfg(test)]
 mod two_masses;
 
@@ -29,6 +31,7 @@ mod two_masses;
 const KINDS: &[Kind] = &[
     pad_on_disc::KIND,
     belt_oscillator::KIND,
+    matrices::KIND,
     #[cfg(test)]
     two_masses::KIND,
 ];

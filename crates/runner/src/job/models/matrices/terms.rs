@@ -1,0 +1,284 @@
+//! The terms of a model given by matrices: a matrix from a file or written in the job, times a factor.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use faer::sparse::{SparseColMat, Triplet};
+use schemars::JsonSchema;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use stickslip_core::models::matrices::factor::Factor;
+use stickslip_core::models::matrices::model::Matrix;
+use toml::Spanned;
+use toml_edit::{DocumentMut, Item, Value};
+
+use crate::job::diagnosis::Complaint;
+use crate::job::model::written;
+
+/// A matrix times a factor: `{ file = "brake.mat", matrix = "K1", factor = "friction / speed" }`, or `matrix = [[2, -1], [-1,
+/// 2]]` without a file.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TermSpec {
+    /// The file with the matrix, beside the job.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
+    /// The name of the matrix in its file, where that has several; or its rows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    matrix: Option<MatrixSpec>,
+    /// Its factor: a product of numbers and powers of parameters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 1))]
+    factor: Option<FactorSpec>,
+    /// The digest of a matrix from a file. A run keeps it: it refuses to go on with another matrix.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub digest: Option<String>,
+}
+
+/// A matrix by its name in a file, or by its rows.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+enum MatrixSpec {
+    /// The name.
+    Name(String),
+    /// The rows.
+    Rows(Vec<Vec<f64>>),
+}
+
+/// A factor as a number or a product.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+enum FactorSpec {
+    /// A number.
+    Number(f64),
+    /// A product.
+    Text(String),
+}
+
+/// Terms: a list, or a single one.
+#[derive(Debug, Default, Serialize)]
+pub struct TermsSpec(pub Vec<Spanned<TermSpec>>);
+
+impl<'de> Deserialize<'de> for TermsSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Terms;
+        impl<'de> Visitor<'de> for Terms {
+            type Value = TermsSpec;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a term { file = ..., matrix = ..., factor = ... }, or a list of terms")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TermsSpec, A::Error> {
+                let term = TermSpec::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(TermsSpec(vec![written(term)]))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut terms: A) -> Result<TermsSpec, A::Error> {
+                let mut all = Vec::new();
+                while let Some(term) = terms.next_element()? {
+                    if all.len() == MOST_TERMS {
+                        return Err(A::Error::custom(format!("more than {MOST_TERMS} terms are too many")));
+                    }
+                    all.push(term);
+                }
+                Ok(TermsSpec(all))
+            }
+        }
+        deserializer.deserialize_any(Terms)
+    }
+}
+
+const MOST_TERMS: usize = 1000;
+
+/// A term that was read.
+pub struct ReadTerm {
+    pub matrix: Matrix,
+    pub factor: Factor,
+    pub file: Option<FileTerm>,
+    pub notes: Vec<String>,
+}
+
+/// Where a matrix came from.
+#[derive(Debug, Clone)]
+pub struct FileTerm {
+    file: String,
+    matrix: Option<MatrixSpec>,
+    path: PathBuf,
+    pub digest: String,
+}
+
+impl FileTerm {
+    /// Whether this is what a term names.
+    pub fn is_of(&self, spec: &TermSpec) -> bool {
+        spec.file.as_ref() == Some(&self.file) && spec.matrix == self.matrix
+    }
+}
+
+impl TermSpec {
+    /// The term as the identity of a job has it: its file by name and digest, wherever that lies.
+    pub fn identified(&self, files: &[FileTerm]) -> Self {
+        let digest = files.iter().find(|file| file.is_of(self)).map(|file| file.digest.clone());
+        let name = self.file.as_ref().map(|file| {
+            Path::new(file).file_name().map_or_else(|| file.clone(), |name| name.to_string_lossy().into_owned())
+        });
+        Self { digest, file: name, ..self.clone() }
+    }
+}
+
+/// Reads a term: its matrix and its factor in these parameters.
+pub fn read_term(
+    place: &str,
+    spec: &Spanned<TermSpec>,
+    folder: &Path,
+    parameters: &[&str],
+) -> Result<ReadTerm, Complaint> {
+    let complain = |message: String| Complaint::at(spec.span(), format!("model.{place}: {message}"));
+    let TermSpec { file, matrix, factor, digest } = spec.get_ref();
+    let factor = match factor {
+        None => Factor::number(1.0),
+        Some(FactorSpec::Number(number)) if number.is_finite() => Factor::number(*number),
+        Some(FactorSpec::Number(number)) => return Err(complain(format!("factor = {number} is no finite number"))),
+        Some(FactorSpec::Text(text)) => Factor::parse(text, parameters).map_err(|error| {
+            let known = match parameters {
+                [] => "there are no parameters; declare them in [model.parameters]".to_owned(),
+                names => format!("[model.parameters] has {}", names.join(", ")),
+            };
+            complain(format!("factor = \"{text}\": {error} ({known})"))
+        })?,
+    };
+    match (file, matrix) {
+        (Some(name), None | Some(MatrixSpec::Name(_))) => {
+            let path = folder.join(name);
+            let wanted = match matrix {
+                Some(MatrixSpec::Name(name)) => Some(name.as_str()),
+                _ => None,
+            };
+            let (matrix, notes) = read_file(&path, wanted).map_err(complain)?;
+            let found = digest_of(&matrix);
+            if let Some(digest) = digest.as_ref().filter(|digest| **digest != found) {
+                return Err(complain(format!(
+                    "the matrix in {} is another than the one of this job: its digest is {found}, not {digest}; bring back the file as it was, or submit a new job",
+                    path.display()
+                )));
+            }
+            let path = std::path::absolute(&path).unwrap_or(path);
+            let file = FileTerm { file: name.clone(), matrix: spec.get_ref().matrix.clone(), path, digest: found };
+            Ok(ReadTerm { matrix, factor, file: Some(file), notes })
+        }
+        (None, Some(MatrixSpec::Rows(rows))) => {
+            Ok(ReadTerm { matrix: of_rows(rows).map_err(complain)?, factor, file: None, notes: Vec::new() })
+        }
+        (Some(_), Some(MatrixSpec::Rows(_))) => {
+            Err(complain("a file is given beside the rows of a matrix; remove one of the two".to_owned()))
+        }
+        (None, Some(MatrixSpec::Name(name))) => Err(complain(format!(
+            "matrix = \"{name}\" is a name, but there is no file; give file = \"...\", or rows: matrix = [[2, -1], [-1, 2]]"
+        ))),
+        (None, None) => Err(complain(
+            "there is no matrix; give file = \"brake.mat\" and its name in it, matrix = \"K\", or rows: matrix = [[2, -1], [-1, 2]]".to_owned(),
+        )),
+    }
+}
+
+/// A matrix of a file, and what is to be said of it.
+fn read_file(path: &Path, name: Option<&str>) -> Result<(Matrix, Vec<String>), String> {
+    let _ = name;
+    Err(format!("{} cannot be read yet", path.display()))
+}
+
+/// A matrix by its rows.
+fn of_rows(rows: &[Vec<f64>]) -> Result<Matrix, String> {
+    let size = rows.len();
+    let mut triplets = Vec::new();
+    for (i, row) in rows.iter().enumerate() {
+        if row.len() != size {
+            return Err(format!(
+                "row {} of the matrix has {} values, but there are {size} rows; a matrix here is square",
+                i + 1,
+                row.len()
+            ));
+        }
+        for (j, value) in row.iter().enumerate() {
+            if !value.is_finite() {
+                return Err(format!(
+                    "row {}, column {} of the matrix is {value}; it must be a finite number",
+                    i + 1,
+                    j + 1
+                ));
+            }
+            if *value != 0.0 {
+                triplets.push(Triplet::new(i, j, *value));
+            }
+        }
+    }
+    if size == 0 {
+        return Err("the matrix has no rows".to_owned());
+    }
+    SparseColMat::try_new_from_triplets(size, size, &triplets)
+        .map_err(|error| format!("the matrix is too large: {error:?}"))
+}
+
+/// The digest of a matrix: of its size, and of its entries column by column.
+fn digest_of(matrix: &Matrix) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let mut add = |value: u64| {
+        hasher.update(&value.to_le_bytes());
+    };
+    add(matrix.nrows() as u64);
+    for entry in matrix.triplet_iter() {
+        [entry.row as u64, entry.col as u64, entry.val.to_bits()].into_iter().for_each(&mut add);
+    }
+    hasher.finalize().to_hex()[..32].to_owned()
+}
+
+/// Writes where the matrices of a job are, and their digests, into its text; a comment that says so.
+pub fn freeze(document: &mut DocumentMut, files: &[FileTerm]) -> String {
+    let Some(model) = document.get_mut("model").and_then(Item::as_table_like_mut) else { return String::new() };
+    for key in ["mass", "damping", "stiffness"] {
+        let Some(item) = model.get_mut(key) else { continue };
+        if let Some(terms) = item.as_array_mut() {
+            terms
+                .iter_mut()
+                .for_each(|term| freeze_term(&mut Item::Value(term.clone()), files, |frozen| *term = frozen));
+        } else if let Some(terms) = item.as_array_of_tables_mut() {
+            for table in terms.iter_mut() {
+                let located = locate(table, files);
+                for (name, value) in located {
+                    table.insert(name, Item::Value(value));
+                }
+            }
+        } else if let Some(table) = item.as_table_like_mut() {
+            for (name, value) in locate(table, files) {
+                table.insert(name, Item::Value(value));
+            }
+        }
+    }
+    if files.is_empty() {
+        String::new()
+    } else {
+        "# model: the matrices are read from their files again, and must have these digests\n".to_owned()
+    }
+}
+
+fn freeze_term(item: &mut Item, files: &[FileTerm], set: impl FnOnce(Value)) {
+    if let Some(table) = item.as_table_like_mut() {
+        for (name, value) in locate(table, files) {
+            table.insert(name, Item::Value(value));
+        }
+    }
+    if let Item::Value(value) = item {
+        set(value.clone());
+    }
+}
+
+/// The keys of a term that say where its file is and what it must be.
+fn locate(table: &dyn toml_edit::TableLike, files: &[FileTerm]) -> Vec<(&'static str, Value)> {
+    let text = |key: &str| table.get(key).and_then(Item::as_str);
+    let named = |file: &FileTerm| match &file.matrix {
+        Some(MatrixSpec::Name(name)) => Some(name.clone()),
+        _ => None,
+    };
+    let file =
+        files.iter().find(|file| text("file") == Some(file.file.as_str()) && text("matrix") == named(file).as_deref());
+    let Some(file) = file else { return Vec::new() };
+    vec![("file", file.path.to_string_lossy().into_owned().into()), ("digest", file.digest.clone().into())]
+}
