@@ -35,40 +35,47 @@ impl SafeChanges {
         near: f64,
         follow: impl Fn(&[f64]) -> Option<Vec<Followed>>,
     ) -> Self {
-        // A mode that passes through a band from one side to the other is not near at both ends of its way.
-        let below = |all: &[Eigenvalue]| -> Vec<usize> {
-            let is_below = |region: &Region, value: &Eigenvalue| {
-                value.im.abs() < region.lowest && value.re.abs() < 0.5 * region.highest
-            };
-            regions.iter().map(|region| all.iter().filter(|value| is_below(region, value)).count()).collect()
+        // What the series does not follow must not be near a region, nor have passed through a band from one side to the
+        // other: the number of such modes below each band stays, but for strongly damped ones.
+        let below = |values: &[Eigenvalue]| -> Vec<usize> {
+            let weight = |value: &Eigenvalue| if value.im > 0.0 { 2 } else { 1 };
+            let is_below =
+                |region: &Region, value: &Eigenvalue| value.im < region.lowest && value.re.abs() < 0.5 * region.highest;
+            let count = |region: &Region| values.iter().filter(|value| is_below(region, value)).map(weight).sum();
+            regions.iter().map(count).collect()
         };
-        let below_at_origin = problem.at(origin).eigenvalues().map(|all| below(&all)).unwrap_or_default();
-        let is_safe = |delta: &[f64]| {
+        let not_followed = |delta: &[f64]| -> Option<Vec<Eigenvalue>> {
             let mut coefficients = origin.to_vec();
             changing.iter().zip(delta).for_each(|(&k, delta)| coefficients[k] += delta);
-            let (Some(followed), Ok(all)) = (follow(delta), problem.at(&coefficients).eigenvalues()) else {
-                return false;
-            };
-            if below(&all) != below_at_origin {
-                return false;
-            }
-            let mut left: Vec<&Followed> = followed.iter().collect();
-            all.into_iter().filter(|value| value.im >= 0.0).all(|value| {
-                if regions.iter().all(|region| region.distance(value) >= 0.5 * near) {
-                    return true;
+            let mut all = problem.at(&coefficients).eigenvalues().ok()?;
+            all.retain(|value| value.im >= 0.0);
+            for mode in follow(delta)?.iter().filter(|mode| mode.eigenvalue.im > -1e-9) {
+                let between = |value: &Eigenvalue| distance(mode.eigenvalue, *value);
+                let nearest = (0..all.len()).min_by(|&i, &j| between(&all[i]).total_cmp(&between(&all[j])))?;
+                let is_near = |value| regions.iter().any(|region| region.distance(value) < 0.5 * near);
+                let is_off = between(&all[nearest]) > mode.radius.min(0.1 * near) + 1e-9;
+                if is_off && (is_near(all[nearest]) || is_near(mode.eigenvalue)) {
+                    return None;
                 }
-                let between = |mode: &Followed| distance(mode.eigenvalue, value);
-                let nearest = (0..left.len()).min_by(|&i, &j| between(left[i]).total_cmp(&between(left[j])));
-                let nearest = nearest.map(|place| left.swap_remove(place));
-                nearest.is_some_and(|mode| between(mode) <= mode.radius.min(0.1 * near) + 1e-9)
-            })
+                all.swap_remove(nearest);
+            }
+            Some(all)
+        };
+        let Some(at_origin) = not_followed(&vec![0.0; changing.len()]).map(|values| below(&values)) else {
+            return Self { sizes: vec![0.0; changing.len()] };
+        };
+        let is_safe = |delta: &[f64]| {
+            let is_far = |value: &Eigenvalue| regions.iter().all(|region| region.distance(*value) >= 0.5 * near);
+            not_followed(delta).is_some_and(|values| values.iter().all(is_far) && below(&values) == at_origin)
         };
         let count = changing.len();
         let mut sizes: Vec<f64> = changing.iter().map(|&k| LARGEST_CHANGE * origin[k].abs()).collect();
         for k in 0..count {
             let single = |size: f64| (0..count).map(move |l| if l == k { size } else { 0.0 }).collect::<Vec<f64>>();
             let mut halvings = 0;
-            let is_safe = |size: f64| [1.0, -1.0, 0.5, -0.5].iter().all(|part| is_safe(&single(part * size)));
+            let is_safe = |size: f64| {
+                [1.0, 0.7, 0.4].iter().all(|part| is_safe(&single(part * size)) && is_safe(&single(-part * size)))
+            };
             while sizes[k] > 0.0 && !is_safe(sizes[k]) {
                 halvings += 1;
                 sizes[k] = if halvings > MOST_HALVINGS { 0.0 } else { 0.5 * sizes[k] };
