@@ -6,13 +6,16 @@
 //! that; others are decided by all their eigenvalues.
 
 use super::quadratic::DenseQuadratic;
-use super::region::Region;
+use super::region::{Region, damping_ratio};
 use super::series::Followed;
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// Changes that are tried first, in parts of the coefficients of the origin, and how often they are halved.
 const LARGEST_CHANGE: f64 = 1.0;
 const MOST_HALVINGS: usize = 8;
+
+/// The damping ratio below which modes that leave a band downwards are told by their number.
+const LIGHT_DAMPING: f64 = 0.1;
 
 /// The part of the way to the surface of the ellipsoid that samples may take.
 const WITHIN: f64 = 0.75;
@@ -40,7 +43,7 @@ impl SafeChanges {
         let below = |values: &[Eigenvalue]| -> Vec<usize> {
             let weight = |value: &Eigenvalue| if value.im > 0.0 { 2 } else { 1 };
             let is_below =
-                |region: &Region, value: &Eigenvalue| value.im < region.lowest && value.re.abs() < 0.5 * region.highest;
+                |region: &Region, value: &Eigenvalue| value.im < region.lowest && damping_ratio(*value) < LIGHT_DAMPING;
             let count = |region: &Region| values.iter().filter(|value| is_below(region, value)).map(weight).sum();
             regions.iter().map(count).collect()
         };
