@@ -89,6 +89,9 @@ impl<'a> Decider<'a> {
         let by_series = || {
             let series = self.series?;
             let followed = series.follow(coefficients)?;
+            if followed.iter().any(|mode| mode.radius.is_infinite()) {
+                return None;
+            }
             let highest = self.regions.iter().map(|region| region.highest).fold(0.0, f64::max);
             // The least and largest that the excess of a followed eigenvalue may be.
             let bounds = |mode: &Followed| {

@@ -10,9 +10,10 @@ use super::region::{Region, damping_ratio};
 use super::series::Followed;
 use crate::numerics::eigenvalues::Eigenvalue;
 
-/// Changes that are tried first, in parts of the coefficients of the origin, and how often they are halved.
+/// Changes that are tried first, in parts of the coefficients of the origin, and by what and how often they are made smaller.
 const LARGEST_CHANGE: f64 = 1.0;
-const MOST_HALVINGS: usize = 8;
+const SMALLER: f64 = 0.7;
+const MOST_STEPS: usize = 15;
 
 /// The damping ratio below which modes that leave a band downwards are told by their number.
 const LIGHT_DAMPING: f64 = 0.1;
@@ -75,13 +76,13 @@ impl SafeChanges {
         let mut sizes: Vec<f64> = changing.iter().map(|&k| LARGEST_CHANGE * origin[k].abs()).collect();
         for k in 0..count {
             let single = |size: f64| (0..count).map(move |l| if l == k { size } else { 0.0 }).collect::<Vec<f64>>();
-            let mut halvings = 0;
+            let mut steps = 0;
             let is_safe = |size: f64| {
                 [1.0, 0.7, 0.4].iter().all(|part| is_safe(&single(part * size)) && is_safe(&single(-part * size)))
             };
             while sizes[k] > 0.0 && !is_safe(sizes[k]) {
-                halvings += 1;
-                sizes[k] = if halvings > MOST_HALVINGS { 0.0 } else { 0.5 * sizes[k] };
+                steps += 1;
+                sizes[k] = if steps > MOST_STEPS { 0.0 } else { SMALLER * sizes[k] };
             }
         }
         let patterns = 1_usize.checked_shl(count as u32).map_or(MOST_PATTERNS, |all| all.min(MOST_PATTERNS));
@@ -93,14 +94,14 @@ impl SafeChanges {
             let sign = |k: usize| if signs(pattern) >> k & 1 == 1 { -part } else { part };
             sizes.iter().enumerate().map(|(k, size)| sign(k) * size).collect()
         };
-        for _ in 0..MOST_HALVINGS {
+        for _ in 0..MOST_STEPS {
             if count < 2
                 || (0..patterns)
                     .all(|pattern| is_safe(&together(pattern, &sizes)) && is_safe(&together(pattern, &half(&sizes))))
             {
                 return Self { sizes };
             }
-            sizes.iter_mut().for_each(|size| *size *= 0.7);
+            sizes.iter_mut().for_each(|size| *size *= SMALLER);
         }
         Self { sizes: vec![0.0; count] }
     }
