@@ -27,6 +27,8 @@ mod files;
 
 mod version;
 
+mod matrix_files;
+
 mod job;
 
 mod evaluate;

@@ -1,10 +1,11 @@
 //! Whether a sample has an unstable pair: by a series where that is sure, by refining single eigenvalues where it is not,
 //! and by all eigenvalues where nothing else will do.
 
+use super::far::Followed;
 use super::quadratic::{DenseQuadratic, Quadratic};
 use super::refine::Pair;
 use super::region::{Region, damping_ratio};
-use super::series::{FOLLOWED, Followed, ModeSeries};
+use super::series::{FOLLOWED, ModeSeries};
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// Relative rounding of eigenvalues of the series, in parts of the unit of frequency.

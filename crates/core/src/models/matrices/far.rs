@@ -7,7 +7,6 @@
 
 use super::quadratic::DenseQuadratic;
 use super::region::{Region, damping_ratio};
-use super::series::Followed;
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// Changes that are tried first, in parts of the coefficients of the origin, and by what and how often they are made smaller.
@@ -23,6 +22,16 @@ const WITHIN: f64 = 0.75;
 
 /// Signs of changes of all coefficients together that are tried at most; all there are for four coefficients.
 const MOST_PATTERNS: usize = 16;
+
+/// An eigenvalue of the series.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Followed {
+    pub(super) eigenvalue: Eigenvalue,
+    /// How far the exact one may be; infinite where the series says nothing.
+    pub(super) radius: f64,
+    /// The group that it comes from.
+    pub(super) group: usize,
+}
 
 /// Changes of each coefficient that are safe.
 pub(super) struct SafeChanges {

@@ -19,7 +19,7 @@
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 use super::eigenbasis::{ComplexMatrix, Eigenbasis, square_root};
-use super::far::SafeChanges;
+use super::far::{Followed, SafeChanges};
 use super::perturbation::{Changes, FirstOrder, SecondOrder, Split};
 use super::quadratic::DenseQuadratic;
 use super::refine::Pair;
@@ -106,16 +106,6 @@ impl Polynomial {
         }
         values
     }
-}
-
-/// An eigenvalue of the series.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Followed {
-    pub(super) eigenvalue: Eigenvalue,
-    /// How far the exact one may be; infinite where the series says nothing.
-    pub(super) radius: f64,
-    /// The group that it comes from.
-    group: usize,
 }
 
 impl ModeSeries {

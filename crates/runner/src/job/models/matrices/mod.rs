@@ -142,6 +142,8 @@ struct MatrixDraft {
     quantities: Vec<Quantity>,
     expected: Vec<f64>,
     model: Option<ReadModel>,
+    /// Whether nothing of parameters and bands was refused.
+    is_whole: bool,
 }
 
 /// The matrices, once they are read, and what the job says of them.
@@ -156,6 +158,7 @@ const NO_CRITERION: &str = "there is no [criterion]: what decides whether a samp
 
 impl MatrixDraft {
     fn new(tables: MatrixTables, complaints: &mut Complaints) -> Self {
+        let before = complaints.len();
         let mut parameters = Vec::new();
         for (name, spec) in &tables.model.parameters {
             match parameter(name, spec) {
@@ -167,7 +170,7 @@ impl MatrixDraft {
         let quantities = quantities(&parameters, bands.len());
         let mut expected: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
         expected.resize(quantities.len(), 0.0);
-        Self { tables, parameters, bands, quantities, expected, model: None }
+        Self { tables, parameters, bands, quantities, expected, model: None, is_whole: complaints.len() == before }
     }
 
     fn spec(&self) -> Option<&MatrixCriterionSpec> {
@@ -304,7 +307,7 @@ impl Draft for MatrixDraft {
     }
 
     fn check_values(&mut self, _: &AxesSpec, folder: &Path, complaints: &mut Complaints) {
-        if complaints.has_unread(&["model"]) || self.parameters.len() < self.tables.model.parameters.len() {
+        if complaints.has_unread(&["model"]) || !self.is_whole {
             return;
         }
         self.model = self.read(folder, complaints);
@@ -378,7 +381,7 @@ impl Draft for MatrixDraft {
             complaints.push(Complaint::at(ratio.span(), message));
             return None;
         }
-        let read = self.model?;
+        let read = self.model.filter(|_| self.is_whole)?;
         let grid = grid?;
         let criterion = ComplexEigenvalue { bands: self.bands, damping_ratio };
         if read.matrices.size() > MOST_COORDINATES {

@@ -15,6 +15,7 @@ use toml_edit::{DocumentMut, Item, Value};
 
 use crate::job::diagnosis::Complaint;
 use crate::job::model::written;
+use crate::matrix_files::{self, ReadMatrix};
 
 /// A matrix times a factor: `{ file = "brake.mat", matrix = "K1", factor = "friction / speed" }`, or `matrix = [[2, -1], [-1,
 /// 2]]` without a file.
@@ -152,7 +153,8 @@ pub fn read_term(
                 Some(MatrixSpec::Name(name)) => Some(name.as_str()),
                 _ => None,
             };
-            let (matrix, notes) = read_file(&path, wanted).map_err(complain)?;
+            let ReadMatrix { matrix, notes } =
+                matrix_files::read(&path, wanted).map_err(|error| complain(error.to_string()))?;
             let found = digest_of(&matrix);
             if let Some(digest) = digest.as_ref().filter(|digest| **digest != found) {
                 return Err(complain(format!(
@@ -177,12 +179,6 @@ pub fn read_term(
             "there is no matrix; give file = \"brake.mat\" and its name in it, matrix = \"K\", or rows: matrix = [[2, -1], [-1, 2]]".to_owned(),
         )),
     }
-}
-
-/// A matrix of a file, and what is to be said of it.
-fn read_file(path: &Path, name: Option<&str>) -> Result<(Matrix, Vec<String>), String> {
-    let _ = name;
-    Err(format!("{} cannot be read yet", path.display()))
 }
 
 /// A matrix by its rows.

@@ -1,0 +1,129 @@
+//! Models given by matrices, as a user runs them.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
+
+mod common;
+
+use common::{Place, Table, repository, submitted};
+
+/// Two masses of Hoffmann, Fischer, Allgaier and Gaul (2002) with further keys of the model and the criterion.
+fn two_masses(damping: &str, rest: &str) -> String {
+    format!(
+        "name = \"two\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = [[1, 0], [0, 1]] }}\n{damping}\nstiffness = [{{ matrix = \
+         [[2, 1], [1, 2]] }}, {{ matrix = [[0, -1.3333333333333333], [0, 0]], factor = \"friction\" }}]\n\
+         [model.parameters]\nfriction = 0.7\n{rest}"
+    )
+}
+
+const SCATTER: &str = "[random]\ninputs = [\"friction\"]\nrelative_std = 0.1\n";
+const CRITERION: &str = "[criterion]\nkind = \"complex-eigenvalue\"\n";
+
+/// The share of a normal friction with 10 % scatter above a critical value.
+fn above(critical: f64, mean: f64) -> f64 {
+    stickslip_sampler::special_functions::normal::upper_tail((critical - mean) / (0.1 * mean))
+}
+
+/// Without damping they flutter above 3/4; with c1 = c2 = c above `D = k12 + c^2 (k11 + k22) / (2 k12)`, from the Hurwitz
+/// condition of the quartic (fourth digit: its exact root is compared in the core).
+#[test]
+fn two_masses_flutter_as_their_formula_says() {
+    let place = Place::new();
+    let rest = format!(
+        "[axes]\nfriction = [0.6, 0.7, 0.75, 0.8]\n{SCATTER}{CRITERION}[sampling]\nsamples = 20_000\nseed = 3\n"
+    );
+    let table = submitted(&place, "two", &two_masses("", &rest));
+    for (mean, p) in table.column("friction").iter().zip(table.column("p_unstable")) {
+        assert!((p - above(0.75, *mean)).abs() < 0.012, "{mean} {p}");
+    }
+    // Rare events of it, by the damping ratio as a limit state.
+    let rest =
+        format!("[axes]\nfriction = [0.5]\n{SCATTER}{CRITERION}[sampling]\nmethod = \"importance\"\nsamples = 4096\n");
+    let damped = two_masses("damping = { matrix = [[0.001, 0], [0, 0.001]] }", &rest);
+    let table = submitted(&place, "rare", &damped);
+    let (p, expected) = (table.column("p_unstable")[0], above(0.75, 0.5));
+    assert!((p / expected - 1.0).abs() < 0.05, "{p:e} {expected:e}");
+}
+
+/// Hulten's brake as Sinou and Jezequel (2007) have it flutters above 0.2893671 with damping of 2 %.
+#[test]
+fn a_drum_brake_has_its_published_critical_friction() {
+    let place = Place::new();
+    let job = std::fs::read_to_string(repository().join("jobs/hulten.toml")).unwrap();
+    let job = job.replace("friction = { from = 0.15, to = 0.40, points = 26 }", "friction = [0.25, 0.2893671]");
+    let job = job.replace("inputs = [\"friction\", \"damping_1\", \"damping_2\"]", "inputs = [\"friction\"]");
+    let job = job.replace("{ friction = 0.1, damping_1 = 0.3, damping_2 = 0.3 }", "0.1");
+    let table = submitted(&place, "hulten", &job);
+    for (mean, p) in table.column("friction").iter().zip(table.column("p_unstable")) {
+        assert!((p - above(0.289_367_1, *mean)).abs() < 0.02, "{mean} {p}");
+    }
+}
+
+/// The dense brake of 100 degrees of freedom from a MAT file: a factor of 0.0835794671 on both terms of friction is critical
+/// at 2 pi rad/s (computed independently with LAPACK). Threads and bands change nothing.
+#[test]
+fn a_brake_from_a_file_has_its_critical_friction_with_any_threads() {
+    let place = Place::new();
+    let file = repository().join("jobs/tu-brake/disk_brake100.mat");
+    let file = file.to_str().unwrap();
+    let term =
+        |matrix: &str, factor: &str| format!("{{ file = {file:?}, matrix = \"{matrix}\", factor = \"{factor}\" }}");
+    let job = |bands: &str, inputs: &str| {
+        format!(
+            "name = \"disk\"\n[model]\nkind = \"matrices\"\nmass = {{ file = {file:?}, matrix = \"M\" }}\ndamping = [{}, {}, {}]\n\
+             stiffness = [{}, {}]\n[model.parameters]\ns = 0.0835794671\nspeed = 6.283185307179586\n[random]\n{inputs}\n\
+             {CRITERION}{bands}\n[sampling]\nsamples = 300\nseed = 2\n",
+            term("D1", "1"),
+            term("DR", "s / speed"),
+            term("DG", "speed"),
+            term("K1", "1"),
+            term("KR", "s"),
+        )
+    };
+    let one = "inputs = [\"s\"]\nrelative_std = 0.05";
+    let table = submitted(&place, "disk", &job("", one));
+    let p = table.column("p_unstable")[0];
+    assert!((p - 0.5).abs() < 0.1, "{p}");
+    place.write("bands.toml", &job("bands = [[0.0, 0.0001], [0.0001, 0.001]]", one));
+    for threads in [1, 2] {
+        place.run(&format!("submit bands.toml --out run{threads} --threads {threads}")).done();
+    }
+    assert_eq!(place.surface("run1"), place.surface("run2"));
+    let bands = Table::read(&place.path("run1/surface.parquet"));
+    assert_eq!(bands.column("band"), [0.0, 1.0, 2.0]);
+    let p = bands.column("p_unstable");
+    assert!(p[0] > 0.3 && p[1] > 0.3 && p[2] == 0.0, "the pair has less than 0.0001 Hz: {p:?}");
+}
+
+#[test]
+fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
+    let place = Place::new();
+    let rest = format!("{SCATTER}{CRITERION}");
+    let whole = two_masses("", &rest);
+    std::fs::write(place.path("new.mat"), [b"\x89HDF\r\n\x1a\n".as_slice(), &[0; 200]].concat()).unwrap();
+    for (wrong, right, texts) in [
+        (
+            "factor = \"friction\"",
+            "factor = \"frction\"",
+            &["there is no parameter `frction`", "[model.parameters] has friction"][..],
+        ),
+        ("[[2, 1], [1, 2]]", "[[2, 1], [1]]", &["row 2 of the matrix has 1 values", "square"]),
+        ("[[2, 1], [1, 2]]", "[[2]]", &["model.stiffness[0]: the matrix is 1 by 1, the mass matrix 2 by 2"]),
+        ("[[1, 0], [0, 1]]", "[[1, 0], [0, 0]]", &["1 of 2 degrees of freedom have no mass", "number 2"]),
+        ("[[1, 0], [0, 1]]", "[[1, 2], [2, 1]]", &["not positive definite"]),
+        ("[[1, 0], [0, 1]]", "[[1, 1], [0, 1]]", &["not symmetric"]),
+        ("[[2, 1], [1, 2]]", "[[1e36, 1], [1, 2]]", &["constrained degrees of freedom"]),
+        ("matrix = [[2, 1], [1, 2]]", "file = \"no.mat\", matrix = \"K\"", &["no.mat", "No such file"]),
+        ("matrix = [[2, 1], [1, 2]]", "file = \"new.mat\", matrix = \"K\"", &["7.3", "-v7"]),
+        ("kind = \"complex-eigenvalue\"", "kind = \"eigenvalue\"", &["complex-eigenvalue"]),
+        ("kind = \"complex-eigenvalue\"", "kind = \"complex-eigenvalue\"\nfrequency = [3000, 1000]", &["is no band"]),
+    ] {
+        assert!(whole.contains(wrong));
+        place.write("job.toml", &whole.replace(wrong, right));
+        place.run("check job.toml").refused(65, texts);
+    }
+    let symmetric = whole.replace(", { matrix = [[0, -1.3333333333333333], [0, 0]], factor = \"friction\" }", "");
+    place.write("job.toml", &symmetric);
+    let check = place.run("check job.toml").done();
+    let said = format!("{}{}", check.stdout, check.stderr);
+    assert!(said.contains("there is no friction in it") && said.contains("stands in no factor"), "{said}");
+}
