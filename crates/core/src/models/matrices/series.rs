@@ -109,15 +109,15 @@ impl Polynomial {
 }
 
 impl ModeSeries {
-    /// The series about an origin in the coefficients that change; `None` where there is no basis of eigenvectors, or too
-    /// many coefficients.
+    /// The series about an origin in the coefficients that change; `None` where there is no basis of eigenvectors, or no
+    /// coefficient changes, or too many do.
     pub(super) fn new(
         problem: &DenseQuadratic,
         origin: &[f64],
         changing: &[usize],
         regions: &[Region],
     ) -> Option<Self> {
-        if changing.len() > MOST_COEFFICIENTS {
+        if changing.is_empty() || changing.len() > MOST_COEFFICIENTS {
             return None;
         }
         let basis = Eigenbasis::new(&problem.at(origin))?;

@@ -149,7 +149,7 @@ pub fn frequencies(model: &MatrixModel, expected: &[f64]) -> String {
     let Some(modes) = modes(model, expected) else { return String::new() };
     let shown: Vec<String> = modes.iter().take(SHOWN_FREQUENCIES).map(|[hertz, _]| format!("{hertz:.4}")).collect();
     format!(
-        "{} degrees of freedom; the first frequencies of the expected brake in Hz: {}\n",
+        "# {} degrees of freedom; the first frequencies of the expected brake in Hz: {}\n",
         model.matrices().size(),
         shown.join(", ")
     )
