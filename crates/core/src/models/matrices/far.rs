@@ -83,15 +83,15 @@ impl SafeChanges {
         };
         let count = changing.len();
         let mut sizes: Vec<f64> = changing.iter().map(|&k| LARGEST_CHANGE * origin[k].abs()).collect();
-        for k in 0..count {
+        for (k, size) in sizes.iter_mut().enumerate() {
             let single = |size: f64| (0..count).map(move |l| if l == k { size } else { 0.0 }).collect::<Vec<f64>>();
-            let mut steps = 0;
             let is_safe = |size: f64| {
                 [1.0, 0.7, 0.4].iter().all(|part| is_safe(&single(part * size)) && is_safe(&single(-part * size)))
             };
-            while sizes[k] > 0.0 && !is_safe(sizes[k]) {
+            let mut steps = 0;
+            while *size > 0.0 && !is_safe(*size) {
                 steps += 1;
-                sizes[k] = if steps > MOST_STEPS { 0.0 } else { SMALLER * sizes[k] };
+                *size = if steps > MOST_STEPS { 0.0 } else { SMALLER * *size };
             }
         }
         let patterns = 1_usize.checked_shl(count as u32).map_or(MOST_PATTERNS, |all| all.min(MOST_PATTERNS));

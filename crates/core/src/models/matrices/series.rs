@@ -77,7 +77,7 @@ struct Polynomial {
 }
 
 impl Polynomial {
-    fn new() -> Self {
+    const fn new() -> Self {
         Self { width: 0, coefficients: Vec::new() }
     }
 
@@ -89,7 +89,7 @@ impl Polynomial {
         rows.iter_mut().zip(values).for_each(|(row, value)| row.extend_from_slice(value.as_slice()));
     }
 
-    fn of_rows(rows: Vec<Vec<Complex<f64>>>) -> Self {
+    fn of_rows(rows: &[Vec<Complex<f64>>]) -> Self {
         let width = rows.first().map_or(0, Vec::len);
         Self { width, coefficients: rows.concat() }
     }
@@ -138,15 +138,15 @@ impl ModeSeries {
             groups: Vec::new(),
             safe: None,
             basis,
-            p: [const { Vec::new() }; 3].map(Polynomial::of_rows),
+            p: [const { Polynomial::new() }; 3],
             n: Polynomial::new(),
         };
         let (mut p, mut n) = ([const { Vec::new() }; 3], Vec::new());
         for modes in groups(&near, &all, &typical) {
             series.add_group(modes, &all, &mut p, &mut n);
         }
-        series.p = p.map(Polynomial::of_rows);
-        series.n = Polynomial::of_rows(n);
+        series.p = p.each_ref().map(|rows| Polynomial::of_rows(rows));
+        series.n = Polynomial::of_rows(&n);
         let follow = |delta: &[f64]| series.eigenvalues(delta);
         let safe = SafeChanges::measured(problem, origin, changing, regions, FOLLOWED * highest, follow);
         Some(Self { safe: Some(safe), ..series })
