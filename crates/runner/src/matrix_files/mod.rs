@@ -53,7 +53,7 @@ pub fn read(path: &Path, name: Option<&str>) -> Result<ReadMatrix, MatrixFileErr
     let read = if bytes.starts_with(b"%%MatrixMarket") {
         matrix_market::read(&bytes, name)
     } else {
-        mat::read(&bytes, name).or_else(|message| Err(other_format(path, &bytes).unwrap_or(message)))
+        mat::read(&bytes, name).map_err(|message| other_format(path, &bytes).unwrap_or(message))
     };
     read.map_err(|message| MatrixFileError::Refused { path: shown, message })
 }
