@@ -1,0 +1,3 @@
+//! Models given by matrices of a finite-element program.
+
+pub mod full;
