@@ -19,6 +19,9 @@
 //! | [`band`] | all eigenpairs of a frequency band |
 //! | [`follow`] | a pair followed along a path of parameters; where its damping ratio passes a threshold |
 //! | [`sweep`] | all places on a path at which the number of unstable pairs changes |
+//! | [`modes`] | modes without damping and friction |
+//! | [`reduction`] | a basis for a range of parameters, and the reduced matrices |
+//! | [`audit`] | reduced pairs made full; modes that a reduction misses |
 //!
 //! faer factorises. It picks instructions by the processor, so the last bits of vectors differ between processors.
 //! Eigenvalues are evaluated from left and right vectors together by [compensated](self) sums of plain code: errors of
@@ -39,6 +42,12 @@ pub mod band;
 pub mod follow;
 
 pub mod sweep;
+
+pub mod modes;
+
+pub mod reduction;
+
+pub mod audit;
 
 pub use error::Error;
 

@@ -112,7 +112,7 @@ impl Point<'_> {
     pub fn refine(&self, start: &Pair) -> Result<Pair, Error> {
         let mut pair = start.clone();
         if let Some((value, _)) = self.rayleigh(pair.eigenvalue, &pair.left, &pair.right)
-            && magnitude(value - pair.eigenvalue) < 0.1 * magnitude(pair.eigenvalue)
+            && magnitude(value - pair.eigenvalue) < 0.02 * magnitude(pair.eigenvalue)
         {
             pair.eigenvalue = value;
         }

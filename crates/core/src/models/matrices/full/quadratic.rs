@@ -178,6 +178,17 @@ impl SparseQuadratic {
         full.iter().zip(&self.mirrored).all(|(value, &other)| (value - full[other]).abs() <= 1e-12 * largest)
     }
 
+    /// The sum of the stiffness matrices that are symmetric, if any is and counts.
+    pub(super) fn symmetric_terms(&self, factors: &[f64]) -> Option<Vec<f64>> {
+        let mut sum = vec![0.0; self.rows.len()];
+        for (term, &factor) in factors.iter().enumerate().filter(|(term, _)| self.is_symmetric(*term)) {
+            if let Some(term) = self.stiffness.get(term) {
+                term.add_to(&mut sum, factor);
+            }
+        }
+        sum.iter().any(|value| *value != 0.0).then_some(sum)
+    }
+
     fn term_product(&self, term: &Term, vector: &[f64], side: Side) -> Vec<f64> {
         let mut full = vec![0.0; self.rows.len()];
         term.add_to(&mut full, 1.0);
@@ -197,11 +208,26 @@ impl SparseQuadratic {
         product
     }
 
+    /// A real matrix in the common pattern, factorised.
+    pub(super) fn factorise_real(&self, values: &[f64]) -> Result<Lu<usize, f64>, Error> {
+        let pattern = SymbolicSparseColMatRef::new_checked(self.size, self.size, &self.column_starts, None, &self.rows);
+        Lu::try_new_with_symbolic(self.symbolic.clone(), SparseColMatRef::new(pattern, values))
+            .map_err(|error| self.factorisation_error(error, Complex::default()))
+    }
+
     fn factorisation_error(&self, error: LuError, shift: Complex) -> Error {
         match error {
             LuError::Generic(FaerError::OutOfMemory) => Error::Memory { size: self.size },
             _ => Error::Singular { re: shift.re, im: shift.im },
         }
+    }
+
+    pub(super) fn mass_values(&self) -> &[f64] {
+        &self.mass
+    }
+
+    pub(super) fn mirrored(&self) -> &[usize] {
+        &self.mirrored
     }
 }
 
@@ -253,6 +279,10 @@ impl<'a> Point<'a> {
     #[must_use]
     pub fn coefficients(&self) -> &Coefficients {
         &self.coefficients
+    }
+
+    pub(super) fn stiffness_values(&self) -> &[f64] {
+        &self.stiffness
     }
 
     /// Writes `(a M + b C + c K) x`, or the same with transposed matrices, to `product`.
