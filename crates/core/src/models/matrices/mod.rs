@@ -19,3 +19,5 @@ mod series;
 pub mod decide;
 
 pub mod model;
+
+pub mod full;

@@ -1,0 +1,208 @@
+//! A pair followed along a path of parameters, and where its damping ratio passes a threshold.
+
+use super::error::Error;
+use super::pair::{Pair, damping_ratio_slope, dot, magnitude};
+use super::quadratic::{Coefficients, Complex, Point, Side, SparseQuadratic};
+
+/// Steps of Newton's method for a critical value.
+const NEWTON_STEPS: usize = 30;
+
+/// How often a step along the path may be halved.
+const HALVINGS: usize = 20;
+
+/// Two vectors are of one pair if they overlap by this.
+const OVERLAP: f64 = 0.7;
+
+/// Coefficients along a path, and their derivatives by its parameter.
+pub trait Path {
+    /// The coefficients at `p`.
+    fn coefficients(&self, p: f64) -> Coefficients;
+
+    /// Their derivatives by p.
+    fn derivative(&self, p: f64) -> Coefficients;
+}
+
+/// The coefficients `from + p direction`: a parameter that enters as a factor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// At p = 0.
+    pub from: Coefficients,
+    /// What is added for p = 1.
+    pub direction: Coefficients,
+}
+
+impl Path for Line {
+    fn coefficients(&self, p: f64) -> Coefficients {
+        let along = |from: &[f64], by: &[f64]| from.iter().zip(by).map(|(from, by)| from + p * by).collect();
+        Coefficients {
+            damping: along(&self.from.damping, &self.direction.damping),
+            stiffness: along(&self.from.stiffness, &self.direction.stiffness),
+        }
+    }
+
+    fn derivative(&self, _p: f64) -> Coefficients {
+        self.direction.clone()
+    }
+}
+
+/// A pair at a place on a path, with its change along it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// The parameter of the path.
+    pub p: f64,
+    /// The pair.
+    pub pair: Pair,
+    /// `d lambda / dp`.
+    pub slope: Complex,
+}
+
+impl Followed {
+    /// The derivative of the damping ratio by p.
+    #[must_use]
+    pub fn damping_ratio_slope(&self) -> f64 {
+        damping_ratio_slope(self.pair.eigenvalue, self.slope)
+    }
+}
+
+/// What a critical value is a root of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Target {
+    /// The damping ratio has this value.
+    DampingRatio(f64),
+    /// The angular frequency has this value in rad/s: a pair leaves or enters a band.
+    Frequency(f64),
+}
+
+impl Target {
+    /// How far a pair is from it, and the derivative of that by p.
+    #[must_use]
+    pub fn distance(self, followed: &Followed) -> (f64, f64) {
+        match self {
+            Self::DampingRatio(ratio) => (followed.pair.damping_ratio() - ratio, followed.damping_ratio_slope()),
+            Self::Frequency(frequency) => (followed.pair.eigenvalue.im - frequency, followed.slope.im),
+        }
+    }
+
+    /// The error of the distance that the error of a pair makes.
+    #[must_use]
+    pub fn error(self, pair: &Pair) -> f64 {
+        match self {
+            Self::DampingRatio(_) => pair.damping_ratio_error(),
+            Self::Frequency(_) => pair.error,
+        }
+    }
+}
+
+/// A critical value of the parameter of a path.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Critical {
+    /// The pair there.
+    pub at: Followed,
+    /// An estimate of the error of p.
+    pub error: f64,
+}
+
+/// A path through the parameters of given matrices.
+#[derive(Clone, Copy)]
+pub struct Along<'a> {
+    /// The matrices.
+    pub matrices: &'a SparseQuadratic,
+    /// The path.
+    pub path: &'a dyn Path,
+}
+
+impl<'a> Along<'a> {
+    /// The matrices at `p`.
+    ///
+    /// # Errors
+    /// As [`SparseQuadratic::at`].
+    pub fn point(&self, p: f64) -> Result<Point<'a>, Error> {
+        self.matrices.at(&self.path.coefficients(p))
+    }
+
+    /// A pair at `p` with its derivative.
+    ///
+    /// # Errors
+    /// As [`SparseQuadratic::at`].
+    pub fn with_slope(&self, p: f64, pair: Pair) -> Result<Followed, Error> {
+        let slope = pair.sensitivity(&self.matrices.at(&self.path.derivative(p))?);
+        Ok(Followed { p, pair, slope })
+    }
+
+    /// The pair at another place on the path: steps along it, halved where vectors change much.
+    ///
+    /// # Errors
+    /// [`Error::NotConverged`] where two pairs meet and cannot be told apart, and what factorisations say.
+    pub fn follow(&self, from: &Followed, to: f64) -> Result<Followed, Error> {
+        let mut here = from.clone();
+        let mut step = to - here.p;
+        let mut halvings = 0;
+        while here.p != to {
+            let p = if (to - here.p).abs() <= step.abs() { to } else { here.p + step };
+            let mut start = here.pair.clone();
+            start.eigenvalue += here.slope * (p - here.p);
+            let point = self.point(p)?;
+            let there = point.refine(&start);
+            match there {
+                Ok(pair) if overlap(&point, &here.pair, &pair) >= OVERLAP => here = self.with_slope(p, pair)?,
+                Ok(_) | Err(Error::NotConverged { .. }) if halvings < HALVINGS => {
+                    halvings += 1;
+                    step *= 0.5;
+                }
+                Ok(pair) => return Err(Error::NotConverged { re: pair.eigenvalue.re, im: pair.eigenvalue.im }),
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(here)
+    }
+
+    /// The value of p between `low` and `high` at which a pair meets a target: Newton's method from a pair in between, with
+    /// bisection where it leaves the interval. Its distances at both ends must have different signs.
+    ///
+    /// # Errors
+    /// [`Error::NotConverged`], and what factorisations say.
+    pub fn critical(&self, target: Target, start: &Followed, [low, high]: [f64; 2]) -> Result<Critical, Error> {
+        let (mut low, mut high) = (low.min(high), low.max(high));
+        let mut here = start.clone();
+        let mut rising = None;
+        let width = high - low;
+        for _ in 0..NEWTON_STEPS {
+            let (distance, slope) = target.distance(&here);
+            let error = (target.error(&here.pair) / slope).abs() + 2.0 * f64::EPSILON * here.p.abs();
+            let step = -distance / slope;
+            if step.abs() <= error || high - low <= error {
+                return Ok(Critical { at: here, error: error + step.abs() });
+            }
+            // The interval shrinks on the side on which the distance has the sign of that end.
+            let is_rising = *rising.get_or_insert(slope > 0.0);
+            if (distance > 0.0) == is_rising {
+                high = high.min(here.p);
+            } else {
+                low = low.max(here.p);
+            }
+            let newton = here.p + step;
+            let slack = 1e-9 * width;
+            let next = if newton.is_finite() && newton > low - slack && newton < high + slack {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            if next == here.p {
+                return Ok(Critical { at: here, error });
+            }
+            here = self.follow(&here, next)?;
+        }
+        Err(Error::NotConverged { re: here.pair.eigenvalue.re, im: here.pair.eigenvalue.im })
+    }
+}
+
+/// How much of one pair is in another, 1 for the same: `(y_a^T Q' x_b) (y_b^T Q' x_a)`, in magnitude.
+pub(super) fn overlap(point: &Point<'_>, a: &Pair, b: &Pair) -> f64 {
+    let one = Complex::new(1.0, 0.0);
+    let sum = a.eigenvalue + b.eigenvalue;
+    let mut image = vec![Complex::default(); a.right.len()];
+    point.combine([sum, one, Complex::default()], &b.right, Side::Right, &mut image);
+    let forward = dot(&a.left, &image);
+    point.combine([sum, one, Complex::default()], &a.right, Side::Right, &mut image);
+    magnitude(forward * dot(&b.left, &image))
+}

@@ -1,0 +1,55 @@
+//! The sparse quadratic eigenproblem of a brake given by its matrices, and its reduction.
+//!
+//! A brake that slides steadily, disturbed a little, moves by
+//!
+//! ```text
+//! M q'' + (sum_i c_i C_i) q' + (sum_j k_j K_j) q = 0
+//! ```
+//!
+//! with sparse real matrices and coefficients that depend on parameters such as friction and speed. Motions
+//! `q = x exp(lambda t)` are the eigenpairs of `Q(lambda) = lambda^2 M + lambda C + K`: `Q(lambda) x = 0` for a right
+//! eigenvector, `y^T Q(lambda) = 0` (transposed, not conjugated) for a left one. The real part of lambda is a growth rate
+//! in 1/s, its imaginary part an angular frequency in rad/s, and `-Re lambda / |lambda|` is the damping ratio. K is not
+//! symmetric where friction acts, so left and right eigenvectors differ, and pairs of modes can flutter.
+//!
+//! | module | contents |
+//! |---|---|
+//! | [`quadratic`] | the matrices, products with them, their LU factorisation |
+//! | [`pair`] | an eigenpair, made exact from an approximation |
+//! | [`band`] | all eigenpairs of a frequency band |
+//! | [`follow`] | a pair followed along a path of parameters; where its damping ratio passes a threshold |
+//! | [`sweep`] | all places on a path at which the number of unstable pairs changes |
+//! | [`modes`] | modes without damping and friction |
+//! | [`reduction`] | a basis for a range of parameters, and the reduced matrices |
+//! | [`audit`] | reduced pairs made full; modes that a reduction misses |
+//!
+//! faer factorises. It picks instructions by the processor, so the last bits of vectors differ between processors.
+//! Eigenvalues are evaluated from left and right vectors together by [compensated](self) sums of plain code: errors of
+//! the vectors enter only as products, and each pair has an estimate of what is left.
+
+mod compensated;
+
+mod error;
+
+pub mod quadratic;
+
+pub mod pair;
+
+mod krylov;
+
+pub mod band;
+
+pub mod follow;
+
+pub mod sweep;
+
+pub mod modes;
+
+pub mod reduction;
+
+pub mod audit;
+
+pub use error::Error;
+
+#[cfg(test)]
+mod tests;
