@@ -4,6 +4,15 @@
 
 mod common;
 
+use std::sync::Arc;
+
+use faer::sparse::{SparseColMat, Triplet};
+use stickslip_core::model::quantity::Limits;
+use stickslip_core::model::verdict::Verdict;
+use stickslip_core::model::{Columns, Model};
+use stickslip_core::models::matrices::factor::Factor;
+use stickslip_core::models::matrices::model::{ComplexEigenvalue, Matrices, Matrix, MatrixModel, Parameter, Term};
+
 use common::{Place, Table, repository, submitted};
 
 /// Two masses of Hoffmann, Fischer, Allgaier and Gaul (2002) with further keys of the model and the criterion.
@@ -92,6 +101,81 @@ fn a_brake_from_a_file_has_its_critical_friction_with_any_threads() {
     assert_eq!(bands.column("band"), [0.0, 1.0, 2.0]);
     let p = bands.column("p_unstable");
     assert!(p[0] > 0.3 && p[1] > 0.3 && p[2] == 0.0, "the pair has less than 0.0001 Hz: {p:?}");
+}
+
+/// The verdicts of LAPACK, and of mpmath where rounding could matter, on 500 random models (tests/data/matrices/fates.py): at
+/// the expected values, where all eigenvalues decide, and with a stiffness 2 % off, from which the series comes.
+#[test]
+fn verdicts_are_those_of_lapack() {
+    let folder = repository().join("tests/data/matrices");
+    let matrices: Vec<serde_json::Value> =
+        serde_json::from_str(&std::fs::read_to_string(folder.join("fates.json")).unwrap()).unwrap();
+    let rows =
+        csv::ReaderBuilder::new().comment(Some(b'#')).from_path(folder.join("fates.csv")).unwrap().into_records();
+    let mut unstable = 0;
+    for (case, row) in matrices.iter().zip(rows) {
+        let row = row.unwrap();
+        let number = |place: usize| row[place].parse::<f64>().unwrap();
+        let size = number(2) as usize;
+        let matrix = |name: &str| -> Arc<Matrix> {
+            let entries = case[name].as_array().unwrap().iter().enumerate();
+            let entries: Vec<_> =
+                entries.map(|(i, value)| Triplet::new(i / size, i % size, value.as_f64().unwrap())).collect();
+            Arc::new(SparseColMat::try_new_from_triplets(size, size, &entries).unwrap())
+        };
+        let one = Factor::number(1.0);
+        let parameter = Parameter {
+            name: "s".to_owned(),
+            value: 1.0,
+            unit: "1".to_owned(),
+            label: "s".to_owned(),
+            range: Limits::ANY,
+        };
+        let model = Matrices {
+            mass: matrix("m"),
+            damping: vec![Term { matrix: matrix("c"), factor: one }],
+            stiffness: vec![Term { matrix: matrix("k"), factor: Factor::parse("s", &["s"]).unwrap() }],
+            parameters: vec![parameter],
+        };
+        let criterion = ComplexEigenvalue { bands: vec![[number(3), number(4)]], damping_ratio: number(5) };
+        let model = MatrixModel::new(Arc::new(model), criterion).unwrap();
+        let expected = if &row[6] == "1" { Verdict::Unstable } else { Verdict::Stable };
+        unstable += usize::from(expected == Verdict::Unstable);
+        let sample: &[f64] = &[1.0];
+        for (mean, varying, columns) in [(1.0, &[][..], &[][..]), (0.98, &[0][..], &[sample][..])] {
+            let shared = model.configure(&[mean], varying, None).unwrap();
+            let decided = shared.decide(&Columns::new(1, columns), &[0], &|| false).unwrap();
+            assert_eq!(decided[0].verdict, expected, "{row:?}, expected stiffness {mean}");
+        }
+    }
+    assert_eq!((matrices.len(), unstable), (500, 229));
+}
+
+/// A run finds its file again from another folder, and does not go on with another matrix.
+#[test]
+fn a_run_goes_on_with_its_own_matrices_alone() {
+    let place = Place::new();
+    let file = |coupling: f64| {
+        let text = format!("%%MatrixMarket matrix coordinate real general\n2 2 1\n1 2 {coupling}\n");
+        place.write("friction.mtx", &text);
+    };
+    file(-1.5);
+    let rest = format!("{SCATTER}{CRITERION}[sampling]\nsamples = 2000\n");
+    let job = two_masses("", &rest).replace("matrix = [[0, -1.3333333333333333], [0, 0]]", "file = \"friction.mtx\"");
+    let table = submitted(&place, "run", &job);
+    assert!((table.column("p_unstable")[0] - above(1.0 / 1.5, 0.7)).abs() < 0.04);
+    let surface = place.surface("run");
+    let lose =
+        || ["surface.parquet", "digests.json"].map(|name| std::fs::remove_file(place.path("run").join(name)).unwrap());
+    lose();
+    place.run("resume run").done();
+    assert_eq!(place.surface("run"), surface);
+    lose();
+    file(-1.25);
+    place.run("resume run").refused(65, &["model.stiffness[1]", "friction.mtx is another than the one of this job"]);
+    file(-1.5);
+    place.run("resume run").done();
+    assert_eq!(place.surface("run"), surface);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::io::Read as _;
 
 use flate2::read::ZlibDecoder;
 
-use super::{Entries, ReadMatrix};
+use super::{Entries, Matrix};
 
 /// Types of data elements.
 const ARRAY: u32 = 14;
@@ -25,7 +25,7 @@ const LAST_NUMERIC: u8 = 15;
 const LARGEST_RATIO: u64 = 1100;
 
 /// Reads the matrix of this name.
-pub(super) fn read(bytes: &[u8], name: Option<&str>) -> Result<ReadMatrix, String> {
+pub(super) fn read(bytes: &[u8], name: Option<&str>) -> Result<Matrix, String> {
     if bytes.len() < 128 || &bytes[126..128] != b"IM" {
         if bytes.len() >= 128 && &bytes[126..128] == b"MI" {
             return Err("this MAT file has the byte order of another processor; save it again on this one".to_owned());
@@ -54,19 +54,14 @@ pub(super) fn read(bytes: &[u8], name: Option<&str>) -> Result<ReadMatrix, Strin
             _ => continue,
         };
         let array = Array::new(array)?;
-        if name.is_none_or(|name| name == array.name) && (name.is_some() || names.is_empty()) {
-            names.push(array.name.clone());
-            if name.is_some() {
-                let placed = |message| format!("matrix {}: {message}", array.name);
-                return array.matrix().map_err(placed);
-            }
-            continue;
+        if name == Some(&array.name) {
+            return array.matrix().map_err(|message| format!("matrix {}: {message}", array.name));
         }
         names.push(array.name);
     }
     match (name, &names[..]) {
         (_, []) => Err("the file has no matrices".to_owned()),
-        (None, [only]) => read(bytes, Some(&only.clone())),
+        (None, [only]) => read(bytes, Some(only)),
         (None, _) => {
             Err(format!("the file has several matrices; say which with matrix = \"...\": {}", names.join(", ")))
         }
@@ -131,7 +126,7 @@ impl<'a> Array<'a> {
         })
     }
 
-    fn matrix(&self) -> Result<ReadMatrix, String> {
+    fn matrix(&self) -> Result<Matrix, String> {
         match self.class {
             CELL => return Err("this is a cell array; save the matrix in it under a name of its own".to_owned()),
             STRUCT => return Err("this is a struct; save its field as a matrix of its own, K = s.K".to_owned()),
@@ -146,7 +141,7 @@ impl<'a> Array<'a> {
             return Err(format!("the array has {} dimensions; a matrix has 2", self.dimensions.len()));
         };
         let matrix = if self.class == SPARSE { self.sparse(rows, columns)? } else { self.full(rows, columns)? };
-        Ok(ReadMatrix { matrix: matrix.matrix()?, notes: Vec::new() })
+        matrix.matrix()
     }
 
     fn full(&self, rows: u64, columns: u64) -> Result<Entries, String> {
@@ -250,8 +245,8 @@ mod tests {
             ("KGEO", 280_871),
         ] {
             let read = read(&path, Some(name)).unwrap();
-            assert_eq!([read.matrix.nrows(), read.matrix.ncols()], [4669; 2]);
-            assert_eq!(read.matrix.compute_nnz(), entries, "{name}");
+            assert_eq!([read.nrows(), read.ncols()], [4669; 2]);
+            assert_eq!(read.compute_nnz(), entries, "{name}");
         }
         let error = read(&path, Some("K7")).unwrap_err().to_string();
         assert!(error.contains("there is no matrix `K7` (there are ") && error.contains("KGEO"), "{error}");

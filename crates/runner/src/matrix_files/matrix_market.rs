@@ -2,7 +2,7 @@
 //!
 //! R. Boisvert, R. Pozo, K. Remington, The Matrix Market Exchange Formats, NISTIR 5935 (1996).
 
-use super::{Entries, ReadMatrix};
+use super::{Entries, Matrix};
 
 /// What the file stores of a matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,7 +13,7 @@ enum Symmetry {
 }
 
 /// Reads the one matrix of a file.
-pub(super) fn read(bytes: &[u8], name: Option<&str>) -> Result<ReadMatrix, String> {
+pub(super) fn read(bytes: &[u8], name: Option<&str>) -> Result<Matrix, String> {
     if let Some(name) = name {
         return Err(format!(
             "matrix = \"{name}\": a Matrix Market file has one matrix without a name; remove `matrix`"
@@ -113,7 +113,7 @@ pub(super) fn read(bytes: &[u8], name: Option<&str>) -> Result<ReadMatrix, Strin
     if found != expected {
         return Err(format!("the file has {found} entries, but says {expected}: it is cut off or damaged"));
     }
-    Ok(ReadMatrix { matrix: entries.matrix()?, notes: Vec::new() })
+    entries.matrix()
 }
 
 #[cfg(test)]
@@ -122,7 +122,7 @@ mod tests {
 
     fn values(text: &str) -> Vec<(usize, usize, f64)> {
         let read = read(text.as_bytes(), None).unwrap();
-        read.matrix.triplet_iter().map(|entry| (entry.row, entry.col, *entry.val)).collect()
+        read.triplet_iter().map(|entry| (entry.row, entry.col, *entry.val)).collect()
     }
 
     #[test]

@@ -34,20 +34,14 @@ pub enum MatrixFileError {
     },
 }
 
-/// A matrix, and what is to be said of its file.
-#[derive(Debug)]
-pub struct ReadMatrix {
-    /// The matrix.
-    pub matrix: SparseColMat<usize, f64>,
-    /// In sentences.
-    pub notes: Vec<String>,
-}
+/// A matrix of a file.
+type Matrix = SparseColMat<usize, f64>;
 
 /// Reads a matrix; `name` is its name, in a file that has several.
 ///
 /// # Errors
 /// [`MatrixFileError`], with what would be right.
-pub fn read(path: &Path, name: Option<&str>) -> Result<ReadMatrix, MatrixFileError> {
+pub fn read(path: &Path, name: Option<&str>) -> Result<Matrix, MatrixFileError> {
     let shown = path.display().to_string();
     let bytes = fs::read(path).map_err(|source| MatrixFileError::Unreadable { path: shown.clone(), source })?;
     let read = if bytes.starts_with(b"%%MatrixMarket") {
@@ -127,7 +121,7 @@ impl Entries {
         Ok(())
     }
 
-    fn matrix(self) -> Result<SparseColMat<usize, f64>, String> {
+    fn matrix(self) -> Result<Matrix, String> {
         SparseColMat::try_new_from_triplets(self.rows, self.columns, &self.triplets)
             .map_err(|error| format!("the matrix does not fit the memory: {error:?}"))
     }

@@ -4,7 +4,7 @@
 use super::far::Followed;
 use super::quadratic::{DenseQuadratic, Quadratic};
 use super::refine::Pair;
-use super::region::{Region, damping_ratio};
+use super::region::{Region, damping_ratio, magnitude};
 use super::series::{FOLLOWED, ModeSeries};
 use crate::numerics::eigenvalues::Eigenvalue;
 
@@ -96,8 +96,7 @@ impl<'a> Decider<'a> {
             let highest = self.regions.iter().map(|region| region.highest).fold(0.0, f64::max);
             // The least and largest that the excess of a followed eigenvalue may be.
             let bounds = |mode: &Followed| {
-                let magnitude = libm::hypot(mode.eigenvalue.re, mode.eigenvalue.im);
-                let by = 1.1 * mode.radius / (magnitude - mode.radius).max(f64::MIN_POSITIVE);
+                let by = 1.1 * mode.radius / (magnitude(mode.eigenvalue) - mode.radius).max(f64::MIN_POSITIVE);
                 let ends = [-mode.radius, mode.radius].map(|radius| {
                     let at = Eigenvalue::new(mode.eigenvalue.re, mode.eigenvalue.im + radius);
                     let bands = self.regions.iter().filter(|region| region.has_frequency_of(at));
@@ -146,7 +145,7 @@ fn refine(series: &ModeSeries, problem: &Quadratic, followed: &[Followed]) -> Op
     let mut refined: Vec<Eigenvalue> = Vec::with_capacity(followed.len());
     for mode in followed {
         let Pair { eigenvalue, .. } = series.start(mode).refined(problem)?;
-        let distance = |from: Eigenvalue| libm::hypot((from - eigenvalue).re, (from - eigenvalue).im);
+        let distance = |from: Eigenvalue| magnitude(from - eigenvalue);
         let is_near = distance(mode.eigenvalue) <= mode.radius + ROUNDING;
         if !is_near || refined.iter().any(|other| distance(*other) <= ROUNDING) {
             return None;

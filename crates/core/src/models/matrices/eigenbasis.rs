@@ -3,6 +3,7 @@
 use nalgebra::{Complex, DMatrix, Schur};
 
 use super::quadratic::{DenseQuadratic, Quadratic};
+use super::region::magnitude;
 use crate::numerics::eigenvalues::Eigenvalue;
 
 pub(super) type ComplexMatrix = DMatrix<Complex<f64>>;
@@ -33,11 +34,10 @@ impl Eigenbasis {
         }
         let (schur_vectors, triangle) = Schur::try_new(companion, f64::EPSILON, SWEEPS_PER_ROW * states)?.unpack();
         let (schur_vectors, triangle) = complex_schur(&schur_vectors, &triangle);
-        let vectors = real_product(&schur_vectors, &vectors_of_triangle(&triangle));
+        let vectors = Split::new(&schur_vectors).times(&Split::new(&vectors_of_triangle(&triangle)));
         let inverse = vectors.clone().lu().try_inverse()?;
-        let length = |values: &mut dyn Iterator<Item = Complex<f64>>| {
-            values.map(|value| value.re * value.re + value.im * value.im).sum::<f64>().sqrt()
-        };
+        let length =
+            |values: &mut dyn Iterator<Item = Complex<f64>>| values.map(|value| value.norm_sqr()).sum::<f64>().sqrt();
         let is_skew = (0..states).any(|i| {
             let condition =
                 length(&mut inverse.row(i).iter().copied()) * length(&mut vectors.column(i).iter().copied());
@@ -59,27 +59,35 @@ impl Eigenbasis {
             }
         }
         let term = problem.term(coefficient);
-        let forces = complex(&-(term * real(&moved)), &-(term * imaginary(&moved)));
-        real_product(&self.left, &forces)
+        let moved = Split::new(&moved);
+        let forces = Split { re: -(term * moved.re), im: -(term * moved.im) };
+        Split::new(&self.left).times(&forces)
     }
 }
 
-pub(super) fn real(matrix: &ComplexMatrix) -> DMatrix<f64> {
-    matrix.map(|value| value.re)
-}
-
-pub(super) fn imaginary(matrix: &ComplexMatrix) -> DMatrix<f64> {
-    matrix.map(|value| value.im)
-}
-
-pub(super) fn complex(re: &DMatrix<f64>, im: &DMatrix<f64>) -> ComplexMatrix {
+fn complex(re: &DMatrix<f64>, im: &DMatrix<f64>) -> ComplexMatrix {
     re.zip_map(im, Complex::new)
 }
 
-/// A product of complex matrices by four of real ones, which are faster.
-pub(super) fn real_product(a: &ComplexMatrix, b: &ComplexMatrix) -> ComplexMatrix {
-    let (a_re, a_im, b_re, b_im) = (real(a), imaginary(a), real(b), imaginary(b));
-    complex(&(&a_re * &b_re - &a_im * &b_im), &(&a_re * &b_im + &a_im * &b_re))
+/// A complex matrix as two real ones, whose products are faster.
+pub(super) struct Split {
+    re: DMatrix<f64>,
+    im: DMatrix<f64>,
+}
+
+impl Split {
+    pub(super) fn new(matrix: &ComplexMatrix) -> Self {
+        Self { re: matrix.map(|value| value.re), im: matrix.map(|value| value.im) }
+    }
+
+    /// The product with another matrix from the right.
+    pub(super) fn times(&self, other: &Self) -> ComplexMatrix {
+        complex(&(&self.re * &other.re - &self.im * &other.im), &(&self.re * &other.im + &self.im * &other.re))
+    }
+
+    pub(super) fn entry(&self, row: usize, column: usize) -> Complex<f64> {
+        Complex::new(self.re[(row, column)], self.im[(row, column)])
+    }
 }
 
 /// A complex Schur form from a real one: rotations make its blocks of two triangular.
@@ -96,7 +104,7 @@ fn complex_schur(vectors: &DMatrix<f64>, triangle: &DMatrix<f64>) -> (ComplexMat
         let (half, product) = ((a - d) * 0.5, b * c);
         let eigenvalue = d + half + square_root(half * half + product);
         let shifted = eigenvalue - d;
-        let length = libm::hypot(libm::hypot(shifted.re, shifted.im), libm::hypot(c.re, c.im));
+        let length = libm::hypot(magnitude(shifted), magnitude(c));
         let (cosine, sine) = (shifted / length, c / length);
         for column in high..states {
             let (upper, lower) = (t[(high, column)], t[(low, column)]);
@@ -120,11 +128,11 @@ fn complex_schur(vectors: &DMatrix<f64>, triangle: &DMatrix<f64>) -> (ComplexMat
 
 /// The square root in the right half plane.
 pub(super) fn square_root(of: Complex<f64>) -> Complex<f64> {
-    let magnitude = libm::hypot(of.re, of.im);
-    if magnitude == 0.0 {
+    let size = magnitude(of);
+    if size == 0.0 {
         return Complex::from(0.0);
     }
-    let larger = (0.5 * (magnitude + of.re.abs())).sqrt();
+    let larger = (0.5 * (size + of.re.abs())).sqrt();
     let smaller = 0.5 * of.im.abs() / larger;
     let (re, im) = if of.re >= 0.0 { (larger, smaller) } else { (smaller, larger) };
     Complex::new(re, if of.im < 0.0 { -im } else { im })
@@ -133,7 +141,7 @@ pub(super) fn square_root(of: Complex<f64>) -> Complex<f64> {
 /// The right vectors of an upper triangular matrix, each of length 1.
 fn vectors_of_triangle(triangle: &ComplexMatrix) -> ComplexMatrix {
     let states = triangle.nrows();
-    let largest = triangle.iter().map(|value| libm::hypot(value.re, value.im)).fold(0.0, f64::max);
+    let largest = triangle.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
     let least = f64::EPSILON * largest.max(f64::MIN_POSITIVE);
     let mut vectors = ComplexMatrix::zeros(states, states);
     for j in 0..states {
@@ -142,7 +150,7 @@ fn vectors_of_triangle(triangle: &ComplexMatrix) -> ComplexMatrix {
         let mut rest: Vec<Complex<f64>> = (0..j).map(|i| -triangle[(i, j)]).collect();
         for i in (0..j).rev() {
             let mut between = triangle[(i, i)] - triangle[(j, j)];
-            if libm::hypot(between.re, between.im) < least {
+            if magnitude(between) < least {
                 between = Complex::from(least);
             }
             x[i] = rest[i] / between;
@@ -150,7 +158,7 @@ fn vectors_of_triangle(triangle: &ComplexMatrix) -> ComplexMatrix {
                 *rest -= triangle[(row, i)] * x[i];
             }
         }
-        let length = x.iter().map(|value| value.re * value.re + value.im * value.im).sum::<f64>().sqrt();
+        let length = x.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
         for (i, value) in x.into_iter().enumerate() {
             vectors[(i, j)] = value / length;
         }
@@ -182,7 +190,7 @@ mod tests {
             let moved = problem.at(&coefficients).eigenvalues().unwrap();
             for (i, eigenvalue) in basis.eigenvalues.iter().enumerate() {
                 let first_order = eigenvalue + change[(i, i)] * step;
-                let nearest = moved.iter().map(|value| libm::hypot((value - first_order).re, (value - first_order).im));
+                let nearest = moved.iter().map(|value| magnitude(value - first_order));
                 assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-10, "{k} {i}");
             }
         }

@@ -112,12 +112,6 @@ impl Factor {
         above / below
     }
 
-    /// Its derivative by the logarithm of a parameter, over its value: the power of the parameter.
-    #[must_use]
-    pub fn power_of(&self, place: usize) -> i32 {
-        self.powers.iter().find(|(own, _)| *own == place).map_or(0, |(_, power)| *power)
-    }
-
     /// The parameters that it depends on, by their places.
     pub fn parameters(&self) -> impl Iterator<Item = usize> + '_ {
         self.powers.iter().map(|(place, _)| *place)

@@ -6,7 +6,7 @@
 //! that; others are decided by all their eigenvalues.
 
 use super::quadratic::DenseQuadratic;
-use super::region::{Region, damping_ratio};
+use super::region::{Region, damping_ratio, magnitude};
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// Changes that are tried first, in parts of the coefficients of the origin, and by what and how often they are made smaller.
@@ -63,7 +63,7 @@ impl SafeChanges {
             let mut all = problem.at(&coefficients).eigenvalues().ok()?;
             all.retain(|value| value.im >= 0.0);
             for mode in follow(delta)?.iter().filter(|mode| mode.eigenvalue.im > -1e-9) {
-                let between = |value: &Eigenvalue| distance(mode.eigenvalue, *value);
+                let between = |value: &Eigenvalue| magnitude(mode.eigenvalue - *value);
                 let nearest = (0..all.len()).min_by(|&i, &j| between(&all[i]).total_cmp(&between(&all[j])))?;
                 let is_near = |value| regions.iter().any(|region| region.distance(value) < 0.5 * near);
                 let is_off = between(&all[nearest]) > mode.radius.min(0.1 * near) + 1e-9;
@@ -121,8 +121,4 @@ impl SafeChanges {
         let part = |(delta, size): (&f64, &f64)| if *delta == 0.0 { 0.0 } else { (delta / size) * (delta / size) };
         delta.iter().zip(&self.sizes).map(part).sum::<f64>() <= WITHIN * WITHIN
     }
-}
-
-fn distance(a: Eigenvalue, b: Eigenvalue) -> f64 {
-    libm::hypot(a.re - b.re, a.im - b.im)
 }

@@ -3,39 +3,27 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::eigenbasis::{ComplexMatrix, complex, imaginary, real};
+use super::eigenbasis::{ComplexMatrix, Split};
+use super::region::magnitude;
 use crate::numerics::eigenvalues::Eigenvalue;
-
-/// A complex matrix as two real ones, whose products are faster.
-pub(super) struct Split {
-    re: DMatrix<f64>,
-    im: DMatrix<f64>,
-}
-
-impl Split {
-    pub(super) fn new(matrix: &ComplexMatrix) -> Self {
-        Self { re: real(matrix), im: imaginary(matrix) }
-    }
-
-    fn times(&self, of: &ComplexMatrix) -> ComplexMatrix {
-        let (re, im) = (real(of), imaginary(of));
-        complex(&(&self.re * &re - &self.im * &im), &(&self.re * &im + &self.im * &re))
-    }
-
-    fn after(&self, of: &ComplexMatrix) -> ComplexMatrix {
-        let (re, im) = (real(of), imaginary(of));
-        complex(&(&re * &self.re - &im * &self.im), &(&re * &self.im + &im * &self.re))
-    }
-
-    pub(super) fn entry(&self, row: usize, column: usize) -> Complex<f64> {
-        Complex::new(self.re[(row, column)], self.im[(row, column)])
-    }
-}
 
 /// Eigenvalues of the origin, and what a unit of each coefficient changes in its basis.
 pub(super) struct Changes {
     pub(super) eigenvalues: Vec<Eigenvalue>,
     pub(super) changes: Vec<Split>,
+}
+
+impl Changes {
+    /// A row for each mode of the origin and a column for each of the group: what couples them over their distance, and zero
+    /// within the group.
+    fn over_gaps(&self, modes: &[usize], coupling: impl Fn(usize, usize) -> Complex<f64>) -> ComplexMatrix {
+        ComplexMatrix::from_fn(self.eigenvalues.len(), modes.len(), |other, j| {
+            if modes.contains(&other) {
+                return Complex::from(0.0);
+            }
+            coupling(other, j) / (self.eigenvalues[modes[j]] - self.eigenvalues[other])
+        })
+    }
 }
 
 /// The vectors of first order of a group of modes for each coefficient: `X_k` by columns, `Y_k` transposed by columns, with
@@ -49,16 +37,10 @@ pub(super) struct FirstOrder<'a> {
 
 impl<'a> FirstOrder<'a> {
     pub(super) fn new(all: &'a Changes, modes: &'a [usize]) -> Self {
-        let over_gaps = |entry: &dyn Fn(usize, usize) -> Complex<f64>| {
-            ComplexMatrix::from_fn(all.eigenvalues.len(), modes.len(), |other, j| {
-                if modes.contains(&other) {
-                    return Complex::from(0.0);
-                }
-                entry(other, modes[j]) / (all.eigenvalues[modes[j]] - all.eigenvalues[other])
-            })
-        };
-        let right = all.changes.iter().map(|change| over_gaps(&|other, mode| change.entry(other, mode))).collect();
-        let left = all.changes.iter().map(|change| over_gaps(&|other, mode| change.entry(mode, other))).collect();
+        let right =
+            all.changes.iter().map(|change| all.over_gaps(modes, |other, j| change.entry(other, modes[j]))).collect();
+        let left =
+            all.changes.iter().map(|change| all.over_gaps(modes, |other, j| change.entry(modes[j], other))).collect();
         Self { all, modes, right, left }
     }
 
@@ -100,9 +82,11 @@ impl SecondOrder {
         let count = first.right.len();
         let (mut right, mut left) = (Vec::new(), Vec::new());
         let mut third = Vec::with_capacity(count * count * count);
-        // Products with a change, for all vectors at once.
+        let first_right: Vec<Split> = first.right.iter().map(Split::new).collect();
+        let first_left: Vec<Split> = first.left.iter().map(|y| Split::new(&y.transpose())).collect();
+        // Products with each change.
         let moved: Vec<Vec<ComplexMatrix>> =
-            first.all.changes.iter().map(|change| first.right.iter().map(|x| change.times(x)).collect()).collect();
+            first.all.changes.iter().map(|change| first_right.iter().map(|x| change.times(x)).collect()).collect();
         for k in 0..count {
             for moved in &moved {
                 third.extend(moved.iter().map(|moved| first.left[k].tr_mul(moved)));
@@ -112,7 +96,7 @@ impl SecondOrder {
             for l in k..count {
                 let of = |k: usize, l: usize| {
                     let x = &moved[k][l] - &first.right[l] * first.own(k);
-                    let y = first.all.changes[k].after(&first.left[l].transpose()).transpose()
+                    let y = first_left[l].times(&first.all.changes[k]).transpose()
                         - &first.left[l] * first.own(k).transpose();
                     (x, y)
                 };
@@ -122,8 +106,8 @@ impl SecondOrder {
                     x += more_x;
                     y += more_y;
                 }
-                right.push(first.over_gaps(x));
-                left.push(first.over_gaps(y));
+                right.push(first.all.over_gaps(first.modes, |other, j| x[(other, j)]));
+                left.push(first.all.over_gaps(first.modes, |other, j| y[(other, j)]));
             }
         }
         let norms = [[first.gram(&first.right), first.gram(&right)], [first.gram(&first.left), first.gram(&left)]];
@@ -137,23 +121,13 @@ impl SecondOrder {
 }
 
 impl FirstOrder<'_> {
-    fn over_gaps(&self, mut of: ComplexMatrix) -> ComplexMatrix {
-        for other in 0..of.nrows() {
-            for (j, &mode) in self.modes.iter().enumerate() {
-                let gap = self.all.eigenvalues[mode] - self.all.eigenvalues[other];
-                of[(other, j)] = if self.modes.contains(&other) { Complex::from(0.0) } else { of[(other, j)] / gap };
-            }
-        }
-        of
-    }
-
     /// Products of vectors with each other, weighted by the largest distance of each row from the group.
     fn gram(&self, vectors: &[ComplexMatrix]) -> DMatrix<f64> {
         let eigenvalues = &self.all.eigenvalues;
         let weights: Vec<f64> = (0..eigenvalues.len())
             .map(|other| {
                 let gaps = self.modes.iter().map(|&mode| eigenvalues[mode] - eigenvalues[other]);
-                gaps.map(|gap| libm::hypot(gap.re, gap.im)).fold(0.0, f64::max).sqrt()
+                gaps.map(magnitude).fold(0.0, f64::max).sqrt()
             })
             .collect();
         let rows = 2 * weights.len() * self.modes.len();

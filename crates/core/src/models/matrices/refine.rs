@@ -3,6 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector, LU};
 
 use super::quadratic::Quadratic;
+use super::region::magnitude;
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// Shifts that are factorised at most, and steps of inverse iteration with each.
@@ -40,20 +41,12 @@ impl Pair {
                 for _ in 0..2 {
                     eigenvalue -= newton_step(problem, eigenvalue, &right, &left)?;
                 }
-                if size(eigenvalue - before) <= CONVERGED * size(eigenvalue) {
+                if magnitude(eigenvalue - before) <= CONVERGED * magnitude(eigenvalue) {
                     return Some(Self { eigenvalue, right, left });
                 }
             }
         }
         None
-    }
-
-    /// `d lambda = -y^T (lambda dC + dK) x / y^T (2 lambda + C) x` for a change of the matrices.
-    #[must_use]
-    pub fn derivative(&self, problem: &Quadratic, change: &Quadratic) -> Eigenvalue {
-        let at = self.eigenvalue;
-        let changed = change.value_times(at, &self.right) - &self.right * (at * at);
-        -self.left.dot(&changed) / self.left.dot(&problem.derivative_times(at, &self.right))
     }
 }
 
@@ -67,10 +60,6 @@ fn newton_step(
     (step.re.is_finite() && step.im.is_finite()).then_some(step)
 }
 
-fn size(value: Complex<f64>) -> f64 {
-    libm::hypot(value.re, value.im)
-}
-
 /// A vector of length 1 along this one.
 fn unit(vector: DVector<Complex<f64>>) -> Option<DVector<Complex<f64>>> {
     let largest = vector.iter().map(|value| value.re.abs().max(value.im.abs())).fold(0.0, f64::max);
@@ -78,7 +67,7 @@ fn unit(vector: DVector<Complex<f64>>) -> Option<DVector<Complex<f64>>> {
         return None;
     }
     let scaled = vector / Complex::from(largest);
-    let length = scaled.iter().map(|value| value.re * value.re + value.im * value.im).sum::<f64>().sqrt();
+    let length = scaled.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
     Some(scaled / Complex::from(length))
 }
 
@@ -101,7 +90,7 @@ impl Solver {
         let (lower, mut upper) = (lu.l(), lu.u());
         let least = (largest * f64::EPSILON).max(f64::MIN_POSITIVE);
         for i in 0..upper.nrows() {
-            if size(upper[(i, i)]) < least {
+            if magnitude(upper[(i, i)]) < least {
                 upper[(i, i)] = Complex::from(least);
             }
         }

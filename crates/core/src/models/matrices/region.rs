@@ -6,11 +6,17 @@ use crate::numerics::eigenvalues::Eigenvalue;
 /// whose damping ratio is zero, makes none unstable.
 pub const RESOLUTION: f64 = 1e-9;
 
+/// `|z|`.
+#[must_use]
+pub(super) fn magnitude(z: Eigenvalue) -> f64 {
+    libm::hypot(z.re, z.im)
+}
+
 /// `-Re lambda / |lambda|`: 1 for a motion that only decays, -1 for one that only grows, 0 for `lambda = 0`.
 #[must_use]
 pub fn damping_ratio(eigenvalue: Eigenvalue) -> f64 {
-    let magnitude = libm::hypot(eigenvalue.re, eigenvalue.im);
-    if magnitude == 0.0 { 0.0 } else { -eigenvalue.re / magnitude }
+    let size = magnitude(eigenvalue);
+    if size == 0.0 { 0.0 } else { -eigenvalue.re / size }
 }
 
 /// A band of frequencies with a threshold of the damping ratio.
@@ -47,13 +53,13 @@ impl Region {
 
     /// The distance from the cone of all eigenvalues with smaller damping ratios.
     fn distance_from_cone(&self, eigenvalue: Eigenvalue) -> f64 {
-        let magnitude = libm::hypot(eigenvalue.re, eigenvalue.im);
-        if magnitude == 0.0 {
+        let size = magnitude(eigenvalue);
+        if size == 0.0 {
             return 0.0;
         }
         let angle = |ratio: f64| libm::asin(ratio.clamp(-1.0, 1.0));
         let between = angle(damping_ratio(eigenvalue)) - angle(self.damping_ratio - RESOLUTION);
-        if between >= std::f64::consts::FRAC_PI_2 { magnitude } else { magnitude * libm::sin(between.max(0.0)) }
+        if between >= std::f64::consts::FRAC_PI_2 { size } else { size * libm::sin(between.max(0.0)) }
     }
 
     /// Whether an eigenvalue that lies at most `radius` from this one is surely unstable (`Some(true)`), surely not, or
@@ -65,9 +71,9 @@ impl Region {
         }
         let frequency = eigenvalue.im.abs();
         let in_band = frequency - radius >= self.lowest && frequency + radius <= self.highest;
-        let magnitude = libm::hypot(eigenvalue.re, eigenvalue.im);
-        let most = damping_ratio(eigenvalue) + 1.1 * radius / (magnitude - radius);
-        (in_band && magnitude > 2.0 * radius && most < self.damping_ratio - RESOLUTION).then_some(true)
+        let size = magnitude(eigenvalue);
+        let most = damping_ratio(eigenvalue) + 1.1 * radius / (size - radius);
+        (in_band && size > 2.0 * radius && most < self.damping_ratio - RESOLUTION).then_some(true)
     }
 
     /// The same region with frequencies in another unit, of which one is `unit` rad/s.

@@ -14,16 +14,17 @@
 //! error, `Y2 (lambda_r - lambda_c) X2` with the vectors of second order, is bounded by their norms, which are known for
 //! every delta, and what follows it by the ratio of the orders.
 //!
-//! Modes far from the region are not followed, but bounded ([`far`](super::far)).
+//! Modes far from the region are not followed; how far changes may go before one comes near is measured
+//! ([`far`](super::far)).
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
-use super::eigenbasis::{ComplexMatrix, Eigenbasis, square_root};
+use super::eigenbasis::{ComplexMatrix, Eigenbasis, Split, square_root};
 use super::far::{Followed, SafeChanges};
-use super::perturbation::{Changes, FirstOrder, SecondOrder, Split};
+use super::perturbation::{Changes, FirstOrder, SecondOrder};
 use super::quadratic::DenseQuadratic;
 use super::refine::Pair;
-use super::region::Region;
+use super::region::{Region, magnitude};
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// Modes within this part of the highest frequency of a region from it are followed closely.
@@ -129,7 +130,7 @@ impl ModeSeries {
             regions.iter().map(of_region).fold(f64::INFINITY, f64::min)
         };
         let distances: Vec<f64> = (0..all.eigenvalues.len()).map(distance).collect();
-        let largest = all.eigenvalues.iter().map(|value| size(*value)).fold(0.0, f64::max);
+        let largest = all.eigenvalues.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
         let highest = regions.iter().map(|region| region.highest.min(largest)).fold(0.0, f64::max);
         let near: Vec<usize> = (0..distances.len()).filter(|&mode| distances[mode] <= FOLLOWED * highest).collect();
         let mut series = Self {
@@ -218,8 +219,8 @@ impl ModeSeries {
     /// Whether the series serves well for samples about these coefficients.
     pub(super) fn reaches_beyond(&self, coefficients: &[f64]) -> bool {
         let changing = self.changing.iter().map(|&k| REACH * (coefficients[k] - self.origin[k])).collect::<Vec<_>>();
-        let others = (0..coefficients.len()).filter(|k| !self.changing.contains(k));
-        others.into_iter().all(|k| coefficients[k] == self.origin[k])
+        let mut others = (0..coefficients.len()).filter(|k| !self.changing.contains(k));
+        others.all(|k| coefficients[k] == self.origin[k])
             && self.safe.as_ref().is_some_and(|safe| safe.contain(&changing))
     }
 
@@ -242,17 +243,13 @@ fn pairs(count: usize, of: impl Fn(usize, usize) -> ComplexMatrix) -> Vec<Comple
     pairs.map(|(k, l)| if k == l { of(k, k) } else { of(k, l) + of(l, k) }).collect()
 }
 
-fn size(value: Complex<f64>) -> f64 {
-    libm::hypot(value.re, value.im)
-}
-
 /// Groups modes that typical changes couple strongly.
 fn groups(modes: &[usize], all: &Changes, typical: &[f64]) -> Vec<Vec<usize>> {
     let mixing = |i: usize, j: usize| {
         let coupled =
-            |(change, typical): (&Split, &f64)| size(change.entry(i, j) * change.entry(j, i)) * typical * typical;
+            |(change, typical): (&Split, &f64)| magnitude(change.entry(i, j) * change.entry(j, i)) * typical * typical;
         let coupled: f64 = all.changes.iter().zip(typical).map(coupled).sum();
-        coupled.sqrt() > STRONG_COUPLING * size(all.eigenvalues[i] - all.eigenvalues[j])
+        coupled.sqrt() > STRONG_COUPLING * magnitude(all.eigenvalues[i] - all.eigenvalues[j])
     };
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for &mode in modes {
@@ -271,10 +268,6 @@ fn norm(form: &DMatrix<f64>, values: &[f64]) -> f64 {
         sum += value * column.iter().zip(values).map(|(entry, value)| entry * value).sum::<f64>();
     }
     sum.max(0.0).sqrt()
-}
-
-fn square_size(value: Complex<f64>) -> f64 {
-    value.re * value.re + value.im * value.im
 }
 
 impl Group {
@@ -300,7 +293,7 @@ impl Group {
         let h = (&identity + ComplexMatrix::from_column_slice(own, own, n)).lu().solve(&p)?;
         let mean = h.trace() / Complex::from(own as f64);
         let centred = &h - identity * mean;
-        let spread = centred.iter().map(|value| square_size(*value)).sum::<f64>().sqrt();
+        let spread = centred.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
         let eigenvalues: Vec<Eigenvalue> = if own == 2 {
             let half = (h[(0, 0)] - h[(1, 1)]) * 0.5;
             let root = square_root(half * half + h[(0, 1)] * h[(1, 0)]);
@@ -314,7 +307,7 @@ impl Group {
         let most = root(error, own) * (2.0 * spread + error) / root(2.0 * spread + error, own);
         let radius = |i: usize| {
             let others = eigenvalues.iter().enumerate().filter(|(j, _)| *j != i);
-            let isolation = others.map(|(_, other)| size(eigenvalues[i] - other)).fold(f64::INFINITY, f64::min);
+            let isolation = others.map(|(_, other)| magnitude(eigenvalues[i] - other)).fold(f64::INFINITY, f64::min);
             let condition = (1..own).fold(1.0, |condition, _| condition * (1.0 + 2.0 * spread / isolation));
             let linear = 2.0 * error * condition;
             if linear < 0.25 * isolation { linear.min(most) } else { most }

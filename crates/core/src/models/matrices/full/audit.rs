@@ -3,8 +3,9 @@
 use nalgebra::DMatrix;
 
 use super::error::Error;
-use super::pair::{Pair, magnitude};
+use super::pair::Pair;
 use super::quadratic::{Complex, Point, SparseQuadratic};
+use crate::models::matrices::region::magnitude;
 
 /// A pair of the reduced problem: `z` with `V^T Q(lambda) V z = 0`, and the same from the left.
 #[derive(Debug, Clone, PartialEq)]

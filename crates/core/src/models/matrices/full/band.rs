@@ -4,8 +4,9 @@ use nalgebra::DMatrix;
 
 use super::error::Error;
 use super::krylov::{Effort, Krylov, Ritz};
-use super::pair::{Pair, damping_ratio, dot, magnitude, normalise};
+use super::pair::{Pair, dot, normalise};
 use super::quadratic::{Complex, Factorisation, Point, Side};
+use crate::models::matrices::region::{damping_ratio, magnitude};
 
 /// Residual at which a vector of a Krylov space is taken. The error of the eigenvalue is about its square.
 const TOLERANCE: f64 = 1e-8;

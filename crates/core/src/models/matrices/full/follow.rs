@@ -1,8 +1,9 @@
 //! A pair followed along a path of parameters, and where its damping ratio passes a threshold.
 
 use super::error::Error;
-use super::pair::{Pair, damping_ratio_slope, dot, magnitude};
+use super::pair::{Pair, damping_ratio_slope, dot};
 use super::quadratic::{Coefficients, Complex, Point, Side, SparseQuadratic};
+use crate::models::matrices::region::magnitude;
 
 /// Steps of Newton's method for a critical value.
 const NEWTON_STEPS: usize = 30;

@@ -7,8 +7,8 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
 
 use super::error::Error;
-use super::pair::magnitude;
 use super::quadratic::{Complex, Factorisation, Point, Side};
+use crate::models::matrices::region::magnitude;
 
 /// Vectors a step adds.
 const BLOCK: usize = 2;

@@ -2,6 +2,7 @@
 
 use super::error::Error;
 use super::quadratic::{Complex, Factorisation, Point, Side};
+use crate::models::matrices::region::{damping_ratio, magnitude};
 
 /// Factorisations that a refinement may take.
 const FACTORISATIONS: usize = 4;
@@ -46,23 +47,12 @@ impl Pair {
     }
 }
 
-/// The damping ratio `-Re lambda / |lambda|` of an eigenvalue.
-#[must_use]
-pub fn damping_ratio(eigenvalue: Complex) -> f64 {
-    -eigenvalue.re / magnitude(eigenvalue)
-}
-
 /// The derivative of the damping ratio, from that of the eigenvalue.
 #[must_use]
 pub fn damping_ratio_slope(eigenvalue: Complex, slope: Complex) -> f64 {
     // d(-a/r) with r^2 = a^2 + b^2.
     let size = magnitude(eigenvalue);
     (eigenvalue.im / size) * (eigenvalue.re * slope.im - eigenvalue.im * slope.re) / (size * size)
-}
-
-/// `|z|`, from the square root, which is the same on every processor.
-pub(super) fn magnitude(z: Complex) -> f64 {
-    z.norm_sqr().sqrt()
 }
 
 pub(super) fn norm(vector: &[Complex]) -> f64 {

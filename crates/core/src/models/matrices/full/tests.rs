@@ -7,10 +7,10 @@ use super::audit::{ReducedPair, missing};
 use super::band::{Band, KrylovLimit};
 use super::error::Error;
 use super::follow::{Along, Line, Path, Target};
-use super::pair::{damping_ratio, magnitude};
 use super::quadratic::{Coefficients, Complex, Side, SparseQuadratic};
 use super::reduction::{Recipe, Reduced};
 use super::sweep::Question;
+use crate::models::matrices::region::{damping_ratio, magnitude};
 use crate::numerics::eigenvalues::eigenvalues;
 
 type Sparse = SparseColMat<usize, f64>;

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use stickslip_core::models::matrices::model::{Matrices, Matrix, MatrixModel, Term};
 use stickslip_core::models::matrices::region::damping_ratio;
+use stickslip_core::numerics::eigenvalues::Eigenvalue;
 
-use super::terms::ReadTerm;
 use crate::job::diagnosis::{Complaint, Complaints};
 
 /// Frequencies that are shown, Hz.
@@ -112,50 +112,53 @@ pub fn remarks(matrices: &Matrices) -> Vec<String> {
 }
 
 /// What is to be said of the modes of the expected brake.
-pub fn warnings(model: &MatrixModel) -> Vec<String> {
-    let Some(modes) = modes(model, &model.expected()) else { return Vec::new() };
+pub fn warnings(model: &MatrixModel, modes: &[Mode]) -> Vec<String> {
     let mut warnings = Vec::new();
-    let undamped = modes.iter().filter(|mode| mode[1].abs() < 1e-8 && in_band(model, mode[0])).count();
+    let undamped = modes.iter().filter(|mode| mode.damping_ratio.abs() < 1e-8 && in_band(model, mode)).count();
     if undamped > 0 && model.criterion().damping_ratio == 0.0 && !model.matrices().damping.is_empty() {
         warnings.push(format!(
             "{undamped} modes in the band are undamped: a damping ratio of 0 counts as stable, and rounding may be of either sign; a threshold such as damping_ratio = -0.001 leaves them out"
         ));
     }
-    if !modes.iter().any(|mode| in_band(model, mode[0])) {
+    if !modes.iter().any(|mode| in_band(model, mode)) {
         warnings
             .push("the expected brake has no mode in the band of frequencies (Hz): are the units right?".to_owned());
     }
     warnings
 }
 
-fn in_band(model: &MatrixModel, frequency: f64) -> bool {
-    model.criterion().bands.iter().any(|[low, high]| (*low..=*high).contains(&frequency))
+fn in_band(model: &MatrixModel, mode: &Mode) -> bool {
+    model.criterion().bands.iter().any(|[low, high]| (*low..=*high).contains(&mode.frequency))
 }
 
-/// Frequencies in Hz and damping ratios of the oscillating modes, by rising frequency.
-fn modes(model: &MatrixModel, expected: &[f64]) -> Option<Vec<[f64; 2]>> {
+/// An oscillating mode.
+#[derive(Debug)]
+pub struct Mode {
+    /// Hz.
+    frequency: f64,
+    damping_ratio: f64,
+}
+
+/// The oscillating modes with these expected values, by rising frequency; none where eigenvalues do not converge.
+pub fn modes(model: &MatrixModel, expected: &[f64]) -> Vec<Mode> {
     let matrices = model.matrices();
     let coefficients = matrices.coefficients(&expected[..matrices.parameters.len()]);
-    let eigenvalues = model.problem().at(&coefficients).eigenvalues().ok()?;
+    let eigenvalues = model.problem().at(&coefficients).eigenvalues().unwrap_or_default();
     let hertz = model.problem().unit() / std::f64::consts::TAU;
     let oscillating = eigenvalues.into_iter().filter(|value| value.im > 0.0);
-    let mut modes: Vec<[f64; 2]> = oscillating.map(|value| [value.im * hertz, damping_ratio(value)]).collect();
-    modes.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    Some(modes)
+    let mode = |value: Eigenvalue| Mode { frequency: value.im * hertz, damping_ratio: damping_ratio(value) };
+    let mut modes: Vec<Mode> = oscillating.map(mode).collect();
+    modes.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+    modes
 }
 
-/// The first frequencies with the expected values of a grid, in a line.
-pub fn frequencies(model: &MatrixModel, expected: &[f64]) -> String {
-    let Some(modes) = modes(model, expected) else { return String::new() };
-    let shown: Vec<String> = modes.iter().take(SHOWN_FREQUENCIES).map(|[hertz, _]| format!("{hertz:.4}")).collect();
+/// The first frequencies, in a line.
+pub fn frequencies(model: &MatrixModel, modes: &[Mode]) -> String {
+    let shown: Vec<String> =
+        modes.iter().take(SHOWN_FREQUENCIES).map(|mode| format!("{:.4}", mode.frequency)).collect();
     format!(
         "# {} degrees of freedom; the first frequencies of the expected brake in Hz: {}\n",
         model.matrices().size(),
         shown.join(", ")
     )
-}
-
-/// Notes of a term with its place.
-pub fn placed_notes(place: &str, term: &ReadTerm) -> Vec<String> {
-    term.notes.iter().map(|note| format!("model.{place}: {note}")).collect()
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,7 @@ use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
 use toml_edit::DocumentMut;
 
+use self::checks::Mode;
 use self::terms::{FileTerm, TermSpec, TermsSpec, read_term};
 use crate::job::axes::values;
 use crate::job::axes_spec::{AxesSpec, AxisEntry};
@@ -181,10 +182,8 @@ impl MatrixDraft {
     fn read(&self, folder: &Path, complaints: &mut Complaints) -> Option<ReadModel> {
         let names: Vec<&str> = self.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
         let mut files = Vec::new();
-        let mut notes = Vec::new();
         let mut read = |place: &str, spec: &Spanned<TermSpec>, complaints: &mut Complaints| {
             let term = complaints.take(read_term(place, spec, folder, &names))?;
-            notes.extend(checks::placed_notes(place, &term));
             files.extend(term.file);
             Some(Term { matrix: Arc::new(term.matrix), factor: term.factor })
         };
@@ -216,7 +215,7 @@ impl MatrixDraft {
         let spans: Vec<Range<usize>> = model.damping.0.iter().chain(&model.stiffness.0).map(Spanned::span).collect();
         checks::sizes(&mass_term, mass.span(), &damping, &stiffness, &spans, complaints)?;
         let matrices = Matrices { mass: mass_term.matrix, damping, stiffness, parameters: self.parameters.clone() };
-        notes.extend(checks::remarks(&matrices));
+        let notes = checks::remarks(&matrices);
         Some(ReadModel { matrices: Arc::new(matrices), files, notes })
     }
 }
@@ -398,7 +397,13 @@ impl Draft for MatrixDraft {
             complaints.take(model.map_err(|error| Complaint::maybe_at(span, format!("model.mass: {error}"))))?;
         let checked = configurable(&model, grid).map_err(|error| Complaint::maybe_at(None, format!("model: {error}")));
         complaints.take(checked)?;
-        Some(Arc::new(MatrixJob { model, files: read.files, notes: read.notes, tables: self.tables.model }))
+        Some(Arc::new(MatrixJob {
+            model,
+            files: read.files,
+            notes: read.notes,
+            tables: self.tables.model,
+            modes: OnceLock::new(),
+        }))
     }
 }
 
@@ -409,9 +414,15 @@ struct MatrixJob {
     files: Vec<FileTerm>,
     notes: Vec<String>,
     tables: MatrixModelSpec,
+    /// The modes of the expected brake, found when they are first wanted.
+    modes: OnceLock<Vec<Mode>>,
 }
 
 impl MatrixJob {
+    fn modes(&self, grid: &Grid) -> &[Mode] {
+        self.modes.get_or_init(|| checks::modes(&self.model, &grid.expected))
+    }
+
     /// A term as it is written out.
     fn written_term(&self, spec: &TermSpec) -> TermSpec {
         spec.identified(&self.files)
@@ -466,14 +477,14 @@ impl JobModel for MatrixJob {
         Tables { model, criterion }
     }
 
-    fn warnings(&self, _: &Grid, _: &RandomInputSet) -> Vec<String> {
+    fn warnings(&self, grid: &Grid, _: &RandomInputSet) -> Vec<String> {
         let mut warnings = self.notes.clone();
-        warnings.extend(checks::warnings(&self.model));
+        warnings.extend(checks::warnings(&self.model, self.modes(grid)));
         warnings
     }
 
     fn remarks(&self, grid: &Grid) -> String {
-        checks::frequencies(&self.model, &grid.expected)
+        checks::frequencies(&self.model, self.modes(grid))
     }
 
     fn freeze(&self, document: &mut DocumentMut) -> String {

@@ -11,11 +11,11 @@ use serde::{Deserialize, Deserializer, Serialize};
 use stickslip_core::models::matrices::factor::Factor;
 use stickslip_core::models::matrices::model::Matrix;
 use toml::Spanned;
-use toml_edit::{DocumentMut, Item, Value};
+use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use crate::job::diagnosis::Complaint;
 use crate::job::model::written;
-use crate::matrix_files::{self, ReadMatrix};
+use crate::matrix_files;
 
 /// A matrix times a factor: `{ file = "brake.mat", matrix = "K1", factor = "friction / speed" }`, or `matrix = [[2, -1], [-1,
 /// 2]]` without a file.
@@ -95,7 +95,6 @@ pub struct ReadTerm {
     pub matrix: Matrix,
     pub factor: Factor,
     pub file: Option<FileTerm>,
-    pub notes: Vec<String>,
 }
 
 /// Where a matrix came from.
@@ -153,8 +152,7 @@ pub fn read_term(
                 Some(MatrixSpec::Name(name)) => Some(name.as_str()),
                 _ => None,
             };
-            let ReadMatrix { matrix, notes } =
-                matrix_files::read(&path, wanted).map_err(|error| complain(error.to_string()))?;
+            let matrix = matrix_files::read(&path, wanted).map_err(|error| complain(error.to_string()))?;
             let found = digest_of(&matrix);
             if let Some(digest) = digest.as_ref().filter(|digest| **digest != found) {
                 return Err(complain(format!(
@@ -164,10 +162,10 @@ pub fn read_term(
             }
             let path = std::path::absolute(&path).unwrap_or(path);
             let file = FileTerm { file: name.clone(), matrix: spec.get_ref().matrix.clone(), path, digest: found };
-            Ok(ReadTerm { matrix, factor, file: Some(file), notes })
+            Ok(ReadTerm { matrix, factor, file: Some(file) })
         }
         (None, Some(MatrixSpec::Rows(rows))) => {
-            Ok(ReadTerm { matrix: of_rows(rows).map_err(complain)?, factor, file: None, notes: Vec::new() })
+            Ok(ReadTerm { matrix: of_rows(rows).map_err(complain)?, factor, file: None })
         }
         (Some(_), Some(MatrixSpec::Rows(_))) => {
             Err(complain("a file is given beside the rows of a matrix; remove one of the two".to_owned()))
@@ -232,49 +230,29 @@ pub fn freeze(document: &mut DocumentMut, files: &[FileTerm]) -> String {
     for key in ["mass", "damping", "stiffness"] {
         let Some(item) = model.get_mut(key) else { continue };
         if let Some(terms) = item.as_array_mut() {
-            terms
-                .iter_mut()
-                .for_each(|term| freeze_term(&mut Item::Value(term.clone()), files, |frozen| *term = frozen));
+            terms.iter_mut().filter_map(Value::as_inline_table_mut).for_each(|term| locate(term, files));
         } else if let Some(terms) = item.as_array_of_tables_mut() {
-            for table in terms.iter_mut() {
-                let located = locate(table, files);
-                for (name, value) in located {
-                    table.insert(name, Item::Value(value));
-                }
-            }
-        } else if let Some(table) = item.as_table_like_mut() {
-            for (name, value) in locate(table, files) {
-                table.insert(name, Item::Value(value));
-            }
+            terms.iter_mut().for_each(|term| locate(term, files));
+        } else if let Some(term) = item.as_table_like_mut() {
+            locate(term, files);
         }
     }
     if files.is_empty() {
-        String::new()
-    } else {
-        "# model: the matrices are read from their files again, and must have these digests\n".to_owned()
+        return String::new();
     }
+    "# model: the matrices are read from their files again, and must have these digests\n".to_owned()
 }
 
-fn freeze_term(item: &mut Item, files: &[FileTerm], set: impl FnOnce(Value)) {
-    if let Some(table) = item.as_table_like_mut() {
-        for (name, value) in locate(table, files) {
-            table.insert(name, Item::Value(value));
-        }
-    }
-    if let Item::Value(value) = item {
-        set(value.clone());
-    }
-}
-
-/// The keys of a term that say where its file is and what it must be.
-fn locate(table: &dyn toml_edit::TableLike, files: &[FileTerm]) -> Vec<(&'static str, Value)> {
-    let text = |key: &str| table.get(key).and_then(Item::as_str);
+/// Writes into a term where its file is and what it must be.
+fn locate(term: &mut dyn TableLike, files: &[FileTerm]) {
+    let text = |key: &str| term.get(key).and_then(Item::as_str);
     let named = |file: &FileTerm| match &file.matrix {
-        Some(MatrixSpec::Name(name)) => Some(name.clone()),
-        _ => None,
+        Some(MatrixSpec::Name(name)) => text("matrix") == Some(name),
+        _ => text("matrix").is_none(),
     };
-    let file =
-        files.iter().find(|file| text("file") == Some(file.file.as_str()) && text("matrix") == named(file).as_deref());
-    let Some(file) = file else { return Vec::new() };
-    vec![("file", file.path.to_string_lossy().into_owned().into()), ("digest", file.digest.clone().into())]
+    let file = files.iter().find(|file| text("file") == Some(&file.file) && named(file));
+    if let Some(file) = file {
+        term.insert("file", toml_edit::value(file.path.to_string_lossy().into_owned()));
+        term.insert("digest", toml_edit::value(file.digest.clone()));
+    }
 }
