@@ -44,6 +44,9 @@ fn two_masses_flutter_as_their_formula_says() {
     for (mean, p) in table.column("friction").iter().zip(table.column("p_unstable")) {
         assert!((p - above(0.75, *mean)).abs() < 0.012, "{mean} {p}");
     }
+    // The report says nothing of a preset that the model does not have.
+    place.run("report two --out two.html").done();
+    assert!(!std::fs::read_to_string(place.path("two.html")).unwrap().contains("preset sui-ding"));
     // Rare events of it, by the damping ratio as a limit state.
     let rest =
         format!("[axes]\nfriction = [0.5]\n{SCATTER}{CRITERION}[sampling]\nmethod = \"importance\"\nsamples = 4096\n");

@@ -61,7 +61,7 @@ impl LimitMethod {
         }
         if !job.has_closed_form() && !method.answer().is_of_rare_events() {
             return Err(format!(
-                "limits are found with criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" simulates its samples. Submit it: its summary states up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
+                "limits are found where the boundary is known in closed form, as of criterion.kind = \"eigenvalue\", or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" decides its samples one by one. Submit it: its summary states up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
                 job.name
             ));
         }

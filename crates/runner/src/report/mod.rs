@@ -52,6 +52,7 @@ pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, 
     let differences = comparisons.iter().map(|comparison| {
         element("p", "class=\"answer\"", &comparison.summary(&runs[0].path, &runs[comparison.run].path))
     });
+    let has_pad = runs.iter().any(|run| run.values.job.model.as_pad().is_some());
     let parts = [
         ("title", format!("{name}: probability of instability")),
         ("style", STYLE.to_owned()),
@@ -59,7 +60,7 @@ pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, 
         ("answers", all(answered)),
         ("differences", differences.collect()),
         ("computed", all(computed)),
-        ("reconstructed", reconstructed()),
+        ("reconstructed", if has_pad { reconstructed() } else { String::new() }),
         ("verdicts", verdicts(runs)),
         ("version", VERSION.to_owned()),
         ("plotly", LIBRARY_VERSION.to_owned()),
