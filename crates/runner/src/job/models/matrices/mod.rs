@@ -391,7 +391,7 @@ impl Draft for MatrixDraft {
             complaints.push(Complaint::maybe_at(self.tables.model.mass.map(|mass| mass.span()), message));
             return None;
         }
-        let model = MatrixModel::new(read.matrices, criterion);
+        let model = MatrixModel::new(read.matrices, criterion, Solver::Dense);
         let span = self.tables.model.mass.as_ref().map(Spanned::span);
         let model =
             complaints.take(model.map_err(|error| Complaint::maybe_at(span, format!("model.mass: {error}"))))?;
