@@ -143,7 +143,7 @@ mod tests {
     #[ignore = "takes minutes"]
     fn sweeps_of_many_problems_find_what_all_eigenvalues_show() {
         let [changes, several] = compare(1000..6000, 1000);
-        assert!(changes > 2000 && several > 500, "{changes} {several}");
+        assert!(changes > 1500 && several > 500, "{changes} {several}");
     }
 
     /// Two masses without damping: Hoffmann, Fischer, Allgaier and Gaul (2002), D = 4 mu / 3, and Hulten's as Sinou and

@@ -12,6 +12,8 @@ pub mod branches;
 
 pub mod sweep;
 
+pub mod terms;
+
 pub mod quadratic;
 
 mod refine;

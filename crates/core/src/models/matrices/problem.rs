@@ -11,10 +11,10 @@ use super::error::Error;
 use super::full::along::Along;
 use super::full::band::KrylovLimit;
 use super::full::quadratic::{Coefficients, SparseQuadratic};
-use super::model::{Matrices, Matrix, Term};
 use super::quadratic::{DenseQuadratic, QuadraticError};
 use super::region::Region;
 use super::sweep::{Steps, Sweep};
+use super::terms::{Matrices, Matrix, Term};
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// How sweeps with dense matrices look for changes, for which a place costs little.

@@ -4,10 +4,10 @@ use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
 use super::decide::Decider;
-use super::model::{Matrices, OverParameter, Term};
 use super::problem::Problem;
 use super::region::{RESOLUTION, Region, damping_ratio};
 use super::series::ModeSeries;
+use super::terms::{Matrices, OverParameter, Term};
 use crate::model::critical_values::{CriticalValues, UnstableValues};
 use crate::model::decision::Decision;
 use crate::model::quantity::Limits;

@@ -19,12 +19,12 @@
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
-use super::eigenbasis::{ComplexMatrix, Eigenbasis, Split, square_root};
+use super::eigenbasis::{ComplexMatrix, Eigenbasis, Split};
 use super::far::{Followed, SafeChanges};
 use super::pair::Pair;
 use super::perturbation::{Changes, FirstOrder, SecondOrder};
 use super::quadratic::DenseQuadratic;
-use super::region::{Region, magnitude};
+use super::region::{Region, magnitude, square_root};
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// Modes within this part of the highest frequency of a region from it are followed closely.

@@ -1,9 +1,8 @@
 //! All places on a path at which the number of unstable pairs in a band changes.
 
 use super::branches::{Branches, Critical, Followed, Place, Target};
-use super::eigenbasis::square_root;
 use super::error::Error;
-use super::region::{RESOLUTION, Region, damping_ratio};
+use super::region::{RESOLUTION, Region, damping_ratio, magnitude, square_root};
 use crate::model::critical_values::UnstableValues;
 
 /// How a sweep looks for changes.
@@ -276,8 +275,15 @@ fn is_unstable(region: &Region, followed: &Followed) -> bool {
 
 /// Whether a pair may count within a step from where it is.
 fn may_count(region: &Region, followed: &Followed, step: f64) -> bool {
-    let reach = 2.0 * (step * followed.damping_ratio_slope()).abs() + 1e-3;
-    let drift = 2.0 * (step * followed.slope.im).abs() + 1e-3 * region.highest;
+    let size = magnitude(followed.pair.eigenvalue);
+    let change = 2.0 * magnitude(followed.slope * step);
+    let (reach, drift) = if followed.pair.eigenvalue.im == 0.0 {
+        // Two real ones that meet become a pair, whose frequency and damping ratio rise from there as a square root.
+        (2.0 * change / size, change + size)
+    } else {
+        (2.0 * (step * followed.damping_ratio_slope()).abs(), 2.0 * (step * followed.slope.im).abs())
+    };
+    let (reach, drift) = (reach + 1e-3, drift + 1e-3 * region.highest);
     let frequency = followed.pair.eigenvalue.im;
     let is_known = reach.is_finite() && drift.is_finite();
     !is_known
