@@ -14,6 +14,9 @@ const STEPS_PER_SHIFT: usize = 6;
 /// Relative change of an eigenvalue at which it has converged.
 const CONVERGED: f64 = 2e-14;
 
+/// Relative rounding with which an eigenvalue is taken for exact.
+const MOST_ROUNDING: f64 = 1e-10;
+
 /// The rounding of eigenvalues, in parts of the matrices seen through the vectors of a pair.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
@@ -35,8 +38,12 @@ impl Quadratic {
                 for _ in 0..2 {
                     eigenvalue -= newton_step(self, eigenvalue, &right, &left)?;
                 }
-                if magnitude(eigenvalue - before) <= CONVERGED * magnitude(eigenvalue) {
-                    return Some(self.pair(eigenvalue, right, left));
+                let (change, size) = (magnitude(eigenvalue - before), magnitude(eigenvalue));
+                if change <= MOST_ROUNDING * size {
+                    let pair = self.pair(eigenvalue, right.clone(), left.clone());
+                    if change <= (CONVERGED * size).max(pair.error) {
+                        return (pair.error <= MOST_ROUNDING * size).then_some(pair);
+                    }
                 }
             }
         }
@@ -47,21 +54,25 @@ impl Quadratic {
     pub(super) fn pair(
         &self,
         eigenvalue: Eigenvalue,
-        right: DVector<Complex<f64>>,
+        mut right: DVector<Complex<f64>>,
         left: DVector<Complex<f64>>,
     ) -> Pair {
-        let (mut right, mut left) = (right.data.as_vec().clone(), left);
-        normalise(&mut right);
-        let scale = left.dot(&self.derivative_times(eigenvalue, &DVector::from_column_slice(&right)));
-        left /= scale;
+        normalise(right.as_mut_slice());
+        let scale = left.dot(&self.derivative_times(eigenvalue, &right));
         let size = magnitude(eigenvalue);
         let entries = size * size + size * self.damping.amax() + self.stiffness.amax();
-        let left = left.data.as_vec().clone();
+        let left: Vec<Complex<f64>> = left.iter().map(|value| value / scale).collect();
+        let right: Vec<Complex<f64>> = right.data.into();
         let error = ROUNDING * (entries * norm(&left) + size);
         Pair { eigenvalue, right, left, error }
     }
 }
 
+/// `y^T Q(lambda) x / y^T Q'(lambda) x`.
+///
+/// Never inlined: rustc 1.95 compiles it wrongly where it is inlined in an optimised program, so that no iteration
+/// converges. Whoever changes it should see that `conditional` of two damped masses decides thousands of samples a second.
+#[inline(never)]
 fn newton_step(
     problem: &Quadratic,
     at: Eigenvalue,
@@ -73,14 +84,14 @@ fn newton_step(
 }
 
 /// A vector of length 1 along this one.
-fn unit(vector: DVector<Complex<f64>>) -> Option<DVector<Complex<f64>>> {
+fn unit(mut vector: DVector<Complex<f64>>) -> Option<DVector<Complex<f64>>> {
     let largest = vector.iter().map(|value| value.re.abs().max(value.im.abs())).fold(0.0, f64::max);
     if !(largest.is_finite() && largest > 0.0) {
         return None;
     }
-    let scaled = vector / Complex::from(largest);
-    let length = scaled.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
-    Some(scaled / Complex::from(length))
+    vector.iter_mut().for_each(|value| *value = value.unscale(largest));
+    normalise(vector.as_mut_slice());
+    Some(vector)
 }
 
 /// Solves with a factorised matrix and with its transpose.
