@@ -25,6 +25,9 @@ mod interrupt;
 
 mod files;
 
+#[cfg_attr(not(test), expect(dead_code, unused_imports, reason = "job specs name matrices in a later step"))]
+mod matrix_files;
+
 mod version;
 
 mod job;
