@@ -3,25 +3,43 @@
 //! What a file announces is compared with its length before anything is allocated, and all that is read is checked: no
 //! file ends in a panic or with the memory full.
 
-mod abaqus;
-mod align;
-mod binary;
-mod calculix;
-mod entries;
 mod error;
-mod harwell_boeing;
-mod mat;
-mod matrix;
-mod matrix_market;
-mod nastran;
-mod nodes;
-mod npy;
-mod npz;
-mod numbers;
+
 mod source;
-mod substructure;
+
+mod entries;
+
+mod matrix;
+
+mod numbers;
+
 mod text;
+
+mod nodes;
+
+mod binary;
+
+mod mat;
+
+mod matrix_market;
+
 mod zip;
+
+mod npy;
+
+mod npz;
+
+mod abaqus;
+
+mod substructure;
+
+mod nastran;
+
+mod calculix;
+
+mod harwell_boeing;
+
+mod align;
 
 #[cfg(test)]
 mod forged;

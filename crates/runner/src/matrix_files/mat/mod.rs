@@ -3,8 +3,9 @@
 //! A file is a list of elements, one for each variable, perhaps compressed each by itself. Only the heads of variables are
 //! read until the wanted one is found.
 
-mod array;
 mod element;
+
+mod array;
 
 use super::error::Problem;
 use super::matrix::{ReadMatrix, Stored};
