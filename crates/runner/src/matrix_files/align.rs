@@ -121,7 +121,7 @@ impl Common {
         }
         if let Some(places) = free_places {
             if read.degrees_of_freedom.is_none() {
-                read.doubts.push("the file does not name nodes and directions: its rows are taken in the order of nodes, and of directions at a node".to_owned());
+                read.doubts.push("nodes and directions of its rows are not said: they are taken in the order of nodes, and of directions at a node".to_owned());
             }
             read.degrees_of_freedom = Some(places.clone());
         }

@@ -103,6 +103,26 @@ fn files_of_eight_programs_read_alike() {
     }
 }
 
+/// The numbers of entries are those that its authors print (Graebner et al., ZAMM 96 (2016) 1388). Five of the matrices have
+/// a stored zero among them, the last one on the diagonal, which reading leaves out.
+#[test]
+fn the_brake_of_tu_berlin_has_the_entries_that_its_authors_print() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../jobs/tu-brake/tu-brake.mat");
+    for (name, entries, zeros) in [
+        ("M", 93_207, 0),
+        ("D1", 5683, 1),
+        ("DG", 66_643, 1),
+        ("DR", 5683, 1),
+        ("D4", 23_885, 1),
+        ("K1", 280_845, 0),
+        ("KR", 21_646, 1),
+        ("KGEO", 280_871, 0),
+    ] {
+        let matrix = read(&path, Some(name)).unwrap().matrix;
+        assert_eq!((matrix.nrows(), matrix.compute_nnz() + zeros), (4669, entries), "{name}");
+    }
+}
+
 /// The degrees of freedom of the model.
 fn places() -> Vec<(i64, u32)> {
     NODES.iter().flat_map(|node| [(*node, 1), (*node, 3)]).collect()

@@ -144,7 +144,7 @@ pub fn grouped(terms: &[Term], said: impl Fn(&ReadMatrix) -> &[String]) -> Vec<S
             }
         }
     }
-    groups.into_iter().map(|(text, keys)| format!("model: {}: {text}", keys.join(", "))).collect()
+    groups.into_iter().map(|(text, keys)| format!("model.{}: {text}", keys.join(", model."))).collect()
 }
 
 /// Parameters that change nothing.

@@ -25,7 +25,7 @@ use crate::matrix_files::{self, ReadMatrix};
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TermSpec {
-    /// The file with the matrix, beside the job; [the formats](../how-to/matrices.md#files).
+    /// The file with the matrix, beside the job. Its format is found by its content.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     file: Option<String>,
     /// The name of the matrix in its file, where that has several; or its rows.
@@ -254,20 +254,17 @@ fn digest_of(read: &ReadMatrix) -> String {
     let mut add = |value: u64| {
         hasher.update(&value.to_le_bytes());
     };
-    add(read.matrix.nrows() as u64);
-    for entry in read.matrix.triplet_iter() {
+    let matrix = &read.matrix;
+    [matrix.nrows() as u64, matrix.compute_nnz() as u64].into_iter().for_each(&mut add);
+    for entry in matrix.triplet_iter() {
         [entry.row as u64, entry.col as u64, entry.val.to_bits()].into_iter().for_each(&mut add);
     }
-    for (node, direction) in read.degrees_of_freedom.iter().flatten() {
+    let places = read.degrees_of_freedom.as_deref().unwrap_or_default();
+    [u64::from(read.has_size), places.len() as u64].into_iter().for_each(&mut add);
+    for (node, direction) in places {
         [node.cast_unsigned(), u64::from(*direction)].into_iter().for_each(&mut add);
     }
-    // What is held, and a size that is not known, are counted from the end of all numbers, where there are no entries.
-    for row in &read.constrained {
-        add(!(*row as u64));
-    }
-    if !read.has_size {
-        add(u64::MAX);
-    }
+    read.constrained.iter().for_each(|row| add(*row as u64));
     hasher.finalize().to_hex()[..32].to_owned()
 }
 
