@@ -183,7 +183,6 @@ pub fn from_columns(size: usize, starts: Vec<usize>, rows: Vec<u32>, values: Vec
 
 /// Sorts the rows of each column, adds what is given twice and leaves out zeros. Says which entry was the first to be given
 /// twice.
-#[expect(clippy::type_complexity, reason = "used in this file alone")]
 fn tidied(
     size: usize,
     mut starts: Vec<usize>,

@@ -47,7 +47,7 @@ pub fn read<'a>(
     let mut reader = Reader::new(folder, parameters);
     // All are read before any is missed, so that every mistake is named.
     let terms: Vec<Option<Term>> =
-        specs.into_iter().map(|(key, spec)| complaints.take(reader.read(key, spec))).collect();
+        specs.into_iter().map(|(key, spec)| complaints.take(reader.read(&key, spec))).collect();
     let terms: Vec<Term> = terms.into_iter().collect::<Option<_>>()?;
     if terms.len() == stiffness_from {
         let message = "missing key `stiffness` in [model]: the terms of the stiffness matrix";

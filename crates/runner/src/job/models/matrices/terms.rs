@@ -157,7 +157,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a term: its matrix and its factor.
-    pub fn read(&mut self, key: String, spec: &Spanned<TermSpec>) -> Result<Term, Complaint> {
+    pub fn read(&mut self, key: &str, spec: &Spanned<TermSpec>) -> Result<Term, Complaint> {
         let complain = |message: String| Complaint::at(spec.span(), format!("model.{key}: {message}"));
         let TermSpec { file, matrix, factor, digest } = spec.get_ref();
         let factor = match factor {
@@ -172,7 +172,7 @@ impl<'a> Reader<'a> {
                 complain(format!("factor = \"{text}\": {error} ({known})"))
             })?,
         };
-        let head = |factor| Head { key: key.clone(), span: spec.span(), factor };
+        let head = |factor| Head { key: key.to_owned(), span: spec.span(), factor };
         match (file, matrix) {
         (Some(name), None | Some(MatrixSpec::Name(_))) => {
             let path = self.folder.join(name);
