@@ -24,7 +24,7 @@ import parts
 from wheel import BILL, LICENCES, name_of_program
 
 #: What a user reads or runs besides the program. The README is that of the archive.
-DOCUMENTS = ["CHANGELOG.md", "CITATION.cff", "LICENSE-*", "jobs/*.toml", "jobs/*.csv"]
+DOCUMENTS = ["CHANGELOG.md", "CITATION.cff", "LICENSE-*", "jobs/**/*"]
 
 #: What lists the digests of all other files.
 CHECKSUMS = "SHA256SUMS"
@@ -43,11 +43,13 @@ def fill(folder: Path, wheel: Path, host_program: str) -> None:
     writer = str(program) if host_program == "-" else host_program
     share = parts.REPOSITORY / "packaging" / "share.sh"
     subprocess.run([str(share), writer, str(folder / "share")], check=True)
-    (folder / "jobs").mkdir()
     shutil.copyfile(parts.REPOSITORY / "packaging" / "README.md", folder / "README.md")
     for pattern in DOCUMENTS:
         for path in parts.REPOSITORY.glob(pattern):
-            shutil.copyfile(path, folder / path.relative_to(parts.REPOSITORY))
+            if path.is_file():
+                copy = folder / path.relative_to(parts.REPOSITORY)
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(path, copy)
     files = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
     _write(folder / CHECKSUMS, "".join(f"{_digest(folder / name)}  {name}\n" for name in files))
 

@@ -21,9 +21,12 @@ NOTICE = re.compile(r"(un)?licen[cs]e|copying|copyright|notice", re.IGNORECASE)
 #: Folders of a crate whose files are not part of a program that uses it.
 ASIDE = {"tests", "test", "examples", "benches", "fuzz", "docs", "target"}
 
-#: Licences whose text is the same whoever grants it, for crates that come without one. Reviewed: the text of the Apache
-#: licence holds no name of an author. That of MIT does, so a crate under it must bring its own.
-STANDARD = {"Apache-2.0": "LICENSE-APACHE"}
+#: The files of this repository with texts of licences, for crates that come without their own. The text of the Apache
+#: licence holds no name of an author. That of MIT does: it is given the authors that the crate names.
+STANDARD = {"Apache-2.0": "LICENSE-APACHE", "MIT": "LICENSE-MIT"}
+
+#: The names of notices of work that a crate took over from others, such as COPYING.LAPACK.BSD.
+TAKEN_OVER = re.compile(r".*\.[A-Z][A-Z0-9_]*\.[A-Z][A-Z0-9]*")
 
 
 class PackagingError(Exception):
@@ -64,7 +67,9 @@ def crates(bill: dict[str, Any]) -> list[Part]:
         if package["source"] is not None:
             [licence] = component["licenses"]
             part = Part(component["name"], component["version"], licence["expression"], component["purl"])
-            part.texts = notices(Path(package["manifest_path"]).parent) or _standard(part)
+            part.texts = notices(Path(package["manifest_path"]).parent)
+            if all(TAKEN_OVER.fullmatch(name) for name in part.texts):
+                part.texts |= _standard(part, package["authors"])
             found.append(part)
     return sorted(found, key=lambda part: (part.name, part.version))
 
@@ -135,17 +140,20 @@ def notices(folder: Path) -> dict[str, str]:
 
 
 def _suffixes(name: str) -> set[str]:
-    """What stands behind the last dot of a name such as LICENSE-Apache-2.0, where it is none of a kind of file."""
+    """What stands behind the last dot of a name such as LICENSE-Apache-2.0 or COPYING.LAPACK.BSD, where it is none of a kind
+    of file."""
     suffix = Path(name).suffix
-    return {suffix.lower()} if re.match(r"\.[0-9]", suffix) else set()
+    return {suffix.lower()} if re.match(r"\.[0-9]", suffix) or TAKEN_OVER.fullmatch(name) else set()
 
 
-def _standard(part: Part) -> dict[str, str]:
+def _standard(part: Part, authors: list[str]) -> dict[str, str]:
     """The text of a licence for a crate that brings none, if it lets itself be passed on under one of `STANDARD`."""
     choices = re.split(r"\s+OR\s+", part.licence.strip("()"))
+    holders = ", ".join(authors) or f"the authors of {part.name}"
     for licence, file in STANDARD.items():
         if licence in choices:
-            return {licence: _text(REPOSITORY / file)}
+            text = _text(REPOSITORY / file)
+            return {licence: re.sub(r"^Copyright \(c\).*$", f"Copyright (c) {holders}", text, flags=re.MULTILINE)}
     allowed = ", ".join(STANDARD)
     raise PackagingError(
         f"{part.name} {part.version} ({part.licence}) brings no text of its licence, and none of {allowed} applies"

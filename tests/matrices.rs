@@ -11,7 +11,9 @@ use stickslip_core::model::quantity::Limits;
 use stickslip_core::model::verdict::Verdict;
 use stickslip_core::model::{Columns, Model};
 use stickslip_core::models::matrices::factor::Factor;
-use stickslip_core::models::matrices::model::{ComplexEigenvalue, Matrices, Matrix, MatrixModel, Parameter, Term};
+use stickslip_core::models::matrices::model::{ComplexEigenvalue, MatrixModel};
+use stickslip_core::models::matrices::problem::Solver;
+use stickslip_core::models::matrices::terms::{Matrices, Matrix, Parameter, Term};
 
 use common::{Place, Table, repository, submitted};
 
@@ -141,7 +143,7 @@ fn verdicts_are_those_of_lapack() {
             parameters: vec![parameter],
         };
         let criterion = ComplexEigenvalue { bands: vec![[number(3), number(4)]], damping_ratio: number(5) };
-        let model = MatrixModel::new(Arc::new(model), criterion).unwrap();
+        let model = MatrixModel::new(Arc::new(model), criterion, Solver::Dense).unwrap();
         let expected = if &row[6] == "1" { Verdict::Unstable } else { Verdict::Stable };
         unstable += usize::from(expected == Verdict::Unstable);
         let sample: &[f64] = &[1.0];

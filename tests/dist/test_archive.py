@@ -46,7 +46,7 @@ def test_it_holds_what_it_should(folder: Path) -> None:
     ]:
         assert (folder / name).stat().st_size > 0, name
     copied = ["CHANGELOG.md", "CITATION.cff", "LICENSE-MIT", "LICENSE-APACHE"]
-    copied += [f"jobs/{path.name}" for path in (REPOSITORY / "jobs").iterdir()]
+    copied += [path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "jobs").rglob("*") if path.is_file()]
     for name in copied:
         assert (folder / name).read_bytes() == (REPOSITORY / name).read_bytes(), name
 

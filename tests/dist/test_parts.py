@@ -51,21 +51,37 @@ def test_what_is_no_crate_has_its_licence(folder: Path) -> None:
 
 def test_a_crate_without_a_text_is_refused_unless_its_licence_has_a_standard_text(tmp_path: Path) -> None:
     assert parts.notices(tmp_path) == {}
-    part = parts.Part("one", "1.0.0", "MIT", "pkg:cargo/one@1.0.0")
-    with pytest.raises(parts.PackagingError, match="one 1.0.0 .MIT. brings no text"):
-        parts._standard(part)
+    part = parts.Part("one", "1.0.0", "BSD-3-Clause", "pkg:cargo/one@1.0.0")
+    with pytest.raises(parts.PackagingError, match="one 1.0.0 .BSD-3-Clause. brings no text"):
+        parts._standard(part, ["A. Author"])
     part.licence = "MIT OR Apache-2.0"
-    assert "Apache License" in parts._standard(part)["Apache-2.0"]
+    assert "Apache License" in parts._standard(part, [])["Apache-2.0"]
+    # The text of MIT names who holds the rights, and that is not this project.
+    part.licence = "MIT"
+    for authors, holder in [(["A. Author", "B. Author"], "A. Author, B. Author"), ([], "the authors of one")]:
+        text = parts._standard(part, authors)["MIT"]
+        assert f"Copyright (c) {holder}\n" in text
+        assert "Permission is hereby granted, free of charge" in text
+        assert "stickslip" not in text
     # Not where another licence holds besides.
     part.licence = "Apache-2.0 AND MIT"
     with pytest.raises(parts.PackagingError):
-        parts._standard(part)
+        parts._standard(part, [])
+
+
+def test_a_crate_with_notices_of_others_alone_gets_the_text_of_its_own_licence(folder: Path) -> None:
+    text = (folder / "THIRD-PARTY-LICENSES").read_text()
+    entry = text[text.index("\nfaer 0.") :]
+    entry = entry[: entry.index("\n\n")]
+    for name in ["COPYING.EIGEN.MPL2", "COPYING.LAPACK.BSD", "COPYING.SUITE_SPARSE.COLAMD.BSD", "MIT"]:
+        assert f"    {name}: text " in entry, entry
 
 
 def test_notices_are_found_and_sources_are_not(tmp_path: Path) -> None:
     for name in [
         "LICENSE-MIT",
         "COPYING",
+        "COPYING.LAPACK.BSD",
         "NOTICE.txt",
         "UNLICENSE",
         "LICENSE-Apache-2.0_WITH_LLVM-exception",
@@ -80,6 +96,7 @@ def test_notices_are_found_and_sources_are_not(tmp_path: Path) -> None:
     found = parts.notices(tmp_path)
     assert sorted(found) == [
         "COPYING",
+        "COPYING.LAPACK.BSD",
         "LICENSE-Apache-2.0_WITH_LLVM-exception",
         "LICENSE-MIT",
         "NOTICE.txt",

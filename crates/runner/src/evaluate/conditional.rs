@@ -1,12 +1,14 @@
-//! Samples of the inputs other than the pair of the model: the probability of instability over these two, given the
-//! others.
+//! Samples of the inputs other than the pair of the model, or than the one input with critical values: the probability of
+//! instability over these, given the others.
 
+use std::iter;
 use std::ops::Range;
 
 use stickslip_core::model::verdict::Verdict;
 use stickslip_core::model::{Configuration, ModelError};
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::{Correlation, InputDistribution};
+use stickslip_sampler::integrate::one_input;
 use stickslip_sampler::integrate::pair::Pair;
 use stickslip_sampler::rare::points::{ConditionalProbability, Integrand, Points};
 
@@ -26,25 +28,37 @@ const HALF: f64 = 0.5;
 pub struct Conditional {
     /// The positions of the inputs that are drawn.
     others: Vec<usize>,
-    /// The correlation of these, followed by the pair.
+    /// The position of the one input that is integrated over, where that is not the pair.
+    one: Option<usize>,
+    /// The correlation of the inputs that are drawn, followed by what is integrated over.
     correlation: Correlation,
+}
+
+/// What is integrated over.
+enum Integrated {
+    Pair {
+        pair: Pair,
+        /// Expected values.
+        expected: [f64; 2],
+    },
+    One(InputDistribution),
 }
 
 /// The samples of one cell.
 pub(super) struct ConditionalCell<'a> {
     conditional: &'a Conditional,
     distributions: Vec<InputDistribution>,
-    pair: Pair,
+    integrated: Integrated,
     configuration: Box<dyn Configuration>,
-    /// Expected values of the pair.
-    expected: [f64; 2],
 }
 
 impl Conditional {
-    /// Prepares a job; `None` if it draws the pair.
+    /// Prepares a job; `None` if it draws all inputs.
     pub fn new(job: &Job) -> Option<Self> {
-        let correlation = job.integrates_pair().then(|| job.random.correlation_with_pair_last().ok())??;
-        Some(Self { others: job.random.others(), correlation })
+        let integrated = job.integrated();
+        let correlation = job.integrates_at_samples().then(|| job.random.correlation_with_last(integrated).ok())??;
+        let one = integrated.and_then(|place| job.random.position(place));
+        Some(Self { others: job.random.others(integrated), one, correlation })
     }
 
     /// The number of inputs that are drawn.
@@ -71,8 +85,8 @@ impl Conditional {
         let stream = job.deviates(self.others.len(), job.points());
         let mut deviates = stream.start(cell.index, randomisation as u64, samples.start);
         let mut columns = vec![Vec::new(); self.others.len()];
-        // Two zeros stand for the pair, of which only the law is asked for.
-        let mut sample = vec![0.0; self.others.len() + 2];
+        // Zeros stand for what is integrated over, of which only the law is asked for.
+        let mut sample = vec![0.0; self.correlation.inputs()];
         let mut first = samples.start;
         while first < samples.end {
             if is_stopped() {
@@ -99,29 +113,47 @@ impl Conditional {
 impl<'a> ConditionalCell<'a> {
     pub(super) fn new(conditional: &'a Conditional, job: &Job, cell: &Cell) -> Result<Self, ModelError> {
         let others = || conditional.others.iter();
-        let pair = job.model().pair().unwrap_or_default();
+        let (first, integrated) = match conditional.one {
+            Some(position) => (vec![job.random.inputs[position]], Integrated::One(job.distribution(position, cell))),
+            None => {
+                let pair = job.model().pair().unwrap_or_default();
+                let expected = pair.map(|place| cell.expected[place]);
+                (pair.to_vec(), Integrated::Pair { pair: job.pair(cell), expected })
+            }
+        };
         let varying: Vec<usize> =
-            pair.into_iter().chain(others().map(|&position| job.random.inputs[position])).collect();
+            first.into_iter().chain(others().map(|&position| job.random.inputs[position])).collect();
         Ok(Self {
             conditional,
             distributions: others().map(|&position| job.distribution(position, cell)).collect(),
-            pair: job.pair(cell),
+            integrated,
             configuration: job.model().configure(&cell.expected, &varying, None)?,
-            expected: pair.map(|place| cell.expected[place]),
         })
     }
 
-    /// The probability of instability given the independent deviates of the other inputs, followed by two zeros for
-    /// the pair; all are replaced. `None` if a value is not admissible.
+    /// The probability of instability given the independent deviates of the other inputs, followed by zeros for what is
+    /// integrated over; all are replaced. `None` if a value is not admissible.
     pub(super) fn probability(&self, deviates: &mut [f64]) -> Option<f64> {
-        let Conditional { others, correlation } = self.conditional;
-        let law = correlation.law_of_last_two(&deviates[..others.len()]);
+        let Conditional { others, correlation, .. } = self.conditional;
+        let free = deviates[..others.len()].to_vec();
         correlation.apply(deviates);
         let drawn = self.distributions.iter().zip(&*deviates).map(|(input, deviate)| input.value(*deviate));
-        let values: Vec<f64> = self.expected.into_iter().chain(drawn).collect();
-        let boundary = self.configuration.closed_form()?.boundary_of(&values)?;
+        let probability = match &self.integrated {
+            Integrated::Pair { pair, expected } => {
+                let values: Vec<f64> = expected.iter().copied().chain(drawn).collect();
+                let boundary = self.configuration.closed_form()?.boundary_of(&values)?;
+                pair.probability(&boundary, &correlation.law_of_last_two(&free), TOLERANCE)
+            }
+            Integrated::One(input) => {
+                let law = correlation.law_of_last(&free);
+                let values: Vec<f64> = iter::once(input.value(0.0)).chain(drawn).collect();
+                let within = one_input::reach(input, law);
+                let unstable = self.configuration.critical_values()?.unstable(&values, 0, within)?;
+                one_input::probability(input, law, &unstable).value
+            }
+        };
         deviates[others.len()..].fill(0.0);
-        Some(self.pair.probability(&boundary, &law, TOLERANCE))
+        Some(probability)
     }
 }
 
@@ -142,7 +174,8 @@ pub(super) fn integrand<'a>(
                 return None;
             }
             sample.clear();
-            sample.extend(point.iter().chain(&[0.0; 2]));
+            sample.extend(point.iter());
+            sample.resize(conditional.correlation.inputs(), 0.0);
             values.push(of_cell.as_ref().and_then(|of_cell| of_cell.probability(&mut sample)));
         }
         Some(values)

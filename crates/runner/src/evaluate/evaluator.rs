@@ -26,6 +26,7 @@ use crate::evaluate::rare_events::RareEvents;
 use crate::evaluate::samples::{Drawing, Samples};
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
+use crate::evaluate::unstable_values::UnstableValuesOfInput;
 use crate::failure::Failure;
 use crate::job::{Audit, Effort, Job, OutsidePhysics};
 use stickslip_core::model::IsStopped;
@@ -39,6 +40,8 @@ pub struct Evaluator<'a> {
     pub(super) parts: Parts,
     pub(super) criteria: Criteria,
     pub(super) maps: Maps,
+    /// Of the one input that integrals go over, where the model knows critical values.
+    pub(super) unstable_values: UnstableValuesOfInput,
     layout: SumLayout,
     pub(super) chunk: usize,
     /// In jobs that integrate over the pair of the model at every sample.
@@ -73,6 +76,7 @@ impl<'a> Evaluator<'a> {
             parts: Parts::new(job),
             criteria,
             maps: Maps::new(job),
+            unstable_values: UnstableValuesOfInput::default(),
             layout: SumLayout::for_job(job),
             chunk: if is_closed { CHUNK_SAMPLES } else { SIMULATED_CHUNK },
             conditional,

@@ -85,6 +85,13 @@ impl Evaluator<'_> {
             let estimate = Estimate { probability: Some(exact.value), low, high };
             return IntegratedCell { estimate, derivatives, ..IntegratedCell::unknown() };
         }
+        if let Some(place) = self.job.integrated() {
+            let found = self.unstable_values.probability(self.job, cell, place);
+            let Some(exact) = found else { return IntegratedCell::unknown() };
+            let [low, high] = exact.bounds();
+            let estimate = Estimate { probability: Some(exact.value), low, high };
+            return IntegratedCell { estimate, ..IntegratedCell::unknown() };
+        }
         let mapped = regions[index].probability(&pair);
         let estimate = Estimate { probability: mapped.value, low: mapped.low, high: mapped.high };
         let BoundedProbability { derivatives, undecided, .. } = mapped;

@@ -14,6 +14,7 @@ use stickslip_sampler::limits::sweep::{SortedSweep, Sweep};
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::open_cell::{Open, OpenCell};
 use crate::evaluate::randomised;
+use crate::evaluate::unstable_values::UnstableValuesOfInput;
 use crate::evaluate::weighted_limits::{CombinationLimits, Ended, WeightedSearch};
 use crate::job::{Effort, Job, LimitAxis, LimitMethod, OutsidePhysics};
 use stickslip_core::model::IsStopped;
@@ -44,7 +45,7 @@ pub fn scanned(axis: &LimitAxis, method: LimitMethod) -> Option<Vec<f64>> {
     let intervals = match method {
         LimitMethod::Integral => INTERVALS[0],
         LimitMethod::MapIntegral => INTERVALS[1],
-        LimitMethod::Samples | LimitMethod::WeightedSamples => INTERVALS[2],
+        LimitMethod::OneInput | LimitMethod::Samples | LimitMethod::WeightedSamples => INTERVALS[2],
         LimitMethod::CriticalValues(_) => return None,
     };
     Some(scanned_values(&axis.values, intervals))
@@ -81,6 +82,21 @@ impl<'a> LimitSearch<'a> {
                     Ok(Estimate { probability: Some(found.value), low, high })
                 };
                 self.scan(targets, TOLERANCES[0], &[], estimate)
+            }
+            LimitMethod::OneInput => {
+                let unstable = UnstableValuesOfInput::default();
+                let estimate = |value: f64| {
+                    go_on()?;
+                    let mut place = self.job.grid.cell(cell);
+                    place.expected[self.axis.quantity] = value;
+                    let input = self.job.integrated().unwrap_or_default();
+                    let found = unstable.probability(self.job, &place, input);
+                    Ok(found.map_or(Estimate { probability: None, low: 0.0, high: 1.0 }, |found| {
+                        let [low, high] = found.bounds();
+                        Estimate { probability: Some(found.value), low, high }
+                    }))
+                };
+                self.scan(targets, TOLERANCES[1], &[], estimate)
             }
             LimitMethod::MapIntegral => {
                 let (place, index) = (self.job.grid.cell(cell), self.job.grid.configuration_index(cell));

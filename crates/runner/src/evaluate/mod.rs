@@ -17,6 +17,8 @@ pub mod unit;
 
 pub mod conditional;
 
+pub mod unstable_values;
+
 pub mod rare_events;
 
 pub mod evaluator;

@@ -9,7 +9,7 @@ use toml::de::DeTable;
 
 use super::diagnosis::{Complaint, Complaints};
 use super::imprecise_values::{ImpreciseValue, Values, What, find, put};
-use super::model::Draft;
+use super::model::{Boundary, Draft};
 use super::models;
 use super::reading;
 use super::sampling_spec::SamplingMethod;
@@ -221,7 +221,7 @@ impl Family<'_, '_> {
                 self.complaints.push(Complaint::at(span, message));
             }
         }
-        if draft.has_closed_form() == Some(false) {
+        if draft.boundary().is_some_and(|boundary| boundary != Boundary::ClosedForm) {
             let message =
                 format!("{because} need criterion.kind = \"eigenvalue\", whose boundary is known in closed form");
             let span = draft.criterion_span().unwrap_or_else(|| first.span.clone());

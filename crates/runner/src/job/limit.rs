@@ -19,6 +19,8 @@ const MOST_SAMPLES: u64 = 10_000_000;
 pub enum LimitMethod {
     /// From the integrated probability, whose boundary is known in closed form.
     Integral,
+    /// From the probability over the one random input, whose critical values are found.
+    OneInput,
     /// From the integral over a verdict map.
     MapIntegral,
     /// From the critical values of all samples, along this quantity of the pair.
@@ -56,12 +58,14 @@ impl LimitMethod {
                     job.axes_of(Role::Input).collect::<Vec<_>>().join(" and ")
                 )),
                 (MapUse::Integrate, Some(_)) => Ok(Self::MapIntegral),
+                _ if job.integrated().is_some() => Ok(Self::OneInput),
                 _ => Ok(Self::Integral),
             };
         }
-        if !job.has_closed_form() && !method.answer().is_of_rare_events() {
+        let is_smooth = job.has_closed_form() || method.answer() == Answer::Probability;
+        if !is_smooth && !method.answer().is_of_rare_events() {
             return Err(format!(
-                "limits are found where the boundary is known in closed form, as of criterion.kind = \"eigenvalue\", or with sampling.method = \"exact\" or \"importance\"; the job \"{}\" decides its samples one by one. Submit it: its summary states up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
+                "limits are found where the boundary is known in closed form, as of criterion.kind = \"eigenvalue\", or with sampling.method = \"exact\", \"conditional\" or \"importance\" where the model allows it; the job \"{}\" decides its samples one by one. Submit it: its summary states up to which values of its axes the probability is below 1 %, 5 % and 50 %, and surface.parquet has p_high of every cell",
                 job.name
             ));
         }

@@ -109,14 +109,25 @@ pub struct Parts<'a> {
     pub random: Option<&'a RandomInputSet>,
 }
 
+/// What is known of the boundary of stability.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Boundary {
+    /// It is a curve over the pair of the model, in closed form.
+    ClosedForm,
+    /// Critical values of any one quantity can be found.
+    CriticalValues,
+    /// Verdicts alone.
+    Verdicts,
+}
+
 /// A model that is being checked: its tables as written, and what is known of them so far. The methods are called in the
 /// order in which they stand here; each complains about what it refuses.
 pub trait Draft {
     /// Its quantities. They are known although values may be refused.
     fn quantities(&self) -> &[Quantity];
 
-    /// Whether its criterion decides in closed form, if it says which one it is.
-    fn has_closed_form(&self) -> Option<bool>;
+    /// What its criterion knows of the boundary of stability, if it says which one it is.
+    fn boundary(&self) -> Option<Boundary>;
 
     /// Where the text says which criterion it is.
     fn criterion_span(&self) -> Option<Range<usize>> {

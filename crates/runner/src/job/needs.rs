@@ -15,9 +15,11 @@ pub enum Need {
     Pair,
     /// No random inputs but the pair.
     PairAlone,
-    /// The boundary of stability in closed form.
+    /// The boundary of stability in closed form, or critical values of one input.
     ClosedForm,
-    /// One of the pair among the random inputs.
+    /// One random input, and no other.
+    OneInput,
+    /// One of the pair among the random inputs, or critical values of one of them.
     OneOfPair,
     /// Random inputs other than the pair.
     Others,
@@ -65,24 +67,39 @@ impl Need {
     /// What is missing, as a sentence up to its remedy; `None` if nothing is.
     pub fn lack(self, model: &dyn Model, inputs: &RandomInputSet) -> Option<String> {
         let pair = pair_names(model);
-        let others = inputs.others();
+        let integrated = model.integrated(&inputs.inputs);
+        let others = inputs.others(integrated);
         match self {
             Self::Pair => model.pair().is_none().then(|| {
                 "needs a boundary of stability that is a curve over a pair of quantities, and this model has no such pair; ".to_owned()
             }),
+            Self::OneInput => match inputs.inputs[..] {
+                [_] => None,
+                [] => Some(format!(
+                    "integrates over one random input, and random.inputs lists none; add one, for example inputs = [{}], or ",
+                    example_inputs(model)
+                )),
+                _ => Some(format!(
+                    "integrates over one random input; random.inputs lists {}; ",
+                    inputs.inputs.len()
+                )),
+            },
             Self::PairAlone => inputs.other().map(|other| {
                 let name = &model.quantities()[other].name;
                 format!("knows the boundary of stability as a curve over {pair}; random.inputs also lists {name}; ")
             }),
-            Self::ClosedForm => (!model.has_closed_form()).then(|| {
+            Self::ClosedForm => (!model.has_closed_form() && integrated.is_none()).then(|| {
                 format!("integrates over {pair} where the boundary of stability is known in closed form: with criterion.kind = \"eigenvalue\". For this criterion ")
             }),
-            Self::OneOfPair => (inputs.pair() == [None, None])
+            Self::OneOfPair => (inputs.pair() == [None, None] && integrated.is_none())
                 .then(|| format!("integrates over {pair}, and random.inputs lists neither; ")),
             Self::Others => others.is_empty().then(|| {
-                format!("draws the inputs other than {pair}, and random.inputs lists none; method = \"exact\" integrates over these two without samples; otherwise ")
+                match integrated {
+                    Some(place) => format!("draws the inputs other than {}, and random.inputs lists none; method = \"exact\" integrates over it without samples; otherwise ", model.quantities()[place].name),
+                    None => format!("draws the inputs other than {pair}, and random.inputs lists none; method = \"exact\" integrates over these two without samples; otherwise "),
+                }
             }),
-            Self::SeparatePair => inputs.correlation_with_pair_last().err().map(|error| {
+            Self::SeparatePair => inputs.correlation_with_last(integrated).err().map(|error| {
                 format!("cannot separate these inputs: {error}; lower the coefficients of random.correlation, or ")
             }),
             Self::IndependentNormal => (!inputs.is_plain()).then(|| {

@@ -88,25 +88,35 @@ impl RandomInputSet {
         self.of_pair
     }
 
-    /// The positions of the inputs other than the pair.
-    pub fn others(&self) -> Vec<usize> {
-        (0..self.inputs.len()).filter(|&position| !self.of_pair.contains(&Some(position))).collect()
+    /// The positions of what integrals go over: the input that is the quantity at a place, or the pair, which may be random
+    /// or not.
+    fn integrated(&self, one: Option<usize>) -> Vec<Option<usize>> {
+        match one {
+            Some(place) => vec![self.position(place)],
+            None => self.of_pair.to_vec(),
+        }
     }
 
-    /// The correlation of the inputs other than the pair, followed by these two, which may be random or not.
+    /// The positions of the inputs other than the quantity at a place, or else than the pair.
+    pub fn others(&self, one: Option<usize>) -> Vec<usize> {
+        let integrated = self.integrated(one);
+        (0..self.inputs.len()).filter(|&position| !integrated.contains(&Some(position))).collect()
+    }
+
+    /// The correlation of the inputs other than the quantity at a place, or else than the pair, followed by what integrals
+    /// go over.
     ///
     /// # Errors
     /// A matrix that is not positive definite in this order, as rounding may have it.
-    pub fn correlation_with_pair_last(&self) -> Result<Correlation, CorrelationError> {
-        let others = self.others();
-        let pair = self.pair();
+    pub fn correlation_with_last(&self, one: Option<usize>) -> Result<Correlation, CorrelationError> {
+        let (others, integrated) = (self.others(one), self.integrated(one));
         let place = |position: usize| {
-            let of_pair = pair.iter().position(|own| *own == Some(position)).map(|place| others.len() + place);
-            of_pair.or_else(|| others.iter().position(|other| *other == position)).unwrap_or_default()
+            let last = integrated.iter().position(|own| *own == Some(position)).map(|place| others.len() + place);
+            last.or_else(|| others.iter().position(|other| *other == position)).unwrap_or_default()
         };
         let pairs: Vec<(usize, usize, f64)> =
             self.pairs.iter().map(|&(first, second, rho)| (place(first), place(second), rho)).collect();
-        Correlation::new(others.len() + 2, &pairs)
+        Correlation::new(others.len() + integrated.len(), &pairs)
     }
 
     /// Whether the input at a position has measured values, with a standard deviation of their own.
@@ -116,7 +126,7 @@ impl RandomInputSet {
 
     /// The first input that is not of the pair: then samples are not distinguished by these two.
     pub fn other(&self) -> Option<usize> {
-        self.others().first().map(|&position| self.inputs[position])
+        self.others(None).first().map(|&position| self.inputs[position])
     }
 
     /// The positions of inputs whose standard deviation is not relative to their expected value.

@@ -9,7 +9,7 @@ use toml::Spanned;
 use super::diagnosis::{Complaint, Complaints};
 use super::method::{MapUse, Method, Sampling};
 use super::methods::{Chosen, method};
-use super::model::JobModel;
+use super::model::{Boundary, JobModel};
 use super::needs::{Asked, Need};
 use super::random::RandomInputSet;
 use super::sampling_key::{Key, is_true};
@@ -25,16 +25,17 @@ impl Sampling {
     pub fn validate(
         spec: &SamplingSpec,
         others: Option<(&RandomInputSet, &dyn JobModel)>,
-        has_closed_form: Option<bool>,
+        boundary: Option<Boundary>,
         cells: Option<u64>,
         complaints: &mut Complaints,
     ) -> Option<Self> {
         let before = complaints.len();
-        let method = method(spec, has_closed_form == Some(true));
+        let boundary = boundary.unwrap_or(Boundary::Verdicts);
+        let method = method(spec, boundary);
         let cells = cells.unwrap_or(1);
         // Which keys have a meaning depends on these two.
         if !["method", "evaluate"].iter().any(|key| complaints.has_unread(&["sampling", key])) {
-            let chosen = Chosen { method, has_closed_form: has_closed_form == Some(true), others };
+            let chosen = Chosen { method, boundary, others };
             spec.foreign_keys(chosen).into_iter().for_each(|complaint| complaints.push(complaint));
         }
         let confidence = complaints.take(spec.checked_confidence(cells));
@@ -44,7 +45,7 @@ impl Sampling {
         if complaints.len() > before || complaints.has_unread(&["sampling"]) {
             return None;
         }
-        let has_maps = has_closed_form != Some(true) && method.map_use_with(spec.evaluate_mode()) != MapUse::Nothing;
+        let has_maps = boundary == Boundary::Verdicts && method.map_use_with(spec.evaluate_mode()) != MapUse::Nothing;
         let checked = Checked { confidence: confidence?, samples: samples?, audit: audit?, until: until? };
         let sampling = spec.resolved(method, has_maps, checked, cells);
         let sampling = complaints.take(sampling)?;

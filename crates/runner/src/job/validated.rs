@@ -196,16 +196,22 @@ impl Job {
         self.sampling.samples > 0
     }
 
-    /// Whether the pair is integrated over at each sample of the other inputs: with `method = "conditional"`, and for
-    /// samples with weights wherever this is possible. Populations go by verdicts alone, which checks the integrals.
-    pub fn integrates_pair(&self) -> bool {
+    /// The one quantity that integrals go over, if critical values of it can be found.
+    pub fn integrated(&self) -> Option<usize> {
+        self.model().integrated(&self.random.inputs)
+    }
+
+    /// Whether the pair, or the one input with critical values, is integrated over at each sample of the other inputs: with
+    /// `method = "conditional"`, and for samples with weights wherever the closed form makes this possible. Populations go by
+    /// verdicts alone, which checks the integrals.
+    pub fn integrates_at_samples(&self) -> bool {
         self.answer() == Answer::Probability
             || (self.answer() == Answer::Weight
                 && self.has_closed_form()
                 && self.outside_physics == OutsidePhysics::Stable
                 && self.random.pair() != [None, None]
-                && !self.random.others().is_empty()
-                && self.random.correlation_with_pair_last().is_ok())
+                && !self.random.others(None).is_empty()
+                && self.random.correlation_with_last(None).is_ok())
     }
 
     /// Whether cells get as many samples as a precision takes.
@@ -215,7 +221,7 @@ impl Job {
 
     /// What verdict maps are used for. The closed form needs none.
     pub fn map_use(&self) -> MapUse {
-        if self.has_closed_form() {
+        if self.has_closed_form() || self.integrated().is_some() {
             return MapUse::Nothing;
         }
         self.sampling.method.map_use_with(self.sampling.evaluate)

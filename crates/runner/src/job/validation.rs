@@ -40,7 +40,7 @@ pub fn validate(spec: &JobSpec, mut draft: Box<dyn Draft>, folder: &Path, compla
     if let (Some(random), Some(grid)) = (&random, &grid) {
         random.check_expected(&spec.random, &quantities, grid, |role| role != Role::Start, complaints);
     }
-    let has_closed_form = draft.has_closed_form();
+    let boundary = draft.boundary();
     let given_policy = draft.outside_physics().map(|policy| (policy.span(), *policy.get_ref()));
     let model = draft.finish(grid.as_ref(), parts, complaints);
     if let (Some(random), Some(grid), Some(model)) = (&random, &mut grid, &model) {
@@ -52,7 +52,7 @@ pub fn validate(spec: &JobSpec, mut draft: Box<dyn Draft>, folder: &Path, compla
     }
     let cells = grid.as_ref().and_then(Grid::checked_len);
     let others = random.as_ref().zip(model.as_deref());
-    let sampling = Sampling::validate(&spec.sampling, others, has_closed_form, cells, complaints);
+    let sampling = Sampling::validate(&spec.sampling, others, boundary, cells, complaints);
     let outside_physics = complaints.take(validate_outside_physics(given_policy, sampling.as_ref()));
     let engine = EngineSettings::validate(&spec.engine, complaints);
     LimitRequest::check_keys(spec.limit.as_ref(), complaints);

@@ -120,7 +120,8 @@ impl Correlation {
     }
 
     /// The number of inputs.
-    pub(super) fn inputs(&self) -> usize {
+    #[must_use]
+    pub fn inputs(&self) -> usize {
         self.inputs
     }
 

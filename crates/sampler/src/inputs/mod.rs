@@ -40,4 +40,4 @@ pub use distribution::InputDistribution;
 pub use empirical::{Empirical, EmpiricalError};
 pub use end::End;
 pub use marginal::{Marginal, MarginalError};
-pub use pair_law::{PairLaw, PairParameter};
+pub use pair_law::{DeviateLaw, PairLaw, PairParameter};

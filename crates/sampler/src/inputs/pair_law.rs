@@ -74,6 +74,36 @@ impl Correlation {
     }
 }
 
+/// The law of the deviate of one input.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeviateLaw {
+    /// Its mean.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub std: f64,
+}
+
+impl DeviateLaw {
+    /// That of an input that is independent of others.
+    pub const INDEPENDENT: Self = Self { mean: 0.0, std: 1.0 };
+}
+
+impl Correlation {
+    /// The law of the deviate of the last input given the independent deviates of the others.
+    ///
+    /// # Panics
+    /// If the number of deviates is not that of the inputs less one.
+    #[must_use]
+    pub fn law_of_last(&self, others: &[f64]) -> DeviateLaw {
+        assert_eq!(others.len() + 1, self.inputs(), "deviates of all inputs but one");
+        if self.is_independent() {
+            return DeviateLaw::INDEPENDENT;
+        }
+        let row = self.row(others.len());
+        DeviateLaw { mean: row.iter().zip(others).map(|(element, z)| element * z).sum(), std: row[others.len()] }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,6 +121,16 @@ mod tests {
         assert!((by_first * by_first + second * second - (1.0 - b * b)).abs() < 1e-15);
         assert!((law.second_variance() - (1.0 - b * b)).abs() < 1e-15);
         assert_eq!(Correlation::independent(3).law_of_last_two(&[1.7]), PairLaw::correlated(0.0));
+    }
+
+    #[test]
+    fn the_law_of_one_input_is_what_the_factor_makes() {
+        let correlation = Correlation::new(3, &[(0, 1, 0.2), (0, 2, 0.5), (1, 2, -0.4)]).unwrap();
+        let mut z = [0.3, -1.2, 0.8];
+        let DeviateLaw { mean, std } = correlation.law_of_last(&z[..2]);
+        correlation.apply(&mut z);
+        assert!((mean + std * 0.8 - z[2]).abs() < 1e-15);
+        assert_eq!(Correlation::independent(3).law_of_last(&[1.0, 2.0]), DeviateLaw::INDEPENDENT);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Probabilities without samples: from a boundary in closed form, and from a verdict map.
+//! Probabilities without samples: from a boundary in closed form, from the unstable values of one input, and from a verdict map.
 
 mod normal_pair;
 
@@ -9,6 +9,8 @@ mod quadrature;
 pub mod closed_form;
 
 pub mod pair;
+
+pub mod one_input;
 
 pub mod verdict_map;
 

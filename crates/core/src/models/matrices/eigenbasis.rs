@@ -3,7 +3,7 @@
 use nalgebra::{Complex, DMatrix, Schur};
 
 use super::quadratic::{DenseQuadratic, Quadratic};
-use super::region::magnitude;
+use super::region::{magnitude, square_root};
 use crate::numerics::eigenvalues::Eigenvalue;
 
 pub(super) type ComplexMatrix = DMatrix<Complex<f64>>;
@@ -124,18 +124,6 @@ fn complex_schur(vectors: &DMatrix<f64>, triangle: &DMatrix<f64>) -> (ComplexMat
         t[(low, high)] = Complex::from(0.0);
     }
     (z, t)
-}
-
-/// The square root in the right half plane.
-pub(super) fn square_root(of: Complex<f64>) -> Complex<f64> {
-    let size = magnitude(of);
-    if size == 0.0 {
-        return Complex::from(0.0);
-    }
-    let larger = (0.5 * (size + of.re.abs())).sqrt();
-    let smaller = 0.5 * of.im.abs() / larger;
-    let (re, im) = if of.re >= 0.0 { (larger, smaller) } else { (smaller, larger) };
-    Complex::new(re, if of.im < 0.0 { -im } else { im })
 }
 
 /// The right vectors of an upper triangular matrix, each of length 1.

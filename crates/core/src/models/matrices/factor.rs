@@ -112,6 +112,15 @@ impl Factor {
         above / below
     }
 
+    /// Its derivative by the parameter at a place, at these values of all parameters.
+    #[must_use]
+    pub fn derivative(&self, parameters: &[f64], place: usize) -> f64 {
+        let Some(&(_, power)) = self.powers.iter().find(|(own, _)| *own == place) else { return 0.0 };
+        let powers = self.powers.iter().map(|&(own, power)| (own, if own == place { power - 1 } else { power }));
+        let powers = powers.filter(|(_, power)| *power != 0).collect();
+        Self { number: self.number * f64::from(power), powers }.value(parameters)
+    }
+
     /// The parameters that it depends on, by their places.
     pub fn parameters(&self) -> impl Iterator<Item = usize> + '_ {
         self.powers.iter().map(|(place, _)| *place)

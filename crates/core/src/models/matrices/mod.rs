@@ -4,11 +4,23 @@ pub mod factor;
 
 pub mod region;
 
+pub mod error;
+
+pub mod pair;
+
+pub mod branches;
+
+pub mod sweep;
+
+pub mod terms;
+
 pub mod quadratic;
 
-pub mod refine;
+mod refine;
 
 mod eigenbasis;
+
+mod dense_branches;
 
 mod perturbation;
 
@@ -18,6 +30,13 @@ mod series;
 
 pub mod decide;
 
+pub mod full;
+
+pub mod problem;
+
+mod samples;
+
 pub mod model;
 
-pub mod full;
+#[cfg(test)]
+mod trial;

@@ -12,6 +12,18 @@ pub(super) fn magnitude(z: Eigenvalue) -> f64 {
     libm::hypot(z.re, z.im)
 }
 
+/// The square root in the right half plane.
+pub(super) fn square_root(of: Eigenvalue) -> Eigenvalue {
+    let size = magnitude(of);
+    if size == 0.0 {
+        return Eigenvalue::from(0.0);
+    }
+    let larger = (0.5 * (size + of.re.abs())).sqrt();
+    let smaller = 0.5 * of.im.abs() / larger;
+    let (re, im) = if of.re >= 0.0 { (larger, smaller) } else { (smaller, larger) };
+    Eigenvalue::new(re, if of.im < 0.0 { -im } else { im })
+}
+
 /// `-Re lambda / |lambda|`: 1 for a motion that only decays, -1 for one that only grows, 0 for `lambda = 0`.
 #[must_use]
 pub fn damping_ratio(eigenvalue: Eigenvalue) -> f64 {

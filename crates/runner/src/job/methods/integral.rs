@@ -1,5 +1,5 @@
-//! The probability of the unstable side of the boundary of stability, by integration: in closed form, or over a verdict
-//! map.
+//! The probability of the unstable side of the boundary of stability, by integration: in closed form, over a verdict
+//! map, or between critical values.
 
 use crate::job::diagnosis::Complaint;
 use crate::job::method::{Answer, Computed, MapUse, Method, Sampling};
@@ -7,11 +7,22 @@ use crate::job::needs::Need;
 use crate::job::sampling_key::Key;
 use crate::job::sampling_spec::{SamplingMethod, SamplingSpec};
 
+/// What the boundary is known from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// A closed form, over the pair of the model.
+    ClosedForm,
+    /// A verdict map over the pair, of which samples are audited.
+    Map,
+    /// Critical values of the one random input.
+    OneInput,
+}
+
 /// See [`Method`].
 #[derive(Debug)]
 pub struct Integral {
-    /// Whether the boundary is that of a verdict map, of which samples are audited.
-    pub over_map: bool,
+    /// What the boundary is known from.
+    pub over: Over,
 }
 
 impl Method for Integral {
@@ -20,27 +31,34 @@ impl Method for Integral {
     }
 
     fn clause(&self) -> &'static str {
-        if self.over_map { "which draws no samples" } else { "which draws no samples and integrates in closed form" }
+        match self.over {
+            Over::ClosedForm => "which draws no samples and integrates in closed form",
+            Over::Map => "which draws no samples",
+            Over::OneInput => "which draws no samples and integrates between critical values",
+        }
     }
 
     fn keys(&self) -> &'static [Key] {
-        if self.over_map {
-            &[Key::Audit, Key::Confidence, Key::Simultaneous, Key::Derivatives]
-        } else {
-            &[Key::Derivatives]
+        match self.over {
+            Over::ClosedForm => &[Key::Derivatives],
+            Over::Map => &[Key::Audit, Key::Confidence, Key::Simultaneous, Key::Derivatives],
+            Over::OneInput => &[],
         }
     }
 
     fn needs(&self) -> &'static [Need] {
-        if self.over_map {
-            &[Need::Pair, Need::PairAlone, Need::NormalOverMap, Need::NoAmplitude]
-        } else {
-            &[Need::Pair, Need::PairAlone]
+        match self.over {
+            Over::ClosedForm => &[Need::Pair, Need::PairAlone],
+            Over::Map => &[Need::Pair, Need::PairAlone, Need::NormalOverMap, Need::NoAmplitude],
+            Over::OneInput => &[Need::OneInput],
         }
     }
 
     fn instead(&self) -> &'static str {
-        "use method = \"monte-carlo\" or \"sobol\" with evaluate = \"each\""
+        match self.over {
+            Over::OneInput => "use method = \"conditional\", which draws the others",
+            Over::ClosedForm | Over::Map => "use method = \"monte-carlo\" or \"sobol\" with evaluate = \"each\"",
+        }
     }
 
     fn answer(&self) -> Answer {
@@ -48,7 +66,7 @@ impl Method for Integral {
     }
 
     fn map_use(&self) -> MapUse {
-        if self.over_map { MapUse::Integrate } else { MapUse::Nothing }
+        if self.over == Over::Map { MapUse::Integrate } else { MapUse::Nothing }
     }
 
     fn samples(&self, _: &SamplingSpec) -> Result<u64, Complaint> {

@@ -5,7 +5,7 @@ use clap::ValueEnum as _;
 
 use super::diagnosis::Complaint;
 use super::method::Method;
-use super::model::JobModel;
+use super::model::{Boundary, JobModel};
 use super::random::RandomInputSet;
 use super::sampling_key::Key;
 use super::sampling_spec::{EvaluateMode, SamplingMethod, SamplingSpec};
@@ -24,21 +24,26 @@ mod subset;
 
 mod integral;
 
-/// The method of a job, whose boundary of stability is known in closed form or not.
-pub fn method(spec: &SamplingSpec, has_closed_form: bool) -> &'static dyn Method {
-    spec.with_method(spec.method(), has_closed_form)
+use self::integral::Over;
+
+/// The method of a job, of whose boundary of stability this is known.
+pub fn method(spec: &SamplingSpec, boundary: Boundary) -> &'static dyn Method {
+    spec.with_method(spec.method(), boundary)
 }
 
 /// The method that a job names, without `until`.
-fn with_samples(written: SamplingMethod, has_closed_form: bool) -> &'static dyn Method {
+fn with_samples(written: SamplingMethod, boundary: Boundary) -> &'static dyn Method {
     match written {
         SamplingMethod::MonteCarlo => &independent::Independent,
         SamplingMethod::Sobol => &sobol::Sobol,
         SamplingMethod::Conditional => &conditional::Conditional,
         SamplingMethod::Importance => &importance::Importance,
         SamplingMethod::Subset => &subset::Subset,
-        SamplingMethod::Exact if has_closed_form => &integral::Integral { over_map: false },
-        SamplingMethod::Exact => &integral::Integral { over_map: true },
+        SamplingMethod::Exact => match boundary {
+            Boundary::ClosedForm => &integral::Integral { over: Over::ClosedForm },
+            Boundary::CriticalValues => &integral::Integral { over: Over::OneInput },
+            Boundary::Verdicts => &integral::Integral { over: Over::Map },
+        },
     }
 }
 
@@ -46,16 +51,16 @@ fn with_samples(written: SamplingMethod, has_closed_form: bool) -> &'static dyn 
 #[derive(Clone, Copy)]
 pub struct Chosen<'a> {
     pub method: &'static dyn Method,
-    pub has_closed_form: bool,
+    pub boundary: Boundary,
     pub others: Option<(&'a RandomInputSet, &'a dyn JobModel)>,
 }
 
 impl SamplingSpec {
     /// The method that its other keys make of a name.
-    fn with_method(&self, written: SamplingMethod, has_closed_form: bool) -> &'static dyn Method {
+    fn with_method(&self, written: SamplingMethod, boundary: Boundary) -> &'static dyn Method {
         match written {
             SamplingMethod::MonteCarlo if self.until.is_some() => &until::Until,
-            _ => with_samples(written, has_closed_form),
+            _ => with_samples(written, boundary),
         }
     }
 
@@ -86,13 +91,12 @@ impl SamplingSpec {
     /// With which methods a key has a meaning, and all others that are given, as the end of a message; empty if there is
     /// none.
     fn alternative(&self, key: Key, chosen: Chosen<'_>) -> String {
-        let Chosen { method, has_closed_form, others } = chosen;
-        if method.written() == SamplingMethod::MonteCarlo && with_samples(method.written(), has_closed_form).takes(key)
-        {
+        let Chosen { method, boundary, others } = chosen;
+        if method.written() == SamplingMethod::MonteCarlo && with_samples(method.written(), boundary).takes(key) {
             return format!(", or remove {}", method.asked());
         }
         let suits = |written: &&SamplingMethod| {
-            let other = self.with_method(**written, has_closed_form);
+            let other = self.with_method(**written, boundary);
             let given = |key: &&Key| key.given(self).1.is_some();
             let can_audit = self.audit.is_none() || self.has_what_is_audited(other);
             let is_met = |(inputs, model): (&RandomInputSet, &dyn JobModel)| {
@@ -135,10 +139,10 @@ mod tests {
         "sensitivity = true",
     ];
 
-    fn refused(written: &str, keys: &str, has_closed_form: bool) -> Vec<String> {
+    fn refused(written: &str, keys: &str, boundary: Boundary) -> Vec<String> {
         let spec: SamplingSpec = toml::from_str(&format!("method = \"{written}\"\n{keys}")).unwrap();
-        let method = method(&spec, has_closed_form);
-        let complaints = spec.foreign_keys(Chosen { method, has_closed_form, others: None });
+        let method = method(&spec, boundary);
+        let complaints = spec.foreign_keys(Chosen { method, boundary, others: None });
         complaints.iter().map(|complaint| complaint.message.clone()).collect()
     }
 

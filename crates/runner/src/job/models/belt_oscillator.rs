@@ -25,7 +25,9 @@ use super::pad_on_disc::overrides::number_within;
 use super::start_spec::{StartNumbers, StartSpec};
 use crate::job::axes_spec::AxesSpec;
 use crate::job::diagnosis::{Complaint, Complaints};
-use crate::job::model::{Draft, JobModel, Kind, OutsidePhysics, Parts, Tables, configurable, table_of, written};
+use crate::job::model::{
+    Boundary, Draft, JobModel, Kind, OutsidePhysics, Parts, Tables, configurable, table_of, written,
+};
 use crate::job::random::RandomInputSet;
 use crate::job::reading;
 use crate::job::spec::JobSpec;
@@ -339,8 +341,9 @@ impl Draft for BeltDraft {
         &self.quantities
     }
 
-    fn has_closed_form(&self) -> Option<bool> {
-        self.kind().map(|kind| kind == BeltKind::Eigenvalue)
+    fn boundary(&self) -> Option<Boundary> {
+        let of = |kind| if kind == BeltKind::Eigenvalue { Boundary::ClosedForm } else { Boundary::Verdicts };
+        self.kind().map(of)
     }
 
     fn criterion_span(&self) -> Option<Range<usize>> {

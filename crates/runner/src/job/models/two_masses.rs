@@ -18,7 +18,7 @@ use toml::Spanned;
 
 use crate::job::axes_spec::AxesSpec;
 use crate::job::diagnosis::Complaints;
-use crate::job::model::{Draft, JobModel, Kind, OutsidePhysics, Parts, Tables};
+use crate::job::model::{Boundary, Draft, JobModel, Kind, OutsidePhysics, Parts, Tables};
 use crate::job::reading;
 
 /// The model: its quantities, and one formula.
@@ -92,8 +92,8 @@ impl Draft for TwoDraft {
         &self.model.0
     }
 
-    fn has_closed_form(&self) -> Option<bool> {
-        Some(false)
+    fn boundary(&self) -> Option<Boundary> {
+        Some(Boundary::Verdicts)
     }
 
     fn outside_physics(&self) -> Option<&Spanned<OutsidePhysics>> {

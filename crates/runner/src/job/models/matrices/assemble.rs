@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use stickslip_core::models::matrices::factor::Factor;
-use stickslip_core::models::matrices::model::{self, Matrices, Parameter};
+use stickslip_core::models::matrices::terms::{self as of_model, Matrices, Parameter};
 
 use super::checks;
 use super::spec::MatrixModelSpec;
@@ -68,7 +68,7 @@ pub fn read<'a>(
     let mut files = Vec::new();
     let mut terms = terms.into_iter().map(|term| {
         files.extend(term.file);
-        model::Term { matrix: Arc::new(term.read.matrix), factor: term.head.factor }
+        of_model::Term { matrix: Arc::new(term.read.matrix), factor: term.head.factor }
     });
     let mass = terms.next()?.matrix;
     let damping = terms.by_ref().take(stiffness_from - 1).collect();

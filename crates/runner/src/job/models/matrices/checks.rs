@@ -1,7 +1,8 @@
 //! What is checked of matrices, in the words of those who made them.
 
-use stickslip_core::models::matrices::model::{Matrices, Matrix, MatrixModel};
+use stickslip_core::models::matrices::model::MatrixModel;
 use stickslip_core::models::matrices::region::damping_ratio;
+use stickslip_core::models::matrices::terms::{Matrices, Matrix};
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
 
 use super::terms::Term;
@@ -189,10 +190,10 @@ pub struct Mode {
 pub fn modes(model: &MatrixModel, expected: &[f64]) -> Vec<Mode> {
     let matrices = model.matrices();
     let coefficients = matrices.coefficients(&expected[..matrices.parameters.len()]);
-    let eigenvalues = model.problem().at(&coefficients).eigenvalues().unwrap_or_default();
-    let hertz = model.problem().unit() / std::f64::consts::TAU;
+    let eigenvalues = model.problem().eigenvalues(&coefficients, &model.regions()).unwrap_or_default();
     let oscillating = eigenvalues.into_iter().filter(|value| value.im > 0.0);
-    let mode = |value: Eigenvalue| Mode { frequency: value.im * hertz, damping_ratio: damping_ratio(value) };
+    let mode =
+        |value: Eigenvalue| Mode { frequency: value.im / std::f64::consts::TAU, damping_ratio: damping_ratio(value) };
     let mut modes: Vec<Mode> = oscillating.map(mode).collect();
     modes.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
     modes

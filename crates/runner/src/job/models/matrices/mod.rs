@@ -7,19 +7,23 @@ use std::sync::{Arc, OnceLock};
 use serde::Deserialize;
 use stickslip_core::model::Model;
 use stickslip_core::model::quantity::{Limits, Quantity};
-use stickslip_core::models::matrices::model::{BAND, ComplexEigenvalue, MatrixModel, Parameter, quantities};
+use stickslip_core::models::matrices::model::{BAND, ComplexEigenvalue, MatrixModel, quantities};
+use stickslip_core::models::matrices::problem::{Problem, Solver};
+use stickslip_core::models::matrices::terms::Parameter;
 use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
 use toml_edit::DocumentMut;
 
 use self::assemble::ReadModel;
 use self::checks::Mode;
-use self::spec::{DescribedParameter, MatrixCriterionSpec, MatrixKind, MatrixModelSpec, ParameterSpec};
+use self::spec::{DescribedParameter, MatrixCriterionSpec, MatrixKind, MatrixModelSpec, ParameterSpec, SolvedMatrices};
 use self::terms::{FileTerm, TermSpec, TermsSpec};
 use crate::job::axes::values;
 use crate::job::axes_spec::{AxesSpec, AxisEntry};
 use crate::job::diagnosis::{Complaint, Complaints};
-use crate::job::model::{Draft, JobModel, Kind, OutsidePhysics, Parts, Tables, configurable, table_of, written};
+use crate::job::model::{
+    Boundary, Draft, JobModel, Kind, OutsidePhysics, Parts, Tables, configurable, table_of, written,
+};
 use crate::job::random::RandomInputSet;
 use crate::job::reading;
 
@@ -166,8 +170,8 @@ impl Draft for MatrixDraft {
         &self.quantities
     }
 
-    fn has_closed_form(&self) -> Option<bool> {
-        Some(false)
+    fn boundary(&self) -> Option<Boundary> {
+        Some(Boundary::CriticalValues)
     }
 
     fn criterion_span(&self) -> Option<Range<usize>> {
@@ -253,18 +257,30 @@ impl Draft for MatrixDraft {
             complaints.push(Complaint::at(ratio.span(), message));
             return None;
         }
+        let solved = spec.matrices.as_ref().map(|matrices| (*matrices.get_ref(), matrices.span()));
         let read = self.model.filter(|_| self.is_whole)?;
         let grid = grid?;
         let criterion = ComplexEigenvalue { bands: self.bands, damping_ratio };
-        if read.matrices.size() > MOST_COORDINATES {
+        let solver = match solved {
+            Some((SolvedMatrices::Full, span)) => {
+                if criterion.bands.iter().any(|[_, highest]| highest.is_infinite()) {
+                    let message = "criterion.matrices = \"full\" looks for eigenvalues in a band; give criterion.frequency = [lowest, highest] in Hz";
+                    complaints.push(Complaint::at(span, message));
+                    return None;
+                }
+                Solver::Sparse
+            }
+            _ => Solver::Dense,
+        };
+        if solver == Solver::Dense && read.matrices.size() > MOST_COORDINATES {
             let message = format!(
-                "model: {} degrees of freedom are too many to decide every sample by all eigenvalues; the limit is {MOST_COORDINATES}. Reduce the matrices to some 100 coordinates first",
+                "model: {} degrees of freedom are too many to decide every sample by all eigenvalues; the limit is {MOST_COORDINATES}. Reduce the matrices to some 100 coordinates first (`stickslip reduce`), or give criterion.matrices = \"full\", which takes some 0.1 to 10 s for each sample",
                 read.matrices.size()
             );
             complaints.push(Complaint::maybe_at(self.tables.model.mass.map(|mass| mass.span()), message));
             return None;
         }
-        let model = MatrixModel::new(read.matrices, criterion);
+        let model = MatrixModel::new(read.matrices, criterion, solver);
         let span = self.tables.model.mass.as_ref().map(Spanned::span);
         let model =
             complaints.take(model.map_err(|error| Complaint::maybe_at(span, format!("model.mass: {error}"))))?;
@@ -348,6 +364,7 @@ impl JobModel for MatrixJob {
             frequency: (bands.len() == 1 && !is_all).then(|| written(bands[0])),
             bands: (bands.len() > 1).then(|| written(bands.clone())),
             damping_ratio: Some(written(*damping_ratio)),
+            matrices: matches!(self.model.problem(), Problem::Sparse(_)).then(|| written(SolvedMatrices::Full)),
             outside_physics: None,
         });
         Tables { model, criterion }

@@ -76,9 +76,23 @@ pub struct MatrixCriterionSpec {
     /// Unstable is a pair in the band whose damping ratio, -Re / |lambda|, is below it by more than 1e-9.
     #[schemars(with = "Option<f64>", extend("default" = 0, "exclusiveMinimum" = -1, "exclusiveMaximum" = 1))]
     pub damping_ratio: Option<Spanned<f64>>,
+    /// With which matrices eigenvalues are found.
+    #[schemars(with = "Option<SolvedMatrices>", extend("default" = "dense"))]
+    pub matrices: Option<Spanned<SolvedMatrices>>,
     /// What happens to samples with a parameter beyond its range.
     #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     pub outside_physics: Option<Spanned<OutsidePhysics>>,
+}
+
+/// With which matrices eigenvalues are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SolvedMatrices {
+    /// Dense ones, all eigenvalues of every sample: up to 400 degrees of freedom.
+    Dense,
+    /// The full sparse ones, eigenvalues in the band: some 0.1 to 10 s for each sample, for models that one LU factorisation
+    /// fits.
+    Full,
 }
 
 /// How a sample of a model given by matrices is decided.

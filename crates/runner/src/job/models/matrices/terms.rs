@@ -12,7 +12,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use stickslip_core::models::matrices::factor::Factor;
-use stickslip_core::models::matrices::model::Parameter;
+use stickslip_core::models::matrices::terms::Parameter;
 use toml::Spanned;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 

@@ -23,7 +23,7 @@ use self::tables::PadTables;
 use self::values::{contradiction, validate_model};
 use crate::job::axes_spec::{AxesSpec, AxisEntry};
 use crate::job::diagnosis::{Complaint, Complaints};
-use crate::job::model::{Draft, JobModel, Kind, OutsidePhysics, Parts, Tables};
+use crate::job::model::{Boundary, Draft, JobModel, Kind, OutsidePhysics, Parts, Tables};
 use crate::job::random::RandomInputSet;
 use crate::job::reading;
 use crate::job::spec::JobSpec;
@@ -114,8 +114,9 @@ impl Draft for PadDraft {
         &self.quantities
     }
 
-    fn has_closed_form(&self) -> Option<bool> {
-        self.kind().map(|kind| kind == CriterionKind::Eigenvalue)
+    fn boundary(&self) -> Option<Boundary> {
+        let of = |kind| if kind == CriterionKind::Eigenvalue { Boundary::ClosedForm } else { Boundary::Verdicts };
+        self.kind().map(of)
     }
 
     fn criterion_span(&self) -> Option<Range<usize>> {

@@ -1,0 +1,57 @@
+//! The unstable values of the one random input that integrals go over, found once for all cells that differ in its
+//! distribution alone.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use stickslip_core::model::critical_values::UnstableValues;
+use stickslip_sampler::grid::Cell;
+use stickslip_sampler::inputs::DeviateLaw;
+use stickslip_sampler::integrate::closed_form::ExactProbability;
+use stickslip_sampler::integrate::one_input;
+
+use crate::job::Job;
+
+/// The bits of the expected values of all other quantities.
+type Key = Vec<u64>;
+
+/// What is found for a combination of the other quantities; nothing if it cannot be.
+type Found = Arc<OnceLock<Option<UnstableValues>>>;
+
+/// Unstable values, once they are found.
+#[derive(Debug, Default)]
+pub struct UnstableValuesOfInput {
+    found: Mutex<BTreeMap<Key, Found>>,
+}
+
+impl UnstableValuesOfInput {
+    /// The probability of instability in a cell of a job over the input that is the quantity at `place`, which alone scatters.
+    /// Its expected value may be any within its axis. `None` if its critical values cannot be found.
+    pub fn probability(&self, job: &Job, cell: &Cell, place: usize) -> Option<ExactProbability> {
+        let position = job.random.position(place)?;
+        let mut expected = cell.expected.clone();
+        expected[place] = 0.0;
+        let key = expected.iter().map(|value| value.to_bits()).collect();
+        let found = self.found.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default().clone();
+        let unstable = found.get_or_init(|| {
+            let configuration = job.model().configure(&cell.expected, &[place], None).ok()?;
+            configuration.critical_values()?.unstable(&[cell.expected[place]], 0, reach(job, position))
+        });
+        Some(one_input::probability(&job.distribution(position, cell), DeviateLaw::INDEPENDENT, unstable.as_ref()?))
+    }
+}
+
+/// The reach of an input in all cells: with each of its expected values and standard deviations.
+fn reach(job: &Job, position: usize) -> [f64; 2] {
+    let place = job.random.inputs[position];
+    let mut cell = job.grid.cell(0);
+    let mut all = [f64::INFINITY, f64::NEG_INFINITY];
+    for scatter in 0..job.random.relative_stds.len() {
+        for value in job.grid.values_of(place) {
+            (cell.expected[place], cell.scatter) = (value, scatter);
+            let [low, high] = one_input::reach(&job.distribution(position, &cell), DeviateLaw::INDEPENDENT);
+            all = [all[0].min(low), all[1].max(high)];
+        }
+    }
+    all
+}
