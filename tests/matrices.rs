@@ -11,7 +11,9 @@ use stickslip_core::model::quantity::Limits;
 use stickslip_core::model::verdict::Verdict;
 use stickslip_core::model::{Columns, Model};
 use stickslip_core::models::matrices::factor::Factor;
-use stickslip_core::models::matrices::model::{ComplexEigenvalue, Matrices, Matrix, MatrixModel, Parameter, Term};
+use stickslip_core::models::matrices::model::{ComplexEigenvalue, MatrixModel};
+use stickslip_core::models::matrices::problem::Solver;
+use stickslip_core::models::matrices::terms::{Matrices, Matrix, Parameter, Term};
 
 use common::{Place, Table, repository, submitted};
 
@@ -141,7 +143,7 @@ fn verdicts_are_those_of_lapack() {
             parameters: vec![parameter],
         };
         let criterion = ComplexEigenvalue { bands: vec![[number(3), number(4)]], damping_ratio: number(5) };
-        let model = MatrixModel::new(Arc::new(model), criterion).unwrap();
+        let model = MatrixModel::new(Arc::new(model), criterion, Solver::Dense).unwrap();
         let expected = if &row[6] == "1" { Verdict::Unstable } else { Verdict::Stable };
         unstable += usize::from(expected == Verdict::Unstable);
         let sample: &[f64] = &[1.0];
@@ -152,6 +154,83 @@ fn verdicts_are_those_of_lapack() {
         }
     }
     assert_eq!((matrices.len(), unstable), (500, 229));
+}
+
+/// The same model in the files of other programs (tests/data/matrices/make.py): matrices with nodes and directions come in
+/// other numbers of rows, with those that are held, or with those of friction alone.
+#[test]
+fn files_of_other_programs_give_the_same_probabilities() {
+    let place = Place::new();
+    let folder = repository().join("tests/data/matrices");
+    let named = |file: &str, names: [&str; 4]| names.map(|name| (file.to_owned(), Some(name.to_owned())));
+    let single = |files: [&str; 4]| files.map(|file| (file.to_owned(), None));
+    let names = ["M", "C", "K", "KF"];
+    let mut expected: Option<Vec<f64>> = None;
+    for terms in [
+        named("scipy-compressed.mat", names),
+        named("octave-v7.mat", names),
+        named("numpy-compressed.npz", names),
+        named("nastran-wide.pch", ["MAAX", "BAAX", "KAAX", "K2PP"]),
+        single(["scipy-M.mtx", "scipy-C.mtx", "scipy-K.mtx", "scipy-KF.mtx"]),
+        single(["scipy-M-csc.npz", "scipy-C-dia.npz", "numpy-K.npy", "scipy-KF-coo.npz"]),
+        single(["abaqus_MASS2.mtx", "abaqus_DMPV2.mtx", "abaqus_STIF2.mtx", "abaqus_STIF3.mtx"]),
+        single(["ansys-M.matrix", "scipy-C.mtx", "ansys-K.matrix", "ansys-KF.matrix"]),
+        [("MASS", true), ("VISCOUS DAMPING", true), ("STIFFNESS", true), ("", false)].map(|(name, is_substructure)| {
+            let file = if is_substructure { "abaqus-substructure.mtx" } else { "abaqus_STIF3.mtx" };
+            (file.to_owned(), is_substructure.then(|| name.to_owned()))
+        }),
+    ] {
+        let [mass, damping, stiffness, friction] = terms.map(|(file, name)| {
+            let path = folder.join(file);
+            let name = name.map(|name| format!(", matrix = \"{name}\"")).unwrap_or_default();
+            format!("file = {:?}{name}", path.to_str().unwrap())
+        });
+        let job = format!(
+            "name = \"alike\"\n[model]\nkind = \"matrices\"\nmass = {{ {mass} }}\ndamping = {{ {damping} }}\nstiffness = \
+             [{{ {stiffness} }}, {{ {friction}, factor = \"friction\" }}]\n[model.parameters]\nfriction = 1.0\n[axes]\n\
+             friction = [10, 14, 18]\n{SCATTER}{CRITERION}[sampling]\nsamples = 2000\nseed = 5\n"
+        );
+        let table = submitted(&place, "alike", &job);
+        std::fs::remove_dir_all(place.path("alike")).unwrap();
+        let found = table.column("p_unstable").to_vec();
+        assert!(found.iter().any(|p| *p > 0.0 && *p < 1.0), "{found:?}");
+        assert_eq!(expected.get_or_insert(found.clone()), &found, "{mass}");
+    }
+}
+
+/// Matrices of Nastran say nodes and directions, and so does what is said of them.
+#[test]
+fn degrees_of_freedom_have_their_names_in_what_is_said() {
+    let place = Place::new();
+    let card = |name: &str, entries: &[(u32, u32, f64)]| {
+        let mut text = format!("DMIG,{name},0,6,2,0\n");
+        for (node, direction, value) in entries {
+            text += &format!("DMIG,{name},{node},{direction},,{node},{direction},{value:.1}\n");
+        }
+        text
+    };
+    let job = "name = \"two\"\n[model]\nkind = \"matrices\"\nmass = { file = \"two.pch\", matrix = \"MAAX\" }\nstiffness = \
+               { file = \"two.pch\", matrix = \"KAAX\" }\n[criterion]\nkind = \"complex-eigenvalue\"\n";
+    place.write("job.toml", job);
+    let write = |mass: &[(u32, u32, f64)], stiffness: &[(u32, u32, f64)]| {
+        let rest = card("BAAX", &[(7, 1, 0.5)]);
+        place.write("two.pch", &format!("{}{}{rest}", card("MAAX", mass), card("KAAX", stiffness)));
+    };
+    write(&[(7, 1, 1.0)], &[(7, 1, 4.0), (9, 3, 4.0)]);
+    place
+        .run("check job.toml")
+        .refused(65, &["1 of 2 degrees of freedom have no mass (the first is number 2, node 9 in direction 3)"]);
+    write(&[(7, 1, 1.0), (9, 3, 1.0)], &[(7, 1, 4.0)]);
+    let check = place.run("check job.toml").done();
+    let said = format!("{}{}", check.stdout, check.stderr);
+    for text in [
+        "1 degrees of freedom have no stiffness (the first is number 2, node 9 in direction 3)",
+        "one triangle is stored of stiffness[0], which loses friction",
+        "# model.mass, model.stiffness[0]: the file has one triangle of a symmetric matrix",
+        "# two.pch also has BAAX, which no term names",
+    ] {
+        assert!(said.contains(text), "{said}");
+    }
 }
 
 /// A run finds its file again from another folder, and does not go on with another matrix.
@@ -194,11 +273,19 @@ fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
             &["there is no parameter `frction`", "[model.parameters] has friction"][..],
         ),
         ("[[2, 1], [1, 2]]", "[[2, 1], [1]]", &["row 2 of the matrix has 1 values", "square"]),
-        ("[[2, 1], [1, 2]]", "[[2]]", &["model.stiffness[0]: the matrix is 1 by 1, the mass matrix 2 by 2"]),
+        (
+            "[[2, 1], [1, 2]]",
+            "[[2]]",
+            &["model.stiffness[0]: the matrix has 1 rows", "rows: mass 2, stiffness[0] 1, stiffness[1] 2"],
+        ),
         ("[[1, 0], [0, 1]]", "[[1, 0], [0, 0]]", &["1 of 2 degrees of freedom have no mass", "number 2"]),
         ("[[1, 0], [0, 1]]", "[[1, 2], [2, 1]]", &["not positive definite"]),
         ("[[1, 0], [0, 1]]", "[[1, 1], [0, 1]]", &["not symmetric"]),
-        ("[[2, 1], [1, 2]]", "[[1e36, 1], [1, 2]]", &["constrained degrees of freedom"]),
+        (
+            "[[2, 1], [1, 2]]",
+            "[[1e36, 1], [1, 2]]",
+            &["1 entries on the diagonal are 1e30 or more (the first is number 1)", "constrained degrees of freedom"],
+        ),
         ("matrix = [[2, 1], [1, 2]]", "file = \"no.mat\", matrix = \"K\"", &["no.mat", "No such file"]),
         ("matrix = [[2, 1], [1, 2]]", "file = \"new.mat\", matrix = \"K\"", &["7.3", "-v7"]),
         ("kind = \"complex-eigenvalue\"", "kind = \"eigenvalue\"", &["complex-eigenvalue"]),

@@ -25,9 +25,9 @@ mod interrupt;
 
 mod files;
 
-mod version;
-
 mod matrix_files;
+
+mod version;
 
 mod job;
 

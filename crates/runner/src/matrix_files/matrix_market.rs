@@ -1,158 +1,175 @@
-//! Matrix Market files: a header `%%MatrixMarket matrix FORMAT FIELD SYMMETRY`, a line of sizes, then entries.
-//!
-//! R. Boisvert, R. Pozo, K. Remington, The Matrix Market Exchange Formats, NISTIR 5935 (1996).
+//! Matrix Market: `%%MatrixMarket matrix coordinate real symmetric` and the like.
 
-use super::{Entries, Matrix};
+use super::entries::{Entries, MOST_ENTRIES, Symmetry, square, too_many_entries};
+use super::error::{Problem, quoted};
+use super::matrix::{ReadMatrix, Stored};
+use super::source::Source;
+use super::text::{Lines, index, number, words};
 
-/// What the file stores of a matrix.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Symmetry {
-    General,
-    Symmetric,
-    SkewSymmetric,
-}
+/// Shortest line of an entry: two numbers and a value, with their separators; and of a value alone.
+const SHORTEST_ENTRY: u64 = 6;
+const SHORTEST_VALUE: u64 = 2;
 
-/// Reads the one matrix of a file.
-pub(super) fn read(bytes: &[u8], name: Option<&str>) -> Result<Matrix, String> {
-    if let Some(name) = name {
-        return Err(format!(
-            "matrix = \"{name}\": a Matrix Market file has one matrix without a name; remove `matrix`"
-        ));
-    }
-    let text = std::str::from_utf8(bytes).map_err(|_| "the file is no text".to_owned())?;
-    let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
-    let header = lines.next().map_or("", |(_, line)| line).to_lowercase();
-    let words: Vec<&str> = header.split_whitespace().collect();
-    let [_, "matrix", format, field, symmetry] = words[..] else {
-        return Err("line 1: the header must be %%MatrixMarket matrix FORMAT FIELD SYMMETRY".to_owned());
-    };
-    if !matches!(field, "real" | "integer" | "double") {
-        return Err(format!("line 1: entries are {field}; only real ones are read"));
-    }
-    let symmetry = match symmetry {
-        "general" => Symmetry::General,
-        "symmetric" => Symmetry::Symmetric,
-        "skew-symmetric" => Symmetry::SkewSymmetric,
-        other => {
-            return Err(format!("line 1: the symmetry is {other}; general, symmetric and skew-symmetric are read"));
+pub fn read(source: &mut Source) -> Result<ReadMatrix, Problem> {
+    let length = source.length;
+    let mut lines = Lines::new(source)?;
+    let (_, header) = lines.required("the header")?;
+    let (is_array, symmetry) = kind(header)?;
+    let (line, sizes) = loop {
+        let (line, text) = lines.required("a line with the numbers of rows and columns")?;
+        if !text.trim().is_empty() && !text.trim_start().starts_with('%') {
+            break (line, text.to_owned());
         }
     };
-    let is_array = match format {
-        "array" => true,
-        "coordinate" => false,
-        other => return Err(format!("line 1: the format is {other}; coordinate and array are read")),
-    };
-    let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('%'));
-    let (at, line) = lines.next().ok_or("there is no line with the sizes")?;
-    let sizes: Option<Vec<u64>> = line.split_whitespace().map(|word| word.parse().ok()).collect();
-    let sizes = sizes.ok_or_else(|| format!("line {at}: \"{line}\" are no sizes"))?;
+    let sizes: Vec<u64> = words(&sizes)
+        .map(|word| word.parse().map_err(|_| Problem::at(line, format!("{} is no whole number", quoted(word)))))
+        .collect::<Result<_, _>>()?;
     let (rows, columns, count) = match sizes[..] {
-        [rows, columns, count] if !is_array => (rows, columns, count),
-        [rows, columns] if is_array => (rows, columns, 0),
+        [rows, columns] if is_array => (rows, columns, None),
+        [rows, columns, count] if !is_array => (rows, columns, Some(count)),
         _ => {
-            return Err(format!(
-                "line {at}: \"{line}\" has {} numbers; {} are expected",
-                sizes.len(),
-                if is_array { 2 } else { 3 }
+            let due = if is_array { "rows and columns" } else { "rows, columns and entries" };
+            return Err(Problem::at(line, format!("there are {} numbers where those of {due} are due", sizes.len())));
+        }
+    };
+    let size = square(rows, columns)?;
+    let (count, shortest) = match count {
+        Some(count) => (count, SHORTEST_ENTRY),
+        None => (values_of_array(size as u64, symmetry), SHORTEST_VALUE),
+    };
+    if count.saturating_mul(shortest) > length {
+        let text = format!(
+            "there should be {count} entries, for which the file of {length} bytes is too short; it is cut off"
+        );
+        return Err(Problem::at(line, text));
+    }
+    if !is_array && count > MOST_ENTRIES as u64 {
+        return Err(too_many_entries());
+    }
+    let mut entries = Entries::with_room(count as usize);
+    let mut read = 0;
+    let mut places = Places::new(size, symmetry);
+    while let Some((line, text)) = lines.next()? {
+        if text.trim().is_empty() || text.trim_start().starts_with('%') {
+            continue;
+        }
+        if read == count {
+            return Err(Problem::at(line, format!("there are more than the {count} entries of the header")));
+        }
+        let fields: Vec<&str> = words(text).take(4).collect();
+        match fields[..] {
+            [value] if is_array => {
+                let (row, column) = places.next_place();
+                let value = number(line, value)?;
+                if value != 0.0 {
+                    entries.push(row, column, value)?;
+                }
+            }
+            [row, column, value] if !is_array => {
+                let place = (index(line, row, "row", Some(size))?, index(line, column, "column", Some(size))?);
+                entries.push(place.0, place.1, number(line, value)?)?;
+            }
+            _ => {
+                let due = if is_array { "a value" } else { "row, column and value" };
+                return Err(Problem::at(line, format!("{} is not {due}", quoted(text))));
+            }
+        }
+        read += 1;
+    }
+    if read < count {
+        return Err(Problem::new(format!("the file ends after {read} of {count} entries; it is cut off")));
+    }
+    let stored = match symmetry {
+        Symmetry::None => Stored::General,
+        Symmetry::Symmetric => Stored::SymmetricTriangle,
+        Symmetry::Skew => Stored::SkewTriangle,
+    };
+    Ok(ReadMatrix::new(entries.into_matrix(size, symmetry)?, stored))
+}
+
+/// What the header says: whether every value is given, and the symmetry.
+fn kind(header: &str) -> Result<(bool, Symmetry), Problem> {
+    let header = header.to_lowercase();
+    let wrong = |text: String| Err(Problem::at(1, text));
+    let [_, object, format, field, symmetry] = header.split_whitespace().collect::<Vec<_>>()[..] else {
+        return wrong("the header should be like `%%MatrixMarket matrix coordinate real general`".to_owned());
+    };
+    if object != "matrix" {
+        return wrong(format!("the file holds a {}, not a matrix", quoted(object)));
+    }
+    let is_array = match format {
+        "coordinate" => false,
+        "array" => true,
+        _ => return wrong(format!("the format {} is none of coordinate and array", quoted(format))),
+    };
+    match field {
+        "real" | "double" | "integer" | "unsigned-integer" => {}
+        "pattern" => {
+            return wrong("the file holds places without values (pattern); write it with real values".to_owned());
+        }
+        "complex" => {
+            return wrong(
+                "the matrix is complex; write real matrices, and structural damping as a term of its own with a factor"
+                    .to_owned(),
+            );
+        }
+        _ => return wrong(format!("the values are {}; real and integer are read", quoted(field))),
+    }
+    let symmetry = match symmetry {
+        "general" => Symmetry::None,
+        "symmetric" => Symmetry::Symmetric,
+        "skew-symmetric" => Symmetry::Skew,
+        "hermitian" => {
+            return wrong("the matrix is hermitian, which is for complex values; write it as symmetric".to_owned());
+        }
+        _ => {
+            return wrong(format!(
+                "the symmetry {} is none of general, symmetric and skew-symmetric",
+                quoted(symmetry)
             ));
         }
     };
-    // The shortest entry, "1 1 0" and the end of its line, has six bytes.
-    let mut entries = Entries::new(rows, columns, count, bytes.len() / 2)?;
-    if symmetry != Symmetry::General && rows != columns {
-        return Err(format!("the matrix is {rows} by {columns}, but said to be symmetric"));
-    }
-    let mut add = |at: usize, row: u64, column: u64, value: f64| {
-        let placed = |error: String| format!("line {at}: {error}");
-        entries.add(row, column, value).map_err(placed)?;
-        match symmetry {
-            Symmetry::Symmetric if row != column => entries.add(column, row, value).map_err(placed),
-            Symmetry::SkewSymmetric if row != column => entries.add(column, row, -value).map_err(placed),
-            _ => Ok(()),
-        }
-    };
-    let number = |at: usize, word: &str| -> Result<f64, String> {
-        word.parse().map_err(|_| format!("line {at}: \"{word}\" is no number"))
-    };
-    let mut found = 0;
-    let (mut row, mut column) = (if symmetry == Symmetry::SkewSymmetric { 1 } else { 0 }, 0);
-    for (at, line) in lines {
-        if is_array {
-            for word in line.split_whitespace() {
-                add(at, row, column, number(at, word)?)?;
-                found += 1;
-                row += 1;
-                if row >= rows {
-                    column += 1;
-                    row = match symmetry {
-                        Symmetry::General => 0,
-                        Symmetry::Symmetric => column,
-                        Symmetry::SkewSymmetric => column + 1,
-                    };
-                }
-            }
-            continue;
-        }
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let [row, column, value] = words[..] else {
-            return Err(format!("line {at}: \"{line}\" is no entry; row, column and value are expected"));
-        };
-        let index = |word: &str| match word.parse::<u64>() {
-            Ok(index) if index >= 1 => Ok(index - 1),
-            _ => Err(format!("line {at}: \"{word}\" is no row or column; they count from 1")),
-        };
-        add(at, index(row)?, index(column)?, number(at, value)?)?;
-        found += 1;
-    }
-    let expected = match symmetry {
-        _ if !is_array => count,
-        Symmetry::General => rows * columns,
-        Symmetry::Symmetric => rows * (rows + 1) / 2,
-        Symmetry::SkewSymmetric => rows * (rows - 1) / 2,
-    };
-    if found != expected {
-        return Err(format!("the file has {found} entries, but says {expected}: it is cut off or damaged"));
-    }
-    entries.matrix()
+    Ok((is_array, symmetry))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+fn values_of_array(size: u64, symmetry: Symmetry) -> u64 {
+    match symmetry {
+        Symmetry::None => size.saturating_mul(size),
+        Symmetry::Symmetric => size.saturating_mul(size + 1) / 2,
+        Symmetry::Skew => size.saturating_mul(size - 1) / 2,
+    }
+}
 
-    fn values(text: &str) -> Vec<(usize, usize, f64)> {
-        let read = read(text.as_bytes(), None).unwrap();
-        read.triplet_iter().map(|entry| (entry.row, entry.col, *entry.val)).collect()
+/// The places of the values of an array, column by column; of triangles the lower one.
+struct Places {
+    size: u32,
+    symmetry: Symmetry,
+    row: u32,
+    column: u32,
+}
+
+impl Places {
+    fn new(size: usize, symmetry: Symmetry) -> Self {
+        let mut places = Self { size: size as u32, symmetry, row: 0, column: 0 };
+        places.row = places.first_row();
+        places
     }
 
-    #[test]
-    fn triangles_are_completed() {
-        let head = "%%MatrixMarket matrix coordinate real";
-        let body = "\n% a comment\n2 2 2\n1 1 4.0\n2 1 -1.5e0\n";
-        assert_eq!(values(&format!("{head} general{body}")), [(0, 0, 4.0), (1, 0, -1.5)]);
-        assert_eq!(values(&format!("{head} symmetric{body}")), [(0, 0, 4.0), (1, 0, -1.5), (0, 1, -1.5)]);
-        assert_eq!(values(&format!("{head} skew-symmetric\n2 2 1\n2 1 3\n")), [(1, 0, 3.0), (0, 1, -3.0)]);
-        let array = "%%MatrixMarket matrix array integer symmetric\n2 2\n1\n2\n3\n";
-        assert_eq!(values(array), [(0, 0, 1.0), (1, 0, 2.0), (0, 1, 2.0), (1, 1, 3.0)]);
-        let skew = "%%MatrixMarket matrix array real skew-symmetric\n3 3\n1\n2\n3\n";
-        assert_eq!(values(skew), [(1, 0, 1.0), (2, 0, 2.0), (0, 1, -1.0), (2, 1, 3.0), (0, 2, -2.0), (1, 2, -3.0)]);
-    }
-
-    #[test]
-    fn what_is_wrong_is_said_with_its_line() {
-        let head = "%%MatrixMarket matrix coordinate real general\n";
-        for (text, message) in [
-            ("%%MatrixMarket matrix coordinate complex general\n1 1 1\n1 1 1 0\n".to_owned(), "entries are complex"),
-            (format!("{head}2 2 1\n3 1 1.0\n"), "line 3: an entry stands in row 3, column 1, but the matrix is 2 by 2"),
-            (format!("{head}2 2 1\n0 1 1.0\n"), "line 3: \"0\" is no row or column; they count from 1"),
-            (format!("{head}2 2 1\n1 1 nan\n"), "is NaN; it must be a finite number"),
-            (format!("{head}2 2 2\n1 1 1\n"), "the file has 1 entries, but says 2"),
-            (format!("{head}2 2 99999999999\n1 1 1\n"), "but the file has room for"),
-            (format!("{head}2 x 1\n"), "line 2: \"2 x 1\" are no sizes"),
-        ] {
-            let error = read(text.as_bytes(), None).unwrap_err();
-            assert!(error.contains(message), "{text:?}: {error}");
+    fn first_row(&self) -> u32 {
+        match self.symmetry {
+            Symmetry::None => 0,
+            Symmetry::Symmetric => self.column,
+            Symmetry::Skew => self.column + 1,
         }
-        assert!(read(head.as_bytes(), Some("K")).unwrap_err().contains("remove `matrix`"));
+    }
+
+    fn next_place(&mut self) -> (u32, u32) {
+        let place = (self.row, self.column);
+        self.row += 1;
+        if self.row >= self.size {
+            self.column += 1;
+            self.row = self.first_row();
+        }
+        place
     }
 }

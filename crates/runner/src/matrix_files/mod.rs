@@ -1,128 +1,174 @@
-//! Matrices in files that other programs wrote: MAT files of MATLAB (5 to 7), and Matrix Market.
+//! Reading matrices of finite-element models from the files of other programs.
+//!
+//! What a file announces is compared with its length before anything is allocated, and all that is read is checked: no
+//! file ends in a panic or with the memory full.
 
-use std::fs;
-use std::path::Path;
+mod error;
 
-use faer::sparse::{SparseColMat, Triplet};
-use thiserror::Error;
+mod source;
+
+mod entries;
+
+mod matrix;
+
+mod numbers;
+
+mod text;
+
+mod nodes;
+
+mod binary;
 
 mod mat;
 
 mod matrix_market;
 
-/// Entries of a matrix at most.
-const MOST_ENTRIES: usize = 400_000_000;
+mod zip;
 
-/// Why a matrix cannot be read.
-#[derive(Debug, Error)]
-pub enum MatrixFileError {
-    /// The file cannot be opened or read.
-    #[error("cannot read {path}: {source}")]
-    Unreadable {
-        /// The file.
-        path: String,
-        /// Why not.
-        source: std::io::Error,
-    },
-    /// The file is not what it should be.
-    #[error("{path}: {message}")]
-    Refused {
-        /// The file.
-        path: String,
-        /// What is wrong, and what would be right.
-        message: String,
-    },
+mod npy;
+
+mod npz;
+
+mod abaqus;
+
+mod substructure;
+
+mod nastran;
+
+mod calculix;
+
+mod harwell_boeing;
+
+mod align;
+
+#[cfg(test)]
+mod forged;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+pub use align::align;
+pub use error::MatrixFileError;
+pub use matrix::{ReadMatrix, Stored};
+
+use error::Problem;
+use source::{Listed, Source, no_name};
+
+/// The formats that are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Mat,
+    MatrixMarket,
+    Npz,
+    Npy,
+    MatrixInput,
+    Coordinate,
+    Substructure,
+    Nastran,
+    CalculiX,
+    HarwellBoeing,
 }
 
-/// A matrix of a file.
-type Matrix = SparseColMat<usize, f64>;
-
-/// Reads a matrix; `name` is its name, in a file that has several.
+/// Reads the matrix of a file: that of this name, or the only one.
 ///
 /// # Errors
-/// [`MatrixFileError`], with what would be right.
-pub fn read(path: &Path, name: Option<&str>) -> Result<Matrix, MatrixFileError> {
-    let shown = path.display().to_string();
-    let bytes = fs::read(path).map_err(|source| MatrixFileError::Unreadable { path: shown.clone(), source })?;
-    let read = if bytes.starts_with(b"%%MatrixMarket") {
-        matrix_market::read(&bytes, name)
-    } else {
-        mat::read(&bytes, name).map_err(|message| other_format(path, &bytes).unwrap_or(message))
+/// Everything that is wrong with the file or the name.
+pub fn read(path: &Path, name: Option<&str>) -> Result<ReadMatrix, MatrixFileError> {
+    read_from(path, name).map_err(|problem| problem.in_file(path))
+}
+
+fn read_from(path: &Path, name: Option<&str>) -> Result<ReadMatrix, Problem> {
+    let mut source = Source::open(path)?;
+    let format = recognised(&mut source)?;
+    if !has_names(format) {
+        no_name(name)?;
+    }
+    match format {
+        Format::Mat => mat::read(&mut source, name),
+        Format::MatrixMarket => matrix_market::read(&mut source),
+        Format::Npz => npz::read(&mut source, name),
+        Format::Npy => npy::read_file(&mut source),
+        Format::MatrixInput => abaqus::read_matrix_input(&mut source),
+        Format::Coordinate => abaqus::read_coordinate(&mut source),
+        Format::Substructure => substructure::read(&mut source, name),
+        Format::Nastran => nastran::read(&mut source, name),
+        Format::CalculiX => calculix::read(&mut source),
+        Format::HarwellBoeing => harwell_boeing::read(&mut source),
+    }
+}
+
+/// Whether files of a format name their matrices.
+fn has_names(format: Format) -> bool {
+    matches!(format, Format::Mat | Format::Npz | Format::Substructure | Format::Nastran)
+}
+
+/// The names of the matrices in a file that can be read; none where it has one without a name.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn names(path: &Path) -> Result<Vec<String>, MatrixFileError> {
+    let all = || {
+        let mut source = Source::open(path)?;
+        let format = recognised(&mut source)?;
+        list(&mut source, format)
     };
-    read.map_err(|message| MatrixFileError::Refused { path: shown, message })
+    let all = all().map_err(|problem: Problem| problem.in_file(path))?.unwrap_or_default();
+    Ok(all.into_iter().filter(|one| one.problem.is_none()).map(|one| one.name).collect())
 }
 
-/// What to do about a file of another program.
-fn other_format(path: &Path, bytes: &[u8]) -> Option<String> {
-    let extension = path.extension()?.to_str()?.to_lowercase();
-    let instead = "Matrix Market (scipy.io.mmwrite) or a MAT file (scipy.io.savemat, or save with -v7 in MATLAB)";
-    Some(match extension.as_str() {
-        _ if bytes.starts_with(b"\x89HDF\r\n\x1a\n") => {
-            "this is a MAT file of version 7.3 (HDF5), which is not read; save it with save('brake.mat', 'M', 'K', '-v7')".to_owned()
-        }
-        "full" | "sub" => {
-            format!("a binary file of Ansys is not read; export with the command HBMAT and convert to {instead}")
-        }
-        "sim" | "odb" => format!(
-            "a binary file of Abaqus is not read; export with *MATRIX GENERATE and *MATRIX OUTPUT, and convert to {instead}"
-        ),
-        "op2" => format!("a binary file of Nastran is not read; export with PARAM,EXTOUT,DMIGPCH and convert to {instead}"),
-        "mtx" | "pch" | "npz" | "npy" | "rua" | "rsa" | "sti" | "mas" => {
-            format!("this format is not read; convert it to {instead}")
-        }
-        _ => return None,
-    })
-}
-
-/// Builds a matrix from entries, each checked.
-struct Entries {
-    rows: usize,
-    columns: usize,
-    triplets: Vec<Triplet<usize, usize, f64>>,
-}
-
-impl Entries {
-    /// For a matrix of this size, with about so many entries, of which the file has room for `possible`.
-    fn new(rows: u64, columns: u64, count: u64, possible: usize) -> Result<Self, String> {
-        if rows == 0 || columns == 0 {
-            return Err(format!("the matrix is {rows} by {columns}: it has no entries"));
-        }
-        if rows > MOST_ENTRIES as u64 || columns > MOST_ENTRIES as u64 {
-            return Err(format!("the matrix is {rows} by {columns}; at most {MOST_ENTRIES} rows and columns are read"));
-        }
-        if count > possible as u64 {
-            return Err(format!(
-                "the matrix says that it has {count} entries, but the file has room for {possible} at most: it is cut off or damaged"
-            ));
-        }
-        let triplets = Vec::with_capacity(count as usize);
-        Ok(Self { rows: rows as usize, columns: columns as usize, triplets })
+/// What has a name in a file; `None` of formats, and of files, with one matrix without a name.
+fn list(source: &mut Source, format: Format) -> Result<Option<Vec<Listed>>, Problem> {
+    match format {
+        Format::Mat => mat::list(source).map(Some),
+        Format::Npz => npz::list(source),
+        Format::Substructure => substructure::list(source).map(Some),
+        Format::Nastran => nastran::list(source).map(Some),
+        _ => Ok(None),
     }
+}
 
-    /// Adds an entry, counted from 0.
-    fn add(&mut self, row: u64, column: u64, value: f64) -> Result<(), String> {
-        if row >= self.rows as u64 || column >= self.columns as u64 {
-            return Err(format!(
-                "an entry stands in row {}, column {}, but the matrix is {} by {}",
-                row + 1,
-                column + 1,
-                self.rows,
-                self.columns
-            ));
-        }
-        if !value.is_finite() {
-            return Err(format!(
-                "the entry in row {}, column {} is {value}; it must be a finite number",
-                row + 1,
-                column + 1
-            ));
-        }
-        self.triplets.push(Triplet::new(row as usize, column as usize, value));
-        Ok(())
+/// The format of a file by its first bytes, and by its ending where they do not tell.
+fn recognised(source: &mut Source) -> Result<Format, Problem> {
+    let head = source.head()?;
+    let extension = source.extension();
+    let starts = |text: &str| head.get(..text.len()).is_some_and(|start| start.eq_ignore_ascii_case(text.as_bytes()));
+    if head.is_empty() {
+        return Err(Problem::new("the file is empty"));
     }
-
-    fn matrix(self) -> Result<Matrix, String> {
-        SparseColMat::try_new_from_triplets(self.rows, self.columns, &self.triplets)
-            .map_err(|error| format!("the matrix does not fit the memory: {error:?}"))
+    if starts("%%MatrixMarket") {
+        return Ok(Format::MatrixMarket);
+    }
+    if head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06") {
+        return Ok(Format::Npz);
+    }
+    if head.starts_with(npy::MAGIC) {
+        return Ok(Format::Npy);
+    }
+    if mat::is_one(&head, &extension) || head.starts_with(mat::HDF5) {
+        return Ok(Format::Mat);
+    }
+    if let Some(refusal) = binary::refusal(&head, &extension) {
+        return Err(Problem::new(refusal));
+    }
+    let text = String::from_utf8_lossy(&head);
+    if matches!(&*extension, "sti" | "mas") {
+        return Ok(Format::CalculiX);
+    }
+    if extension == "pch" || text.lines().any(nastran::is_dmig) {
+        return Ok(Format::Nastran);
+    }
+    if harwell_boeing::is_one(&text) {
+        return Ok(Format::HarwellBoeing);
+    }
+    if text.lines().any(substructure::is_keyword) {
+        return Ok(Format::Substructure);
+    }
+    // The last line may be cut off by the end of the head.
+    let data = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with(['*', '#', '%']));
+    match data.map_or(0, |line| text::words(line).count()) {
+        5 => Ok(Format::MatrixInput),
+        3 => Ok(Format::Coordinate),
+        _ => Err(Problem::new(binary::UNKNOWN)),
     }
 }

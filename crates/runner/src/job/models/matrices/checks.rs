@@ -1,15 +1,13 @@
 //! What is checked of matrices, in the words of those who made them.
 
-use std::ops::Range;
-
+use stickslip_core::models::matrices::model::MatrixModel;
 use stickslip_core::models::matrices::region::damping_ratio;
-use stickslip_core::models::matrices::{
-    model::MatrixModel,
-    terms::{Matrices, Matrix, Term},
-};
+use stickslip_core::models::matrices::terms::{Matrices, Matrix};
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
 
-use crate::job::diagnosis::{Complaint, Complaints};
+use super::terms::Term;
+use crate::job::diagnosis::Complaints;
+use crate::matrix_files::{ReadMatrix, Stored};
 
 /// Frequencies that are shown, Hz.
 const SHOWN_FREQUENCIES: usize = 10;
@@ -20,58 +18,73 @@ const ROUNDING: f64 = 1e-9;
 /// A stiffness at which programs hold degrees of freedom that are constrained.
 const CONSTRAINED: f64 = 1e30;
 
-/// Checks that all matrices have the size of the mass matrix, and that this one is a mass matrix.
-pub fn sizes(
-    mass: &Term,
-    mass_span: Range<usize>,
-    damping: &[Term],
-    stiffness: &[Term],
-    spans: &[Range<usize>],
-    complaints: &mut Complaints,
-) -> Option<()> {
+/// Refuses what no model has: terms are the mass, those of damping, and from `stiffness_from` on those of stiffness.
+pub fn refuse(terms: &[Term], stiffness_from: usize, complaints: &mut Complaints) -> Option<()> {
     let before = complaints.len();
-    let size = mass.matrix.nrows();
-    if mass.matrix.ncols() != size {
-        let message = format!("model.mass: the matrix is {size} by {}; it must be square", mass.matrix.ncols());
-        complaints.push(Complaint::at(mass_span, message));
-        return None;
-    }
-    let named = (0..).map(|i| format!("damping[{i}]")).take(damping.len());
-    let named = named.chain((0..).map(|i| format!("stiffness[{i}]")).take(stiffness.len()));
-    for ((name, term), span) in named.zip(damping.iter().chain(stiffness)).zip(spans) {
-        let [rows, columns] = [term.matrix.nrows(), term.matrix.ncols()];
-        if [rows, columns] != [size, size] {
+    let mass = terms.first()?;
+    let size = mass.read.matrix.nrows();
+    for term in &terms[1..] {
+        let is_held = |row: &usize| diagonal(&term.read.matrix, *row).abs() >= CONSTRAINED;
+        let held: Vec<usize> = (0..size).filter(is_held).collect();
+        if let Some(first) = held.first() {
             let message = format!(
-                "model.{name}: the matrix is {rows} by {columns}, the mass matrix {size} by {size}; all matrices of a model have one size"
+                "{} entries on the diagonal are 1e30 or more (the first is {}), which is how programs mark constrained degrees of freedom; remove their rows and columns from all matrices, or name the file of Abaqus itself, from which they are taken out",
+                held.len(),
+                named(terms, *first)
             );
-            complaints.push(Complaint::at(span.clone(), message));
-        }
-        let held = (0..size.min(columns)).filter(|&i| diagonal(&term.matrix, i).abs() >= CONSTRAINED).count();
-        if held > 0 {
-            let message = format!(
-                "model.{name}: {held} entries on the diagonal are 1e30 or more, which is how programs mark constrained degrees of freedom; remove their rows and columns from all matrices"
-            );
-            complaints.push(Complaint::at(span.clone(), message));
+            complaints.push(term.head.complaint(&message));
         }
     }
-    let without = (0..size).filter(|&i| diagonal(&mass.matrix, i) <= 0.0 || diagonal(&mass.matrix, i).is_nan());
-    let without: Vec<usize> = without.collect();
+    let is_without = |row: &usize| {
+        let value = diagonal(&mass.read.matrix, *row);
+        value <= 0.0 || value.is_nan()
+    };
+    let without: Vec<usize> = (0..size).filter(is_without).collect();
     if let Some(first) = without.first() {
+        let is_empty = empty_rows(&terms[stiffness_from..], size);
+        let empty = without.iter().filter(|row| is_empty[**row]).count();
+        let constrained = if empty > 0 {
+            format!(
+                "; {empty} of them have no stiffness either, as programs leave what is constrained: remove their rows and columns from all matrices"
+            )
+        } else {
+            String::new()
+        };
         let message = format!(
-            "model.mass: {} of {size} degrees of freedom have no mass (the first is number {}): the matrix is not positive definite; condense them, or give them a small mass",
+            "{} of {size} degrees of freedom have no mass (the first is {}): the matrix is not positive definite; condense them, or give them a small mass{constrained}",
             without.len(),
-            first + 1
+            named(terms, *first)
         );
-        complaints.push(Complaint::at(mass_span.clone(), message));
+        complaints.push(mass.head.complaint(&message));
     }
-    let [asymmetry, largest] = asymmetry(&mass.matrix);
+    let [asymmetry, largest] = asymmetry(&mass.read.matrix);
     if asymmetry > ROUNDING * largest {
         let message = format!(
-            "model.mass: the matrix is not symmetric: entries across the diagonal differ by {asymmetry:e}, the largest entry is {largest:e}"
+            "the matrix is not symmetric: entries across the diagonal differ by {asymmetry:e}, the largest entry is {largest:e}"
         );
-        complaints.push(Complaint::at(mass_span, message));
+        complaints.push(mass.head.complaint(&message));
     }
     (complaints.len() == before).then_some(())
+}
+
+/// A degree of freedom as its users know it.
+fn named(terms: &[Term], row: usize) -> String {
+    let places = terms.first().and_then(|term| term.read.degrees_of_freedom.as_ref());
+    match places.and_then(|places| places.get(row)) {
+        Some((node, direction)) => format!("number {}, node {node} in direction {direction}", row + 1),
+        None => format!("number {}", row + 1),
+    }
+}
+
+/// Whether each row has no entry in any of these terms.
+fn empty_rows(terms: &[Term], size: usize) -> Vec<bool> {
+    let mut is_empty = vec![true; size];
+    for term in terms {
+        for entry in term.read.matrix.triplet_iter().filter(|entry| *entry.val != 0.0) {
+            is_empty[entry.row] = false;
+        }
+    }
+    is_empty
 }
 
 fn diagonal(matrix: &Matrix, i: usize) -> f64 {
@@ -89,29 +102,60 @@ fn asymmetry(matrix: &Matrix) -> [f64; 2] {
 }
 
 /// What is to be said of matrices that can be read but may not be meant.
-pub fn remarks(matrices: &Matrices) -> Vec<String> {
-    let mut remarks = Vec::new();
+pub fn doubts(terms: &[Term], stiffness_from: usize) -> Vec<String> {
+    let mut doubts = grouped(terms, |read| &read.doubts);
+    let stiffness = &terms[stiffness_from..];
     let is_symmetric = |term: &Term| {
-        let [asymmetry, largest] = asymmetry(&term.matrix);
+        let [asymmetry, largest] = asymmetry(&term.read.matrix);
         asymmetry <= ROUNDING * largest
     };
-    if matrices.stiffness.iter().all(is_symmetric) {
-        remarks.push(
-            "your stiffness is symmetric: there is no friction in it, so no modes are coupled by it (files that store one triangle lose friction without a word)".to_owned(),
-        );
+    if stiffness.iter().all(is_symmetric) {
+        let triangles: Vec<&str> = stiffness
+            .iter()
+            .filter(|term| term.read.stored == Stored::SymmetricTriangle)
+            .map(|term| term.head.key.as_str())
+            .collect();
+        let why = match &triangles[..] {
+            [] => "files that store one triangle lose friction without a word".to_owned(),
+            keys => format!("one triangle is stored of {}, which loses friction without a word", keys.join(", ")),
+        };
+        doubts.push(format!(
+            "your stiffness is symmetric: there is no friction in it, so no modes are coupled by it ({why})"
+        ));
     }
-    let used: Vec<usize> = matrices
-        .damping
-        .iter()
-        .chain(&matrices.stiffness)
-        .flat_map(|term| term.factor.parameters().collect::<Vec<_>>())
-        .collect();
-    for (place, parameter) in matrices.parameters.iter().enumerate() {
-        if !used.contains(&place) {
-            remarks.push(format!("the parameter `{}` stands in no factor: it changes nothing", parameter.name));
+    let is_empty = empty_rows(stiffness, stiffness.first().map_or(0, |term| term.read.matrix.nrows()));
+    if let Some(first) = is_empty.iter().position(|is_empty| *is_empty) {
+        let count = is_empty.iter().filter(|is_empty| **is_empty).count();
+        doubts.push(format!(
+            "{count} degrees of freedom have no stiffness (the first is {}): nothing holds them, so that they move freely; are they constrained?",
+            named(terms, first)
+        ));
+    }
+    doubts
+}
+
+/// What is said of matrices, each with the terms of which it is said.
+pub fn grouped(terms: &[Term], said: impl Fn(&ReadMatrix) -> &[String]) -> Vec<String> {
+    let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
+    for term in terms {
+        for text in said(&term.read) {
+            match groups.iter_mut().find(|(other, _)| other == text) {
+                Some((_, keys)) => keys.push(&term.head.key),
+                None => groups.push((text, vec![&term.head.key])),
+            }
         }
     }
-    remarks
+    groups.into_iter().map(|(text, keys)| format!("model.{}: {text}", keys.join(", model."))).collect()
+}
+
+/// Parameters that change nothing.
+pub fn unused_parameters(matrices: &Matrices) -> Vec<String> {
+    let terms = matrices.damping.iter().chain(&matrices.stiffness);
+    let used: Vec<usize> = terms.flat_map(|term| term.factor.parameters().collect::<Vec<_>>()).collect();
+    let unused = matrices.parameters.iter().enumerate().filter(|(place, _)| !used.contains(place));
+    unused
+        .map(|(_, parameter)| format!("the parameter `{}` stands in no factor: it changes nothing", parameter.name))
+        .collect()
 }
 
 /// What is to be said of the modes of the expected brake.

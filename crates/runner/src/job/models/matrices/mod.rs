@@ -1,24 +1,23 @@
 //! Models given by matrices in job specs.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use stickslip_core::model::Model;
 use stickslip_core::model::quantity::{Limits, Quantity};
-use stickslip_core::models::matrices::factor::Factor;
 use stickslip_core::models::matrices::model::{BAND, ComplexEigenvalue, MatrixModel, quantities};
 use stickslip_core::models::matrices::problem::{Problem, Solver};
-use stickslip_core::models::matrices::terms::{Matrices, Parameter, Term};
+use stickslip_core::models::matrices::terms::Parameter;
 use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
 use toml_edit::DocumentMut;
 
+use self::assemble::ReadModel;
 use self::checks::Mode;
-use self::terms::{FileTerm, TermSpec, TermsSpec, read_term};
+use self::spec::{DescribedParameter, MatrixCriterionSpec, MatrixKind, MatrixModelSpec, ParameterSpec, SolvedMatrices};
+use self::terms::{FileTerm, TermSpec, TermsSpec};
 use crate::job::axes::values;
 use crate::job::axes_spec::{AxesSpec, AxisEntry};
 use crate::job::diagnosis::{Complaint, Complaints};
@@ -30,7 +29,11 @@ use crate::job::reading;
 
 mod terms;
 
+mod spec;
+
 mod checks;
+
+mod assemble;
 
 /// The kind in job specs.
 pub const KIND: Kind = Kind {
@@ -57,100 +60,6 @@ struct MatrixTables {
     criterion: Option<Spanned<MatrixCriterionSpec>>,
 }
 
-/// A model given by matrices, M q'' + C(p) q' + K(p) q = 0: `kind = "matrices"`.
-#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct MatrixModelSpec {
-    /// M: symmetric, positive definite.
-    #[schemars(with = "TermSpec")]
-    mass: Option<Spanned<TermSpec>>,
-    /// The terms of C, each a matrix times its factor; without it there is no damping.
-    #[serde(default)]
-    #[schemars(with = "Vec<TermSpec>", extend("default" = []))]
-    damping: TermsSpec,
-    /// The terms of K. That of friction is not symmetric.
-    #[serde(default)]
-    #[schemars(with = "Vec<TermSpec>")]
-    stiffness: TermsSpec,
-    /// The expected values of the parameters in the factors, by names of yours: a number, or a table.
-    #[serde(default)]
-    #[schemars(with = "BTreeMap<String, ParameterSpec>", extend("default" = {}))]
-    parameters: BTreeMap<Spanned<String>, Spanned<ParameterSpec>>,
-}
-
-/// The expected value of a parameter, or more about it.
-#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
-#[serde(untagged)]
-enum ParameterSpec {
-    /// The expected value.
-    Value(f64),
-    /// The expected value with unit, name in pictures and range.
-    Described(DescribedParameter),
-}
-
-/// A parameter with what there is to say about it.
-#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(inline)]
-struct DescribedParameter {
-    /// The expected value.
-    value: f64,
-    /// Its unit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    unit: Option<String>,
-    /// Its name in pictures.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    label: Option<String>,
-    /// Its least and largest value; samples beyond are outside the model.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    range: Option<[f64; 2]>,
-}
-
-/// What decides whether a sample of a model given by matrices is stable.
-#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct MatrixCriterionSpec {
-    /// How a sample is decided.
-    #[schemars(with = "MatrixKind")]
-    kind: Option<Spanned<MatrixKind>>,
-    /// The band in which pairs count, Hz, both ends included; without it all frequencies.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<[f64; 2]>")]
-    frequency: Option<Spanned<[f64; 2]>>,
-    /// Several bands in place of `frequency`: a cell for each, and one for any of them (`band` 0).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<Vec<[f64; 2]>>")]
-    bands: Option<Spanned<Vec<[f64; 2]>>>,
-    /// Unstable is a pair in the band whose damping ratio, -Re / |lambda|, is below it by more than 1e-9.
-    #[schemars(with = "Option<f64>", extend("default" = 0, "exclusiveMinimum" = -1, "exclusiveMaximum" = 1))]
-    damping_ratio: Option<Spanned<f64>>,
-    /// With which matrices eigenvalues are found.
-    #[schemars(with = "Option<SolvedMatrices>", extend("default" = "dense"))]
-    matrices: Option<Spanned<SolvedMatrices>>,
-    /// What happens to samples with a parameter beyond its range.
-    #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
-    outside_physics: Option<Spanned<OutsidePhysics>>,
-}
-
-/// With which matrices eigenvalues are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-enum SolvedMatrices {
-    /// Dense ones, all eigenvalues of every sample: up to 400 degrees of freedom.
-    Dense,
-    /// The full sparse ones, eigenvalues in the band: some 0.1 to 10 s for each sample, for models that one LU factorisation
-    /// fits.
-    Full,
-}
-
-/// How a sample of a model given by matrices is decided.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-enum MatrixKind {
-    /// The eigenvalues of the quadratic problem.
-    ComplexEigenvalue,
-}
-
 /// The model while it is being checked.
 struct MatrixDraft {
     tables: MatrixTables,
@@ -161,13 +70,6 @@ struct MatrixDraft {
     model: Option<ReadModel>,
     /// Whether nothing of parameters and bands was refused.
     is_whole: bool,
-}
-
-/// The matrices, once they are read, and what the job says of them.
-struct ReadModel {
-    matrices: Arc<Matrices>,
-    files: Vec<FileTerm>,
-    notes: Vec<String>,
 }
 
 /// What a missing criterion is answered with.
@@ -192,47 +94,6 @@ impl MatrixDraft {
 
     fn spec(&self) -> Option<&MatrixCriterionSpec> {
         self.tables.criterion.as_ref().map(Spanned::get_ref)
-    }
-
-    /// Reads the matrices and their factors, and checks them.
-    fn read(&self, folder: &Path, complaints: &mut Complaints) -> Option<ReadModel> {
-        let names: Vec<&str> = self.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-        let mut files = Vec::new();
-        let mut read = |place: &str, spec: &Spanned<TermSpec>, complaints: &mut Complaints| {
-            let term = complaints.take(read_term(place, spec, folder, &names))?;
-            files.extend(term.file);
-            Some(Term { matrix: Arc::new(term.matrix), factor: term.factor })
-        };
-        let model = &self.tables.model;
-        let Some(mass) = &model.mass else {
-            let message = "missing key `mass` in [model]: the mass matrix, { file = \"brake.mat\", matrix = \"M\" } or { matrix = [[...], ...] }";
-            complaints.push(Complaint::missing("model", None, message.to_owned()));
-            return None;
-        };
-        let mass_term = read("mass", mass, complaints);
-        let mut terms = |name: &str, specs: &TermsSpec| -> Option<Vec<Term>> {
-            let read = |(i, spec)| read(&format!("{name}[{i}]"), spec, complaints);
-            let terms: Vec<Option<Term>> = specs.0.iter().enumerate().map(read).collect();
-            terms.into_iter().collect()
-        };
-        let (damping, stiffness) = (terms("damping", &model.damping), terms("stiffness", &model.stiffness));
-        let (mass_term, damping, stiffness) = (mass_term?, damping?, stiffness?);
-        if stiffness.is_empty() {
-            let message = "missing key `stiffness` in [model]: the terms of the stiffness matrix";
-            complaints.push(Complaint::missing("model", None, message.to_owned()));
-            return None;
-        }
-        if mass_term.factor != Factor::number(1.0) {
-            let message =
-                "model.mass: the mass matrix has no factor; scale its values, or those of damping and stiffness";
-            complaints.push(Complaint::at(mass.span(), message));
-            return None;
-        }
-        let spans: Vec<Range<usize>> = model.damping.0.iter().chain(&model.stiffness.0).map(Spanned::span).collect();
-        checks::sizes(&mass_term, mass.span(), &damping, &stiffness, &spans, complaints)?;
-        let matrices = Matrices { mass: mass_term.matrix, damping, stiffness, parameters: self.parameters.clone() };
-        let notes = checks::remarks(&matrices);
-        Some(ReadModel { matrices: Arc::new(matrices), files, notes })
     }
 }
 
@@ -325,7 +186,7 @@ impl Draft for MatrixDraft {
         if complaints.has_unread(&["model"]) || !self.is_whole {
             return;
         }
-        self.model = self.read(folder, complaints);
+        self.model = assemble::read(&self.tables.model, &self.parameters, folder, complaints);
     }
 
     fn expected(&self) -> Vec<f64> {
@@ -428,7 +289,8 @@ impl Draft for MatrixDraft {
         Some(Arc::new(MatrixJob {
             model,
             files: read.files,
-            notes: read.notes,
+            warnings: read.warnings,
+            remarks: read.remarks,
             tables: self.tables.model,
             modes: OnceLock::new(),
         }))
@@ -440,7 +302,9 @@ impl Draft for MatrixDraft {
 struct MatrixJob {
     model: MatrixModel,
     files: Vec<FileTerm>,
-    notes: Vec<String>,
+    warnings: Vec<String>,
+    /// What was done in reading, in lines of comments.
+    remarks: String,
     tables: MatrixModelSpec,
     /// The modes of the expected brake, found when they are first wanted.
     modes: OnceLock<Vec<Mode>>,
@@ -507,13 +371,14 @@ impl JobModel for MatrixJob {
     }
 
     fn warnings(&self, grid: &Grid, _: &RandomInputSet) -> Vec<String> {
-        let mut warnings = self.notes.clone();
+        let mut warnings = self.warnings.clone();
         warnings.extend(checks::warnings(&self.model, self.modes(grid)));
         warnings
     }
 
     fn remarks(&self, grid: &Grid) -> String {
-        checks::frequencies(&self.model, self.modes(grid))
+        let frequencies = checks::frequencies(&self.model, self.modes(grid));
+        format!("{}{}{frequencies}", self.remarks, terms::unused_matrices(&self.files))
     }
 
     fn freeze(&self, document: &mut DocumentMut) -> String {

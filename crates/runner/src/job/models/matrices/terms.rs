@@ -1,6 +1,9 @@
 //! The terms of a model given by matrices: a matrix from a file or written in the job, times a factor.
 
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap};
 use std::fmt;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use faer::sparse::{SparseColMat, Triplet};
@@ -9,20 +12,20 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use stickslip_core::models::matrices::factor::Factor;
-use stickslip_core::models::matrices::terms::Matrix;
+use stickslip_core::models::matrices::terms::Parameter;
 use toml::Spanned;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use crate::job::diagnosis::Complaint;
 use crate::job::model::written;
-use crate::matrix_files;
+use crate::matrix_files::{self, ReadMatrix};
 
 /// A matrix times a factor: `{ file = "brake.mat", matrix = "K1", factor = "friction / speed" }`, or `matrix = [[2, -1], [-1,
 /// 2]]` without a file.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TermSpec {
-    /// The file with the matrix, beside the job.
+    /// The file with the matrix, beside the job. Its format is found by its content.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     file: Option<String>,
     /// The name of the matrix in its file, where that has several; or its rows.
@@ -91,10 +94,24 @@ impl<'de> Deserialize<'de> for TermsSpec {
 const MOST_TERMS: usize = 1000;
 
 /// A term that was read.
-pub struct ReadTerm {
-    pub matrix: Matrix,
-    pub factor: Factor,
+pub struct Term {
+    pub head: Head,
+    pub read: ReadMatrix,
     pub file: Option<FileTerm>,
+}
+
+/// A term without its matrix.
+pub struct Head {
+    /// Its key below `model`: `mass`, `stiffness[1]`.
+    pub key: String,
+    pub span: Range<usize>,
+    pub factor: Factor,
+}
+
+impl Head {
+    pub fn complaint(&self, message: &str) -> Complaint {
+        Complaint::at(self.span.clone(), format!("model.{}: {message}", self.key))
+    }
 }
 
 /// Where a matrix came from.
@@ -124,36 +141,53 @@ impl TermSpec {
     }
 }
 
-/// Reads a term: its matrix and its factor in these parameters.
-pub fn read_term(
-    place: &str,
-    spec: &Spanned<TermSpec>,
-    folder: &Path,
-    parameters: &[&str],
-) -> Result<ReadTerm, Complaint> {
-    let complain = |message: String| Complaint::at(spec.span(), format!("model.{place}: {message}"));
-    let TermSpec { file, matrix, factor, digest } = spec.get_ref();
-    let factor = match factor {
-        None => Factor::number(1.0),
-        Some(FactorSpec::Number(number)) if number.is_finite() => Factor::number(*number),
-        Some(FactorSpec::Number(number)) => return Err(complain(format!("factor = {number} is no finite number"))),
-        Some(FactorSpec::Text(text)) => Factor::parse(text, parameters).map_err(|error| {
-            let known = match parameters {
-                [] => "there are no parameters; declare them in [model.parameters]".to_owned(),
-                names => format!("[model.parameters] has {}", names.join(", ")),
-            };
-            complain(format!("factor = \"{text}\": {error} ({known})"))
-        })?,
-    };
-    match (file, matrix) {
+/// Reads terms, each matrix of a file once.
+pub struct Reader<'a> {
+    folder: &'a Path,
+    parameters: Vec<&'a str>,
+    /// By file and name.
+    known: HashMap<(String, Option<String>), ReadMatrix>,
+}
+
+impl<'a> Reader<'a> {
+    /// For files beside the job, and factors in these parameters.
+    pub fn new(folder: &'a Path, parameters: &'a [Parameter]) -> Self {
+        let parameters = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+        Self { folder, parameters, known: HashMap::new() }
+    }
+
+    /// Reads a term: its matrix and its factor.
+    pub fn read(&mut self, key: &str, spec: &Spanned<TermSpec>) -> Result<Term, Complaint> {
+        let complain = |message: String| Complaint::at(spec.span(), format!("model.{key}: {message}"));
+        let TermSpec { file, matrix, factor, digest } = spec.get_ref();
+        let factor = match factor {
+            None => Factor::number(1.0),
+            Some(FactorSpec::Number(number)) if number.is_finite() => Factor::number(*number),
+            Some(FactorSpec::Number(number)) => return Err(complain(format!("factor = {number} is no finite number"))),
+            Some(FactorSpec::Text(text)) => Factor::parse(text, &self.parameters).map_err(|error| {
+                let known = match &self.parameters[..] {
+                    [] => "there are no parameters; declare them in [model.parameters]".to_owned(),
+                    names => format!("[model.parameters] has {}", names.join(", ")),
+                };
+                complain(format!("factor = \"{text}\": {error} ({known})"))
+            })?,
+        };
+        let head = |factor| Head { key: key.to_owned(), span: spec.span(), factor };
+        match (file, matrix) {
         (Some(name), None | Some(MatrixSpec::Name(_))) => {
-            let path = folder.join(name);
+            let path = self.folder.join(name);
             let wanted = match matrix {
-                Some(MatrixSpec::Name(name)) => Some(name.as_str()),
+                Some(MatrixSpec::Name(name)) => Some(name.clone()),
                 _ => None,
             };
-            let matrix = matrix_files::read(&path, wanted).map_err(|error| complain(error.to_string()))?;
-            let found = digest_of(&matrix);
+            let read = match self.known.entry((name.clone(), wanted)) {
+                Entry::Occupied(known) => known.get().clone(),
+                Entry::Vacant(new) => {
+                    let read = matrix_files::read(&path, new.key().1.as_deref());
+                    new.insert(read.map_err(|error| complain(error.to_string()))?).clone()
+                }
+            };
+            let found = digest_of(&read);
             if let Some(digest) = digest.as_ref().filter(|digest| **digest != found) {
                 return Err(complain(format!(
                     "the matrix in {} is another than the one of this job: its digest is {found}, not {digest}; bring back the file as it was, or submit a new job",
@@ -162,10 +196,10 @@ pub fn read_term(
             }
             let path = std::path::absolute(&path).unwrap_or(path);
             let file = FileTerm { file: name.clone(), matrix: spec.get_ref().matrix.clone(), path, digest: found };
-            Ok(ReadTerm { matrix, factor, file: Some(file) })
+            Ok(Term { head: head(factor), read, file: Some(file) })
         }
         (None, Some(MatrixSpec::Rows(rows))) => {
-            Ok(ReadTerm { matrix: of_rows(rows).map_err(complain)?, factor, file: None })
+            Ok(Term { read: of_rows(rows).map_err(complain)?, head: head(factor), file: None })
         }
         (Some(_), Some(MatrixSpec::Rows(_))) => {
             Err(complain("a file is given beside the rows of a matrix; remove one of the two".to_owned()))
@@ -177,10 +211,11 @@ pub fn read_term(
             "there is no matrix; give file = \"brake.mat\" and its name in it, matrix = \"K\", or rows: matrix = [[2, -1], [-1, 2]]".to_owned(),
         )),
     }
+    }
 }
 
 /// A matrix by its rows.
-fn of_rows(rows: &[Vec<f64>]) -> Result<Matrix, String> {
+fn of_rows(rows: &[Vec<f64>]) -> Result<ReadMatrix, String> {
     let size = rows.len();
     let mut triplets = Vec::new();
     for (i, row) in rows.iter().enumerate() {
@@ -207,21 +242,47 @@ fn of_rows(rows: &[Vec<f64>]) -> Result<Matrix, String> {
     if size == 0 {
         return Err("the matrix has no rows".to_owned());
     }
-    SparseColMat::try_new_from_triplets(size, size, &triplets)
-        .map_err(|error| format!("the matrix is too large: {error:?}"))
+    let matrix = SparseColMat::try_new_from_triplets(size, size, &triplets)
+        .map_err(|error| format!("the matrix is too large: {error:?}"))?;
+    Ok(ReadMatrix::of_rows(matrix))
 }
 
-/// The digest of a matrix: of its size, and of its entries column by column.
-fn digest_of(matrix: &Matrix) -> String {
+/// The digest of a matrix: of its size, of its entries column by column, and of what decides its place among the others of
+/// the model, where its file says that.
+fn digest_of(read: &ReadMatrix) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut add = |value: u64| {
         hasher.update(&value.to_le_bytes());
     };
-    add(matrix.nrows() as u64);
+    let matrix = &read.matrix;
+    [matrix.nrows() as u64, matrix.compute_nnz() as u64].into_iter().for_each(&mut add);
     for entry in matrix.triplet_iter() {
         [entry.row as u64, entry.col as u64, entry.val.to_bits()].into_iter().for_each(&mut add);
     }
+    let places = read.degrees_of_freedom.as_deref().unwrap_or_default();
+    [u64::from(read.has_size), places.len() as u64].into_iter().for_each(&mut add);
+    for (node, direction) in places {
+        [node.cast_unsigned(), u64::from(*direction)].into_iter().for_each(&mut add);
+    }
+    read.constrained.iter().for_each(|row| add(*row as u64));
     hasher.finalize().to_hex()[..32].to_owned()
+}
+
+/// A line for each file that has matrices which no term names.
+pub fn unused_matrices(files: &[FileTerm]) -> String {
+    let paths: BTreeSet<&PathBuf> = files.iter().map(|file| &file.path).collect();
+    let line = |path: &PathBuf| {
+        let is_used = |name: &String| {
+            let mut own = files.iter().filter(|file| file.path == *path);
+            own.any(|file| file.matrix.as_ref().is_none_or(|matrix| *matrix == MatrixSpec::Name(name.clone())))
+        };
+        // That the file can be read is known by now, but for a change since.
+        let mut names = matrix_files::names(path).unwrap_or_default();
+        names.retain(|name| !is_used(name));
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        (!names.is_empty()).then(|| format!("# {file} also has {}, which no term names\n", names.join(", ")))
+    };
+    paths.into_iter().filter_map(line).collect()
 }
 
 /// Writes where the matrices of a job are, and their digests, into its text; a comment that says so.

@@ -1,0 +1,92 @@
+//! The matrices of a model, read from its files and brought to the same degrees of freedom.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use stickslip_core::models::matrices::factor::Factor;
+use stickslip_core::models::matrices::terms::{self as of_model, Matrices, Parameter};
+
+use super::checks;
+use super::spec::MatrixModelSpec;
+use super::terms::{FileTerm, Reader, Term, TermsSpec};
+use crate::job::diagnosis::{Complaint, Complaints};
+use crate::matrix_files;
+
+/// Terms whose numbers of rows a message lists.
+const MOST_LISTED: usize = 20;
+
+/// The matrices, once they are read, and what is to be said of them.
+pub struct ReadModel {
+    pub matrices: Arc<Matrices>,
+    pub files: Vec<FileTerm>,
+    /// What may not be meant.
+    pub warnings: Vec<String>,
+    /// What was done in reading: comments below the normalised job.
+    pub remarks: String,
+}
+
+/// Reads the matrices and their factors, and checks them.
+pub fn read<'a>(
+    spec: &'a MatrixModelSpec,
+    parameters: &[Parameter],
+    folder: &Path,
+    complaints: &mut Complaints,
+) -> Option<ReadModel> {
+    let Some(mass) = &spec.mass else {
+        let message = "missing key `mass` in [model]: the mass matrix, { file = \"brake.mat\", matrix = \"M\" } or { matrix = [[...], ...] }";
+        complaints.push(Complaint::missing("model", None, message.to_owned()));
+        return None;
+    };
+    let listed = |name: &'static str, specs: &'a TermsSpec| {
+        specs.0.iter().enumerate().map(move |(i, spec)| (format!("{name}[{i}]"), spec))
+    };
+    let mut specs = vec![("mass".to_owned(), mass)];
+    specs.extend(listed("damping", &spec.damping));
+    let stiffness_from = specs.len();
+    specs.extend(listed("stiffness", &spec.stiffness));
+    let mut reader = Reader::new(folder, parameters);
+    // All are read before any is missed, so that every mistake is named.
+    let terms: Vec<Option<Term>> =
+        specs.into_iter().map(|(key, spec)| complaints.take(reader.read(&key, spec))).collect();
+    let terms: Vec<Term> = terms.into_iter().collect::<Option<_>>()?;
+    if terms.len() == stiffness_from {
+        let message = "missing key `stiffness` in [model]: the terms of the stiffness matrix";
+        complaints.push(Complaint::missing("model", None, message.to_owned()));
+        return None;
+    }
+    let head = &terms[0].head;
+    if head.factor != Factor::number(1.0) {
+        let message = "the mass matrix has no factor; scale its values, or those of damping and stiffness";
+        complaints.push(head.complaint(message));
+        return None;
+    }
+    let terms = complaints.take(aligned(terms))?;
+    checks::refuse(&terms, stiffness_from, complaints)?;
+    let mut warnings = checks::doubts(&terms, stiffness_from);
+    let remarks = checks::grouped(&terms, |read| &read.notes);
+    let remarks = remarks.iter().map(|remark| format!("# {remark}\n")).collect();
+    let mut files = Vec::new();
+    let mut terms = terms.into_iter().map(|term| {
+        files.extend(term.file);
+        of_model::Term { matrix: Arc::new(term.read.matrix), factor: term.head.factor }
+    });
+    let mass = terms.next()?.matrix;
+    let damping = terms.by_ref().take(stiffness_from - 1).collect();
+    let stiffness = terms.collect();
+    let matrices = Matrices { mass, damping, stiffness, parameters: parameters.to_vec() };
+    warnings.extend(checks::unused_parameters(&matrices));
+    Some(ReadModel { matrices: Arc::new(matrices), files, warnings, remarks })
+}
+
+/// The terms over the same degrees of freedom.
+fn aligned(terms: Vec<Term>) -> Result<Vec<Term>, Complaint> {
+    let rows: Vec<String> =
+        terms.iter().take(MOST_LISTED).map(|term| format!("{} {}", term.head.key, term.read.matrix.nrows())).collect();
+    let more = if terms.len() > MOST_LISTED { ", ..." } else { "" };
+    let (others, matrices): (Vec<_>, Vec<_>) =
+        terms.into_iter().map(|term| ((term.head, term.file), term.read)).unzip();
+    let matrices = matrix_files::align(matrices)
+        .map_err(|error| others[error.matrix].0.complaint(&format!("{error} (rows: {}{more})", rows.join(", "))))?;
+    let whole = others.into_iter().zip(matrices).map(|((head, file), read)| Term { head, read, file });
+    Ok(whole.collect())
+}

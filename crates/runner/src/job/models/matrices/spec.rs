@@ -1,0 +1,104 @@
+//! The tables `[model]` and `[criterion]` of models given by matrices, as jobs have them.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+
+use super::terms::{TermSpec, TermsSpec};
+use crate::job::model::OutsidePhysics;
+
+/// A model given by matrices, M q'' + C(p) q' + K(p) q = 0: `kind = "matrices"`.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MatrixModelSpec {
+    /// M: symmetric, positive definite.
+    #[schemars(with = "TermSpec")]
+    pub mass: Option<Spanned<TermSpec>>,
+    /// The terms of C, each a matrix times its factor; without it there is no damping.
+    #[serde(default)]
+    #[schemars(with = "Vec<TermSpec>", extend("default" = []))]
+    pub damping: TermsSpec,
+    /// The terms of K. That of friction is not symmetric.
+    #[serde(default)]
+    #[schemars(with = "Vec<TermSpec>")]
+    pub stiffness: TermsSpec,
+    /// The expected values of the parameters in the factors, by names of yours: a number, or a table.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, ParameterSpec>", extend("default" = {}))]
+    pub parameters: BTreeMap<Spanned<String>, Spanned<ParameterSpec>>,
+}
+
+/// The expected value of a parameter, or more about it.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ParameterSpec {
+    /// The expected value.
+    Value(f64),
+    /// The expected value with unit, name in pictures and range.
+    Described(DescribedParameter),
+}
+
+/// A parameter with what there is to say about it.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(inline)]
+pub struct DescribedParameter {
+    /// The expected value.
+    pub value: f64,
+    /// Its unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// Its name in pictures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub label: Option<String>,
+    /// Its least and largest value; samples beyond are outside the model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+}
+
+/// What decides whether a sample of a model given by matrices is stable.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MatrixCriterionSpec {
+    /// How a sample is decided.
+    #[schemars(with = "MatrixKind")]
+    pub kind: Option<Spanned<MatrixKind>>,
+    /// The band in which pairs count, Hz, both ends included; without it all frequencies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub frequency: Option<Spanned<[f64; 2]>>,
+    /// Several bands in place of `frequency`: a cell for each, and one for any of them (`band` 0).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Vec<[f64; 2]>>")]
+    pub bands: Option<Spanned<Vec<[f64; 2]>>>,
+    /// Unstable is a pair in the band whose damping ratio, -Re / |lambda|, is below it by more than 1e-9.
+    #[schemars(with = "Option<f64>", extend("default" = 0, "exclusiveMinimum" = -1, "exclusiveMaximum" = 1))]
+    pub damping_ratio: Option<Spanned<f64>>,
+    /// With which matrices eigenvalues are found.
+    #[schemars(with = "Option<SolvedMatrices>", extend("default" = "dense"))]
+    pub matrices: Option<Spanned<SolvedMatrices>>,
+    /// What happens to samples with a parameter beyond its range.
+    #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
+    pub outside_physics: Option<Spanned<OutsidePhysics>>,
+}
+
+/// With which matrices eigenvalues are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SolvedMatrices {
+    /// Dense ones, all eigenvalues of every sample: up to 400 degrees of freedom.
+    Dense,
+    /// The full sparse ones, eigenvalues in the band: some 0.1 to 10 s for each sample, for models that one LU factorisation
+    /// fits.
+    Full,
+}
+
+/// How a sample of a model given by matrices is decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MatrixKind {
+    /// The eigenvalues of the quadratic problem.
+    ComplexEigenvalue,
+}

@@ -1,0 +1,162 @@
+//! DMIG of Nastran and OptiStruct (`PARAM,EXTOUT,DMIGPCH`): columns of a matrix by grid point and component.
+//!
+//! A card has fields of 8 characters or, with an asterisk, of 16; its further lines start with a blank, a plus or an
+//! asterisk. Fields may be separated by commas as well.
+
+use super::entries::{Entries, Symmetry};
+use super::error::{Problem, quoted};
+use super::matrix::{Place, ReadMatrix, Stored};
+use super::nodes::{Numbering, place};
+use super::source::{Listed, Source, choose};
+use super::text::{Lines, number};
+
+/// Most matrices in a file.
+const MOST_MATRICES: usize = 4096;
+
+/// Whether a line starts a DMIG card.
+pub fn is_dmig(line: &str) -> bool {
+    let rest = line.get(..4).filter(|start| start.eq_ignore_ascii_case("DMIG")).and(line.get(4..));
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['*', ' ', ',', '\t']))
+}
+
+/// The fields of a line after the first, without blanks: 8 short ones or 4 long ones.
+fn fields(line: u64, text: &str, is_long: bool) -> Result<Vec<&str>, Problem> {
+    let count = if is_long { 4 } else { 8 };
+    if text.contains(',') {
+        let mut fields: Vec<&str> = text.split(',').skip(1).map(str::trim).collect();
+        fields.resize(count, "");
+        return Ok(fields);
+    }
+    if !text.is_ascii() || text.contains('\t') {
+        return Err(Problem::at(line, "the line has tabs or letters beside ASCII, so that its columns are not known"));
+    }
+    let width = if is_long { 16 } else { 8 };
+    let field = |at: usize| {
+        let start = (8 + at * width).min(text.len());
+        text[start..(start + width).min(text.len())].trim()
+    };
+    Ok((0..count).map(field).collect())
+}
+
+/// What a header says.
+struct Header {
+    name: String,
+    form: String,
+    kind: String,
+}
+
+impl Header {
+    fn problem(&self) -> Option<String> {
+        match (&*self.form, &*self.kind) {
+            ("9", _) => Some("it is rectangular (IFO is 9); one of mass, damping or stiffness is square".to_owned()),
+            (_, "3" | "4") => Some("it is complex (TIN is 3 or 4); write it as a real matrix".to_owned()),
+            ("1" | "2" | "6", "0" | "1" | "2" | "") => None,
+            ("1" | "2" | "6", kind) => Some(format!("its type of numbers (TIN) is {}, not 1 or 2", quoted(kind))),
+            (form, _) => Some(format!("its form (IFO) is {}; 1, 2 and 6 are read", quoted(form))),
+        }
+    }
+}
+
+/// Gives every header and every group of column, row and value to `header` and `entry`.
+fn each(
+    source: &mut Source,
+    mut header: impl FnMut(u64, Header) -> Result<(), Problem>,
+    is_wanted: impl Fn(&str) -> bool,
+    mut entry: impl FnMut(u64, Place, Place, f64) -> Result<(), Problem>,
+) -> Result<(), Problem> {
+    let mut lines = Lines::new(source)?;
+    // The column of the card that goes on, and the header that does.
+    let mut column: Option<Place> = None;
+    while let Some((line, text)) = lines.next()? {
+        if text.trim().is_empty() || text.starts_with('$') {
+            continue;
+        }
+        if is_dmig(text) {
+            let fields = fields(line, text, text.get(4..5) == Some("*"))?;
+            column = None;
+            if fields[1] == "0" {
+                let [name, form, kind] = [fields[0], fields[2], fields[3]].map(str::to_owned);
+                header(line, Header { name, form, kind })?;
+            } else if is_wanted(fields[0]) {
+                let of_column = place(line, fields[1], fields[2])?;
+                column = Some(of_column);
+                // A card of long fields has none left for an entry.
+                fields[4..].chunks(4).try_for_each(|group| take_group(line, of_column, group, &mut entry))?;
+            }
+        } else if text.starts_with([' ', '+', '*', ',']) {
+            if let Some(of_column) = column {
+                let fields = fields(line, text, text.starts_with('*'))?;
+                fields.chunks(4).try_for_each(|group| take_group(line, of_column, group, &mut entry))?;
+            }
+        } else {
+            // Another card.
+            column = None;
+        }
+    }
+    Ok(())
+}
+
+fn take_group(
+    line: u64,
+    column: Place,
+    group: &[&str],
+    entry: &mut impl FnMut(u64, Place, Place, f64) -> Result<(), Problem>,
+) -> Result<(), Problem> {
+    match group {
+        ["", "", "", ..] => Ok(()),
+        [node, direction, value, imaginary] => {
+            if !imaginary.is_empty() && number(line, imaginary)? != 0.0 {
+                return Err(Problem::at(line, "the entry is complex; write real matrices"));
+            }
+            entry(line, column, place(line, node, direction)?, number(line, value)?)
+        }
+        _ => Err(Problem::at(line, "the entry has no grid point, component and value")),
+    }
+}
+
+fn headers(source: &mut Source) -> Result<Vec<(Listed, Header)>, Problem> {
+    let mut found: Vec<(Listed, Header)> = Vec::new();
+    let take = |line, header: Header| {
+        if found.iter().any(|(listed, _)| listed.name == header.name) {
+            return Err(Problem::at(line, format!("matrix {} starts a second time", quoted(&header.name))));
+        }
+        if found.len() == MOST_MATRICES {
+            return Err(Problem::at(line, format!("the file has more than {MOST_MATRICES} matrices, the limit")));
+        }
+        let listed = Listed { name: header.name.clone(), problem: header.problem() };
+        found.push((listed, header));
+        Ok(())
+    };
+    each(source, take, |_| false, |_, _, _, _| Ok(()))?;
+    Ok(found)
+}
+
+/// The names of the matrices.
+pub fn list(source: &mut Source) -> Result<Vec<Listed>, Problem> {
+    Ok(headers(source)?.into_iter().map(|(listed, _)| listed).collect())
+}
+
+pub fn read(source: &mut Source, name: Option<&str>) -> Result<ReadMatrix, Problem> {
+    let (listed, headers): (Vec<Listed>, Vec<Header>) = headers(source)?.into_iter().unzip();
+    let chosen = &headers[choose(&listed, name)?];
+    let mut entries = Entries::default();
+    let mut numbering = Numbering::default();
+    each(
+        source,
+        |_, _| Ok(()),
+        |name| name == chosen.name,
+        |_, column, row, value| entries.push(numbering.number(row)?, numbering.number(column)?, value),
+    )?;
+    let of_it = |problem: Problem| problem.of_matrix(&chosen.name);
+    let places = numbering.sort(&mut entries);
+    let (symmetry, stored) = match &*chosen.form {
+        "6" => (Symmetry::Symmetric, Stored::SymmetricTriangle),
+        _ => (Symmetry::None, Stored::General),
+    };
+    let mut read = ReadMatrix::new(entries.into_matrix(places.len(), symmetry).map_err(of_it)?, stored);
+    read.degrees_of_freedom = Some(places);
+    if chosen.form == "2" {
+        read.doubts.push("the file calls the matrix rectangular (IFO is 2); it is read over all grid points and components of its rows and columns".to_owned());
+    }
+    Ok(read)
+}

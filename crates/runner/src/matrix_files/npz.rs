@@ -1,0 +1,235 @@
+//! Archives of NumPy (.npz): full arrays with names, or the one sparse matrix of `scipy.sparse.save_npz`.
+
+use std::io::Read as _;
+
+use super::entries::{Entries, MOST_ENTRIES, Symmetry, from_columns, square, too_many_entries};
+use super::error::{Problem, quoted};
+use super::matrix::{ReadMatrix, Stored};
+use super::npy::{self, Content as Kind, Header};
+use super::numbers::{ended, index};
+use super::source::{Listed, Source, choose, no_name};
+use super::zip::{Content, Member, find, members};
+
+const ENDING: &str = ".npy";
+
+/// The arrays in an archive of full ones; `None` where it has one sparse matrix.
+pub fn list(source: &mut Source) -> Result<Option<Vec<Listed>>, Problem> {
+    let members = members(source)?;
+    if is_sparse(&members) {
+        return Ok(None);
+    }
+    let mut listed = Vec::new();
+    for member in members.iter().filter(|member| member.name.ends_with(ENDING)) {
+        let name = member.name.trim_end_matches(ENDING).to_owned();
+        // What is wrong with a matrix matters to who asks for it.
+        let header = Content::open(source, member).and_then(|mut content| Header::read(&mut content, member.size));
+        let problem = header.map_or_else(|problem| Some(problem.to_string()), |header| header.problem());
+        listed.push(Listed { name, problem: problem.map(|text| text.trim_start_matches(": ").to_owned()) });
+    }
+    Ok(Some(listed))
+}
+
+fn is_sparse(members: &[Member]) -> bool {
+    ["format.npy", "shape.npy", "data.npy"].iter().all(|name| find(members, name).is_ok())
+}
+
+pub fn read(source: &mut Source, name: Option<&str>) -> Result<ReadMatrix, Problem> {
+    let members = members(source)?;
+    if is_sparse(&members) {
+        no_name(name)?;
+        return sparse(&mut Archive { source, members });
+    }
+    let listed = list(source)?.unwrap_or_default();
+    let name = &listed[choose(&listed, name)?].name;
+    let of_it = |problem: Problem| problem.of_matrix(name);
+    let member = find(&members, &format!("{name}{ENDING}")).map_err(of_it)?;
+    let mut content = Content::open(source, member).map_err(of_it)?;
+    let read = npy::read(&mut content, member.size).map_err(of_it)?;
+    content.finish().map_err(of_it)?;
+    Ok(read)
+}
+
+struct Archive<'a> {
+    source: &'a mut Source,
+    members: Vec<Member>,
+}
+
+impl Archive<'_> {
+    /// Gives all numbers of an array to `take`, and returns its shape.
+    fn numbers(&mut self, name: &str, mut take: impl FnMut(f64) -> Result<(), Problem>) -> Result<Header, Problem> {
+        let of_it = |problem: Problem| Problem::new(format!("array {}{problem}", quoted(name)));
+        let member = find(&self.members, &format!("{name}{ENDING}"))?;
+        let mut content = Content::open(self.source, member).map_err(of_it)?;
+        let header = Header::read(&mut content, member.size).map_err(of_it)?;
+        if header.count() > MOST_ENTRIES as u64 {
+            return Err(too_many_entries());
+        }
+        header.each(&mut content, &mut take).map_err(of_it)?;
+        content.finish().map_err(of_it)?;
+        Ok(header)
+    }
+
+    fn list<T>(&mut self, name: &str, of: impl Fn(f64) -> Result<T, Problem>) -> Result<Vec<T>, Problem> {
+        let mut list = Vec::new();
+        self.numbers(name, |value| {
+            list.push(of(value)?);
+            Ok(())
+        })?;
+        Ok(list)
+    }
+
+    /// The name of the format, as bytes or as text of four bytes a character.
+    fn format(&mut self) -> Result<String, Problem> {
+        let member = find(&self.members, "format.npy")?;
+        let mut content = Content::open(self.source, member)?;
+        let header = Header::read(&mut content, member.size)?;
+        let Kind::Text { .. } = header.content else {
+            return Err(Problem::new("the array `format` is no text; the file is damaged"));
+        };
+        let mut bytes = Vec::new();
+        content.by_ref().take(64).read_to_end(&mut bytes).map_err(|error| ended(&error))?;
+        content.finish()?;
+        bytes.retain(|byte| *byte != 0);
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
+}
+
+fn sparse(archive: &mut Archive<'_>) -> Result<ReadMatrix, Problem> {
+    let format = archive.format()?;
+    let shape = archive.list("shape", |value| Ok(if value >= 0.0 { value as u64 } else { u64::MAX }))?;
+    let &[rows, columns] = &shape[..] else {
+        return Err(Problem::new(format!("the array has {} dimensions, not the two of a matrix", shape.len())));
+    };
+    let size = square(rows, columns)?;
+    let built = match &*format {
+        "csc" => {
+            let starts = starts(archive)?;
+            let rows = archive.list("indices", index)?;
+            from_columns(size, starts, rows, archive.list("data", Ok)?)?
+        }
+        "csr" => by_rows(archive, size, None)?.into_matrix(size, Symmetry::None)?,
+        "bsr" => {
+            let blocks = block(archive)?;
+            by_rows(archive, size, Some(blocks))?.into_matrix(size, Symmetry::None)?
+        }
+        "coo" => coordinates(archive)?.into_matrix(size, Symmetry::None)?,
+        "dia" => diagonals(archive, size)?.into_matrix(size, Symmetry::None)?,
+        other => {
+            return Err(Problem::new(format!(
+                "the sparse format {} is none of csc, csr, bsr, coo and dia",
+                quoted(other)
+            )));
+        }
+    };
+    Ok(ReadMatrix::new(built, Stored::General))
+}
+
+fn starts(archive: &mut Archive<'_>) -> Result<Vec<usize>, Problem> {
+    archive.list("indptr", |value| index(value).map(|start| start as usize))
+}
+
+/// The size of the blocks: `data` has so many of them.
+fn block(archive: &mut Archive<'_>) -> Result<[usize; 2], Problem> {
+    let member = find(&archive.members, "data.npy")?;
+    let header = Header::read(&mut Content::open(archive.source, member)?, member.size)?;
+    match header.shape[..] {
+        [_, height, width]
+            if height > 0 && width > 0 && !header.is_by_columns && header.count() <= MOST_ENTRIES as u64 =>
+        {
+            Ok([height as usize, width as usize])
+        }
+        _ => Err(Problem::new(format!("the blocks have the shape {:?}; the file is damaged", header.shape))),
+    }
+}
+
+/// Entries row by row, or blocks of entries.
+fn by_rows(archive: &mut Archive<'_>, size: usize, block: Option<[usize; 2]>) -> Result<Entries, Problem> {
+    let [height, width] = block.unwrap_or([1, 1]);
+    let starts = starts(archive)?;
+    let columns = archive.list("indices", index)?;
+    let per_block = height.saturating_mul(width);
+    let rows = size.div_ceil(height);
+    let follow = starts.windows(2).all(|pair| pair[0] <= pair[1]);
+    if starts.len() != rows + 1 || starts[0] != 0 || !follow || starts[rows] > columns.len() {
+        return Err(Problem::new(format!(
+            "`indptr` does not rise from 0 to the number of entries in {rows} steps; the file is damaged"
+        )));
+    }
+    let mut entries = Entries::default();
+    let (mut at, mut row) = (0, 0);
+    let last = starts[rows].saturating_mul(per_block);
+    archive.numbers("data", |value| {
+        if at >= last {
+            return Ok(());
+        }
+        let (number, inside) = (at / per_block, at % per_block);
+        while starts[row + 1] <= number {
+            row += 1;
+        }
+        at += 1;
+        if value != 0.0 {
+            let place = |block: usize, length: usize, inside: usize| {
+                let place = block.checked_mul(length).and_then(|start| start.checked_add(inside));
+                place.and_then(|place| u32::try_from(place).ok()).unwrap_or(u32::MAX)
+            };
+            let column = place(columns[number] as usize, width, inside % width);
+            entries.push(place(row, height, inside / width), column, value)?;
+        }
+        Ok(())
+    })?;
+    if at < last {
+        return Err(Problem::new(format!("there are {at} values where {last} are due; the file is damaged")));
+    }
+    Ok(entries)
+}
+
+fn coordinates(archive: &mut Archive<'_>) -> Result<Entries, Problem> {
+    // Later versions of SciPy may write both as one array.
+    let [rows, columns] = if find(&archive.members, "coords.npy").is_ok() {
+        let mut rows = archive.list("coords", index)?;
+        let columns = rows.split_off(rows.len() / 2);
+        [rows, columns]
+    } else {
+        [archive.list("row", index)?, archive.list("col", index)?]
+    };
+    let mut entries = Entries::default();
+    let mut at = 0;
+    let count = rows.len();
+    let wrong = || Problem::new("rows, columns and values of the entries are not equally many; the file is damaged");
+    archive.numbers("data", |value| {
+        let (Some(&row), Some(&column)) = (rows.get(at), columns.get(at)) else { return Err(wrong()) };
+        at += 1;
+        entries.push(row, column, value)
+    })?;
+    if at == count && columns.len() == count { Ok(entries) } else { Err(wrong()) }
+}
+
+/// Diagonals, each with its values at the places of their columns.
+fn diagonals(archive: &mut Archive<'_>, size: usize) -> Result<Entries, Problem> {
+    let offsets = archive.list("offsets", Ok)?;
+    let mut entries = Entries::default();
+    let mut values = Vec::new();
+    let header = archive.numbers("data", |value| {
+        values.push(value);
+        Ok(())
+    })?;
+    let long = match header.shape[..] {
+        [count, long] if count == offsets.len() as u64 && !header.is_by_columns => long as usize,
+        _ => {
+            return Err(Problem::new(format!(
+                "the {} diagonals have the shape {:?}; the file is damaged",
+                offsets.len(),
+                header.shape
+            )));
+        }
+    };
+    for (offset, diagonal) in offsets.iter().zip(values.chunks(long.max(1))) {
+        for (column, &value) in diagonal.iter().enumerate().take(size) {
+            let row = column as f64 - offset;
+            if row >= 0.0 && row < size as f64 && value != 0.0 {
+                entries.push(index(row)?, column as u32, value)?;
+            }
+        }
+    }
+    Ok(entries)
+}
