@@ -112,6 +112,23 @@ impl Factor {
         above / below
     }
 
+    /// Its derivative by the parameter at `place`, which is a factor again.
+    ///
+    /// ```
+    /// use stickslip_core::models::matrices::factor::Factor;
+    /// let names = ["friction", "speed"];
+    /// let factor = Factor::parse("0.5 * friction / speed^2", &names)?;
+    /// assert_eq!(factor.derivative(0).to_text(&names), "0.5 / speed^2");
+    /// assert_eq!(factor.derivative(1).to_text(&names), "-1 * friction / speed^3");
+    /// # Ok::<(), stickslip_core::models::matrices::factor::FactorError>(())
+    /// ```
+    #[must_use]
+    pub fn derivative(&self, place: usize) -> Self {
+        let Some(&(_, power)) = self.powers.iter().find(|(own, _)| *own == place) else { return Self::number(0.0) };
+        let lowered = self.powers.iter().map(|&(own, power)| (own, power - i32::from(own == place)));
+        Self { number: self.number * f64::from(power), powers: lowered.filter(|(_, power)| *power != 0).collect() }
+    }
+
     /// The parameters that it depends on, by their places.
     pub fn parameters(&self) -> impl Iterator<Item = usize> + '_ {
         self.powers.iter().map(|(place, _)| *place)
@@ -231,6 +248,24 @@ mod tests {
             assert!((factor.value(&values) / value - 1.0).abs() < 1e-15, "{text} {}", factor.value(&values));
             assert_eq!(factor.to_text(&NAMES), written);
             assert_eq!(Factor::parse(written, &NAMES).unwrap(), factor);
+        }
+    }
+
+    #[test]
+    fn derivatives_are_differences() {
+        let values = [0.4, 12.0, 3.0];
+        for text in ["friction", "3", "friction * e_lining^3 / speed^9", "2 / speed", "speed^2"] {
+            let factor = Factor::parse(text, &NAMES).unwrap();
+            for place in 0..3 {
+                let at = |by: f64| {
+                    let mut moved = values;
+                    moved[place] *= 1.0 + by;
+                    factor.value(&moved)
+                };
+                let difference = (at(1e-6) - at(-1e-6)) / (2e-6 * values[place]);
+                let derivative = factor.derivative(place).value(&values);
+                assert!((derivative - difference).abs() <= 1e-8 * factor.value(&values), "{text} {place}");
+            }
         }
     }
 

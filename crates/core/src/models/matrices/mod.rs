@@ -21,3 +21,5 @@ pub mod decide;
 pub mod model;
 
 pub mod full;
+
+pub mod modes;

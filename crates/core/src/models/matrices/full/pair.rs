@@ -60,7 +60,7 @@ pub(super) fn norm(vector: &[Complex]) -> f64 {
 }
 
 /// `a^T b`, not conjugated.
-pub(super) fn dot(a: &[Complex], b: &[Complex]) -> Complex {
+pub(in crate::models::matrices) fn dot(a: &[Complex], b: &[Complex]) -> Complex {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
