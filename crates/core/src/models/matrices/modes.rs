@@ -20,7 +20,7 @@ use super::full::Error as FullError;
 use super::full::band::{Band, KrylovLimit};
 use super::full::pair::{Pair as SparsePair, damping_ratio_slope, dot};
 use super::full::quadratic::{Coefficients, Point, Side, SparseQuadratic};
-use super::model::Matrices;
+use super::model::{ComplexEigenvalue, Matrices};
 use super::quadratic::{DenseQuadratic, Quadratic, QuadraticError};
 use super::refine::Pair;
 use super::region::{Region, damping_ratio, magnitude};
@@ -34,6 +34,18 @@ pub const DAMPING_RATIOS: [f64; 2] = [-0.3, 0.1];
 
 /// Eigenvalues nearer to each other than this, relative to them, are taken as one.
 const CLUSTER: f64 = 1e-7;
+
+/// The regions of a criterion in rad/s: those of all bands for `band` 0, else that of one, counted from 1.
+#[must_use]
+pub fn regions(criterion: &ComplexEigenvalue, band: usize) -> Vec<Region> {
+    let chosen = criterion.bands.iter().enumerate().filter(|(place, _)| band == 0 || band == place + 1);
+    let region = |(_, [lowest, highest]): (usize, &[f64; 2])| Region {
+        lowest: TAU * lowest,
+        highest: TAU * highest,
+        damping_ratio: criterion.damping_ratio,
+    };
+    chosen.map(region).collect()
+}
 
 /// A mode of one parameter point.
 #[derive(Debug, Clone, PartialEq)]

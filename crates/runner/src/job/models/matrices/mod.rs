@@ -487,6 +487,10 @@ impl JobModel for MatrixJob {
         checks::frequencies(&self.model, self.modes(grid))
     }
 
+    fn matrices(&self) -> Option<(&Matrices, &ComplexEigenvalue)> {
+        Some((self.model.matrices(), self.model.criterion()))
+    }
+
     fn freeze(&self, document: &mut DocumentMut) -> String {
         terms::freeze(document, &self.files)
     }
