@@ -15,6 +15,7 @@ use crate::model::decision::Decision;
 use crate::model::quantity::{Limits, Quantity};
 use crate::model::verdict::Verdict;
 use crate::model::{Columns, Configuration, IsStopped, Model, ModelError};
+use crate::numerics::eigenvalues::Eigenvalue;
 
 /// A matrix of a model, real and square.
 pub type Matrix = SparseColMat<usize, f64>;
@@ -334,5 +335,18 @@ impl Configuration for Samples {
             decider.limit_state(&coefficients).unwrap_or(f64::NAN)
         };
         Some((0..samples.len()).map(state).collect())
+    }
+
+    fn unstable_frequencies(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
+        let decider = Decider::new(&self.shared.problem, &self.shared.regions, self.series());
+        let of_sample = |sample: usize| {
+            let least = decider.least_damped(&self.coefficients(samples, sample));
+            let in_unit = |value: Eigenvalue| value / self.shared.problem.unit();
+            let is_unstable =
+                |value: &Eigenvalue| self.shared.regions.iter().any(|region| region.contains(in_unit(*value)));
+            let unstable = least.filter(|value| !self.is_outside(samples, sample) && is_unstable(value));
+            unstable.map_or(f64::NAN, |value| value.im.abs() / std::f64::consts::TAU)
+        };
+        Some((0..samples.len()).map(of_sample).collect())
     }
 }

@@ -106,7 +106,8 @@ impl ModesAtPoint {
         if self.modes.is_empty() {
             return said + "none\n";
         }
-        let mut lines = vec![["mode", "frequency, Hz", "damping ratio", "growth rate, 1/s", ""].map(str::to_owned).to_vec()];
+        let mut lines =
+            vec![["mode", "frequency, Hz", "damping ratio", "growth rate, 1/s", ""].map(str::to_owned).to_vec()];
         for (number, mode) in (1..).zip(&self.modes) {
             lines.push(vec![
                 format!("{number:>4}"),
@@ -133,7 +134,8 @@ impl ModesAtPoint {
         } else {
             String::new()
         };
-        let headings = ["mode", "parameter", "d damping ratio / d parameter", "d frequency / d parameter, Hz", "with 1 % more"];
+        let headings =
+            ["mode", "parameter", "d damping ratio / d parameter", "d frequency / d parameter, Hz", "with 1 % more"];
         let mut lines = vec![headings.map(str::to_owned).to_vec()];
         for place in shown {
             let mode = &self.modes[place];

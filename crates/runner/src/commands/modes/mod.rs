@@ -9,6 +9,10 @@ use crate::failure::Failure;
 use crate::job::Job;
 use crate::job::keys::nearest;
 
+pub mod lines;
+
+pub mod squeal;
+
 /// What modes of a job are found by.
 pub struct JobModes<'a> {
     pub matrices: &'a Matrices,
