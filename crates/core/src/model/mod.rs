@@ -10,6 +10,7 @@
 //! | capability | trait | what it is for |
 //! |---|---|---|
 //! | the boundary of stability in two quantities in closed form | [`ClosedForm`] | integrals in place of samples, critical values |
+//! | critical values of one quantity | [`CriticalValues`] | integrals over it, limits |
 //! | decisions by simulation, many at once, interruptible | [`Simulation`] | samples that cost much |
 //! | growth rate and limit cycle | [`Behaviours`] | what a cell with exactly the expected values does |
 //! | a limit state of samples | [`Configuration::limit_states`] | rare events by design points |
@@ -71,6 +72,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use self::behaviour::Behaviours;
+use self::critical_values::CriticalValues;
 use self::decision::{Decision, Source};
 use self::pair_boundary::PairBoundary;
 use self::quantity::{Quantity, Role};
@@ -83,6 +85,8 @@ pub mod decision;
 pub mod quantity;
 
 pub mod pair_boundary;
+
+pub mod critical_values;
 
 pub mod behaviour;
 
@@ -159,6 +163,13 @@ pub trait Model: fmt::Debug + Send + Sync {
     /// Whether its configurations have [`ClosedForm`].
     fn has_closed_form(&self) -> bool {
         false
+    }
+
+    /// Over which of these random inputs integrals go, as places of quantities, if its configurations have
+    /// [`CriticalValues`].
+    fn integrated(&self, inputs: &[usize]) -> Option<usize> {
+        let _ = inputs;
+        None
     }
 
     /// Its simulation, if it decides by one.
@@ -266,6 +277,11 @@ pub trait Configuration: Any + Send + Sync {
 
     /// Its boundary of stability, if it is known in closed form.
     fn closed_form(&self) -> Option<&dyn ClosedForm> {
+        None
+    }
+
+    /// Its critical values, if they can be found.
+    fn critical_values(&self) -> Option<&dyn CriticalValues> {
         None
     }
 

@@ -8,7 +8,7 @@ use schemars::{Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use stickslip_core::model::quantity::Quantity;
 use stickslip_core::model::{Model, ModelError};
-use stickslip_core::models::matrices::model::{ComplexEigenvalue, Matrices};
+use stickslip_core::models::matrices::model::MatrixModel;
 use stickslip_core::models::pad_on_disc::model::PadModel;
 use stickslip_core::models::pad_on_disc::parameters::ParameterError;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
@@ -84,8 +84,8 @@ pub trait JobModel: Debug + Send + Sync {
         None
     }
 
-    /// The matrices and the criterion of a model given by them, for what is about its modes.
-    fn matrices(&self) -> Option<(&Matrices, &ComplexEigenvalue)> {
+    /// The model given by matrices, for what is about its modes.
+    fn as_matrices(&self) -> Option<&MatrixModel> {
         None
     }
 

@@ -25,7 +25,8 @@ const MOST_SQUARES: usize = 6000;
 /// Shares of the cloud that the axes leave out at each end.
 const LEFT_OUT: f64 = 0.005;
 
-/// Space above the legend.
+/// Space between the panels, and above the legend.
+const BETWEEN: f64 = 10.0;
 const GAP: f64 = 6.0;
 
 /// A mode at a value of the parameter.
@@ -76,7 +77,8 @@ impl ModePlot {
             self.axis("Damping ratio ζ", "", |point| point.damping_ratio, Some(self.threshold)),
         ];
         // Long labels need space at the left.
-        let further = |panel: &Panel| axes.iter().map(|axis| left_of(axis, panel.height) - LEFT).fold(0.0, f64::max);
+        let further =
+            |panel: &Panel| axes.iter().map(|axis| left_of(axis, panel.height) - LEFT).fold(0.0, f64::max) + BETWEEN;
         for panel in &mut panels {
             let by = further(panel);
             panel.left += by;

@@ -112,21 +112,13 @@ impl Factor {
         above / below
     }
 
-    /// Its derivative by the parameter at `place`, which is a factor again.
-    ///
-    /// ```
-    /// use stickslip_core::models::matrices::factor::Factor;
-    /// let names = ["friction", "speed"];
-    /// let factor = Factor::parse("0.5 * friction / speed^2", &names)?;
-    /// assert_eq!(factor.derivative(0).to_text(&names), "0.5 / speed^2");
-    /// assert_eq!(factor.derivative(1).to_text(&names), "-1 * friction / speed^3");
-    /// # Ok::<(), stickslip_core::models::matrices::factor::FactorError>(())
-    /// ```
+    /// Its derivative by the parameter at a place, at these values of all parameters.
     #[must_use]
-    pub fn derivative(&self, place: usize) -> Self {
-        let Some(&(_, power)) = self.powers.iter().find(|(own, _)| *own == place) else { return Self::number(0.0) };
-        let lowered = self.powers.iter().map(|&(own, power)| (own, power - i32::from(own == place)));
-        Self { number: self.number * f64::from(power), powers: lowered.filter(|(_, power)| *power != 0).collect() }
+    pub fn derivative(&self, parameters: &[f64], place: usize) -> f64 {
+        let Some(&(_, power)) = self.powers.iter().find(|(own, _)| *own == place) else { return 0.0 };
+        let powers = self.powers.iter().map(|&(own, power)| (own, if own == place { power - 1 } else { power }));
+        let powers = powers.filter(|(_, power)| *power != 0).collect();
+        Self { number: self.number * f64::from(power), powers }.value(parameters)
     }
 
     /// The parameters that it depends on, by their places.
@@ -263,7 +255,7 @@ mod tests {
                     factor.value(&moved)
                 };
                 let difference = (at(1e-6) - at(-1e-6)) / (2e-6 * values[place]);
-                let derivative = factor.derivative(place).value(&values);
+                let derivative = factor.derivative(&values, place);
                 assert!((derivative - difference).abs() <= 1e-8 * factor.value(&values), "{text} {place}");
             }
         }

@@ -4,11 +4,21 @@ pub mod factor;
 
 pub mod region;
 
+pub mod error;
+
+pub mod pair;
+
+pub mod branches;
+
+pub mod sweep;
+
 pub mod quadratic;
 
-pub mod refine;
+mod refine;
 
 mod eigenbasis;
+
+mod dense_branches;
 
 mod perturbation;
 
@@ -18,8 +28,15 @@ mod series;
 
 pub mod decide;
 
-pub mod model;
-
 pub mod full;
 
+pub mod problem;
+
+mod samples;
+
+pub mod model;
+
 pub mod modes;
+
+#[cfg(test)]
+mod trial;

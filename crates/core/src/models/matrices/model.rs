@@ -1,21 +1,18 @@
 //! Models given by matrices as models of jobs: their parameters are the quantities, complex eigenvalues the criterion.
 
-use std::any::Any;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use faer::sparse::SparseColMat;
-use nalgebra::DMatrix;
 
-use super::decide::Decider;
+use super::branches::Path;
+use super::error::Error;
 use super::factor::Factor;
-use super::quadratic::{DenseQuadratic, QuadraticError};
+use super::problem::{Problem, ProblemError, Solver};
 use super::region::Region;
-use super::series::ModeSeries;
-use crate::model::decision::Decision;
+use super::samples::Samples;
+use super::sweep::Sweep;
 use crate::model::quantity::{Limits, Quantity};
-use crate::model::verdict::Verdict;
-use crate::model::{Columns, Configuration, IsStopped, Model, ModelError};
-use crate::numerics::eigenvalues::Eigenvalue;
+use crate::model::{Configuration, Model, ModelError};
 
 /// A matrix of a model, real and square.
 pub type Matrix = SparseColMat<usize, f64>;
@@ -76,23 +73,50 @@ impl Matrices {
         self.parameters.iter().map(|parameter| parameter.value).collect()
     }
 
-    /// The eigenvalue problem with dense matrices.
-    ///
-    /// # Errors
-    /// As [`DenseQuadratic::new`].
-    pub fn dense(&self) -> Result<DenseQuadratic, QuadraticError> {
-        let terms = |terms: &[Term]| terms.iter().map(|term| dense(&term.matrix)).collect::<Vec<_>>();
-        let typical = self.coefficients(&self.expected());
-        DenseQuadratic::new(&dense(&self.mass), &terms(&self.damping), &terms(&self.stiffness), &typical)
+    /// The matrix of friction, as far as it can be told: the first stiffness term that is not symmetric and whose factor has
+    /// one of these parameters; failing that the first term at all whose factor has one. The parameter, by its place.
+    fn integrated(&self, parameters: &[usize]) -> Option<usize> {
+        let of = |term: &Term| term.factor.parameters().find(|own| parameters.contains(own));
+        let friction = self.stiffness.iter().filter(|term| !is_symmetric(&term.matrix)).find_map(of);
+        friction.or_else(|| self.stiffness.iter().chain(&self.damping).find_map(of))
     }
 }
 
-fn dense(matrix: &Matrix) -> DMatrix<f64> {
-    let mut dense = DMatrix::zeros(matrix.nrows(), matrix.ncols());
+/// Whether a matrix is symmetric to rounding.
+fn is_symmetric(matrix: &Matrix) -> bool {
+    let (mut asymmetry, mut largest) = (0.0_f64, 0.0_f64);
     for entry in matrix.triplet_iter() {
-        dense[(entry.row, entry.col)] += *entry.val;
+        let across = matrix.get(entry.col, entry.row).copied().unwrap_or(0.0);
+        (asymmetry, largest) = (asymmetry.max((entry.val - across).abs()), largest.max(entry.val.abs()));
     }
-    dense
+    asymmetry <= 1e-9 * largest
+}
+
+/// The coefficients of matrices over one parameter.
+pub(super) struct OverParameter<'a> {
+    pub(super) matrices: &'a Matrices,
+    /// The values of all parameters; that of the one counts for nothing.
+    pub(super) values: &'a [f64],
+    pub(super) place: usize,
+}
+
+impl OverParameter<'_> {
+    fn each(&self, p: f64, of: impl Fn(&Factor, &[f64]) -> f64) -> Vec<f64> {
+        let mut values = self.values.to_vec();
+        values[self.place] = p;
+        let Matrices { damping, stiffness, .. } = self.matrices;
+        damping.iter().chain(stiffness).map(|term| of(&term.factor, &values)).collect()
+    }
+}
+
+impl Path for OverParameter<'_> {
+    fn coefficients(&self, p: f64) -> Vec<f64> {
+        self.each(p, Factor::value)
+    }
+
+    fn derivative(&self, p: f64) -> Vec<f64> {
+        self.each(p, |factor, values| factor.derivative(values, self.place))
+    }
 }
 
 /// Which pairs make a sample unstable.
@@ -111,7 +135,7 @@ pub const BAND: &str = "band";
 #[derive(Debug, Clone)]
 pub struct MatrixModel {
     matrices: Arc<Matrices>,
-    problem: Arc<DenseQuadratic>,
+    problem: Problem,
     criterion: ComplexEigenvalue,
     quantities: Vec<Quantity>,
 }
@@ -120,9 +144,9 @@ impl MatrixModel {
     /// A model whose samples are decided by all eigenvalues in the bands.
     ///
     /// # Errors
-    /// As [`DenseQuadratic::new`].
-    pub fn new(matrices: Arc<Matrices>, criterion: ComplexEigenvalue) -> Result<Self, QuadraticError> {
-        let problem = Arc::new(matrices.dense()?);
+    /// As [`Problem::new`].
+    pub fn new(matrices: Arc<Matrices>, criterion: ComplexEigenvalue, solver: Solver) -> Result<Self, ProblemError> {
+        let problem = Problem::new(&matrices, solver)?;
         let quantities = quantities(&matrices.parameters, criterion.bands.len());
         Ok(Self { matrices, problem, criterion, quantities })
     }
@@ -141,7 +165,7 @@ impl MatrixModel {
 
     /// The eigenvalue problem.
     #[must_use]
-    pub fn problem(&self) -> &DenseQuadratic {
+    pub fn problem(&self) -> &Problem {
         &self.problem
     }
 
@@ -154,6 +178,15 @@ impl MatrixModel {
             damping_ratio: self.criterion.damping_ratio,
         };
         self.criterion.bands.iter().map(region).collect()
+    }
+
+    /// Where the number of unstable pairs of each band changes over the parameter at `place`, with these values of the others.
+    ///
+    /// # Errors
+    /// As [`Problem::sweep`].
+    pub fn sweeps(&self, parameters: &[f64], place: usize, within: [f64; 2]) -> Result<Vec<Sweep>, Error> {
+        let path = OverParameter { matrices: &self.matrices, values: parameters, place };
+        self.regions().iter().map(|region| self.problem.sweep(&path, region, within)).collect()
     }
 
     /// The expected values of all quantities, where nothing else is said.
@@ -211,142 +244,15 @@ impl Model for MatrixModel {
                 regions = vec![regions[band as usize - 1]];
             }
         }
-        let regions: Vec<Region> = regions.into_iter().map(|region| region.in_unit(self.problem.unit())).collect();
-        let like = like.and_then(Samples::from_any).map(|like| like.shared.clone());
-        let like = like.filter(|like| like.regions == regions && like.varying == varying);
-        let shared = Shared {
-            matrices: self.matrices.clone(),
-            problem: self.problem.clone(),
-            regions,
-            expected: expected.to_vec(),
-            varying: varying.to_vec(),
-            series: OnceLock::new(),
-        };
-        Ok(Box::new(Samples { shared: Arc::new(shared), like, serves: OnceLock::new() }))
+        Ok(Samples::boxed(&self.matrices, &self.problem, regions, expected, varying, like))
+    }
+
+    /// That of friction, as far as it can be told.
+    fn integrated(&self, inputs: &[usize]) -> Option<usize> {
+        self.matrices.integrated(inputs)
     }
 
     fn outside_meaning(&self) -> &'static str {
         "parameters beyond their range"
-    }
-}
-
-/// What samples with the same expected values share.
-struct Samples {
-    shared: Arc<Shared>,
-    /// Another configuration, whose series serves where it reaches well beyond the expected values.
-    like: Option<Arc<Shared>>,
-    /// Whether it does.
-    serves: OnceLock<bool>,
-}
-
-/// A configuration with the series about its expected values, made when it is first wanted.
-struct Shared {
-    matrices: Arc<Matrices>,
-    problem: Arc<DenseQuadratic>,
-    /// In the unit of the problem.
-    regions: Vec<Region>,
-    expected: Vec<f64>,
-    varying: Vec<usize>,
-    series: OnceLock<Option<ModeSeries>>,
-}
-
-impl Shared {
-    fn origin(&self) -> Vec<f64> {
-        self.matrices.coefficients(&self.expected)
-    }
-
-    fn series(&self) -> Option<&ModeSeries> {
-        let make = || {
-            let terms = self.matrices.damping.iter().chain(&self.matrices.stiffness).enumerate();
-            let changes = |term: &Term| term.factor.parameters().any(|own| self.varying.contains(&own));
-            let changing: Vec<usize> = terms.filter(|(_, term)| changes(term)).map(|(place, _)| place).collect();
-            ModeSeries::new(&self.problem, &self.origin(), &changing, &self.regions)
-        };
-        self.series.get_or_init(make).as_ref()
-    }
-}
-
-impl Samples {
-    fn from_any(configuration: &dyn Configuration) -> Option<&Self> {
-        let any: &dyn Any = configuration;
-        any.downcast_ref()
-    }
-
-    fn series(&self) -> Option<&ModeSeries> {
-        let other = self.like.as_ref();
-        let reaches =
-            |other: &Arc<Shared>| other.series().is_some_and(|series| series.reaches_beyond(&self.shared.origin()));
-        let serves = *self.serves.get_or_init(|| other.is_some_and(reaches));
-        other.filter(|_| serves).unwrap_or(&self.shared).series()
-    }
-
-    fn coefficients(&self, samples: &Columns<'_>, sample: usize) -> Vec<f64> {
-        self.shared.matrices.coefficients(&samples.complete(sample, &self.shared.expected, &self.shared.varying))
-    }
-
-    fn verdict(&self, coefficients: &[f64]) -> Verdict {
-        if coefficients.iter().any(|value| !value.is_finite()) {
-            return Verdict::Failed;
-        }
-        match Decider::new(&self.shared.problem, &self.shared.regions, self.series()).is_unstable(coefficients) {
-            Some((true, _)) => Verdict::Unstable,
-            Some((false, _)) => Verdict::Stable,
-            None => Verdict::Failed,
-        }
-    }
-
-    fn is_outside(&self, samples: &Columns<'_>, sample: usize) -> bool {
-        let mut values = self.shared.varying.iter().zip(samples.sample(sample));
-        values.any(|(&place, value)| {
-            self.shared.matrices.parameters.get(place).is_some_and(|parameter| !parameter.range.contain(value))
-        })
-    }
-
-    fn has_ranges(&self) -> bool {
-        self.shared.varying.iter().any(|&place| {
-            self.shared.matrices.parameters.get(place).is_some_and(|parameter| parameter.range != Limits::ANY)
-        })
-    }
-}
-
-impl Configuration for Samples {
-    fn decide(&self, samples: &Columns<'_>, wanted: &[usize], is_stopped: IsStopped<'_>) -> Option<Vec<Decision>> {
-        let decide = |&sample: &usize| {
-            if is_stopped() {
-                return None;
-            }
-            Some(match self.is_outside(samples, sample) {
-                true => Decision::OUTSIDE_PHYSICS,
-                false => self.verdict(&self.coefficients(samples, sample)).into(),
-            })
-        };
-        wanted.iter().map(decide).collect()
-    }
-
-    fn outside(&self, samples: &Columns<'_>) -> Option<Vec<bool>> {
-        self.has_ranges().then(|| (0..samples.len()).map(|sample| self.is_outside(samples, sample)).collect())
-    }
-
-    /// The smallest damping ratio in the bands less the threshold.
-    fn limit_states(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
-        let decider = Decider::new(&self.shared.problem, &self.shared.regions, self.series());
-        let state = |sample: usize| {
-            let coefficients = self.coefficients(samples, sample);
-            decider.limit_state(&coefficients).unwrap_or(f64::NAN)
-        };
-        Some((0..samples.len()).map(state).collect())
-    }
-
-    fn unstable_frequencies(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
-        let decider = Decider::new(&self.shared.problem, &self.shared.regions, self.series());
-        let of_sample = |sample: usize| {
-            let least = decider.least_damped(&self.coefficients(samples, sample));
-            let in_unit = |value: Eigenvalue| value / self.shared.problem.unit();
-            let is_unstable =
-                |value: &Eigenvalue| self.shared.regions.iter().any(|region| region.contains(in_unit(*value)));
-            let unstable = least.filter(|value| !self.is_outside(samples, sample) && is_unstable(value));
-            unstable.map_or(f64::NAN, |value| value.im.abs() / std::f64::consts::TAU)
-        };
-        Some((0..samples.len()).map(of_sample).collect())
     }
 }

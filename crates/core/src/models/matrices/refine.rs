@@ -2,6 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector, LU};
 
+use super::pair::{Pair, norm, normalise};
 use super::quadratic::Quadratic;
 use super::region::magnitude;
 use crate::numerics::eigenvalues::Eigenvalue;
@@ -13,40 +14,51 @@ const STEPS_PER_SHIFT: usize = 6;
 /// Relative change of an eigenvalue at which it has converged.
 const CONVERGED: f64 = 2e-14;
 
-/// An eigenvalue with its vectors: `Q(lambda) right = 0` and `left^T Q(lambda) = 0`.
-#[derive(Debug, Clone)]
-pub struct Pair {
-    /// lambda.
-    pub eigenvalue: Eigenvalue,
-    /// The right vector, of length 1.
-    pub right: DVector<Complex<f64>>,
-    /// The left vector, of length 1.
-    pub left: DVector<Complex<f64>>,
-}
+/// The rounding of eigenvalues, in parts of the matrices seen through the vectors of a pair.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-impl Pair {
+impl Quadratic {
     /// Refines an approximate eigenvalue and its approximate vectors by two-sided inverse iteration, with the eigenvalue
     /// by Newton steps `lambda - y^T Q(lambda) x / y^T Q'(lambda) x`, whose error is of second order in those of the
     /// vectors. `None` if it does not converge, as next to defective eigenvalues.
     #[must_use]
-    pub fn refined(self, problem: &Quadratic) -> Option<Self> {
-        let Self { mut eigenvalue, mut right, mut left } = self;
+    pub fn refine(&self, start: Pair) -> Option<Pair> {
+        let mut eigenvalue = start.eigenvalue;
+        let (mut right, mut left) = (DVector::from_vec(start.right), DVector::from_vec(start.left));
         for _ in 0..MOST_SHIFTS {
             let shift = eigenvalue;
-            let solver = Solver::new(problem.value(shift))?;
+            let solver = Solver::new(self.value(shift))?;
             for _ in 0..STEPS_PER_SHIFT {
-                right = unit(solver.solve(problem.derivative_times(shift, &right))?)?;
-                left = unit(solver.solve_transposed(problem.transposed_derivative_times(shift, &left))?)?;
+                right = unit(solver.solve(self.derivative_times(shift, &right))?)?;
+                left = unit(solver.solve_transposed(self.transposed_derivative_times(shift, &left))?)?;
                 let before = eigenvalue;
                 for _ in 0..2 {
-                    eigenvalue -= newton_step(problem, eigenvalue, &right, &left)?;
+                    eigenvalue -= newton_step(self, eigenvalue, &right, &left)?;
                 }
                 if magnitude(eigenvalue - before) <= CONVERGED * magnitude(eigenvalue) {
-                    return Some(Self { eigenvalue, right, left });
+                    return Some(self.pair(eigenvalue, right, left));
                 }
             }
         }
         None
+    }
+
+    /// A pair of these vectors, scaled as those of pairs are.
+    pub(super) fn pair(
+        &self,
+        eigenvalue: Eigenvalue,
+        right: DVector<Complex<f64>>,
+        left: DVector<Complex<f64>>,
+    ) -> Pair {
+        let (mut right, mut left) = (right.data.as_vec().clone(), left);
+        normalise(&mut right);
+        let scale = left.dot(&self.derivative_times(eigenvalue, &DVector::from_column_slice(&right)));
+        left /= scale;
+        let size = magnitude(eigenvalue);
+        let entries = size * size + size * self.damping.amax() + self.stiffness.amax();
+        let left = left.data.as_vec().clone();
+        let error = ROUNDING * (entries * norm(&left) + size);
+        Pair { eigenvalue, right, left, error }
     }
 }
 

@@ -21,9 +21,9 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 use super::eigenbasis::{ComplexMatrix, Eigenbasis, Split, square_root};
 use super::far::{Followed, SafeChanges};
+use super::pair::Pair;
 use super::perturbation::{Changes, FirstOrder, SecondOrder};
 use super::quadratic::DenseQuadratic;
-use super::refine::Pair;
 use super::region::{Region, magnitude};
 use crate::numerics::eigenvalues::Eigenvalue;
 
@@ -227,13 +227,12 @@ impl ModeSeries {
     /// Where the refinement of a followed eigenvalue starts.
     pub(super) fn start(&self, followed: &Followed) -> Pair {
         let size = self.basis.right.nrows();
-        let mut pair =
-            Pair { eigenvalue: followed.eigenvalue, right: DVector::zeros(size), left: DVector::zeros(size) };
+        let (mut right, mut left) = (vec![Complex::default(); size], vec![Complex::default(); size]);
         for &mode in &self.groups[followed.group].modes {
-            pair.right += self.basis.right.column(mode);
-            pair.left += self.basis.left.row(mode).transpose();
+            right.iter_mut().zip(self.basis.right.column(mode).iter()).for_each(|(sum, value)| *sum += value);
+            left.iter_mut().zip(self.basis.left.row(mode).iter()).for_each(|(sum, value)| *sum += value);
         }
-        pair
+        Pair { eigenvalue: followed.eigenvalue, right, left, error: followed.radius }
     }
 }
 

@@ -34,7 +34,7 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
         return result(&if arguments.json { format!("{:#}\n", oscillator.json()) } else { oscillator.text() });
     }
     if let Some((job, cell)) = &chosen
-        && job.model.matrices().is_some()
+        && job.model.as_matrices().is_some()
     {
         let modes = ModesAtPoint::new(job, cell, &arguments.brake.set)?;
         return result(&if arguments.json { format!("{:#}\n", modes.json()) } else { modes.text() });

@@ -1,8 +1,9 @@
 //! The modes of a model given by matrices at one point, and what each parameter does to them.
 
 use serde_json::{Map, Value, json};
+use stickslip_core::model::quantity::Limits;
 use stickslip_core::models::matrices::model::Parameter;
-use stickslip_core::models::matrices::modes::{DAMPING_RATIOS, MOST_DENSE, Mode};
+use stickslip_core::models::matrices::modes::Mode;
 use stickslip_core::models::matrices::region::Region;
 use stickslip_sampler::grid::Cell;
 
@@ -15,6 +16,9 @@ use crate::picture::view::rounded;
 /// Modes whose sensitivities the terminal shows: those with the least damping.
 const MOST_SHOWN: usize = 10;
 
+/// Of a parameter without a range, critical values are looked for between these multiples of its value.
+const FACTORS: [f64; 2] = [0.1, 10.0];
+
 /// What is computed at one point.
 pub struct ModesAtPoint {
     name: String,
@@ -22,6 +26,42 @@ pub struct ModesAtPoint {
     values: Vec<f64>,
     regions: Vec<Region>,
     modes: Vec<Mode>,
+    critical: Vec<Option<CriticalValue>>,
+}
+
+/// Where the verdict changes over a parameter.
+struct CriticalValue {
+    /// Within which values it was looked for.
+    within: [f64; 2],
+    /// The nearest places below and above the value of the parameter.
+    below: Option<f64>,
+    above: Option<f64>,
+}
+
+impl CriticalValue {
+    /// Of a parameter, with these values of all quantities; `None` if it is not known.
+    fn find(job: &Job, values: &[f64], place: usize, range: Limits) -> Option<Self> {
+        let value = values[place];
+        let ends = FACTORS.map(|factor| factor * value);
+        let ends = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        let end = |given: f64, else_from: f64| if given.is_finite() { given } else { else_from };
+        let within = [end(range.minimum, ends[0]), end(range.maximum, ends[1])];
+        let configuration = job.model().configure(values, &[place], None).ok()?;
+        let unstable = configuration.critical_values()?.unstable(&[value], 0, within)?;
+        let inside = |end: &f64| within[0] < *end && *end < within[1];
+        // Halfway between where it surely and where it possibly is unstable.
+        let possible = |end: f64, which: usize| {
+            let around = unstable.possibly.iter().find(|around| around[0] <= end && end <= around[1]);
+            around.map_or(end, |around| 0.5 * (end + around[which]))
+        };
+        let halfway = |sure: &[f64; 2]| [possible(sure[0], 0), possible(sure[1], 1)];
+        let changes: Vec<f64> = unstable.surely.iter().flat_map(halfway).filter(inside).collect();
+        Some(Self {
+            within,
+            below: changes.iter().copied().filter(|change| *change <= value).reduce(f64::max),
+            above: changes.iter().copied().filter(|change| *change > value).reduce(f64::min),
+        })
+    }
 }
 
 impl ModesAtPoint {
@@ -30,16 +70,18 @@ impl ModesAtPoint {
         let problem = JobModes::new(job)?;
         let values = problem.changed(job, &cell.expected, changes)?;
         let regions = problem.regions(&values);
-        let values = problem.parameters(&values).to_vec();
-        let modes = problem.modes.at(&values, &regions).map_err(|error| failed(job, &error))?;
-        if problem.matrices.size() > MOST_DENSE {
-            let [least, most] = DAMPING_RATIOS;
+        let parameters = problem.own().to_vec();
+        let modes = problem.model.modes(problem.parameters(&values), &regions);
+        let modes = modes.map_err(|error| failed(job, &error))?;
+        if problem.is_sparse() {
             note(format_args!(
-                "above {MOST_DENSE} degrees of freedom modes with damping ratios from {least} to {most} are looked for, counted from the threshold"
+                "of so large a model the modes are found whose damping ratios lie from 0.3 below the threshold to 0.05 above"
             ));
         }
-        let parameters = problem.matrices.parameters.clone();
-        Ok(Self { name: job.name.clone(), parameters, values, regions, modes })
+        let critical = parameters.iter().enumerate();
+        let critical = critical.map(|(place, own)| CriticalValue::find(job, &values, place, own.range)).collect();
+        let values = problem.parameters(&values).to_vec();
+        Ok(Self { name: job.name.clone(), parameters, values, regions, modes, critical })
     }
 
     fn is_unstable(&self, mode: &Mode) -> bool {
@@ -84,7 +126,18 @@ impl ModesAtPoint {
             "bands_hz": self.regions.iter().map(band).collect::<Vec<_>>(),
             "threshold_damping_ratio": self.regions.first().map(|region| region.damping_ratio),
             "modes": self.modes.iter().map(of_mode).collect::<Vec<_>>(),
+            "critical_values": self.critical_json(),
         })
+    }
+
+    fn critical_json(&self) -> Map<String, Value> {
+        let of = |critical: &Option<CriticalValue>| match critical {
+            Some(CriticalValue { within, below, above }) => {
+                json!({ "below": below, "above": above, "within": within })
+            }
+            None => Value::Null,
+        };
+        self.parameters.iter().zip(&self.critical).map(|(own, critical)| (own.name.clone(), of(critical))).collect()
     }
 
     /// In words.
@@ -96,7 +149,34 @@ impl ModesAtPoint {
         let verdict = if self.is_stable() { "stable" } else { "UNSTABLE" };
         let values: Vec<String> = values.collect();
         let at = if values.is_empty() { String::new() } else { format!(" at {}", values.join(", ")) };
-        format!("{}{at}: {verdict}\n\n{}{}", self.name, self.modes_text(), self.sensitivities_text())
+        format!(
+            "{}{at}: {verdict}\n\n{}{}{}",
+            self.name,
+            self.modes_text(),
+            self.sensitivities_text(),
+            self.critical_text()
+        )
+    }
+
+    /// Where the verdict changes over each parameter.
+    fn critical_text(&self) -> String {
+        if self.parameters.is_empty() {
+            return String::new();
+        }
+        let headings = ["parameter", "value", "nearest below", "nearest above", "looked for"];
+        let mut lines = vec![headings.map(str::to_owned).to_vec()];
+        let shown = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |value| format!("{value:.10}"));
+        for ((own, value), critical) in self.parameters.iter().zip(&self.values).zip(&self.critical) {
+            let mut line = vec![own.name.clone(), rounded(*value)];
+            line.extend(match critical {
+                Some(CriticalValue { within: [from, to], below, above }) => {
+                    [shown(*below), shown(*above), format!("from {} to {}", rounded(*from), rounded(*to))]
+                }
+                None => ["not known", "not known", ""].map(str::to_owned),
+            });
+            lines.push(line);
+        }
+        format!("\nCritical values: where stable turns to unstable or back, the others fixed\n{}", aligned(&lines))
     }
 
     fn modes_text(&self) -> String {
@@ -112,7 +192,7 @@ impl ModesAtPoint {
             lines.push(vec![
                 format!("{number:>4}"),
                 format!("{:>13.4}", mode.frequency()),
-                format!("{:>13}", ratio(mode.damping_ratio())),
+                format!("{:>13}", rounded(without_rounding(mode.damping_ratio()))),
                 format!("{:>16}", rounded(mode.eigenvalue.re)),
                 if self.is_unstable(mode) { "unstable".to_owned() } else { String::new() },
             ]);
@@ -142,12 +222,12 @@ impl ModesAtPoint {
             for (parameter, own) in self.parameters.iter().enumerate() {
                 let slopes = mode.damping_ratio_slope(parameter).zip(mode.frequency_slope(parameter));
                 let (by_ratio, by_frequency) = match slopes {
-                    Some((by_ratio, by_frequency)) => (rounded(by_ratio), rounded(by_frequency)),
+                    Some((by_ratio, by_frequency)) => (rounded(without_rounding(by_ratio)), rounded(by_frequency)),
                     None => ("none".to_owned(), "none".to_owned()),
                 };
+                let step = 0.01 * self.values[parameter];
                 let moved = slopes.map_or_else(String::new, |(by_ratio, by_frequency)| {
-                    let step = 0.01 * self.values[parameter];
-                    format!("{:+.3e}, {:+.3e} Hz", by_ratio * step, by_frequency * step)
+                    format!("{:+.3e}, {:+.3e} Hz", without_rounding(by_ratio * step), by_frequency * step)
                 });
                 lines.push(vec![
                     format!("{:>4}", place + 1),
@@ -175,7 +255,7 @@ fn in_words(region: &Region) -> String {
     }
 }
 
-/// A damping ratio; rounding of an undamped mode is shown as such.
-fn ratio(value: f64) -> String {
-    if value.abs() < 1e-12 { "0".to_owned() } else { rounded(value) }
+/// A damping ratio or a change of one; zero where it is the rounding of an undamped mode.
+fn without_rounding(value: f64) -> f64 {
+    if value.abs() < 1e-12 { 0.0 } else { value }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use stickslip_core::model::IsStopped;
-use stickslip_core::models::matrices::modes::{MOST_DENSE, ModesError};
+use stickslip_core::models::matrices::modes::ModesError;
 use stickslip_core::models::matrices::region::{Region, damping_ratio};
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
 use stickslip_sampler::draw::deviates::Points;
@@ -41,6 +41,9 @@ const AROUND: f64 = 0.5;
 /// Two eigenvalues at neighbouring places are of one mode if they are this near to each other, relative to them.
 const NEAR: f64 = 0.05;
 
+/// A mode goes on straight by this many of its last steps at most.
+const LONGEST: f64 = 2.0;
+
 /// Where along a parameter modes are drawn.
 struct Along {
     /// Its place among the quantities.
@@ -62,9 +65,9 @@ pub fn along(
     let problem = JobModes::new(&job)?;
     let along = Along::new(&job, &problem, &cell, name)?;
     let regions = problem.regions(&cell.expected);
-    let is_large = problem.matrices.size() > MOST_DENSE;
+    let is_large = problem.is_sparse();
     if is_large && !job.random.inputs.is_empty() {
-        note(format_args!("no samples are drawn above {MOST_DENSE} degrees of freedom, the expected modes alone"));
+        note(format_args!("modes of so large a model are drawn at the expected values alone, without samples"));
     }
     let engine = Engine::new(threads)?;
     let find = |points: Vec<Vec<f64>>| found(&job, &problem, &regions, points, &engine, interrupt);
@@ -79,7 +82,8 @@ pub fn along(
     // Closer where modes become unstable.
     let is_unstable = |value: &Eigenvalue| regions.iter().any(|region| region.contains(*value));
     let count = |found: &Found| found.eigenvalues.iter().filter(|value| is_unstable(value)).count();
-    let changes = (1..places).filter(|&i| !is_large && count(&expected[i - 1]) != count(&expected[i]));
+    let changes = |i: usize| (1..places).contains(&i) && count(&expected[i - 1]) != count(&expected[i]);
+    let changes = (1..places).filter(|&i| !is_large && (changes(i - 1) || changes(i) || changes(i + 1)));
     let between =
         |i: usize| (1..PARTS).map(move |part| (i as f64 - 1.0 + part as f64 / PARTS as f64) / (PLACES - 1) as f64);
     let further: Vec<f64> = changes.flat_map(between).collect();
@@ -115,7 +119,7 @@ pub fn along(
         along: along.axis(&job),
         title: fixed(&job, &cell, along.place),
         notes: notes(&job, &cell, along.place, drawn),
-        threshold: problem.criterion.damping_ratio,
+        threshold: problem.model.criterion().damping_ratio,
         lines,
         cloud,
     })
@@ -140,7 +144,7 @@ fn found(
     let mut found = vec![Ok(Vec::new()); points.len()];
     let modes = |unit: u64, _: IsStopped<'_>| {
         let parameters = problem.parameters(&points[unit as usize]);
-        (unit as usize, problem.modes.eigenvalues_at(parameters, regions))
+        (unit as usize, problem.model.eigenvalues(parameters, regions))
     };
     let outcome = engine.for_each_in_parallel(points.len() as u64, interrupt, modes, |(unit, result)| {
         found[unit] = result;
@@ -189,7 +193,7 @@ fn notes(job: &Job, cell: &Cell, along: usize, samples: usize) -> Vec<String> {
 impl Along {
     /// The parameter of this name, or the longest axis of a job.
     fn new(job: &Job, problem: &JobModes<'_>, cell: &Cell, name: Option<&str>) -> Result<Self, Failure> {
-        let parameters = &problem.matrices.parameters;
+        let parameters = problem.own();
         let place = match name {
             Some(name) => parameters.iter().position(|own| own.name == name).ok_or_else(|| {
                 let names = || parameters.iter().map(|own| own.name.as_str());
@@ -246,7 +250,7 @@ impl Along {
         if !inputs.iter().zip(stds).any(|(&input, &std)| input != self.place && std != 0.0) {
             return Vec::new();
         }
-        let states = 2.0 * problem.matrices.size() as f64;
+        let states = 2.0 * problem.model.matrices().size() as f64;
         let count = (TIME / (states * states * states)).clamp(SAMPLES.0, SAMPLES.1) as usize;
         let mut drawing = Drawing::new(job, cell, 0, 0..count as u64, Points::Random);
         let mut samples = Vec::with_capacity(count);
@@ -259,7 +263,7 @@ impl Along {
             }
         }
         let is_inside = |values: &Vec<f64>| {
-            let mut own = problem.parameters(values).iter().zip(&problem.matrices.parameters);
+            let mut own = problem.parameters(values).iter().zip(problem.own());
             own.all(|(value, parameter)| parameter.range.contain(*value))
         };
         samples.retain(is_inside);
@@ -278,7 +282,8 @@ impl Line {
         match self.values[..] {
             [.., (before, from), (last, to)] => {
                 let step = (share - places[last].0) / (places[last].0 - places[before].0);
-                to + (to - from) * step
+                // Where modes meet, one turns off its way.
+                to + (to - from) * step.min(LONGEST)
             }
             [(_, last)] => last,
             [] => Eigenvalue::default(),

@@ -1,7 +1,8 @@
 //! The modes of a job whose model is given by matrices.
 
-use stickslip_core::models::matrices::model::{BAND, ComplexEigenvalue, Matrices};
-use stickslip_core::models::matrices::modes::{Modes, ModesError, regions};
+use stickslip_core::models::matrices::model::{BAND, MatrixModel, Parameter};
+use stickslip_core::models::matrices::modes::{ModesError, regions};
+use stickslip_core::models::matrices::problem::Problem;
 use stickslip_core::models::matrices::region::Region;
 
 use super::one_brake::not_a_number;
@@ -15,9 +16,7 @@ pub mod squeal;
 
 /// What modes of a job are found by.
 pub struct JobModes<'a> {
-    pub matrices: &'a Matrices,
-    pub criterion: &'a ComplexEigenvalue,
-    pub modes: Modes<'a>,
+    pub model: &'a MatrixModel,
     /// Where the band that counts stands among the quantities, if there are several.
     band: Option<usize>,
 }
@@ -28,24 +27,33 @@ impl<'a> JobModes<'a> {
     /// # Errors
     /// For any other kind of model.
     pub fn new(job: &'a Job) -> Result<Self, Failure> {
-        let (matrices, criterion) = job.model.matrices().ok_or_else(|| {
+        let model = job.model.as_matrices().ok_or_else(|| {
             Failure::Usage(format!(
                 "the job \"{}\" has a model that is not given by matrices (kind = \"matrices\"), so it has no modes to show",
                 job.name
             ))
         })?;
-        let modes = Modes::new(matrices).map_err(|error| failed(job, &error))?;
-        Ok(Self { matrices, criterion, modes, band: job.model().place(BAND) })
+        Ok(Self { model, band: job.model().place(BAND) })
+    }
+
+    /// Whether modes are found by sparse matrices: those in the bands alone, at a cost.
+    pub fn is_sparse(&self) -> bool {
+        matches!(self.model.problem(), Problem::Sparse(_))
+    }
+
+    /// Its parameters.
+    pub fn own(&self) -> &'a [Parameter] {
+        &self.model.matrices().parameters
     }
 
     /// The bands that count with these values of all quantities, rad/s.
     pub fn regions(&self, values: &[f64]) -> Vec<Region> {
-        regions(self.criterion, self.band.map_or(0, |band| values[band] as usize))
+        regions(self.model.criterion(), self.band.map_or(0, |band| values[band] as usize))
     }
 
     /// The values of the parameters among those of all quantities.
     pub fn parameters<'v>(&self, values: &'v [f64]) -> &'v [f64] {
-        &values[..self.matrices.parameters.len()]
+        &values[..self.own().len()]
     }
 
     /// Values of all quantities with `NAME=VALUE` changes.

@@ -36,7 +36,7 @@ pub fn frequencies(
     let found = found(&job, &cell, threads, interrupt)?;
     let frequencies: Vec<f64> = found.into_iter().filter(|frequency| !frequency.is_nan()).collect();
     let (parameters, regions) = (problem.parameters(&cell.expected), problem.regions(&cell.expected));
-    let eigenvalues = problem.modes.eigenvalues_at(parameters, &regions).map_err(|error| failed(&job, &error))?;
+    let eigenvalues = problem.model.eigenvalues(parameters, &regions).map_err(|error| failed(&job, &error))?;
     let modes = eigenvalues.iter().map(|value| value.im / std::f64::consts::TAU).filter(|frequency| *frequency > 0.0);
     let share = rounded(frequencies.len() as f64 / SAMPLES as f64);
     Ok(FrequencyPlot {

@@ -2,30 +2,19 @@
 
 use nalgebra::DMatrix;
 
-use super::error::Error;
-use super::pair::Pair;
-use super::quadratic::{Complex, Point, SparseQuadratic};
+use super::quadratic::{Point, SparseQuadratic};
+use crate::models::matrices::error::Error;
+use crate::models::matrices::pair::{Complex, Pair};
 use crate::models::matrices::region::magnitude;
 
-/// A pair of the reduced problem: `z` with `V^T Q(lambda) V z = 0`, and the same from the left.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ReducedPair {
-    /// lambda.
-    pub eigenvalue: Complex,
-    /// Right vector, in coordinates of the basis.
-    pub right: Vec<Complex>,
-    /// Left vector.
-    pub left: Vec<Complex>,
-}
-
 impl Point<'_> {
-    /// The pair of the full matrices that a reduced one stands for: inverse iteration from `V z` and `V w`, one or two
-    /// factorisations. Its eigenvalue less the reduced one is the error of the reduction. If that is large, the reduced pair
+    /// The pair of the full matrices that a reduced one stands for, of vectors `z` and `w` in coordinates of the basis V:
+    /// inverse iteration from `V z` and `V w`, one or two factorisations. Its eigenvalue less the reduced one is the error of the reduction. If that is large, the reduced pair
     /// may stand for none, and the pair found is another one.
     ///
     /// # Errors
     /// As [`Point::refine`]; [`Error::Request`] if vectors do not fit the basis.
-    pub fn lifted(&self, basis: &DMatrix<f64>, reduced: &ReducedPair) -> Result<Pair, Error> {
+    pub fn lifted(&self, basis: &DMatrix<f64>, reduced: &Pair) -> Result<Pair, Error> {
         let fits = basis.nrows() == self.family().size()
             && [&reduced.right, &reduced.left].iter().all(|vector| vector.len() == basis.ncols());
         if !fits {

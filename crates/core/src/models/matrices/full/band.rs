@@ -2,11 +2,11 @@
 
 use nalgebra::DMatrix;
 
-use super::error::Error;
 use super::krylov::{Effort, Krylov, Ritz};
-use super::pair::{Pair, dot, normalise};
-use super::quadratic::{Complex, Factorisation, Point, Side};
-use crate::models::matrices::region::{damping_ratio, magnitude};
+use super::quadratic::{Factorisation, Point, Side};
+use crate::models::matrices::error::Error;
+use crate::models::matrices::pair::{Complex, Pair, dot, normalise};
+use crate::models::matrices::region::{Region, damping_ratio, magnitude};
 
 /// Residual at which a vector of a Krylov space is taken. The error of the eigenvalue is about its square.
 const TOLERANCE: f64 = 1e-8;
@@ -19,6 +19,12 @@ const CLUSTER: f64 = 1e-6;
 
 /// How often a part of a band may be halved.
 const HALVINGS: usize = 20;
+
+/// The part of the ends of a region's band by which a search for its pairs reaches beyond them.
+const MARGIN: f64 = 0.02;
+
+/// How far below the threshold of a region, and above it, damping ratios are looked for.
+const DAMPING: [f64; 2] = [0.3, 0.05];
 
 /// Which eigenpairs are wanted: by angular frequency in rad/s, and by damping ratio. A pair outside is not looked for, also if
 /// it grows faster.
@@ -39,6 +45,18 @@ impl Band {
     #[must_use]
     pub fn between(low: f64, high: f64) -> Self {
         Self { low, high, least_damping: -0.1, most_damping: 0.1 }
+    }
+
+    /// A band that has all pairs of a region and those that come into it near by: a little wider, with damping ratios from 0.3
+    /// below its threshold to 0.05 above.
+    #[must_use]
+    pub fn about(region: &Region) -> Self {
+        Self {
+            low: region.lowest * (1.0 - MARGIN),
+            high: region.highest * (1.0 + MARGIN),
+            least_damping: (region.damping_ratio - DAMPING[0]).max(-0.9),
+            most_damping: (region.damping_ratio + DAMPING[1]).max(DAMPING[1]),
+        }
     }
 
     /// Whether an eigenvalue lies in the band.
@@ -142,6 +160,14 @@ impl Point<'_> {
         }
         pairs.sort_by(|a, b| a.eigenvalue.im.total_cmp(&b.eigenvalue.im));
         Ok(pairs)
+    }
+
+    /// All pairs of a region, and those that come into it near by.
+    ///
+    /// # Errors
+    /// As [`Point::pairs_in`].
+    pub fn pairs_about(&self, region: &Region, limit: KrylovLimit) -> Result<Vec<Pair>, Error> {
+        self.pairs_in(Band::about(region), limit)
     }
 
     /// Whether two pairs are one: of one eigenvalue, with vectors that are not independent.

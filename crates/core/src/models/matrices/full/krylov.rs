@@ -6,8 +6,9 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
 
-use super::error::Error;
-use super::quadratic::{Complex, Factorisation, Point, Side};
+use super::quadratic::{Factorisation, Point, Side};
+use crate::models::matrices::error::Error;
+use crate::models::matrices::pair::Complex;
 use crate::models::matrices::region::magnitude;
 
 /// Vectors a step adds.

@@ -15,10 +15,8 @@
 //! | module | contents |
 //! |---|---|
 //! | [`quadratic`] | the matrices, products with them, their LU factorisation |
-//! | [`pair`] | an eigenpair, made exact from an approximation |
 //! | [`band`] | all eigenpairs of a frequency band |
-//! | [`follow`] | a pair followed along a path of parameters; where its damping ratio passes a threshold |
-//! | [`sweep`] | all places on a path at which the number of unstable pairs changes |
+//! | [`along`] | the same along a path of parameters |
 //! | [`modes`] | modes without damping and friction |
 //! | [`reduction`] | a basis for a range of parameters, and the reduced matrices |
 //! | [`audit`] | reduced pairs made full; modes that a reduction misses |
@@ -29,27 +27,21 @@
 
 mod compensated;
 
-mod error;
-
 pub mod quadratic;
 
-pub mod pair;
+mod refine;
 
 mod krylov;
 
 pub mod band;
 
-pub mod follow;
-
-pub mod sweep;
+pub mod along;
 
 pub mod modes;
 
 pub mod reduction;
 
 pub mod audit;
-
-pub use error::Error;
 
 #[cfg(test)]
 mod tests;

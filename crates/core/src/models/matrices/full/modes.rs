@@ -3,8 +3,8 @@
 use faer::linalg::solvers::SolveCore;
 use faer::{Conj, Mat, MatMut, Side as Triangle};
 
-use super::error::Error;
 use super::quadratic::Point;
+use crate::models::matrices::error::Error;
 
 /// Vectors a step adds.
 const BLOCK: usize = 2;

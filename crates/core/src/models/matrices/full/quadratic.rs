@@ -7,10 +7,8 @@ use faer::sparse::{FaerError, SparseColMat, SparseColMatRef, SymbolicSparseColMa
 use faer::{Conj, MatMut, c64};
 
 use super::compensated::Compensated;
-use super::error::Error;
-
-/// A complex number: eigenvalues in 1/s and rad/s.
-pub type Complex = nalgebra::Complex<f64>;
+use crate::models::matrices::error::Error;
+use crate::models::matrices::pair::Complex;
 
 /// Coefficients of the terms at one parameter point.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -28,6 +26,15 @@ pub enum Side {
     Right,
     /// `Q^T y`.
     Left,
+}
+
+impl Coefficients {
+    /// Those of the damping matrices, of which there are so many, followed by those of the stiffness matrices.
+    #[must_use]
+    pub fn split(all: &[f64], damping_terms: usize) -> Self {
+        let (damping, stiffness) = all.split_at(damping_terms.min(all.len()));
+        Self { damping: damping.to_vec(), stiffness: stiffness.to_vec() }
+    }
 }
 
 /// A matrix by its places in the common pattern.

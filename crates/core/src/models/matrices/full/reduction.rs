@@ -8,10 +8,10 @@ use faer::{Mat, Side as Triangle};
 use nalgebra::DMatrix;
 
 use super::band::{Band, KrylovLimit};
-use super::error::Error;
 use super::modes::{Basis, Mode};
-use super::pair::dot;
-use super::quadratic::{Coefficients, Complex, Point, Side, SparseQuadratic};
+use super::quadratic::{Coefficients, Point, Side, SparseQuadratic};
+use crate::models::matrices::error::Error;
+use crate::models::matrices::pair::{Complex, dot};
 
 /// Parts of a collection below this, relative to the largest, are rounding.
 const ROUNDING: f64 = 1e-9;

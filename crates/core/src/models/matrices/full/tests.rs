@@ -3,14 +3,16 @@
 use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::DMatrix;
 
-use super::audit::{ReducedPair, missing};
+use super::along::Along;
+use super::audit::missing;
 use super::band::{Band, KrylovLimit};
-use super::error::Error;
-use super::follow::{Along, Line, Path, Target};
-use super::quadratic::{Coefficients, Complex, Side, SparseQuadratic};
+use super::quadratic::{Coefficients, Side, SparseQuadratic};
 use super::reduction::{Recipe, Reduced};
-use super::sweep::Question;
-use crate::models::matrices::region::{damping_ratio, magnitude};
+use crate::models::matrices::branches::{Branches, Followed, Line, Path, Target};
+use crate::models::matrices::error::Error;
+use crate::models::matrices::pair::{Complex, Pair};
+use crate::models::matrices::region::{Region, damping_ratio, magnitude};
+use crate::models::matrices::sweep::Steps;
 use crate::numerics::eigenvalues::eigenvalues;
 
 type Sparse = SparseColMat<usize, f64>;
@@ -87,6 +89,9 @@ fn companion_eigenvalues(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Ve
     let values = eigenvalues(&companion).unwrap();
     values.into_iter().map(|value| value * scale).filter(|value| value.im > 0.0).collect()
 }
+
+/// How sweeps of these problems look for changes.
+const STEPS: Steps = Steps { first: 4, halvings: 10 };
 
 fn friction(factor: f64) -> Coefficients {
     Coefficients { damping: vec![1.0], stiffness: vec![1.0, factor] }
@@ -173,13 +178,14 @@ fn a_pair_is_refined_from_rough_vectors() {
 fn sensitivities_are_differences() {
     let chain = Chain::new(50);
     let matrices = chain.matrices();
-    let path = Line { from: friction(0.0), direction: Coefficients { damping: vec![0.5], stiffness: vec![0.0, 1.0] } };
-    let along = Along { matrices: &matrices, path: &path };
+    let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.5, 0.0, 1.0] };
+    let along = Along { matrices: &matrices, path: &path, limit: limit(120) };
     let band = Band::between(300.0, 500.0);
+    let branches: &dyn Branches = &along;
     for pair in along.point(0.1).unwrap().pairs_in(band, limit(120)).unwrap() {
-        let here = along.with_slope(0.1, pair).unwrap();
+        let here = Followed::new(0.1, pair, &*branches.at(0.1).unwrap());
         let step = 1e-4;
-        let [above, below] = [0.1 + step, 0.1 - step].map(|p| along.follow(&here, p).unwrap().pair);
+        let [above, below] = [0.1 + step, 0.1 - step].map(|p| branches.follow(&here, p).unwrap().pair);
         let difference = (above.eigenvalue - below.eigenvalue) / (2.0 * step);
         assert!(magnitude(difference - here.slope) < 1e-4 * magnitude(here.slope), "{difference} {}", here.slope);
         let ratio = (above.damping_ratio() - below.damping_ratio()) / (2.0 * step);
@@ -196,16 +202,16 @@ fn two_coupled_masses_flutter_at_the_closed_form() {
         let stiffness = sparse(2, &[(0, 0, 2.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, k22)]);
         let coupling = sparse(2, &[(0, 1, -1.0)]);
         let matrices = SparseQuadratic::new(&unit, &[damping], &[stiffness, coupling]).unwrap();
-        let direction = Coefficients { damping: vec![0.0], stiffness: vec![0.0, 1.0] };
-        let along = Along { matrices: &matrices, path: &Line { from: friction(0.0), direction } };
+        let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
+        let along: &dyn Branches = &Along { matrices: &matrices, path: &path, limit: limit(20) };
         let (a3, a2, a1) = (c1 + c2, 2.0 + k22 + c1 * c2, c1 * k22 + c2 * 2.0);
         let expected = a1 * (a3 * a2 - a1) / (a3 * a3) - (2.0 * k22 - 1.0);
-        let question = Question { low: 0.5, high: 3.0, threshold: 0.0 };
-        let sweep = along.sweep(question, [0.2, 1.9], limit(20)).unwrap();
+        let region = Region { lowest: 0.5, highest: 3.0, damping_ratio: 0.0 };
+        let sweep = along.sweep(&region, [0.2, 1.9], STEPS).unwrap();
         assert_eq!((sweep.at_start, sweep.changes.len(), &sweep.unresolved[..]), (0, 1, &[][..]), "{k22} {c1} {c2}");
         let change = &sweep.changes[0];
-        assert!((change.critical.at.p - expected).abs() < 1e-10, "{} {expected}", change.critical.at.p);
-        assert_eq!((change.more, change.target), (1, Target::DampingRatio(0.0)));
+        assert!((change.p - expected).abs() < 1e-10, "{} {expected}", change.p);
+        assert!(change.more == 1 && matches!(change.target, Target::DampingRatio(_)));
         let intervals = sweep.intervals(0.2, 1.9);
         assert_eq!(intervals.iter().map(|(_, count)| *count).collect::<Vec<_>>(), [Some(0), Some(1)]);
     }
@@ -215,15 +221,14 @@ fn two_coupled_masses_flutter_at_the_closed_form() {
 fn a_sweep_finds_all_changes_of_a_chain() {
     let chain = Chain::new(60);
     let matrices = chain.matrices();
-    let direction = Coefficients { damping: vec![0.0], stiffness: vec![0.0, 1.0] };
-    let path = Line { from: friction(0.0), direction };
-    let along = Along { matrices: &matrices, path: &path };
-    let question = Question { low: 300.0, high: 700.0, threshold: 0.0 };
+    let path = Line { from: vec![1.0, 1.0, 0.0], direction: vec![0.0, 0.0, 1.0] };
+    let along: &dyn Branches = &Along { matrices: &matrices, path: &path, limit: limit(120) };
+    let region = Region { lowest: 300.0, highest: 700.0, damping_ratio: 0.0 };
     let [low, high] = [2.0, 4.0];
-    let sweep = along.sweep(question, [low, high], limit(120)).unwrap();
+    let sweep = along.sweep(&region, [low, high], STEPS).unwrap();
     let unstable = |p: f64| {
         chain
-            .dense(&path.coefficients(p))
+            .dense(&Coefficients::split(&path.coefficients(p), 1))
             .iter()
             .filter(|value| (300.0..=700.0).contains(&value.im) && damping_ratio(**value) < 0.0)
             .count()
@@ -343,14 +348,15 @@ fn a_reduced_pair_is_lifted_to_the_full_one() {
                 parts.map(|part| basis.transpose() * nalgebra::DVector::from_vec(matrices.mass_times(&part)));
             re.iter().zip(im.iter()).map(|(re, im)| Complex::new(*re, *im)).collect::<Vec<_>>()
         };
-        let rough = ReducedPair {
+        let rough = Pair {
             eigenvalue: pair.eigenvalue * 1.001,
             right: coordinates(&pair.right),
             left: coordinates(&pair.left),
+            error: f64::INFINITY,
         };
         let lifted = point.lifted(&basis, &rough).unwrap();
         assert!(magnitude(lifted.eigenvalue - pair.eigenvalue) < 1e-8, "{} {}", lifted.eigenvalue, pair.eigenvalue);
     }
-    let none = ReducedPair { eigenvalue: pairs[0].eigenvalue, right: vec![], left: vec![] };
+    let none = Pair { right: vec![], left: vec![], ..pairs[0].clone() };
     assert!(matches!(point.lifted(&basis, &none), Err(Error::Request(_))));
 }

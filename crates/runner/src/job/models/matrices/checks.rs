@@ -143,8 +143,8 @@ pub struct Mode {
 pub fn modes(model: &MatrixModel, expected: &[f64]) -> Vec<Mode> {
     let matrices = model.matrices();
     let coefficients = matrices.coefficients(&expected[..matrices.parameters.len()]);
-    let eigenvalues = model.problem().at(&coefficients).eigenvalues().unwrap_or_default();
-    let hertz = model.problem().unit() / std::f64::consts::TAU;
+    let eigenvalues = model.problem().eigenvalues(&coefficients, &model.regions()).unwrap_or_default();
+    let hertz = 1.0 / std::f64::consts::TAU;
     let oscillating = eigenvalues.into_iter().filter(|value| value.im > 0.0);
     let mode = |value: Eigenvalue| Mode { frequency: value.im * hertz, damping_ratio: damping_ratio(value) };
     let mut modes: Vec<Mode> = oscillating.map(mode).collect();

@@ -13,6 +13,7 @@ use stickslip_core::models::matrices::factor::Factor;
 use stickslip_core::models::matrices::model::{
     BAND, ComplexEigenvalue, Matrices, MatrixModel, Parameter, Term, quantities,
 };
+use stickslip_core::models::matrices::problem::Solver;
 use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
 use toml_edit::DocumentMut;
@@ -391,7 +392,7 @@ impl Draft for MatrixDraft {
             complaints.push(Complaint::maybe_at(self.tables.model.mass.map(|mass| mass.span()), message));
             return None;
         }
-        let model = MatrixModel::new(read.matrices, criterion);
+        let model = MatrixModel::new(read.matrices, criterion, Solver::Dense);
         let span = self.tables.model.mass.as_ref().map(Spanned::span);
         let model =
             complaints.take(model.map_err(|error| Complaint::maybe_at(span, format!("model.mass: {error}"))))?;
@@ -487,8 +488,8 @@ impl JobModel for MatrixJob {
         checks::frequencies(&self.model, self.modes(grid))
     }
 
-    fn matrices(&self) -> Option<(&Matrices, &ComplexEigenvalue)> {
-        Some((self.model.matrices(), self.model.criterion()))
+    fn as_matrices(&self) -> Option<&MatrixModel> {
+        Some(&self.model)
     }
 
     fn freeze(&self, document: &mut DocumentMut) -> String {

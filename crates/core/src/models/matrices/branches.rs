@@ -1,9 +1,8 @@
-//! A pair followed along a path of parameters, and where its damping ratio passes a threshold.
+//! Pairs followed along a path of parameters, and where their damping ratios pass a threshold.
 
 use super::error::Error;
-use super::pair::{Pair, damping_ratio_slope, dot};
-use super::quadratic::{Coefficients, Complex, Point, Side, SparseQuadratic};
-use crate::models::matrices::region::magnitude;
+use super::pair::{Complex, Pair, damping_ratio_slope};
+use super::region::Region;
 
 /// Steps of Newton's method for a critical value.
 const NEWTON_STEPS: usize = 30;
@@ -14,36 +13,64 @@ const HALVINGS: usize = 20;
 /// Two vectors are of one pair if they overlap by this.
 const OVERLAP: f64 = 0.7;
 
-/// Coefficients along a path, and their derivatives by its parameter.
+/// The coefficients of the matrices along a path, those of damping first, and their derivatives by its parameter.
 pub trait Path {
     /// The coefficients at `p`.
-    fn coefficients(&self, p: f64) -> Coefficients;
+    fn coefficients(&self, p: f64) -> Vec<f64>;
 
     /// Their derivatives by p.
-    fn derivative(&self, p: f64) -> Coefficients;
+    fn derivative(&self, p: f64) -> Vec<f64>;
 }
 
 /// The coefficients `from + p direction`: a parameter that enters as a factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
     /// At p = 0.
-    pub from: Coefficients,
+    pub from: Vec<f64>,
     /// What is added for p = 1.
-    pub direction: Coefficients,
+    pub direction: Vec<f64>,
 }
 
 impl Path for Line {
-    fn coefficients(&self, p: f64) -> Coefficients {
-        let along = |from: &[f64], by: &[f64]| from.iter().zip(by).map(|(from, by)| from + p * by).collect();
-        Coefficients {
-            damping: along(&self.from.damping, &self.direction.damping),
-            stiffness: along(&self.from.stiffness, &self.direction.stiffness),
-        }
+    fn coefficients(&self, p: f64) -> Vec<f64> {
+        self.from.iter().zip(&self.direction).map(|(from, by)| from + p * by).collect()
     }
 
-    fn derivative(&self, _p: f64) -> Coefficients {
+    fn derivative(&self, _p: f64) -> Vec<f64> {
         self.direction.clone()
     }
+}
+
+/// What finds the pairs of a problem along a path.
+pub trait Branches {
+    /// The problem at `p`.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for coefficients that are not finite.
+    fn at(&self, p: f64) -> Result<Box<dyn Place + '_>, Error>;
+}
+
+/// A problem at one place on a path.
+pub trait Place {
+    /// All pairs whose damping ratio may be below the threshold of a region, or come below it near by, with frequencies in
+    /// its band and a little beyond. A pair without vectors is one that could not be told from others.
+    ///
+    /// # Errors
+    /// [`Error`], if they are not found.
+    fn pairs(&self, region: &Region) -> Result<Vec<Pair>, Error>;
+
+    /// The pair near an approximate one.
+    ///
+    /// # Errors
+    /// [`Error::NotConverged`], and what factorisations say.
+    fn refine(&self, start: &Pair) -> Result<Pair, Error>;
+
+    /// How much of one pair is in another, 1 for the same: `(y_a^T Q' x_b) (y_b^T Q' x_a)`, in magnitude.
+    fn overlap(&self, a: &Pair, b: &Pair) -> f64;
+
+    /// `-y_a^T (dQ/dp) x_b` at the mean of both eigenvalues: `d lambda / dp` for a pair with itself, what couples two along
+    /// the path otherwise. Not finite for a pair without vectors.
+    fn coupling(&self, a: &Pair, b: &Pair) -> Complex;
 }
 
 /// A pair at a place on a path, with its change along it.
@@ -58,6 +85,13 @@ pub struct Followed {
 }
 
 impl Followed {
+    /// A pair of a place.
+    #[must_use]
+    pub fn new(p: f64, pair: Pair, place: &dyn Place) -> Self {
+        let slope = place.coupling(&pair, &pair);
+        Self { p, pair, slope }
+    }
+
     /// The derivative of the damping ratio by p.
     #[must_use]
     pub fn damping_ratio_slope(&self) -> f64 {
@@ -70,7 +104,7 @@ impl Followed {
 pub enum Target {
     /// The damping ratio has this value.
     DampingRatio(f64),
-    /// The angular frequency has this value in rad/s: a pair leaves or enters a band.
+    /// The angular frequency has this value: a pair leaves or enters a band.
     Frequency(f64),
 }
 
@@ -103,33 +137,7 @@ pub struct Critical {
     pub error: f64,
 }
 
-/// A path through the parameters of given matrices.
-#[derive(Clone, Copy)]
-pub struct Along<'a> {
-    /// The matrices.
-    pub matrices: &'a SparseQuadratic,
-    /// The path.
-    pub path: &'a dyn Path,
-}
-
-impl<'a> Along<'a> {
-    /// The matrices at `p`.
-    ///
-    /// # Errors
-    /// As [`SparseQuadratic::at`].
-    pub fn point(&self, p: f64) -> Result<Point<'a>, Error> {
-        self.matrices.at(&self.path.coefficients(p))
-    }
-
-    /// A pair at `p` with its derivative.
-    ///
-    /// # Errors
-    /// As [`SparseQuadratic::at`].
-    pub fn with_slope(&self, p: f64, pair: Pair) -> Result<Followed, Error> {
-        let slope = pair.sensitivity(&self.matrices.at(&self.path.derivative(p))?);
-        Ok(Followed { p, pair, slope })
-    }
-
+impl dyn Branches + '_ {
     /// The pair at another place on the path: steps along it, halved where vectors change much.
     ///
     /// # Errors
@@ -142,10 +150,9 @@ impl<'a> Along<'a> {
             let p = if (to - here.p).abs() <= step.abs() { to } else { here.p + step };
             let mut start = here.pair.clone();
             start.eigenvalue += here.slope * (p - here.p);
-            let point = self.point(p)?;
-            let there = point.refine(&start);
-            match there {
-                Ok(pair) if overlap(&point, &here.pair, &pair) >= OVERLAP => here = self.with_slope(p, pair)?,
+            let place = self.at(p)?;
+            match place.refine(&start) {
+                Ok(pair) if place.overlap(&here.pair, &pair) >= OVERLAP => here = Followed::new(p, pair, &*place),
                 Ok(_) | Err(Error::NotConverged { .. }) if halvings < HALVINGS => {
                     halvings += 1;
                     step *= 0.5;
@@ -195,15 +202,4 @@ impl<'a> Along<'a> {
         }
         Err(Error::NotConverged { re: here.pair.eigenvalue.re, im: here.pair.eigenvalue.im })
     }
-}
-
-/// How much of one pair is in another, 1 for the same: `(y_a^T Q' x_b) (y_b^T Q' x_a)`, in magnitude.
-pub(super) fn overlap(point: &Point<'_>, a: &Pair, b: &Pair) -> f64 {
-    let one = Complex::new(1.0, 0.0);
-    let sum = a.eigenvalue + b.eigenvalue;
-    let mut image = vec![Complex::default(); a.right.len()];
-    point.combine([sum, one, Complex::default()], &b.right, Side::Right, &mut image);
-    let forward = dot(&a.left, &image);
-    point.combine([sum, one, Complex::default()], &a.right, Side::Right, &mut image);
-    magnitude(forward * dot(&b.left, &image))
 }

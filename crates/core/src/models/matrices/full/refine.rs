@@ -1,8 +1,9 @@
-//! An eigenpair with its left and right vectors, made exact from an approximation.
+//! An eigenpair made exact from an approximation.
 
-use super::error::Error;
-use super::quadratic::{Complex, Factorisation, Point, Side};
-use crate::models::matrices::region::{damping_ratio, magnitude};
+use super::quadratic::{Factorisation, Point, Side};
+use crate::models::matrices::error::Error;
+use crate::models::matrices::pair::{Complex, Pair, normalise};
+use crate::models::matrices::region::magnitude;
 
 /// Factorisations that a refinement may take.
 const FACTORISATIONS: usize = 4;
@@ -12,65 +13,6 @@ const STEPS: usize = 12;
 
 /// A change of the eigenvalue below this, relative to it, is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-
-/// An eigenpair: `Q(lambda) x = 0`, `y^T Q(lambda) = 0`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Pair {
-    /// lambda: growth rate in 1/s, angular frequency in rad/s.
-    pub eigenvalue: Complex,
-    /// x, of length 1.
-    pub right: Vec<Complex>,
-    /// y, scaled so that `y^T Q'(lambda) x = 1`.
-    pub left: Vec<Complex>,
-    /// An estimate of the distance of the eigenvalue from the exact one of the matrices as summed, in 1/s.
-    pub error: f64,
-}
-
-impl Pair {
-    /// The damping ratio `-Re lambda / |lambda|`: negative where the motion grows.
-    #[must_use]
-    pub fn damping_ratio(&self) -> f64 {
-        damping_ratio(self.eigenvalue)
-    }
-
-    /// The error of the damping ratio that the error of the eigenvalue makes.
-    #[must_use]
-    pub fn damping_ratio_error(&self) -> f64 {
-        self.error / magnitude(self.eigenvalue)
-    }
-
-    /// `d lambda / dp = -y^T (dQ/dp) x / y^T Q' x`, where `derivative` has the derivatives of the coefficients by p.
-    #[must_use]
-    pub fn sensitivity(&self, derivative: &Point<'_>) -> Complex {
-        let [_, damping, stiffness] = derivative.forms(&self.left, &self.right);
-        -(self.eigenvalue * damping + stiffness)
-    }
-}
-
-/// The derivative of the damping ratio, from that of the eigenvalue.
-#[must_use]
-pub fn damping_ratio_slope(eigenvalue: Complex, slope: Complex) -> f64 {
-    // d(-a/r) with r^2 = a^2 + b^2.
-    let size = magnitude(eigenvalue);
-    (eigenvalue.im / size) * (eigenvalue.re * slope.im - eigenvalue.im * slope.re) / (size * size)
-}
-
-pub(super) fn norm(vector: &[Complex]) -> f64 {
-    vector.iter().map(Complex::norm_sqr).sum::<f64>().sqrt()
-}
-
-/// `a^T b`, not conjugated.
-pub(in crate::models::matrices) fn dot(a: &[Complex], b: &[Complex]) -> Complex {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// Scales to length 1.
-pub(super) fn normalise(vector: &mut [Complex]) {
-    let length = norm(vector);
-    if length > 0.0 {
-        vector.iter_mut().for_each(|value| *value = value.unscale(length));
-    }
-}
 
 impl Point<'_> {
     /// The eigenvalue nearest to a guess that left and right vectors give together: the root of `y^T Q(lambda) x`, and

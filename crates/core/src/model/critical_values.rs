@@ -1,0 +1,51 @@
+//! The values of one quantity that make samples unstable, whatever else they have.
+
+/// Values of a quantity at which a sample is unstable, as intervals in rising order.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct UnstableValues {
+    /// Where it surely is.
+    pub surely: Vec<[f64; 2]>,
+    /// Where it is or may be: errors of critical values, and stretches on which eigenvalues could not be followed.
+    pub possibly: Vec<[f64; 2]>,
+}
+
+impl UnstableValues {
+    /// Where this or another is.
+    #[must_use]
+    pub fn or(self, other: &Self) -> Self {
+        Self { surely: joined(self.surely, &other.surely), possibly: joined(self.possibly, &other.possibly) }
+    }
+}
+
+/// Intervals without overlaps that have all values of these.
+fn joined(mut all: Vec<[f64; 2]>, more: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    all.extend(more);
+    all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut joined: Vec<[f64; 2]> = Vec::new();
+    for interval in all {
+        match joined.last_mut() {
+            Some(last) if interval[0] <= last[1] => last[1] = last[1].max(interval[1]),
+            _ => joined.push(interval),
+        }
+    }
+    joined
+}
+
+/// Critical values of a quantity: what separates its stable from its unstable values, with all other quantities fixed.
+pub trait CriticalValues {
+    /// The values of the varying quantity at `place` among these, within an interval, at which a sample is unstable that has
+    /// `values` of all varying quantities (that at `place` counts for nothing). `None` if they cannot be found.
+    fn unstable(&self, values: &[f64], place: usize, within: [f64; 2]) -> Option<UnstableValues>;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_that_touch_or_overlap_become_one() {
+        let of = |surely: &[[f64; 2]]| UnstableValues { surely: surely.to_vec(), possibly: vec![] };
+        let both = of(&[[3.0, 4.0], [0.0, 1.0]]).or(&of(&[[0.5, 2.0], [4.0, 5.0], [7.0, 8.0]]));
+        assert_eq!(both.surely, [[0.0, 2.0], [3.0, 5.0], [7.0, 8.0]]);
+    }
+}

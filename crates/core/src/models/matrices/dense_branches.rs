@@ -1,0 +1,185 @@
+//! The pairs of a problem of dense matrices along a path of parameters.
+
+use nalgebra::DVector;
+
+use super::branches::{Branches, Path, Place};
+use super::eigenbasis::Eigenbasis;
+use super::error::Error;
+use super::pair::{Complex, Pair};
+use super::quadratic::{DenseQuadratic, Quadratic, product};
+use super::region::{Region, magnitude};
+
+/// A path through the coefficients of a problem. Eigenvalues are in the unit of the problem.
+pub(super) struct DenseBranches<'a> {
+    pub(super) problem: &'a DenseQuadratic,
+    pub(super) path: &'a dyn Path,
+}
+
+struct DensePlace {
+    problem: Quadratic,
+    /// C and K derived by the parameter of the path.
+    derivative: Quadratic,
+}
+
+impl Branches for DenseBranches<'_> {
+    fn at(&self, p: f64) -> Result<Box<dyn Place + '_>, Error> {
+        let at = |coefficients: &[f64]| {
+            let is_finite = coefficients.iter().all(|value| value.is_finite());
+            if is_finite { Ok(self.problem.at(coefficients)) } else { Err(Error::NotFinite) }
+        };
+        Ok(Box::new(DensePlace { problem: at(&self.path.coefficients(p))?, derivative: at(&self.path.derivative(p))? }))
+    }
+}
+
+impl Place for DensePlace {
+    /// All pairs of the upper half plane. None has vectors if some of them are defective.
+    fn pairs(&self, _: &Region) -> Result<Vec<Pair>, Error> {
+        if let Some(basis) = Eigenbasis::new(&self.problem) {
+            let upper = (0..basis.eigenvalues.len()).filter(|&place| basis.eigenvalues[place].im >= 0.0);
+            let pair = |place: usize| {
+                let (right, left) = (basis.right.column(place), basis.left.row(place).transpose());
+                self.problem.pair(basis.eigenvalues[place], right.into_owned(), left)
+            };
+            return Ok(upper.map(pair).collect());
+        }
+        let not_converged = |_| Error::NotConverged { re: f64::NAN, im: f64::NAN };
+        let values = self.problem.eigenvalues().map_err(not_converged)?;
+        let without_vectors =
+            |eigenvalue| Pair { eigenvalue, right: Vec::new(), left: Vec::new(), error: f64::INFINITY };
+        Ok(values.into_iter().filter(|value| value.im >= 0.0).map(without_vectors).collect())
+    }
+
+    fn refine(&self, start: &Pair) -> Result<Pair, Error> {
+        let Complex { re, im } = start.eigenvalue;
+        if start.right.is_empty() {
+            return Err(Error::NotConverged { re, im });
+        }
+        self.problem.refine(start.clone()).ok_or(Error::NotConverged { re, im })
+    }
+
+    fn overlap(&self, a: &Pair, b: &Pair) -> f64 {
+        if a.right.is_empty() || b.right.is_empty() {
+            return 0.0;
+        }
+        let vector = |values: &[Complex]| DVector::from_column_slice(values);
+        let sum = (a.eigenvalue + b.eigenvalue) * 0.5;
+        let share =
+            |left: &[Complex], right: &[Complex]| vector(left).dot(&self.problem.derivative_times(sum, &vector(right)));
+        magnitude(share(&a.left, &b.right) * share(&b.left, &a.right))
+    }
+
+    fn coupling(&self, a: &Pair, b: &Pair) -> Complex {
+        if a.right.is_empty() || b.right.is_empty() {
+            return Complex::new(f64::INFINITY, f64::INFINITY);
+        }
+        let Quadratic { damping, stiffness } = &self.derivative;
+        let right = DVector::from_column_slice(&b.right);
+        let mean = (a.eigenvalue + b.eigenvalue) * 0.5;
+        let force = product(damping, &right) * mean + product(stiffness, &right);
+        -DVector::from_column_slice(&a.left).dot(&force)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, dmatrix};
+
+    use super::*;
+    use crate::models::matrices::branches::Line;
+    use crate::models::matrices::region::RESOLUTION;
+    use crate::models::matrices::sweep::{Steps, Sweep};
+    use crate::models::matrices::trial::problem;
+    use crate::numerics::eigenvalues::Eigenvalue;
+
+    const STEPS: Steps = Steps { first: 8, halvings: 30 };
+
+    fn sweep(problem: &DenseQuadratic, path: &Line, region: &Region, within: [f64; 2]) -> Sweep {
+        let branches: &dyn Branches = &DenseBranches { problem, path };
+        branches.sweep(region, within, STEPS).unwrap()
+    }
+
+    /// Along each coefficient of random problems, the stretches with an unstable pair are those that all eigenvalues show.
+    /// Returns how many changes there were, and problems with several stretches.
+    fn compare(seeds: std::ops::Range<u64>, places: u32) -> [usize; 2] {
+        let (mut changes, mut several) = (0, 0);
+        for seed in seeds {
+            let (problem, origin, region) = problem(seed);
+            let coefficient = seed as usize % origin.len();
+            let mut direction = vec![0.0; origin.len()];
+            direction[coefficient] = 1.0;
+            let mut from = origin.clone();
+            from[coefficient] = 0.0;
+            let (path, within) = (Line { from, direction }, [0.0, 4.0]);
+            let found = sweep(&problem, &path, &region, within);
+            changes += found.changes.len();
+            let unstable = found.unstable(within);
+            several += usize::from(unstable.surely.len() > 1);
+            let wide: f64 = found.unresolved.iter().map(|([from, to], _)| to - from).sum();
+            assert!(wide < 1e-6, "{seed}: {:?}", found.unresolved);
+            for step in 0..=places {
+                let p = 4.0 * f64::from(step) / f64::from(places);
+                let values = problem.at(&path.coefficients(p)).eigenvalues().unwrap();
+                let is_clear = |value: &Eigenvalue| {
+                    let with = |ratio: f64| Region { damping_ratio: region.damping_ratio + ratio, ..region };
+                    let by = 1e-7 + RESOLUTION;
+                    with(-by).contains(*value) == with(by).contains(*value)
+                };
+                let contains = |set: &[[f64; 2]]| set.iter().any(|[from, to]| (*from..=*to).contains(&p));
+                let expected = values.iter().any(|value| region.contains(*value));
+                let is_right = [&unstable.surely, &unstable.possibly].into_iter().any(|set| contains(set) == expected);
+                assert!(is_right || !values.iter().all(is_clear), "problem {seed} at {p}: {unstable:?}");
+            }
+        }
+        [changes, several]
+    }
+
+    #[test]
+    fn sweeps_find_what_all_eigenvalues_show_at_many_places() {
+        let [changes, several] = compare(0..60, 200);
+        assert!(changes > 25 && several > 5, "{changes} {several}");
+    }
+
+    #[test]
+    #[ignore = "takes minutes"]
+    fn sweeps_of_many_problems_find_what_all_eigenvalues_show() {
+        let [changes, several] = compare(1000..6000, 1000);
+        assert!(changes > 2000 && several > 500, "{changes} {several}");
+    }
+
+    /// Two masses without damping: Hoffmann, Fischer, Allgaier and Gaul (2002), D = 4 mu / 3, and Hulten's as Sinou and
+    /// Jezequel (2007). Both modes are undamped up to where they meet, where pairs have no derivative.
+    #[test]
+    fn undamped_masses_flutter_where_their_modes_meet() {
+        let identity = DMatrix::identity(2, 2);
+        let critical = |stiffness: &[DMatrix<f64>], highest: f64| {
+            let problem = DenseQuadratic::new(&identity, &[], stiffness, &[1.0, 1.0]).unwrap();
+            let region = Region { lowest: 0.0, highest, damping_ratio: 0.0 }.in_unit(problem.unit());
+            let path = Line { from: vec![1.0, 0.0], direction: vec![0.0, 1.0] };
+            let unstable = sweep(&problem, &path, &region, [0.0, 1.3]).unstable([0.0, 1.3]);
+            let ([surely], [possibly]) = (&unstable.surely[..], &unstable.possibly[..]) else { panic!("{unstable:?}") };
+            assert!(surely[0] - possibly[0] < 1e-8 && surely[1] == 1.3, "{unstable:?}");
+            surely[0]
+        };
+        let hoffmann = [dmatrix![2.0, 1.0; 1.0, 2.0], dmatrix![0.0, -4.0 / 3.0; 0.0, 0.0]];
+        assert!((critical(&hoffmann, f64::INFINITY) - 0.75).abs() < 1e-8);
+        let [first, second] = [100.0, 75.0].map(|frequency: f64| (std::f64::consts::TAU * frequency).powi(2));
+        let hulten = [dmatrix![first, 0.0; 0.0, second], dmatrix![0.0, -second; first, 0.0]];
+        let expected = (first - second) / (2.0 * (first * second).sqrt());
+        assert!((critical(&hulten, 1e4) - expected).abs() < 1e-8);
+    }
+
+    /// Two modes that cross, with friction so weak that they flutter over 1/2000 of the way only.
+    #[test]
+    fn a_narrow_island_is_found() {
+        let stiffness = [dmatrix![1.0, 0.0; 0.0, 1.3], dmatrix![1.0, 0.0; 0.0, 0.0], dmatrix![0.0, 1e-4; -1e-4, 0.0]];
+        let damping = [DMatrix::identity(2, 2) * 2e-5];
+        let problem =
+            DenseQuadratic::new(&DMatrix::identity(2, 2), &damping, &stiffness, &[1.0, 1.0, 1.0, 1.0]).unwrap();
+        let region = Region { lowest: 0.1, highest: 10.0, damping_ratio: 0.0 }.in_unit(problem.unit());
+        let path = Line { from: vec![1.0, 1.0, 0.0, 1.0], direction: vec![0.0, 0.0, 1.0, 0.0] };
+        let found = sweep(&problem, &path, &region, [0.0, 1.0]);
+        let [[from, to]] = found.unstable([0.0, 1.0]).surely[..] else { panic!("{found:?}") };
+        // Undamped they flutter for |p - 0.3| < 2e-4.
+        assert!(from > 0.2997 && from < 0.3 && to > 0.3 && to < 0.3003, "{from} {to}");
+    }
+}

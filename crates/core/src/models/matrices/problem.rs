@@ -1,0 +1,135 @@
+//! The quadratic eigenvalue problem of a model, with dense or with sparse matrices.
+
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+use thiserror::Error as ThisError;
+
+use super::branches::{Branches, Path};
+use super::dense_branches::DenseBranches;
+use super::error::Error;
+use super::full::along::Along;
+use super::full::band::KrylovLimit;
+use super::full::quadratic::{Coefficients, SparseQuadratic};
+use super::model::{Matrices, Matrix, Term};
+use super::quadratic::{DenseQuadratic, QuadraticError};
+use super::region::Region;
+use super::sweep::{Steps, Sweep};
+use crate::numerics::eigenvalues::Eigenvalue;
+
+/// How sweeps with dense matrices look for changes, for which a place costs little.
+const DENSE_STEPS: Steps = Steps { first: 8, halvings: 30 };
+
+/// How those with sparse matrices do.
+const SPARSE_STEPS: Steps = Steps { first: 4, halvings: 10 };
+
+/// With which matrices eigenvalues are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Solver {
+    /// Dense ones: all eigenvalues, for some hundred degrees of freedom.
+    Dense,
+    /// Sparse ones: those in the bands, for as many degrees of freedom as one LU factorisation can have. Pairs that grow by
+    /// a damping ratio below the threshold by more than 0.3 are not looked for.
+    Sparse,
+}
+
+/// The problem of a model.
+#[derive(Debug, Clone)]
+pub enum Problem {
+    /// With dense matrices.
+    Dense(Arc<DenseQuadratic>),
+    /// With sparse ones.
+    Sparse(Arc<SparseQuadratic>),
+}
+
+/// Why there is no such problem.
+#[derive(Debug, Clone, PartialEq, ThisError)]
+pub enum ProblemError {
+    /// Of dense matrices.
+    #[error(transparent)]
+    Dense(#[from] QuadraticError),
+    /// Of sparse matrices.
+    #[error(transparent)]
+    Sparse(#[from] Error),
+}
+
+impl Problem {
+    /// The problem of these matrices.
+    ///
+    /// # Errors
+    /// As [`DenseQuadratic::new`] and [`SparseQuadratic::new`].
+    pub fn new(matrices: &Matrices, solver: Solver) -> Result<Self, ProblemError> {
+        let Matrices { mass, damping, stiffness, .. } = matrices;
+        match solver {
+            Solver::Dense => {
+                let terms = |terms: &[Term]| terms.iter().map(|term| dense(&term.matrix)).collect::<Vec<_>>();
+                let typical = matrices.coefficients(&matrices.expected());
+                let problem = DenseQuadratic::new(&dense(mass), &terms(damping), &terms(stiffness), &typical)?;
+                Ok(Self::Dense(Arc::new(problem)))
+            }
+            Solver::Sparse => {
+                let terms = |terms: &[Term]| terms.iter().map(|term| (*term.matrix).clone()).collect::<Vec<_>>();
+                Ok(Self::Sparse(Arc::new(SparseQuadratic::new(mass, &terms(damping), &terms(stiffness))?)))
+            }
+        }
+    }
+
+    /// rad/s of the unit of frequency in which its own eigenvalues are.
+    #[must_use]
+    pub fn unit(&self) -> f64 {
+        match self {
+            Self::Dense(problem) => problem.unit(),
+            Self::Sparse(_) => 1.0,
+        }
+    }
+
+    /// Eigenvalues with these coefficients that are not below the real axis, in rad/s: all with dense matrices, with sparse
+    /// ones those in the bands of the regions with damping ratios from 0.3 below their thresholds to 0.05 above.
+    ///
+    /// # Errors
+    /// [`Error`], if they are not found.
+    pub fn eigenvalues(&self, coefficients: &[f64], regions: &[Region]) -> Result<Vec<Eigenvalue>, Error> {
+        match self {
+            Self::Dense(problem) => {
+                let not_converged = |_| Error::NotConverged { re: f64::NAN, im: f64::NAN };
+                let values = problem.at(coefficients).eigenvalues().map_err(not_converged)?;
+                Ok(values.into_iter().filter(|value| value.im >= 0.0).map(|value| value * problem.unit()).collect())
+            }
+            Self::Sparse(problem) => {
+                let point = problem.at(&Coefficients::split(coefficients, problem.damping_terms()))?;
+                let mut values = Vec::new();
+                for region in regions {
+                    let pairs = point.pairs_about(region, KrylovLimit::default())?;
+                    values.extend(pairs.into_iter().map(|pair| pair.eigenvalue));
+                }
+                Ok(values)
+            }
+        }
+    }
+
+    /// Where the number of unstable pairs of a region, in rad/s, changes along a path.
+    ///
+    /// # Errors
+    /// [`Error`], if pairs are not found.
+    pub fn sweep(&self, path: &dyn Path, region: &Region, within: [f64; 2]) -> Result<Sweep, Error> {
+        match self {
+            Self::Dense(problem) => {
+                let branches: &dyn Branches = &DenseBranches { problem, path };
+                let sweep = branches.sweep(&region.in_unit(problem.unit()), within, DENSE_STEPS)?;
+                Ok(sweep.with_eigenvalues_times(problem.unit()))
+            }
+            Self::Sparse(matrices) => {
+                let branches: &dyn Branches = &Along { matrices, path, limit: KrylovLimit::default() };
+                branches.sweep(region, within, SPARSE_STEPS)
+            }
+        }
+    }
+}
+
+fn dense(matrix: &Matrix) -> DMatrix<f64> {
+    let mut dense = DMatrix::zeros(matrix.nrows(), matrix.ncols());
+    for entry in matrix.triplet_iter() {
+        dense[(entry.row, entry.col)] += *entry.val;
+    }
+    dense
+}

@@ -1,0 +1,222 @@
+//! Samples of models given by matrices: verdicts, limit states and critical values.
+
+use std::any::Any;
+use std::sync::{Arc, OnceLock};
+
+use super::decide::Decider;
+use super::model::{Matrices, OverParameter, Term};
+use super::problem::Problem;
+use super::region::{RESOLUTION, Region, damping_ratio};
+use super::series::ModeSeries;
+use crate::model::critical_values::{CriticalValues, UnstableValues};
+use crate::model::decision::Decision;
+use crate::model::quantity::Limits;
+use crate::model::verdict::Verdict;
+use crate::model::{Columns, Configuration, IsStopped};
+use crate::numerics::eigenvalues::Eigenvalue;
+
+/// What samples with the same expected values share.
+pub(super) struct Samples {
+    shared: Arc<Shared>,
+    /// Another configuration, whose series serves where it reaches well beyond the expected values.
+    like: Option<Arc<Shared>>,
+    /// Whether it does.
+    serves: OnceLock<bool>,
+}
+
+/// A configuration with the series about its expected values, made when it is first wanted.
+struct Shared {
+    matrices: Arc<Matrices>,
+    problem: Problem,
+    /// rad/s.
+    regions: Vec<Region>,
+    /// The same in the unit of the problem.
+    scaled: Vec<Region>,
+    expected: Vec<f64>,
+    varying: Vec<usize>,
+    series: OnceLock<Option<ModeSeries>>,
+}
+
+impl Shared {
+    fn origin(&self) -> Vec<f64> {
+        self.matrices.coefficients(&self.expected)
+    }
+
+    fn series(&self) -> Option<&ModeSeries> {
+        let make = || {
+            let Problem::Dense(problem) = &self.problem else { return None };
+            let terms = self.matrices.damping.iter().chain(&self.matrices.stiffness).enumerate();
+            let changes = |term: &Term| term.factor.parameters().any(|own| self.varying.contains(&own));
+            let changing: Vec<usize> = terms.filter(|(_, term)| changes(term)).map(|(place, _)| place).collect();
+            ModeSeries::new(problem, &self.origin(), &changing, &self.scaled)
+        };
+        self.series.get_or_init(make).as_ref()
+    }
+}
+
+impl Samples {
+    /// The samples with these expected values of all quantities that differ in the `varying` ones.
+    pub(super) fn boxed(
+        matrices: &Arc<Matrices>,
+        problem: &Problem,
+        regions: Vec<Region>,
+        expected: &[f64],
+        varying: &[usize],
+        like: Option<&dyn Configuration>,
+    ) -> Box<dyn Configuration> {
+        let like = like.and_then(Self::from_any).map(|like| like.shared.clone());
+        let like = like.filter(|like| like.regions == regions && like.varying == varying);
+        let shared = Shared {
+            matrices: matrices.clone(),
+            problem: problem.clone(),
+            scaled: regions.iter().map(|region| region.in_unit(problem.unit())).collect(),
+            regions,
+            expected: expected.to_vec(),
+            varying: varying.to_vec(),
+            series: OnceLock::new(),
+        };
+        Box::new(Self { shared: Arc::new(shared), like, serves: OnceLock::new() })
+    }
+
+    fn from_any(configuration: &dyn Configuration) -> Option<&Self> {
+        let any: &dyn Any = configuration;
+        any.downcast_ref()
+    }
+
+    fn series(&self) -> Option<&ModeSeries> {
+        let other = self.like.as_ref();
+        let reaches =
+            |other: &Arc<Shared>| other.series().is_some_and(|series| series.reaches_beyond(&self.shared.origin()));
+        let serves = *self.serves.get_or_init(|| other.is_some_and(reaches));
+        other.filter(|_| serves).unwrap_or(&self.shared).series()
+    }
+
+    fn coefficients(&self, samples: &Columns<'_>, sample: usize) -> Vec<f64> {
+        self.shared.matrices.coefficients(&samples.complete(sample, &self.shared.expected, &self.shared.varying))
+    }
+
+    fn verdict(&self, coefficients: &[f64]) -> Verdict {
+        if coefficients.iter().any(|value| !value.is_finite()) {
+            return Verdict::Failed;
+        }
+        let unstable = match &self.shared.problem {
+            Problem::Dense(problem) => {
+                Decider::new(problem, &self.shared.scaled, self.series()).is_unstable(coefficients).map(|(is, _)| is)
+            }
+            Problem::Sparse(_) => self.excess(coefficients).map(|excess| excess < -RESOLUTION),
+        };
+        match unstable {
+            Some(true) => Verdict::Unstable,
+            Some(false) => Verdict::Stable,
+            None => Verdict::Failed,
+        }
+    }
+
+    /// The smallest damping ratio in the bands less its threshold, by all eigenvalues; 1 where there is no pair in a band.
+    fn excess(&self, coefficients: &[f64]) -> Option<f64> {
+        let values = self.shared.problem.eigenvalues(coefficients, &self.shared.regions).ok()?;
+        Some(values.iter().map(|value| self.excess_of(*value)).fold(1.0, f64::min))
+    }
+
+    /// The eigenvalue that this is of.
+    fn least_damped(&self, coefficients: &[f64]) -> Option<Eigenvalue> {
+        let values = self.shared.problem.eigenvalues(coefficients, &self.shared.regions).ok()?;
+        values.into_iter().min_by(|a, b| self.excess_of(*a).total_cmp(&self.excess_of(*b)))
+    }
+
+    fn excess_of(&self, value: Eigenvalue) -> f64 {
+        let bands = self.shared.regions.iter().filter(|region| region.has_frequency_of(value));
+        bands.map(|region| damping_ratio(value) - region.damping_ratio).fold(1.0, f64::min)
+    }
+
+    fn is_outside(&self, samples: &Columns<'_>, sample: usize) -> bool {
+        let mut values = self.shared.varying.iter().zip(samples.sample(sample));
+        values.any(|(&place, value)| {
+            self.shared.matrices.parameters.get(place).is_some_and(|parameter| !parameter.range.contain(value))
+        })
+    }
+
+    fn has_ranges(&self) -> bool {
+        self.shared.varying.iter().any(|&place| {
+            self.shared.matrices.parameters.get(place).is_some_and(|parameter| parameter.range != Limits::ANY)
+        })
+    }
+}
+
+impl Configuration for Samples {
+    fn decide(&self, samples: &Columns<'_>, wanted: &[usize], is_stopped: IsStopped<'_>) -> Option<Vec<Decision>> {
+        let decide = |&sample: &usize| {
+            if is_stopped() {
+                return None;
+            }
+            Some(match self.is_outside(samples, sample) {
+                true => Decision::OUTSIDE_PHYSICS,
+                false => self.verdict(&self.coefficients(samples, sample)).into(),
+            })
+        };
+        wanted.iter().map(decide).collect()
+    }
+
+    fn outside(&self, samples: &Columns<'_>) -> Option<Vec<bool>> {
+        self.has_ranges().then(|| (0..samples.len()).map(|sample| self.is_outside(samples, sample)).collect())
+    }
+
+    /// The smallest damping ratio in the bands less the threshold.
+    fn limit_states(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
+        let state = |sample: usize| {
+            let coefficients = self.coefficients(samples, sample);
+            let state = match &self.shared.problem {
+                Problem::Dense(problem) => {
+                    Decider::new(problem, &self.shared.scaled, self.series()).limit_state(&coefficients)
+                }
+                Problem::Sparse(_) => self.excess(&coefficients),
+            };
+            state.unwrap_or(f64::NAN)
+        };
+        Some((0..samples.len()).map(state).collect())
+    }
+
+    fn critical_values(&self) -> Option<&dyn CriticalValues> {
+        Some(self)
+    }
+
+    fn unstable_frequencies(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
+        let of_sample = |sample: usize| {
+            let coefficients = self.coefficients(samples, sample);
+            let least = match &self.shared.problem {
+                Problem::Dense(problem) => {
+                    Decider::new(problem, &self.shared.scaled, self.series()).least_damped(&coefficients)
+                }
+                Problem::Sparse(_) => self.least_damped(&coefficients),
+            };
+            let is_unstable = |value: &Eigenvalue| self.shared.regions.iter().any(|region| region.contains(*value));
+            let unstable = least.filter(|value| !self.is_outside(samples, sample) && is_unstable(value));
+            unstable.map_or(f64::NAN, |value| value.im.abs() / std::f64::consts::TAU)
+        };
+        Some((0..samples.len()).map(of_sample).collect())
+    }
+}
+
+impl CriticalValues for Samples {
+    /// Values beyond the range of the parameter are outside the model, and not unstable.
+    fn unstable(&self, values: &[f64], place: usize, within: [f64; 2]) -> Option<UnstableValues> {
+        let Shared { matrices, problem, regions, expected, varying, .. } = &*self.shared;
+        let mut complete = expected.clone();
+        varying.iter().zip(values).for_each(|(&place, value)| complete[place] = *value);
+        let place = *varying.get(place)?;
+        let range = matrices.parameters.get(place)?.range;
+        let within = [within[0].max(range.minimum), within[1].min(range.maximum)];
+        if within.iter().any(|end| !end.is_finite()) {
+            return None;
+        }
+        if within[1] <= within[0] {
+            return Some(UnstableValues::default());
+        }
+        let path = OverParameter { matrices, values: &complete, place };
+        let mut all = UnstableValues::default();
+        for region in regions {
+            all = all.or(&problem.sweep(&path, region, within).ok()?.unstable(within));
+        }
+        Some(all)
+    }
+}

@@ -1,0 +1,342 @@
+//! All places on a path at which the number of unstable pairs in a band changes.
+
+use super::branches::{Branches, Critical, Followed, Place, Target};
+use super::eigenbasis::square_root;
+use super::error::Error;
+use super::region::{RESOLUTION, Region, damping_ratio};
+use crate::model::critical_values::UnstableValues;
+
+/// How a sweep looks for changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Steps {
+    /// Intervals it starts with.
+    pub first: usize,
+    /// How often an interval may be halved.
+    pub halvings: usize,
+}
+
+/// Two pairs at the ends of an interval are one if they overlap by this; of 1.
+const OVERLAP: f64 = 0.6;
+
+/// The error of a cubic through values and slopes at both ends, as a part of the larger misses of the two tangents.
+const CUBIC_ERROR: f64 = 0.1;
+
+/// Points inside an interval at which the cubic is looked at.
+const SAMPLES: usize = 32;
+
+/// A place at which the number changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// The place.
+    pub p: f64,
+    /// An estimate of its error.
+    pub error: f64,
+    /// The pair there.
+    pub at: Followed,
+    /// What the pair meets there: the threshold, or an end of the band.
+    pub target: Target,
+    /// How many unstable pairs there are more above it: 1 or -1.
+    pub more: i32,
+}
+
+/// The number of unstable pairs over an interval of a path.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// How many there are at the lower end.
+    pub at_start: usize,
+    /// Where the number changes, in order of p.
+    pub changes: Vec<Change>,
+    /// Intervals in which the number could not be followed, with how much it changes over them.
+    pub unresolved: Vec<([f64; 2], i32)>,
+    /// At how many places all pairs of the band were found.
+    pub places: usize,
+}
+
+impl Sweep {
+    /// The intervals, in order, with the number of unstable pairs in each, `None` where it is not known.
+    #[must_use]
+    pub fn intervals(&self, low: f64, high: f64) -> Vec<([f64; 2], Option<usize>)> {
+        let mut events: Vec<([f64; 2], i32)> = self.changes.iter().map(|change| ([change.p; 2], change.more)).collect();
+        events.extend(&self.unresolved);
+        events.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+        let mut intervals = Vec::new();
+        let mut from = low;
+        let mut count = self.at_start;
+        for (place, more) in events {
+            intervals.push(([from, place[0]], Some(count)));
+            if place[1] > place[0] {
+                intervals.push((place, None));
+            }
+            count = count.saturating_add_signed(isize::try_from(more).unwrap_or(0));
+            from = place[1];
+        }
+        intervals.push(([from, high], Some(count)));
+        intervals
+    }
+}
+
+impl Sweep {
+    /// The values within the limits of the sweep at which there is an unstable pair.
+    #[must_use]
+    pub fn unstable(&self, [low, high]: [f64; 2]) -> UnstableValues {
+        let mut unstable = UnstableValues::default();
+        let error =
+            |at: f64| self.changes.iter().filter(|change| change.p == at).map(|change| change.error).sum::<f64>();
+        for ([from, to], count) in self.intervals(low, high) {
+            if count == Some(0) {
+                continue;
+            }
+            let by = [error(from), error(to)];
+            unstable.possibly.push([(from - by[0]).max(low), (to + by[1]).min(high)]);
+            if count.is_some() && from + by[0] < to - by[1] {
+                unstable.surely.push([from + by[0], to - by[1]]);
+            }
+        }
+        UnstableValues::default().or(&unstable)
+    }
+
+    /// The same with eigenvalues in another unit, of which one is `unit` of the new ones.
+    #[must_use]
+    pub(super) fn with_eigenvalues_times(mut self, unit: f64) -> Self {
+        for change in &mut self.changes {
+            change.at.pair.eigenvalue *= unit;
+            change.at.pair.error *= unit;
+            change.at.slope *= unit;
+            if let Target::Frequency(frequency) = &mut change.target {
+                *frequency *= unit;
+            }
+        }
+        self
+    }
+}
+
+/// All pairs at one place.
+struct Node<'a> {
+    p: f64,
+    place: Box<dyn Place + 'a>,
+    pairs: Vec<Followed>,
+}
+
+/// A pair of an interval's lower end and the same at its upper end.
+struct Branch<'a> {
+    from: &'a Followed,
+    to: &'a Followed,
+}
+
+impl dyn Branches + '_ {
+    /// All places between `low` and `high` at which the number of unstable pairs of a region changes.
+    ///
+    /// At both ends of an interval all pairs of the band are found; pairs are joined by the overlap of their left and right
+    /// vectors; a cubic through damping ratio, frequency and their slopes says whether a pair meets the threshold or an end of
+    /// the band inside. Where pairs cannot be joined, where the cubic comes near without meeting, or where the changes do not
+    /// add up to the numbers at the ends, the interval is halved; also where two pairs come near each other and what couples
+    /// them may make one unstable in between. Critical values are then found by Newton's method on the matrices. A pair that
+    /// becomes unstable and stable again between two places, with no sign of it there in slopes and couplings, would be
+    /// missed.
+    ///
+    /// # Errors
+    /// [`Error::Request`] for an empty interval, and as [`Branches::pairs`].
+    pub fn sweep(&self, region: &Region, [low, high]: [f64; 2], steps: Steps) -> Result<Sweep, Error> {
+        let is_interval = low.is_finite() && high.is_finite() && high > low;
+        if !is_interval {
+            return Err(Error::Request("a sweep goes from one value to a larger one"));
+        }
+        let first = self.node(region, low)?;
+        let mut sweep =
+            Sweep { at_start: count(region, &first), changes: Vec::new(), unresolved: Vec::new(), places: 1 };
+        // Intervals that are left, the next one last: where each ends, how often it was halved.
+        let place = |index: usize| low + (high - low) * index as f64 / steps.first as f64;
+        let mut ends: Vec<(f64, usize)> =
+            (1..=steps.first).rev().map(|index| (if index == steps.first { high } else { place(index) }, 0)).collect();
+        let mut here = first;
+        let mut known: Vec<Node<'_>> = Vec::new();
+        while let Some((end, halvings)) = ends.pop() {
+            let there = match known.pop() {
+                Some(node) if node.p == end => node,
+                other => {
+                    known.extend(other);
+                    sweep.places += 1;
+                    self.node(region, end)?
+                }
+            };
+            let middle = 0.5 * (here.p + end);
+            if let Some(changes) = self.changes(region, &here, &there)? {
+                sweep.changes.extend(changes);
+                here = there;
+            } else if halvings < steps.halvings && middle > here.p && middle < end {
+                ends.push((end, halvings + 1));
+                ends.push((middle, halvings + 1));
+                known.push(there);
+            } else {
+                let more = signed(count(region, &there)) - signed(count(region, &here));
+                sweep.unresolved.push(([here.p, there.p], more));
+                here = there;
+            }
+        }
+        sweep.changes.sort_by(|a, b| a.p.total_cmp(&b.p));
+        Ok(sweep)
+    }
+
+    fn node(&self, region: &Region, p: f64) -> Result<Node<'_>, Error> {
+        let place = self.at(p)?;
+        let pairs = place.pairs(region)?.into_iter().map(|pair| Followed::new(p, pair, &*place)).collect();
+        Ok(Node { p, place, pairs })
+    }
+
+    /// The changes inside an interval, or nothing if it is too long to say.
+    fn changes(&self, region: &Region, from: &Node<'_>, to: &Node<'_>) -> Result<Option<Vec<Change>>, Error> {
+        let step = to.p - from.p;
+        let mut free: Vec<&Followed> = to.pairs.iter().collect();
+        let mut branches = Vec::new();
+        for pair in &from.pairs {
+            let shares = free.iter().map(|other| to.place.overlap(&pair.pair, &other.pair)).enumerate();
+            match shares.map(|(index, share)| (share, index)).max_by(|a, b| a.0.total_cmp(&b.0)) {
+                Some((share, index)) if (OVERLAP..1.0 / OVERLAP).contains(&share) => {
+                    branches.push(Branch { from: pair, to: free.swap_remove(index) });
+                }
+                _ if may_count(region, pair, step) => return Ok(None),
+                _ => {}
+            }
+        }
+        if free.iter().any(|pair| may_count(region, pair, step)) {
+            return Ok(None);
+        }
+        let ends = [region.lowest, region.highest].into_iter().filter(|end| *end > 0.0 && end.is_finite());
+        let targets: Vec<Target> =
+            ends.map(Target::Frequency).chain([Target::DampingRatio(region.damping_ratio - RESOLUTION)]).collect();
+        let mut changes = Vec::new();
+        let mut quiet = Vec::new();
+        for branch in &branches {
+            if !may_count(region, branch.from, step) && !may_count(region, branch.to, step) {
+                continue;
+            }
+            let before = changes.len();
+            for &target in &targets {
+                match branch.meets(target, step) {
+                    Some(None) => {}
+                    Some(Some(near)) => {
+                        let Some(change) = self.change(region, branch, target, near)? else { return Ok(None) };
+                        changes.extend(change);
+                    }
+                    None => return Ok(None),
+                }
+            }
+            if changes.len() == before && !is_unstable(region, branch.from) {
+                quiet.push(branch);
+            }
+        }
+        let may_flutter = |a: &Branch<'_>, b: &Branch<'_>| {
+            let [from, to] = [(from, step, [a.from, b.from]), (to, -step, [a.to, b.to])];
+            [from, to].into_iter().any(|(node, step, pairs)| may_couple(region, &*node.place, pairs, step))
+        };
+        if quiet.iter().enumerate().any(|(i, a)| quiet[..i].iter().any(|b| may_flutter(a, b))) {
+            return Ok(None);
+        }
+        let more: i32 = changes.iter().map(|change| change.more).sum();
+        let adds_up = signed(count(region, from)) + more == signed(count(region, to));
+        Ok(adds_up.then_some(changes))
+    }
+
+    /// The critical value at which a branch meets a target, as a change if it is one; nothing if it was not found.
+    fn change(
+        &self,
+        region: &Region,
+        branch: &Branch<'_>,
+        target: Target,
+        near: f64,
+    ) -> Result<Option<Option<Change>>, Error> {
+        let interval = [branch.from.p, branch.to.p];
+        let is_first = near - interval[0] < interval[1] - near;
+        let start = if is_first { branch.from } else { branch.to };
+        let there = self.follow(start, near);
+        let critical = match there.and_then(|start| self.critical(target, &start, interval)) {
+            Ok(critical) => critical,
+            Err(Error::NotConverged { .. }) => return Ok(None),
+            Err(error) => return Err(error),
+        };
+        let Critical { at, error } = critical;
+        let (_, slope) = target.distance(&at);
+        let (is_change, is_more, shift) = match target {
+            // The threshold itself, by the tangent: samples count as unstable a little below it.
+            Target::DampingRatio(_) => (region.has_frequency_of(at.pair.eigenvalue), slope < 0.0, RESOLUTION / slope),
+            Target::Frequency(end) => {
+                let enters = if end == region.lowest { slope > 0.0 } else { slope < 0.0 };
+                (is_unstable(region, &at), enters, 0.0)
+            }
+        };
+        let p = (at.p + shift).clamp(interval[0], interval[1]);
+        Ok(Some(is_change.then_some(Change { p, error, at, target, more: if is_more { 1 } else { -1 } })))
+    }
+}
+
+/// Whether a pair has a damping ratio below the threshold, whatever its frequency.
+fn is_unstable(region: &Region, followed: &Followed) -> bool {
+    damping_ratio(followed.pair.eigenvalue) < region.damping_ratio - RESOLUTION
+}
+
+/// Whether a pair may count within a step from where it is.
+fn may_count(region: &Region, followed: &Followed, step: f64) -> bool {
+    let reach = 2.0 * (step * followed.damping_ratio_slope()).abs() + 1e-3;
+    let drift = 2.0 * (step * followed.slope.im).abs() + 1e-3 * region.highest;
+    let frequency = followed.pair.eigenvalue.im;
+    let is_known = reach.is_finite() && drift.is_finite();
+    !is_known
+        || followed.pair.damping_ratio() - reach < region.damping_ratio
+            && frequency > region.lowest - drift
+            && frequency < region.highest + drift
+}
+
+/// Whether two stable pairs that come near each other within a step may couple to an unstable one: by the problem of these
+/// two alone, to first order in the step.
+fn may_couple(region: &Region, place: &dyn Place, [a, b]: [&Followed; 2], step: f64) -> bool {
+    let distance = a.pair.eigenvalue.im - b.pair.eigenvalue.im;
+    if distance.abs() > 2.0 * (step * (a.slope.im - b.slope.im)).abs() {
+        return false;
+    }
+    let product = place.coupling(&a.pair, &b.pair) * place.coupling(&b.pair, &a.pair);
+    // Where they are nearest, if that is within the step.
+    let (between, turn) = (a.pair.eigenvalue - b.pair.eigenvalue, a.slope - b.slope);
+    let nearest = -(between.re * turn.re + between.im * turn.im) / turn.norm_sqr();
+    let change = if nearest / step > 0.0 && nearest / step < 1.0 { nearest } else { step };
+    let [first, second] = [a, b].map(|followed| followed.pair.eigenvalue + followed.slope * change);
+    let (mean, half) = ((first + second) * 0.5, (first - second) * 0.5);
+    let root = square_root(half * half + product * (change * change));
+    let least = damping_ratio(mean + root).min(damping_ratio(mean - root));
+    let alone = damping_ratio(first).min(damping_ratio(second));
+    // What the coupling takes, counted twice for what the first order leaves out.
+    alone - 2.0 * (alone - least).max(0.0) < region.damping_ratio - RESOLUTION
+}
+
+impl Branch<'_> {
+    /// Where a cubic meets a target: once at a place, not at all, or, as the outer nothing, not to be said.
+    fn meets(&self, target: Target, step: f64) -> Option<Option<f64>> {
+        let ((a, slope_a), (b, slope_b)) = (target.distance(self.from), target.distance(self.to));
+        let (slope_a, slope_b) = (slope_a * step, slope_b * step);
+        let miss = (a + slope_a - b).abs().max((b - slope_b - a).abs());
+        let error = CUBIC_ERROR * miss + target.error(&self.from.pair).max(target.error(&self.to.pair));
+        let cubic = |t: f64| {
+            let u = 1.0 - t;
+            u * u * ((1.0 + 2.0 * t) * a + t * slope_a) + t * t * ((1.0 + 2.0 * u) * b - u * slope_b)
+        };
+        let values: Vec<f64> = (0..=SAMPLES).map(|index| cubic(index as f64 / SAMPLES as f64)).collect();
+        let crossings: Vec<usize> =
+            (0..SAMPLES).filter(|&index| (values[index] > 0.0) != (values[index + 1] > 0.0)).collect();
+        let is_clear = |value: f64| value.abs() > error;
+        match crossings[..] {
+            [] => values.iter().all(|value| is_clear(*value)).then_some(None),
+            [index] if is_clear(a) && is_clear(b) => {
+                let share = values[index] / (values[index] - values[index + 1]);
+                Some(Some(self.from.p + step * (index as f64 + share) / SAMPLES as f64))
+            }
+            _ => None,
+        }
+    }
+}
+
+fn count(region: &Region, node: &Node<'_>) -> usize {
+    node.pairs.iter().filter(|followed| region.contains(followed.pair.eigenvalue)).count()
+}
+
+fn signed(count: usize) -> i32 {
+    i32::try_from(count).unwrap_or(i32::MAX)
+}
