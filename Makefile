@@ -188,6 +188,8 @@ docs-pictures:
 	$(call picture,parking-map)
 	$(STICKSLIP) reproduce $(FIGURES) --out target/pictures >/dev/null
 	mkdir -p docs/figures
+	$(STICKSLIP) plot jobs/hulten.toml --of modes --cell 16 --out docs/figures/modes.svg
+	$(STICKSLIP) plot jobs/hulten.toml --of squeal-frequencies --cell 16 --out docs/figures/squeal-frequencies.svg
 	for name in $(FIGURES); do cp "target/pictures/$$name/$$name.svg" docs/figures/ || exit 1; done
 
 # Runs a job in jobs/ and draws its surface in docs/.

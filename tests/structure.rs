@@ -223,13 +223,14 @@ fn a_circle_is_found() {
     }
 }
 
-/// Modules of the runner that are about the pad on the disc, or read the tables of a model. All others know no model.
-const ABOUT_A_MODEL: [&str; 18] = [
+/// Modules of the runner that are about the pad on the disc or the modes of matrices, or read the tables of a model. All others know no model.
+const ABOUT_A_MODEL: [&str; 19] = [
     "job::models",
     "commands::analyse",
     "commands::trajectory",
     "commands::motion_report",
     "commands::one_brake",
+    "commands::modes",
     "commands::parameters",
     "commands::fit",
     "commands::fitted_job",

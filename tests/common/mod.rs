@@ -19,7 +19,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// The targets of `reproduce`.
-pub const TARGETS: [&str; 20] = [
+pub const TARGETS: [&str; 21] = [
     "table2",
     "table3",
     "fig4",
@@ -39,6 +39,7 @@ pub const TARGETS: [&str; 20] = [
     "fig15a",
     "fig15b",
     "external",
+    "matrices",
     "scoreboard",
 ];
 

@@ -14,6 +14,7 @@
 //! | decisions by simulation, many at once, interruptible | [`Simulation`] | samples that cost much |
 //! | growth rate and limit cycle | [`Behaviours`] | what a cell with exactly the expected values does |
 //! | a limit state of samples | [`Configuration::limit_states`] | rare events by design points |
+//! | frequencies of unstable samples | [`Configuration::unstable_frequencies`] | which modes make the probability |
 //! | a map of verdicts over two quantities | [`Configuration::map_origin`] | samples that are looked up, integrals |
 //! | the settled amplitude beside the verdict | [`Model::records_amplitude`] | distributions of it |
 //!
@@ -294,6 +295,13 @@ pub trait Configuration: Any + Send + Sync {
             form.boundary_of(&values).map_or(f64::NAN, |boundary| boundary.limit_state(values[0], values[1]))
         };
         Some((0..samples.len()).map(of_sample).collect())
+    }
+
+    /// The frequency in Hz of the least damped unstable mode of each sample, not a number for samples that are stable;
+    /// `None` if frequencies are not known.
+    fn unstable_frequencies(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
+        let _ = samples;
+        None
     }
 }
 

@@ -252,15 +252,19 @@ pub struct CompareArguments {
 /// Arguments of `plot`.
 #[derive(Debug, Args)]
 pub struct PlotArguments {
-    /// The run directory, or a time series that trajectory or replay wrote
-    #[arg(value_name = "RUN_DIR|FILE.parquet")]
+    /// The run directory, a job with --of modes and squeal-frequencies, or a time series that trajectory or replay wrote
+    #[arg(value_name = "RUN_DIR|JOB.toml|FILE.parquet")]
     pub run: PathBuf,
     /// What of the run to draw
     #[arg(long, value_name = "QUANTITY", value_enum, default_value_t = PlotQuantity::Probability)]
     pub of: PlotQuantity,
-    /// With --of sobol: the cell whose indices to draw [default: all of few cells, else the one whose probability is nearest 0.5]
+    /// The cell to draw, with --of sobol [default: all of few cells, else the one whose probability is nearest 0.5],
+    /// modes and squeal-frequencies [default: the middle of the axes]
     #[arg(long, value_name = "N")]
     pub cell: Option<u64>,
+    /// With --of modes: the parameter over which to draw them [default: the longest axis of the job]
+    #[arg(long, value_name = "NAME")]
+    pub along: Option<String>,
     /// Draw the difference of the probabilities: those of the run minus those of this one, which has the same axes
     #[arg(long, value_name = "RUN_DIR")]
     pub against: Option<PathBuf>,
@@ -283,6 +287,10 @@ pub enum PlotQuantity {
     Sobol,
     /// The verdict maps, of a job with evaluate = "boundary", or method = "exact" and a criterion other than "eigenvalue"
     Verdicts,
+    /// Frequencies and damping ratios over a parameter, of a model given by matrices
+    Modes,
+    /// The frequencies of unstable samples of a cell, of a model given by matrices: which modes make the probability
+    SquealFrequencies,
 }
 
 /// Arguments of `report`.
@@ -321,6 +329,9 @@ pub struct ReproduceArguments {
     /// Directory for the runs; each goes to DIR/NAME
     #[arg(long, value_name = "DIR", default_value = "runs")]
     pub out: PathBuf,
+    /// For matrices: the folder with tu-brake/ and own-brake/, as jobs/ of the sources; what is not there is left out
+    #[arg(long, value_name = "DIR", default_value = "jobs")]
+    pub matrices: PathBuf,
     /// Write DIR/gallery.html: what is reproduced, beside what the paper prints
     #[arg(long)]
     pub report: bool,

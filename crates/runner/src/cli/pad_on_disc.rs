@@ -1,4 +1,4 @@
-//! Arguments of the commands that are about the pad on the disc alone: `parameters`, `analyse`, `trajectory` and `fit`.
+//! Arguments of the commands about one brake: `parameters`, `analyse`, `trajectory` and `fit`.
 
 use std::path::PathBuf;
 
@@ -23,12 +23,13 @@ pub struct ParametersArguments {
 #[derive(Debug, Args)]
 pub struct BrakeArguments {
     /// Take the brake of a job, in place of the preset: a job spec (- reads it from standard input) or a run directory
-    #[arg(long, value_name = "JOB.toml|RUN_DIR")]
+    #[arg(long, value_name = "JOB.toml|RUN_DIR", group = "of_a_job")]
     pub job: Option<PathBuf>,
     /// The cell of the job whose expected values are taken [default: the middle of its axes]
-    #[arg(long, value_name = "I", value_parser = whole_number, requires = "job")]
+    #[arg(long, value_name = "I", value_parser = whole_number, requires = "of_a_job")]
     pub cell: Option<u64>,
-    /// Change a value, for example friction.static_coefficient=0.45; may be repeated
+    /// Change a value, for example friction.static_coefficient=0.45, or a parameter of a model given by matrices; may be
+    /// repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }
@@ -36,6 +37,9 @@ pub struct BrakeArguments {
 /// Arguments of `analyse`.
 #[derive(Debug, Args)]
 pub struct AnalyseArguments {
+    /// The same as --job
+    #[arg(value_name = "JOB.toml|RUN_DIR", group = "of_a_job")]
+    pub place: Option<PathBuf>,
     #[command(flatten)]
     pub brake: BrakeArguments,
     /// Print JSON

@@ -22,6 +22,8 @@ mod check;
 
 mod one_brake;
 
+mod modes;
+
 mod motion_report;
 
 mod analyse;

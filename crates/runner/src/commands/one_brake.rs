@@ -52,10 +52,14 @@ impl OneBrake {
 
 /// The job that the command line names, with the cell whose values are taken; `None` if it names none.
 pub fn chosen_cell(arguments: &BrakeArguments) -> Result<Option<(Job, Cell)>, Failure> {
-    let Some(path) = &arguments.job else { return Ok(None) };
+    arguments.job.as_deref().map(|path| cell_of(path, arguments.cell)).transpose()
+}
+
+/// The job in a file or of a run, with a cell of it, or that in the middle of its axes.
+pub fn cell_of(path: &Path, cell: Option<u64>) -> Result<(Job, Cell), Failure> {
     let job = if path.is_dir() { RunDirectory::view(path)?.job()? } else { JobSource::read(path)?.job()? };
     let last = job.cells() - 1;
-    let index = match arguments.cell {
+    let index = match cell {
         Some(cell) if cell > last => {
             let message = format!("--cell {cell}: the job \"{}\" has cells 0 to {last}", job.name);
             return Err(Failure::Usage(message));
@@ -63,14 +67,14 @@ pub fn chosen_cell(arguments: &BrakeArguments) -> Result<Option<(Job, Cell)>, Fa
         Some(cell) => cell,
         None => middle(&job),
     };
-    if arguments.cell.is_none() && last > 0 {
+    if cell.is_none() && last > 0 {
         note(format_args!(
             "cell {index} of 0 to {last} of the job \"{}\", the middle of its axes; choose another with --cell",
             job.name
         ));
     }
     let cell = job.grid.cell(index);
-    Ok(Some((job, cell)))
+    Ok((job, cell))
 }
 
 impl LookedAt {
@@ -182,7 +186,7 @@ fn use_law(changed: &[(&str, &str)], parameters: &mut Parameters) -> Result<(), 
 }
 
 /// What is wrong with the value of a parameter that cannot be read.
-fn not_a_number(value: &str) -> String {
+pub fn not_a_number(value: &str) -> String {
     let with_point = value.replacen(',', ".", 1);
     match with_point.parse::<f64>() {
         Ok(_) => format!("{value} has a decimal comma; write {with_point}"),

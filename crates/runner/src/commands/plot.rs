@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::compare::{CONFIDENCE, Row, Run, differences_of, interval_name};
+use super::modes::{lines, squeal};
 use crate::cli::{PlotArguments, PlotQuantity};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -26,7 +27,7 @@ use crate::tables::finished::FinishedSurface;
 pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let width = WIDTHS[usize::from(arguments.columns.clamp(1, 2)) - 1];
     check(arguments)?;
-    let (canvas, beside) = if arguments.run.is_file() {
+    let (canvas, beside) = if arguments.run.is_file() && !is_of_modes(arguments.of) {
         (motion::figure(&arguments.run, width)?, arguments.run.clone())
     } else {
         of_run(arguments, width, interrupt)?
@@ -44,10 +45,34 @@ pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Fail
     result(&text)
 }
 
+/// Whether a plot needs a job alone, and no run of it.
+fn is_of_modes(of: PlotQuantity) -> bool {
+    matches!(of, PlotQuantity::Modes | PlotQuantity::SquealFrequencies)
+}
+
+/// The figure of the modes of a job, and where it is written if no file is given, without an extension.
+fn of_modes(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Result<(Canvas, PathBuf), Failure> {
+    let (path, threads) = (arguments.run.as_path(), arguments.threads.count());
+    let (canvas, name) = if arguments.of == PlotQuantity::Modes {
+        let plot = lines::along(path, arguments.cell, arguments.along.as_deref(), threads, interrupt)?;
+        (plot.figure(width), "modes")
+    } else {
+        (squeal::frequencies(path, arguments.cell, threads, interrupt)?.figure(width), "squeal-frequencies")
+    };
+    let beside = if path.is_dir() {
+        path.join(name)
+    } else {
+        let job = path.file_stem().unwrap_or_default().to_string_lossy();
+        path.with_file_name(format!("{job}-{name}"))
+    };
+    Ok((canvas, beside))
+}
+
 /// Refuses options that do not go together.
 fn check(arguments: &PlotArguments) -> Result<(), Failure> {
     let is_probability = arguments.of == PlotQuantity::Probability;
-    if arguments.run.is_file() && !(is_probability && arguments.against.is_none()) {
+    let is_of_modes = is_of_modes(arguments.of);
+    if arguments.run.is_file() && !is_of_modes && !(is_probability && arguments.against.is_none()) {
         return Err(Failure::Usage(format!(
             "{} is a file; --of and --against need a run directory. Leave them out to draw a motion",
             arguments.run.display()
@@ -56,8 +81,14 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
     if arguments.against.is_some() && !is_probability {
         return Err(Failure::Usage("--against draws the difference of probabilities; leave --of out".to_owned()));
     }
-    if arguments.cell.is_some() && arguments.of != PlotQuantity::Sobol {
-        return Err(Failure::Usage("--cell chooses the cell of --of sobol; other plots show all cells".to_owned()));
+    if arguments.cell.is_some() && arguments.of != PlotQuantity::Sobol && !is_of_modes {
+        return Err(Failure::Usage(
+            "--cell chooses the cell of --of sobol, modes and squeal-frequencies; other plots show all cells"
+                .to_owned(),
+        ));
+    }
+    if arguments.along.is_some() && arguments.of != PlotQuantity::Modes {
+        return Err(Failure::Usage("--along chooses the parameter of --of modes; leave it out".to_owned()));
     }
     Ok(())
 }
@@ -96,6 +127,7 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
             note_panels(maps.panels());
             Ok((maps.figure(width), run.join("verdicts")))
         }
+        PlotQuantity::Modes | PlotQuantity::SquealFrequencies => of_modes(arguments, width, interrupt),
     }
 }
 

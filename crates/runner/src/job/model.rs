@@ -8,6 +8,7 @@ use schemars::{Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use stickslip_core::model::quantity::Quantity;
 use stickslip_core::model::{Model, ModelError};
+use stickslip_core::models::matrices::model::MatrixModel;
 use stickslip_core::models::pad_on_disc::model::PadModel;
 use stickslip_core::models::pad_on_disc::parameters::ParameterError;
 use stickslip_core::models::pad_on_disc::rigid_disc::pad_on_disc::PadOnDisc;
@@ -80,6 +81,11 @@ pub trait JobModel: Debug + Send + Sync {
     /// The pad on a rigid disc that moves as this model does with these values of all quantities, if there is one.
     fn rigid_pad(&self, expected: &[f64]) -> Option<Result<PadOnDisc, ParameterError>> {
         let _ = expected;
+        None
+    }
+
+    /// The model given by matrices, for what is about its modes.
+    fn as_matrices(&self) -> Option<&MatrixModel> {
         None
     }
 

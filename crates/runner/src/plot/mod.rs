@@ -44,3 +44,7 @@ pub mod chart;
 pub mod motion;
 
 pub mod fit;
+
+pub mod modes;
+
+pub mod frequencies;

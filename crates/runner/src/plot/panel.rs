@@ -202,6 +202,11 @@ pub fn space_of(notes: &[String]) -> f64 {
     12.0 + NOTE * notes.len().saturating_sub(1) as f64
 }
 
+/// Notes in lines that fit in a figure.
+pub fn in_lines(notes: &[String], width: f64) -> Vec<String> {
+    notes.iter().flat_map(|note| wrapped(note, width - 2.0 * RIGHT, SMALL - 3)).collect()
+}
+
 /// Writes notes at the bottom of a figure.
 pub fn write_notes(canvas: &mut Canvas, notes: &[String], (width, height): (f64, f64)) {
     for (i, note) in notes.iter().rev().enumerate() {

@@ -1,4 +1,4 @@
-//! The paper's tables and figures again, from the job specs in `jobs/`, and oscillators that others published.
+//! The paper's tables and figures again, from the job specs in `jobs/`, and oscillators and models given by matrices that others published.
 
 mod preset;
 
@@ -21,6 +21,8 @@ mod spectra;
 mod score;
 
 mod external;
+
+mod matrices;
 
 mod scoreboard;
 
@@ -91,6 +93,7 @@ fn one(target: Target, arguments: &ReproduceArguments, interrupt: &Interrupt) ->
         (_, Some(run)) => figures::surface(&run)?,
         (Target::Fig6, None) => bifurcation::diagram(&directory)?,
         (Target::External, None) => external::oscillators(&directory, arguments, interrupt)?,
+        (Target::Matrices, None) => matrices::problems(&arguments.matrices)?,
         (Target::Scoreboard, None) => scoreboard::scoreboard()?,
         (Target::Fig10 | Target::Fig11, None) => spectra::figure(target, &directory)?,
         (_, None) => motions::figure(target, &directory)?,

@@ -244,6 +244,24 @@ mod tests {
     }
 
     #[test]
+    fn derivatives_are_differences() {
+        let values = [0.4, 12.0, 3.0];
+        for text in ["friction", "3", "friction * e_lining^3 / speed^9", "2 / speed", "speed^2"] {
+            let factor = Factor::parse(text, &NAMES).unwrap();
+            for place in 0..3 {
+                let at = |by: f64| {
+                    let mut moved = values;
+                    moved[place] *= 1.0 + by;
+                    factor.value(&moved)
+                };
+                let difference = (at(1e-6) - at(-1e-6)) / (2e-6 * values[place]);
+                let derivative = factor.derivative(&values, place);
+                assert!((derivative - difference).abs() <= 1e-8 * factor.value(&values), "{text} {place}");
+            }
+        }
+    }
+
+    #[test]
     fn what_is_no_product_is_refused() {
         for (text, message) in [
             ("frction", "there is no parameter `frction`"),

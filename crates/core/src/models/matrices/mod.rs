@@ -38,5 +38,7 @@ mod samples;
 
 pub mod model;
 
+pub mod modes;
+
 #[cfg(test)]
 mod trial;

@@ -115,11 +115,18 @@ impl Samples {
     /// The smallest damping ratio in the bands less its threshold, by all eigenvalues; 1 where there is no pair in a band.
     fn excess(&self, coefficients: &[f64]) -> Option<f64> {
         let values = self.shared.problem.eigenvalues(coefficients, &self.shared.regions).ok()?;
-        let excess = |value: &Eigenvalue| {
-            let bands = self.shared.regions.iter().filter(|region| region.has_frequency_of(*value));
-            bands.map(|region| damping_ratio(*value) - region.damping_ratio).fold(1.0, f64::min)
-        };
-        Some(values.iter().map(excess).fold(1.0, f64::min))
+        Some(values.iter().map(|value| self.excess_of(*value)).fold(1.0, f64::min))
+    }
+
+    /// The eigenvalue that this is of.
+    fn least_damped(&self, coefficients: &[f64]) -> Option<Eigenvalue> {
+        let values = self.shared.problem.eigenvalues(coefficients, &self.shared.regions).ok()?;
+        values.into_iter().min_by(|a, b| self.excess_of(*a).total_cmp(&self.excess_of(*b)))
+    }
+
+    fn excess_of(&self, value: Eigenvalue) -> f64 {
+        let bands = self.shared.regions.iter().filter(|region| region.has_frequency_of(value));
+        bands.map(|region| damping_ratio(value) - region.damping_ratio).fold(1.0, f64::min)
     }
 
     fn is_outside(&self, samples: &Columns<'_>, sample: usize) -> bool {
@@ -171,6 +178,22 @@ impl Configuration for Samples {
 
     fn critical_values(&self) -> Option<&dyn CriticalValues> {
         Some(self)
+    }
+
+    fn unstable_frequencies(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
+        let of_sample = |sample: usize| {
+            let coefficients = self.coefficients(samples, sample);
+            let least = match &self.shared.problem {
+                Problem::Dense(problem) => {
+                    Decider::new(problem, &self.shared.scaled, self.series()).least_damped(&coefficients)
+                }
+                Problem::Sparse(_) => self.least_damped(&coefficients),
+            };
+            let is_unstable = |value: &Eigenvalue| self.shared.regions.iter().any(|region| region.contains(*value));
+            let unstable = least.filter(|value| !self.is_outside(samples, sample) && is_unstable(value));
+            unstable.map_or(f64::NAN, |value| value.im.abs() / std::f64::consts::TAU)
+        };
+        Some((0..samples.len()).map(of_sample).collect())
     }
 }
 

@@ -6,9 +6,12 @@ mod text;
 
 mod oscillator;
 
+mod modes;
+
+use self::modes::ModesAtPoint;
 use self::oscillator::Oscillator;
 use self::point::Analysis;
-use super::one_brake::{OneBrake, chosen_cell};
+use super::one_brake::{OneBrake, cell_of, chosen_cell};
 use crate::cli::AnalyseArguments;
 use crate::failure::Failure;
 use crate::job::plausibility;
@@ -16,7 +19,10 @@ use crate::output::{result, warn};
 
 /// `stickslip analyse`.
 pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
-    let chosen = chosen_cell(&arguments.brake)?;
+    let chosen = match &arguments.place {
+        Some(path) => Some(cell_of(path, arguments.brake.cell)?),
+        None => chosen_cell(&arguments.brake)?,
+    };
     if let Some((job, cell)) = &chosen
         && let Some(pad) = job.model.rigid_pad(&cell.expected)
     {
@@ -26,6 +32,12 @@ pub fn analyse(arguments: &AnalyseArguments) -> Result<(), Failure> {
         }
         let oscillator = Oscillator::new(&pad.map_err(|error| Failure::Job(error.to_string()))?);
         return result(&if arguments.json { format!("{:#}\n", oscillator.json()) } else { oscillator.text() });
+    }
+    if let Some((job, cell)) = &chosen
+        && job.model.as_matrices().is_some()
+    {
+        let modes = ModesAtPoint::new(job, cell, &arguments.brake.set)?;
+        return result(&if arguments.json { format!("{:#}\n", modes.json()) } else { modes.text() });
     }
     let OneBrake { brake, model } = OneBrake::in_cell(chosen, &arguments.brake.set)?;
     let analysis = Analysis::new(brake, model.and_then(|model| model.modes()));

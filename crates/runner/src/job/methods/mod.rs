@@ -150,15 +150,17 @@ mod tests {
     fn a_method_that_a_message_names_takes_the_keys() {
         let names: Vec<String> = SamplingMethod::value_variants().iter().map(|method| method.name()).collect();
         let (mut refusals, mut remedies) = (0, 0);
-        for (written, closed) in names.iter().flat_map(|name| [(name, true), (name, false)]) {
+        for (written, boundary) in names.iter().flat_map(|name| {
+            [Boundary::ClosedForm, Boundary::CriticalValues, Boundary::Verdicts].map(|boundary| (name, boundary))
+        }) {
             for (first, second) in GIVEN.iter().flat_map(|first| GIVEN.iter().map(move |second| (first, second))) {
                 let keys = if first == second { (*first).to_owned() } else { format!("{first}\n{second}") };
-                for message in refused(written, &keys, closed) {
+                for message in refused(written, &keys, boundary) {
                     refusals += 1;
                     let Some((_, named)) = message.split_once("use method = ") else { continue };
                     for name in named.split('"').skip(1).step_by(2) {
                         remedies += 1;
-                        let still = refused(name, &keys, closed);
+                        let still = refused(name, &keys, boundary);
                         assert!(still.is_empty(), "{written}, {keys}: {message}\n{name}: {still:?}");
                     }
                 }
@@ -171,8 +173,8 @@ mod tests {
     fn every_key_has_a_meaning_with_some_method_and_without_another() {
         for key in Key::ALL {
             let takes = |method: &dyn Method| method.takes(key);
-            let all = SamplingMethod::value_variants().iter().map(|written| with_samples(*written, false));
-            let further: [&dyn Method; 2] = [&until::Until, with_samples(SamplingMethod::Exact, true)];
+            let all = SamplingMethod::value_variants().iter().map(|written| with_samples(*written, Boundary::Verdicts));
+            let further: [&dyn Method; 2] = [&until::Until, with_samples(SamplingMethod::Exact, Boundary::ClosedForm)];
             let takers = all.chain(further).filter(|method| takes(*method)).count();
             assert!((1..8).contains(&takers), "{key:?} has {takers} takers");
         }

@@ -381,6 +381,10 @@ impl JobModel for MatrixJob {
         format!("{}{}{frequencies}", self.remarks, terms::unused_matrices(&self.files))
     }
 
+    fn as_matrices(&self) -> Option<&MatrixModel> {
+        Some(&self.model)
+    }
+
     fn freeze(&self, document: &mut DocumentMut) -> String {
         terms::freeze(document, &self.files)
     }
