@@ -20,7 +20,7 @@ const CLOUD: [Rgb; 2] = [(0x9c, 0xc4, 0xe0), (0xf0, 0xb4, 0x8a)];
 const HALF: f64 = 0.8;
 
 /// Most squares of the cloud.
-const MOST_SQUARES: usize = 6000;
+const MOST_SQUARES: usize = 2000;
 
 /// Shares of the cloud that the axes leave out at each end.
 const LEFT_OUT: f64 = 0.005;

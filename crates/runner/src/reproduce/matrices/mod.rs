@@ -101,7 +101,7 @@ pub fn problems(folder: &Path) -> Result<Vec<Part>, Failure> {
     add("Two masses and a drum brake, by formulas", Ok(small::entries()?));
     add("NLEVP disk_brake100, 100 degrees of freedom", brakes::dense(folder)?);
     add("The brake of TU Berlin, 4669 degrees of freedom", brakes::of_tu_berlin(folder)?);
-    add("A brake of our own, 3316 degrees of freedom", brakes::own(folder)?);
+    add("A brake of our own, 3316 degrees of freedom", brakes::of_our_own(folder)?);
     let holds = if misses == 0 { "holds" } else { "DOES NOT HOLD" };
     parts.push(Part::text(format!(
         "  same: as many digits as theirs are given with. Of the same models, all: {holds}\n\

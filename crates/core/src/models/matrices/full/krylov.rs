@@ -14,6 +14,9 @@ use crate::models::matrices::region::magnitude;
 /// Vectors a step adds.
 const BLOCK: usize = 2;
 
+/// Steps after which an eigenvalue would have converged that is twice as near to the shift as all others: 2^-30 is 1e-9.
+const STEPS_FOR_NONE: usize = 30;
+
 /// Eigenvalues of a Krylov space by distance from the shift.
 pub(super) struct Krylov {
     size: usize,
@@ -104,7 +107,12 @@ impl Krylov {
         // Up to halfway between the last of the converged and the first that is not.
         let converged = values.iter().take_while(|value| value.residual <= tolerance).count();
         let last = converged.checked_sub(1).map_or(0.0, |last| values[last].distance);
-        let radius = values.get(converged).map_or(last, |next| 0.5 * (last + next.distance.min(1.5 * last)));
+        let radius = match values.get(converged) {
+            // An eigenvalue much nearer than all Ritz values would have been found by now: the steps favour it by that ratio.
+            Some(nearest) if converged == 0 && count / BLOCK >= STEPS_FOR_NONE => 0.5 * nearest.distance,
+            Some(next) => 0.5 * (last + next.distance.min(1.5 * last)),
+            None => last,
+        };
         Ok(Self { size, basis: Mat::new(), combinations, values, radius })
     }
 
