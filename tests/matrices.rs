@@ -234,6 +234,80 @@ fn degrees_of_freedom_have_their_names_in_what_is_said() {
 }
 
 /// A run finds its file again from another folder, and does not go on with another matrix.
+/// One random input: the integral between critical values, and limits of it, have the digits of the formula.
+#[test]
+fn probabilities_over_one_input_are_exact() {
+    let place = Place::new();
+    let rest = format!("[axes]\nfriction = [0.45, 0.6, 0.75]\n{SCATTER}{CRITERION}[sampling]\nmethod = \"exact\"\n");
+    let table = submitted(&place, "exact", &two_masses("", &rest));
+    for (mean, p) in table.column("friction").iter().zip(table.column("p_unstable")) {
+        let expected = above(0.75, *mean);
+        assert!((p / expected - 1.0).abs() < 1e-6, "{mean} {p:e} {expected:e}");
+    }
+    // P = 1e-9 where (0.75 - m) / (0.1 m) = 5.9978.
+    let found = place.run("limit exact.toml --of friction --probability 1e-9 --json").done();
+    let found: serde_json::Value = serde_json::from_str(&found.stdout).unwrap();
+    let limit = found.pointer("/limits/0/limit").and_then(serde_json::Value::as_f64);
+    let limit = limit.unwrap_or_else(|| panic!("{found}"));
+    assert!((above(0.75, limit) / 1e-9 - 1.0).abs() < 1e-3, "{limit}");
+    // Two inputs are one too many.
+    let two = two_masses("", &rest)
+        .replace("[\"friction\"]", "[\"friction\", \"other\"]")
+        .replace("friction = 0.7", "friction = 0.7\nother = 1.0");
+    place.write("two.toml", &two);
+    place
+        .run("check two.toml")
+        .refused(65, &["integrates over one random input; random.inputs lists 2", "conditional"]);
+}
+
+/// Several random inputs: the others are drawn, and the friction is integrated over at each sample.
+#[test]
+fn conditional_probabilities_agree_with_samples() {
+    let place = Place::new();
+    let job = |sampling: &str| {
+        format!(
+            "name = \"three\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = [[1, 0], [0, 1]] }}\n\
+             damping = {{ matrix = [[0.04, 0], [0, 0.06]], factor = \"damping\" }}\n\
+             stiffness = [{{ matrix = [[2, 1], [1, 2]], factor = \"spring\" }}, {{ matrix = [[0, -1.3333333333333333], [0, 0]], factor = \"friction\" }}]\n\
+             [model.parameters]\nfriction = 0.6\nspring = 1.0\ndamping = 1.0\n\
+             [random]\ninputs = [\"friction\", \"spring\", \"damping\"]\nrelative_std = 0.1\ncorrelation = [[\"friction\", \"spring\", 0.3]]\n\
+             {CRITERION}[sampling]\n{sampling}seed = 5\n"
+        )
+    };
+    let integrated = submitted(&place, "integrated", &job("method = \"conditional\"\nsamples = 1024\n"));
+    let sampled = submitted(&place, "sampled", &job("samples = 400_000\n"));
+    let [low, high] = ["p_low", "p_high"].map(|end| [&integrated, &sampled].map(|table| table.column(end)[0]));
+    assert!(low[0] < high[1] && low[1] < high[0], "{low:?} {high:?}");
+}
+
+/// The brake of TU Berlin with its 4669 degrees of freedom: s_crit = 1.9602310483, so that P = 0.0106914289 (independent
+/// figures, by two other solvers); reduced, and reduced too far.
+#[test]
+fn the_full_matrices_of_a_brake_give_its_probability_and_reduced_ones_nearly() {
+    let place = Place::new();
+    let job = std::fs::read_to_string(repository().join("jobs/tu-brake.toml")).unwrap();
+    let matrices = repository().join("jobs/tu-brake/tu-brake.mat");
+    let job = job.replace("tu-brake/tu-brake.mat", matrices.to_str().unwrap());
+    let full = submitted(&place, "full", &job);
+    let p = full.column("p_unstable")[0];
+    assert!((p - 0.010_691_428_9).abs() < 1e-9, "{p}");
+
+    let done = place.run("reduce full.toml --audit 10").done();
+    assert!(done.stdout.contains("10 samples: 0 verdicts differ"), "{}", done.stdout);
+    assert!(done.stdout.contains("no mode of the bands is missing"), "{}", done.stdout);
+    place.run("submit full-100.toml --out reduced").done();
+    let reduced = Table::read(&place.path("reduced/surface.parquet")).column("p_unstable")[0];
+    assert!((reduced - p).abs() < 1e-7, "{reduced} {p}");
+    place.run("reduce full.toml").refused(64, &["full-100.toml is there already", "--out"]);
+
+    let poor = place.run("reduce full.toml --vectors 4 --audit 3 --out poor.toml").done();
+    assert!(poor.stderr.contains("the basis misses modes of the bands"), "{}{}", poor.stdout, poor.stderr);
+    place.write("whole.toml", &job.replace("matrices = \"full\"", ""));
+    place.run("check whole.toml").refused(65, &["4669 degrees of freedom are too many", "stickslip reduce"]);
+    place.write("open.toml", &job.replace("frequency = [1000.0, 3000.0]", ""));
+    place.run("check open.toml").refused(65, &["looks for eigenvalues in a band", "criterion.frequency"]);
+}
+
 #[test]
 fn a_run_goes_on_with_its_own_matrices_alone() {
     let place = Place::new();

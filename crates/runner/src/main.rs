@@ -129,6 +129,7 @@ fn dispatch(command: Command, interrupt: &Interrupt) -> Result<(), Failure> {
         Command::Plot(arguments) => commands::plot(&arguments, interrupt),
         Command::Report(arguments) => commands::report(&arguments, interrupt),
         Command::Export(arguments) => commands::export(&arguments),
+        Command::Reduce(arguments) => commands::reduce(&arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(&arguments, interrupt),
         Command::Merge(arguments) => commands::merge(&arguments, interrupt),
         Command::Verify(arguments) => commands::verify(&arguments),

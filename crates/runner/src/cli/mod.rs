@@ -12,6 +12,8 @@ mod start;
 
 mod pad_on_disc;
 
+mod reduction;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -23,6 +25,7 @@ pub use self::pad_on_disc::{
     AllotmentArgument, AnalyseArguments, BrakeArguments, DiscArgument, EstimateArgument, FitArguments, MotionArguments,
     ParametersArguments, TrajectoryArguments,
 };
+pub use self::reduction::ReduceArguments;
 pub use self::start::StartArgument;
 pub use self::threads::ThreadsArgument;
 use self::values::{html_file, parquet_file, plot_file, seed, whole_number};
@@ -78,6 +81,8 @@ pub enum Command {
     Limit(LimitArguments),
     /// Find the lower and upper probability over imprecise inputs
     Bounds(BoundsArguments),
+    /// Reduce the matrices of a job to few coordinates, and say what that costs
+    Reduce(ReduceArguments),
     /// Draw the result of a finished run, or a simulated motion, as SVG and PNG
     Plot(PlotArguments),
     /// Write a report of a finished run: one HTML file with interactive pictures

@@ -34,6 +34,8 @@ mod adoption;
 
 mod limit;
 
+mod reduce;
+
 mod closing;
 
 mod completion;
@@ -78,6 +80,7 @@ pub use limit::limit;
 pub use motion_report::{columns, scales_line};
 pub use parameters::parameters;
 pub use plot::plot;
+pub use reduce::reduce;
 pub use replay::replay;
 pub use report::report;
 pub use samples::samples;

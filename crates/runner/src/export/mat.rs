@@ -5,6 +5,8 @@
 
 use std::io::{self, Write};
 
+use nalgebra::DMatrix;
+
 use super::arrays::{AXES, GridArrays};
 use crate::version::VERSION;
 
@@ -28,12 +30,7 @@ const DOUBLE_CLASS: u32 = 6;
 /// # Errors
 /// Those of `out`, and an array of more than 4 GiB.
 pub fn write(arrays: &GridArrays<'_>, out: &mut dyn Write) -> io::Result<()> {
-    // Spaces fill the text up to 116 bytes; 8 bytes of zeros say that there are no data of subsystems.
-    let text = format!("MATLAB 5.0 MAT-file, written by stickslip {VERSION}");
-    out.write_all(format!("{text:<116.116}").as_bytes())?;
-    out.write_all(&[0; 8])?;
-    // Version 1.0, and the mark by which a reader knows the order of bytes: little end first.
-    out.write_all(b"\x00\x01IM")?;
+    head(out)?;
     out.write_all(&names(&arrays.axis_names())?)?;
     for array in arrays.arrays() {
         let values = column_major(&array.shape, &array.values.into_reals());
@@ -43,6 +40,29 @@ pub fn write(arrays: &GridArrays<'_>, out: &mut dyn Write) -> io::Result<()> {
         out.write_all(&variable(DOUBLE_CLASS, &array.name, &shape, &data)?)?;
     }
     Ok(())
+}
+
+/// Writes matrices with their names.
+///
+/// # Errors
+/// Those of `out`, and a matrix of more than 4 GiB.
+pub fn write_matrices(matrices: &[(String, &DMatrix<f64>)], out: &mut dyn Write) -> io::Result<()> {
+    head(out)?;
+    for (name, matrix) in matrices {
+        let data = element(DOUBLE, &bytes(matrix.iter().copied(), f64::to_le_bytes))?;
+        out.write_all(&variable(DOUBLE_CLASS, name, &[matrix.nrows(), matrix.ncols()], &data)?)?;
+    }
+    Ok(())
+}
+
+/// The header.
+fn head(out: &mut dyn Write) -> io::Result<()> {
+    // Spaces fill the text up to 116 bytes; 8 bytes of zeros say that there are no data of subsystems.
+    let text = format!("MATLAB 5.0 MAT-file, written by stickslip {VERSION}");
+    out.write_all(format!("{text:<116.116}").as_bytes())?;
+    out.write_all(&[0; 8])?;
+    // Version 1.0, and the mark by which a reader knows the order of bytes: little end first.
+    out.write_all(b"\x00\x01IM")
 }
 
 /// The names of the axes, a row of cells.

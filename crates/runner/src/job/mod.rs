@@ -80,6 +80,7 @@ pub use limit::LimitMethod;
 pub use limit_axis::LimitAxis;
 pub use method::{Answer, Computed, MapUse, Sampling};
 pub use model::OutsidePhysics;
+pub use models::matrices::terms::{with_full_matrices, with_reduced_matrices};
 pub use models::pad_on_disc::keys::unknown_parameter;
 pub use models::pad_on_disc::{friction, plausibility};
 pub use models::schema;

@@ -38,7 +38,7 @@ impl Place for DensePlace {
             let upper = (0..basis.eigenvalues.len()).filter(|&place| basis.eigenvalues[place].im >= 0.0);
             let pair = |place: usize| {
                 let (right, left) = (basis.right.column(place), basis.left.row(place).transpose());
-                self.problem.pair(basis.eigenvalues[place], right.into_owned(), left)
+                self.problem.pair(basis.eigenvalues[place], right.into_owned(), &left)
             };
             return Ok(upper.map(pair).collect());
         }

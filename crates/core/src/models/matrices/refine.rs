@@ -40,7 +40,7 @@ impl Quadratic {
                 }
                 let (change, size) = (magnitude(eigenvalue - before), magnitude(eigenvalue));
                 if change <= MOST_ROUNDING * size {
-                    let pair = self.pair(eigenvalue, right.clone(), left.clone());
+                    let pair = self.pair(eigenvalue, right.clone(), &left);
                     if change <= (CONVERGED * size).max(pair.error) {
                         return (pair.error <= MOST_ROUNDING * size).then_some(pair);
                     }
@@ -55,7 +55,7 @@ impl Quadratic {
         &self,
         eigenvalue: Eigenvalue,
         mut right: DVector<Complex<f64>>,
-        left: DVector<Complex<f64>>,
+        left: &DVector<Complex<f64>>,
     ) -> Pair {
         normalise(right.as_mut_slice());
         let scale = left.dot(&self.derivative_times(eigenvalue, &right));

@@ -22,7 +22,7 @@ pub mod pad_on_disc;
 
 mod belt_oscillator;
 
-mod matrices;
+pub mod matrices;
 
 #[cfg(test)]
 mod two_masses;

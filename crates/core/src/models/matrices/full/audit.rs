@@ -34,14 +34,14 @@ impl Point<'_> {
     }
 }
 
-/// Which full pairs have no reduced partner within `tolerance` of their eigenvalue, relative to it. Each reduced eigenvalue
+/// Which full eigenvalues have no reduced partner within `tolerance` of them, relative to it. Each reduced eigenvalue
 /// serves one full pair; the nearest are joined first.
 #[must_use]
-pub fn missing(full: &[Pair], reduced: &[Complex], tolerance: f64) -> Vec<usize> {
+pub fn missing(full: &[Complex], reduced: &[Complex], tolerance: f64) -> Vec<usize> {
     let mut candidates: Vec<(f64, usize, usize)> = Vec::new();
-    for (index, pair) in full.iter().enumerate() {
+    for (index, own) in full.iter().enumerate() {
         for (other, value) in reduced.iter().enumerate() {
-            let distance = magnitude(pair.eigenvalue - value) / magnitude(pair.eigenvalue);
+            let distance = magnitude(own - value) / magnitude(*own);
             if distance <= tolerance {
                 candidates.push((distance, index, other));
             }

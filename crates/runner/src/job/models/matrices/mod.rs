@@ -27,7 +27,7 @@ use crate::job::model::{
 use crate::job::random::RandomInputSet;
 use crate::job::reading;
 
-mod terms;
+pub mod terms;
 
 mod spec;
 

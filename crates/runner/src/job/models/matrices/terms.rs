@@ -285,19 +285,54 @@ pub fn unused_matrices(files: &[FileTerm]) -> String {
     paths.into_iter().filter_map(line).collect()
 }
 
-/// Writes where the matrices of a job are, and their digests, into its text; a comment that says so.
-pub fn freeze(document: &mut DocumentMut, files: &[FileTerm]) -> String {
-    let Some(model) = document.get_mut("model").and_then(Item::as_table_like_mut) else { return String::new() };
+/// Shows each term of a written job with its key and its number among those of the key.
+fn for_each_written(document: &mut DocumentMut, mut show: impl FnMut(&str, usize, &mut dyn TableLike)) {
+    let Some(model) = document.get_mut("model").and_then(Item::as_table_like_mut) else { return };
     for key in ["mass", "damping", "stiffness"] {
         let Some(item) = model.get_mut(key) else { continue };
         if let Some(terms) = item.as_array_mut() {
-            terms.iter_mut().filter_map(Value::as_inline_table_mut).for_each(|term| locate(term, files));
+            let terms = terms.iter_mut().filter_map(Value::as_inline_table_mut);
+            terms.enumerate().for_each(|(number, term)| show(key, number, term));
         } else if let Some(terms) = item.as_array_of_tables_mut() {
-            terms.iter_mut().for_each(|term| locate(term, files));
+            terms.iter_mut().enumerate().for_each(|(number, term)| show(key, number, term));
         } else if let Some(term) = item.as_table_like_mut() {
-            locate(term, files);
+            show(key, 0, term);
         }
     }
+}
+
+/// The text of a job that decides its samples on the full matrices, whatever else it says.
+pub fn with_full_matrices(text: &str) -> String {
+    let Ok(mut document) = text.parse::<DocumentMut>() else { return text.to_owned() };
+    if let Some(criterion) = document.get_mut("criterion").and_then(Item::as_table_like_mut) {
+        criterion.insert("matrices", toml_edit::value("full"));
+    }
+    document.to_string()
+}
+
+/// The text of a job whose matrices are those of a file: M, C1, C2, ..., K1, K2, ..., in the order of its terms, with their factors.
+pub fn with_reduced_matrices(text: &str, file: &str) -> String {
+    let Ok(mut document) = text.parse::<DocumentMut>() else { return text.to_owned() };
+    for_each_written(&mut document, |key, number, term| {
+        let name = match key {
+            "mass" => "M".to_owned(),
+            "damping" => format!("C{}", number + 1),
+            _ => format!("K{}", number + 1),
+        };
+        for (key, value) in [("file", file), ("matrix", &name)] {
+            term.insert(key, toml_edit::value(value));
+        }
+        term.remove("digest");
+    });
+    if let Some(criterion) = document.get_mut("criterion").and_then(Item::as_table_like_mut) {
+        criterion.remove("matrices");
+    }
+    document.to_string()
+}
+
+/// Writes where the matrices of a job are, and their digests, into its text; a comment that says so.
+pub fn freeze(document: &mut DocumentMut, files: &[FileTerm]) -> String {
+    for_each_written(document, |_, _, term| locate(term, files));
     if files.is_empty() {
         return String::new();
     }

@@ -1,0 +1,268 @@
+//! `reduce`: the matrices of a job on a basis of few vectors, and what that costs.
+
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use nalgebra::DMatrix;
+use stickslip_core::models::matrices::error::Error;
+use stickslip_core::models::matrices::full::audit::missing;
+use stickslip_core::models::matrices::full::band::{Band, KrylovLimit};
+use stickslip_core::models::matrices::full::quadratic::{Coefficients, SparseQuadratic};
+use stickslip_core::models::matrices::full::reduction::{Recipe, Reduced, Reduction};
+use stickslip_core::models::matrices::model::MatrixModel;
+use stickslip_core::models::matrices::pair::Complex;
+use stickslip_core::models::matrices::problem::Problem;
+use stickslip_core::models::matrices::quadratic::DenseQuadratic;
+use stickslip_core::models::matrices::region::{Region, damping_ratio};
+use stickslip_sampler::draw::deviates::Points;
+use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
+
+use super::modes::JobModes;
+use crate::cli::ReduceArguments;
+use crate::evaluate::samples::Drawing;
+use crate::export::mat;
+use crate::failure::Failure;
+use crate::files::publish::{publish, publish_first};
+use crate::job::{Job, JobSource, with_full_matrices, with_reduced_matrices};
+use crate::output::{counted, note, output_file, result, warn};
+use crate::version::VERSION;
+
+/// Standard deviations from the expected value at which eigenvectors are taken of random inputs.
+const DEVIATES: [f64; 2] = [-3.0, 3.0];
+
+/// Modes fill up a basis to this multiple of the band's upper end.
+const MODES_UP_TO: f64 = 2.0;
+
+/// A mode of the full matrices is missing if no reduced eigenvalue is as near as this, relative to it.
+const TOLERANCE: f64 = 0.01;
+
+/// Confidence of the share of verdicts that differ.
+const CONFIDENCE: f64 = 0.95;
+
+/// `stickslip reduce`.
+pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
+    let ReduceArguments { job: path, vectors, audit, out } = arguments;
+    let source = JobSource::read(path)?;
+    let job = JobSource { text: with_full_matrices(&source.text), ..source.clone() }.job()?;
+    let model = JobModes::new(&job)?.model;
+    let Problem::Sparse(matrices) = model.problem() else {
+        return Err(Failure::Internal("a job with full matrices has sparse ones".to_owned()));
+    };
+    let size = matrices.size();
+    let vectors = *vectors as usize;
+    if vectors >= size {
+        let message = format!("--vectors {vectors}: the model has {size} degrees of freedom; give fewer vectors");
+        return Err(Failure::Usage(message));
+    }
+    let stem = path.file_stem().map_or_else(|| "job".into(), |stem| stem.to_string_lossy().into_owned());
+    let named = out.clone().unwrap_or_else(|| format!("{stem}-{vectors}.toml").into());
+    let (directory, name) = output_file(&named)?;
+    if directory.join(&name).exists() {
+        let message = format!("{} is there already; remove it, or name another file with --out", named.display());
+        return Err(Failure::Usage(message));
+    }
+    let mat_name = format!("{}.mat", name.strip_suffix(".toml").unwrap_or(&name));
+    let failed = |error: Error| Failure::Job(format!("{}: {error}", path.display()));
+
+    let points = points(&job, model);
+    let regions = model.regions();
+    let band = Band::about(&Region {
+        lowest: regions.iter().map(|region| region.lowest).fold(f64::INFINITY, f64::min),
+        highest: regions.iter().map(|region| region.highest).fold(0.0, f64::max),
+        damping_ratio: model.criterion().damping_ratio,
+    });
+    let split =
+        |values: &Vec<f64>| Coefficients::split(&model.matrices().coefficients(values), matrices.damping_terms());
+    let recipe = Recipe { points: points.iter().map(split).collect(), band, vectors, modes_up_to: MODES_UP_TO };
+    note(format_args!(
+        "eigenvectors of {size} degrees of freedom at {}",
+        counted(points.len() as u128, "parameter point", "parameter points")
+    ));
+    let reduction = matrices.reduction(&recipe, KrylovLimit::default()).map_err(failed)?;
+    let reduced = matrices.reduced(&reduction.basis);
+    let audited = Audit::new(&job, model, matrices, &reduced, *audit).map_err(failed)?;
+    let text = described(&reduction, &points, &audited);
+
+    let mut mat = Vec::new();
+    mat::write_matrices(&named_matrices(&reduced), &mut mat)
+        .map_err(|error| Failure::writing(&directory.join(&mat_name), error))?;
+    let head: String = text.lines().map(|line| format!("# {line}\n")).collect();
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let head = format!("# The job {file}, its matrices reduced by stickslip {VERSION}:\n{head}\n");
+    publish(&directory, &mat_name, &mat)?;
+    let job_text = format!("{head}{}", with_reduced_matrices(&source.text, &mat_name));
+    if !publish_first(&directory, &name, job_text.as_bytes())? {
+        return Err(Failure::Usage(format!("{} appeared meanwhile; name another file", named.display())));
+    }
+    warn(audited.warnings());
+    result(&format!("{text}{}\n{}\n", named.display(), named.with_file_name(&mat_name).display()))
+}
+
+/// The values of the parameters at which eigenvectors are taken: the expected ones, and each parameter that an axis or its
+/// scatter varies at both ends.
+fn points(job: &Job, model: &MatrixModel) -> Vec<Vec<f64>> {
+    let parameters = &model.matrices().parameters;
+    let expected = job.grid.cell(0).expected[..parameters.len()].to_vec();
+    let mut points = vec![expected.clone()];
+    for (place, parameter) in parameters.iter().enumerate() {
+        let mut values = job.grid.extremes_of(place).to_vec();
+        if let Some(position) = job.random.position(place) {
+            let mut cell = job.grid.cell(0);
+            values = values
+                .into_iter()
+                .flat_map(|value| {
+                    cell.expected[place] = value;
+                    let input = job.distribution(position, &cell);
+                    DEVIATES.map(|deviate| input.value(deviate))
+                })
+                .collect();
+        }
+        let ends = [
+            values.iter().copied().fold(f64::INFINITY, f64::min),
+            values.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        for end in ends.map(|end| end.clamp(parameter.range.minimum, parameter.range.maximum)) {
+            let mut point = expected.clone();
+            point[place] = end;
+            let is_sound = model.matrices().coefficients(&point).iter().all(|value| value.is_finite());
+            if is_sound && !points.contains(&point) {
+                points.push(point);
+            }
+        }
+    }
+    points
+}
+
+/// The reduced matrices with the names that the reduced job gives them: M, C1, C2, ..., K1, K2, ...
+fn named_matrices(reduced: &Reduced) -> Vec<(String, &DMatrix<f64>)> {
+    let numbered = |letter: char, matrices: &'_ [DMatrix<f64>]| -> Vec<String> {
+        (1..=matrices.len()).map(|number| format!("{letter}{number}")).collect()
+    };
+    let names = [vec!["M".to_owned()], numbered('C', &reduced.damping), numbered('K', &reduced.stiffness)].concat();
+    let matrices = std::iter::once(&reduced.mass).chain(&reduced.damping).chain(&reduced.stiffness);
+    names.into_iter().zip(matrices).collect()
+}
+
+/// What the reduction was made of and what it costs.
+fn described(reduction: &Reduction, points: &[Vec<f64>], audit: &Audit) -> String {
+    let Reduction { basis, from_pairs, from_statics, from_modes } = reduction;
+    let mut text = format!(
+        "{} vectors: {from_pairs} from right and left eigenvectors at {}, {from_statics} from static answers to friction, {from_modes} from modes\n",
+        basis.ncols(),
+        counted(points.len() as u128, "parameter point", "parameter points"),
+    );
+    // Writing to a string cannot fail.
+    let _ = write!(text, "{}", audit.text());
+    text
+}
+
+/// The reduced matrices against the full ones, at samples of the first cell.
+struct Audit {
+    samples: u64,
+    /// Samples whose verdicts differ.
+    different: u64,
+    /// The largest difference of the least damping ratios in the bands.
+    difference: f64,
+    /// Frequencies of full modes that the reduced matrices lack, Hz, to four digits.
+    missing: BTreeSet<String>,
+}
+
+impl Audit {
+    /// Compares at as many samples.
+    fn new(
+        job: &Job,
+        model: &MatrixModel,
+        matrices: &SparseQuadratic,
+        reduced: &Reduced,
+        samples: u64,
+    ) -> Result<Self, Error> {
+        let mut audit = Self { samples, different: 0, difference: 0.0, missing: BTreeSet::new() };
+        let count = model.matrices().parameters.len();
+        let expected = model.matrices().coefficients(&job.grid.cell(0).expected[..count]);
+        let Ok(dense) = DenseQuadratic::new(&reduced.mass, &reduced.damping, &reduced.stiffness, &expected) else {
+            return Err(Error::Request("the reduced mass matrix is not positive definite"));
+        };
+        let cell = job.grid.cell(0);
+        let varying = job.varying();
+        let mut drawing = Drawing::new(job, &cell, 0, 0..samples, Points::Random);
+        let regions = model.regions();
+        while let Some(drawn) = drawing.next_chunk(samples as usize) {
+            let columns = drawn.columns();
+            for sample in 0..drawn.len() {
+                let mut values = cell.expected.clone();
+                varying.iter().zip(&columns).for_each(|(&place, column)| values[place] = column[sample]);
+                let coefficients = model.matrices().coefficients(&values[..count]);
+                let point = matrices.at(&Coefficients::split(&coefficients, matrices.damping_terms()))?;
+                let unit = dense.unit();
+                let all = dense.at(&coefficients).eigenvalues().map_err(|_| Error::NotFinite)?;
+                let of_reduced: Vec<Complex> =
+                    all.into_iter().filter(|value| value.im >= 0.0).map(|value| value * unit).collect();
+                let mut verdicts = [false; 2];
+                for region in &regions {
+                    let of_full: Vec<Complex> = point
+                        .pairs_about(region, KrylovLimit::default())?
+                        .into_iter()
+                        .map(|pair| pair.eigenvalue)
+                        .filter(|value| region.has_frequency_of(*value))
+                        .collect();
+                    let names = missing(&of_full, &of_reduced, TOLERANCE).into_iter();
+                    audit.missing.extend(names.map(|index| format!("{:.4e}", of_full[index].im / TAU)));
+                    for (verdict, values) in verdicts.iter_mut().zip([&of_full, &of_reduced]) {
+                        *verdict |= values.iter().any(|value| region.contains(*value));
+                    }
+                    let least = [&of_full, &of_reduced].map(|values| least_damping(values, region));
+                    if least.iter().all(|ratio| ratio.is_finite()) {
+                        audit.difference = audit.difference.max((least[0] - least[1]).abs());
+                    }
+                }
+                audit.different += u64::from(verdicts[0] != verdicts[1]);
+            }
+        }
+        Ok(audit)
+    }
+
+    fn text(&self) -> String {
+        let Self { samples, different, difference, missing } = self;
+        if *samples == 0 {
+            return "no audit on the full matrices (--audit 0)\n".to_owned();
+        }
+        let (_, most) = BinomialInterval::new(IntervalKind::ClopperPearson, CONFIDENCE).bounds(*different, *samples);
+        let lost = match missing.len() {
+            0 => "no mode of the bands is missing".to_owned(),
+            number => format!("missing {}: {} Hz", counted(number as u128, "mode", "modes"), listed(missing)),
+        };
+        format!(
+            "audit on the full matrices at {samples} samples: {different} verdicts differ (with {} % confidence at most {:.1} % of all); the least damping ratio differs by up to {difference:.1e}; {lost}\n",
+            100.0 * CONFIDENCE,
+            100.0 * most
+        )
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if !self.missing.is_empty() {
+            warnings.push(format!(
+                "the basis misses modes of the bands that the full matrices have: {} Hz; give more --vectors",
+                listed(&self.missing)
+            ));
+        }
+        if self.different > 0 {
+            warnings.push(format!(
+                "{} of {} verdicts are other ones on the full matrices; give more --vectors, or decide samples with criterion.matrices = \"full\"",
+                self.different, self.samples
+            ));
+        }
+        warnings
+    }
+}
+
+/// The least damping ratio in the band of a region; infinite without a pair in it.
+fn least_damping(values: &[Complex], region: &Region) -> f64 {
+    let in_band = values.iter().filter(|value| region.has_frequency_of(**value));
+    in_band.map(|value| damping_ratio(*value)).fold(f64::INFINITY, f64::min)
+}
+
+fn listed(frequencies: &BTreeSet<String>) -> String {
+    frequencies.iter().take(10).cloned().collect::<Vec<_>>().join(", ")
+}
