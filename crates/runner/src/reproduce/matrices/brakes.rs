@@ -9,6 +9,7 @@ use stickslip_core::models::matrices::branches::{Branches, Followed, Line, Targe
 use stickslip_core::models::matrices::full::along::Along;
 use stickslip_core::models::matrices::full::band::{Band, KrylovLimit};
 use stickslip_core::models::matrices::full::quadratic::{Coefficients, Point, SparseQuadratic};
+use stickslip_core::models::matrices::model::MatrixModel;
 use stickslip_core::models::matrices::pair::Pair;
 use stickslip_core::models::matrices::problem::Solver;
 use stickslip_core::models::matrices::terms::Matrix;
@@ -53,6 +54,9 @@ fn read<const N: usize>(path: PathBuf, names: [&str; N]) -> Result<Result<[Arc<M
 /// Pairs are looked for this near to given frequencies, relative to them, with damping ratios up to this magnitude.
 const AROUND: f64 = 2e-3;
 const MOST_DAMPING: f64 = 0.02;
+
+/// Halvings of an interval that is searched: it shrinks by 1e-9.
+const HALVINGS: usize = 30;
 
 /// The pair whose eigenvalue is nearest to one that is given.
 fn nearest(point: &Point<'_>, given: Eigenvalue) -> Result<Pair, Failure> {
@@ -115,18 +119,31 @@ pub fn dense(folder: &Path) -> Found {
         let theirs = [(re, 1e-8), (im, 1e-6)];
         entries.extend(parts_of(&what, theirs, unstable.unwrap_or_default(), Kind::Computed, [OF_SPEED_DENSE, NLEVP]));
     }
-    let (factor, _) = parts.critical([0.01, 1.0])?;
+    let factor = first_unstable(&model, [0.05, 0.15])?;
     entries.push(Entry {
         quantity: "Omega 2 pi, factor on DR and KR: critical value".to_owned(),
         theirs: 0.083_579_467_1,
         ours: factor,
-        // Its entries cancel by so many digits that other programs agree to no more.
+        // The eigenvalue there is far smaller than the matrices, whose rounding leaves six digits.
         tolerance: 1e-6,
         kind: Kind::Computed,
         formula: OF_SPEED_DENSE,
         source: NLEVP,
     });
     Ok(Ok(entries))
+}
+
+/// Between a stable and an unstable value of the factor, where all eigenvalues show the first unstable one.
+fn first_unstable(model: &MatrixModel, within: [f64; 2]) -> Result<f64, Failure> {
+    let regions = model.regions();
+    let [mut stable, mut unstable] = within;
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (stable + unstable);
+        let eigenvalues = model.eigenvalues(&[middle, TAU], &regions).map_err(wrong)?;
+        let is_unstable = eigenvalues.iter().any(|value| regions.iter().any(|region| region.contains(*value)));
+        *(if is_unstable { &mut unstable } else { &mut stable }) = middle;
+    }
+    Ok(0.5 * (stable + unstable))
 }
 
 /// An eigenvalue at a speed: its real and imaginary part with a unit of the last digit of each.
