@@ -293,7 +293,7 @@ fn the_full_matrices_of_a_brake_give_its_probability_and_reduced_ones_nearly() {
     assert!((p - 0.010_691_428_9).abs() < 1e-9, "{p}");
 
     let done = place.run("reduce full.toml --audit 10").done();
-    assert!(done.stdout.contains("10 samples: 0 verdicts differ"), "{}", done.stdout);
+    assert!(done.stdout.contains("10 samples:\n  0 verdicts differ"), "{}", done.stdout);
     assert!(done.stdout.contains("no mode of the bands is missing"), "{}", done.stdout);
     place.run("submit full-100.toml --out reduced").done();
     let reduced = Table::read(&place.path("reduced/surface.parquet")).column("p_unstable")[0];

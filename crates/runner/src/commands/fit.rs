@@ -321,7 +321,8 @@ fn as_text(
         let p = format!("{:.2}", goodness.p_value());
         text += &match goodness {
             Goodness::Verdicts { deviance, degrees, .. } => {
-                format!("\ndeviance {deviance:.2} with {degrees} degrees of freedom: p = {p}\n")
+                let plural = if degrees == 1 { "" } else { "s" };
+                format!("\ndeviance {deviance:.2} with {degrees} degree{plural} of freedom: p = {p}\n")
             }
             Goodness::Onsets { distance, .. } => {
                 format!("\nlargest distance of the shares of onset speeds {distance:.3}: p = {p}\n")

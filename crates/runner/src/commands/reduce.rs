@@ -148,7 +148,7 @@ fn named_matrices(reduced: &Reduced) -> Vec<(String, &DMatrix<f64>)> {
 fn described(reduction: &Reduction, points: &[Vec<f64>], audit: &Audit) -> String {
     let Reduction { basis, from_pairs, from_statics, from_modes } = reduction;
     let mut text = format!(
-        "{} vectors: {from_pairs} from right and left eigenvectors at {}, {from_statics} from static answers to friction, {from_modes} from modes\n",
+        "{} vectors: {from_pairs} from eigenvectors at {}, {from_statics} from static answers to friction, {from_modes} from modes\n",
         basis.ncols(),
         counted(points.len() as u128, "parameter point", "parameter points"),
     );
@@ -233,7 +233,7 @@ impl Audit {
             number => format!("missing {}: {} Hz", counted(number as u128, "mode", "modes"), listed(missing)),
         };
         format!(
-            "audit on the full matrices at {samples} samples: {different} verdicts differ (with {} % confidence at most {:.1} % of all); the least damping ratio differs by up to {difference:.1e}; {lost}\n",
+            "audit on the full matrices at {samples} samples:\n  {different} verdicts differ (with {} % confidence at most {:.1} % of all)\n  the least damping ratio differs by up to {difference:.1e}\n  {lost}\n",
             100.0 * CONFIDENCE,
             100.0 * most
         )

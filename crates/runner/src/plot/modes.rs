@@ -19,6 +19,9 @@ const CLOUD: [Rgb; 2] = [(0x9c, 0xc4, 0xe0), (0xf0, 0xb4, 0x8a)];
 /// Half the side of a square of the cloud.
 const HALF: f64 = 0.8;
 
+/// How far above the threshold the damping ratio of a mode may be everywhere, if it is to be drawn beside others.
+const MOST_DAMPED: f64 = 0.1;
+
 /// Shares of the cloud that the axes leave out at each end.
 const LEFT_OUT: f64 = 0.005;
 
@@ -94,6 +97,20 @@ impl ModePlot {
     }
 
     /// The axis of a number: all of the lines, and nearly all of the cloud.
+    /// Leaves out modes that are damped by so much that they hide the others, if there are others.
+    pub fn leave_out_damped(&mut self) {
+        let is_shown = |point: &ModePoint| point.damping_ratio <= self.threshold + MOST_DAMPED;
+        let is_line = |line: &Vec<ModePoint>| line.iter().any(is_shown);
+        let left_out = self.lines.iter().filter(|line| !is_line(line)).count();
+        if left_out == 0 || left_out == self.lines.len() {
+            return;
+        }
+        self.lines.retain(is_line);
+        self.cloud.retain(is_shown);
+        let modes = if left_out == 1 { "one mode".to_owned() } else { format!("{left_out} modes") };
+        self.notes.push(format!("left out: {modes} with damping ratios above {}", self.threshold + MOST_DAMPED));
+    }
+
     fn axis(&self, title: &str, unit: &str, of: Of, further: Option<f64>) -> Axis {
         let mut cloud: Vec<f64> = self.cloud.iter().map(of).collect();
         cloud.sort_by(f64::total_cmp);

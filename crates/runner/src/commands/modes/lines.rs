@@ -120,14 +120,16 @@ pub fn along(
             rounded(along.to)
         )));
     }
-    Ok(ModePlot {
+    let mut plot = ModePlot {
         along: along.axis(&job),
         title: fixed(&job, &cell, along.place),
         notes: notes(&job, &cell, along.place, drawn),
         threshold: problem.model.criterion().damping_ratio,
         lines,
         cloud,
-    })
+    };
+    plot.leave_out_damped();
+    Ok(plot)
 }
 
 /// The values of all quantities at a point, and the eigenvalues there that oscillate; others have no frequency to draw.
