@@ -96,7 +96,6 @@ impl ModePlot {
         canvas
     }
 
-    /// The axis of a number: all of the lines, and nearly all of the cloud.
     /// Leaves out modes that are damped by so much that they hide the others, if there are others.
     pub fn leave_out_damped(&mut self) {
         let is_shown = |point: &ModePoint| point.damping_ratio <= self.threshold + MOST_DAMPED;
@@ -111,6 +110,7 @@ impl ModePlot {
         self.notes.push(format!("left out: {modes} with damping ratios above {}", self.threshold + MOST_DAMPED));
     }
 
+    /// The axis of a number: all of the lines, and nearly all of the cloud.
     fn axis(&self, title: &str, unit: &str, of: Of, further: Option<f64>) -> Axis {
         let mut cloud: Vec<f64> = self.cloud.iter().map(of).collect();
         cloud.sort_by(f64::total_cmp);
