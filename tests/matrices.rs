@@ -375,3 +375,77 @@ fn what_is_wrong_with_matrices_is_said_in_words_of_their_makers() {
     let said = format!("{}{}", check.stdout, check.stderr);
     assert!(said.contains("there is no friction in it") && said.contains("stands in no factor"), "{said}");
 }
+
+/// The modes of Hulten's brake at one point: verdict, derivatives by differences of two points, and the critical values that
+/// the Routh-Hurwitz condition gives.
+#[test]
+fn modes_have_their_derivatives_and_critical_values() {
+    let place = Place::new();
+    let job = repository().join("jobs/hulten.toml").display().to_string();
+    let analysed = |friction: f64| -> serde_json::Value {
+        let printed = place.run(&format!("analyse {job} --set friction={friction} --json")).done().stdout;
+        serde_json::from_str(&printed).unwrap()
+    };
+    let number = |value: &serde_json::Value, path: &str| value.pointer(path).unwrap().as_f64().unwrap();
+    let (here, less, more) = (analysed(0.28), analysed(0.279), analysed(0.281));
+    assert_eq!(here["stable"], true);
+    assert_eq!(here["modes"].as_array().unwrap().len(), 2);
+    for mode in 0..2 {
+        for quantity in ["damping_ratio", "frequency_hz", "growth_rate_per_s"] {
+            let at = format!("/modes/{mode}/{quantity}");
+            let difference = (number(&more, &at) - number(&less, &at)) / 0.002;
+            let derivative = number(&here, &format!("/modes/{mode}/derivatives/friction/{quantity}"));
+            assert!((derivative / difference - 1.0).abs() < 0.02, "{at}: {derivative} {difference}");
+        }
+    }
+    assert!((number(&here, "/critical_values/friction/above") - 0.289_367_125_522_81).abs() < 1e-10);
+    assert!(here.pointer("/critical_values/friction/below").unwrap().is_null());
+    let unstable = analysed(0.3);
+    assert_eq!(unstable["stable"], false);
+    assert!((number(&unstable, "/critical_values/friction/below") - 0.289_367_125_522_81).abs() < 1e-10);
+    let text = place.run(&format!("analyse --job {job} --cell 16")).done().stdout;
+    assert!(text.starts_with("hulten at damping_1 0.02, damping_2 0.02, friction 0.31: UNSTABLE"), "{text}");
+    let analyse = |change: &str| place.run(&format!("analyse {job} --set {change}"));
+    analyse("fricton=0.3").refused(64, &["--set fricton=0.3", "did you mean friction?", "damping_1"]);
+    analyse("friction").refused(64, &["NAME=VALUE"]);
+    analyse("friction=0,3").refused(64, &["decimal comma"]);
+}
+
+/// Modes of a job and frequencies of its unstable samples as pictures: the same bytes with any threads.
+#[test]
+fn modes_and_frequencies_of_unstable_samples_are_drawn() {
+    let place = Place::new();
+    let text = std::fs::read_to_string(repository().join("jobs/hulten.toml")).unwrap();
+    place.write("brake.toml", &text);
+    let drawn = |line: &str, file: &str| {
+        place.run(line).done();
+        std::fs::read_to_string(place.path(file)).unwrap()
+    };
+    let printed = place.run("plot brake.toml --of modes --threads 1").done().stdout;
+    assert_eq!(printed, "brake-modes.svg\nbrake-modes.png\n");
+    let modes = std::fs::read_to_string(place.path("brake-modes.svg")).unwrap();
+    for text in ["Frequency (Hz)", "Damping ratio ζ", "Friction", "expected, unstable", "1000 samples, relative std"] {
+        assert!(modes.contains(text), "{text}");
+    }
+    assert_eq!(drawn("plot brake.toml --of modes --threads 3 --out three.svg", "three.svg"), modes);
+    // Each of two panels has a stable line for each mode and the unstable part of one, wider.
+    let lines = |colour: &str, width: &str| {
+        let of = |line: &&str| {
+            line.contains(&format!("stroke=\"{colour}\"")) && line.contains(&format!("stroke-width=\"{width}\""))
+        };
+        modes.split("<path").filter_map(|path| path.split('>').next()).filter(of).count()
+    };
+    assert_eq!([lines("#0072b2", "1.2"), lines("#d55e00", "2.6")], [4, 2]);
+    let over = drawn("plot brake.toml --of modes --along damping_2 --columns 1 --out d.svg", "d.svg");
+    assert!(over.contains("Damping 2") && over.contains("friction = 0.27"));
+    let line = "plot brake.toml --of squeal-frequencies --cell 16";
+    let bars = drawn(&format!("{line} --threads 1 --out one.svg"), "one.svg");
+    assert!(bars.contains("of 10,000 samples unstable, P = 0.80"), "{bars}");
+    assert_eq!(drawn(&format!("{line} --threads 3 --out three.svg"), "three.svg"), bars);
+    place
+        .run("plot brake.toml --of modes --along dampng_2")
+        .refused(64, &["--along dampng_2", "did you mean damping_2?"]);
+    place.run("plot brake.toml --along friction").refused(64, &["--along", "--of modes"]);
+    let pad = repository().join("jobs/fig14a.toml");
+    place.run(&format!("plot {} --of modes", pad.display())).refused(64, &["fig14a", "not given by matrices"]);
+}

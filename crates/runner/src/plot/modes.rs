@@ -19,9 +19,6 @@ const CLOUD: [Rgb; 2] = [(0x9c, 0xc4, 0xe0), (0xf0, 0xb4, 0x8a)];
 /// Half the side of a square of the cloud.
 const HALF: f64 = 0.8;
 
-/// Most squares of the cloud.
-const MOST_SQUARES: usize = 2000;
-
 /// How far above the threshold the damping ratio of a mode may be everywhere, if it is to be drawn beside others.
 const MOST_DAMPED: f64 = 0.1;
 
@@ -142,9 +139,8 @@ impl ModePlot {
     }
 
     fn cloud_on(&self, canvas: &mut Canvas, panel: &Panel, place: impl Fn(&ModePoint) -> Place) {
-        let every = self.cloud.len().div_ceil(MOST_SQUARES).max(1);
         for (colour, unstable) in CLOUD.into_iter().zip([false, true]) {
-            let points = self.cloud.iter().step_by(every).filter(|point| point.is_unstable == unstable);
+            let points = self.cloud.iter().filter(|point| point.is_unstable == unstable);
             let square = |(x, y): Place| panel.rectangle((x - HALF, y - HALF), (x + HALF, y + HALF));
             let squares: Vec<Vec<Place>> = points.map(&place).filter(|at| panel.contains(*at)).map(square).collect();
             canvas.area(&squares, colour, 1.0);

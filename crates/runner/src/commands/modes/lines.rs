@@ -35,6 +35,9 @@ const PARTS: usize = 16;
 const SAMPLES: (f64, f64) = (100.0, 2000.0);
 const TIME: f64 = 4e9;
 
+/// Points of the cloud at most.
+const MOST_POINTS: usize = 2500;
+
 /// A parameter that is no axis is varied by this share of its value.
 const AROUND: f64 = 0.5;
 
@@ -102,9 +105,11 @@ pub fn along(
     let places: Vec<(f64, &[Eigenvalue])> =
         expected.iter().map(|(share, found)| (*share, &found.eigenvalues[..])).collect();
     let lines: Vec<Vec<ModePoint>> = followed(&places).into_iter().map(of_line).collect();
-    let drawn = cloud.len();
+    // All modes of some samples, so that none is favoured.
+    let every = cloud.iter().map(|at| at.eigenvalues.len()).sum::<usize>().div_ceil(MOST_POINTS).max(1);
+    let drawn = cloud.len().div_ceil(every);
     let cloud: Vec<ModePoint> =
-        cloud.iter().flat_map(|at| at.eigenvalues.iter().map(move |value| point(at, *value))).collect();
+        cloud.iter().step_by(every).flat_map(|at| at.eigenvalues.iter().map(move |value| point(at, *value))).collect();
     if lines.is_empty() && cloud.is_empty() {
         return Err(Failure::Job(format!(
             "the job \"{}\" has no mode in its band{} that oscillates, with {} from {} to {}; widen criterion.frequency (Hz)",

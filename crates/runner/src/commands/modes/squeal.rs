@@ -18,11 +18,12 @@ use crate::picture::view::{rounded, scatter};
 use crate::plot::frequencies::FrequencyPlot;
 use crate::schedule::engine::{Engine, Outcome};
 
-/// Samples that are drawn.
+/// Samples that are drawn, and those of full matrices, of which each takes some second.
 const SAMPLES: u64 = 10_000;
+const FEW_SAMPLES: u64 = 200;
 
-/// Samples of a unit of work.
-const UNIT: u64 = 250;
+/// Units of work.
+const UNITS: u64 = 40;
 
 /// The picture of a cell of a job, or of that of a run.
 pub fn frequencies(
@@ -33,14 +34,15 @@ pub fn frequencies(
 ) -> Result<FrequencyPlot, Failure> {
     let (job, cell) = cell_of(path, cell)?;
     let problem = JobModes::new(&job)?;
-    let found = found(&job, &cell, threads, interrupt)?;
+    let samples = if problem.is_sparse() { FEW_SAMPLES } else { SAMPLES };
+    let found = found(&job, &cell, samples, threads, interrupt)?;
     let frequencies: Vec<f64> = found.into_iter().filter(|frequency| !frequency.is_nan()).collect();
     let (parameters, regions) = (problem.parameters(&cell.expected), problem.regions(&cell.expected));
     let eigenvalues = problem.model.eigenvalues(parameters, &regions).map_err(|error| failed(&job, &error))?;
     let modes = eigenvalues.iter().map(|value| value.im / std::f64::consts::TAU).filter(|frequency| *frequency > 0.0);
-    let share = rounded(frequencies.len() as f64 / SAMPLES as f64);
+    let share = rounded(frequencies.len() as f64 / samples as f64);
     Ok(FrequencyPlot {
-        samples: SAMPLES,
+        samples,
         modes: modes.collect(),
         title: fixed(&job, &cell, usize::MAX),
         notes: vec![
@@ -48,7 +50,7 @@ pub fn frequencies(
                 "cell {}: {} of {} unstable, P = {share}; {}",
                 cell.index,
                 frequencies.len(),
-                counted(SAMPLES.into(), "sample", "samples"),
+                counted(samples.into(), "sample", "samples"),
                 scatter(&job, cell.index)
             ),
             "each at the frequency of its least damped mode; marks above: the modes of the expected values".to_owned(),
@@ -58,16 +60,16 @@ pub fn frequencies(
 }
 
 /// The frequency of each sample, not a number for those that are stable.
-fn found(job: &Job, cell: &Cell, threads: usize, interrupt: &Interrupt) -> Result<Vec<f64>, Failure> {
+fn found(job: &Job, cell: &Cell, samples: u64, threads: usize, interrupt: &Interrupt) -> Result<Vec<f64>, Failure> {
     let wrong = |why: String| Failure::Job(format!("the job \"{}\": {why}", job.name));
     let configuration = job.model().configure(&cell.expected, &job.varying(), None);
     let configuration = configuration.map_err(|error| wrong(error.to_string()))?;
-    let units = SAMPLES / UNIT;
-    let mut found: Vec<Option<Vec<f64>>> = vec![None; units as usize];
+    let length = samples / UNITS;
+    let mut found: Vec<Option<Vec<f64>>> = vec![None; UNITS as usize];
     let of_unit = |unit: u64, _: IsStopped<'_>| {
-        let mut drawing = Drawing::new(job, cell, 0, unit * UNIT..(unit + 1) * UNIT, Points::Random);
+        let mut drawing = Drawing::new(job, cell, 0, unit * length..(unit + 1) * length, Points::Random);
         let mut frequencies = Some(Vec::new());
-        while let Some(chunk) = drawing.next_chunk(UNIT as usize) {
+        while let Some(chunk) = drawing.next_chunk(length as usize) {
             let chunk = configuration.unstable_frequencies(&Columns::new(chunk.len(), &chunk.columns()));
             frequencies = frequencies.zip(chunk).map(|(mut all, chunk)| {
                 all.extend(chunk);
@@ -76,7 +78,7 @@ fn found(job: &Job, cell: &Cell, threads: usize, interrupt: &Interrupt) -> Resul
         }
         (unit as usize, frequencies)
     };
-    let outcome = Engine::new(threads)?.for_each_in_parallel(units, interrupt, of_unit, |(unit, frequencies)| {
+    let outcome = Engine::new(threads)?.for_each_in_parallel(UNITS, interrupt, of_unit, |(unit, frequencies)| {
         found[unit] = frequencies;
     })?;
     if let Outcome::Stopped(signal) = outcome {
