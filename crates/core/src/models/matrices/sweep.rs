@@ -134,7 +134,7 @@ impl dyn Branches + '_ {
     /// missed.
     ///
     /// # Errors
-    /// [`Error::Request`] for an empty interval, and as [`Branches::pairs`].
+    /// [`Error::Request`] for an empty interval, and as [`Place::pairs`].
     pub fn sweep(&self, region: &Region, [low, high]: [f64; 2], steps: Steps) -> Result<Sweep, Error> {
         let is_interval = low.is_finite() && high.is_finite() && high > low;
         if !is_interval {
