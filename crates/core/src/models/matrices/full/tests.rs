@@ -129,6 +129,19 @@ fn all_pairs_of_a_band_are_those_of_a_dense_method() {
     }
 }
 
+/// Far above the axis many eigenvalues are nearly as far from a shift as the nearest, and none converges: a part of the band
+/// there has no pair all the same.
+#[test]
+fn a_band_that_reaches_far_from_all_pairs_is_searched() {
+    let chain = Chain::new(160);
+    let band = Band { low: 1500.0, high: 1540.0, least_damping: -0.6, most_damping: 0.05 };
+    let expected = chain.dense(&friction(0.0)).into_iter().filter(|value| band.contains(*value)).count();
+    let matrices = chain.matrices();
+    let pairs = matrices.at(&friction(0.0)).unwrap().pairs_in(band, limit(64)).unwrap();
+    assert!(expected > 1);
+    assert_eq!(pairs.len(), expected);
+}
+
 #[test]
 fn double_eigenvalues_of_a_ring_are_found_twice() {
     let size = 60;
