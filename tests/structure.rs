@@ -224,13 +224,14 @@ fn a_circle_is_found() {
 }
 
 /// Modules of the runner that are about the pad on the disc or the modes of matrices, or read the tables of a model. All others know no model.
-const ABOUT_A_MODEL: [&str; 19] = [
+const ABOUT_A_MODEL: [&str; 20] = [
     "job::models",
     "commands::analyse",
     "commands::trajectory",
     "commands::motion_report",
     "commands::one_brake",
     "commands::modes",
+    "commands::reduce",
     "commands::parameters",
     "commands::fit",
     "commands::fitted_job",
