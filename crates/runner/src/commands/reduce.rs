@@ -3,18 +3,20 @@
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
+use std::slice;
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
+use stickslip_core::model::Columns;
 use stickslip_core::models::matrices::error::Error;
 use stickslip_core::models::matrices::full::audit::missing;
 use stickslip_core::models::matrices::full::band::{Band, KrylovLimit};
-use stickslip_core::models::matrices::full::quadratic::{Coefficients, SparseQuadratic};
+use stickslip_core::models::matrices::full::quadratic::Coefficients;
 use stickslip_core::models::matrices::full::reduction::{Recipe, Reduced, Reduction};
 use stickslip_core::models::matrices::model::MatrixModel;
-use stickslip_core::models::matrices::pair::Complex;
 use stickslip_core::models::matrices::problem::Problem;
 use stickslip_core::models::matrices::quadratic::DenseQuadratic;
-use stickslip_core::models::matrices::region::{Region, damping_ratio};
+use stickslip_core::models::matrices::region::{Region, excess};
 use stickslip_sampler::draw::deviates::Points;
 use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 
@@ -81,7 +83,7 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
     ));
     let reduction = matrices.reduction(&recipe, KrylovLimit::default()).map_err(failed)?;
     let reduced = matrices.reduced(&reduction.basis);
-    let audited = Audit::new(&job, model, matrices, &reduced, *audit).map_err(failed)?;
+    let audited = Audit::new(&job, model, &reduced, *audit).map_err(failed)?;
     let text = described(&reduction, &points, &audited);
 
     let mut mat = Vec::new();
@@ -170,56 +172,49 @@ struct Audit {
 
 impl Audit {
     /// Compares at as many samples.
-    fn new(
-        job: &Job,
-        model: &MatrixModel,
-        matrices: &SparseQuadratic,
-        reduced: &Reduced,
-        samples: u64,
-    ) -> Result<Self, Error> {
+    fn new(job: &Job, model: &MatrixModel, reduced: &Reduced, samples: u64) -> Result<Self, Error> {
         let mut audit = Self { samples, different: 0, difference: 0.0, missing: BTreeSet::new() };
-        let count = model.matrices().parameters.len();
-        let expected = model.matrices().coefficients(&job.grid.cell(0).expected[..count]);
-        let Ok(dense) = DenseQuadratic::new(&reduced.mass, &reduced.damping, &reduced.stiffness, &expected) else {
-            return Err(Error::Request("the reduced mass matrix is not positive definite"));
-        };
         let cell = job.grid.cell(0);
-        let varying = job.varying();
+        let count = model.matrices().parameters.len();
+        let expected = model.matrices().coefficients(&cell.expected[..count]);
+        let dense = DenseQuadratic::new(&reduced.mass, &reduced.damping, &reduced.stiffness, &expected)
+            .map_err(|_| Error::Request("the reduced mass matrix is not positive definite"))?;
+        let problems = [model.problem(), &Problem::Dense(Arc::new(dense))];
+        let (varying, regions) = (job.varying(), model.regions());
         let mut drawing = Drawing::new(job, &cell, 0, 0..samples, Points::Random);
-        let regions = model.regions();
         while let Some(drawn) = drawing.next_chunk(samples as usize) {
             let columns = drawn.columns();
+            let columns = Columns::new(drawn.len(), &columns);
             for sample in 0..drawn.len() {
-                let mut values = cell.expected.clone();
-                varying.iter().zip(&columns).for_each(|(&place, column)| values[place] = column[sample]);
-                let coefficients = model.matrices().coefficients(&values[..count]);
-                let point = matrices.at(&Coefficients::split(&coefficients, matrices.damping_terms()))?;
-                let unit = dense.unit();
-                let all = dense.at(&coefficients).eigenvalues().map_err(|_| Error::NotFinite)?;
-                let of_reduced: Vec<Complex> =
-                    all.into_iter().filter(|value| value.im >= 0.0).map(|value| value * unit).collect();
-                let mut verdicts = [false; 2];
-                for region in &regions {
-                    let of_full: Vec<Complex> = point
-                        .pairs_about(region, KrylovLimit::default())?
-                        .into_iter()
-                        .map(|pair| pair.eigenvalue)
-                        .filter(|value| region.has_frequency_of(*value))
-                        .collect();
-                    let names = missing(&of_full, &of_reduced, TOLERANCE).into_iter();
-                    audit.missing.extend(names.map(|index| format!("{:.4e}", of_full[index].im / TAU)));
-                    for (verdict, values) in verdicts.iter_mut().zip([&of_full, &of_reduced]) {
-                        *verdict |= values.iter().any(|value| region.contains(*value));
-                    }
-                    let least = [&of_full, &of_reduced].map(|values| least_damping(values, region));
-                    if least.iter().all(|ratio| ratio.is_finite()) {
-                        audit.difference = audit.difference.max((least[0] - least[1]).abs());
-                    }
-                }
-                audit.different += u64::from(verdicts[0] != verdicts[1]);
+                let values = columns.complete(sample, &cell.expected, &varying);
+                audit.compare(problems, &regions, &model.matrices().coefficients(&values[..count]))?;
             }
         }
         Ok(audit)
+    }
+
+    /// Compares the full problem with the reduced one at these coefficients.
+    fn compare(&mut self, problems: [&Problem; 2], regions: &[Region], coefficients: &[f64]) -> Result<(), Error> {
+        let mut verdicts = [false; 2];
+        for region in regions {
+            let [full, reduced] = problems.map(|problem| problem.eigenvalues(coefficients, slice::from_ref(region)));
+            let (mut full, reduced) = (full?, reduced?);
+            full.retain(|value| region.has_frequency_of(*value));
+            let lost = missing(&full, &reduced, TOLERANCE).into_iter();
+            self.missing.extend(lost.map(|index| format!("{:.4e}", full[index].im / TAU)));
+            for (verdict, values) in verdicts.iter_mut().zip([&full, &reduced]) {
+                *verdict |= values.iter().any(|value| region.contains(*value));
+            }
+            let least = [&full, &reduced].map(|values| {
+                let excess = values.iter().map(|value| excess(slice::from_ref(region), *value));
+                excess.fold(f64::INFINITY, f64::min)
+            });
+            if least.iter().all(|excess| excess.is_finite()) {
+                self.difference = self.difference.max((least[0] - least[1]).abs());
+            }
+        }
+        self.different += u64::from(verdicts[0] != verdicts[1]);
+        Ok(())
     }
 
     fn text(&self) -> String {
@@ -255,12 +250,6 @@ impl Audit {
         }
         warnings
     }
-}
-
-/// The least damping ratio in the band of a region; infinite without a pair in it.
-fn least_damping(values: &[Complex], region: &Region) -> f64 {
-    let in_band = values.iter().filter(|value| region.has_frequency_of(**value));
-    in_band.map(|value| damping_ratio(*value)).fold(f64::INFINITY, f64::min)
 }
 
 fn listed(frequencies: &BTreeSet<String>) -> String {

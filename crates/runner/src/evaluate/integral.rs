@@ -86,10 +86,7 @@ impl Evaluator<'_> {
             return IntegratedCell { estimate, derivatives, ..IntegratedCell::unknown() };
         }
         if let Some(place) = self.job.integrated() {
-            let found = self.unstable_values.probability(self.job, cell, place);
-            let Some(exact) = found else { return IntegratedCell::unknown() };
-            let [low, high] = exact.bounds();
-            let estimate = Estimate { probability: Some(exact.value), low, high };
+            let estimate = self.unstable_values.estimate(self.job, cell, place);
             return IntegratedCell { estimate, ..IntegratedCell::unknown() };
         }
         let mapped = regions[index].probability(&pair);

@@ -85,16 +85,12 @@ impl<'a> LimitSearch<'a> {
             }
             LimitMethod::OneInput => {
                 let unstable = UnstableValuesOfInput::default();
+                let input = self.job.integrated().unwrap_or_default();
                 let estimate = |value: f64| {
                     go_on()?;
                     let mut place = self.job.grid.cell(cell);
                     place.expected[self.axis.quantity] = value;
-                    let input = self.job.integrated().unwrap_or_default();
-                    let found = unstable.probability(self.job, &place, input);
-                    Ok(found.map_or(Estimate { probability: None, low: 0.0, high: 1.0 }, |found| {
-                        let [low, high] = found.bounds();
-                        Estimate { probability: Some(found.value), low, high }
-                    }))
+                    Ok(unstable.estimate(self.job, &place, input))
                 };
                 self.scan(targets, TOLERANCES[1], &[], estimate)
             }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use stickslip_core::model::critical_values::UnstableValues;
+use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::inputs::DeviateLaw;
 use stickslip_sampler::integrate::closed_form::ExactProbability;
@@ -26,8 +27,18 @@ pub struct UnstableValuesOfInput {
 
 impl UnstableValuesOfInput {
     /// The probability of instability in a cell of a job over the input that is the quantity at `place`, which alone scatters.
-    /// Its expected value may be any within its axis. `None` if its critical values cannot be found.
-    pub fn probability(&self, job: &Job, cell: &Cell, place: usize) -> Option<ExactProbability> {
+    /// Its expected value may be any within its axis. Nothing is known if its critical values cannot be found.
+    pub fn estimate(&self, job: &Job, cell: &Cell, place: usize) -> Estimate {
+        match self.probability(job, cell, place) {
+            Some(found) => {
+                let [low, high] = found.bounds();
+                Estimate { probability: Some(found.value), low, high }
+            }
+            None => Estimate { probability: None, low: 0.0, high: 1.0 },
+        }
+    }
+
+    fn probability(&self, job: &Job, cell: &Cell, place: usize) -> Option<ExactProbability> {
         let position = job.random.position(place)?;
         let mut expected = cell.expected.clone();
         expected[place] = 0.0;

@@ -3,7 +3,7 @@
 
 use super::far::Followed;
 use super::quadratic::{DenseQuadratic, Quadratic};
-use super::region::{Region, damping_ratio, magnitude};
+use super::region::{Region, damping_ratio, excess, magnitude};
 use super::series::{FOLLOWED, ModeSeries};
 use crate::numerics::eigenvalues::Eigenvalue;
 
@@ -83,8 +83,9 @@ impl<'a> Decider<'a> {
     pub fn least_damped(&self, coefficients: &[f64]) -> Option<Eigenvalue> {
         let problem = self.problem.at(coefficients);
         let least = |values: Vec<Eigenvalue>| {
-            let in_band = values.into_iter().filter(|value| value.im >= 0.0 && self.excess(*value).is_finite());
-            in_band.min_by(|a, b| self.excess(*a).total_cmp(&self.excess(*b)))
+            let in_band =
+                values.into_iter().filter(|value| value.im >= 0.0 && excess(self.regions, *value).is_finite());
+            in_band.min_by(|a, b| excess(self.regions, *a).total_cmp(&excess(self.regions, *b)))
         };
         let by_series = || {
             let series = self.series?;
@@ -119,12 +120,6 @@ impl<'a> Decider<'a> {
         values.map(|value| value * self.problem.unit())
     }
 
-    /// The damping ratio of an eigenvalue less the threshold; infinite outside the bands.
-    fn excess(&self, eigenvalue: Eigenvalue) -> f64 {
-        let bands = self.regions.iter().filter(|region| region.has_frequency_of(eigenvalue));
-        bands.map(|region| damping_ratio(eigenvalue) - region.damping_ratio).fold(f64::INFINITY, f64::min)
-    }
-
     /// The smallest damping ratio in the bands less its threshold, by the series as far as that reaches; 1 where there is
     /// no pair in a band. `None` if eigenvalues do not converge.
     #[must_use]
@@ -135,7 +130,7 @@ impl<'a> Decider<'a> {
             Some(followed) => followed.iter().map(|mode| mode.eigenvalue).collect(),
             None => self.problem.at(coefficients).eigenvalues().ok()?,
         };
-        Some(values.into_iter().map(|value| self.excess(value)).fold(1.0, f64::min))
+        Some(values.into_iter().map(|value| excess(self.regions, value)).fold(1.0, f64::min))
     }
 }
 

@@ -20,6 +20,20 @@ pub struct ComplexEigenvalue {
     pub damping_ratio: f64,
 }
 
+impl ComplexEigenvalue {
+    /// The regions in rad/s: those of all bands for `band` 0, else that of one, counted from 1.
+    #[must_use]
+    pub fn regions(&self, band: usize) -> Vec<Region> {
+        let chosen = self.bands.iter().enumerate().filter(|(place, _)| band == 0 || band == place + 1);
+        let region = |(_, [lowest, highest]): (usize, &[f64; 2])| Region {
+            lowest: std::f64::consts::TAU * lowest,
+            highest: std::f64::consts::TAU * highest,
+            damping_ratio: self.damping_ratio,
+        };
+        chosen.map(region).collect()
+    }
+}
+
 /// The name of the quantity that says which band counts, where there are several: 0 for any, or the number of the band.
 pub const BAND: &str = "band";
 
@@ -30,6 +44,8 @@ pub struct MatrixModel {
     problem: Problem,
     criterion: ComplexEigenvalue,
     quantities: Vec<Quantity>,
+    /// Parameters in the order in which integrals prefer them, some of them repeatedly.
+    integrated: Vec<usize>,
 }
 
 impl MatrixModel {
@@ -40,7 +56,8 @@ impl MatrixModel {
     pub fn new(matrices: Arc<Matrices>, criterion: ComplexEigenvalue, solver: Solver) -> Result<Self, ProblemError> {
         let problem = Problem::new(&matrices, solver)?;
         let quantities = quantities(&matrices.parameters, criterion.bands.len());
-        Ok(Self { matrices, problem, criterion, quantities })
+        let integrated = matrices.integrated();
+        Ok(Self { matrices, problem, criterion, quantities, integrated })
     }
 
     /// The matrices.
@@ -64,12 +81,7 @@ impl MatrixModel {
     /// The regions of the bands, rad/s.
     #[must_use]
     pub fn regions(&self) -> Vec<Region> {
-        let region = |[lowest, highest]: &[f64; 2]| Region {
-            lowest: std::f64::consts::TAU * lowest,
-            highest: std::f64::consts::TAU * highest,
-            damping_ratio: self.criterion.damping_ratio,
-        };
-        self.criterion.bands.iter().map(region).collect()
+        self.criterion.regions(0)
     }
 
     /// Where the number of unstable pairs of each band changes over the parameter at `place`, with these values of the others.
@@ -127,21 +139,17 @@ impl Model for MatrixModel {
                 return Err(ModelError(format!("the factor \"{text}\" is {value} at the values of this cell")));
             }
         }
-        let mut regions = self.regions();
-        if let Some(&band) = expected.get(parameters.len()) {
-            if band.fract() != 0.0 || band < 0.0 || band > regions.len() as f64 {
-                return Err(ModelError(format!("band = {band} is none of 0 (any) to {}", regions.len())));
-            }
-            if band > 0.0 {
-                regions = vec![regions[band as usize - 1]];
-            }
+        let (band, bands) = (expected.get(parameters.len()).copied().unwrap_or(0.0), self.criterion.bands.len());
+        if band.fract() != 0.0 || band < 0.0 || band > bands as f64 {
+            return Err(ModelError(format!("band = {band} is none of 0 (any) to {bands}")));
         }
+        let regions = self.criterion.regions(band as usize);
         Ok(Samples::boxed(&self.matrices, &self.problem, regions, expected, varying, like))
     }
 
     /// That of friction, as far as it can be told.
     fn integrated(&self, inputs: &[usize]) -> Option<usize> {
-        self.matrices.integrated(inputs)
+        self.integrated.iter().copied().find(|own| inputs.contains(own))
     }
 
     fn outside_meaning(&self) -> &'static str {

@@ -15,32 +15,16 @@ use std::f64::consts::TAU;
 use thiserror::Error as ThisError;
 
 use super::branches::{Branches, Line, Place};
-use super::dense_branches::DenseBranches;
 use super::error::Error;
-use super::full::along::Along;
-use super::full::band::KrylovLimit;
-use super::model::{ComplexEigenvalue, MatrixModel};
+use super::model::MatrixModel;
 use super::pair::{Pair, damping_ratio_slope};
 use super::problem::Problem;
-use super::region::square_root;
-use super::region::{Region, damping_ratio, magnitude};
+use super::region::{Region, damping_ratio, magnitude, square_root};
 use super::terms::OverParameter;
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// Eigenvalues nearer to each other than this, relative to them, are taken as one.
 const CLUSTER: f64 = 1e-7;
-
-/// The regions of a criterion in rad/s: those of all bands for `band` 0, else that of one, counted from 1.
-#[must_use]
-pub fn regions(criterion: &ComplexEigenvalue, band: usize) -> Vec<Region> {
-    let chosen = criterion.bands.iter().enumerate().filter(|(place, _)| band == 0 || band == place + 1);
-    let region = |(_, [lowest, highest]): (usize, &[f64; 2])| Region {
-        lowest: TAU * lowest,
-        highest: TAU * highest,
-        damping_ratio: criterion.damping_ratio,
-    };
-    chosen.map(region).collect()
-}
 
 /// A mode of one parameter point.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,11 +87,11 @@ impl MatrixModel {
     pub fn modes(&self, parameters: &[f64], regions: &[Region]) -> Result<Vec<Mode>, ModesError> {
         let unit = self.problem().unit();
         let still = Line { from: self.matrices().coefficients(parameters), direction: self.still() };
-        let branches = self.along(&still);
+        let branches = self.problem().along(&still);
         let place = branches.at(0.0)?;
         let over = |own| OverParameter { matrices: self.matrices(), values: parameters, place: own };
         let paths: Vec<OverParameter<'_>> = (0..parameters.len()).map(over).collect();
-        let branches: Vec<Box<dyn Branches + '_>> = paths.iter().map(|path| self.along(path)).collect();
+        let branches: Vec<Box<dyn Branches + '_>> = paths.iter().map(|path| self.problem().along(path)).collect();
         let changes = branches.iter().zip(parameters).map(|(branches, value)| branches.at(*value));
         let changes: Vec<Box<dyn Place + '_>> = changes.collect::<Result<_, _>>()?;
         let scaled: Vec<Region> = regions.iter().map(|region| region.in_unit(unit)).collect();
@@ -173,13 +157,6 @@ impl MatrixModel {
     /// No change of any coefficient.
     fn still(&self) -> Vec<f64> {
         vec![0.0; self.matrices().damping.len() + self.matrices().stiffness.len()]
-    }
-
-    fn along<'p>(&'p self, path: &'p dyn super::branches::Path) -> Box<dyn Branches + 'p> {
-        match self.problem() {
-            Problem::Dense(problem) => Box::new(DenseBranches { problem, path }),
-            Problem::Sparse(matrices) => Box::new(Along { matrices, path, limit: KrylovLimit::default() }),
-        }
     }
 }
 

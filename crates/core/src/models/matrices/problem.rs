@@ -112,16 +112,19 @@ impl Problem {
     /// # Errors
     /// [`Error`], if pairs are not found.
     pub fn sweep(&self, path: &dyn Path, region: &Region, within: [f64; 2]) -> Result<Sweep, Error> {
+        let steps = match self {
+            Self::Dense(_) => DENSE_STEPS,
+            Self::Sparse(_) => SPARSE_STEPS,
+        };
+        let sweep = self.along(path).sweep(&region.in_unit(self.unit()), within, steps)?;
+        Ok(sweep.with_eigenvalues_times(self.unit()))
+    }
+
+    /// Its pairs along a path, in its own unit.
+    pub(super) fn along<'a>(&'a self, path: &'a dyn Path) -> Box<dyn Branches + 'a> {
         match self {
-            Self::Dense(problem) => {
-                let branches: &dyn Branches = &DenseBranches { problem, path };
-                let sweep = branches.sweep(&region.in_unit(problem.unit()), within, DENSE_STEPS)?;
-                Ok(sweep.with_eigenvalues_times(problem.unit()))
-            }
-            Self::Sparse(matrices) => {
-                let branches: &dyn Branches = &Along { matrices, path, limit: KrylovLimit::default() };
-                branches.sweep(region, within, SPARSE_STEPS)
-            }
+            Self::Dense(problem) => Box::new(DenseBranches { problem, path }),
+            Self::Sparse(matrices) => Box::new(Along { matrices, path, limit: KrylovLimit::default() }),
         }
     }
 }

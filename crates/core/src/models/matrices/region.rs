@@ -95,6 +95,14 @@ impl Region {
     }
 }
 
+/// The damping ratio of an eigenvalue less the threshold, the least over regions that have its frequency; infinite outside
+/// all.
+#[must_use]
+pub fn excess(regions: &[Region], eigenvalue: Eigenvalue) -> f64 {
+    let bands = regions.iter().filter(|region| region.has_frequency_of(eigenvalue));
+    bands.map(|region| damping_ratio(eigenvalue) - region.damping_ratio).fold(f64::INFINITY, f64::min)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::decide::Decider;
 use super::problem::Problem;
-use super::region::{RESOLUTION, Region, damping_ratio};
+use super::region::{RESOLUTION, Region, excess};
 use super::series::ModeSeries;
 use super::terms::{Matrices, OverParameter, Term};
 use crate::model::critical_values::{CriticalValues, UnstableValues};
@@ -115,18 +115,13 @@ impl Samples {
     /// The smallest damping ratio in the bands less its threshold, by all eigenvalues; 1 where there is no pair in a band.
     fn excess(&self, coefficients: &[f64]) -> Option<f64> {
         let values = self.shared.problem.eigenvalues(coefficients, &self.shared.regions).ok()?;
-        Some(values.iter().map(|value| self.excess_of(*value)).fold(1.0, f64::min))
+        Some(values.iter().map(|value| excess(&self.shared.regions, *value)).fold(1.0, f64::min))
     }
 
     /// The eigenvalue that this is of.
     fn least_damped(&self, coefficients: &[f64]) -> Option<Eigenvalue> {
         let values = self.shared.problem.eigenvalues(coefficients, &self.shared.regions).ok()?;
-        values.into_iter().min_by(|a, b| self.excess_of(*a).total_cmp(&self.excess_of(*b)))
-    }
-
-    fn excess_of(&self, value: Eigenvalue) -> f64 {
-        let bands = self.shared.regions.iter().filter(|region| region.has_frequency_of(value));
-        bands.map(|region| damping_ratio(value) - region.damping_ratio).fold(1.0, f64::min)
+        values.into_iter().min_by(|a, b| excess(&self.shared.regions, *a).total_cmp(&excess(&self.shared.regions, *b)))
     }
 
     fn is_outside(&self, samples: &Columns<'_>, sample: usize) -> bool {

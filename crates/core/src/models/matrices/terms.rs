@@ -67,23 +67,34 @@ impl Matrices {
         self.parameters.iter().map(|parameter| parameter.value).collect()
     }
 
-    /// The matrix of friction, as far as it can be told: the first stiffness term that is not symmetric and whose factor has
-    /// one of these parameters; failing that the first term at all whose factor has one. The parameter, by its place.
-    pub(super) fn integrated(&self, parameters: &[usize]) -> Option<usize> {
-        let of = |term: &Term| term.factor.parameters().find(|own| parameters.contains(own));
-        let friction = self.stiffness.iter().filter(|term| !is_symmetric(&term.matrix)).find_map(of);
-        friction.or_else(|| self.stiffness.iter().chain(&self.damping).find_map(of))
+    /// The parameters in the factors of friction, as far as that can be told: of stiffness terms that are not symmetric; then
+    /// those in any factor. By their places, some of them repeatedly.
+    pub(super) fn integrated(&self) -> Vec<usize> {
+        let friction = self.stiffness.iter().filter(|term| !is_symmetric(&term.matrix));
+        let terms = friction.chain(&self.stiffness).chain(&self.damping);
+        terms.flat_map(|term| term.factor.parameters()).collect()
     }
 }
 
+/// The largest asymmetry of a matrix, over its largest entry, that counts as rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Whether a matrix is symmetric to rounding.
-fn is_symmetric(matrix: &Matrix) -> bool {
-    let (mut asymmetry, mut largest) = (0.0_f64, 0.0_f64);
+#[must_use]
+pub fn is_symmetric(matrix: &Matrix) -> bool {
+    let [asymmetry, largest] = asymmetry(matrix);
+    asymmetry <= ROUNDING * largest
+}
+
+/// The largest difference of entries across the diagonal, and the largest entry.
+#[must_use]
+pub fn asymmetry(matrix: &Matrix) -> [f64; 2] {
+    let mut largest = [0.0_f64; 2];
     for entry in matrix.triplet_iter() {
         let across = matrix.get(entry.col, entry.row).copied().unwrap_or(0.0);
-        (asymmetry, largest) = (asymmetry.max((entry.val - across).abs()), largest.max(entry.val.abs()));
+        largest = [largest[0].max((entry.val - across).abs()), largest[1].max(entry.val.abs())];
     }
-    asymmetry <= 1e-9 * largest
+    largest
 }
 
 /// The coefficients of matrices over one parameter.

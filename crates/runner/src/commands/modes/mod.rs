@@ -1,7 +1,7 @@
 //! The modes of a job whose model is given by matrices.
 
 use stickslip_core::models::matrices::model::{BAND, MatrixModel};
-use stickslip_core::models::matrices::modes::{ModesError, regions};
+use stickslip_core::models::matrices::modes::ModesError;
 use stickslip_core::models::matrices::problem::Problem;
 use stickslip_core::models::matrices::region::Region;
 use stickslip_core::models::matrices::terms::Parameter;
@@ -49,7 +49,7 @@ impl<'a> JobModes<'a> {
 
     /// The bands that count with these values of all quantities, rad/s.
     pub fn regions(&self, values: &[f64]) -> Vec<Region> {
-        regions(self.model.criterion(), self.band.map_or(0, |band| values[band] as usize))
+        self.model.criterion().regions(self.band.map_or(0, |band| values[band] as usize))
     }
 
     /// The values of the parameters among those of all quantities.

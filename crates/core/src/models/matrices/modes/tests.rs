@@ -7,6 +7,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use super::*;
 use crate::model::quantity::Limits;
 use crate::models::matrices::factor::Factor;
+use crate::models::matrices::model::ComplexEigenvalue;
 use crate::models::matrices::pair::Complex;
 use crate::models::matrices::problem::Solver;
 use crate::models::matrices::terms::{Matrices, Matrix, Parameter, Term};

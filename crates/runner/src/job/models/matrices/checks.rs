@@ -2,7 +2,7 @@
 
 use stickslip_core::models::matrices::model::MatrixModel;
 use stickslip_core::models::matrices::region::damping_ratio;
-use stickslip_core::models::matrices::terms::{Matrices, Matrix};
+use stickslip_core::models::matrices::terms::{Matrices, Matrix, asymmetry, is_symmetric};
 use stickslip_core::numerics::eigenvalues::Eigenvalue;
 
 use super::terms::Term;
@@ -11,9 +11,6 @@ use crate::matrix_files::{ReadMatrix, Stored};
 
 /// Frequencies that are shown, Hz.
 const SHOWN_FREQUENCIES: usize = 10;
-
-/// The largest asymmetry of a matrix, over its largest entry, that counts as rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// A stiffness at which programs hold degrees of freedom that are constrained.
 const CONSTRAINED: f64 = 1e30;
@@ -57,8 +54,8 @@ pub fn refuse(terms: &[Term], stiffness_from: usize, complaints: &mut Complaints
         );
         complaints.push(mass.head.complaint(&message));
     }
-    let [asymmetry, largest] = asymmetry(&mass.read.matrix);
-    if asymmetry > ROUNDING * largest {
+    if !is_symmetric(&mass.read.matrix) {
+        let [asymmetry, largest] = asymmetry(&mass.read.matrix);
         let message = format!(
             "the matrix is not symmetric: entries across the diagonal differ by {asymmetry:e}, the largest entry is {largest:e}"
         );
@@ -91,25 +88,11 @@ fn diagonal(matrix: &Matrix, i: usize) -> f64 {
     matrix.get(i, i).copied().unwrap_or(0.0)
 }
 
-/// The largest difference of entries across the diagonal, and the largest entry.
-fn asymmetry(matrix: &Matrix) -> [f64; 2] {
-    let mut largest = [0.0_f64; 2];
-    for entry in matrix.triplet_iter() {
-        let across = matrix.get(entry.col, entry.row).copied().unwrap_or(0.0);
-        largest = [largest[0].max((entry.val - across).abs()), largest[1].max(entry.val.abs())];
-    }
-    largest
-}
-
 /// What is to be said of matrices that can be read but may not be meant.
 pub fn doubts(terms: &[Term], stiffness_from: usize) -> Vec<String> {
     let mut doubts = grouped(terms, |read| &read.doubts);
     let stiffness = &terms[stiffness_from..];
-    let is_symmetric = |term: &Term| {
-        let [asymmetry, largest] = asymmetry(&term.read.matrix);
-        asymmetry <= ROUNDING * largest
-    };
-    if stiffness.iter().all(is_symmetric) {
+    if stiffness.iter().all(|term| is_symmetric(&term.read.matrix)) {
         let triangles: Vec<&str> = stiffness
             .iter()
             .filter(|term| term.read.stored == Stored::SymmetricTriangle)
