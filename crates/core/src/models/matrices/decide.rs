@@ -2,9 +2,11 @@
 //! and by all eigenvalues where nothing else will do.
 
 use super::far::Followed;
+use super::pair::Pair;
 use super::quadratic::{DenseQuadratic, Quadratic};
 use super::region::{Region, damping_ratio, excess, magnitude};
 use super::series::{FOLLOWED, ModeSeries};
+use super::two_coordinates;
 use crate::numerics::eigenvalues::Eigenvalue;
 
 /// Relative rounding of eigenvalues of the series, in parts of the unit of frequency.
@@ -21,9 +23,13 @@ pub struct Decider<'a> {
 /// How a sample was decided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
+    /// By the characteristic polynomial of two coordinates.
+    ClosedForm,
     /// By the series alone.
     Series,
-    /// By the series and refined eigenvalues.
+    /// By the series and its vectors.
+    Vectors,
+    /// By eigenvalues that are refined from there.
     Refined,
     /// By all eigenvalues.
     All,
@@ -38,11 +44,18 @@ impl<'a> Decider<'a> {
     /// Whether a sample with these coefficients is unstable, and how that was found; `None` if eigenvalues do not converge.
     #[must_use]
     pub fn is_unstable(&self, coefficients: &[f64]) -> Option<(bool, Way)> {
-        let followed = self.series.and_then(|series| Some((series, series.follow(coefficients)?)));
+        if let Some(values) = two_coordinates::eigenvalues(self.problem, coefficients) {
+            let told = values.map(|(value, radius)| self.sure(value, radius));
+            if told.contains(&Some(true)) || told.iter().all(Option::is_some) {
+                return Some((told.contains(&Some(true)), Way::ClosedForm));
+            }
+        }
+        let series = self.series;
+        let followed = series.and_then(|series| Some((series, series.follow(coefficients)?)));
         if let Some((series, followed)) = followed {
             let mut unsure = Vec::new();
             for mode in &followed {
-                match self.sure(mode) {
+                match self.sure(mode.eigenvalue, mode.radius) {
                     Some(true) => return Some((true, Way::Series)),
                     Some(false) => {}
                     None => unsure.push(*mode),
@@ -52,8 +65,16 @@ impl<'a> Decider<'a> {
                 return Some((false, Way::Series));
             }
             let problem = self.problem.at(coefficients);
-            if let Some(refined) = refine(series, &problem, &unsure) {
-                return Some((refined.iter().any(|value| self.contains(*value)), Way::Refined));
+            if let Some(pairs) = pairs(series, &problem, coefficients, &unsure) {
+                let told: Vec<Option<bool>> = pairs.iter().map(|pair| self.sure(pair.eigenvalue, pair.error)).collect();
+                if told.contains(&Some(true)) {
+                    return Some((true, Way::Vectors));
+                }
+                let is_known = |i: usize| told[i].is_some() && !is_another(&pairs, i);
+                let way = if (0..pairs.len()).all(is_known) { Way::Vectors } else { Way::Refined };
+                if let Some(settled) = settled(&problem, &pairs, &unsure, is_known) {
+                    return Some((settled.into_iter().any(|value| self.contains(value)), way));
+                }
             }
         }
         let all = self.problem.at(coefficients).eigenvalues().ok()?;
@@ -64,11 +85,11 @@ impl<'a> Decider<'a> {
         self.regions.iter().any(|region| region.contains(eigenvalue))
     }
 
-    /// Whether a followed eigenvalue surely is in one of the regions, or surely in none.
-    fn sure(&self, mode: &Followed) -> Option<bool> {
+    /// Whether an eigenvalue that is known within a radius surely is in one of the regions, or surely in none.
+    fn sure(&self, eigenvalue: Eigenvalue, radius: f64) -> Option<bool> {
         let mut outside = true;
         for region in self.regions {
-            match region.sure(mode.eigenvalue, mode.radius + ROUNDING) {
+            match region.sure(eigenvalue, radius + ROUNDING) {
                 Some(true) => return Some(true),
                 Some(false) => {}
                 None => outside = false,
@@ -111,7 +132,8 @@ impl<'a> Decider<'a> {
                 return None;
             }
             let candidates: Vec<Followed> = followed.into_iter().filter(|mode| bounds(mode)[0] <= least).collect();
-            refine(series, &problem, &candidates)
+            let pairs = pairs(series, &problem, coefficients, &candidates)?;
+            settled(&problem, &pairs, &candidates, |_| false)
         };
         let values = match by_series().and_then(least) {
             Some(value) => Some(value),
@@ -134,29 +156,47 @@ impl<'a> Decider<'a> {
     }
 }
 
-/// Followed eigenvalues refined; `None` if one does not converge near to where it starts, or two converge to one.
-fn refine(series: &ModeSeries, problem: &Quadratic, followed: &[Followed]) -> Option<Vec<Eigenvalue>> {
-    let mut refined: Vec<Eigenvalue> = Vec::with_capacity(followed.len());
-    for mode in followed {
-        let eigenvalue = problem.refine(series.start(mode))?.eigenvalue;
-        let distance = |from: Eigenvalue| magnitude(from - eigenvalue);
-        let is_near = distance(mode.eigenvalue) <= mode.radius + ROUNDING;
-        if !is_near || refined.iter().any(|other| distance(*other) <= ROUNDING) {
-            return None;
-        }
-        refined.push(eigenvalue);
-    }
-    Some(refined)
+/// The pairs of followed eigenvalues by their vectors.
+fn pairs(series: &ModeSeries, problem: &Quadratic, coefficients: &[f64], followed: &[Followed]) -> Option<Vec<Pair>> {
+    followed.iter().map(|mode| series.pair(problem, coefficients, mode)).collect()
+}
+
+/// The eigenvalues of followed pairs, refined unless they are known well enough; `None` if one does not converge, is not
+/// near to where the series has it, or may be that of another pair.
+fn settled(
+    problem: &Quadratic,
+    pairs: &[Pair],
+    followed: &[Followed],
+    is_known: impl Fn(usize) -> bool,
+) -> Option<Vec<Eigenvalue>> {
+    let settle = |(i, pair): (usize, &Pair)| {
+        let pair = if is_known(i) { pair.clone() } else { problem.refine(pair.clone())? };
+        let distance = magnitude(followed[i].eigenvalue - pair.eigenvalue);
+        (distance <= followed[i].radius + ROUNDING).then_some(pair)
+    };
+    let settled: Vec<Pair> = pairs.iter().enumerate().map(settle).collect::<Option<_>>()?;
+    let are_different = (0..settled.len()).all(|i| !is_another(&settled, i));
+    are_different.then(|| settled.into_iter().map(|pair| pair.eigenvalue).collect())
+}
+
+/// Whether a pair may be another of these.
+fn is_another(pairs: &[Pair], i: usize) -> bool {
+    let others = pairs.iter().enumerate().filter(|(j, _)| *j != i);
+    let distance = |other: &Pair| magnitude(pairs[i].eigenvalue - other.eigenvalue);
+    let mut may_be = others.map(|(_, other)| distance(other) <= pairs[i].error + other.error + ROUNDING);
+    may_be.any(|may_be| may_be)
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::dmatrix;
+
     use super::*;
     use crate::models::matrices::trial::{Numbers, problem};
 
     /// Verdicts of as many problems on as many samples against all eigenvalues; and how they came about.
-    fn compare(problems: std::ops::Range<u64>, samples: usize, scatter: f64) -> [usize; 3] {
-        let mut ways = [0; 3];
+    fn compare(problems: std::ops::Range<u64>, samples: usize, scatter: f64) -> [usize; 5] {
+        let mut ways = [0; 5];
         for seed in problems {
             let (problem, origin, region) = problem(seed);
             let mut numbers = Numbers(seed + 1_000_000);
@@ -214,6 +254,53 @@ mod tests {
                 let least = in_band.map(damping_ratio).fold(f64::INFINITY, f64::min);
                 let found = decider.least_damped(&coefficients).map_or(f64::INFINITY, damping_ratio);
                 assert!(least == found || (least - found).abs() < 1e-9, "problem {seed}: {least} {found}");
+            }
+        }
+    }
+
+    /// The error of a pair that comes from the vectors of the series holds the exact eigenvalue, and is much smaller than
+    /// that of the series.
+    #[test]
+    fn errors_of_vectors_hold_the_exact_eigenvalue() {
+        let (mut compared, mut smaller) = (0, 0);
+        for seed in 0..60 {
+            let (problem, origin, region) = problem(seed);
+            let Some(series) = ModeSeries::new(&problem, &origin, &[1, 2, 3, 4], &[region]) else { continue };
+            let mut numbers = Numbers(seed + 7);
+            for _ in 0..20 {
+                let mut coefficients = origin.clone();
+                (1..5).for_each(|k| coefficients[k] *= 1.0 + 0.05 * numbers.normal());
+                let quadratic = problem.at(&coefficients);
+                let Some(followed) = series.follow(&coefficients) else { continue };
+                let exact = quadratic.eigenvalues().unwrap();
+                for (mode, pair) in followed.iter().zip(pairs(&series, &quadratic, &coefficients, &followed).unwrap()) {
+                    let distance = |value: &Eigenvalue| magnitude(value - pair.eigenvalue);
+                    let nearest = exact.iter().map(distance).fold(f64::INFINITY, f64::min);
+                    assert!(nearest <= pair.error + 1e-10, "problem {seed}: {mode:?} {pair:?} off by {nearest}");
+                    compared += 1;
+                    smaller += usize::from(pair.error < 0.3 * mode.radius);
+                }
+            }
+        }
+        assert!(compared > 1000 && smaller > compared / 10, "{compared} {smaller}");
+    }
+
+    /// Two damped masses of Hoffmann and Gaul (2003): with c1 = 0.02, c2 = 0.05, k11 = 2, k22 = 2.2 and k12 = 1 they flutter
+    /// above `D = (a1 (a3 a2 - a1) / a3^2 - (k11 k22 - k12^2)) / k12`.
+    #[test]
+    fn verdicts_turn_at_the_criterion_of_hurwitz() {
+        let (c1, c2, k11, k22, k12) = (0.02, 0.05, 2.0, 2.2, 1.0);
+        let (a3, a2, a1) = (c1 + c2, k11 + k22 + c1 * c2, c1 * k22 + c2 * k11);
+        let critical = (a1 * (a3 * a2 - a1) / (a3 * a3) - (k11 * k22 - k12 * k12)) / k12;
+        let terms = [dmatrix![k11, k12; k12, k22], dmatrix![0.0, -1.0; 0.0, 0.0]];
+        let damping = [dmatrix![c1, 0.0; 0.0, c2]];
+        let problem = DenseQuadratic::new(&nalgebra::DMatrix::identity(2, 2), &damping, &terms, &[1.0; 3]).unwrap();
+        let region = Region { lowest: 0.0, highest: f64::INFINITY, damping_ratio: 0.0 };
+        let decider = Decider::new(&problem, std::slice::from_ref(&region), None);
+        for distance in [1e-7, 1e-4, 0.1, 0.5] {
+            for (friction, expected) in [(critical - distance, false), (critical + distance, true)] {
+                let found = decider.is_unstable(&[1.0, 1.0, friction]);
+                assert_eq!(found, Some((expected, Way::ClosedForm)), "{friction}");
             }
         }
     }

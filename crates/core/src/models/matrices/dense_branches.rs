@@ -37,8 +37,8 @@ impl Place for DensePlace {
         if let Some(basis) = Eigenbasis::new(&self.problem) {
             let upper = (0..basis.eigenvalues.len()).filter(|&place| basis.eigenvalues[place].im >= 0.0);
             let pair = |place: usize| {
-                let (right, left) = (basis.right.column(place), basis.left.row(place).transpose());
-                self.problem.pair(basis.eigenvalues[place], right.into_owned(), &left)
+                let (right, left) = (basis.right.column(place), basis.left.row(place));
+                self.problem.pair(basis.eigenvalues[place], right, &left)
             };
             return Ok(upper.map(pair).collect());
         }

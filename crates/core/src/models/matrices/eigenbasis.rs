@@ -1,8 +1,8 @@
 //! All eigenvalues of a quadratic problem with their vectors, in which changes of its matrices are written.
 
-use nalgebra::{Complex, DMatrix, Schur};
+use nalgebra::{Complex, DMatrix, DVector, Schur};
 
-use super::quadratic::{DenseQuadratic, Quadratic};
+use super::quadratic::{DenseQuadratic, Quadratic, product, transposed_product};
 use super::region::{magnitude, square_root};
 use crate::numerics::eigenvalues::Eigenvalue;
 
@@ -19,9 +19,9 @@ pub(super) struct Eigenbasis {
     /// The eigenvalues.
     pub(super) eigenvalues: Vec<Eigenvalue>,
     /// The upper half of V: displacements, a column for each eigenvalue.
-    pub(super) right: ComplexMatrix,
+    pub(super) right: Split,
     /// The right half of W, a row for each eigenvalue. Its rows are the left vectors of the quadratic problem.
-    pub(super) left: ComplexMatrix,
+    pub(super) left: Split,
 }
 
 impl Eigenbasis {
@@ -45,14 +45,14 @@ impl Eigenbasis {
         });
         (!is_skew).then(|| Self {
             eigenvalues: triangle.diagonal().iter().copied().collect(),
-            right: vectors.rows(0, size).into_owned(),
-            left: inverse.columns(size, size).into_owned(),
+            right: Split::new(&vectors.rows(0, size).into_owned()),
+            left: Split::new(&inverse.columns(size, size).into_owned()),
         })
     }
 
     /// What a unit of a coefficient changes, in this basis: `W (dA / dc) V`.
     pub(super) fn change(&self, problem: &DenseQuadratic, coefficient: usize) -> ComplexMatrix {
-        let mut moved = self.right.clone();
+        let mut moved = complex(&self.right.re, &self.right.im);
         if problem.is_damping(coefficient) {
             for (mut column, eigenvalue) in moved.column_iter_mut().zip(&self.eigenvalues) {
                 column *= *eigenvalue;
@@ -61,7 +61,7 @@ impl Eigenbasis {
         let term = problem.term(coefficient);
         let moved = Split::new(&moved);
         let forces = Split { re: -(term * moved.re), im: -(term * moved.im) };
-        Split::new(&self.left).times(&forces)
+        self.left.times(&forces)
     }
 }
 
@@ -83,6 +83,24 @@ impl Split {
     /// The product with another matrix from the right.
     pub(super) fn times(&self, other: &Self) -> ComplexMatrix {
         complex(&(&self.re * &other.re - &self.im * &other.im), &(&self.re * &other.im + &self.im * &other.re))
+    }
+
+    /// The product with a vector from the right.
+    pub(super) fn times_vector(&self, vector: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        product(&self.re, vector) + product(&self.im, vector) * Complex::i()
+    }
+
+    /// The transpose times a vector.
+    pub(super) fn transposed_times_vector(&self, vector: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        transposed_product(&self.re, vector) + transposed_product(&self.im, vector) * Complex::i()
+    }
+
+    pub(super) fn column(&self, place: usize) -> DVector<Complex<f64>> {
+        self.re.column(place).zip_map(&self.im.column(place), Complex::new)
+    }
+
+    pub(super) fn row(&self, place: usize) -> DVector<Complex<f64>> {
+        self.re.row(place).zip_map(&self.im.row(place), Complex::new).transpose()
     }
 
     pub(super) fn entry(&self, row: usize, column: usize) -> Complex<f64> {

@@ -29,6 +29,8 @@ pub(super) struct Followed {
     pub(super) eigenvalue: Eigenvalue,
     /// How far the exact one may be; infinite where the series says nothing.
     pub(super) radius: f64,
+    /// How far the one that its vectors of second order give may be.
+    pub(super) radius_of_vectors: f64,
     /// The group that it comes from.
     pub(super) group: usize,
 }

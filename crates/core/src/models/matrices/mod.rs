@@ -16,6 +16,8 @@ pub mod terms;
 
 pub mod quadratic;
 
+mod two_coordinates;
+
 mod refine;
 
 mod eigenbasis;
@@ -24,7 +26,11 @@ mod dense_branches;
 
 mod perturbation;
 
+mod polynomial;
+
 mod far;
+
+mod group;
 
 mod series;
 

@@ -42,6 +42,24 @@ pub fn damping_ratio_slope(eigenvalue: Complex, slope: Complex) -> f64 {
     (eigenvalue.im / size) * (eigenvalue.re * slope.im - eigenvalue.im * slope.re) / (size * size)
 }
 
+/// The root of `a lambda^2 + b lambda + c` near a guess by Newton's method, and the slope there. With a, b, c the matrices
+/// of a problem between a left and a right vector, its error is a product of the errors of both.
+pub(super) fn root_near(guess: Complex, [a, b, c]: [Complex; 3]) -> Option<(Complex, Complex)> {
+    let slope = |value: Complex| a * value * 2.0 + b;
+    let mut value = guess;
+    for _ in 0..50 {
+        let change = ((a * value + b) * value + c) / slope(value);
+        if !(change.re.is_finite() && change.im.is_finite()) {
+            return None;
+        }
+        value -= change;
+        if magnitude(change) <= 2.0 * f64::EPSILON * magnitude(value) {
+            break;
+        }
+    }
+    Some((value, slope(value)))
+}
+
 /// `a^T b`, not conjugated.
 pub(super) fn dot(a: &[Complex], b: &[Complex]) -> Complex {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

@@ -67,14 +67,22 @@ impl<'a> FirstOrder<'a> {
     }
 }
 
+/// The vectors of a group from one side, a matrix for each monomial.
+pub(super) struct Vectors {
+    pub(super) first: Vec<ComplexMatrix>,
+    pub(super) second: Vec<ComplexMatrix>,
+    /// Their squared norms as quadratic forms of the monomials of their order. Each row is weighted by its distance from
+    /// the group.
+    pub(super) norms: [DMatrix<f64>; 2],
+}
+
 /// The vectors of second order, and what three coefficients do together.
 pub(super) struct SecondOrder {
     /// `Y E X` for three coefficients in this order.
     third: Vec<ComplexMatrix>,
     count: usize,
-    /// The squared norms of the vectors of first and of second order as quadratic forms of the monomials of their order,
-    /// from the right and from the left. Each row is weighted by its distance from the group.
-    pub(super) norms: [[DMatrix<f64>; 2]; 2],
+    right: Vec<ComplexMatrix>,
+    left: Vec<ComplexMatrix>,
 }
 
 impl SecondOrder {
@@ -110,8 +118,17 @@ impl SecondOrder {
                 left.push(first.all.over_gaps(first.modes, |other, j| y[(other, j)]));
             }
         }
-        let norms = [[first.gram(&first.right), first.gram(&right)], [first.gram(&first.left), first.gram(&left)]];
-        Self { third, count, norms }
+        Self { third, count, right, left }
+    }
+
+    /// The vectors of both orders, from the right and from the left.
+    pub(super) fn vectors(self, first: FirstOrder<'_>) -> [Vectors; 2] {
+        let norms = |of: [&[ComplexMatrix]; 2]| of.map(|vectors| first.gram(vectors));
+        let [right, left] = [norms([&first.right, &self.right]), norms([&first.left, &self.left])];
+        [
+            Vectors { first: first.right, second: self.right, norms: right },
+            Vectors { first: first.left, second: self.left, norms: left },
+        ]
     }
 
     /// What three coefficients do together to P, in this order.

@@ -105,6 +105,16 @@ impl DenseQuadratic {
         &self.terms[coefficient]
     }
 
+    /// The entries of C and of K of a problem of two coordinates, by columns.
+    pub(super) fn entries_of_two(&self, coefficients: &[f64]) -> [[f64; 4]; 2] {
+        let mut sums = [[0.0; 4]; 2];
+        for (place, (term, coefficient)) in self.terms.iter().zip(coefficients).enumerate() {
+            let sums = &mut sums[usize::from(place >= self.damping_terms)];
+            sums.iter_mut().zip(term.as_slice()).for_each(|(sum, value)| *sum += coefficient * value);
+        }
+        sums
+    }
+
     /// The problem with these coefficients.
     #[must_use]
     pub fn at(&self, coefficients: &[f64]) -> Quadratic {
@@ -182,10 +192,10 @@ impl Quadratic {
         transposed_product(&self.damping, y) + y * (eigenvalue * 2.0)
     }
 
-    /// `(lambda^2 + lambda C + K) x`.
+    /// The coefficients of `y^T Q(lambda) x` as a polynomial of lambda: `y^T x`, `y^T C x`, `y^T K x`.
     #[must_use]
-    pub fn value_times(&self, eigenvalue: Eigenvalue, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        product(&self.damping, x) * eigenvalue + product(&self.stiffness, x) + x * (eigenvalue * eigenvalue)
+    pub fn forms(&self, left: &DVector<Complex<f64>>, right: &DVector<Complex<f64>>) -> [Complex<f64>; 3] {
+        [left.dot(right), left.dot(&product(&self.damping, right)), left.dot(&product(&self.stiffness, right))]
     }
 }
 

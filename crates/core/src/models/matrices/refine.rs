@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector, LU};
 
-use super::pair::{Pair, norm, normalise};
+use super::pair::{Pair, norm, normalise, root_near};
 use super::quadratic::Quadratic;
 use super::region::magnitude;
 use crate::numerics::eigenvalues::Eigenvalue;
@@ -22,8 +22,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Quadratic {
     /// Refines an approximate eigenvalue and its approximate vectors by two-sided inverse iteration, with the eigenvalue
-    /// by Newton steps `lambda - y^T Q(lambda) x / y^T Q'(lambda) x`, whose error is of second order in those of the
-    /// vectors. `None` if it does not converge, as next to defective eigenvalues.
+    /// from `y^T Q(lambda) x = 0`, whose error is of second order in those of the vectors. `None` if it does not converge, as next to defective eigenvalues.
     #[must_use]
     pub fn refine(&self, start: Pair) -> Option<Pair> {
         let mut eigenvalue = start.eigenvalue;
@@ -35,9 +34,7 @@ impl Quadratic {
                 right = unit(solver.solve(self.derivative_times(shift, &right))?)?;
                 left = unit(solver.solve_transposed(self.transposed_derivative_times(shift, &left))?)?;
                 let before = eigenvalue;
-                for _ in 0..2 {
-                    eigenvalue -= newton_step(self, eigenvalue, &right, &left)?;
-                }
+                (eigenvalue, _) = root_near(eigenvalue, self.forms(&left, &right))?;
                 let (change, size) = (magnitude(eigenvalue - before), magnitude(eigenvalue));
                 if change <= MOST_ROUNDING * size {
                     let pair = self.pair(eigenvalue, right.clone(), &left);
@@ -66,21 +63,6 @@ impl Quadratic {
         let error = ROUNDING * (entries * norm(&left) + size);
         Pair { eigenvalue, right, left, error }
     }
-}
-
-/// `y^T Q(lambda) x / y^T Q'(lambda) x`.
-///
-/// Never inlined: rustc 1.95 compiles it wrongly where it is inlined in an optimised program, so that no iteration
-/// converges. Whoever changes it should see that `conditional` of two damped masses decides thousands of samples a second.
-#[inline(never)]
-fn newton_step(
-    problem: &Quadratic,
-    at: Eigenvalue,
-    right: &DVector<Complex<f64>>,
-    left: &DVector<Complex<f64>>,
-) -> Option<Complex<f64>> {
-    let step = left.dot(&problem.value_times(at, right)) / left.dot(&problem.derivative_times(at, right));
-    (step.re.is_finite() && step.im.is_finite()).then_some(step)
 }
 
 /// A vector of length 1 along this one.

@@ -82,7 +82,8 @@ impl Region {
             return Some(false);
         }
         let frequency = eigenvalue.im.abs();
-        let in_band = frequency - radius >= self.lowest && frequency + radius <= self.highest;
+        let is_above = self.lowest <= 0.0 || frequency - radius >= self.lowest;
+        let in_band = is_above && frequency + radius <= self.highest;
         let size = magnitude(eigenvalue);
         let most = damping_ratio(eigenvalue) + 1.1 * radius / (size - radius);
         (in_band && size > 2.0 * radius && most < self.damping_ratio - RESOLUTION).then_some(true)

@@ -2,7 +2,7 @@
 
 use super::quadratic::{Factorisation, Point, Side};
 use crate::models::matrices::error::Error;
-use crate::models::matrices::pair::{Complex, Pair, normalise};
+use crate::models::matrices::pair::{Complex, Pair, normalise, root_near};
 use crate::models::matrices::region::magnitude;
 
 /// Factorisations that a refinement may take.
@@ -19,20 +19,7 @@ impl Point<'_> {
     /// `y^T Q'(lambda) x` there. Its error is a product of the errors of both vectors.
     #[must_use]
     pub fn rayleigh(&self, guess: Complex, left: &[Complex], right: &[Complex]) -> Option<(Complex, Complex)> {
-        let [mass, damping, stiffness] = self.forms(left, right);
-        let slope = |value: Complex| mass * value * 2.0 + damping;
-        let mut value = guess;
-        for _ in 0..50 {
-            let change = ((mass * value + damping) * value + stiffness) / slope(value);
-            if !(change.re.is_finite() && change.im.is_finite()) {
-                return None;
-            }
-            value -= change;
-            if magnitude(change) <= 2.0 * f64::EPSILON * magnitude(value) {
-                break;
-            }
-        }
-        Some((value, slope(value)))
+        root_near(guess, self.forms(left, right))
     }
 
     /// The pair near an approximate one: inverse iteration for both vectors, with a factorisation at the eigenvalue.

@@ -1,0 +1,218 @@
+//! Modes near the region that mix with each other and, less, with all others.
+
+use std::ops::Range;
+
+use nalgebra::{Complex, DMatrix, DVector, Schur};
+
+use super::eigenbasis::ComplexMatrix;
+use super::far::Followed;
+use super::perturbation::Vectors;
+use super::polynomial::{Monomials, Polynomial};
+use super::region::{magnitude, square_root};
+use crate::numerics::eigenvalues::Eigenvalue;
+
+/// The ratio of vectors of one order to that before it up to which the series is used.
+const LARGEST_RATIO: f64 = 0.6;
+
+/// What the bound of the error of the series is multiplied by, for what it leaves out.
+const SAFETY: f64 = 2.0;
+
+/// The same for eigenvalues that come from the vectors.
+pub(super) const SAFETY_OF_VECTORS: f64 = 4.0;
+
+/// The least ratio of orders that errors of these are extrapolated with.
+const LEAST_RATIO: f64 = 0.05;
+
+/// Rounding of vectors.
+const ROUNDING: f64 = 1e-12;
+
+/// What changes add to P, by orders, and to N, which is of second order.
+pub(super) struct Orders<'a> {
+    pub(super) p: [&'a [Complex<f64>]; 3],
+    pub(super) n: &'a [Complex<f64>],
+}
+
+impl Orders<'_> {
+    fn sum(&self, entry: usize) -> Complex<f64> {
+        self.p[0][entry] + self.p[1][entry] + self.p[2][entry]
+    }
+}
+
+/// A group of modes.
+pub(super) struct Group {
+    pub(super) modes: Vec<usize>,
+    eigenvalues: Vec<Eigenvalue>,
+    /// The places of its entries in the polynomials P and N of all groups.
+    pub(super) entries: Range<usize>,
+    /// Vectors from the right and from the left.
+    sides: [Side; 2],
+}
+
+/// Vectors of a group from one side.
+struct Side {
+    /// The squared norms of the vectors of first and of second order, as quadratic forms of the monomials of their order.
+    norms: [DMatrix<f64>; 2],
+    /// The vectors of first and of second order, by columns, in the basis of the origin.
+    vectors: [Polynomial; 2],
+}
+
+impl Side {
+    fn new(vectors: Vectors) -> Self {
+        let polynomial = |vectors: &[ComplexMatrix]| {
+            let mut polynomial = Polynomial::default();
+            polynomial.push(vectors);
+            polynomial
+        };
+        Self { norms: vectors.norms, vectors: [polynomial(&vectors.first), polynomial(&vectors.second)] }
+    }
+
+    /// The norms of the vectors of first and of second order.
+    fn norms(&self, monomials: &Monomials) -> [f64; 2] {
+        [norm(&self.norms[0], &monomials.first), norm(&self.norms[1], &monomials.second)]
+    }
+}
+
+impl Group {
+    pub(super) fn new(modes: Vec<usize>, eigenvalues: Vec<Eigenvalue>, first: usize, vectors: [Vectors; 2]) -> Self {
+        let entries = first..first + modes.len() * modes.len();
+        Self { modes, eigenvalues, entries, sides: vectors.map(Side::new) }
+    }
+
+    /// A bound of the error of P, infinite where orders hardly fall; and an estimate of that error which is left in
+    /// eigenvalues that come from the vectors, by extrapolation of the second and the third order to the sixth.
+    fn errors(&self, orders: &Orders<'_>, monomials: &Monomials) -> [f64; 2] {
+        let [right, left] = self.sides.each_ref().map(|side| side.norms(monomials));
+        if right[1] == 0.0 || left[1] == 0.0 {
+            return [0.0; 2];
+        }
+        let [of_right, of_left] = [right, left].map(|[first, second]| second / first);
+        let ratio = of_right.max(of_left);
+        if ratio >= LARGEST_RATIO {
+            return [f64::INFINITY; 2];
+        }
+        let bound = SAFETY * right[1] * left[1] / ((1.0 - of_right) * (1.0 - of_left));
+        let ratio = ratio.max(LEAST_RATIO);
+        let size = |values: &[Complex<f64>]| values.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
+        let largest = self.eigenvalues.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
+        let second = size(orders.p[1]) + largest * size(orders.n);
+        let estimate = (second * ratio).max(size(orders.p[2])) * ratio * ratio * ratio;
+        [bound, bound.min(SAFETY_OF_VECTORS * estimate)]
+    }
+
+    /// The eigenvalues of `N^-1 P`, each with its radius.
+    pub(super) fn follow(
+        &self,
+        place: usize,
+        orders: &Orders<'_>,
+        monomials: &Monomials,
+        followed: &mut Vec<Followed>,
+    ) -> Option<()> {
+        let own = self.modes.len();
+        let errors = self.errors(orders, monomials);
+        if let ([eigenvalue], [n]) = (&self.eigenvalues[..], orders.n) {
+            let eigenvalue = (eigenvalue + orders.sum(0)) / (Complex::from(1.0) + n);
+            let [radius, radius_of_vectors] = errors;
+            followed.push(Followed { eigenvalue, radius, radius_of_vectors, group: place });
+            return Some(());
+        }
+        let [p, n] = self.pencil(orders);
+        let h = n.lu().solve(&p)?;
+        let mean = h.trace() / Complex::from(own as f64);
+        let centred = &h - ComplexMatrix::identity(own, own) * mean;
+        let spread = centred.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
+        let eigenvalues: Vec<Eigenvalue> = if own == 2 {
+            let half = (h[(0, 0)] - h[(1, 1)]) * 0.5;
+            let root = square_root(half * half + h[(0, 1)] * h[(1, 0)]);
+            vec![mean + root, mean - root]
+        } else {
+            let (_, triangle) = Schur::try_new(centred, f64::EPSILON, 60 * own)?.unpack();
+            triangle.diagonal().iter().map(|value| value + mean).collect()
+        };
+        for (i, eigenvalue) in eigenvalues.iter().enumerate() {
+            let [radius, radius_of_vectors] = errors.map(|error| radius(&eigenvalues, i, spread, error));
+            followed.push(Followed { eigenvalue: *eigenvalue, radius, radius_of_vectors, group: place });
+        }
+        Some(())
+    }
+
+    /// P and N as matrices, from what the changes add to those of the origin.
+    fn pencil(&self, orders: &Orders<'_>) -> [ComplexMatrix; 2] {
+        let own = self.modes.len();
+        let p = ComplexMatrix::from_fn(own, own, |row, column| orders.sum(row + own * column));
+        [
+            ComplexMatrix::from_diagonal(&DVector::from_column_slice(&self.eigenvalues)) + p,
+            ComplexMatrix::identity(own, own) + ComplexMatrix::from_column_slice(own, own, orders.n),
+        ]
+    }
+
+    /// The right and the left vector of an eigenvalue, in the basis of the origin, with an error of third order.
+    pub(super) fn vectors(
+        &self,
+        orders: &Orders<'_>,
+        eigenvalue: Eigenvalue,
+        monomials: &Monomials,
+    ) -> Option<[DVector<Complex<f64>>; 2]> {
+        let [right, left] = self.own_vectors(orders, eigenvalue)?;
+        let vector = |side: &Side, own: &DVector<Complex<f64>>| {
+            let mut columns = vec![Complex::from(0.0); side.vectors[0].width()];
+            let all = 0..columns.len();
+            side.vectors[0].add_to(&mut columns, all.clone(), &monomials.first);
+            side.vectors[1].add_to(&mut columns, all, &monomials.second);
+            let count = columns.len() / self.modes.len();
+            let mut vector = ComplexMatrix::from_vec(count, self.modes.len(), columns) * own;
+            self.modes.iter().zip(own.iter()).for_each(|(&mode, value)| vector[mode] += value);
+            vector
+        };
+        Some([vector(&self.sides[0], &right), vector(&self.sides[1], &left)])
+    }
+
+    /// The vectors of an eigenvalue of the pencil `P - lambda N` from both sides, by inverse iteration.
+    fn own_vectors(&self, orders: &Orders<'_>, eigenvalue: Eigenvalue) -> Option<[DVector<Complex<f64>>; 2]> {
+        let own = self.modes.len();
+        let start = DVector::from_element(own, Complex::from(1.0));
+        if own == 1 {
+            return Some([start.clone(), start]);
+        }
+        let [p, n] = self.pencil(orders);
+        // Not exactly at the eigenvalue, where the matrix is singular.
+        let shifted = p - n * (eigenvalue * (1.0 + ROUNDING));
+        let iterate = |matrix: ComplexMatrix| {
+            let solver = matrix.lu();
+            let mut vector = start.clone();
+            for _ in 0..3 {
+                vector = solver.solve(&vector)?.normalize();
+            }
+            vector.iter().all(|value| value.re.is_finite() && value.im.is_finite()).then_some(vector)
+        };
+        Some([iterate(shifted.clone())?, iterate(shifted.transpose())?])
+    }
+}
+
+/// How far an eigenvalue of a group may move if P has an error: by the error times the condition of an isolated one, and at
+/// most by the root that belongs to the size of the group (L. Elsner, Linear Algebra Appl. 71 (1985) 77).
+fn radius(eigenvalues: &[Eigenvalue], i: usize, spread: f64, error: f64) -> f64 {
+    if error == 0.0 {
+        return 0.0;
+    }
+    let own = eigenvalues.len();
+    let most = root(error, own) * (2.0 * spread + error) / root(2.0 * spread + error, own);
+    let others = eigenvalues.iter().enumerate().filter(|(j, _)| *j != i);
+    let isolation = others.map(|(_, other)| magnitude(eigenvalues[i] - other)).fold(f64::INFINITY, f64::min);
+    let condition = (1..own).fold(1.0, |condition, _| condition * (1.0 + 2.0 * spread / isolation));
+    let linear = 2.0 * error * condition;
+    if linear < 0.25 * isolation { linear.min(most) } else { most }
+}
+
+/// The root of a quadratic form.
+fn norm(form: &DMatrix<f64>, values: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for (column, value) in form.column_iter().zip(values) {
+        sum += value * column.iter().zip(values).map(|(entry, value)| entry * value).sum::<f64>();
+    }
+    sum.max(0.0).sqrt()
+}
+
+/// `value^(1/n)`.
+fn root(value: f64, n: usize) -> f64 {
+    if value > 0.0 && value.is_finite() { libm::exp(libm::log(value) / n as f64) } else { value }
+}

@@ -1,0 +1,90 @@
+//! Problems of two coordinates: their eigenvalues as the roots of the characteristic polynomial.
+//!
+//! ```text
+//! det(lambda^2 + lambda C + K) = lambda^4 + a3 lambda^3 + a2 lambda^2 + a1 lambda + a0
+//! a3 = tr C,  a2 = tr K + det C,  a1 = c11 k22 + c22 k11 - c12 k21 - c21 k12,  a0 = det K
+//! ```
+//!
+//! The roots without damping, from the quadratic equation for `lambda^2`, are made exact by the method of Weierstrass, whose
+//! corrections W also bound the error: the discs of radius `4 |W|` hold all roots, and one that meets no other holds one
+//! (B. T. Smith, J. ACM 17 (1970) 661).
+
+use nalgebra::Complex;
+
+use super::quadratic::DenseQuadratic;
+use super::region::{magnitude, square_root};
+use crate::numerics::eigenvalues::Eigenvalue;
+
+/// Corrections after which the iteration is given up: next to multiple roots, and with strong damping.
+const MOST_STEPS: usize = 12;
+
+/// Corrections at which roots are taken, in parts of the largest.
+const CONVERGED: f64 = 1e-13;
+
+/// The rounding of the polynomial, in parts of the sum of its terms without their signs.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// The four eigenvalues of a problem of two coordinates, each with its radius; `None` where they are not told so.
+pub(super) fn eigenvalues(problem: &DenseQuadratic, coefficients: &[f64]) -> Option<[(Eigenvalue, f64); 4]> {
+    if problem.size() != 2 {
+        return None;
+    }
+    let [c, k] = problem.entries_of_two(coefficients);
+    let absolute = |entries: [f64; 4]| entries.map(f64::abs);
+    // Of entries in the order 11, 21, 12, 22; `sign` is that of products across.
+    let polynomial = |c: [f64; 4], k: [f64; 4], sign: f64| {
+        let determinant = |m: [f64; 4]| m[0] * m[3] + sign * m[1] * m[2];
+        let mixed = c[0] * k[3] + c[3] * k[0] + sign * (c[2] * k[1] + c[1] * k[2]);
+        [determinant(k), mixed, k[0] + k[3] + determinant(c), c[0] + c[3]]
+    };
+    let a = polynomial(c, k, -1.0);
+    let sizes = polynomial(absolute(c), absolute(k), 1.0);
+    let half = Complex::from(-0.5 * a[2]);
+    let root = square_root(half * half - a[0]);
+    let starts = [half + root, half - root].map(square_root);
+    let mut roots = [starts[0], -starts[0], starts[1], -starts[1]];
+    for _ in 0..MOST_STEPS {
+        let largest = roots.iter().map(|root| magnitude(*root)).fold(0.0, f64::max);
+        let corrections: [(Complex<f64>, f64); 4] = std::array::from_fn(|i| {
+            let z = roots[i];
+            let value = (((z + a[3]) * z + a[2]) * z + a[1]) * z + a[0];
+            let size = magnitude(z);
+            let rounding = ((((size + sizes[3]) * size + sizes[2]) * size + sizes[1]) * size + sizes[0]) * ROUNDING;
+            let others = (0..4).filter(|j| *j != i);
+            let product = others.fold(Complex::from(1.0), |product, j| product * (z - roots[j]));
+            (value / product, rounding / magnitude(product))
+        });
+        if !corrections.iter().all(|(correction, rounding)| correction.re.is_finite() && rounding.is_finite()) {
+            return None;
+        }
+        if corrections.iter().all(|(correction, rounding)| magnitude(*correction) <= CONVERGED * largest + rounding) {
+            let radius = |i: usize| 4.0 * (magnitude(corrections[i].0) + corrections[i].1);
+            return Some(std::array::from_fn(|i| (roots[i], radius(i))));
+        }
+        roots.iter_mut().zip(corrections).for_each(|(root, (correction, _))| *root -= correction);
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::matrices::trial::{Numbers, problem};
+
+    #[test]
+    fn discs_hold_the_eigenvalues() {
+        let mut told = 0;
+        for seed in (0..4000).map(|i| 8 * i + 1) {
+            let (problem, mut coefficients, _) = problem(seed);
+            let mut numbers = Numbers(seed);
+            coefficients.iter_mut().for_each(|value| *value *= 1.0 + numbers.next());
+            let Some(found) = eigenvalues(&problem, &coefficients) else { continue };
+            told += 1;
+            for exact in problem.at(&coefficients).eigenvalues().unwrap() {
+                let is_inside = |(value, radius): &(Eigenvalue, f64)| magnitude(value - exact) <= radius + 1e-10;
+                assert!(found.iter().any(is_inside), "problem {seed}: {exact} {found:?}");
+            }
+        }
+        assert!(told > 3000, "{told}");
+    }
+}
