@@ -14,6 +14,12 @@
 //! error, `Y2 (lambda_r - lambda_c) X2` with the vectors of second order, is bounded by their norms, which are known for
 //! every delta, and what follows it by the ratio of the orders.
 //!
+//! These norms add what largely cancels, so the bound is often a thousand times the error. Where it does not decide, the
+//! vectors themselves, of second order from both sides, give an eigenvalue with an error of sixth order: the root of
+//! `y^T Q(lambda) x` with the matrices of the sample. How far that may be off is estimated from three quantities that do not
+//! vanish together: its distance from the eigenvalue of the series, and the terms of second and of third order, brought to
+//! the sixth by the ratio of the vectors.
+//!
 //! Modes far from the region are not followed; how far changes may go before one comes near is measured
 //! ([`far`](super::far)).
 
@@ -44,6 +50,9 @@ const REACH: f64 = 4.0;
 
 /// Changing coefficients up to which there is a series: beyond, it costs more than it saves.
 const MOST_COEFFICIENTS: usize = 24;
+
+/// Numbers in the vectors of a series at most, so that it takes no more than 0.25 GiB.
+const MOST_NUMBERS: usize = 1 << 24;
 
 /// The modes near a region, followed from an origin.
 pub(super) struct ModeSeries {
@@ -82,6 +91,10 @@ impl ModeSeries {
         let largest = all.eigenvalues.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
         let highest = regions.iter().map(|region| region.highest.min(largest)).fold(0.0, f64::max);
         let near: Vec<usize> = (0..distances.len()).filter(|&mode| distances[mode] <= FOLLOWED * highest).collect();
+        let monomials = changing.len() * (changing.len() + 3) / 2;
+        if near.len() * 2 * all.eigenvalues.len() * monomials > MOST_NUMBERS {
+            return None;
+        }
         let mut series = Self {
             origin: origin.to_vec(),
             changing: changing.to_vec(),
