@@ -28,6 +28,7 @@ pub fn report(directory: &RunDirectory, job: &Job, surface: &Surface<'_>, limits
         without_verdict(&summary),
         looked_up(job, &summary),
         distrusted(job, &summary),
+        job.reduction().map_or_else(String::new, |reduction| reduction.sentence() + "\n"),
     ]
     .concat();
     result(&format!("{}{}{line}{notes}", picture(surface), wrapped(&answer(job, &summary.estimates))))?;

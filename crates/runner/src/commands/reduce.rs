@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
-use std::fmt::Write as _;
 use std::slice;
 use std::sync::Arc;
 
@@ -12,13 +11,12 @@ use stickslip_core::models::matrices::error::Error;
 use stickslip_core::models::matrices::full::audit::missing;
 use stickslip_core::models::matrices::full::band::{Band, KrylovLimit};
 use stickslip_core::models::matrices::full::quadratic::Coefficients;
-use stickslip_core::models::matrices::full::reduction::{Recipe, Reduced, Reduction};
+use stickslip_core::models::matrices::full::reduction::{Recipe, Reduced, Reduction as Basis};
 use stickslip_core::models::matrices::model::MatrixModel;
 use stickslip_core::models::matrices::problem::Problem;
 use stickslip_core::models::matrices::quadratic::DenseQuadratic;
 use stickslip_core::models::matrices::region::{Region, excess};
 use stickslip_sampler::draw::deviates::Points;
-use stickslip_sampler::estimate::interval::{BinomialInterval, IntervalKind};
 
 use super::modes::JobModes;
 use crate::cli::ReduceArguments;
@@ -26,6 +24,7 @@ use crate::evaluate::samples::Drawing;
 use crate::export::mat;
 use crate::failure::Failure;
 use crate::files::publish::{publish, publish_first};
+use crate::job::reduction::Reduction;
 use crate::job::{Job, JobSource, with_full_matrices, with_reduced_matrices};
 use crate::output::{counted, note, output_file, result, warn};
 use crate::version::VERSION;
@@ -38,9 +37,6 @@ const MODES_UP_TO: f64 = 2.0;
 
 /// A mode of the full matrices is missing if no reduced eigenvalue is as near as this, relative to it.
 const TOLERANCE: f64 = 0.01;
-
-/// Confidence of the share of verdicts that differ.
-const CONFIDENCE: f64 = 0.95;
 
 /// `stickslip reduce`.
 pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
@@ -83,8 +79,8 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
     ));
     let reduction = matrices.reduction(&recipe, KrylovLimit::default()).map_err(failed)?;
     let reduced = matrices.reduced(&reduction.basis);
-    let audited = Audit::new(&job, model, &reduced, *audit).map_err(failed)?;
-    let text = described(&reduction, &points, &audited);
+    let found = Audit::new(&job, model, &reduced, *audit).map_err(failed)?.found(size);
+    let text = described(&reduction, &points) + &found.text();
 
     let mut mat = Vec::new();
     mat::write_matrices(&named_matrices(&reduced), &mut mat)
@@ -93,11 +89,11 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let head = format!("# The job {file}, its matrices reduced by stickslip {VERSION}:\n{head}\n");
     publish(&directory, &mat_name, &mat)?;
-    let job_text = format!("{head}{}", with_reduced_matrices(&source.text, &mat_name));
+    let job_text = format!("{head}{}", with_reduced_matrices(&source.text, &mat_name, &found));
     if !publish_first(&directory, &name, job_text.as_bytes())? {
         return Err(Failure::Usage(format!("{} appeared meanwhile; name another file", named.display())));
     }
-    warn(audited.warnings());
+    warn(found.warnings());
     result(&format!("{text}{}\n{}\n", named.display(), named.with_file_name(&mat_name).display()))
 }
 
@@ -146,17 +142,14 @@ fn named_matrices(reduced: &Reduced) -> Vec<(String, &DMatrix<f64>)> {
     names.into_iter().zip(matrices).collect()
 }
 
-/// What the reduction was made of and what it costs.
-fn described(reduction: &Reduction, points: &[Vec<f64>], audit: &Audit) -> String {
-    let Reduction { basis, from_pairs, from_statics, from_modes } = reduction;
-    let mut text = format!(
+/// What the basis was made of.
+fn described(basis: &Basis, points: &[Vec<f64>]) -> String {
+    let Basis { basis, from_pairs, from_statics, from_modes } = basis;
+    format!(
         "{} vectors: {from_pairs} from eigenvectors at {}, {from_statics} from static answers to friction, {from_modes} from modes\n",
         basis.ncols(),
         counted(points.len() as u128, "parameter point", "parameter points"),
-    );
-    // Writing to a string cannot fail.
-    let _ = write!(text, "{}", audit.text());
-    text
+    )
 }
 
 /// The reduced matrices against the full ones, at samples of the first cell.
@@ -217,41 +210,14 @@ impl Audit {
         Ok(())
     }
 
-    fn text(&self) -> String {
-        let Self { samples, different, difference, missing } = self;
-        if *samples == 0 {
-            return "no audit on the full matrices (--audit 0)\n".to_owned();
+    fn found(self, degrees_of_freedom: usize) -> Reduction {
+        Reduction {
+            degrees_of_freedom: degrees_of_freedom as u64,
+            audited: self.samples,
+            differed: self.different,
+            // To two digits.
+            damping_ratio_difference: format!("{:.1e}", self.difference).parse().unwrap_or(self.difference),
+            missing: self.missing.iter().filter_map(|frequency| frequency.parse().ok()).collect(),
         }
-        let (_, most) = BinomialInterval::new(IntervalKind::ClopperPearson, CONFIDENCE).bounds(*different, *samples);
-        let lost = match missing.len() {
-            0 => "no mode of the bands is missing".to_owned(),
-            number => format!("missing {}: {} Hz", counted(number as u128, "mode", "modes"), listed(missing)),
-        };
-        format!(
-            "audit on the full matrices at {samples} samples:\n  {different} verdicts differ (with {} % confidence at most {:.1} % of all)\n  the least damping ratio differs by up to {difference:.1e}\n  {lost}\n",
-            100.0 * CONFIDENCE,
-            100.0 * most
-        )
     }
-
-    fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
-        if !self.missing.is_empty() {
-            warnings.push(format!(
-                "the basis misses modes of the bands that the full matrices have: {} Hz; give more --vectors",
-                listed(&self.missing)
-            ));
-        }
-        if self.different > 0 {
-            warnings.push(format!(
-                "{} of {} verdicts are other ones on the full matrices; give more --vectors, or decide samples with criterion.matrices = \"full\"",
-                self.different, self.samples
-            ));
-        }
-        warnings
-    }
-}
-
-fn listed(frequencies: &BTreeSet<String>) -> String {
-    frequencies.iter().take(10).cloned().collect::<Vec<_>>().join(", ")
 }

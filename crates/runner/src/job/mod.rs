@@ -34,6 +34,8 @@ mod scatter;
 
 mod random;
 
+pub mod reduction;
+
 mod model;
 
 mod axes;

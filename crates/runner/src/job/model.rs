@@ -20,6 +20,7 @@ use super::axes_spec::{AxesSpec, AxisEntry};
 use super::diagnosis::{Complaint, Complaints};
 use super::keys::nearest;
 use super::random::RandomInputSet;
+use super::reduction::Reduction;
 use super::spec::JobSpec;
 
 /// What happens to samples outside the model, as [`Configuration::outside`] finds them.
@@ -86,6 +87,11 @@ pub trait JobModel: Debug + Send + Sync {
 
     /// The model given by matrices, for what is about its modes.
     fn as_matrices(&self) -> Option<&MatrixModel> {
+        None
+    }
+
+    /// What its reduction from a larger model costs, where it was reduced.
+    fn reduction(&self) -> Option<&Reduction> {
         None
     }
 

@@ -19,6 +19,7 @@ use super::limit_request::LimitRequest;
 use super::method::{Answer, MapUse, Sampling};
 use super::model::{JobModel, OutsidePhysics};
 use super::random::RandomInputSet;
+use super::reduction::Reduction;
 use super::sampling_numbers::Effort;
 use super::sampling_spec::Audit;
 use crate::failure::Failure;
@@ -318,6 +319,11 @@ impl Job {
         let mut warnings = self.model.warnings(&self.grid, &self.random);
         warnings.extend(self.random.warnings(self.model().quantities(), &self.grid));
         warnings
+    }
+
+    /// What the reduction of the model costs, where it was reduced.
+    pub fn reduction(&self) -> Option<&Reduction> {
+        self.model.reduction()
     }
 
     /// Whether the settled amplitude is recorded.

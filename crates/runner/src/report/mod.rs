@@ -20,6 +20,7 @@ use stickslip_sampler::estimate::interval::Estimate;
 pub use self::comparison::{ComparedCell, Comparison};
 pub use self::run::ReportedRun;
 use crate::failure::Failure;
+use crate::job::reduction::Reduction;
 use crate::output::quoted;
 use crate::picture::answer::answer;
 use crate::version::VERSION;
@@ -99,7 +100,14 @@ fn answered(run: &ReportedRun, has_name: bool) -> String {
     heading(run, has_name)
         + &element("p", "class=\"note\"", &job.description)
         + &element("p", "class=\"answer\"", answer(job, &estimates).trim_end())
+        + &job.reduction().map_or_else(String::new, |reduction| element("p", "class=\"note\"", &reduced(reduction)))
         + &job.warnings().iter().map(|warning| warned(warning)).collect::<String>()
+}
+
+/// What a reduction costs as a sentence.
+fn reduced(reduction: &Reduction) -> String {
+    let sentence = reduction.sentence();
+    format!("T{}.", sentence.strip_prefix('t').unwrap_or(&sentence))
 }
 
 /// A warning as a sentence.

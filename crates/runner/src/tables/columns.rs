@@ -15,6 +15,7 @@ use stickslip_sampler::inputs::{Marginal, PairParameter};
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::SumLayout;
 use crate::files::table::{column, integers};
+use crate::job::reduction::Reduction;
 use crate::job::{Answer, Job, MapUse};
 use crate::tables::cell_columns::{CellColumn, names_of_pair, shown, stds_of};
 use crate::tables::row::SurfaceRow;
@@ -81,6 +82,9 @@ pub fn for_job(job: &Job, layout: SumLayout) -> Vec<Column> {
     }
     if layout.lookups() || job.sampling.is_audited {
         columns.extend(lookup_columns());
+    }
+    if let Some(reduction) = job.reduction() {
+        columns.extend(reduction_columns(reduction, job.sampling.confidence));
     }
     if layout.sources() {
         columns.extend(source_columns(job.model(), layout));
@@ -206,6 +210,28 @@ fn lookup_columns() -> Vec<Column> {
             "p_audit",
             "largest share of wrong looked-up verdicts that the audit does not exclude; p_low and p_high contain it",
             |row| row.unaudited,
+        ),
+    ]
+}
+
+/// Columns of jobs whose model was reduced from a larger one.
+fn reduction_columns(reduction: &Reduction, confidence: f64) -> Vec<Column> {
+    let (audited, differed, share) = (reduction.audited, reduction.differed, reduction.largest_share(confidence));
+    vec![
+        Column::integer(
+            "n_reduction_audited",
+            "samples that the full matrices decided as well, before the job",
+            move |_| audited,
+        ),
+        Column::integer(
+            "n_reduction_differed",
+            "samples of these whose verdict differs on the full matrices",
+            move |_| differed,
+        ),
+        Column::real(
+            "p_reduction",
+            "largest share of verdicts that differ on the full matrices which this audit does not exclude; p_low and p_high do not contain it",
+            move |_| share,
         ),
     ]
 }

@@ -205,11 +205,9 @@ fn radius(eigenvalues: &[Eigenvalue], i: usize, spread: f64, error: f64) -> f64 
 
 /// The root of a quadratic form.
 fn norm(form: &DMatrix<f64>, values: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for (column, value) in form.column_iter().zip(values) {
-        sum += value * column.iter().zip(values).map(|(entry, value)| entry * value).sum::<f64>();
-    }
-    sum.max(0.0).sqrt()
+    let columns = form.as_slice().chunks_exact(values.len().max(1));
+    let of_column = |column: &[f64]| column.iter().zip(values).map(|(entry, value)| entry * value).sum::<f64>();
+    columns.zip(values).map(|(column, value)| value * of_column(column)).sum::<f64>().max(0.0).sqrt()
 }
 
 /// `value^(1/n)`.

@@ -69,9 +69,17 @@ impl Region {
         if size == 0.0 {
             return 0.0;
         }
-        let angle = |ratio: f64| libm::asin(ratio.clamp(-1.0, 1.0));
-        let between = angle(damping_ratio(eigenvalue)) - angle(self.damping_ratio - RESOLUTION);
-        if between >= std::f64::consts::FRAC_PI_2 { size } else { size * libm::sin(between.max(0.0)) }
+        // Sine and cosine of the angle between both, whose sines are the damping ratios.
+        let [own, threshold] =
+            [damping_ratio(eigenvalue), self.damping_ratio - RESOLUTION].map(|ratio| ratio.clamp(-1.0, 1.0));
+        let cosine_of = |sine: f64| ((1.0 - sine) * (1.0 + sine)).sqrt();
+        let sine = own * cosine_of(threshold) - threshold * cosine_of(own);
+        let cosine = cosine_of(own) * cosine_of(threshold) + own * threshold;
+        match (sine > 0.0, cosine > 0.0) {
+            (true, true) => size * sine,
+            (true, false) => size,
+            (false, _) => 0.0,
+        }
     }
 
     /// Whether an eigenvalue that lies at most `radius` from this one is surely unstable (`Some(true)`), surely not, or

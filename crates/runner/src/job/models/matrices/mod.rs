@@ -26,6 +26,7 @@ use crate::job::model::{
 };
 use crate::job::random::RandomInputSet;
 use crate::job::reading;
+use crate::job::reduction::Reduction;
 
 pub mod terms;
 
@@ -257,6 +258,15 @@ impl Draft for MatrixDraft {
             complaints.push(Complaint::at(ratio.span(), message));
             return None;
         }
+        if let Some(reduction) = &self.tables.model.reduction
+            && reduction.get_ref().differed > reduction.get_ref().audited
+        {
+            let Reduction { audited, differed, .. } = reduction.get_ref();
+            let message =
+                format!("model.reduction.differed = {differed} is out of range: {audited} samples were audited");
+            complaints.push(Complaint::at(reduction.span(), message));
+            return None;
+        }
         let solved = spec.matrices.as_ref().map(|matrices| (*matrices.get_ref(), matrices.span()));
         let read = self.model.filter(|_| self.is_whole)?;
         let grid = grid?;
@@ -355,6 +365,7 @@ impl JobModel for MatrixJob {
             damping: terms(&self.tables.damping),
             stiffness: terms(&self.tables.stiffness),
             parameters: self.model.matrices().parameters.iter().enumerate().map(of_parameter).collect(),
+            reduction: self.tables.reduction.clone(),
         });
         model.insert("kind".to_owned(), KIND.name.into());
         let ComplexEigenvalue { bands, damping_ratio } = self.model.criterion();
@@ -372,6 +383,7 @@ impl JobModel for MatrixJob {
 
     fn warnings(&self, grid: &Grid, _: &RandomInputSet) -> Vec<String> {
         let mut warnings = self.warnings.clone();
+        warnings.extend(self.reduction().map(Reduction::warnings).unwrap_or_default());
         warnings.extend(checks::warnings(&self.model, self.modes(grid)));
         warnings
     }
@@ -383,6 +395,10 @@ impl JobModel for MatrixJob {
 
     fn as_matrices(&self) -> Option<&MatrixModel> {
         Some(&self.model)
+    }
+
+    fn reduction(&self) -> Option<&Reduction> {
+        self.tables.reduction.as_ref().map(Spanned::get_ref)
     }
 
     fn freeze(&self, document: &mut DocumentMut) -> String {

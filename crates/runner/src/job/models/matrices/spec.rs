@@ -8,6 +8,7 @@ use toml::Spanned;
 
 use super::terms::{TermSpec, TermsSpec};
 use crate::job::model::OutsidePhysics;
+use crate::job::reduction::Reduction;
 
 /// A model given by matrices, M q'' + C(p) q' + K(p) q = 0: `kind = "matrices"`.
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
@@ -28,6 +29,10 @@ pub struct MatrixModelSpec {
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, ParameterSpec>", extend("default" = {}))]
     pub parameters: BTreeMap<Spanned<String>, Spanned<ParameterSpec>>,
+    /// How these matrices compare with the full ones that they were reduced from; `stickslip reduce` writes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Reduction>")]
+    pub reduction: Option<Spanned<Reduction>>,
 }
 
 /// The expected value of a parameter, or more about it.

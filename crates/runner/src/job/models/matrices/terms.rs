@@ -18,6 +18,7 @@ use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use crate::job::diagnosis::Complaint;
 use crate::job::model::written;
+use crate::job::reduction::Reduction;
 use crate::matrix_files::{self, ReadMatrix};
 
 /// A matrix times a factor: `{ file = "brake.mat", matrix = "K1", factor = "friction / speed" }`, or `matrix = [[2, -1], [-1,
@@ -311,7 +312,8 @@ pub fn with_full_matrices(text: &str) -> String {
 }
 
 /// The text of a job whose matrices are those of a file: M, C1, C2, ..., K1, K2, ..., in the order of its terms, with their factors.
-pub fn with_reduced_matrices(text: &str, file: &str) -> String {
+/// What the reduction costs stands beside them.
+pub fn with_reduced_matrices(text: &str, file: &str, reduction: &Reduction) -> String {
     let Ok(mut document) = text.parse::<DocumentMut>() else { return text.to_owned() };
     for_each_written(&mut document, |key, number, term| {
         let name = match key {
@@ -326,6 +328,12 @@ pub fn with_reduced_matrices(text: &str, file: &str) -> String {
     });
     if let Some(criterion) = document.get_mut("criterion").and_then(Item::as_table_like_mut) {
         criterion.remove("matrices");
+    }
+    if let Some(model) = document.get_mut("model").and_then(Item::as_table_like_mut)
+        && let Ok(table) = toml::to_string(reduction)
+        && let Ok(table) = table.parse::<DocumentMut>()
+    {
+        model.insert("reduction", Item::Table(table.as_table().clone()));
     }
     document.to_string()
 }
