@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import datetime
 import os
+import tempfile
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any, SupportsInt, Union
 
 import tomli_w
+
+from ._matrices import with_files
 
 #: A path, with ``~`` for the home directory. A :class:`Run` is one, too: that of its directory.
 PathLike = Union[str, "os.PathLike[str]"]
@@ -23,10 +27,16 @@ def expanded(path: PathLike) -> str:
     return os.path.join(".", text) if text.startswith("-") else text
 
 
-def as_argument(job: Job) -> tuple[str, str | None]:
-    """The argument for a job, and what goes to standard input."""
+@cache
+def _passing() -> tempfile.TemporaryDirectory[str]:
+    """A folder for matrices that no run keeps. It is removed when Python ends."""
+    return tempfile.TemporaryDirectory(prefix="stickslip-")
+
+
+def as_argument(job: Job, folder: Path | None = None) -> tuple[str, str | None]:
+    """The argument for a job, and what goes to standard input. Its matrices go to files in the folder, if one is given."""
     if isinstance(job, Mapping):
-        return "-", to_toml(job)
+        return "-", to_toml(with_files(job, folder or Path(_passing().name)))
     if isinstance(job, str) and "\n" in job:
         raise TypeError("a str is the path of a job; its text is read by tomllib.loads(text)")
     if isinstance(job, (str, os.PathLike)):
