@@ -319,9 +319,4 @@ impl Job {
         warnings.extend(self.random.warnings(self.model().quantities(), &self.grid));
         warnings
     }
-
-    /// Whether the settled amplitude is recorded.
-    pub fn records_amplitude(&self) -> bool {
-        self.model().records_amplitude()
-    }
 }
