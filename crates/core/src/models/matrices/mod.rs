@@ -34,6 +34,8 @@ pub mod full;
 
 pub mod problem;
 
+pub mod recorded;
+
 mod samples;
 
 pub mod model;
