@@ -76,7 +76,7 @@ fn amplitudes_are_in_metres() {
     assert!((0.5 * 0.3 * 10.0..0.7 * 10.0).contains(&mean), "{mean}");
     place.run("report runs/belt").done();
     let report = std::fs::read_to_string(place.path("runs/belt/report.html")).unwrap();
-    assert!(report.contains("\"thickness_mm\":1000"), "amplitudes in m are shown in mm");
+    assert!(report.contains("\"scale\":1000") && report.contains("\"unit\":\"mm\""), "amplitudes in m are shown in mm");
 }
 
 #[test]

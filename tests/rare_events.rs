@@ -295,7 +295,7 @@ fn weights_are_refused_where_they_do_not_apply() {
         ),
         (EIGENVALUE, BOTH, "method = \"importance\"\nuntil = { relative = 0.1 }", &["until has no meaning"]),
         (EIGENVALUE, BOTH, "method = \"subset\"\nrandomisations = 1", &["randomisations = 1", "at least 2"]),
-        (recorded, BOTH, "method = \"subset\"", &["records no amplitudes", "criterion.record"]),
+        (recorded, BOTH, "method = \"subset\"", &["records nothing of its samples", "criterion.record"]),
     ] {
         place.write("job.toml", &job("job", criterion, random, sampling));
         place.run("check job.toml").refused(65, texts);

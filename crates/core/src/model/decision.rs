@@ -1,5 +1,6 @@
 //! What a model returns for a sample.
 
+use crate::model::recorded::{NOTHING, RecordedValues};
 use crate::model::verdict::Verdict;
 
 /// What may feed an unstable motion.
@@ -16,8 +17,8 @@ pub struct Source {
 pub struct Decision {
     /// The verdict.
     pub verdict: Verdict,
-    /// Settled amplitude of an unstable motion, if the model records it.
-    pub amplitude: Option<f64>,
+    /// What is recorded of it, in the order of [`Model::recorded`](super::Model::recorded).
+    pub recorded: RecordedValues,
     /// Time that was simulated, in the time scale of the model; 0 where linear stability decides.
     pub time: f64,
     /// What feeds an unstable motion, by its place in [`Model::sources`](super::Model::sources).
@@ -27,14 +28,14 @@ pub struct Decision {
 impl From<Verdict> for Decision {
     /// A verdict for which nothing was simulated.
     fn from(verdict: Verdict) -> Self {
-        Self { verdict, amplitude: None, time: 0.0, fed_by: None }
+        Self { verdict, recorded: NOTHING, time: 0.0, fed_by: None }
     }
 }
 
 impl Decision {
     /// Of a sample outside the model, which is stable by definition.
     pub(crate) const OUTSIDE_PHYSICS: Self =
-        Self { verdict: Verdict::Stable, amplitude: None, time: 0.0, fed_by: None };
+        Self { verdict: Verdict::Stable, recorded: NOTHING, time: 0.0, fed_by: None };
     /// Of a sample whose computation broke down.
-    pub(crate) const FAILED: Self = Self { verdict: Verdict::Failed, amplitude: None, time: 0.0, fed_by: None };
+    pub(crate) const FAILED: Self = Self { verdict: Verdict::Failed, recorded: NOTHING, time: 0.0, fed_by: None };
 }

@@ -16,7 +16,7 @@
 //! | a limit state of samples | [`Configuration::limit_states`] | rare events by design points |
 //! | frequencies of unstable samples | [`Configuration::unstable_frequencies`] | which modes make the probability |
 //! | a map of verdicts over two quantities | [`Configuration::map_origin`] | samples that are looked up, integrals |
-//! | the settled amplitude beside the verdict | [`Model::records_amplitude`] | distributions of it |
+//! | continuous results beside the verdict | [`Model::recorded`] | distributions of them |
 //!
 //! A model of a few lines, whose samples are unstable beyond a threshold:
 //!
@@ -76,9 +76,12 @@ use self::critical_values::CriticalValues;
 use self::decision::{Decision, Source};
 use self::pair_boundary::PairBoundary;
 use self::quantity::{Quantity, Role};
+use self::recorded::RecordedResult;
 use self::verdict::VerdictCounts;
 
 pub mod verdict;
+
+pub mod recorded;
 
 pub mod decision;
 
@@ -132,8 +135,7 @@ pub trait Model: fmt::Debug + Send + Sync {
         ["stable", "unstable"]
     }
 
-    /// What settled amplitudes are over, in m, with these expected values of all quantities; `None` if they are no
-    /// lengths.
+    /// What recorded lengths are over, in m, with these expected values of all quantities; `None` if there are none.
     fn length_scale(&self, expected: &[f64]) -> Option<f64> {
         let _ = expected;
         None
@@ -150,14 +152,9 @@ pub trait Model: fmt::Debug + Send + Sync {
         [""; 2]
     }
 
-    /// What settled amplitudes are, and their unit.
-    fn amplitude(&self) -> [&'static str; 2] {
-        ["half peak to peak", "1"]
-    }
-
-    /// Whether decisions have the settled amplitude of unstable motions.
-    fn records_amplitude(&self) -> bool {
-        false
+    /// What decisions have beside the verdict, [`MOST_RECORDED`](recorded::MOST_RECORDED) at most.
+    fn recorded(&self) -> &[RecordedResult] {
+        &[]
     }
 
     /// Whether its configurations have [`ClosedForm`].

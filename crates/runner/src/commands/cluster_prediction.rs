@@ -6,12 +6,11 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use stickslip_core::model::verdict::VerdictCounts;
-use stickslip_sampler::estimate::distribution::Distribution;
 use tempfile::TempDir;
 
 use crate::evaluate::parts::Parts;
 use crate::evaluate::sums::SumLayout;
-use crate::evaluate::unit::FinishedUnit;
+use crate::evaluate::unit::{FinishedUnit, Recorded};
 use crate::failure::Failure;
 use crate::files::folder::Folder;
 use crate::job::Job;
@@ -118,7 +117,7 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
         let samples = parts.max_samples(0).clamp(1, parts.unit_samples());
         let counts = VerdictCounts { stable: samples / 2, unstable: samples - samples / 2, ..Default::default() };
         let part = parts.in_cell(cell).start;
-        FinishedUnit { part, samples: 0..samples, counts, amplitudes: Distribution::default(), sums: layout.zeros() }
+        FinishedUnit { part, samples: 0..samples, counts, recorded: Recorded::default(), sums: layout.zeros() }
     };
     let units: Vec<FinishedUnit> = (0..parts.cells().min(MOST_UNITS)).map(unit).collect();
     let experiment = job.experiment_hash();
@@ -138,7 +137,7 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
     piece::write(&many, &experiment, &units)?;
     let mut read = |folder: &Folder| {
         quickest(TRIES, || {
-            piece::read_all(folder, &experiment, |_| true, layout.count(), &mut |unit| {
+            piece::read_all(folder, &experiment, |_| true, &mut |unit| {
                 tally.clear(unit.part);
                 tally.add(&unit);
                 Ok(())

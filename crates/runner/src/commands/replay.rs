@@ -130,6 +130,13 @@ fn facts(
         }
     }
     let verdict = sample.decision.verdict;
+    // The motion of a pad shows its own.
+    if job.model.as_pad().is_none() {
+        for (result, value) in job.model().recorded().iter().zip(sample.decision.recorded) {
+            let unit = if result.unit == "1" { "" } else { result.unit };
+            value.into_iter().for_each(|value| facts.add_with_unit(result.name, result.noun, value, unit));
+        }
+    }
     let in_run = if is_counted { name(sample.looked_up.unwrap_or(verdict)) } else { "not counted yet" };
     facts.add("verdict_in_run", in_run);
     if let Some(looked_up) = sample.looked_up {

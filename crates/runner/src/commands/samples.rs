@@ -210,11 +210,10 @@ impl DrawnSamples {
             let meaning = format!("what feeds an unstable sample: {} or {}", others.join(", "), last.name);
             columns.push(column("fed_by", "1", &meaning, TableValues::Word(decisions.iter().map(name).collect())));
         }
-        if job.records_amplitude() {
-            let [what, unit] = job.model().amplitude();
-            let meaning = format!("settled amplitude of an unstable sample, {what}");
-            let amplitudes = decisions.iter().map(|decision| decision.amplitude).collect();
-            columns.push(column("amplitude", unit, &meaning, TableValues::Real(amplitudes)));
+        for (place, result) in job.model().recorded().iter().enumerate() {
+            let meaning = format!("{} of {}, {}", result.noun, result.of.nouns()[0], result.meaning);
+            let values = decisions.iter().map(|decision| decision.recorded[place]).collect();
+            columns.push(column(result.name, result.unit, &meaning, TableValues::Real(values)));
         }
         columns
     }

@@ -9,12 +9,12 @@ use std::ops::Range;
 
 use stickslip_core::model::Columns;
 use stickslip_core::model::decision::Decision;
+use stickslip_core::model::recorded::RecordedOf;
 use stickslip_core::model::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::draw::deviates::{CHUNK_SAMPLES, Points};
 use stickslip_sampler::draw::identity::BLOCK_SAMPLES;
 use stickslip_sampler::estimate::audit;
 use stickslip_sampler::estimate::conditional::ProbabilitySums;
-use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::grid::Cell;
 use stickslip_sampler::rare::points::{Integrand, Points as DeviatePoints};
 
@@ -25,7 +25,7 @@ use crate::evaluate::parts::Parts;
 use crate::evaluate::rare_events::RareEvents;
 use crate::evaluate::samples::{Drawing, Samples};
 use crate::evaluate::sums::{Lookups, SumLayout};
-use crate::evaluate::unit::FinishedUnit;
+use crate::evaluate::unit::{FinishedUnit, Recorded};
 use crate::evaluate::unstable_values::UnstableValuesOfInput;
 use crate::failure::Failure;
 use crate::job::{Audit, Effort, Job, OutsidePhysics};
@@ -170,8 +170,8 @@ impl<'a> Evaluator<'a> {
 
     /// A unit of which nothing is counted yet.
     pub(super) fn empty_unit(&self, part: u64, samples: Range<u64>) -> FinishedUnit {
-        let (counts, amplitudes) = (VerdictCounts::default(), Distribution::default());
-        FinishedUnit { part, samples, counts, amplitudes, sums: self.layout.zeros() }
+        let (counts, recorded) = (VerdictCounts::default(), Recorded::default());
+        FinishedUnit { part, samples, counts, recorded, sums: self.layout.zeros() }
     }
 
     /// Draws samples of the part at `place` in a cell, numbered within the part.
@@ -199,10 +199,11 @@ impl<'a> Evaluator<'a> {
         self.layout.add_outside_physics(&mut unit.sums, count as u64);
         for decision in decisions {
             unit.counts += decision.verdict.into();
-            if let (Verdict::Unstable, Some(amplitude), true) =
-                (decision.verdict, decision.amplitude, self.job.records_amplitude())
-            {
-                unit.amplitudes.add(amplitude);
+            let values = decision.recorded.into_iter().zip(self.job.model().recorded()).zip(&mut unit.recorded);
+            for ((value, result), distribution) in values {
+                if result.of == RecordedOf::All || decision.verdict == Verdict::Unstable {
+                    value.into_iter().for_each(|value| distribution.add(value));
+                }
             }
         }
         self.layout.add_sources(&mut unit.sums, decisions);
@@ -306,8 +307,8 @@ impl<'a> Evaluator<'a> {
             let decisions = self.decide(&place, chunk, &vec![true; chunk.len()], &mut lookups, is_stopped)?;
             decisions.iter().for_each(|decision| counts += decision.verdict.into());
         }
-        let (amplitudes, sums) = (Distribution::default(), lookups.sums().to_vec());
-        Some(FinishedUnit { part: cell, samples, counts, amplitudes, sums })
+        let (recorded, sums) = (Recorded::default(), lookups.sums().to_vec());
+        Some(FinishedUnit { part: cell, samples, counts, recorded, sums })
     }
 
     /// Simulates the first samples of a cell.

@@ -133,14 +133,14 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::unit::Recorded;
     use std::thread;
     use stickslip_core::model::verdict::VerdictCounts;
-    use stickslip_sampler::estimate::distribution::Distribution;
 
     fn counted(part: u64, samples: Range<u64>) -> FinishedUnit {
         let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
         let sums = vec![samples.clone().sum::<u64>().cast_signed()];
-        FinishedUnit { part, samples, counts, amplitudes: Distribution::default(), sums }
+        FinishedUnit { part, samples, counts, recorded: Recorded::default(), sums }
     }
 
     /// Works on two units, and asks for `control` at its turns.

@@ -35,8 +35,8 @@ pub enum Need {
     Inputs(usize),
     /// A standard deviation above 0.
     Scatter,
-    /// No amplitudes that are recorded.
-    NoAmplitude,
+    /// Nothing that is recorded.
+    NothingRecorded,
 }
 
 /// What has needs.
@@ -124,9 +124,8 @@ impl Need {
             Self::Scatter => inputs.scatters_nothing().then(|| {
                 "looks for rare events, and nothing scatters: all standard deviations of [random] are 0; give some above 0, or ".to_owned()
             }),
-            Self::NoAmplitude => {
-                model.records_amplitude().then(|| "records no amplitudes; remove criterion.record, or ".to_owned())
-            }
+            Self::NothingRecorded => (!model.recorded().is_empty())
+                .then(|| "records nothing of its samples; remove criterion.record, or ".to_owned()),
         }
     }
 }

@@ -83,7 +83,7 @@ impl SamplingSpec {
             asked.push(Asked {
                 what: "evaluate = \"boundary\"",
                 span: at_evaluate,
-                needs: &[Need::Pair, Need::PairAlone, Need::NoAmplitude],
+                needs: &[Need::Pair, Need::PairAlone, Need::NothingRecorded],
                 instead: "use evaluate = \"each\"",
             });
         }

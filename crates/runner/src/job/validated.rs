@@ -325,9 +325,4 @@ impl Job {
     pub fn reduction(&self) -> Option<&Reduction> {
         self.model.reduction()
     }
-
-    /// Whether the settled amplitude is recorded.
-    pub fn records_amplitude(&self) -> bool {
-        self.model().records_amplitude()
-    }
 }

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use stickslip_core::model::quantity::Quantity;
+use stickslip_core::model::recorded::RecordedResult;
 
 use super::expected::expected_behaviours;
 use crate::failure::Failure;
@@ -27,7 +28,7 @@ pub struct ReportedRun {
     pub path: String,
     /// Its probabilities.
     pub values: Values,
-    /// Its recorded amplitudes and Sobol indices, with their names.
+    /// Its recorded results and Sobol indices, with their names.
     further: Vec<FinishedColumn>,
     /// The picture of its verdict map, if it has a map that is complete.
     pub verdict_map: Option<Canvas>,
@@ -38,8 +39,8 @@ pub struct ReportedRun {
 /// Width of the picture of a verdict map, in pixels.
 const MAP_WIDTH: f64 = 700.0;
 
-/// Columns of amplitudes, in units of the disc's thickness.
-const AMPLITUDES: [&str; 4] = ["amplitude_mean", "amplitude_p05", "amplitude_p50", "amplitude_p95"];
+/// How the columns of a recorded result end that are shown.
+const SHOWN: [&str; 3] = ["_mean", "_p05", "_p95"];
 
 impl ReportedRun {
     /// Reads a finished run.
@@ -49,7 +50,11 @@ impl ReportedRun {
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let values = Values::read(path)?;
         let is_index = |name: &str| name.starts_with("first_order_") || name.starts_with("total_");
-        let further = FinishedSurface::open(path)?.columns(|name| AMPLITUDES.contains(&name) || is_index(name))?;
+        let recorded = values.job.model().recorded();
+        let is_recorded = |name: &str| {
+            recorded.iter().any(|result| name.strip_prefix(result.name).is_some_and(|rest| SHOWN.contains(&rest)))
+        };
+        let further = FinishedSurface::open(path)?.columns(|name| is_recorded(name) || is_index(name))?;
         let verdict_map = match values.job.uses_maps().then(|| VerdictMaps::read(path)) {
             Some(Ok(maps)) => Some(maps.figure(MAP_WIDTH)),
             Some(Err(why)) => {
@@ -104,9 +109,8 @@ impl ReportedRun {
             "colours": (0..levels.bands()).map(colour).collect::<Vec<_>>(),
             "interval_name": job.sampling.method.interval(&job.sampling),
             "expected": expected_behaviours(job),
-            "thickness_mm": length_scale_mm(job),
             "limits": self.limits(&view),
-            "amplitude": self.amplitude(),
+            "recorded": self.recorded(),
             "sensitivity": self.sensitivity(),
         })
     }
@@ -126,13 +130,28 @@ impl ReportedRun {
         slices.flat_map(of_slice).collect()
     }
 
-    /// Recorded amplitudes, null without any.
-    fn amplitude(&self) -> Value {
-        let columns: Map<String, Value> = AMPLITUDES
-            .into_iter()
-            .filter_map(|name| Some((name.trim_start_matches("amplitude_").to_owned(), json!(self.further(name)?))))
-            .collect();
-        if columns.is_empty() { Value::Null } else { columns.into() }
+    /// What is recorded, with the columns that are shown of it; lengths in mm where these have one scale.
+    fn recorded(&self) -> Vec<Value> {
+        let job = &self.values.job;
+        let of_result = |result: &RecordedResult| {
+            let (scale, unit) = match (result.is_length, length_scale_mm(job)) {
+                (true, Some(scale)) => (scale, "mm"),
+                (true, None) => (1.0, "h"),
+                (false, _) if result.unit == "1" => (1.0, ""),
+                (false, _) => (1.0, result.unit),
+            };
+            let [mean, low, high] = SHOWN.map(|kind| self.further(&format!("{}{kind}", result.name)));
+            Some(json!({
+                "name": result.noun,
+                "samples": result.of.nouns()[1],
+                "scale": scale,
+                "unit": unit,
+                "mean": mean?,
+                "low": low?,
+                "high": high?,
+            }))
+        };
+        job.model().recorded().iter().filter_map(of_result).collect()
     }
 
     /// The Sobol indices of every input, null without any.
@@ -162,7 +181,7 @@ impl ReportedRun {
     }
 }
 
-/// What amplitudes are over, in mm, if it is the same in all cells.
+/// What recorded lengths are over, in mm, if it is the same in all cells.
 fn length_scale_mm(job: &Job) -> Option<f64> {
     let of = |configuration| job.model().length_scale(&job.grid.first_cell_with(configuration).expected);
     let first = of(0)?;

@@ -48,7 +48,7 @@ function described(cell) {
 // What the model with exactly the expected values of a cell does.
 function aboutModel(cell) {
   if (view.comparison) return "Strokes: the interval contains 0.";
-  const { expected, amplitude, thickness_mm: thickness } = view.run;
+  const { expected, recorded } = view.run;
   const sentences = [];
   if (expected) {
     const rate = expected.growth_rate[cell];
@@ -63,11 +63,11 @@ function aboutModel(cell) {
     );
   }
   const lines = sentences.length ? [`With exactly these values: ${sentences.join("; ")}.`] : [];
-  if (amplitude && amplitude.mean[cell] !== null) {
-    const length = (share) => (thickness === null ? `${number(share)} h` : `${number(share * thickness)} mm`);
-    const { mean, p05, p95 } = amplitude;
-    lines.push(`Settled amplitude of the unstable samples: mean ${length(mean[cell])}, ` +
-      `5 to 95 %: ${length(p05[cell])} to ${length(p95[cell])}.`);
+  for (const { name, samples, scale, unit, mean, low, high } of recorded) {
+    if (mean[cell] === null) continue;
+    const shown = (column) => `${number(column[cell] * scale)} ${unit}`.trim();
+    lines.push(`${name[0].toUpperCase()}${name.slice(1)} of the ${samples}: mean ${shown(mean)}, ` +
+      `5 to 95 %: ${shown(low)} to ${shown(high)}.`);
   }
   return lines.join(" ");
 }

@@ -222,9 +222,8 @@ fn cells_with_units(parts: &Parts, cell_units: u128, shard: Option<Shard>) -> im
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::unit::FinishedUnit;
+    use crate::evaluate::unit::{FinishedUnit, Recorded};
     use stickslip_core::model::verdict::VerdictCounts;
-    use stickslip_sampler::estimate::distribution::Distribution;
 
     const SAMPLES: u64 = 3_500_000;
 
@@ -234,13 +233,7 @@ mod tests {
         let mut tally = Tally::new(&Parts::plain(7, SAMPLES));
         for (cell, samples) in [(0, 0..3_500_000), (2, 1_000_000..1_000_001), (3, 0..10_000), (6, 999_999..2_000_000)] {
             let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
-            tally.add(&FinishedUnit {
-                part: cell,
-                samples,
-                counts,
-                amplitudes: Distribution::default(),
-                sums: Vec::new(),
-            });
+            tally.add(&FinishedUnit { part: cell, samples, counts, recorded: Recorded::default(), sums: Vec::new() });
         }
         tally
     }
@@ -260,13 +253,7 @@ mod tests {
             let before = tally.counted();
             let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
             assert!(samples.start / UNIT_SAMPLES == (samples.end - 1) / UNIT_SAMPLES);
-            tally.add(&FinishedUnit {
-                part: cell,
-                samples,
-                counts,
-                amplitudes: Distribution::default(),
-                sums: Vec::new(),
-            });
+            tally.add(&FinishedUnit { part: cell, samples, counts, recorded: Recorded::default(), sums: Vec::new() });
             assert_eq!(tally.counted() - before, u128::from(counts.total()), "no overlap");
         }
         assert!((0..7).all(|part| tally.gaps(part, SAMPLES).is_empty()));

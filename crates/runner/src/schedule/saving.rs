@@ -113,18 +113,18 @@ impl<'a> Saving<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::unit::Recorded;
     use std::ops::Range;
     use stickslip_core::model::verdict::VerdictCounts;
-    use stickslip_sampler::estimate::distribution::Distribution;
 
     fn unit(part: u64, samples: Range<u64>) -> FinishedUnit {
         let counts = VerdictCounts { stable: samples.end - samples.start, ..Default::default() };
-        FinishedUnit { part, samples, counts, amplitudes: Distribution::default(), sums: Vec::new() }
+        FinishedUnit { part, samples, counts, recorded: Recorded::default(), sums: Vec::new() }
     }
 
     fn written(directory: &Folder) -> Vec<FinishedUnit> {
         let mut units = Vec::new();
-        piece::read_all(directory, "experiment", |_| true, 0, &mut |unit| {
+        piece::read_all(directory, "experiment", |_| true, &mut |unit| {
             units.push(unit);
             Ok(())
         })

@@ -356,12 +356,16 @@ impl RunDirectory {
     }
 
     fn tally_of(&self, pieces: &Folder, job: &Job, parts: &Parts, sums: usize) -> Result<Tally, Failure> {
-        let is_part = |stored: u64| parts.locate_stored(stored).0 < job.cells();
+        let may_be = |unit: &FinishedUnit| {
+            parts.locate_stored(unit.part).0 < job.cells()
+                && unit.sums.len() == sums
+                && unit.is_consistent(job.model().recorded())
+        };
         let experiment = job.experiment_hash();
         let mut complaints = None;
         let mut tally = Tally::new(parts);
         let read = |take: &mut dyn FnMut(FinishedUnit)| {
-            let found = piece::read_all(pieces, &experiment, is_part, sums, &mut |unit| {
+            let found = piece::read_all(pieces, &experiment, may_be, &mut |unit| {
                 take(FinishedUnit { part: self.part_of(&unit, job, parts)?, ..unit });
                 Ok(())
             })?;

@@ -99,14 +99,14 @@ fn add_in_order(tally: &mut Tally, mut units: Vec<FinishedUnit>) -> Result<(), (
 mod tests {
     use super::*;
     use crate::evaluate::parts::Parts;
+    use crate::evaluate::unit::Recorded;
     use std::slice::from_ref;
     use stickslip_core::model::verdict::VerdictCounts;
-    use stickslip_sampler::estimate::distribution::Distribution;
 
     fn unit(part: u64, samples: Range<u64>) -> FinishedUnit {
         let counts = VerdictCounts { unstable: samples.end - samples.start, ..Default::default() };
         let sums = vec![samples.clone().sum::<u64>().cast_signed()];
-        FinishedUnit { part, samples, counts, amplitudes: Distribution::default(), sums }
+        FinishedUnit { part, samples, counts, recorded: Recorded::default(), sums }
     }
 
     fn joined(parts: &Parts, units: &[FinishedUnit]) -> Result<Tally, Refusal<()>> {

@@ -18,6 +18,8 @@ pub mod layout;
 
 pub mod file_state;
 
+mod stored_unit;
+
 pub mod piece;
 
 pub mod map_pieces;

@@ -10,9 +10,7 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::RESULTS_VERSION;
-use stickslip_sampler::estimate::distribution::Distribution;
 
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
@@ -30,16 +28,12 @@ pub const REMEDY_OF_VERSIONS: &str = "Submit the run's job.toml again into anoth
 /// Largest number of bytes of a piece.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// Largest count in a piece, and largest number of a part or sample. Jobs have at most a tenth of that many samples in a
-/// cell, and sums of such counts fit 64 bits.
-const MOST_COUNTED: u64 = 1 << 53;
-
 /// What the names of pieces end with.
 const EXTENSION: &str = "jsonl";
 
 /// Writes units as a new piece in `folder`.
 pub fn write(folder: &Folder, experiment: &str, units: &[FinishedUnit]) -> Result<(), Failure> {
-    publish(folder, &Owner::new(experiment), units.iter().map(stored))
+    publish(folder, &Owner::new(experiment), units)
 }
 
 /// Writes a new piece in `folder`: a line that says whose it is, and others.
@@ -94,7 +88,7 @@ pub struct Complaint {
 }
 
 /// Reads every piece in `folder`, one after the other, and passes the units of those that are in order to `take`.
-/// `is_part` says which numbers parts may have, and `sums` is the number of sums. Returns what is not in order.
+/// `may_be` says whether a unit can be one of the run. Returns what is not in order.
 ///
 /// # Errors
 /// A directory that cannot be read, an undamaged piece of another experiment, as the two must not be mixed, and what
@@ -102,8 +96,7 @@ pub struct Complaint {
 pub fn read_all(
     folder: &Folder,
     experiment: &str,
-    is_part: impl Fn(u64) -> bool,
-    sums: usize,
+    may_be: impl Fn(&FinishedUnit) -> bool,
     take: &mut dyn FnMut(FinishedUnit) -> Result<(), Failure>,
 ) -> Result<Vec<Complaint>, Failure> {
     let mut complaints = Vec::new();
@@ -123,7 +116,7 @@ pub fn read_all(
                 continue;
             }
         };
-        let (owner, lines) = match decode::<Owner, Stored>(&bytes) {
+        let (owner, lines) = match decode::<Owner, FinishedUnit>(&bytes) {
             Ok(decoded) => decoded,
             Err(why) => {
                 complain(Defect::Damaged(format!("{why}; {AGAIN}")));
@@ -133,8 +126,8 @@ pub fn read_all(
         if owner != Owner::new(experiment) {
             return Err(owner.refused(&folder.path().join(name)));
         }
-        match lines.map(|line| unit(line?)).collect::<Result<Vec<_>, _>>() {
-            Ok(units) if units.iter().all(|s| is_part(s.part) && s.sums.len() == sums && s.is_consistent()) => {
+        match lines.collect::<Result<Vec<_>, _>>() {
+            Ok(units) if units.iter().all(&may_be) => {
                 units.into_iter().try_for_each(&mut *take)?;
             }
             Ok(_) => complain(Defect::Damaged(format!("its counts do not add up; {AGAIN}"))),
@@ -210,32 +203,6 @@ pub fn decode<'a, O: DeserializeOwned, T: DeserializeOwned>(bytes: &'a [u8]) -> 
     Ok((owner.map_err(|_| "it does not name its job")?, Box::new(lines.map(line))))
 }
 
-/// A unit as it is stored: part, first sample, number of samples; stable, unstable, undecided and failed ones; the sum
-/// and the bins of the amplitudes, each with its count; further sums.
-type Stored = (u64, u64, u64, [u64; 4], u64, Vec<(u32, u64)>, Vec<i64>);
-
-fn stored(unit: &FinishedUnit) -> Stored {
-    let VerdictCounts { stable, unstable, undecided, failed } = unit.counts;
-    let FinishedUnit { part, samples, amplitudes, sums, .. } = unit;
-    let counts = [stable, unstable, undecided, failed];
-    (*part, samples.start, unit.len(), counts, amplitudes.sum(), amplitudes.bins().collect(), sums.clone())
-}
-
-/// A unit from what is stored of it, if that is possible.
-fn unit((part, start, len, counts, amplitude_sum, bins, sums): Stored) -> Result<FinishedUnit, String> {
-    let in_bins = bins.iter().map(|(_, count)| *count);
-    if [part, start, len].into_iter().chain(counts).chain(in_bins).any(|count| count > MOST_COUNTED) {
-        return Err(format!("a count is above {MOST_COUNTED}"));
-    }
-    if !bins.iter().all(|(bin, _)| Distribution::is_bin(*bin)) {
-        return Err("a bin of amplitudes is out of range".to_owned());
-    }
-    let [stable, unstable, undecided, failed] = counts;
-    let counts = VerdictCounts { stable, unstable, undecided, failed };
-    let amplitudes = Distribution::from_parts(amplitude_sum, bins);
-    Ok(FinishedUnit { part, samples: start..start + len, counts, amplitudes, sums })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,6 +210,10 @@ mod tests {
     use std::fs;
     use std::path::PathBuf;
 
+    use stickslip_core::model::recorded::{RecordedOf, RecordedResult};
+    use stickslip_core::model::verdict::VerdictCounts;
+
+    use crate::evaluate::unit::Recorded;
     use crate::files::publish::files;
 
     fn some_units() -> Vec<FinishedUnit> {
@@ -251,17 +222,30 @@ mod tests {
                 part: cell,
                 samples: 1000 * cell..1000 * cell + 10,
                 counts: VerdictCounts { stable: 4, unstable: 3, undecided: 2, failed: 1 },
-                amplitudes: amplitudes(cell),
+                recorded: recorded(cell),
                 sums: vec![-(cell as i64), i64::MAX],
             })
             .collect()
     }
 
-    /// The amplitudes of the three unstable samples in every other unit, none in the rest.
-    fn amplitudes(cell: u64) -> Distribution {
-        let mut amplitudes = Distribution::default();
-        (0..3 * (cell % 2)).for_each(|i| amplitudes.add(1e-3 * (cell + i) as f64));
-        amplitudes
+    const fn result(of: RecordedOf) -> RecordedResult {
+        RecordedResult { name: "", unit: "1", noun: "", meaning: "", of, is_length: false }
+    }
+
+    const RESULTS: [RecordedResult; 2] = [result(RecordedOf::Unstable), result(RecordedOf::All)];
+
+    /// Values of the three unstable samples in every other unit, none in the rest; of all ten in every third, of either sign.
+    fn recorded(cell: u64) -> Recorded {
+        let mut recorded = Recorded::default();
+        (0..3 * (cell % 2)).for_each(|i| recorded[0].add(1e-3 * (cell + i) as f64));
+        if cell.is_multiple_of(3) {
+            (0..10).for_each(|i| recorded[1].add(1e12 - 3e11 * i as f64));
+        }
+        recorded
+    }
+
+    fn may_be(unit: &FinishedUnit) -> bool {
+        unit.sums.len() == 2 && unit.is_consistent(&RESULTS)
     }
 
     fn folder(directory: &tempfile::TempDir) -> Folder {
@@ -278,7 +262,7 @@ mod tests {
     /// The units of all pieces, and the complaints.
     fn read(folder: &Folder, experiment: &str) -> Result<(Vec<FinishedUnit>, Vec<Complaint>), Failure> {
         let mut units = Vec::new();
-        let complaints = read_all(folder, experiment, |part| part < 50, 2, &mut |unit| {
+        let complaints = read_all(folder, experiment, |unit| unit.part < 50 && may_be(unit), &mut |unit| {
             units.push(unit);
             Ok(())
         })?;
@@ -291,6 +275,33 @@ mod tests {
         let (units, complaints) = read(&folder(&directory), "experiment").unwrap();
         assert_eq!(units, some_units());
         assert!(complaints.is_empty());
+    }
+
+    #[test]
+    fn lines_are_as_long_as_what_is_recorded() {
+        let line =
+            |cell: u64| serde_json::to_string(&FinishedUnit { sums: vec![5], ..some_units()[cell as usize].clone() });
+        assert_eq!(line(2).unwrap(), "[2,2000,10,[4,3,2,1],0,[],[5]]");
+        // Half of a bin of 1e-3 is 2^-10 of it, and 2^-34 the step of sums.
+        let plain = "[1,1000,10,[4,3,2,1],103079215,[[1044577,1],[1045601,1],[1046156,1]],[5]]";
+        assert_eq!(line(1).unwrap(), plain);
+        assert!(line(0).unwrap().starts_with("[0,0,10,[4,3,2,1],0,[],[5],"));
+        let longer = line(3).unwrap();
+        assert_eq!(serde_json::from_str::<FinishedUnit>(&longer).unwrap().recorded, recorded(3));
+        for wrong in [longer.replace("]]]", "]],1]"), longer.replace(",[5],", ",[5],1,"), plain.replace(",[5]", "")] {
+            assert!(serde_json::from_str::<FinishedUnit>(&wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn more_values_than_samples_of_their_kind_are_refused() {
+        let mut units = some_units();
+        assert!(units.iter().all(may_be));
+        units.iter_mut().for_each(|unit| unit.recorded[2].add(1.0));
+        assert!(!units.iter().any(may_be));
+        let mut unit = some_units().remove(1);
+        unit.recorded[0].add(1.0);
+        assert!(!may_be(&unit));
     }
 
     #[test]
@@ -341,7 +352,7 @@ mod tests {
             let folder = folder(&directory);
             write(&folder, "experiment", &units).unwrap();
             let mut taken = 0;
-            let complaints = read_all(&folder, "experiment", |_| true, 2, &mut |_| {
+            let complaints = read_all(&folder, "experiment", may_be, &mut |_| {
                 taken += 1;
                 Ok(())
             });
@@ -354,15 +365,15 @@ mod tests {
     fn forged_pieces_are_read_or_refused() {
         let mut plain = some_units();
         plain.iter_mut().for_each(|unit| {
-            unit.amplitudes = Distribution::default();
+            unit.recorded = Recorded::default();
             unit.sums.clear();
         });
         let owner = Owner::new("experiment");
-        let sound = [some_units(), plain].map(|units| encode(&owner, units.iter().map(stored)).unwrap());
+        let sound = [some_units(), plain].map(|units| encode(&owner, &units).unwrap());
         assert_bounded("store::piece::tests::forged_pieces_are_read_or_refused", &sound, 3000, |bytes| {
-            let (_, lines) = decode::<Owner, Stored>(&bytes)?;
-            let units = lines.map(|line| unit(line?)).collect::<Result<Vec<_>, _>>()?;
-            units.iter().all(FinishedUnit::is_consistent).then_some(()).ok_or_else(|| "inconsistent".to_owned())
+            let (_, lines) = decode::<Owner, FinishedUnit>(&bytes)?;
+            let units = lines.collect::<Result<Vec<_>, _>>()?;
+            units.iter().all(|unit| unit.is_consistent(&RESULTS)).then_some(()).ok_or_else(|| "inconsistent".to_owned())
         });
     }
 

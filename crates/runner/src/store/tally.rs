@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use stickslip_core::model::verdict::VerdictCounts;
-use stickslip_sampler::estimate::distribution::Distribution;
 
 use crate::evaluate::parts::Parts;
 use crate::evaluate::randomised::CountedPart;
-use crate::evaluate::unit::FinishedUnit;
+use crate::evaluate::unit::{FinishedUnit, Recorded, add_recorded};
 use crate::store::covered::Covered;
 
 /// The units of a run added up: for each part, which samples are counted, and their verdicts.
@@ -29,8 +28,8 @@ pub struct Tally {
     sums: Vec<i64>,
     /// What has to be added to sums beyond the range of these.
     beyond: BTreeMap<usize, i128>,
-    /// The settled amplitudes of the parts that have any.
-    amplitudes: BTreeMap<usize, Distribution>,
+    /// What is recorded of the parts that have any of it.
+    recorded: BTreeMap<usize, Recorded>,
 }
 
 impl Tally {
@@ -45,7 +44,7 @@ impl Tally {
             sums_of_a_part: 0,
             sums: Vec::new(),
             beyond: BTreeMap::new(),
-            amplitudes: BTreeMap::new(),
+            recorded: BTreeMap::new(),
         }
     }
 
@@ -67,8 +66,8 @@ impl Tally {
         for (total, count) in self.counts[index].iter_mut().zip([stable, unstable, undecided, failed]) {
             *total += count;
         }
-        if unit.amplitudes.count() > 0 {
-            self.amplitudes.entry(index).or_default().add_all(&unit.amplitudes);
+        if unit.recorded != Recorded::default() {
+            add_recorded(self.recorded.entry(index).or_default(), &unit.recorded);
         }
         if self.sums.is_empty() {
             self.sums_of_a_part = unit.sums.len();
@@ -91,7 +90,7 @@ impl Tally {
         self.counts(unit.part) == unit.counts
             && self.covered.ranges(index, most) == [unit.samples.clone()]
             && self.sums(unit.part).into_iter().eq(sums)
-            && self.amplitudes(unit.part).map_or_else(|| unit.amplitudes.count() == 0, |own| *own == unit.amplitudes)
+            && self.recorded(unit.part).unwrap_or(&Recorded::default()) == &unit.recorded
     }
 
     /// Takes away what is counted of a part.
@@ -100,7 +99,7 @@ impl Tally {
         self.counted -= self.counts[index].iter().map(|&count| u128::from(count)).sum::<u128>();
         self.counts[index] = [0; 4];
         self.covered.clear(index);
-        self.amplitudes.remove(&index);
+        self.recorded.remove(&index);
         for place in index * self.sums_of_a_part..(index + 1) * self.sums_of_a_part {
             self.sums[place] = 0;
             self.beyond.remove(&place);
@@ -118,9 +117,9 @@ impl Tally {
         parts.map(|part| CountedPart { counts: self.counts(part), sums: self.sums(part) }).collect()
     }
 
-    /// The settled amplitudes of one part; `None` if it has none.
-    pub fn amplitudes(&self, part: u64) -> Option<&Distribution> {
-        self.amplitudes.get(&self.locate(part).0)
+    /// What is recorded of one part; `None` if nothing is.
+    pub fn recorded(&self, part: u64) -> Option<&Recorded> {
+        self.recorded.get(&self.locate(part).0)
     }
 
     /// The further sums of one part; empty before anything is counted.
@@ -162,10 +161,12 @@ impl Tally {
 mod tests {
     use super::*;
     use std::slice::from_ref;
+    use stickslip_core::model::recorded::MOST_RECORDED;
+    use stickslip_sampler::estimate::distribution::Distribution;
 
     fn unit(part: u64, samples: Range<u64>) -> FinishedUnit {
         let counts = VerdictCounts { unstable: samples.end - samples.start, ..Default::default() };
-        FinishedUnit { part, samples, counts, amplitudes: Distribution::default(), sums: vec![1, -2] }
+        FinishedUnit { part, samples, counts, recorded: Recorded::default(), sums: vec![1, -2] }
     }
 
     #[test]
@@ -214,8 +215,8 @@ mod tests {
 
     #[test]
     fn a_part_that_was_cleared_is_counted_anew() {
-        let amplitudes = Distribution::from_parts(7, [(3, 4)]);
-        let whole = FinishedUnit { amplitudes, ..unit(0, 0..10) };
+        let recorded = [(); MOST_RECORDED].map(|()| Distribution::from_parts(7, [(3, 4)]));
+        let whole = FinishedUnit { recorded, ..unit(0, 0..10) };
         let mut tally = Tally::new(&Parts::plain(1, 10));
         assert!(tally.add(&whole) && tally.has_just(&whole) && !tally.add(&unit(0, 9..10)));
         for other in [
@@ -227,7 +228,7 @@ mod tests {
             assert!(!tally.has_just(&other), "{other:?}");
         }
         tally.clear(0);
-        assert!(tally.counted() == 0 && tally.amplitudes(0).is_none() && tally.gaps(0, 10) == from_ref(&(0..10)));
+        assert!(tally.counted() == 0 && tally.recorded(0).is_none() && tally.gaps(0, 10) == from_ref(&(0..10)));
         assert!(tally.add(&unit(0, 0..10)) && tally.has_just(&unit(0, 0..10)));
     }
 }

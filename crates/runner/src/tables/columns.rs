@@ -7,6 +7,7 @@ use arrow::array::{ArrayRef, Float64Array};
 use arrow::datatypes::{DataType, Field};
 use stickslip_core::model::Model;
 use stickslip_core::model::decision::Source;
+use stickslip_core::model::recorded::RecordedResult;
 use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::sobol_indices::SobolIndices;
 use stickslip_sampler::estimate::weighted::{Distrust, WeightedEstimate};
@@ -73,8 +74,8 @@ pub fn for_job(job: &Job, layout: SumLayout) -> Vec<Column> {
     if job.answer().is_of_rare_events() {
         columns.extend(weight_columns());
     }
-    if job.records_amplitude() {
-        columns.extend(amplitude_columns(job.model()));
+    for (place, result) in job.model().recorded().iter().enumerate() {
+        columns.extend(recorded_columns(place, result));
     }
     if job.map_use() == MapUse::Integrate {
         let meaning = "probability that a sample is undecided or fails";
@@ -173,20 +174,20 @@ fn weight_columns() -> Vec<Column> {
     ]
 }
 
-/// Columns of jobs that record the settled amplitude.
-fn amplitude_columns(model: &dyn Model) -> Vec<Column> {
-    let [what, unit] = model.amplitude();
-    let column = |name: &'static str, meaning: String, value: fn(&Distribution) -> Option<f64>| {
-        Column::new(name, unit, meaning, Values::OptionalReal(Box::new(move |row| value(&row.amplitudes))))
+/// Columns of a result that is recorded.
+fn recorded_columns(place: usize, result: &RecordedResult) -> Vec<Column> {
+    let RecordedResult { name, unit, noun, meaning, .. } = result;
+    let samples = result.of.nouns()[1];
+    let column = |kind: &str, long_name: String, value: fn(&Distribution) -> Option<f64>| {
+        let values = Values::OptionalReal(Box::new(move |row| value(&row.recorded[place])));
+        Column::new(format!("{name}_{kind}"), *unit, long_name, values)
     };
-    let below = |percent: u32| format!("settled amplitude that {percent} % of the unstable samples do not exceed");
-    let mean = format!("mean settled amplitude of the unstable samples, {what}");
-    let median = "median settled amplitude of the unstable samples".to_owned();
+    let below = |percent: u32| format!("{noun} that {percent} % of the {samples} do not exceed");
     vec![
-        column("amplitude_mean", mean, Distribution::mean),
-        column("amplitude_p05", below(5), |amplitudes| amplitudes.quantile(0.05)),
-        column("amplitude_p50", median, |amplitudes| amplitudes.quantile(0.5)),
-        column("amplitude_p95", below(95), |amplitudes| amplitudes.quantile(0.95)),
+        column("mean", format!("mean {noun} of the {samples}, {meaning}"), Distribution::mean),
+        column("p05", below(5), |values| values.quantile(0.05)),
+        column("p50", format!("median {noun} of the {samples}"), |values| values.quantile(0.5)),
+        column("p95", below(95), |values| values.quantile(0.95)),
     ]
 }
 

@@ -2,13 +2,13 @@
 
 use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::estimate::audit;
-use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::estimate::weighted::WeightedEstimate;
 use stickslip_sampler::grid::Cell;
 
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::sums::Lookups;
+use crate::evaluate::unit::Recorded;
 
 /// One row of the result.
 #[derive(Debug, Clone)]
@@ -21,8 +21,8 @@ pub struct SurfaceRow {
     pub estimate: Estimate,
     /// The largest share of wrong looked-up verdicts that the audit does not exclude; `None` without an audit.
     pub unaudited: Option<f64>,
-    /// Settled amplitudes of the unstable samples, if the job records them.
-    pub amplitudes: Distribution,
+    /// What the job records.
+    pub recorded: Recorded,
     /// Number of samples outside the model; 0 if none are drawn.
     pub outside_physics: u64,
     /// How many of its samples, or of its audit, were simulated and audited.

@@ -7,13 +7,13 @@ use std::io::{self, BufWriter, Write};
 use parquet::errors::ParquetError;
 use stickslip_core::model::verdict::VerdictCounts;
 use stickslip_sampler::draw::identity::RESULTS_VERSION;
-use stickslip_sampler::estimate::distribution::Distribution;
 use stickslip_sampler::estimate::interval::Estimate;
 
 use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::parts::Parts;
 use crate::evaluate::randomised;
 use crate::evaluate::sums::{Lookups, SumLayout};
+use crate::evaluate::unit::{Recorded, add_recorded};
 use crate::failure::Failure;
 use crate::files::table::TableWriter;
 use crate::job::{Effort, Job};
@@ -67,10 +67,10 @@ impl<'a> Surface<'a> {
     /// The row of one cell.
     pub fn row(&self, cell: u64) -> SurfaceRow {
         let counts = self.parts.counts(self.tally, cell);
-        let mut amplitudes = Distribution::default();
+        let mut recorded = Recorded::default();
         let mut sums = Vec::new();
         for part in self.parts.in_cell(cell) {
-            self.tally.amplitudes(part).into_iter().for_each(|of_part| amplitudes.add_all(of_part));
+            self.tally.recorded(part).into_iter().for_each(|of_part| add_recorded(&mut recorded, of_part));
             add_sums(&mut sums, &self.tally.sums(part));
         }
         let integrated = self.integrated.get(cell as usize).copied();
@@ -95,7 +95,7 @@ impl<'a> Surface<'a> {
             counts,
             estimate: widened(&counted, unaudited.unwrap_or(0.0)),
             unaudited,
-            amplitudes,
+            recorded,
             outside_physics: self.layout.read_outside_physics(&sums).unwrap_or(0),
             lookups,
             sums,

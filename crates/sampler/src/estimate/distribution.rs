@@ -1,4 +1,4 @@
-//! The distribution of a positive quantity over samples, kept in integers so that the order of the samples has no
+//! The distribution of a quantity over samples, kept in integers so that the order of the samples has no
 //! effect.
 
 use std::collections::BTreeMap;
@@ -7,10 +7,16 @@ use std::collections::BTreeMap;
 /// of its values wide.
 const DROPPED_BITS: u32 = 42;
 
-/// Sums are kept in multiples of 2^-34, about 6e-11: much smaller values are lost, and a sum saturates at about 10^9.
+/// Sums are kept in multiples of 2^-34, about 6e-11: much smaller values are lost.
 const STEPS_PER_ONE: f64 = (1_u64 << 34) as f64;
 
-/// Mean and quantiles of a positive quantity of about 1e-6 to 1e3. The order in which values and distributions are
+/// Larger values count as this in sums, which cannot overflow then.
+const LARGEST: f64 = (1_u64 << 40) as f64;
+
+/// The bin number of negative values has this bit; without it, it is that of their opposite.
+const SIGN: u32 = 1 << 21;
+
+/// Mean and quantiles of a quantity of a size of about 1e-6 to 1e12. The order in which values and distributions are
 /// added does not change a bit of the result.
 ///
 /// ```
@@ -23,7 +29,7 @@ const STEPS_PER_ONE: f64 = (1_u64 << 34) as f64;
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Distribution {
     /// Sum of all values, in multiples of 2^-34.
-    sum: u64,
+    sum: i128,
     /// The number of values in each bin, by the leading bits of the value.
     bins: BTreeMap<u32, u64>,
 }
@@ -32,20 +38,21 @@ impl Distribution {
     /// Whether a bin number is that of finite values.
     #[must_use]
     pub fn is_bin(bin: u32) -> bool {
-        f64::from_bits(u64::from(bin) << DROPPED_BITS).is_finite() && bin < 1 << 21
+        f64::from_bits(u64::from(bin) << DROPPED_BITS).is_finite() && bin < 2 * SIGN
     }
 
     /// A distribution from its sum ([`Distribution::sum`]) and its bins ([`Distribution::bins`]), each bin once.
     #[must_use]
-    pub fn from_parts(sum: u64, bins: impl IntoIterator<Item = (u32, u64)>) -> Self {
+    pub fn from_parts(sum: i128, bins: impl IntoIterator<Item = (u32, u64)>) -> Self {
         Self { sum, bins: bins.into_iter().collect() }
     }
 
-    /// Adds a value. Negative values and NaN count as 0.
+    /// Adds a value. NaN counts as 0.
     pub fn add(&mut self, value: f64) {
-        let value = value.max(0.0);
-        // A conversion to an integer saturates.
-        self.sum = self.sum.saturating_add((value * STEPS_PER_ONE + 0.5) as u64);
+        // Zero has one sign.
+        let value = if value.is_nan() { 0.0 } else { value + 0.0 };
+        let steps = (value.abs().min(LARGEST) * STEPS_PER_ONE + 0.5) as i128;
+        self.sum = self.sum.saturating_add(if value < 0.0 { -steps } else { steps });
         *self.bins.entry((value.to_bits() >> DROPPED_BITS) as u32).or_default() += 1;
     }
 
@@ -66,7 +73,7 @@ impl Distribution {
 
     /// The sum of all values, in multiples of 2^-34.
     #[must_use]
-    pub fn sum(&self) -> u64 {
+    pub fn sum(&self) -> i128 {
         self.sum
     }
 
@@ -89,7 +96,8 @@ impl Distribution {
         // The smallest value with at least this many at or below it.
         let rank = (p.clamp(0.0, 1.0) * self.count() as f64).ceil().max(1.0) as u64;
         let mut below = 0;
-        for (bin, count) in &self.bins {
+        // From the negative values that are farthest from 0 to the largest positive one.
+        for (bin, count) in self.bins.range(SIGN..).rev().chain(self.bins.range(..SIGN)) {
             below += count;
             if below >= rank {
                 let edge = |bin: u32| f64::from_bits(u64::from(bin) << DROPPED_BITS);
@@ -104,35 +112,42 @@ impl Distribution {
 mod tests {
     use super::*;
 
-    fn values() -> Vec<f64> {
-        (1..5000_u32).map(|i| 0.02 / f64::from(i * 7919 % 5003)).collect()
+    /// Positive values, values of either sign, and large negative ones.
+    fn values() -> [Vec<f64>; 3] {
+        let positive = || (1..5000_u32).map(|i| 0.02 / f64::from(i * 7919 % 5003));
+        [positive().collect(), positive().map(|x| 1e-4 - x).collect(), positive().map(|x| -1e9 * x).collect()]
     }
 
     #[test]
     fn order_and_partition_have_no_effect() {
-        let mut whole = Distribution::default();
-        values().iter().for_each(|value| whole.add(*value));
-        let mut parts = [const { Distribution { sum: 0, bins: BTreeMap::new() } }; 3];
-        values().iter().rev().enumerate().for_each(|(i, value)| parts[i % 3].add(*value));
-        let mut joined = Distribution::default();
-        [2, 0, 1].iter().for_each(|&part: &usize| joined.add_all(&parts[part]));
-        assert_eq!(whole, joined);
-        assert_eq!(Distribution::from_parts(whole.sum(), whole.bins()), whole);
+        for values in values() {
+            let mut whole = Distribution::default();
+            values.iter().for_each(|value| whole.add(*value));
+            let mut parts = [const { Distribution { sum: 0, bins: BTreeMap::new() } }; 3];
+            values.iter().rev().enumerate().for_each(|(i, value)| parts[i % 3].add(*value));
+            let mut joined = Distribution::default();
+            [2, 0, 1].iter().for_each(|&part: &usize| joined.add_all(&parts[part]));
+            assert_eq!(whole, joined);
+            assert!(whole.bins().all(|(bin, _)| Distribution::is_bin(bin)));
+            assert_eq!(Distribution::from_parts(whole.sum(), whole.bins()), whole);
+        }
     }
 
     #[test]
     fn mean_and_quantiles_are_those_of_the_values() {
-        let mut sorted = values();
-        let mut distribution = Distribution::default();
-        sorted.iter().for_each(|value| distribution.add(*value));
-        sorted.sort_by(f64::total_cmp);
-        assert_eq!(distribution.count(), sorted.len() as u64);
-        let mean = sorted.iter().sum::<f64>() / sorted.len() as f64;
-        assert!((distribution.mean().unwrap() - mean).abs() < 1e-10);
-        for p in [0.01, 0.05, 0.5, 0.95, 1.0] {
-            let expected = sorted[((p * sorted.len() as f64).ceil() as usize).max(1) - 1];
-            let found = distribution.quantile(p).unwrap();
-            assert!((found / expected - 1.0).abs() < 1.0 / 2000.0, "{p}: {found} {expected}");
+        for mut sorted in values() {
+            let mut distribution = Distribution::default();
+            sorted.iter().for_each(|value| distribution.add(*value));
+            sorted.sort_by(f64::total_cmp);
+            assert_eq!(distribution.count(), sorted.len() as u64);
+            let mean = sorted.iter().sum::<f64>() / sorted.len() as f64;
+            let scale = sorted.iter().map(|value| value.abs()).fold(0.0, f64::max);
+            assert!((distribution.mean().unwrap() - mean).abs() < 1e-10 + 1e-13 * scale);
+            for p in [0.01, 0.05, 0.5, 0.95, 1.0] {
+                let expected = sorted[((p * sorted.len() as f64).ceil() as usize).max(1) - 1];
+                let found = distribution.quantile(p).unwrap();
+                assert!((found / expected - 1.0).abs() < 1.0 / 2000.0, "{p}: {found} {expected}");
+            }
         }
     }
 

@@ -14,16 +14,20 @@
 
 use crate::model::behaviour::Behaviours;
 use crate::model::quantity::{Limits, Quantity, Role};
+use crate::model::recorded::RecordedResult;
 use crate::model::{Configuration, Model, ModelError, SampleQueue, Simulation};
 use crate::models::pad_on_disc::criterion::settings::TimeDomainSettings;
 use crate::models::pad_on_disc::criterion::time_domain::DiscModel;
-use crate::models::pad_on_disc::model::{Criterion, PadModel};
+use crate::models::pad_on_disc::model::{self as pad, Criterion, PadModel};
 use crate::models::pad_on_disc::motion::start_value::StartValue;
 use crate::models::pad_on_disc::parameters::{Damping, Disc, Friction, OperatingPoint, Pad, Parameters, Stiffness};
 
 use self::configuration::{OnBelt, Queue};
 
 mod configuration;
+
+/// The amplitude that is recorded of motions.
+const AMPLITUDE: RecordedResult = RecordedResult { unit: "m", meaning: "half peak to peak of x", ..pad::AMPLITUDE };
 
 /// The values of an oscillator, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -301,16 +305,12 @@ impl Model for BeltOscillator {
         Ok(Box::new(OnBelt { pad: pad.into(), columns }))
     }
 
-    fn amplitude(&self) -> [&'static str; 2] {
-        ["half peak to peak of x", "m"]
-    }
-
     fn length_scale(&self, _: &[f64]) -> Option<f64> {
         Some(1.0)
     }
 
-    fn records_amplitude(&self) -> bool {
-        self.pad.records_amplitude()
+    fn recorded(&self) -> &[RecordedResult] {
+        if self.pad.recorded().is_empty() { &[] } else { &[AMPLITUDE] }
     }
 
     fn has_closed_form(&self) -> bool {

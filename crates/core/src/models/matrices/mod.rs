@@ -40,6 +40,8 @@ pub mod full;
 
 pub mod problem;
 
+pub mod recorded;
+
 mod samples;
 
 pub mod model;

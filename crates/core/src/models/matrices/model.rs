@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use super::error::Error;
 use super::problem::{Problem, ProblemError, Solver};
+use super::recorded::PairResult;
 use super::region::Region;
 use super::samples::Samples;
 use super::sweep::Sweep;
 use super::terms::{Matrices, OverParameter, Parameter};
 use crate::model::quantity::{Limits, Quantity};
+use crate::model::recorded::RecordedResult;
 use crate::model::{Configuration, Model, ModelError};
 
 /// Which pairs make a sample unstable.
@@ -46,6 +48,9 @@ pub struct MatrixModel {
     quantities: Vec<Quantity>,
     /// Parameters in the order in which integrals prefer them, some of them repeatedly.
     integrated: Vec<usize>,
+    recorded: Vec<PairResult>,
+    /// What these are.
+    described: Vec<RecordedResult>,
 }
 
 impl MatrixModel {
@@ -57,7 +62,23 @@ impl MatrixModel {
         let problem = Problem::new(&matrices, solver)?;
         let quantities = quantities(&matrices.parameters, criterion.bands.len());
         let integrated = matrices.integrated();
-        Ok(Self { matrices, problem, criterion, quantities, integrated })
+        Ok(Self { matrices, problem, criterion, quantities, integrated, recorded: Vec::new(), described: Vec::new() })
+    }
+
+    /// The same, which records these results, each once and in the order of [`PairResult`]. Only with dense matrices.
+    #[must_use]
+    pub fn recording(mut self, mut results: Vec<PairResult>) -> Self {
+        results.sort();
+        results.dedup();
+        self.described = results.iter().map(|result| result.described()).collect();
+        self.recorded = results;
+        self
+    }
+
+    /// What it records.
+    #[must_use]
+    pub fn recorded_results(&self) -> &[PairResult] {
+        &self.recorded
     }
 
     /// The matrices.
@@ -144,12 +165,16 @@ impl Model for MatrixModel {
             return Err(ModelError(format!("band = {band} is none of 0 (any) to {bands}")));
         }
         let regions = self.criterion.regions(band as usize);
-        Ok(Samples::boxed(&self.matrices, &self.problem, regions, expected, varying, like))
+        Ok(Samples::boxed(&self.matrices, &self.problem, regions, &self.recorded, expected, varying, like))
     }
 
     /// That of friction, as far as it can be told.
     fn integrated(&self, inputs: &[usize]) -> Option<usize> {
         self.integrated.iter().copied().find(|own| inputs.contains(own))
+    }
+
+    fn recorded(&self) -> &[RecordedResult] {
+        &self.described
     }
 
     fn outside_meaning(&self) -> &'static str {

@@ -5,12 +5,14 @@ use std::sync::{Arc, OnceLock};
 
 use super::decide::Decider;
 use super::problem::Problem;
+use super::recorded::PairResult;
 use super::region::{RESOLUTION, Region, excess};
 use super::series::ModeSeries;
 use super::terms::{Matrices, OverParameter, Term};
 use crate::model::critical_values::{CriticalValues, UnstableValues};
 use crate::model::decision::Decision;
 use crate::model::quantity::Limits;
+use crate::model::recorded::{NOTHING, RecordedValues};
 use crate::model::verdict::Verdict;
 use crate::model::{Columns, Configuration, IsStopped};
 use crate::numerics::eigenvalues::Eigenvalue;
@@ -34,6 +36,7 @@ struct Shared {
     scaled: Vec<Region>,
     expected: Vec<f64>,
     varying: Vec<usize>,
+    recorded: Vec<PairResult>,
     series: OnceLock<Option<ModeSeries>>,
 }
 
@@ -60,6 +63,7 @@ impl Samples {
         matrices: &Arc<Matrices>,
         problem: &Problem,
         regions: Vec<Region>,
+        recorded: &[PairResult],
         expected: &[f64],
         varying: &[usize],
         like: Option<&dyn Configuration>,
@@ -73,6 +77,7 @@ impl Samples {
             regions,
             expected: expected.to_vec(),
             varying: varying.to_vec(),
+            recorded: recorded.to_vec(),
             series: OnceLock::new(),
         };
         Box::new(Self { shared: Arc::new(shared), like, serves: OnceLock::new() })
@@ -118,10 +123,25 @@ impl Samples {
         Some(values.iter().map(|value| excess(&self.shared.regions, *value)).fold(1.0, f64::min))
     }
 
-    /// The eigenvalue that this is of.
+    /// The eigenvalue that this is of, in rad/s.
     fn least_damped(&self, coefficients: &[f64]) -> Option<Eigenvalue> {
-        let values = self.shared.problem.eigenvalues(coefficients, &self.shared.regions).ok()?;
-        values.into_iter().min_by(|a, b| excess(&self.shared.regions, *a).total_cmp(&excess(&self.shared.regions, *b)))
+        let Shared { problem, regions, scaled, .. } = &*self.shared;
+        if let Problem::Dense(problem) = problem {
+            return Decider::new(problem, scaled, self.series()).least_damped(coefficients);
+        }
+        let values = problem.eigenvalues(coefficients, regions).ok()?;
+        values.into_iter().min_by(|a, b| excess(regions, *a).total_cmp(&excess(regions, *b)))
+    }
+
+    /// What is recorded of a sample with this verdict.
+    fn recorded(&self, verdict: Verdict, coefficients: &[f64]) -> RecordedValues {
+        let mut values = NOTHING;
+        let recorded = &self.shared.recorded;
+        if !recorded.is_empty() && verdict != Verdict::Failed {
+            let least = self.least_damped(coefficients);
+            values.iter_mut().zip(recorded).for_each(|(value, result)| *value = least.map(|pair| result.value(pair)));
+        }
+        values
     }
 
     fn is_outside(&self, samples: &Columns<'_>, sample: usize) -> bool {
@@ -144,10 +164,12 @@ impl Configuration for Samples {
             if is_stopped() {
                 return None;
             }
-            Some(match self.is_outside(samples, sample) {
-                true => Decision::OUTSIDE_PHYSICS,
-                false => self.verdict(&self.coefficients(samples, sample)).into(),
-            })
+            if self.is_outside(samples, sample) {
+                return Some(Decision::OUTSIDE_PHYSICS);
+            }
+            let coefficients = self.coefficients(samples, sample);
+            let verdict = self.verdict(&coefficients);
+            Some(Decision { recorded: self.recorded(verdict, &coefficients), ..verdict.into() })
         };
         wanted.iter().map(decide).collect()
     }
@@ -177,13 +199,7 @@ impl Configuration for Samples {
 
     fn unstable_frequencies(&self, samples: &Columns<'_>) -> Option<Vec<f64>> {
         let of_sample = |sample: usize| {
-            let coefficients = self.coefficients(samples, sample);
-            let least = match &self.shared.problem {
-                Problem::Dense(problem) => {
-                    Decider::new(problem, &self.shared.scaled, self.series()).least_damped(&coefficients)
-                }
-                Problem::Sparse(_) => self.least_damped(&coefficients),
-            };
+            let least = self.least_damped(&self.coefficients(samples, sample));
             let is_unstable = |value: &Eigenvalue| self.shared.regions.iter().any(|region| region.contains(*value));
             let unstable = least.filter(|value| !self.is_outside(samples, sample) && is_unstable(value));
             unstable.map_or(f64::NAN, |value| value.im.abs() / std::f64::consts::TAU)

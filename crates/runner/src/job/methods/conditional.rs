@@ -27,7 +27,7 @@ impl Method for Conditional {
     }
 
     fn needs(&self) -> &'static [Need] {
-        &[Need::ClosedForm, Need::OneOfPair, Need::Others, Need::SeparatePair]
+        &[Need::ClosedForm, Need::OneOfPair, Need::Others, Need::SeparatePair, Need::NothingRecorded]
     }
 
     fn instead(&self) -> &'static str {

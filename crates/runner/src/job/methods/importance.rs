@@ -16,7 +16,7 @@ const MOST_INPUTS: usize = 31;
 const LEAST_RANDOMISATIONS: u64 = 8;
 
 /// What methods for rare events need.
-pub const NEEDS: [Need; 3] = [Need::Inputs(MOST_INPUTS), Need::Scatter, Need::NoAmplitude];
+pub const NEEDS: [Need; 3] = [Need::Inputs(MOST_INPUTS), Need::Scatter, Need::NothingRecorded];
 
 /// What is done where they cannot be used.
 pub const INSTEAD: &str = "use method = \"monte-carlo\" or \"sobol\"";

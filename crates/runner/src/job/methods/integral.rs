@@ -49,8 +49,8 @@ impl Method for Integral {
     fn needs(&self) -> &'static [Need] {
         match self.over {
             Over::ClosedForm => &[Need::Pair, Need::PairAlone],
-            Over::Map => &[Need::Pair, Need::PairAlone, Need::NormalOverMap, Need::NoAmplitude],
-            Over::OneInput => &[Need::OneInput],
+            Over::Map => &[Need::Pair, Need::PairAlone, Need::NormalOverMap, Need::NothingRecorded],
+            Over::OneInput => &[Need::OneInput, Need::NothingRecorded],
         }
     }
 

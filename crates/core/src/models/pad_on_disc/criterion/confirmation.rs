@@ -10,6 +10,7 @@
 //! | 4 | that has another verdict than before is undecided |
 
 use crate::model::decision::Decision;
+use crate::model::recorded::NOTHING;
 use crate::model::verdict::Verdict;
 
 /// By what the steps are divided at most.
@@ -40,7 +41,7 @@ impl Confirmation {
             return Some(decision);
         }
         if is_finest {
-            return Some(Decision { verdict: Verdict::Undecided, amplitude: None, fed_by: None, ..decision });
+            return Some(Decision { verdict: Verdict::Undecided, recorded: NOTHING, fed_by: None, ..decision });
         }
         self.divisor *= 2.0;
         None

@@ -38,6 +38,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::model::decision::Decision;
+use crate::model::recorded::NOTHING;
 use crate::model::verdict::Verdict;
 use crate::models::pad_on_disc::criterion::confirmation::Confirmation;
 use crate::models::pad_on_disc::criterion::flexible_monitor::{FlexibleMonitor, MonitorOptions};
@@ -436,7 +437,7 @@ impl TimeDomain {
     pub(crate) fn conclude_without_verdict<M: Monitor>(&self, otherwise: Verdict, monitor: &M, time: f64) -> Decision {
         let known = monitor.is_unstable() && self.settings.amplitude_index.is_none();
         let verdict = if known { Verdict::Unstable } else { otherwise };
-        Decision { verdict, amplitude: None, time, fed_by: known.then(|| monitor.fed_by() as usize) }
+        Decision { verdict, recorded: NOTHING, time, fed_by: known.then(|| monitor.fed_by() as usize) }
     }
 
     pub(crate) fn steps_to_horizon(&self, h: f64) -> u64 {
@@ -453,7 +454,7 @@ impl TimeDomain {
         let is_unstable = verdict == Verdict::Unstable;
         Decision {
             verdict,
-            amplitude: amplitude.filter(|_| is_unstable),
+            recorded: [amplitude.filter(|_| is_unstable), None, None],
             time,
             fed_by: is_unstable.then(|| monitor.fed_by() as usize),
         }

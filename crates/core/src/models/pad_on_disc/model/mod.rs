@@ -3,6 +3,7 @@
 use crate::model::behaviour::Behaviours;
 use crate::model::decision::Source;
 use crate::model::quantity::Quantity;
+use crate::model::recorded::{RecordedOf, RecordedResult};
 use crate::model::{Configuration, Model, ModelError, SampleQueue, Simulation};
 use crate::models::pad_on_disc::criterion::time_domain::DiscModel;
 use crate::models::pad_on_disc::degree_of_freedom::SOURCES;
@@ -27,6 +28,16 @@ pub use definition::{Criterion, PadModel};
 pub use quantities::{
     PRELOAD, PRELOAD_KEY, ROTATING_SPEED, STATIC_FRICTION, STATIC_FRICTION_KEY, configuration_scalars, first_of_start,
     inputs, quantities,
+};
+
+/// The amplitude that is recorded of motions.
+pub const AMPLITUDE: RecordedResult = RecordedResult {
+    name: "amplitude",
+    unit: "1",
+    noun: "settled amplitude",
+    meaning: "half peak to peak of x over disc thickness",
+    of: RecordedOf::Unstable,
+    is_length: true,
 };
 
 impl PadModel {
@@ -64,10 +75,6 @@ impl Model for PadModel {
         }
     }
 
-    fn amplitude(&self) -> [&'static str; 2] {
-        ["half peak to peak of x over disc thickness", "1"]
-    }
-
     fn length_scale(&self, expected: &[f64]) -> Option<f64> {
         self.place("disc.thickness").map(|place| expected[place])
     }
@@ -85,8 +92,11 @@ impl Model for PadModel {
         if self.criterion().modes().is_some() { &SOURCES } else { &[] }
     }
 
-    fn records_amplitude(&self) -> bool {
-        matches!(self.criterion(), Criterion::TimeDomain { settings, .. } if settings.record_amplitude)
+    fn recorded(&self) -> &[RecordedResult] {
+        match self.criterion() {
+            Criterion::TimeDomain { settings, .. } if settings.record_amplitude => &[AMPLITUDE],
+            _ => &[],
+        }
     }
 
     fn has_closed_form(&self) -> bool {

@@ -9,6 +9,7 @@ use stickslip_core::model::Model;
 use stickslip_core::model::quantity::{Limits, Quantity};
 use stickslip_core::models::matrices::model::{BAND, ComplexEigenvalue, MatrixModel, quantities};
 use stickslip_core::models::matrices::problem::{Problem, Solver};
+use stickslip_core::models::matrices::recorded::PairResult;
 use stickslip_core::models::matrices::terms::Parameter;
 use stickslip_sampler::grid::{Axis, Grid};
 use toml::Spanned;
@@ -16,7 +17,9 @@ use toml_edit::DocumentMut;
 
 use self::assemble::ReadModel;
 use self::checks::Mode;
-use self::spec::{DescribedParameter, MatrixCriterionSpec, MatrixKind, MatrixModelSpec, ParameterSpec, SolvedMatrices};
+use self::spec::{
+    DescribedParameter, MatrixCriterionSpec, MatrixKind, MatrixModelSpec, PairRecord, ParameterSpec, SolvedMatrices,
+};
 use self::terms::{FileTerm, TermSpec, TermsSpec};
 use crate::job::axes::values;
 use crate::job::axes_spec::{AxesSpec, AxisEntry};
@@ -268,6 +271,23 @@ impl Draft for MatrixDraft {
             return None;
         }
         let solved = spec.matrices.as_ref().map(|matrices| (*matrices.get_ref(), matrices.span()));
+        let record: Vec<PairResult> =
+            spec.record.iter().flat_map(Spanned::get_ref).map(|record| record.result()).collect();
+        if let (Some(record), Some((SolvedMatrices::Full, _))) = (&spec.record, &solved) {
+            let message = "criterion.record needs all pairs of the band, and with criterion.matrices = \"full\" only those near the threshold are looked for; reduce the matrices first (`stickslip reduce`), or remove one of the two";
+            complaints.push(Complaint::at(record.span(), message));
+            return None;
+        }
+        let has_column =
+            |name: &&Spanned<String>| record.iter().any(|result| result.described().name == *name.get_ref());
+        if let Some(name) = self.tables.model.parameters.keys().find(has_column) {
+            let message = format!(
+                "model.parameters.{0}: criterion.record writes a column of this name; give the parameter another",
+                name.get_ref()
+            );
+            complaints.push(Complaint::at(name.span(), message));
+            return None;
+        }
         let read = self.model.filter(|_| self.is_whole)?;
         let grid = grid?;
         let criterion = ComplexEigenvalue { bands: self.bands, damping_ratio };
@@ -294,6 +314,7 @@ impl Draft for MatrixDraft {
         let span = self.tables.model.mass.as_ref().map(Spanned::span);
         let model =
             complaints.take(model.map_err(|error| Complaint::maybe_at(span, format!("model.mass: {error}"))))?;
+        let model = model.recording(record);
         let checked = configurable(&model, grid).map_err(|error| Complaint::maybe_at(None, format!("model: {error}")));
         complaints.take(checked)?;
         Some(Arc::new(MatrixJob {
@@ -369,6 +390,7 @@ impl JobModel for MatrixJob {
         });
         model.insert("kind".to_owned(), KIND.name.into());
         let ComplexEigenvalue { bands, damping_ratio } = self.model.criterion();
+        let recorded = self.model.recorded_results();
         let is_all = bands.len() == 1 && bands[0] == [0.0, f64::INFINITY];
         let criterion = table_of(&MatrixCriterionSpec {
             kind: Some(written(MatrixKind::ComplexEigenvalue)),
@@ -377,6 +399,8 @@ impl JobModel for MatrixJob {
             damping_ratio: Some(written(*damping_ratio)),
             matrices: matches!(self.model.problem(), Problem::Sparse(_)).then(|| written(SolvedMatrices::Full)),
             outside_physics: None,
+            record: (!recorded.is_empty())
+                .then(|| written(recorded.iter().map(|result| PairRecord::of(*result)).collect())),
         });
         Tables { model, criterion }
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use stickslip_core::models::matrices::recorded::PairResult;
 use toml::Spanned;
 
 use super::terms::{TermSpec, TermsSpec};
@@ -87,6 +88,43 @@ pub struct MatrixCriterionSpec {
     /// What happens to samples with a parameter beyond its range.
     #[schemars(with = "Option<OutsidePhysics>", extend("default" = "stable"))]
     pub outside_physics: Option<Spanned<OutsidePhysics>>,
+    /// What else is written for each cell: mean and quantiles of `"damping_ratio"`, `"growth_rate"` (1/s) and `"frequency"`
+    /// (Hz) of the least stable pair in the band, over all samples that have one. Not with `matrices = "full"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Vec<PairRecord>>", extend("default" = []))]
+    pub record: Option<Spanned<Vec<PairRecord>>>,
+}
+
+/// What a run can record of the least stable pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PairRecord {
+    /// Its damping ratio.
+    DampingRatio,
+    /// Its growth rate, 1/s.
+    GrowthRate,
+    /// Its frequency, Hz.
+    Frequency,
+}
+
+impl PairRecord {
+    /// In words of the model.
+    pub fn result(self) -> PairResult {
+        match self {
+            Self::DampingRatio => PairResult::DampingRatio,
+            Self::GrowthRate => PairResult::GrowthRate,
+            Self::Frequency => PairResult::Frequency,
+        }
+    }
+
+    /// From words of the model.
+    pub fn of(result: PairResult) -> Self {
+        match result {
+            PairResult::DampingRatio => Self::DampingRatio,
+            PairResult::GrowthRate => Self::GrowthRate,
+            PairResult::Frequency => Self::Frequency,
+        }
+    }
 }
 
 /// With which matrices eigenvalues are found.

@@ -200,9 +200,9 @@ fn the_settled_amplitude_is_that_of_the_limit_cycle() {
         let brake = PadOnDisc::preset_with(&[("operating_point.rotating_speed", speed)]);
         let cycle = brake.limit_cycle().unwrap();
         let expected = 0.5 * (cycle.tangential_max - cycle.tangential_min);
-        let rigid = criterion(speed, &DiscModel::Rigid, settings).decide(NOMINAL).amplitude.unwrap();
+        let rigid = criterion(speed, &DiscModel::Rigid, settings).decide(NOMINAL).recorded[0].unwrap();
         assert!((rigid / expected - 1.0).abs() < 2e-4, "{speed}: {rigid} {expected}");
-        let flexible = criterion(speed, &FLEXIBLE, settings).decide(NOMINAL).amplitude.unwrap();
+        let flexible = criterion(speed, &FLEXIBLE, settings).decide(NOMINAL).recorded[0].unwrap();
         assert!((flexible / expected - 1.0).abs() < 0.05, "{speed}: {flexible} {expected}");
     }
 }
@@ -239,7 +239,7 @@ fn recording_the_amplitude_changes_no_verdict() {
                 let inputs = RandomInputs { preload: 0.003 * f64::from(i), static_friction: 0.39 };
                 let (plain, recording) = (plain.decide(inputs), recording.decide(inputs));
                 assert_eq!(plain.verdict, recording.verdict, "{disc:?} {start:?} {inputs:?}");
-                assert!(recording.amplitude.is_none() || recording.verdict == Verdict::Unstable);
+                assert!(recording.recorded[0].is_none() || recording.verdict == Verdict::Unstable);
             }
         }
     }
@@ -402,7 +402,7 @@ fn smooth_cycles_are_unstable_up_to_the_speed_at_which_they_end() {
     for (speed, expected) in [(7.25, Verdict::Unstable), (7.3236, Verdict::Unstable), (7.3238, Verdict::Stable)] {
         assert_eq!(at(speed, false).verdict, expected, "{speed}");
     }
-    let amplitudes = [7.0, 7.25, 7.32].map(|speed| at(speed, true).amplitude.unwrap());
+    let amplitudes = [7.0, 7.25, 7.32].map(|speed| at(speed, true).recorded[0].unwrap());
     assert!(amplitudes.is_sorted_by(|a, b| a > b) && amplitudes[2] > 1e-4, "{amplitudes:?}");
 }
 
@@ -427,7 +427,7 @@ fn a_pad_that_overtakes_the_disc_in_every_cycle_is_unstable() {
             let settings = TimeDomainSettings { start, record_amplitude, ..Default::default() };
             let decision = TimeDomain::new(&brake, &DiscModel::Rigid, settings).unwrap().decide(inputs);
             assert_eq!(decision.verdict, Verdict::Unstable, "{tangential} {velocity}: {decision:?}");
-            let Some(amplitude) = decision.amplitude else { continue };
+            let Some(amplitude) = decision.recorded[0] else { continue };
             let expected = 0.5 * (cycle.tangential_max - cycle.tangential_min);
             assert!((amplitude / expected - 1.0).abs() < 1e-3, "{tangential} {velocity}: {decision:?}");
         }

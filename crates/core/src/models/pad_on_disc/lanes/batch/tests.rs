@@ -32,8 +32,9 @@ fn assert_lanes_agree(criterion: &TimeDomain, inputs: &[RandomInputs]) -> [usize
     for set in InstructionSet::available() {
         let found = criterion.decide_all_with(inputs, set);
         for ((inputs, expected), found) in inputs.iter().zip(&expected).zip(&found) {
-            let bits =
-                |decision: &Decision| (decision.verdict, decision.time.to_bits(), decision.amplitude.map(f64::to_bits));
+            let bits = |decision: &Decision| {
+                (decision.verdict, decision.time.to_bits(), decision.recorded[0].map(f64::to_bits))
+            };
             assert_eq!(bits(found), bits(expected), "{set:?} {inputs:?} {found:?} {expected:?}");
         }
     }
@@ -95,7 +96,8 @@ fn outcomes_are_pinned() {
         let criterion = criterion(&disc, settings, &[("operating_point.rotating_speed", 15.0)]);
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         for decision in criterion.decide_all(&inputs(40)) {
-            for word in [decision.verdict as u64, decision.time.to_bits(), decision.amplitude.map_or(0, f64::to_bits)] {
+            for word in [decision.verdict as u64, decision.time.to_bits(), decision.recorded[0].map_or(0, f64::to_bits)]
+            {
                 for byte in word.to_le_bytes() {
                     hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
                 }
@@ -164,7 +166,7 @@ impl<'q> SampleQueue<'q> for Listed<'q> {
 }
 
 fn bits(decision: &Decision) -> (Verdict, u64, Option<u64>) {
-    (decision.verdict, decision.time.to_bits(), decision.amplitude.map(f64::to_bits))
+    (decision.verdict, decision.time.to_bits(), decision.recorded[0].map(f64::to_bits))
 }
 
 #[track_caller]

@@ -1,0 +1,223 @@
+//! What is recorded of the samples of models given by matrices: damping ratio, growth rate and frequency of their least
+//! stable pair.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use common::{Place, Table, submitted};
+
+const NAMES: [&str; 3] = ["damping_ratio", "growth_rate", "frequency"];
+
+/// The columns of a result in a surface, with the share of samples below it.
+const QUANTILES: [(&str, f64); 3] = [("p05", 0.05), ("p50", 0.5), ("p95", 0.95)];
+
+/// Three masses with unequal damping, and friction that couples two of them.
+fn three_masses(random: &str, sampling: &str) -> String {
+    format!(
+        "name = \"three\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = [[1, 0, 0], [0, 2, 0], [0, 0, 1.5]] }}\n\
+         damping = {{ matrix = [[0.3, -0.1, 0], [-0.1, 0.2, 0], [0, 0, 0.1]], factor = \"damping\" }}\n\
+         stiffness = [{{ matrix = [[90, -20, -5], [-20, 150, -10], [-5, -10, 200]] }}, \
+         {{ matrix = [[0, -40, 0], [30, 0, 0], [0, 0, 0]], factor = \"friction\" }}]\n\
+         [model.parameters]\nfriction = 1.0\ndamping = 1.0\n[axes]\nfriction = [-1.5, 0.0, 1.0, 1.6, 3.0]\n\
+         [random]\n{random}\n[criterion]\nkind = \"complex-eigenvalue\"\nbands = [[0.0, 0.9], [1.0, 1.5], [1.5, 3.0]]\n\
+         record = [\"frequency\", \"damping_ratio\", \"growth_rate\"]\n[sampling]\nseed = 5\n{sampling}\n"
+    )
+}
+
+/// Friction, band, and damping ratio, growth rate and frequency of NumPy 2: the eigenvalue with `v.imag >= 0` in the band
+/// (in any of them for band 0) with the least `-v.real / abs(v)` among `numpy.linalg.eigvals` of
+/// `[[0, I], [-M^-1 K, -M^-1 C]]`. The first band has no pair.
+const NUMPY: [[f64; 5]; 14] = [
+    [-1.5, 0.0, -0.189_857_922_324_836_5, 1.787_067_328_574_410_3, 1.470_823_197_180_664],
+    [-1.5, 2.0, -0.189_857_922_324_836_5, 1.787_067_328_574_410_3, 1.470_823_197_180_664],
+    [-1.5, 3.0, 0.002_846_927_746_739_462, -0.032_937_843_970_837_66, 1.841_353_172_596_718_7],
+    [0.0, 0.0, 0.002_899_248_525_122_641, -0.033_570_798_409_577_44, 1.842_869_284_430_982_6],
+    [0.0, 2.0, 0.005_584_230_853_030_667, -0.045_284_759_006_709_81, 1.290_630_895_579_370_2],
+    [0.0, 3.0, 0.002_899_248_525_122_641, -0.033_570_798_409_577_44, 1.842_869_284_430_982_6],
+    [1.0, 0.0, -0.079_950_807_148_517_43, 0.724_713_383_220_444_2, 1.438_040_348_314_414_6],
+    [1.0, 2.0, -0.079_950_807_148_517_43, 0.724_713_383_220_444_2, 1.438_040_348_314_414_6],
+    [1.0, 3.0, 0.002_854_313_459_679_585, -0.033_027_802_638_679_216, 1.841_604_543_731_940_6],
+    [1.6, 0.0, -0.180_149_570_901_888_93, 1.687_123_341_249_427, 1.466_120_188_704_061_8],
+    [1.6, 2.0, -0.180_149_570_901_888_93, 1.687_123_341_249_427, 1.466_120_188_704_061_8],
+    [1.6, 3.0, 0.002_831_029_432_655_531, -0.032_739_189_798_965_51, 1.840_525_904_958_245_2],
+    [3.0, 0.0, -0.334_583_205_950_354_3, 3.454_700_340_709_602, 1.548_624_346_802_250_3],
+    [3.0, 3.0, -0.334_583_205_950_354_3, 3.454_700_340_709_602, 1.548_624_346_802_250_3],
+];
+
+#[test]
+fn the_least_stable_pair_of_each_band_is_that_of_numpy() {
+    let place = Place::new();
+    let job = three_masses("inputs = [\"damping\"]\nrelative_std = 0.0", "samples = 3");
+    let table = submitted(&place, "three", &job);
+    let mut with_pairs = 0;
+    for (cell, (&friction, &band)) in table.column("friction").iter().zip(table.column("band")).enumerate() {
+        let expected = NUMPY.iter().find(|row| row[0] == friction && row[1] == band);
+        with_pairs += usize::from(expected.is_some());
+        place.run(&format!("samples three --cell {cell} --out samples.parquet")).done();
+        let samples = Table::read(&place.path("samples.parquet"));
+        for (place, name) in NAMES.iter().enumerate() {
+            let of_surface = |kind: &str| table.column(&format!("{name}_{kind}"))[cell];
+            let sample = samples.column(name)[1];
+            match expected.map(|row| row[2 + place]) {
+                Some(value) => {
+                    assert!((sample - value).abs() < 1e-13, "{name} {friction} {band}: {sample} {value}");
+                    assert!((of_surface("mean") - value).abs() < 1e-10, "{name} {friction} {band}");
+                    QUANTILES.iter().for_each(|(kind, _)| {
+                        assert!((of_surface(kind) / value - 1.0).abs() < 1.0 / 2000.0, "{name} {friction} {band}");
+                    });
+                }
+                None => assert!(sample.is_nan() && of_surface("mean").is_nan() && of_surface("p50").is_nan()),
+            }
+        }
+    }
+    assert_eq!(with_pairs, NUMPY.len());
+    // What `replay` shows of a sample, and the report of a cell.
+    let shown = place.run("replay three --cell 8 --sample 0 --json").done().stdout;
+    let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
+    let row = NUMPY.iter().find(|row| row[0] == table.column("friction")[8] && row[1] == 0.0).unwrap();
+    assert!((shown["damping_ratio"].as_f64().unwrap() - row[2]).abs() < 1e-13, "{shown}");
+    place.run("report three --out three.html").done();
+    let report = std::fs::read_to_string(place.path("three.html")).unwrap();
+    assert!(report.contains("\"name\":\"growth rate\"") && report.contains("\"unit\":\"1/s\""));
+}
+
+/// Two masses `x'' + c x' + [[k, 1 - D], [1, k]] x = 0`: with `s` a root of `s^2 = 1 - D`, their pairs are those of
+/// `lambda^2 + c lambda + k + s = 0` and `k - s`.
+#[test]
+fn mean_and_quantiles_are_those_of_the_samples_which_have_their_closed_form() {
+    const C: f64 = 0.05;
+    let bands = [[0.0, 0.25], [0.25, 0.4]];
+    let place = Place::new();
+    let job = format!(
+        "name = \"two\"\n[model]\nkind = \"matrices\"\nmass = {{ matrix = [[1, 0], [0, 1]] }}\n\
+         damping = {{ matrix = [[{C}, 0], [0, {C}]] }}\nstiffness = [{{ matrix = [[1, 0], [0, 1]], factor = \"k\" }}, \
+         {{ matrix = [[0, 1], [1, 0]] }}, {{ matrix = [[0, -1], [0, 0]], factor = \"D\" }}]\n\
+         [model.parameters]\nk = 2.5\nD = {{ value = 0.9, range = [0.0, 1.4] }}\n\
+         [random]\ninputs = [\"D\", \"k\"]\nrelative_std = 0.3\n\
+         [criterion]\nkind = \"complex-eigenvalue\"\nbands = [[0.0, 0.25], [0.25, 0.4]]\n\
+         record = [\"damping_ratio\", \"growth_rate\", \"frequency\"]\n[sampling]\nsamples = 700\nseed = 2\n"
+    );
+    let table = submitted(&place, "two", &job);
+    for (cell, &band) in table.column("band").iter().enumerate() {
+        place.run(&format!("samples two --cell {cell}")).done();
+        let samples = Table::read(&place.path(&format!("two/samples-{cell}.parquet")));
+        let (k, d) = (samples.column("k"), samples.column("D"));
+        let outside = samples.column("outside_physics");
+        let recorded = NAMES.map(|name| samples.column(name));
+        let mut values: [Vec<f64>; 3] = Default::default();
+        for sample in 0..700 {
+            let pairs = pairs(C, k[sample], d[sample]);
+            let in_band = |pair: &&[f64; 3]| {
+                let has = |own: usize| bands[own][0] <= pair[2] && pair[2] <= bands[own][1];
+                if band == 0.0 { has(0) || has(1) } else { has(band as usize - 1) }
+            };
+            let least = pairs.iter().filter(in_band).min_by(|a, b| a[0].total_cmp(&b[0]));
+            match least.filter(|_| outside[sample] == 0.0) {
+                None => assert!(recorded.iter().all(|column| column[sample].is_nan()), "{cell} {sample}"),
+                Some(pair) => {
+                    for (result, column) in recorded.iter().enumerate() {
+                        let difference = (column[sample] - pair[result]).abs();
+                        // Where the two pairs nearly meet, rounding moves them by its root.
+                        assert!(difference < 1e-11, "{cell} {sample} {}: {difference:e}", NAMES[result]);
+                        values[result].push(column[sample]);
+                    }
+                }
+            }
+        }
+        let count = values[0].len();
+        assert!(outside.contains(&1.0) && count > 50 && count < 700, "{count}");
+        for (values, name) in values.iter_mut().zip(NAMES) {
+            values.sort_by(f64::total_cmp);
+            let mean = values.iter().sum::<f64>() / count as f64;
+            assert!((table.column(&format!("{name}_mean"))[cell] - mean).abs() < 1e-10, "{name}");
+            for (kind, share) in QUANTILES {
+                let expected = values[(share * count as f64).ceil() as usize - 1];
+                let found = table.column(&format!("{name}_{kind}"))[cell];
+                assert!((found / expected - 1.0).abs() < 1.0 / 2000.0, "{name}_{kind}: {found} {expected}");
+            }
+        }
+    }
+}
+
+/// Damping ratio, growth rate and frequency of the pairs of two masses that are not below the real axis.
+fn pairs(c: f64, k: f64, d: f64) -> Vec<[f64; 3]> {
+    let figures = |re: f64, im: f64| [-re / (re * re + im * im).sqrt(), re, im / TAU];
+    if d <= 1.0 {
+        let of = |kappa: f64| {
+            let square = kappa - 0.25 * c * c;
+            if square >= 0.0 {
+                return vec![figures(-0.5 * c, square.sqrt())];
+            }
+            [1.0, -1.0].map(|sign| figures(-0.5 * c + sign * (-square).sqrt(), 0.0)).to_vec()
+        };
+        let s = (1.0 - d).sqrt();
+        return [of(k + s), of(k - s)].concat();
+    }
+    // The roots of c^2 / 4 - k -+ i r.
+    let (re, im) = (0.25 * c * c - k, (d - 1.0).sqrt());
+    let size = (re * re + im * im).sqrt();
+    let (x, y) = ((0.5 * (size + re)).sqrt(), (0.5 * (size - re)).sqrt());
+    vec![figures(-0.5 * c + x, y), figures(-0.5 * c - x, y)]
+}
+
+#[test]
+fn threads_shards_and_kills_do_not_change_a_byte() {
+    let place = Place::new();
+    let random = "inputs = [\"friction\", \"damping\"]\nrelative_std = { friction = 0.2, damping = 0.4 }\n\
+        distribution = { damping = \"lognormal\" }";
+    place.write("job.toml", &three_masses(random, "samples = 24_500"));
+    place.run("submit job.toml --threads 1 --out whole").done();
+    place.run("submit job.toml --threads 3 --out 3").done();
+    assert!(place.surface("whole") == place.surface("3"));
+    for step in 0..5 {
+        place.run(&format!("submit job.toml --out shards --shard {}/5", step * 3 % 5 + 1)).done();
+    }
+    place.run("merge shards").done();
+    assert!(place.surface("whole") == place.surface("shards"));
+    place.assert_survives_kills("whole", &[150, 300, 200, 350, 250], 2);
+    place.run("samples whole --cell 9 --threads 1").done();
+    place.run("samples killed --cell 9 --threads 2 --out again.parquet").done();
+    let read = |name: &str| std::fs::read(place.path(name)).unwrap();
+    assert!(read("whole/samples-9.parquet") == read("again.parquet"));
+    // Samples without what is recorded are the same.
+    let plain = three_masses(random, "samples = 24_500").replace("record = [", "# record = [");
+    let (plain, recorded) = (submitted(&place, "plain", &plain), Table::read(&place.path("whole/surface.parquet")));
+    assert!(plain.names().iter().all(|name| plain.column(name) == recorded.column(name)));
+    assert_eq!(recorded.names().len(), plain.names().len() + 12);
+}
+
+#[test]
+fn what_cannot_record_says_so() {
+    let place = Place::new();
+    let two = "inputs = [\"friction\", \"damping\"]\nrelative_std = 0.1";
+    let refused = "records nothing of its samples; remove criterion.record";
+    for (random, sampling, change, texts) in [
+        (two, "method = \"importance\"", ["", ""], &[refused][..]),
+        (two, "method = \"subset\"", ["", ""], &[refused]),
+        (two, "method = \"conditional\"", ["", ""], &[refused]),
+        ("inputs = [\"friction\"]\nrelative_std = 0.1", "method = \"exact\"", ["", ""], &[refused]),
+        (two, "", ["[\"frequency\"", "[\"frequencies\""], &["frequencies", "did you mean `frequency`?"]),
+        (two, "", ["record =", "matrices = \"full\"\nrecord ="], &["criterion.record needs all pairs", "reduce"]),
+        (two, "", ["damping = 1.0", "damping = 1.0\ngrowth_rate = 2.0"], &["model.parameters.growth_rate", "column"]),
+    ] {
+        let mut job = three_masses(random, sampling);
+        if !change[0].is_empty() {
+            job = job.replacen(change[0], change[1], 1);
+        }
+        place.write("job.toml", &job);
+        place.run("check job.toml").refused(65, texts);
+    }
+    // A part of them, in any order and twice, is the same job.
+    let job = three_masses(two, "samples = 100");
+    let hash = |record: &str| {
+        let text = job.replace("[\"frequency\", \"damping_ratio\", \"growth_rate\"]", record);
+        let table = submitted(&place, &format!("r{}", record.len()), &text);
+        assert_eq!(table.names().iter().filter(|name| name.ends_with("_p95")).count(), 2);
+        table.footer.iter().find(|(key, _)| key == "stickslip:job_hash").unwrap().1.clone()
+    };
+    let [a, b] = ["[\"frequency\", \"growth_rate\"]", "[\"growth_rate\", \"frequency\", \"growth_rate\"]"].map(hash);
+    assert_eq!(a, b);
+}
