@@ -218,7 +218,7 @@ coverage:
 # The same jobs by NumPy, OpenTURNS, UQpy, numba, SciPy and diffrax beside it.
 bench-peers: target/peers/ready target/peers-uqpy/ready
 	$(CARGO) build --locked --release
-	failed=; for bench in peers peers_methods peers_rare_events peers_time_domain peers_starts; do \
+	failed=; for bench in peers peers_methods peers_matrices peers_rare_events peers_time_domain peers_starts; do \
 		more=; [ $$bench = peers_rare_events ] && more=target/peers-uqpy/bin/python; \
 		target/peers/bin/python benches/$$bench.py $(STICKSLIP) $$more || failed="$$failed $$bench"; \
 	done; \
