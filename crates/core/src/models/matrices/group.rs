@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{Complex, DMatrix, DVector, Schur};
+use nalgebra::{Complex, DVector, Schur};
 
 use super::eigenbasis::ComplexMatrix;
 use super::far::Followed;
@@ -50,38 +50,33 @@ pub(super) struct Group {
 
 /// Vectors of a group from one side.
 struct Side {
-    /// The squared norms of the vectors of first and of second order, as quadratic forms of the monomials of their order.
-    norms: [DMatrix<f64>; 2],
     /// The vectors of first and of second order, by columns, in the basis of the origin.
     vectors: [Polynomial; 2],
 }
 
 impl Side {
-    fn new(vectors: Vectors) -> Self {
+    fn new(vectors: &Vectors) -> Self {
         let polynomial = |vectors: &[ComplexMatrix]| {
             let mut polynomial = Polynomial::default();
             polynomial.push(vectors);
             polynomial
         };
-        Self { norms: vectors.norms, vectors: [polynomial(&vectors.first), polynomial(&vectors.second)] }
-    }
-
-    /// The norms of the vectors of first and of second order.
-    fn norms(&self, monomials: &Monomials) -> [f64; 2] {
-        [norm(&self.norms[0], &monomials.first), norm(&self.norms[1], &monomials.second)]
+        Self { vectors: [polynomial(&vectors.first), polynomial(&vectors.second)] }
     }
 }
 
 impl Group {
-    pub(super) fn new(modes: Vec<usize>, eigenvalues: Vec<Eigenvalue>, first: usize, vectors: [Vectors; 2]) -> Self {
+    pub(super) fn new(modes: Vec<usize>, eigenvalues: Vec<Eigenvalue>, first: usize, vectors: &[Vectors; 2]) -> Self {
         let entries = first..first + modes.len() * modes.len();
-        Self { modes, eigenvalues, entries, sides: vectors.map(Side::new) }
+        Self { modes, eigenvalues, entries, sides: vectors.each_ref().map(Side::new) }
     }
 
-    /// A bound of the error of P, infinite where orders hardly fall; and an estimate of that error which is left in
+    /// From the squared norms of the vectors of first and of second order, those from the right in the real parts: a bound of
+    /// the error of P, infinite where orders hardly fall; and an estimate of that error which is left in
     /// eigenvalues that come from the vectors, by extrapolation of the second and the third order to the sixth.
-    fn errors(&self, orders: &Orders<'_>, monomials: &Monomials) -> [f64; 2] {
-        let [right, left] = self.sides.each_ref().map(|side| side.norms(monomials));
+    fn errors(&self, orders: &Orders<'_>, squares: [Complex<f64>; 2]) -> [f64; 2] {
+        let root = |square: f64| square.max(0.0).sqrt();
+        let [right, left] = [squares.map(|square| root(square.re)), squares.map(|square| root(square.im))];
         if right[1] == 0.0 || left[1] == 0.0 {
             return [0.0; 2];
         }
@@ -99,16 +94,16 @@ impl Group {
         [bound, bound.min(SAFETY_OF_VECTORS * estimate)]
     }
 
-    /// The eigenvalues of `N^-1 P`, each with its radius.
+    /// The eigenvalues of `N^-1 P`, each with its radius, from the squared norms of the vectors.
     pub(super) fn follow(
         &self,
         place: usize,
         orders: &Orders<'_>,
-        monomials: &Monomials,
+        squares: [Complex<f64>; 2],
         followed: &mut Vec<Followed>,
     ) -> Option<()> {
         let own = self.modes.len();
-        let errors = self.errors(orders, monomials);
+        let errors = self.errors(orders, squares);
         if let ([eigenvalue], [n]) = (&self.eigenvalues[..], orders.n) {
             let eigenvalue = (eigenvalue + orders.sum(0)) / (Complex::from(1.0) + n);
             let [radius, radius_of_vectors] = errors;
@@ -201,13 +196,6 @@ fn radius(eigenvalues: &[Eigenvalue], i: usize, spread: f64, error: f64) -> f64 
     let condition = (1..own).fold(1.0, |condition, _| condition * (1.0 + 2.0 * spread / isolation));
     let linear = 2.0 * error * condition;
     if linear < 0.25 * isolation { linear.min(most) } else { most }
-}
-
-/// The root of a quadratic form.
-fn norm(form: &DMatrix<f64>, values: &[f64]) -> f64 {
-    let columns = form.as_slice().chunks_exact(values.len().max(1));
-    let of_column = |column: &[f64]| column.iter().zip(values).map(|(entry, value)| entry * value).sum::<f64>();
-    columns.zip(values).map(|(column, value)| value * of_column(column)).sum::<f64>().max(0.0).sqrt()
 }
 
 /// `value^(1/n)`.

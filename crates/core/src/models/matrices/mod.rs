@@ -24,9 +24,9 @@ mod eigenbasis;
 
 mod dense_branches;
 
-mod perturbation;
-
 mod polynomial;
+
+mod perturbation;
 
 mod far;
 

@@ -4,6 +4,7 @@
 use nalgebra::{Complex, DMatrix};
 
 use super::eigenbasis::{ComplexMatrix, Split};
+use super::polynomial::squared;
 use super::region::magnitude;
 use crate::numerics::eigenvalues::Eigenvalue;
 
@@ -71,9 +72,9 @@ impl<'a> FirstOrder<'a> {
 pub(super) struct Vectors {
     pub(super) first: Vec<ComplexMatrix>,
     pub(super) second: Vec<ComplexMatrix>,
-    /// Their squared norms as quadratic forms of the monomials of their order. Each row is weighted by its distance from
-    /// the group.
-    pub(super) norms: [DMatrix<f64>; 2],
+    /// Their squared norms as polynomials of the products of two and of four changes. Each row is weighted by its distance
+    /// from the group.
+    pub(super) squares: [Vec<f64>; 2],
 }
 
 /// The vectors of second order, and what three coefficients do together.
@@ -123,11 +124,13 @@ impl SecondOrder {
 
     /// The vectors of both orders, from the right and from the left.
     pub(super) fn vectors(self, first: FirstOrder<'_>) -> [Vectors; 2] {
-        let norms = |of: [&[ComplexMatrix]; 2]| of.map(|vectors| first.gram(vectors));
-        let [right, left] = [norms([&first.right, &self.right]), norms([&first.left, &self.left])];
+        let squares = |of: [&[ComplexMatrix]; 2]| {
+            [(of[0], 1), (of[1], 2)].map(|(vectors, number)| squared(&first.gram(vectors), self.count, number))
+        };
+        let [right, left] = [squares([&first.right, &self.right]), squares([&first.left, &self.left])];
         [
-            Vectors { first: first.right, second: self.right, norms: right },
-            Vectors { first: first.left, second: self.left, norms: left },
+            Vectors { first: first.right, second: self.right, squares: right },
+            Vectors { first: first.left, second: self.left, squares: left },
         ]
     }
 

@@ -65,6 +65,9 @@ pub(super) struct ModeSeries {
     /// The terms of P of first to third order, and those of N, which are of second order, for all groups.
     p: [Polynomial; 3],
     n: Polynomial,
+    /// The squared norms of the vectors of first and of second order, an entry for each group: from the right the real part,
+    /// from the left the imaginary one.
+    squares: [Polynomial; 2],
 }
 
 impl ModeSeries {
@@ -103,6 +106,7 @@ impl ModeSeries {
             basis,
             p: Default::default(),
             n: Polynomial::default(),
+            squares: Default::default(),
         };
         groups(&near, &all, &typical).into_iter().for_each(|modes| series.add_group(modes, &all));
         let follow = |delta: &[f64]| series.eigenvalues(delta.to_vec());
@@ -133,7 +137,12 @@ impl ModeSeries {
         self.p[2].push(&third);
         let eigenvalues = modes.iter().map(|&mode| all.eigenvalues[mode]).collect();
         let vectors = second_order.vectors(first_order);
-        self.groups.push(Group::new(modes, eigenvalues, first, vectors));
+        for (order, polynomial) in self.squares.iter_mut().enumerate() {
+            let both = vectors[0].squares[order].iter().zip(&vectors[1].squares[order]);
+            let values = both.map(|(right, left)| ComplexMatrix::from_element(1, 1, Complex::new(*right, *left)));
+            polynomial.push(&values.collect::<Vec<_>>());
+        }
+        self.groups.push(Group::new(modes, eigenvalues, first, &vectors));
     }
 
     /// The eigenvalues that may be in a region with these coefficients, each with its radius; `None` if the series does
@@ -151,23 +160,29 @@ impl ModeSeries {
     fn eigenvalues(&self, changes: Vec<f64>) -> Option<Vec<Followed>> {
         let monomials = Monomials::new(changes);
         let orders = self.orders(&monomials, 0..self.n.width());
+        let squares = self.squares(&monomials);
         let mut followed = Vec::with_capacity(2 * self.groups.len());
         for (place, group) in self.groups.iter().enumerate() {
             let [p @ .., n] = orders.each_ref().map(|values| &values[group.entries.clone()]);
-            group.follow(place, &Orders { p, n }, &monomials, &mut followed)?;
+            let squares = squares.each_ref().map(|values| values[place]);
+            group.follow(place, &Orders { p, n }, squares, &mut followed)?;
         }
         Some(followed)
     }
 
     /// What changes add to P, by orders, and to N, for the entries in a range.
     fn orders(&self, monomials: &Monomials, entries: Range<usize>) -> [Vec<Complex<f64>>; 4] {
-        let Monomials { first, second, third } = monomials;
+        let Monomials { first, second, third, .. } = monomials;
         let [p1, p2, p3] = self.p.each_ref();
-        [(p1, first), (p2, second), (p3, third), (&self.n, second)].map(|(polynomial, monomials)| {
-            let mut values = vec![Complex::from(0.0); entries.len()];
-            polynomial.add_to(&mut values, entries.clone(), monomials);
-            values
-        })
+        [(p1, first), (p2, second), (p3, third), (&self.n, second)]
+            .map(|(polynomial, monomials)| polynomial.values(entries.clone(), monomials))
+    }
+
+    /// The squared norms of the vectors of the groups.
+    fn squares(&self, monomials: &Monomials) -> [Vec<Complex<f64>>; 2] {
+        let [first, second] = self.squares.each_ref();
+        let groups = 0..self.groups.len();
+        [first.values(groups.clone(), &monomials.second), second.values(groups, &monomials.fourth)]
     }
 
     /// The pair of a followed eigenvalue of the problem with these coefficients, from its vectors of second order.
