@@ -282,8 +282,8 @@ mod tests {
         let line =
             |cell: u64| serde_json::to_string(&FinishedUnit { sums: vec![5], ..some_units()[cell as usize].clone() });
         assert_eq!(line(2).unwrap(), "[2,2000,10,[4,3,2,1],0,[],[5]]");
-        // Half of a bin of 1e-3 is 2^-10 of it, and 2^-34 the step of sums.
-        let plain = "[1,1000,10,[4,3,2,1],103079215,[[1044577,1],[1045601,1],[1046156,1]],[5]]";
+        // The leading 22 bits of 1e-3, 2e-3 and 3e-3, and their sum in steps of 2^-34.
+        let plain = "[1,1000,10,[4,3,2,1],103079215,[[1037336,1],[1038360,1],[1038884,1]],[5]]";
         assert_eq!(line(1).unwrap(), plain);
         assert!(line(0).unwrap().starts_with("[0,0,10,[4,3,2,1],0,[],[5],"));
         let longer = line(3).unwrap();
