@@ -186,16 +186,18 @@ impl Group {
 /// How far an eigenvalue of a group may move if P has an error: by the error times the condition of an isolated one, and at
 /// most by the root that belongs to the size of the group (L. Elsner, Linear Algebra Appl. 71 (1985) 77).
 fn radius(eigenvalues: &[Eigenvalue], i: usize, spread: f64, error: f64) -> f64 {
-    if error == 0.0 {
-        return 0.0;
+    if error == 0.0 || error.is_infinite() {
+        return error;
     }
     let own = eigenvalues.len();
-    let most = root(error, own) * (2.0 * spread + error) / root(2.0 * spread + error, own);
     let others = eigenvalues.iter().enumerate().filter(|(j, _)| *j != i);
     let isolation = others.map(|(_, other)| magnitude(eigenvalues[i] - other)).fold(f64::INFINITY, f64::min);
     let condition = (1..own).fold(1.0, |condition, _| condition * (1.0 + 2.0 * spread / isolation));
     let linear = 2.0 * error * condition;
-    if linear < 0.25 * isolation { linear.min(most) } else { most }
+    if linear < 0.25 * isolation {
+        return linear;
+    }
+    root(error, own) * (2.0 * spread + error) / root(2.0 * spread + error, own)
 }
 
 /// `value^(1/n)`.
