@@ -322,8 +322,10 @@ fn a_directory_in_use_is_refused() {
 fn check_shows_a_job_that_can_itself_be_submitted() {
     let place = Place::new();
     // A normalised job names its matrices without a folder.
-    let matrices = "tu-brake.mat";
-    fs::copy(repository().join("jobs/tu-brake").join(matrices), place.path(matrices)).unwrap();
+    for brake in ["tu-brake", "own-brake"] {
+        let matrices = format!("{brake}.mat");
+        fs::copy(repository().join("jobs").join(brake).join(&matrices), place.path(&matrices)).unwrap();
+    }
     for entry in fs::read_dir(repository().join("jobs")).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_none_or(|extension| extension != "toml") {

@@ -43,7 +43,7 @@ def with_files(job: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
 
 
 def _is_array(value: Any) -> bool:
-    return hasattr(value, "tocsc") or hasattr(value, "__array__")
+    return not isinstance(value, str) and (hasattr(value, "tocsc") or hasattr(value, "__array__"))
 
 
 def _with_matrix(term: Any) -> Any:
@@ -73,7 +73,7 @@ def _stored(matrix: Any, place: str, folder: Path, sizes: dict[str, int]) -> dic
     is_sparse = hasattr(matrix, "tocsc")
     if isinstance(matrix, np.ma.MaskedArray):
         raise _wrong(place, "the matrix is a masked array; fill what is masked")
-    if is_sparse:
+    if is_sparse and len(matrix.shape) == 2:
         matrix = matrix.tocsc(copy=True)
         matrix.sum_duplicates()
     values = matrix.data if is_sparse else np.asarray(matrix)
@@ -108,7 +108,9 @@ def _stored(matrix: Any, place: str, folder: Path, sizes: dict[str, int]) -> dic
     file = folder / f"{digest.hexdigest()[:32]}.npz"
     if not file.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=folder, prefix=".unfinished-", delete=False) as unfinished:
-            np.savez(unfinished, **arrays)
-        os.replace(unfinished.name, file)
+        # Written beside it first, and then with the permissions that a new file has.
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
+            written = Path(unfinished) / file.name
+            np.savez(written, **arrays)
+            os.replace(written, file)
     return {"file": str(file)}

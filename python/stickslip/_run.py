@@ -330,7 +330,7 @@ def run(
         With Ctrl-C, a ``KeyboardInterrupt``. What was finished is kept: ``interrupted.run.resume()``.
     """
     directory = absolute(out if out is not None else Path("runs") / name_of(job))
-    argument, stdin = as_argument(job, directory.parent / "matrices")
+    argument, stdin = as_argument(job, directory.parent / ".matrices")
     options = [*threads_option(threads), f"--out={directory}"]
     for name, value in (("samples", samples), ("seed", seed)):
         if value is not None:

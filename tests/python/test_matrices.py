@@ -53,7 +53,7 @@ def as_sparse(job: dict[str, Any]) -> dict[str, Any]:
 
 def test_two_masses_have_the_probability_of_their_formula(hoffmann: dict[str, Any], place: Path) -> None:
     assert probability(hoffmann, "runs/dense") == pytest.approx(EXPECTED, abs=1e-8)
-    assert not (place / "runs" / "matrices").exists()
+    assert not (place / "runs" / ".matrices").exists()
     assert stickslip.check(hoffmann)["cells"] == 1
     assert stickslip.analyse(job=hoffmann)["stable"]
     hoffmann["axes"] = {"friction": [0.5, 0.9]}
@@ -63,7 +63,7 @@ def test_two_masses_have_the_probability_of_their_formula(hoffmann: dict[str, An
 
 def test_sparse_matrices_stay_so_and_give_what_files_give(hoffmann: dict[str, Any], place: Path) -> None:
     by_array = probability(as_sparse(hoffmann), "runs/arrays")
-    files = sorted((place / "runs" / "matrices").iterdir())
+    files = sorted((place / "runs" / ".matrices").iterdir())
     assert len(files) == 3 and all(sparse.load_npz(file).format == "csc" for file in files)
     model = hoffmann["model"]
     for name, matrix in (("M", model["mass"]["matrix"]), ("K", model["stiffness"][0])):
@@ -78,10 +78,10 @@ def test_the_same_arrays_are_the_same_run_and_others_are_not(
     hoffmann: dict[str, Any], place: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     first = stickslip.run(as_sparse(hoffmann))
-    files = sorted((place / "runs" / "matrices").iterdir())
+    files = sorted((place / "runs" / ".matrices").iterdir())
     assert stickslip.run(hoffmann) == first
     assert "is finished already" in capsys.readouterr().err
-    assert sorted((place / "runs" / "matrices").iterdir()) == files
+    assert sorted((place / "runs" / ".matrices").iterdir()) == files
     hoffmann["model"]["mass"]["matrix"] = 2.0 * hoffmann["model"]["mass"]["matrix"]
     with pytest.raises(stickslip.JobError):
         stickslip.run(hoffmann)
@@ -96,7 +96,7 @@ def test_large_full_matrices_stand_in_a_file(place: Path) -> None:
     model = {**HOFFMANN["model"], "mass": np.eye(size)}
     model["stiffness"] = [stiffness, {"matrix": friction, "factor": "friction"}]
     assert probability({**HOFFMANN, "model": model}, "runs/large") == pytest.approx(EXPECTED, abs=1e-8)
-    assert len(list((place / "runs" / "matrices").glob("*.npz"))) == 3
+    assert len(list((place / "runs" / ".matrices").glob("*.npz"))) == 3
 
 
 @pytest.mark.parametrize(

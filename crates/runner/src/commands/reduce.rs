@@ -48,6 +48,11 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
         return Err(Failure::Internal("a job with full matrices has sparse ones".to_owned()));
     };
     let size = matrices.size();
+    if job.reduction().is_some() {
+        let message =
+            format!("{}: its matrices are reduced already; reduce the job that it was made from", path.display());
+        return Err(Failure::Usage(message));
+    }
     let vectors = *vectors as usize;
     if vectors >= size {
         let message = format!("--vectors {vectors}: the model has {size} degrees of freedom; give fewer vectors");

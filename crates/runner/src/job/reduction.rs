@@ -54,7 +54,8 @@ impl Reduction {
         // Writing to a string cannot fail.
         let _ = write!(
             text,
-            "  {differed} verdicts differ (with {} % confidence at most {:.1} % of all)\n  the least damping ratio differs by up to {damping_ratio_difference:.1e}\n  {lost}\n",
+            "  {} (with {} % confidence at most {:.1} % of all)\n  the least damping ratio differs by up to {damping_ratio_difference:.1e}\n  {lost}\n",
+            differing(*differed),
             100.0 * CONFIDENCE,
             100.0 * self.largest_share(CONFIDENCE)
         );
@@ -70,7 +71,7 @@ impl Reduction {
             );
         }
         format!(
-            "the matrices are reduced from {degrees_of_freedom} degrees of freedom: {differed} of {audited} audited verdicts differ on the full ones, so with {} % confidence up to {:.1} % of all; p_low and p_high do not contain that",
+            "the matrices are reduced from {degrees_of_freedom} degrees of freedom: {differed} of {audited} verdicts differ on the full ones, so with {} % confidence up to {:.1} % of the samples of the first cell as it was reduced; p_low and p_high do not contain that",
             100.0 * CONFIDENCE,
             100.0 * self.largest_share(CONFIDENCE)
         )
@@ -87,7 +88,7 @@ impl Reduction {
         }
         if self.differed > 0 {
             warnings.push(format!(
-                "{} of {} verdicts are other ones on the full matrices; reduce them with more --vectors, or decide samples with criterion.matrices = \"full\"",
+                "{} of {} verdicts differ on the full matrices; reduce them with more --vectors, or submit the job that was reduced with criterion.matrices = \"full\"",
                 self.differed, self.audited
             ));
         }
@@ -96,6 +97,13 @@ impl Reduction {
 
     fn listed(&self) -> String {
         self.missing.iter().take(MOST_LISTED).map(|frequency| format!("{frequency:.4e}")).collect::<Vec<_>>().join(", ")
+    }
+}
+
+fn differing(count: u64) -> String {
+    match count {
+        1 => "1 verdict differs".to_owned(),
+        count => format!("{count} verdicts differ"),
     }
 }
 

@@ -231,7 +231,7 @@ fn reduction_columns(reduction: &Reduction, confidence: f64) -> Vec<Column> {
         ),
         Column::real(
             "p_reduction",
-            "largest share of verdicts that differ on the full matrices which this audit does not exclude; p_low and p_high do not contain it",
+            "largest share of verdicts of the first cell as it was reduced that differ on the full matrices, as far as this audit does not exclude it; p_low and p_high do not contain it",
             move |_| share,
         ),
     ]

@@ -11,8 +11,9 @@ use super::polynomial::{Monomials, Polynomial};
 use super::region::{magnitude, square_root};
 use crate::numerics::eigenvalues::Eigenvalue;
 
-/// The ratio of vectors of one order to that before it up to which the series is used.
-const LARGEST_RATIO: f64 = 0.6;
+/// By how much the ratio of later orders may exceed that of the second to the first. Next to where two modes meet, it grows as
+/// that of Catalan's numbers does.
+const GROWTH_OF_RATIO: f64 = 2.5;
 
 /// What the bound of the error of the series is multiplied by, for what it leaves out.
 const SAFETY: f64 = 2.0;
@@ -40,7 +41,7 @@ impl Orders<'_> {
 
 /// A group of modes.
 pub(super) struct Group {
-    pub(super) modes: Vec<usize>,
+    modes: Vec<usize>,
     eigenvalues: Vec<Eigenvalue>,
     /// The places of its entries in the polynomials P and N of all groups.
     pub(super) entries: Range<usize>,
@@ -77,21 +78,29 @@ impl Group {
     fn errors(&self, orders: &Orders<'_>, squares: [Complex<f64>; 2]) -> [f64; 2] {
         let root = |square: f64| square.max(0.0).sqrt();
         let [right, left] = [squares.map(|square| root(square.re)), squares.map(|square| root(square.im))];
-        if right[1] == 0.0 || left[1] == 0.0 {
+        if right[0] == 0.0 || left[0] == 0.0 {
             return [0.0; 2];
         }
         let [of_right, of_left] = [right, left].map(|[first, second]| second / first);
         let ratio = of_right.max(of_left);
-        if ratio >= LARGEST_RATIO {
+        let size = |values: &[Complex<f64>]| values.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
+        // Where changes only couple two modes of one distance, the eigenvalue is a power series in N - 1, whose coefficients are
+        // Catalan's numbers: it ends at 1/4, where the modes meet.
+        let coupling = size(orders.n);
+        if GROWTH_OF_RATIO * ratio >= 1.0 || 4.0 * coupling >= 1.0 {
             return [f64::INFINITY; 2];
         }
-        let bound = SAFETY * right[1] * left[1] / ((1.0 - of_right) * (1.0 - of_left));
+        let of_coupling = right[0] * left[0] * coupling * coupling / (1.0 - 4.0 * coupling);
+        let rest = (1.0 - GROWTH_OF_RATIO * of_right) * (1.0 - GROWTH_OF_RATIO * of_left);
+        let bound = SAFETY * (right[1] * left[1] / rest + of_coupling);
+        if self.sides[0].vectors[1].width() == 0 {
+            return [bound; 2];
+        }
         let ratio = ratio.max(LEAST_RATIO);
-        let size = |values: &[Complex<f64>]| values.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
         let largest = self.eigenvalues.iter().map(|value| magnitude(*value)).fold(0.0, f64::max);
-        let second = size(orders.p[1]) + largest * size(orders.n);
-        let estimate = (second * ratio).max(size(orders.p[2])) * ratio * ratio * ratio;
-        [bound, bound.min(SAFETY_OF_VECTORS * estimate)]
+        let second = size(orders.p[1]) + largest * coupling;
+        let extrapolated = (second * ratio).max(size(orders.p[2])) * ratio * ratio * ratio;
+        [bound, bound.min(SAFETY_OF_VECTORS * extrapolated.max(of_coupling))]
     }
 
     /// The eigenvalues of `N^-1 P`, each with its radius, from the squared norms of the vectors.

@@ -4,7 +4,7 @@
 use nalgebra::{Complex, DMatrix};
 
 use super::eigenbasis::{ComplexMatrix, Split};
-use super::polynomial::squared;
+use super::polynomial::Products;
 use super::region::magnitude;
 use crate::numerics::eigenvalues::Eigenvalue;
 
@@ -123,10 +123,8 @@ impl SecondOrder {
     }
 
     /// The vectors of both orders, from the right and from the left.
-    pub(super) fn vectors(self, first: FirstOrder<'_>) -> [Vectors; 2] {
-        let squares = |of: [&[ComplexMatrix]; 2]| {
-            [(of[0], 1), (of[1], 2)].map(|(vectors, number)| squared(&first.gram(vectors), self.count, number))
-        };
+    pub(super) fn vectors(self, first: FirstOrder<'_>, products: &[Products; 2]) -> [Vectors; 2] {
+        let squares = |of: [&[ComplexMatrix]; 2]| [0, 1].map(|order| products[order].of_form(&first.gram(of[order])));
         let [right, left] = [squares([&first.right, &self.right]), squares([&first.left, &self.left])];
         [
             Vectors { first: first.right, second: self.right, squares: right },

@@ -46,21 +46,34 @@ pub(super) fn factors(count: usize, number: usize) -> Vec<Vec<usize>> {
     factors(count, fewer).into_iter().flat_map(longer).collect()
 }
 
-/// A quadratic form of the products of as many of `count` changes, as a polynomial of products of twice as many.
-pub(super) fn squared(form: &DMatrix<f64>, count: usize, number: usize) -> Vec<f64> {
-    let single = factors(count, number);
-    let places: BTreeMap<Vec<usize>, usize> = factors(count, 2 * number).into_iter().zip(0..).collect();
-    let mut coefficients = vec![0.0; places.len()];
-    for (a, of_row) in single.iter().enumerate() {
-        for (b, of_column) in single.iter().enumerate() {
-            let mut product = [of_row.as_slice(), of_column].concat();
+/// Where the products of two monomials are among those of twice as many factors.
+pub(super) struct Products {
+    /// For each pair of monomials, by columns.
+    places: Vec<usize>,
+    /// How many products there are.
+    count: usize,
+}
+
+impl Products {
+    /// Of monomials of as many of `count` changes.
+    pub(super) fn new(count: usize, number: usize) -> Self {
+        let single = factors(count, number);
+        let all: BTreeMap<Vec<usize>, usize> = factors(count, 2 * number).into_iter().zip(0..).collect();
+        let place = |(a, b): (&Vec<usize>, &Vec<usize>)| {
+            let mut product = [a.as_slice(), b].concat();
             product.sort_unstable();
-            if let Some(&place) = places.get(&product) {
-                coefficients[place] += form[(a, b)];
-            }
-        }
+            all.get(&product).copied()
+        };
+        let pairs = single.iter().flat_map(|b| single.iter().map(move |a| (a, b)));
+        Self { places: pairs.filter_map(place).collect(), count: all.len() }
     }
-    coefficients
+
+    /// A quadratic form of the monomials as a polynomial of the products.
+    pub(super) fn of_form(&self, form: &DMatrix<f64>) -> Vec<f64> {
+        let mut coefficients = vec![0.0; self.count];
+        form.iter().zip(&self.places).for_each(|(entry, &place)| coefficients[place] += entry);
+        coefficients
+    }
 }
 
 /// Homogeneous polynomials: a row of values for each monomial.
@@ -123,7 +136,7 @@ mod tests {
             let form = DMatrix::from_fn(values.len(), values.len(), |_, _| numbers.next());
             let vector = nalgebra::DVector::from_column_slice(values);
             let expected = vector.dot(&(&form * &vector));
-            let found: f64 = squared(&form, 3, number).iter().zip(products).map(|(a, b)| a * b).sum();
+            let found: f64 = Products::new(3, number).of_form(&form).iter().zip(products).map(|(a, b)| a * b).sum();
             assert!((found - expected).abs() < 1e-12 * (1.0 + expected.abs()), "{found} {expected}");
         }
     }

@@ -17,6 +17,11 @@ use crate::model::verdict::Verdict;
 use crate::model::{Columns, Configuration, IsStopped};
 use crate::numerics::eigenvalues::Eigenvalue;
 
+/// Numbers in the vectors of the series of the first configuration, 0.25 GiB, and of others, 4 MiB: of those a thousand may be
+/// kept.
+const MOST_NUMBERS_OF_FIRST: usize = 1 << 24;
+const MOST_NUMBERS: usize = 1 << 18;
+
 /// What samples with the same expected values share.
 pub(super) struct Samples {
     shared: Arc<Shared>,
@@ -37,6 +42,8 @@ struct Shared {
     expected: Vec<f64>,
     varying: Vec<usize>,
     recorded: Vec<PairResult>,
+    /// Numbers that the vectors of the series may have.
+    most_numbers: usize,
     series: OnceLock<Option<ModeSeries>>,
 }
 
@@ -51,7 +58,7 @@ impl Shared {
             let terms = self.matrices.damping.iter().chain(&self.matrices.stiffness).enumerate();
             let changes = |term: &Term| term.factor.parameters().any(|own| self.varying.contains(&own));
             let changing: Vec<usize> = terms.filter(|(_, term)| changes(term)).map(|(place, _)| place).collect();
-            ModeSeries::new(problem, &self.origin(), &changing, &self.scaled)
+            ModeSeries::new(problem, &self.origin(), &changing, &self.scaled, self.most_numbers)
         };
         self.series.get_or_init(make).as_ref()
     }
@@ -68,6 +75,7 @@ impl Samples {
         varying: &[usize],
         like: Option<&dyn Configuration>,
     ) -> Box<dyn Configuration> {
+        let is_first = like.is_none();
         let like = like.and_then(Self::from_any).map(|like| like.shared.clone());
         let like = like.filter(|like| like.regions == regions && like.varying == varying);
         let shared = Shared {
@@ -78,6 +86,7 @@ impl Samples {
             expected: expected.to_vec(),
             varying: varying.to_vec(),
             recorded: recorded.to_vec(),
+            most_numbers: if is_first { MOST_NUMBERS_OF_FIRST } else { MOST_NUMBERS },
             series: OnceLock::new(),
         };
         Box::new(Self { shared: Arc::new(shared), like, serves: OnceLock::new() })

@@ -273,7 +273,9 @@ impl Draft for MatrixDraft {
         let solved = spec.matrices.as_ref().map(|matrices| (*matrices.get_ref(), matrices.span()));
         let record: Vec<PairResult> =
             spec.record.iter().flat_map(Spanned::get_ref).map(|record| record.result()).collect();
-        if let (Some(record), Some((SolvedMatrices::Full, _))) = (&spec.record, &solved) {
+        if let (Some(record), Some((SolvedMatrices::Full, _))) = (&spec.record, &solved)
+            && !record.get_ref().is_empty()
+        {
             let message = "criterion.record needs all pairs of the band, and with criterion.matrices = \"full\" only those near the threshold are looked for; reduce the matrices first (`stickslip reduce`), or remove one of the two";
             complaints.push(Complaint::at(record.span(), message));
             return None;

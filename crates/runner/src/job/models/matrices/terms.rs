@@ -302,11 +302,12 @@ fn for_each_written(document: &mut DocumentMut, mut show: impl FnMut(&str, usize
     }
 }
 
-/// The text of a job that decides its samples on the full matrices, whatever else it says.
+/// The text of a job that decides its samples on the full matrices and records nothing of them, whatever else it says.
 pub fn with_full_matrices(text: &str) -> String {
     let Ok(mut document) = text.parse::<DocumentMut>() else { return text.to_owned() };
     if let Some(criterion) = document.get_mut("criterion").and_then(Item::as_table_like_mut) {
         criterion.insert("matrices", toml_edit::value("full"));
+        criterion.remove("record");
     }
     document.to_string()
 }
