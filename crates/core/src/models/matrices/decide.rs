@@ -54,11 +54,11 @@ impl<'a> Decider<'a> {
         let series = self.series;
         let followed = series.and_then(|series| Some((series, series.follow(coefficients)?)));
         if let Some((series, (monomials, followed))) = followed {
-            let mut unsure = Vec::new();
+            let (mut sure, mut unsure) = (Vec::new(), Vec::new());
             for mode in &followed {
                 match self.sure(mode.eigenvalue, mode.radius) {
                     Some(true) => return Some((true, Way::Series)),
-                    Some(false) => {}
+                    Some(false) => sure.push(*mode),
                     None => unsure.push(*mode),
                 }
             }
@@ -73,7 +73,7 @@ impl<'a> Decider<'a> {
                 }
                 let is_known = |i: usize| told[i].is_some() && !is_another(&pairs, i);
                 let way = if (0..pairs.len()).all(is_known) { Way::Vectors } else { Way::Refined };
-                if let Some(settled) = settled(&problem, &pairs, &unsure, is_known) {
+                if let Some(settled) = settled(&problem, &pairs, &unsure, &sure, is_known) {
                     return Some((settled.into_iter().any(|value| self.contains(value)), way));
                 }
             }
@@ -140,7 +140,7 @@ impl<'a> Decider<'a> {
             }
             let candidates: Vec<Followed> = followed.into_iter().filter(|mode| bounds(mode)[0] <= least).collect();
             let pairs = vector_pairs(series, &problem, &monomials, &candidates)?;
-            settled(&problem, &pairs, &candidates, |_| false)
+            settled(&problem, &pairs, &candidates, &[], |_| false)
         };
         let values = match by_series().and_then(least) {
             Some(value) => Some(value),
@@ -174,18 +174,20 @@ fn vector_pairs(
 }
 
 /// The eigenvalues of followed pairs, refined unless they are known well enough; `None` if one does not converge, is not
-/// near to where the series has it, or may be that of another pair.
+/// near to where the series has it, or may be that of another pair or of one of the other modes.
 fn settled(
     problem: &Quadratic,
     pairs: &[Pair],
     followed: &[Followed],
+    others: &[Followed],
     is_known: impl Fn(usize) -> bool,
 ) -> Option<Vec<Eigenvalue>> {
     let settle = |(i, pair): (usize, &Pair)| {
         let pair = if is_known(i) { pair.clone() } else { problem.refine(pair.clone())? };
         let distance = magnitude(followed[i].eigenvalue - pair.eigenvalue);
-        // An infinite radius would hold the eigenvalue of any other mode.
-        (followed[i].radius.is_finite() && distance <= followed[i].radius + ROUNDING).then_some(pair)
+        let may_be =
+            |other: &Followed| magnitude(other.eigenvalue - pair.eigenvalue) <= other.radius + pair.error + ROUNDING;
+        (distance <= followed[i].radius + ROUNDING && !others.iter().any(may_be)).then_some(pair)
     };
     let settled: Vec<Pair> = pairs.iter().enumerate().map(settle).collect::<Option<_>>()?;
     let are_different = (0..settled.len()).all(|i| !is_another(&settled, i));

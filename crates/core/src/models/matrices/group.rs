@@ -11,6 +11,9 @@ use super::polynomial::{Monomials, Polynomial};
 use super::region::{magnitude, square_root};
 use crate::numerics::eigenvalues::Eigenvalue;
 
+/// The ratio of vectors of second order to those of first up to which they serve.
+const LARGEST_RATIO: f64 = 0.6;
+
 /// By how much the ratio of later orders may exceed that of the second to the first. Next to where two modes meet, it grows as
 /// that of Catalan's numbers does.
 const GROWTH_OF_RATIO: f64 = 2.5;
@@ -87,12 +90,12 @@ impl Group {
         // Where changes only couple two modes of one distance, the eigenvalue is a power series in N - 1, whose coefficients are
         // Catalan's numbers: it ends at 1/4, where the modes meet.
         let coupling = size(orders.n);
-        if GROWTH_OF_RATIO * ratio >= 1.0 || 4.0 * coupling >= 1.0 {
+        if ratio >= LARGEST_RATIO || 4.0 * coupling >= 1.0 {
             return [f64::INFINITY; 2];
         }
         let of_coupling = right[0] * left[0] * coupling * coupling / (1.0 - 4.0 * coupling);
-        let rest = (1.0 - GROWTH_OF_RATIO * of_right) * (1.0 - GROWTH_OF_RATIO * of_left);
-        let bound = SAFETY * (right[1] * left[1] / rest + of_coupling);
+        let rest = |ratio: f64| (1.0 - GROWTH_OF_RATIO * ratio).max(0.0);
+        let bound = SAFETY * (right[1] * left[1] / (rest(of_right) * rest(of_left)) + of_coupling);
         if self.sides[0].vectors[1].width() == 0 {
             return [bound; 2];
         }
