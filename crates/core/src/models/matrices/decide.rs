@@ -74,7 +74,9 @@ impl<'a> Decider<'a> {
                 let is_known = |i: usize| told[i].is_some() && !is_another(&pairs, i);
                 let way = if (0..pairs.len()).all(is_known) { Way::Vectors } else { Way::Refined };
                 if let Some(settled) = settled(&problem, &pairs, &unsure, &sure, is_known) {
-                    return Some((settled.into_iter().any(|value| self.contains(value)), way));
+                    // What the vectors have told is stable; their eigenvalues are not exact.
+                    let mut refined = settled.into_iter().enumerate().filter(|(i, _)| !is_known(*i));
+                    return Some((refined.any(|(_, value)| self.contains(value)), way));
                 }
             }
         }
