@@ -1,5 +1,5 @@
-//! Whether a sample has an unstable pair: by a series where that is sure, by refining single eigenvalues where it is not,
-//! and by all eigenvalues where nothing else will do.
+//! Whether a sample has an unstable pair: by the characteristic polynomial of two coordinates, by a series where that is
+//! sure, by its vectors or by refining single eigenvalues where it is not, and by all eigenvalues where nothing else will do.
 
 use super::far::Followed;
 use super::pair::Pair;
@@ -51,8 +51,7 @@ impl<'a> Decider<'a> {
                 return Some((told.contains(&Some(true)), Way::ClosedForm));
             }
         }
-        let series = self.series;
-        let followed = series.and_then(|series| Some((series, series.follow(coefficients)?)));
+        let followed = self.series.and_then(|series| Some((series, series.follow(coefficients)?)));
         if let Some((series, (monomials, followed))) = followed {
             let (mut sure, mut unsure) = (Vec::new(), Vec::new());
             for mode in &followed {
@@ -198,18 +197,17 @@ fn settled(
 
 /// Whether a pair may be another of these.
 fn is_another(pairs: &[Pair], i: usize) -> bool {
-    let others = pairs.iter().enumerate().filter(|(j, _)| *j != i);
+    let mut others = pairs.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other);
     let distance = |other: &Pair| magnitude(pairs[i].eigenvalue - other.eigenvalue);
-    let mut may_be = others.map(|(_, other)| distance(other) <= pairs[i].error + other.error + ROUNDING);
-    may_be.any(|may_be| may_be)
+    others.any(|other| distance(other) <= pairs[i].error + other.error + ROUNDING)
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{DMatrix, dmatrix, dvector};
+    use nalgebra::{DMatrix, dmatrix};
 
     use super::*;
-    use crate::models::matrices::trial::{Numbers, problem};
+    use crate::models::matrices::trial::{Numbers, close_modes, problem};
 
     /// Verdicts of as many problems on as many samples against all eigenvalues; and how they came about.
     fn compare(problems: std::ops::Range<u64>, samples: usize, scatter: f64) -> [usize; 5] {
@@ -341,12 +339,7 @@ mod tests {
         for seed in 0..400_u64 {
             let mut numbers = Numbers(seed);
             let gap = 0.005 + 0.02 * (1.0 + numbers.next());
-            let stiffness = [
-                DMatrix::from_diagonal(&dvector![1.0, 1.0 + gap, 9.0]),
-                dmatrix![0.0, gap, 0.0; -gap, 0.0, 0.0; 0.0, 0.0, 0.0],
-            ];
-            let damping = [DMatrix::from_diagonal(&dvector![2e-3 * (1.5 + numbers.next()), 4e-4, 0.1])];
-            let problem = DenseQuadratic::new(&DMatrix::identity(3, 3), &damping, &stiffness, &[1.0; 3]).unwrap();
+            let problem = close_modes(gap, 2e-3 * (1.5 + numbers.next()));
             let expected = 0.25 + 0.2 * numbers.next();
             let origin = [1.0, 1.0, expected];
             // The threshold lies near the damping ratio of the less damped of the two.

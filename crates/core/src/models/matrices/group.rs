@@ -48,31 +48,15 @@ pub(super) struct Group {
     eigenvalues: Vec<Eigenvalue>,
     /// The places of its entries in the polynomials P and N of all groups.
     pub(super) entries: Range<usize>,
-    /// Vectors from the right and from the left.
-    sides: [Side; 2],
-}
-
-/// Vectors of a group from one side.
-struct Side {
-    /// The vectors of first and of second order, by columns, in the basis of the origin.
-    vectors: [Polynomial; 2],
-}
-
-impl Side {
-    fn new(vectors: &Vectors) -> Self {
-        let polynomial = |vectors: &[ComplexMatrix]| {
-            let mut polynomial = Polynomial::default();
-            polynomial.push(vectors);
-            polynomial
-        };
-        Self { vectors: [polynomial(&vectors.first), polynomial(&vectors.second)] }
-    }
+    /// Vectors from the right and from the left, of first and of second order: by columns, in the basis of the origin.
+    sides: [[Polynomial; 2]; 2],
 }
 
 impl Group {
     pub(super) fn new(modes: Vec<usize>, eigenvalues: Vec<Eigenvalue>, first: usize, vectors: &[Vectors; 2]) -> Self {
         let entries = first..first + modes.len() * modes.len();
-        Self { modes, eigenvalues, entries, sides: vectors.each_ref().map(Side::new) }
+        let sides = vectors.each_ref().map(|side| [&side.first, &side.second].map(Polynomial::new));
+        Self { modes, eigenvalues, entries, sides }
     }
 
     /// From the squared norms of the vectors of first and of second order, those from the right in the real parts: a bound of
@@ -96,7 +80,7 @@ impl Group {
         let of_coupling = right[0] * left[0] * coupling * coupling / (1.0 - 4.0 * coupling);
         let rest = |ratio: f64| (1.0 - GROWTH_OF_RATIO * ratio).max(0.0);
         let bound = SAFETY * (right[1] * left[1] / (rest(of_right) * rest(of_left)) + of_coupling);
-        if self.sides[0].vectors[1].width() == 0 {
+        if self.sides[0][1].width() == 0 {
             return [bound; 2];
         }
         let ratio = ratio.max(LEAST_RATIO);
@@ -160,11 +144,11 @@ impl Group {
         monomials: &Monomials,
     ) -> Option<[DVector<Complex<f64>>; 2]> {
         let [right, left] = self.own_vectors(orders, eigenvalue)?;
-        let vector = |side: &Side, own: &DVector<Complex<f64>>| {
-            let mut columns = vec![Complex::from(0.0); side.vectors[0].width()];
+        let vector = |side: &[Polynomial; 2], own: &DVector<Complex<f64>>| {
+            let mut columns = vec![Complex::from(0.0); side[0].width()];
             let all = 0..columns.len();
-            side.vectors[0].add_to(&mut columns, all.clone(), &monomials.first);
-            side.vectors[1].add_to(&mut columns, all, &monomials.second);
+            side[0].add_to(&mut columns, all.clone(), &monomials.first);
+            side[1].add_to(&mut columns, all, &monomials.second);
             let count = columns.len() / self.modes.len();
             let mut vector = ComplexMatrix::from_vec(count, self.modes.len(), columns) * own;
             self.modes.iter().zip(own.iter()).for_each(|(&mode, value)| vector[mode] += value);

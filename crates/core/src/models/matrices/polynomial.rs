@@ -83,6 +83,13 @@ pub(super) struct Polynomial {
 }
 
 impl Polynomial {
+    /// With a matrix of values for each monomial.
+    pub(super) fn new(values: &Vec<ComplexMatrix>) -> Self {
+        let mut polynomial = Self::default();
+        polynomial.push(values);
+        polynomial
+    }
+
     /// Adds entries with a matrix of values for each monomial.
     pub(super) fn push<'a>(&mut self, values: impl IntoIterator<Item = &'a ComplexMatrix>) {
         for (place, values) in values.into_iter().enumerate() {

@@ -239,10 +239,8 @@ fn groups(modes: &[usize], all: &Changes, typical: &[f64]) -> Vec<Vec<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{DMatrix, dmatrix, dvector};
-
     use super::*;
-    use crate::models::matrices::trial::Numbers;
+    use crate::models::matrices::trial::{Numbers, close_modes};
 
     /// Two close modes that changes couple and move alike: vectors of second order vanish but for those of the conjugate
     /// modes, and the error is the term of the coupling alone.
@@ -251,12 +249,7 @@ mod tests {
         for seed in 0..200 {
             let mut numbers = Numbers(seed);
             let gap = 0.005 + 0.02 * (1.0 + numbers.next());
-            let stiffness = [
-                DMatrix::from_diagonal(&dvector![1.0, 1.0 + gap, 9.0]),
-                dmatrix![0.0, gap, 0.0; -gap, 0.0, 0.0; 0.0, 0.0, 0.0],
-            ];
-            let damping = [DMatrix::from_diagonal(&dvector![3e-3, 4e-4, 0.1])];
-            let problem = DenseQuadratic::new(&DMatrix::identity(3, 3), &damping, &stiffness, &[1.0; 3]).unwrap();
+            let problem = close_modes(gap, 3e-3);
             let region = Region { lowest: 0.3, highest: 3.0, damping_ratio: 0.0 }.in_unit(problem.unit());
             let series = ModeSeries::new(&problem, &[1.0, 1.0, 1e-3], &[2], &[region], 1 << 24).unwrap();
             for step in 1..25 {

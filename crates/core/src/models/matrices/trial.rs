@@ -1,6 +1,6 @@
 //! Random problems for tests.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, dmatrix, dvector};
 
 use super::quadratic::DenseQuadratic;
 use super::region::Region;
@@ -55,4 +55,15 @@ pub(super) fn problem(seed: u64) -> (DenseQuadratic, Vec<f64>, Region) {
     };
     let region = region.in_unit(problem.unit());
     (problem, origin, region)
+}
+
+/// Two modes with this gap, which friction alone couples, the first with this damping, and a third far off. Coefficients: 1, 1
+/// and friction.
+pub(super) fn close_modes(gap: f64, damping: f64) -> DenseQuadratic {
+    let stiffness = [
+        DMatrix::from_diagonal(&dvector![1.0, 1.0 + gap, 9.0]),
+        dmatrix![0.0, gap, 0.0; -gap, 0.0, 0.0; 0.0, 0.0, 0.0],
+    ];
+    let damping = [DMatrix::from_diagonal(&dvector![damping, 4e-4, 0.1])];
+    DenseQuadratic::new(&DMatrix::identity(3, 3), &damping, &stiffness, &[1.0; 3]).unwrap()
 }
