@@ -376,4 +376,22 @@ mod tests {
         }
         assert!(ways[Way::Series as usize] > 1000 && ways[Way::Vectors as usize] > 20, "{ways:?}");
     }
+
+    /// A mode below the band is told by its vectors, whose eigenvalue is a little beyond the threshold where the exact one is
+    /// not; the same mode in the upper half plane has to be refined.
+    #[test]
+    fn what_vectors_tell_is_not_asked_of_their_eigenvalues() {
+        let (problem, origin, region) = problem(1165);
+        let coefficients = [
+            1.0,
+            0.966_932_845_701_144_1,
+            0.636_324_029_247_461_7,
+            0.720_962_775_729_800_7,
+            0.399_107_266_381_437_2,
+            1.0,
+        ];
+        let series = ModeSeries::new(&problem, &origin, &[1, 2, 3, 4], &[region], 1 << 24);
+        let decider = Decider::new(&problem, std::slice::from_ref(&region), series.as_ref());
+        assert_eq!(decider.is_unstable(&coefficients), Some((false, Way::Refined)));
+    }
 }

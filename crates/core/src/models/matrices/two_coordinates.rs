@@ -72,6 +72,8 @@ pub(super) fn eigenvalues(problem: &DenseQuadratic, coefficients: &[f64]) -> Opt
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{DMatrix, dmatrix};
+
     use super::*;
     use crate::models::matrices::trial::{Numbers, problem};
 
@@ -92,5 +94,29 @@ mod tests {
             }
         }
         assert!(told > 3000, "{told}");
+    }
+
+    /// Two close modes without damping in turned coordinates, whose eigenvalues are known: the rounding of the entries grows with
+    /// their nearness, and the discs do.
+    #[test]
+    fn discs_grow_with_the_rounding_of_close_modes() {
+        let mut told = 0;
+        for (exponent, degrees) in (1..8).flat_map(|exponent| (1..90).map(move |degrees| (exponent, degrees))) {
+            let gap = libm::pow(10.0, -f64::from(exponent));
+            let (sine, cosine) = libm::sincos(f64::from(degrees).to_radians());
+            let stiffness = [
+                dmatrix![1.0 + gap * sine * sine, gap * sine * cosine; gap * sine * cosine, 1.0 + gap * cosine * cosine],
+            ];
+            let problem = DenseQuadratic::new(&DMatrix::identity(2, 2), &[], &stiffness, &[1.0]).unwrap();
+            let Some(found) = eigenvalues(&problem, &[1.0]) else { continue };
+            told += 1;
+            for (value, radius) in found {
+                let off =
+                    [1.0, (1.0 + gap).sqrt()].map(|exact| magnitude(value - Complex::new(0.0, exact / problem.unit())));
+                let off = off.map(|off| if value.im > 0.0 { off } else { 0.0 });
+                assert!(off[0].min(off[1]) <= radius, "{gap} {degrees}: {off:?} {radius}");
+            }
+        }
+        assert!(told > 300, "{told}");
     }
 }
