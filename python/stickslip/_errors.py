@@ -119,3 +119,10 @@ def error_of(exit_code: int, message: str, code: str | None) -> Error:
     """The error for an exit code and the message of the program."""
     kind = InternalError if exit_code == 70 and code == "internal-error" else _CLASSES.get(exit_code, Error)
     return kind(message, exit_code)
+
+
+def job_error(place: str, text: str) -> JobError:
+    """The error of a job that is wrong in a place, which no program need read to find it."""
+    error = JobError(f"{place}: {text}", 65)
+    error.code, error.place = "job-spec", {"file": "job", "key": place}
+    return error

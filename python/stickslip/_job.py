@@ -12,17 +12,22 @@ from typing import Any, SupportsInt, Union
 
 import tomli_w
 
+from ._errors import job_error
 from ._matrices import with_files
+from ._texts import as_word, encoded
 
 #: A path, with ``~`` for the home directory. A :class:`Run` is one, too: that of its directory.
 PathLike = Union[str, "os.PathLike[str]"]
 #: A job: the keys of a job spec, or the path of a TOML file.
 Job = Union[Mapping[str, Any], PathLike]
 
+#: Deepest nesting of a job. Those of the program have five levels.
+_DEEPEST = 50
+
 
 def expanded(path: PathLike) -> str:
     """A path as the program takes it."""
-    text = os.path.expanduser(os.fspath(path))
+    text = os.path.expanduser(as_word(path))
     # Not an option, and not standard input.
     return os.path.join(".", text) if text.startswith("-") else text
 
@@ -40,7 +45,7 @@ def as_argument(job: Job, folder: Path | None = None) -> tuple[str, str | None]:
     if isinstance(job, str) and "\n" in job:
         raise TypeError("a str is the path of a job; its text is read by tomllib.loads(text)")
     if isinstance(job, (str, os.PathLike)):
-        return expanded(job), None
+        return expanded(as_word(job, "the job")), None
     raise TypeError(f"a job is a dict or the path of a TOML file, not {type(job).__name__}")
 
 
@@ -53,35 +58,44 @@ def to_toml(job: Mapping[str, Any]) -> str:
     ------
     TypeError
         If something else does; the message names its key.
+    JobError
+        If a table contains itself, or a text or a number cannot stand in TOML.
     """
     return tomli_w.dumps(_table(job, ""))
 
 
-def _table(table: Mapping[Any, Any], place: str) -> dict[str, Any]:
+def _table(table: Mapping[Any, Any], place: str, depth: int = 0) -> dict[str, Any]:
     done = {}
     for key, value in table.items():
         if not isinstance(key, str):
             raise TypeError(f"{place or 'the job'}: the key {key!r} is not a str")
-        done[key] = _value(value, f"{place}.{key}" if place else key)
+        encoded(key, f"a key of {place or 'the job'}")
+        done[key] = _value(value, f"{place}.{key}" if place else key, depth + 1)
     return done
 
 
-def _value(value: Any, place: str) -> Any:
+def _value(value: Any, place: str, depth: int = 0) -> Any:
+    if depth > _DEEPEST:
+        raise job_error(f"{place[:40]}...", f"it has more than {_DEEPEST} levels; does a part of it contain itself?")
     if isinstance(value, bool):
         return value
+    if isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
+        raise job_error(place, "the whole number is too large; TOML has those from -2^63 to 2^63 - 1")
+    if isinstance(value, str):
+        encoded(value, place)
     # Subclasses, such as numpy.float64, by their plain type.
     for plain in (int, float, str):
         if isinstance(value, plain):
             return plain(value)
     if isinstance(value, Mapping):
-        return _table(value, place)
+        return _table(value, place, depth)
     if isinstance(value, os.PathLike):
-        return os.path.expanduser(os.fspath(value))
+        return os.path.expanduser(as_word(value, place))
     if isinstance(value, (list, tuple, range)):
-        return [_value(entry, f"{place}[{i}]") for i, entry in enumerate(value)]
+        return [_value(entry, f"{place}[{i}]", depth + 1) for i, entry in enumerate(value)]
     for method in ("tolist", "to_list"):
         if not isinstance(value, type) and hasattr(value, method):
-            return _value(getattr(value, method)(), place)
+            return _value(getattr(value, method)(), place, depth + 1)
     if isinstance(value, (datetime.date, datetime.time)):
         return value
     hint = "; leave the key out" if value is None else ""
@@ -123,4 +137,4 @@ def threads_option(threads: SupportsInt | None) -> list[str]:
 
 def absolute(path: PathLike) -> Path:
     """A path that stays the same when the working directory changes."""
-    return Path(os.path.abspath(os.path.expanduser(os.fspath(path))))
+    return Path(os.path.abspath(os.path.expanduser(as_word(path))))

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ._errors import JobError
+from ._errors import job_error
 
 #: Full matrices with more entries stand in a file.
 _MOST_ENTRIES_IN_JOB = 400
@@ -37,7 +37,7 @@ def with_files(job: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
     for place, term in _terms(done):
         if _is_array(term.get("matrix")):
             if "file" in term:
-                raise _wrong(place, "a file is given beside an array; remove one of the two")
+                raise job_error(place, "a file is given beside an array; remove one of the two")
             term.update(_stored(term.pop("matrix"), place, folder, sizes))
     return {**job, "model": done}
 
@@ -60,34 +60,28 @@ def _terms(model: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
             yield from ((f"model.{key}[{i}]", term) for i, term in enumerate(value) if isinstance(term, dict))
 
 
-def _wrong(place: str, text: str) -> JobError:
-    error = JobError(f"{place}: {text}", 65)
-    error.code, error.place = "job-spec", {"file": "job", "key": place}
-    return error
-
-
 def _stored(matrix: Any, place: str, folder: Path, sizes: dict[str, int]) -> dict[str, Any]:
     """What a term has in place of an array."""
     import numpy as np
 
     is_sparse = hasattr(matrix, "tocsc")
     if isinstance(matrix, np.ma.MaskedArray):
-        raise _wrong(place, "the matrix is a masked array; fill what is masked")
+        raise job_error(place, "the matrix is a masked array; fill what is masked")
     if is_sparse and len(matrix.shape) == 2:
         matrix = matrix.tocsc(copy=True)
         matrix.sum_duplicates()
     values = matrix.data if is_sparse else np.asarray(matrix)
     shape = matrix.shape if is_sparse else values.shape
     if len(shape) != 2 or shape[0] != shape[1]:
-        raise _wrong(place, f"the matrix has the shape {tuple(map(int, shape))}; it must be square")
+        raise job_error(place, f"the matrix has the shape {tuple(map(int, shape))}; it must be square")
     if values.dtype.kind not in "fiu":
-        raise _wrong(place, f"the entries of the matrix are of type {values.dtype}; they must be real numbers")
+        raise job_error(place, f"the entries of the matrix are of type {values.dtype}; they must be real numbers")
     values = values.astype(np.float64, order="C")
     if not np.isfinite(values).all():
-        raise _wrong(place, "an entry of the matrix is not finite")
+        raise job_error(place, "an entry of the matrix is not finite")
     for other, size in sizes.items():
         if size != shape[0]:
-            raise _wrong(place, f"the matrix has {shape[0]} rows, that of {other} has {size}")
+            raise job_error(place, f"the matrix has {shape[0]} rows, that of {other} has {size}")
     sizes[place] = shape[0]
     if not is_sparse and values.size <= _MOST_ENTRIES_IN_JOB:
         return {"matrix": values.tolist()}

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ._errors import JobError
-from ._job import Job, as_argument, expanded
+from ._job import Job, as_argument
 from ._process import call
 
 if sys.version_info >= (3, 11):
@@ -25,7 +25,8 @@ def name_of(job: Job) -> str:
         What the program says of a job without one.
     """
     name = _table(job).get("name")
-    if isinstance(name, str) and name:
+    # The program refuses what is no plain name.
+    if isinstance(name, str) and name and all(c.isascii() and (c.isalnum() or c in "-_.") for c in name):
         return name
     argument, stdin = as_argument(job)
     call(["check", argument], stdin=stdin)
@@ -36,9 +37,9 @@ def _table(job: Job) -> Mapping[str, Any]:
     if isinstance(job, Mapping):
         return job
     try:
-        with open(expanded(job), "rb") as file:
+        with open(as_argument(job)[0], "rb") as file:
             table: Mapping[str, Any] = tomllib.load(file)
             return table
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+    except (OSError, ValueError, RecursionError):
         # The program says what is wrong.
         return {}

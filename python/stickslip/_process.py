@@ -25,11 +25,16 @@ from ._display import Display
 from ._errors import Error, Interrupted, JobWarning, error_of
 from ._messages import NOTES, Message, parsed
 from ._program import program
+from ._texts import as_word, encoded
 
 _INTERRUPTED = 130
 
 #: The programs that run now, of all threads.
 _running: set[_Program] = set()
+
+#: The ends of lifelines that are open, and what keeps a fork from coming between an end and this note of it.
+_ends: set[int] = set()
+_noting = threading.RLock()
 
 
 class _Program:
@@ -84,13 +89,13 @@ def call(
     Interrupted
         If Ctrl-C ended it.
     """
-    command = [os.fspath(word) for word in (program(), "--messages=json", *arguments)]
+    command = [as_word(word) for word in (program(), "--messages=json", *arguments)]
     running = _Program()
     display = Display(sys.stderr if progress else None)
     received: list[Message] = []
     with _ctrl_c(running) as is_forwarded, tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as given:
         if stdin is not None:
-            given.write(stdin.encode())
+            given.write(encoded(stdin, "the job"))
             given.seek(0)
         with _lifeline() as lifeline:
             process = subprocess.Popen(
@@ -212,12 +217,34 @@ def _lifeline() -> Iterator[tuple[int, ...]]:
     if not sys.platform.startswith("linux"):
         yield ()
         return
-    read, write = os.pipe()
+    with _noting:
+        read, write = os.pipe()
+        _ends.update((read, write))
     try:
         yield (read,)
     finally:
-        os.close(read)
-        os.close(write)
+        for end in (read, write):
+            _close(end)
+
+
+def _close(end: int) -> None:
+    """Close an end of a lifeline, unless a fork has done so in this process."""
+    with _noting:
+        if end in _ends:
+            _ends.remove(end)
+            os.close(end)
+
+
+def _forget() -> None:
+    """Leave the programs to the process that was forked, so that they end with that one."""
+    for end in list(_ends):
+        _close(end)
+    _running.clear()
+    _noting.release()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_noting.acquire, after_in_parent=_noting.release, after_in_child=_forget)
 
 
 def _end_with_python(pid: int, lifeline: tuple[int, ...]) -> None:

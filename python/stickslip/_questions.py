@@ -15,6 +15,7 @@ from ._motion import Motion
 from ._process import call, call_json
 from ._rows import csv_of
 from ._tables import Table, TableKind, converted, read
+from ._texts import encoded
 
 if TYPE_CHECKING:
     import pandas
@@ -316,10 +317,10 @@ def fit(
     if isinstance(data, (str, os.PathLike)):
         answer: dict[str, Any] = ask(["fit", expanded(data), f"--job={argument}", *options])
         return answer
-    text = csv_of(data)
+    text = encoded(csv_of(data), "data")
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         file = Path(folder) / "data.csv"
-        file.write_text(text, encoding="utf-8")
+        file.write_bytes(text)
         try:
             answer = ask(["fit", file, f"--job={argument}", *options])
         except Error as error:

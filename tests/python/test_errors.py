@@ -54,6 +54,77 @@ def test_a_job_without_a_name_or_that_is_no_toml(small: dict[str, Any], place: P
         stickslip.run("broken.toml")
 
 
+#: Texts that no file and no program can be given.
+ODD = ["half \ud800", "\udcff", "~\ud800"]
+
+
+@pytest.mark.parametrize("odd", ODD)
+def test_halves_of_characters_in_a_job_are_refused_with_their_place(small: dict[str, Any], odd: str) -> None:
+    for place, job in (
+        ("name", {**small, "name": odd}),
+        ("description", {**small, "description": odd}),
+        ("axes.preload", {**small, "axes": {**small["axes"], "preload": [0.1, odd]}}),
+        ("a key of axes", {**small, "axes": {odd: 1.0}}),
+    ):
+        with pytest.raises(stickslip.JobError, match=f"^{place}.*lone surrogate") as caught:
+            stickslip.run(job)
+        assert (caught.value.code, caught.value.exit_code) == ("job-spec", 65)
+    with pytest.raises(stickslip.JobError, match="lone surrogate"):
+        stickslip.analyse({"friction": {"law": odd}})
+    with pytest.raises(stickslip.JobError, match="^data: .*lone surrogate"):
+        stickslip.fit({"preload": [odd]}, small)
+
+
+@pytest.mark.parametrize("odd", ["half \ud800", "nul\0", "~\0", "~\ud800"])
+def test_names_that_cannot_be_are_refused(small: dict[str, Any], odd: str) -> None:
+    with pytest.raises(stickslip.JobError, match="^the job: .*what no name can"):
+        stickslip.run(odd)
+    with pytest.raises(stickslip.JobError, match="^model.x: .*what no name can"):
+        stickslip.check({**small, "model": {"x": Path(odd)}})
+    for ask in (
+        lambda: stickslip.run(small, odd),
+        lambda: stickslip.Run(odd),
+        lambda: stickslip.analyse({odd: 1}),
+        lambda: stickslip.limit(small, odd, 0.1),
+        lambda: stickslip.compare(odd, odd),
+        lambda: stickslip.fit(odd, small),
+    ):
+        with pytest.raises(stickslip.UsageError, match="holds what no name can") as caught:
+            ask()
+        assert caught.value.exit_code == 64
+
+
+def test_the_name_of_a_job_is_refused_before_a_directory_is_named_by_it(small: dict[str, Any], place: Path) -> None:
+    for name in ("nul\0", "../elsewhere", "/elsewhere", ""):
+        small["name"] = name
+        with pytest.raises(stickslip.JobError, match="name"):
+            stickslip.run(small)
+    assert not list(place.iterdir())
+
+
+def test_jobs_that_contain_themselves_or_are_too_deep_are_refused(small: dict[str, Any]) -> None:
+    table: dict[str, Any] = {}
+    table["again"] = table
+    rows: list[Any] = []
+    rows.append(rows)
+    deep: list[Any] = []
+    for _ in range(100_000):
+        deep = [deep]
+    for job in ({**small, "axes": table}, {**small, "x": rows}, {**small, "x": deep}, {**small, "model": {"mass": rows}}):
+        with pytest.raises(stickslip.JobError, match="more than 50 levels; does a part of it contain itself"):
+            stickslip.check(job)
+    with pytest.raises(stickslip.JobError, match="more than 50 levels"):
+        stickslip.analyse(table)
+    with pytest.raises(stickslip.JobError, match="^sampling.seed: the whole number is too large"):
+        stickslip.check({**small, "sampling": {"seed": 10**5000}})
+
+
+def test_a_file_of_a_job_that_is_too_deep_is_refused(place: Path) -> None:
+    (place / "deep.toml").write_text(f"x = {'[' * 5000}{']' * 5000}\n", encoding="utf-8")
+    with pytest.raises(stickslip.JobError, match="deep.toml:1"):
+        stickslip.run("deep.toml")
+
+
 def says(*messages: dict[str, Any], code: int) -> str:
     """A program that says this and ends with a code."""
     lines = "".join(json.dumps(message) + "\n" for message in messages)

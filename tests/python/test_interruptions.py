@@ -191,6 +191,56 @@ def test_the_program_ends_with_python(place: Path, whole: bytes) -> None:
     assert (run.resume(progress=False).path / "surface.parquet").read_bytes() == whole
 
 
+#: Runs the job in a thread, and forks while it is at work. The fork outlives the Python process, and names itself.
+FORKING = f"""
+import multiprocessing, pathlib, threading, time
+import stickslip
+
+threading.Thread(target=lambda: stickslip.run({LONG!r}, 'long', threads=1, progress=False), daemon=True).start()
+while not pathlib.Path('long/job.toml').exists():
+    time.sleep(0.02)
+time.sleep(0.7)
+fork = multiprocessing.get_context('fork').Process(target=lambda: (stickslip.interrupt(), time.sleep(120)))
+fork.start()
+print(fork.pid, flush=True)
+time.sleep(120)
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere the program goes on")
+def test_a_fork_of_python_keeps_no_program_alive(place: Path, whole: bytes) -> None:
+    process = subprocess.Popen([sys.executable, "-c", FORKING], cwd=place, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    fork = int(process.stdout.readline())
+    try:
+        time.sleep(2)
+        assert len(processes_of(place / "long")) == 1, "the fork interrupted a run that is not its own"
+        process.kill()
+        process.wait()
+        until = time.monotonic() + 3
+        while processes_of(place / "long"):
+            assert time.monotonic() < until, "it outlives Python"
+            time.sleep(0.05)
+        os.kill(fork, 0)
+    finally:
+        os.kill(fork, signal.SIGKILL)
+        process.stdout.close()
+    assert stickslip.Run("long").status()["state"] == "unfinished"
+    assert (stickslip.Run("long").resume(progress=False).path / "surface.parquet").read_bytes() == whole
+
+
+def test_a_forked_process_has_runs_of_its_own(place: Path, small: dict[str, Any]) -> None:
+    pid = os.fork()
+    if pid == 0:
+        try:
+            stickslip.run(small, "forked", progress=False)
+            os._exit(0)
+        finally:
+            os._exit(1)
+    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
+    assert stickslip.Run("forked").status()["state"] == "finished"
+
+
 def test_a_notebook_is_interrupted_and_goes_on(place: Path, whole: bytes) -> None:
     manager = KernelManager(kernel_name="python3")
     manager.start_kernel(cwd=str(place))
