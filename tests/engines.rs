@@ -6,7 +6,7 @@
 mod common;
 
 use std::fs;
-use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::fs::{PermissionsExt as _, symlink};
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -303,6 +303,90 @@ fn what_cannot_be_is_refused_before_anything_is_written() {
         place.write("wrong.toml", &format!("{text}[engine]\n{line}\n"));
         place.run("check wrong.toml").refused(65, &["wrong.toml:", text_of_it]);
     }
+}
+
+#[test]
+fn options_of_sbatch_in_a_job_ask_for_resources_alone() {
+    let place = cluster();
+    let text = job("asked", EIGENVALUE, BOTH, "samples = 1000");
+    for option in ["--output=/root/.bashrc", "--export=ALL,LD_PRELOAD=/tmp/x.so", "--chdir=/", "--qos=low -o x"] {
+        place.write("job.toml", &format!("{text}[engine]\nsbatch = [\"--qos=low\", \"{option}\"]\n"));
+        let on_the_command_line = format!("give it on the command line: --sbatch='{option}'");
+        let said = [
+            "job.toml:18:",
+            &format!("engine.sbatch: {option:?} is not for a job"),
+            "one of --account (-A), ",
+            &on_the_command_line,
+        ];
+        for words in ["check job.toml", "submit job.toml --engine slurm --dry-run", "submit job.toml --engine slurm"] {
+            place.run(words).refused(65, &said);
+        }
+        // It does not keep a process from computing the run.
+        place.run("submit job.toml --out alone").done();
+        fs::remove_file(place.path("alone/surface.parquet")).unwrap();
+        place.run("resume alone").done();
+        fs::remove_dir_all(place.path("alone")).unwrap();
+        // What the message says to do.
+        place.write("job.toml", &format!("{text}[engine]\nsbatch = [\"--qos=low\"]\n"));
+        let shown =
+            run_with(&place, "submit job.toml --engine slurm --shards 2 --dry-run", &format!("--sbatch={option}"));
+        assert!(shown.done().stdout.contains(&format!("#SBATCH --qos=low\n#SBATCH {option}\n")));
+    }
+    assert!(!place.path("runs").exists() && record(&place).is_empty());
+}
+
+#[test]
+fn links_in_a_run_of_somebody_else_lead_nowhere() {
+    let place = cluster();
+    place.write("job.toml", &job("foreign", EIGENVALUE, BOTH, "samples = 1000"));
+    place.run("submit job.toml --out run --shard 1/3").done();
+    fs::create_dir(place.path("mine")).unwrap();
+    place.write("mine/submit.sh", "precious");
+    place.write("hosts", ":\n");
+    let parallel = place.write("bin/parallel", "#!/bin/sh\necho GNU parallel\n");
+    fs::set_permissions(parallel, fs::Permissions::from_mode(0o755)).unwrap();
+    for (engine, words) in [("slurm", "--engine slurm"), ("parallel", "--engine parallel --hosts hosts")] {
+        let submit = format!("submit job.toml --out run --shards 3 {words}");
+        symlink(place.path("mine"), place.path("run").join(engine)).unwrap();
+        place
+            .run(&submit)
+            .refused(74, &[&format!("run/{engine}: it is no directory of its own, but a file or a link")]);
+        fs::remove_file(place.path("run").join(engine)).unwrap();
+        // Slurm and GNU parallel would follow a link in the place of a log.
+        fs::create_dir(place.path("run").join(engine)).unwrap();
+        let log = place.path("run").join(engine).join("shard-2.log");
+        symlink(place.path("mine/submit.sh"), &log).unwrap();
+        place
+            .run(&submit)
+            .refused(73, &[&format!("run/{engine}: shard-2.log in it is not an ordinary file; remove it")]);
+        fs::remove_file(log).unwrap();
+    }
+    assert_eq!(fs::read_dir(place.path("mine")).unwrap().count(), 1);
+    assert_eq!(fs::read_to_string(place.path("mine/submit.sh")).unwrap(), "precious");
+    assert!(record(&place).is_empty());
+    assert_eq!(place.run("submit job.toml --out run --shards 3 --engine slurm").done().stdout, "101 102\n");
+}
+
+#[test]
+fn no_message_names_a_script_that_a_run_came_with() {
+    let place = cluster();
+    place.write("job.toml", &job("foreign", EIGENVALUE, BOTH, "samples = 1000"));
+    place.run("submit job.toml --out run --shards 3 --engine slurm").done();
+    let script = place.write("run/slurm/submit.sh", "touch hacked\n");
+    let status = place.run("status run").done().stdout;
+    let merge = place.run("merge run").refused(65, &[]).stderr;
+    for said in [&status, &merge] {
+        assert!(!said.contains("submit.sh"), "{said}");
+        assert!(
+            said.contains("`stickslip submit run/job.toml --out run --engine slurm` and the options of before"),
+            "{said}"
+        );
+    }
+    // The command writes the scripts again.
+    fs::remove_file(place.path("record")).unwrap();
+    assert_eq!(place.run("submit run/job.toml --out run --engine slurm").done().stdout, "101 102\n");
+    assert!(record(&place)[0].contains("--array=1-3 ") && !place.path("hacked").exists());
+    assert!(fs::read_to_string(script).unwrap().contains("sbatch --parsable"));
 }
 
 #[test]

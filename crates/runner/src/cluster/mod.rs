@@ -13,4 +13,4 @@ pub mod slurm;
 
 pub mod gnu_parallel;
 
-pub use task::{Script, ShardTask, again};
+pub use task::{Script, ShardTask, again, first_script};

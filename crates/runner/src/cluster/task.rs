@@ -86,19 +86,23 @@ impl ShardTask {
     }
 }
 
-/// The command that submits these shards of a run again, by the scripts that an engine keeps in it; `None` if there are
-/// none.
-pub fn again(run: &Path, engine: &str, shards: &[u64]) -> Option<String> {
-    let (script, list) = match engine {
-        "slurm" => ("submit.sh", ranges(shards)),
-        "parallel" => ("run.sh", shards.iter().map(u64::to_string).collect::<Vec<_>>().join(" ")),
-        _ => return None,
-    };
-    // Without a list, the scripts take all.
-    if shards.is_empty() {
-        return None;
+/// The script that starts the others of an engine; `None` if there is no such engine.
+pub fn first_script(engine: &str) -> Option<&'static str> {
+    match engine {
+        "slurm" => Some("submit.sh"),
+        "parallel" => Some("run.sh"),
+        _ => None,
     }
-    let path = run.join(engine).join(script);
-    let path = absolute_text(&path).ok().filter(|_| path.is_file())?;
+}
+
+/// The command that submits these shards of a run again, by the scripts that were just written there.
+pub fn again(run: &Path, engine: &str, shards: &[u64]) -> Option<String> {
+    // Without a list, the scripts take all.
+    let script = first_script(engine).filter(|_| !shards.is_empty())?;
+    let list = match engine {
+        "slurm" => ranges(shards),
+        _ => shards.iter().map(u64::to_string).collect::<Vec<_>>().join(" "),
+    };
+    let path = absolute_text(&run.join(engine).join(script)).ok()?;
     Some(format!("sh {} {list}", quoted(&path)))
 }

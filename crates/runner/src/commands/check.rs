@@ -12,7 +12,7 @@ use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
 use crate::job::{Job, JobSource};
-use crate::output::{counted, rate, result, warn};
+use crate::output::{counted, rate, result, shown, warn};
 use crate::schedule::cluster_cost::{Load, Nodes};
 use crate::schedule::engine::Engine;
 use crate::schedule::time_left::Prediction;
@@ -36,6 +36,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         return bounds::check(&source, arguments.json);
     }
     let job = source.job()?;
+    source.require_options_for_jobs(&job)?;
     warn(job.warnings());
     let threads = arguments.threads.count();
     // The threads of other machines cannot be tried on fewer processors.
@@ -79,7 +80,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     result(&format!(
         "{}\n# {} is valid.\n# {}: {}\n{}{}{cluster}",
         job.normalised(),
-        source.path.display(),
+        shown(&source.path),
         counted(job.cells().into(), "cell", "cells"),
         axes(&job),
         job.model.remarks(&job.grid),

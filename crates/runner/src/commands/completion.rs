@@ -1,6 +1,6 @@
 //! Completing a run: computing what is missing of a job.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use indicatif::HumanCount;
@@ -56,7 +56,7 @@ pub struct Work<'a> {
     /// The shard to compute; `None` for the whole run.
     pub shard: Option<Shard>,
     /// Directories of verdict maps of other runs that may be used.
-    pub maps: Vec<PathBuf>,
+    pub maps: Vec<Folder>,
     /// Whether only the verdict maps are resolved, of which a shard has a share.
     pub is_map_only: bool,
     /// The command, for the record of the session.
@@ -250,13 +250,12 @@ fn complete_maps(
     map_pieces::load(evaluator.maps_mut(), &own)?;
     let mut borrowed = false;
     for other in &work.maps {
-        let folder = Folder::open(other).map_err(|error| Failure::reading(other, error))?;
-        let loaded = map_pieces::load(evaluator.maps_mut(), &folder)?;
+        let loaded = map_pieces::load(evaluator.maps_mut(), other)?;
         borrowed |= loaded > 0;
         if loaded == 0 && !evaluator.maps().missing().is_empty() {
             note(format_args!(
                 "{}: it has no tile of this model, speed and criterion that this job needs",
-                other.display()
+                other.path().display()
             ));
         }
     }

@@ -1,6 +1,5 @@
 //! `submit --engine`: sharing a job among the machines of a cluster.
 
-use std::fs;
 use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf, absolute};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -19,7 +18,6 @@ use crate::cluster::task_list::ranges;
 use crate::cluster::{Script, ShardTask, again};
 use crate::evaluate::parts::Parts;
 use crate::failure::{Advice, Failure};
-use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
 use crate::job::{EngineSettings, Job, JobSource, Overrides, TimeLimit};
 use crate::messages::are_json;
@@ -47,6 +45,7 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
     let overrides = Overrides { seed: arguments.seed, samples: arguments.samples };
     let source = JobSource::read(&arguments.job)?.with(overrides)?;
     let job = source.job()?;
+    source.require_options_for_jobs(&job)?;
     warn(job.warnings());
     require_samples_to_share(&job, "--engine")?;
     map_directories(&arguments.maps.maps, &job)?;
@@ -93,10 +92,12 @@ pub fn submit_to_engine(arguments: &SubmitArguments, interrupt: &Interrupt) -> R
         }
     };
     let scripts = request.scripts(&job, shards)?;
-    let folder = out.join(kind.name());
-    fs::create_dir_all(&folder).map_err(|error| Failure::creating(&folder, error))?;
-    for script in &scripts {
-        publish(&folder, script.name, script.text.as_bytes())?;
+    let folder = directory.create_folder(kind.name())?;
+    // The logs of tasks go there, too, and a link in their place would be followed.
+    folder.require_files().map_err(|error| Failure::creating(folder.path(), error))?;
+    for Script { name, text } in &scripts {
+        let written = folder.publish(name, text.as_bytes());
+        written.map_err(|error| Failure::writing(&folder.path().join(name), error))?;
     }
     Sharing { engine: kind.name().to_owned(), shards }.record(&out)?;
     let missing = ShardProgress::new(&out, &job, &Parts::new(&job), &tally, shards).missing();

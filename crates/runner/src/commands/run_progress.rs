@@ -122,7 +122,7 @@ impl RunProgress {
         let next = match self.state {
             "unfinished" => match self.shards.as_ref().and_then(|shards| shards.again(run)) {
                 Some(again) => format!(
-                    "\nunless they are still queued, submit the missing shards with `{again}`; or continue here with `stickslip resume {}`",
+                    "\nunless they are still queued, submit the missing shards with `{again}` and the options of before; or continue here with `stickslip resume {}`",
                     quoted(run)
                 ),
                 None => format!("\ncontinue with `stickslip resume {}`", quoted(run)),

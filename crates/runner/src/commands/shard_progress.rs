@@ -4,12 +4,14 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::cluster::again;
+use crate::cluster::first_script;
 use crate::cluster::task_list::ranges;
 use crate::evaluate::parts::Parts;
+use crate::files::folder::Folder;
 use crate::job::Job;
 use crate::output::{quoted, rate};
 use crate::schedule::plan::Plan;
+use crate::store::layout::JOB;
 use crate::store::sharing::{Sharing, Worker, now, workers};
 use crate::store::tally::Tally;
 
@@ -61,10 +63,15 @@ impl ShardProgress {
         missing
     }
 
-    /// The command that submits what is missing, if an engine has left its scripts in the run.
+    /// The command that submits what is missing, if an engine has left its scripts in the run. It writes them again: the
+    /// run and its scripts may come from somebody else.
     pub fn again(&self, run: &Path) -> Option<String> {
         let engine = Sharing::read(run).filter(|sharing| sharing.shards == self.count())?.engine;
-        again(run, &engine, &self.missing())
+        let script = first_script(&engine).filter(|_| !self.missing().is_empty())?;
+        Folder::open(run).and_then(|run| run.within(&engine)?.open_file(script)).ok()?;
+        let hosts = if engine == "parallel" { " --hosts FILE" } else { "" };
+        let run = quoted(run);
+        Some(format!("stickslip submit {run}/{JOB} --out {run} --engine {engine}{hosts}"))
     }
 
     /// Samples in a second of all shards at work, if it is known.
@@ -132,7 +139,7 @@ pub fn how_to_submit_missing(run: &Path, job: &Job, tally: &Tally) -> String {
     let progress = ShardProgress::new(run, job, &Parts::new(job), tally, shards);
     let what = format!("Of {shards} shards, these are missing: {}", ranges(&progress.missing()));
     match progress.again(run) {
-        Some(command) => format!("{what}. Submit them with `{command}`"),
+        Some(command) => format!("{what}. Submit them with `{command}` and the options of before"),
         None => format!("{what}. Submit them"),
     }
 }

@@ -1,5 +1,6 @@
 //! `submit`, `resume` and `merge`: computing the surface of a job.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -13,6 +14,7 @@ use crate::cli::{MergeArguments, ResumeArguments, ShardArgument, SubmitArguments
 use crate::cluster::array_task::ArrayTask;
 use crate::evaluate::parts::Parts;
 use crate::failure::{Advice, Failure};
+use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, Overrides};
 use crate::messages::Code;
@@ -20,7 +22,7 @@ use crate::output::{FREE_SPACE, HumanCount128, announce, counted, note, quoted, 
 use crate::schedule::engine::Engine;
 use crate::schedule::plan::{Plan, Shard};
 use crate::store::directory::RunDirectory;
-use crate::store::layout::JOB;
+use crate::store::layout::{JOB, MAPS};
 use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::provenance::Session;
 use crate::store::sharing::{self, AtWork, Sharing};
@@ -173,17 +175,17 @@ fn shards_beyond_work(shard: Shard, job: &Job) -> Option<String> {
 const WITHOUT_MAP: &str = "this job uses no verdict map. Maps are used with sampling.evaluate = \"boundary\" or method = \"exact\" and a criterion other than \"eigenvalue\"";
 
 /// The directories of the maps of the runs given with `--map`.
-pub fn map_directories(runs: &[PathBuf], job: &Job) -> Result<Vec<PathBuf>, Failure> {
+pub fn map_directories(runs: &[PathBuf], job: &Job) -> Result<Vec<Folder>, Failure> {
     if let (Some(run), false) = (runs.first(), job.uses_maps()) {
         return Err(Failure::Usage(format!("--map {}: {WITHOUT_MAP}", run.display())));
     }
     let map = |run: &PathBuf| {
-        let directory = run.join("map");
-        if directory.is_dir() {
-            Ok(directory)
-        } else {
-            Err(Failure::InputOutput(format!("--map {}: this run has no verdict map", run.display())))
-        }
+        Folder::open(run).and_then(|run| run.within(MAPS)).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => {
+                Failure::InputOutput(format!("--map {}: this run has no verdict map", run.display()))
+            }
+            _ => Failure::reading(&run.join(MAPS), error),
+        })
     };
     runs.iter().map(map).collect()
 }

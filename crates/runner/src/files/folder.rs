@@ -19,6 +19,7 @@ use rustix::io::Errno;
 
 use crate::failure::Failure;
 use crate::files::publish::{PREFIX, is_temporary};
+use crate::shell::shown;
 use crate::unfinished;
 
 /// Largest number of bytes of a small file, such as a job spec.
@@ -35,6 +36,14 @@ static FILES: AtomicU64 = AtomicU64::new(0);
 /// An open directory.
 #[derive(Debug)]
 pub struct Folder {
+/// How a new file is opened. A link of its name is not followed.
+const NEW_FILE: OFlags = OFlags::RDWR.union(OFlags::CREATE).union(OFlags::EXCL).union(OFlags::CLOEXEC);
+
+/// The rights of a new file, of which the umask takes what the user wants to be taken.
+fn mode_of_new_files() -> Mode {
+    Mode::RUSR | Mode::WUSR | Mode::RGRP | Mode::WGRP | Mode::ROTH | Mode::WOTH
+}
+
     path: PathBuf,
     handle: File,
     /// Its device and number there, by which it is recognised.
@@ -187,19 +196,47 @@ impl Folder {
     pub fn begin(&self) -> io::Result<Unfinished<'_>> {
         let host = gethostname::gethostname();
         let host = blake3::hash(host.as_encoded_bytes()).to_hex();
-        // The umask takes from these rights what the user wants to be taken.
-        let mode = Mode::RUSR | Mode::WUSR | Mode::RGRP | Mode::WGRP | Mode::ROTH | Mode::WOTH;
-        let flags = OFlags::RDWR | OFlags::CREATE | OFlags::EXCL | OFlags::CLOEXEC;
         loop {
             let number = FILES.fetch_add(1, Ordering::Relaxed);
             let name = format!("{PREFIX}{}-{}-{number}", &host[..8], process::id());
             let created = unfinished::create(|| {
-                let file = rustix::fs::openat(&self.handle, &name, flags, mode)?;
+                let file = rustix::fs::openat(&self.handle, &name, NEW_FILE, mode_of_new_files())?;
                 Ok((File::from(file), self.path.join(&name)))
             });
             match created {
                 Ok((entry, file)) => {
                     return Ok(Unfinished { folder: self, file, name, is_named: false, _entry: entry });
+    /// Creates an empty file, in place of whatever has its name but a directory.
+    pub fn create_file(&self, name: &str) -> io::Result<File> {
+        self.remove(name)?;
+        Ok(File::from(rustix::fs::openat(&self.handle, name, NEW_FILE, mode_of_new_files())?))
+    }
+
+    /// Removes a file, if there is one.
+    pub fn remove(&self, name: impl AsRef<OsStr>) -> io::Result<()> {
+        match rustix::fs::unlinkat(&self.handle, name.as_ref(), AtFlags::empty()) {
+            Ok(()) | Err(Errno::NOENT) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Removes an empty directory.
+    pub fn remove_directory(&self, name: &str) -> io::Result<()> {
+        Ok(rustix::fs::unlinkat(&self.handle, name, AtFlags::REMOVEDIR)?)
+    }
+
+    /// An error if there is anything but ordinary files in it, such as a link that another program would follow.
+    pub fn require_files(&self) -> io::Result<()> {
+        for name in self.names()? {
+            let there = statat(&self.handle, &name, AtFlags::SYMLINK_NOFOLLOW)?;
+            if FileType::from_raw_mode(there.st_mode) != FileType::RegularFile {
+                let name = shown(Path::new(&name));
+                return Err(io::Error::other(format!("{name} in it is not an ordinary file; remove it")));
+            }
+        }
+        Ok(())
+    }
+
                 }
                 // Left behind by a killed process of the same number.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}

@@ -9,6 +9,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::diagnosis::{Complaint, Complaints};
+use super::sbatch::{SbatchOption, not_for_jobs};
 
 /// Largest number of processors of a task.
 pub const MOST_CPUS: u64 = 1024;
@@ -43,8 +44,8 @@ pub struct EngineSpec {
     /// array.
     #[schemars(with = "Option<u64>", range(min = 1, max = MOST_SHARDS))]
     max_shards: Option<Spanned<u64>>,
-    /// Slurm: further options of `sbatch`, as a line `#SBATCH` has them, one each: `["--constraint=avx2",
-    /// "--qos=long"]`.
+    /// Slurm: further options of `sbatch` that ask for resources, as a line `#SBATCH` has them, one each:
+    /// `["--constraint=avx2", "--qos=long"]`. Others are for `--sbatch` of the command line.
     #[schemars(with = "Option<Vec<String>>")]
     sbatch: Option<Vec<Spanned<String>>>,
 }
@@ -84,7 +85,10 @@ impl EngineSettings {
         let cpus_per_task = number("cpus_per_task", &spec.cpus_per_task, MOST_CPUS);
         let shards = number("shards", &spec.shards, MOST_SHARDS);
         let max_shards = number("max_shards", &spec.max_shards, MOST_SHARDS);
-        let further = spec.sbatch.iter().flatten();
+        let further = spec.sbatch.iter().flatten().filter_map(|option| {
+            parsed("sbatch", Some(option), complaints).map(|parsed: SbatchOption| parsed.at(option.span()))
+        });
+        let sbatch = further.collect();
         Self {
             partition: parsed("partition", spec.partition.as_ref(), complaints),
             account: parsed("account", spec.account.as_ref(), complaints),
@@ -93,8 +97,15 @@ impl EngineSettings {
             cpus_per_task,
             shards,
             max_shards,
-            sbatch: further.filter_map(|option| parsed("sbatch", Some(option), complaints)).collect(),
+            sbatch,
         }
+    }
+
+    /// What is said of the options of sbatch that are not for a job, in the order of its text.
+    pub(super) fn not_for_jobs(&self) -> Complaints {
+        let mut complaints = Complaints::default();
+        not_for_jobs(&self.sbatch).for_each(|(place, message)| complaints.push(Complaint::maybe_at(place, message)));
+        complaints
     }
 
     /// These settings, and for what they leave out those of `others`. Further options of sbatch are added to theirs, as
@@ -221,28 +232,6 @@ impl FromStr for Memory {
 }
 
 impl fmt::Display for Memory {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-/// An option of sbatch, in the words of a line `#SBATCH`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SbatchOption(String);
-
-impl FromStr for SbatchOption {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text.starts_with('-') && text.len() > 1 && !text.chars().any(char::is_control) {
-            Ok(Self(text.to_owned()))
-        } else {
-            Err(format!("{text:?} is no option of sbatch in one line; write for example \"--constraint=avx2\""))
-        }
-    }
-}
-
-impl fmt::Display for SbatchOption {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }

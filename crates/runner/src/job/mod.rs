@@ -16,6 +16,8 @@ mod sampling_spec;
 
 mod axes_spec;
 
+mod sbatch;
+
 mod engine;
 
 mod limit_spec;
@@ -75,7 +77,7 @@ mod source;
 #[cfg(test)]
 mod mutations;
 
-pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SbatchOption, SlurmName, TimeLimit};
+pub use engine::{EngineSettings, MOST_CPUS, MOST_SHARDS, Memory, SlurmName, TimeLimit};
 pub use imprecise::{Combination, ImpreciseJob, ImpreciseQuantity};
 pub use imprecise_values::{Values, What};
 pub use limit::LimitMethod;
@@ -89,5 +91,6 @@ pub use models::schema;
 pub use models::start_spec::StartKind;
 pub use sampling_numbers::Effort;
 pub use sampling_spec::{Audit, EvaluateMode};
+pub use sbatch::SbatchOption;
 pub use source::{JobSource, Overrides};
 pub use validated::Job;

@@ -138,6 +138,13 @@ impl JobSource {
         job.ok_or_else(|| self.refused(complaints))
     }
 
+    /// Refuses options of `sbatch` that are not for a job. A run whose frozen job has some is computed all the same, as
+    /// they count for `submit --engine` alone.
+    pub fn require_options_for_jobs(&self, job: &Job) -> Result<(), Failure> {
+        let complaints = job.engine.not_for_jobs();
+        if complaints.len() == 0 { Ok(()) } else { Err(self.refused(complaints)) }
+    }
+
     /// Reads and checks a spec whose inputs may be imprecise.
     ///
     /// # Errors

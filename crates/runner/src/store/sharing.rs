@@ -2,9 +2,9 @@
 
 use std::ffi::OsString;
 use std::fmt;
-use std::fs::{self, File, TryLockError};
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::fs::{File, TryLockError};
+use std::io::{self, Write as _};
+use std::path::Path;
 use std::process;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -64,7 +64,9 @@ pub struct Worker {
 /// What shows others that this process works on a shard, until it is dropped.
 #[derive(Debug)]
 pub struct AtWork {
-    path: PathBuf,
+    run: Folder,
+    folder: Folder,
+    name: String,
     /// The lock, which ends with the process.
     _lock: File,
 }
@@ -72,8 +74,8 @@ pub struct AtWork {
 impl Drop for AtWork {
     fn drop(&mut self) {
         // At worst, files are left that nobody holds.
-        let _ = fs::remove_file(&self.path);
-        let _ = self.path.parent().map(fs::remove_dir);
+        let _ = self.folder.remove(&self.name);
+        let _ = self.run.remove_directory(WORKING);
     }
 }
 
@@ -81,17 +83,16 @@ impl AtWork {
     /// Begins to work on a shard. If that cannot be noted, only `status` knows less.
     pub fn begin(run: &Path, shard: u64, shards: u64, missing: u128) -> Option<Self> {
         let host = gethostname::gethostname().to_string_lossy().into_owned();
-        let folder = Folder::open(run).ok()?.create_within(WORKING).ok()?;
-        let path = folder.path().join(format!("{shard}-of-{shards}.{host}.{}", process::id()));
+        let run = Folder::open(run).ok()?;
+        let folder = run.create_within(WORKING).ok()?;
+        let name = format!("{shard}-of-{shards}.{host}.{}", process::id());
         let worker = Worker { shard, shards, host, began: now(), missing: missing as f64 };
         let text = serde_json::to_vec(&worker).ok()?;
-        let mut file = File::create(&path).ok()?;
+        let mut file = folder.create_file(&name).ok()?;
+        let at_work = Self { run, folder, name, _lock: file.try_clone().ok()? };
         // A process that looks which shards are at work holds it for an instant.
-        if file.lock().and_then(|()| file.write_all(&text)).is_err() {
-            let _ = fs::remove_file(&path);
-            return None;
-        }
-        Some(Self { path, _lock: file })
+        file.lock().and_then(|()| file.write_all(&text)).ok()?;
+        Some(at_work)
     }
 }
 
@@ -100,7 +101,8 @@ pub fn workers(run: &Path) -> Vec<Worker> {
     let folder = Folder::open(run).and_then(|run| run.within_if_there(WORKING));
     let Some(folder) = folder.ok().flatten() else { return Vec::new() };
     let read = |name: &OsString| -> Option<Worker> {
-        let is_held = matches!(folder.open_file(name).ok()?.try_lock(), Err(TryLockError::WouldBlock));
+        // Those that look share the lock, so that they do not take each other for a process at work.
+        let is_held = matches!(folder.open_file(name).ok()?.try_lock_shared(), Err(TryLockError::WouldBlock));
         if is_held { serde_json::from_slice(&folder.read(name, MOST).ok()?).ok() } else { None }
     };
     let mut workers: Vec<Worker> = folder.names().iter().flatten().filter_map(read).collect();
@@ -110,8 +112,14 @@ pub fn workers(run: &Path) -> Vec<Worker> {
 
 /// Removes what killed processes have left. No other process may work in the run.
 pub fn tidy(run: &Path) {
+    let removed = || -> io::Result<()> {
+        let run = Folder::open(run)?;
+        let Some(folder) = run.within_if_there(WORKING)? else { return Ok(()) };
+        folder.names()?.iter().try_for_each(|name| folder.remove(name))?;
+        run.remove_directory(WORKING)
+    };
     // Nothing depends on it.
-    let _ = fs::remove_dir_all(run.join(WORKING));
+    let _ = removed();
 }
 
 /// Seconds since 1970.
@@ -122,6 +130,9 @@ pub fn now() -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
+    use std::os::unix::fs::symlink;
+    use std::process::Command;
 
     #[test]
     fn a_process_is_at_work_until_it_ends() {
@@ -138,6 +149,37 @@ mod tests {
         assert!(workers(run.path()).is_empty());
         tidy(run.path());
         assert!(!run.path().join(WORKING).exists());
+    }
+
+    #[test]
+    fn what_somebody_else_has_put_there_is_not_followed() {
+        let run = tempfile::tempdir().unwrap();
+        let mine = run.path().join("mine");
+        fs::write(&mine, "precious").unwrap();
+        let working = run.path().join(WORKING);
+        fs::create_dir(&working).unwrap();
+        let host = gethostname::gethostname().to_string_lossy().into_owned();
+        let of = |shard: u64| working.join(format!("{shard}-of-2.{host}.{}", process::id()));
+        symlink(&mine, of(1)).unwrap();
+        assert!(Command::new("mkfifo").arg(of(2)).status().unwrap().success());
+        let both = [1, 2].map(|shard| AtWork::begin(run.path(), shard, 2, 10));
+        assert!(both.iter().all(Option::is_some) && workers(run.path()).len() == 2);
+        drop(both);
+        symlink(run.path(), &working).unwrap();
+        assert!(AtWork::begin(run.path(), 1, 2, 10).is_none() && workers(run.path()).is_empty());
+        tidy(run.path());
+        assert_eq!(fs::read_to_string(&mine).unwrap(), "precious");
+    }
+
+    #[test]
+    fn looks_do_not_take_each_other_for_work() {
+        let run = tempfile::tempdir().unwrap();
+        fs::create_dir(run.path().join(WORKING)).unwrap();
+        let left = run.path().join(WORKING).join("4-of-16.host.1");
+        fs::write(&left, r#"{"shard": 4, "shards": 16, "host": "host", "began": 0, "missing": 1}"#).unwrap();
+        let other = File::open(&left).unwrap();
+        other.lock_shared().unwrap();
+        assert!(workers(run.path()).is_empty());
     }
 
     #[test]

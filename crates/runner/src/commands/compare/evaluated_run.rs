@@ -1,7 +1,5 @@
 //! A finished run whose samples are evaluated again.
 
-use std::path::PathBuf;
-
 use indicatif::HumanCount;
 use stickslip_sampler::estimate::interval::{BinomialInterval, Estimate, IntervalKind};
 
@@ -11,7 +9,6 @@ use crate::evaluate::integral::IntegratedCell;
 use crate::evaluate::randomised;
 use crate::evaluate::sums::Lookups;
 use crate::failure::{Failure, Signal};
-use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
 use crate::job::{Answer, Effort, MapUse};
 use crate::output::note;
@@ -33,11 +30,11 @@ pub struct EvaluatedRun<'a> {
 
 impl<'a> EvaluatedRun<'a> {
     /// Completes the verdict maps of a run if it needs them: for integrals, or if samples are evaluated
-    /// (`needs_verdicts`). Tiles of the maps in the directories `maps` are used, too.
+    /// (`needs_verdicts`). Tiles of the maps of all `runs` are used, too.
     pub fn new(
         run: &'a Run,
         needs_verdicts: bool,
-        maps: &[PathBuf],
+        runs: &[Run],
         engine: &Engine,
         interrupt: &Interrupt,
     ) -> Result<Self, Failure> {
@@ -45,7 +42,7 @@ impl<'a> EvaluatedRun<'a> {
         let mut integrated = Vec::new();
         let map_use = run.job.map_use();
         if map_use == MapUse::Integrate || (map_use == MapUse::LookUp && needs_verdicts) {
-            complete_maps(run, &mut evaluator, maps, engine, interrupt)?;
+            complete_maps(run, &mut evaluator, runs, engine, interrupt)?;
         }
         if run.job.answer() == Answer::Integral {
             // The run keeps its audits.
@@ -105,7 +102,7 @@ impl<'a> EvaluatedRun<'a> {
 fn complete_maps(
     run: &Run,
     evaluator: &mut Evaluator<'_>,
-    maps: &[PathBuf],
+    runs: &[Run],
     engine: &Engine,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
@@ -117,9 +114,9 @@ fn complete_maps(
         map_pieces::load(evaluator.maps_mut(), own)?;
     }
     let mut borrowed = false;
-    for other in maps.iter().filter(|other| own.as_ref().is_none_or(|own| **other != own.path())) {
-        if let Ok(other) = Folder::open(other) {
-            borrowed |= map_pieces::load(evaluator.maps_mut(), &other)? > 0;
+    for other in runs.iter().filter(|other| other.directory.path() != run.directory.path()) {
+        if let Ok(Some(maps)) = other.directory.maps() {
+            borrowed |= map_pieces::load(evaluator.maps_mut(), &maps)? > 0;
         }
     }
     let completed = engine.complete_maps(evaluator, Mapping { keep, borrowed, ..Mapping::default() }, interrupt)?;

@@ -16,7 +16,7 @@ mod differences;
 
 mod report;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use indicatif::HumanCount;
 use stickslip_sampler::estimate::interval::simultaneous_confidence;
@@ -36,7 +36,6 @@ use crate::messages::Code;
 use crate::output::{announce, note, output_file, result};
 use crate::picture::view::rounded;
 use crate::schedule::engine::Engine;
-use crate::store::layout::MAPS;
 use crate::version::VERSION;
 
 /// Confidence of the intervals in plots and reports, for all cells together.
@@ -135,11 +134,10 @@ fn evaluated_runs<'a>(
         .iter()
         .map(|matching| matching.cells.iter().any(|cell| cell.dependence == Dependence::Paired))
         .collect();
-    let maps: Vec<PathBuf> = runs.iter().map(|run| run.directory.path().join(MAPS)).collect();
     let mut evaluated = Vec::with_capacity(runs.len());
     for (i, run) in runs.iter().enumerate() {
         let needs_verdicts = if i == 0 { is_paired.contains(&true) } else { is_paired[i - 1] };
-        evaluated.push(EvaluatedRun::new(run, needs_verdicts, &maps, engine, interrupt)?);
+        evaluated.push(EvaluatedRun::new(run, needs_verdicts, runs, engine, interrupt)?);
     }
     Ok(evaluated)
 }
