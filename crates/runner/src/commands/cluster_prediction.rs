@@ -137,7 +137,7 @@ fn measured(job: &Job, parts: &Parts, sample: f64) -> Result<Rates, Failure> {
     piece::write(&many, &experiment, &units)?;
     let mut read = |folder: &Folder| {
         quickest(TRIES, || {
-            piece::read_all(folder, &experiment, |_| true, &mut |unit| {
+            piece::read_all(folder, &experiment, |_| None, &mut |unit| {
                 tally.clear(unit.part);
                 tally.add(&unit);
                 Ok(())

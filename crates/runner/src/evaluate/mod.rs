@@ -11,9 +11,9 @@ pub mod criteria;
 
 pub mod maps;
 
-pub mod sums;
-
 pub mod unit;
+
+pub mod sums;
 
 pub mod conditional;
 

@@ -12,6 +12,7 @@ use stickslip_sampler::inputs::PairParameter;
 use stickslip_sampler::integrate::NormalPair;
 
 use crate::evaluate::samples::Samples;
+use crate::evaluate::unit::FinishedUnit;
 use crate::job::{Answer, Job, MapUse};
 
 /// Which sums a job has, and their places in the list of sums.
@@ -27,8 +28,9 @@ pub struct SumLayout {
     sensitivity: usize,
     /// Whether samples have probabilities.
     probabilities: bool,
-    /// Whether samples have weights.
+    /// Whether samples have weights, and whether they are populations.
     weights: bool,
+    populations: bool,
 }
 
 /// Counts of the samples of a job with a verdict map, by how they were decided. The others were looked up.
@@ -58,6 +60,13 @@ impl Lookups {
         [self.simulated, self.audited, self.differed].map(u64::cast_signed)
     }
 
+    /// Whether sums can be the counts of so many samples.
+    pub fn can_be(sums: &[i64], samples: u64) -> bool {
+        let all: u64 = sums.iter().take(2).fold(0, |all, &sum| all.saturating_add(sum.cast_unsigned()));
+        let is_audited = |sums: &[i64]| sums.len() < LOOKUPS || (0..=sums[1]).contains(&sums[2]);
+        all <= samples && is_audited(sums)
+    }
+
     /// The counts from the sums of units; none from none.
     pub fn from_sums(sums: &[i128]) -> Self {
         let count = |i: usize| sums.get(i).map_or(0, |&sum| u64::try_from(sum).unwrap_or(0));
@@ -84,6 +93,7 @@ impl SumLayout {
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
             probabilities: job.answer() == Answer::Probability,
             weights: job.answer().is_of_rare_events(),
+            populations: job.answer() == Answer::Population,
         }
     }
 
@@ -139,6 +149,31 @@ impl SumLayout {
 
     fn weights_at(self) -> usize {
         self.probabilities_at() + if self.probabilities { ProbabilitySums::COUNT } else { 0 }
+    }
+
+    /// Whether the sums of a unit can be those of its samples. Pieces that are read may be forged.
+    pub fn can_be(self, unit: &FinishedUnit) -> bool {
+        let FinishedUnit { counts, sums, .. } = unit;
+        let (samples, within) = (unit.len(), 0..=unit.len().cast_signed());
+        if sums.len() != self.count() {
+            return false;
+        }
+        let of = |from: usize, to: usize| &sums[from..to];
+        let plain = of(0, self.derivatives_at());
+        let lookups = of(self.lookups_at(), self.sources_at());
+        let inputs = || of(self.sensitivity_at(), self.probabilities_at()).chunks_exact(PER_INPUT);
+        plain.iter().all(|sum| within.contains(sum))
+            && Lookups::can_be(lookups, samples)
+            && (!self.derivatives
+                || ScoreSums::can_be(of(self.derivatives_at(), self.sensitivity_at()), counts.unstable, counts.stable))
+            && inputs().all(|sums| sums.iter().all(|sum| within.contains(sum)))
+            && (0..self.sensitivity).all(|input| {
+                let sums: Vec<i128> = sums.iter().map(|&sum| sum.into()).collect();
+                self.index_counts(&sums, input).is_some_and(|(counts, left_out)| counts.can_be(samples - left_out))
+            })
+            && (!self.probabilities
+                || ProbabilitySums::can_be(of(self.probabilities_at(), self.weights_at()), samples - counts.failed))
+            && (!self.weights || WeightedSums::can_be(&sums[self.weights_at()..], samples, self.populations))
     }
 
     /// All sums, zero.

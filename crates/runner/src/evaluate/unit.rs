@@ -62,5 +62,6 @@ impl FinishedUnit {
         self.samples.start < self.samples.end
             && total == Some(self.len())
             && counts.all(|(place, count)| count <= most(place))
+            && self.recorded.iter().all(Distribution::can_be)
     }
 }

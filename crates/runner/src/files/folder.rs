@@ -25,6 +25,9 @@ use crate::unfinished;
 /// Largest number of bytes of a small file, such as a job spec.
 pub const SMALL_FILE: u64 = 64 << 20;
 
+/// Bytes that are read of a file at once.
+const AT_ONCE: u64 = 1 << 18;
+
 /// Whether an error in reading says that there is no ordinary file of a fitting size, rather than that reading failed.
 pub fn is_no_file(error: &io::Error) -> bool {
     error.kind() == io::ErrorKind::Other
@@ -33,9 +36,6 @@ pub fn is_no_file(error: &io::Error) -> bool {
 /// Numbers the temporary files of this process.
 static FILES: AtomicU64 = AtomicU64::new(0);
 
-/// An open directory.
-#[derive(Debug)]
-pub struct Folder {
 /// How a new file is opened. A link of its name is not followed.
 const NEW_FILE: OFlags = OFlags::RDWR.union(OFlags::CREATE).union(OFlags::EXCL).union(OFlags::CLOEXEC);
 
@@ -44,6 +44,9 @@ fn mode_of_new_files() -> Mode {
     Mode::RUSR | Mode::WUSR | Mode::RGRP | Mode::WGRP | Mode::ROTH | Mode::WOTH
 }
 
+/// An open directory.
+#[derive(Debug)]
+pub struct Folder {
     path: PathBuf,
     handle: File,
     /// Its device and number there, by which it is recognised.
@@ -167,13 +170,27 @@ impl Folder {
 
     /// The content of an ordinary file of at most `most` bytes.
     pub fn read(&self, name: impl AsRef<OsStr>, most: u64) -> io::Result<Vec<u8>> {
+        self.read_while(name, most, |_| true)
+    }
+
+    /// The same of a file of which all bytes are possible. It is read up to the first that are not.
+    pub fn read_while(
+        &self,
+        name: impl AsRef<OsStr>,
+        most: u64,
+        are_possible: impl Fn(&[u8]) -> bool,
+    ) -> io::Result<Vec<u8>> {
         let file = self.open_file(name)?;
         let mut bytes = Vec::new();
-        if file.metadata()?.len() <= most {
-            file.take(most + 1).read_to_end(&mut bytes)?;
-            if bytes.len() as u64 <= most {
+        let mut end = if file.metadata()?.len() > most { usize::MAX } else { 0 };
+        while end as u64 <= most {
+            if (&file).take(AT_ONCE).read_to_end(&mut bytes)? == 0 {
                 return Ok(bytes);
             }
+            if !are_possible(&bytes[end..]) {
+                return Err(io::Error::other("it has bytes that no such file has"));
+            }
+            end = bytes.len();
         }
         Err(io::Error::other(format!("it has more than {most} bytes, the most that such a file may have")))
     }
@@ -192,20 +209,6 @@ impl Folder {
         there.is_ok_and(|there| FileType::from_raw_mode(there.st_mode) == FileType::Directory)
     }
 
-    /// Begins a file.
-    pub fn begin(&self) -> io::Result<Unfinished<'_>> {
-        let host = gethostname::gethostname();
-        let host = blake3::hash(host.as_encoded_bytes()).to_hex();
-        loop {
-            let number = FILES.fetch_add(1, Ordering::Relaxed);
-            let name = format!("{PREFIX}{}-{}-{number}", &host[..8], process::id());
-            let created = unfinished::create(|| {
-                let file = rustix::fs::openat(&self.handle, &name, NEW_FILE, mode_of_new_files())?;
-                Ok((File::from(file), self.path.join(&name)))
-            });
-            match created {
-                Ok((entry, file)) => {
-                    return Ok(Unfinished { folder: self, file, name, is_named: false, _entry: entry });
     /// Creates an empty file, in place of whatever has its name but a directory.
     pub fn create_file(&self, name: &str) -> io::Result<File> {
         self.remove(name)?;
@@ -237,6 +240,20 @@ impl Folder {
         Ok(())
     }
 
+    /// Begins a file.
+    pub fn begin(&self) -> io::Result<Unfinished<'_>> {
+        let host = gethostname::gethostname();
+        let host = blake3::hash(host.as_encoded_bytes()).to_hex();
+        loop {
+            let number = FILES.fetch_add(1, Ordering::Relaxed);
+            let name = format!("{PREFIX}{}-{}-{number}", &host[..8], process::id());
+            let created = unfinished::create(|| {
+                let file = rustix::fs::openat(&self.handle, &name, NEW_FILE, mode_of_new_files())?;
+                Ok((File::from(file), self.path.join(&name)))
+            });
+            match created {
+                Ok((entry, file)) => {
+                    return Ok(Unfinished { folder: self, file, name, is_named: false, _entry: entry });
                 }
                 // Left behind by a killed process of the same number.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}

@@ -124,7 +124,7 @@ mod tests {
 
     fn written(directory: &Folder) -> Vec<FinishedUnit> {
         let mut units = Vec::new();
-        piece::read_all(directory, "experiment", |_| true, &mut |unit| {
+        piece::read_all(directory, "experiment", |_| None, &mut |unit| {
             units.push(unit);
             Ok(())
         })

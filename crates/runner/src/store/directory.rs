@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::evaluate::parts::Parts;
-use crate::evaluate::sums::{LOOKUPS, SumLayout};
+use crate::evaluate::sums::{LOOKUPS, Lookups, SumLayout};
 use crate::evaluate::unit::FinishedUnit;
 use crate::failure::Failure;
 use crate::files::folder::{Folder, SMALL_FILE, Unfinished, is_no_file};
@@ -331,7 +331,8 @@ impl RunDirectory {
     /// # Errors
     /// Pieces of another job or version, and a result of another version, which would be lost.
     pub fn tally(&self, job: &Job) -> Result<Tally, Failure> {
-        let tally = self.tally_of(&self.shards, job, &Parts::new(job), SumLayout::for_job(job).count())?;
+        let layout = SumLayout::for_job(job);
+        let tally = self.tally_of(&self.shards, job, &Parts::new(job), |unit| layout.can_be(unit))?;
         if self.has_surface_of_another_version(job) {
             return Err(Failure::Job(format!(
                 "{} was written by another version of stickslip: its results version or format version is not that of this one, see `stickslip --version`. `plot`, `report` and `export` read it. {REMEDY_OF_VERSIONS}",
@@ -345,27 +346,36 @@ impl RunDirectory {
     }
 
     /// The audits of integrals that are finished, by cell. Their sums are those of [`Lookups`].
-    ///
-    /// [`Lookups`]: crate::evaluate::sums::Lookups
     pub fn audits_done(&self, job: &Job) -> Result<Tally, Failure> {
         let parts = Parts::of_audits(job);
         match self.audits()? {
-            Some(pieces) => self.tally_of(&pieces, job, &parts, LOOKUPS),
+            Some(pieces) => {
+                let can_be =
+                    |unit: &FinishedUnit| unit.sums.len() == LOOKUPS && Lookups::can_be(&unit.sums, unit.len());
+                self.tally_of(&pieces, job, &parts, can_be)
+            }
             None => Ok(Tally::new(&parts)),
         }
     }
 
-    fn tally_of(&self, pieces: &Folder, job: &Job, parts: &Parts, sums: usize) -> Result<Tally, Failure> {
-        let may_be = |unit: &FinishedUnit| {
-            parts.locate_stored(unit.part).0 < job.cells()
-                && unit.sums.len() == sums
-                && unit.is_consistent(job.model().recorded())
+    fn tally_of(
+        &self,
+        pieces: &Folder,
+        job: &Job,
+        parts: &Parts,
+        can_be: impl Fn(&FinishedUnit) -> bool,
+    ) -> Result<Tally, Failure> {
+        let wrong = |unit: &FinishedUnit| {
+            if parts.locate_stored(unit.part).0 >= job.cells() || !unit.is_consistent(job.model().recorded()) {
+                return Some("its counts do not add up");
+            }
+            (!can_be(unit)).then_some("its sums cannot be those of its samples")
         };
         let experiment = job.experiment_hash();
         let mut complaints = None;
         let mut tally = Tally::new(parts);
         let read = |take: &mut dyn FnMut(FinishedUnit)| {
-            let found = piece::read_all(pieces, &experiment, may_be, &mut |unit| {
+            let found = piece::read_all(pieces, &experiment, wrong, &mut |unit| {
                 take(FinishedUnit { part: self.part_of(&unit, job, parts)?, ..unit });
                 Ok(())
             })?;

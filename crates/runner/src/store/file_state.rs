@@ -11,6 +11,9 @@ use crate::store::digests::{Fit, Known, digest_of_file};
 /// Why a file is taken for damaged.
 pub const NOT_AS_WRITTEN: &str = "it does not have the digest that it was written with";
 
+/// Largest file of results: a million cells with every column have about 1 GiB.
+const MOST_BYTES: u64 = 1 << 32;
+
 /// What there is of a file of results.
 #[derive(Debug, PartialEq, Eq)]
 pub enum FileState {
@@ -30,6 +33,10 @@ pub enum FileState {
 pub fn state_of(root: &Folder, name: &str, footer: &[(&str, String)]) -> Result<FileState, Failure> {
     let opened = || -> io::Result<Option<(String, File)>> {
         let Some(file) = root.open_if_there(name)? else { return Ok(None) };
+        if file.metadata()?.len() > MOST_BYTES {
+            let why = format!("it has more than {MOST_BYTES} bytes, the most that such a file may have");
+            return Err(io::Error::other(why));
+        }
         Ok(Some((digest_of_file(file)?, root.open_file(name)?)))
     };
     let (digest, file) = match opened() {

@@ -6,7 +6,7 @@
 //! Conditional probabilities and their squares are added as [whole numbers](super::fixed_point), so that a sum has the
 //! same bits in any order.
 
-use crate::estimate::fixed_point::{add_words, number};
+use crate::estimate::fixed_point::{add_words, can_be_sum, number};
 use crate::estimate::interval::{Estimate, MOST_WILSON_CONFIDENCE};
 use crate::estimate::randomisations::student;
 use crate::special_functions::{beta, normal};
@@ -49,6 +49,14 @@ impl ProbabilitySums {
     #[must_use]
     pub fn sums(&self) -> [i64; Self::COUNT] {
         self.0
+    }
+
+    /// Whether these can be the sums of so many samples, whose probabilities are at most 1.
+    #[must_use]
+    pub fn can_be(sums: &[i64], decided: u64) -> bool {
+        let Some((probabilities, squares)) = sums.split_at_checked(WORDS) else { return false };
+        let words: Vec<i128> = probabilities.iter().map(|&word| word.into()).collect();
+        can_be_sum(probabilities, decided as f64) && can_be_sum(squares, number(&words))
     }
 }
 
@@ -169,9 +177,11 @@ pub(super) fn around(mean: f64, half_width: f64) -> (f64, f64) {
 /// Clopper and Pearson's interval for successes, which need not be whole, out of trials: the low end for the first
 /// number of them, the high one for the second.
 pub(super) fn binomial(at_least: f64, at_most: f64, trials: f64, confidence: f64) -> (f64, f64) {
-    if trials == 0.0 {
+    if !(trials > 0.0 && trials.is_finite()) || at_least.is_nan() || at_most.is_nan() {
         return (0.0, 1.0);
     }
+    // Sums that are read may be forged. Those that were rounded stay as they are.
+    let [at_least, at_most] = [at_least, at_most].map(|count| count.clamp(0.0, trials + 0.5));
     let scale = (MOST_TRIALS / trials).min(1.0);
     let [at_least, at_most, trials] = [at_least, at_most, trials].map(|count| count * scale);
     let tail = 0.5 * (1.0 - confidence);

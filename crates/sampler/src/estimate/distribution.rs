@@ -47,6 +47,13 @@ impl Distribution {
         Self { sum, bins: bins.into_iter().collect() }
     }
 
+    /// Whether its sum can be that of so many values.
+    #[must_use]
+    pub fn can_be(&self) -> bool {
+        let most = (LARGEST * STEPS_PER_ONE) as u128;
+        self.sum.unsigned_abs() <= most.saturating_mul(self.count().into())
+    }
+
     /// Adds a value. NaN counts as 0.
     pub fn add(&mut self, value: f64) {
         // Zero has one sign.

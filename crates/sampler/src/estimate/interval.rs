@@ -128,9 +128,10 @@ impl BinomialInterval {
         Self { kind, confidence, wilson: WilsonInterval::new(confidence) }
     }
 
-    /// The ends for `successes` out of `trials`; (0, 1) without trials.
+    /// The ends for `successes` out of `trials`, all of them if they are more; (0, 1) without trials.
     #[must_use]
     pub fn bounds(&self, successes: u64, trials: u64) -> (f64, f64) {
+        let successes = successes.min(trials);
         match self.kind {
             IntervalKind::Wilson => self.wilson.bounds(successes, trials),
             IntervalKind::ClopperPearson => self.exact_bounds(successes, trials),

@@ -103,6 +103,19 @@ impl ScoreSums {
         }
     }
 
+    /// Whether these can be the sums of so many unstable and so many stable samples.
+    #[must_use]
+    pub fn can_be(sums: &[i64], unstable: u64, stable: u64) -> bool {
+        let largest = (LARGEST * STEPS_PER_ONE) as i128;
+        let of = |sums: &[i64], samples: u64| {
+            let (sums, squares) = sums.split_at(4);
+            let most = largest * i128::from(samples);
+            sums.iter().all(|&sum| i128::from(sum).abs() <= most)
+                && squares.iter().all(|&square| (0..=most * LARGEST as i128).contains(&square.into()))
+        };
+        sums.len() == Self::COUNT && of(&sums[..8], unstable) && of(&sums[8..], stable)
+    }
+
     /// All sums, as [`ScoreTotals::from_sums`] takes them.
     pub fn sums(&self) -> impl Iterator<Item = i64> {
         let Self { unstable, stable } = *self;

@@ -21,6 +21,16 @@ pub struct IndexCounts {
 }
 
 impl IndexCounts {
+    /// Whether these can be counts of at most so many triples.
+    #[must_use]
+    pub fn can_be(&self, triples: u64) -> bool {
+        let Self { samples, first_unstable, second_unstable, up, down, turned } = *self;
+        let both = up.saturating_add(down);
+        samples <= triples
+            && first_unstable.max(second_unstable).max(turned) <= samples
+            && both <= second_unstable.min(turned)
+    }
+
     /// Adds a triple: whether A, B and A_i are unstable, `None` for a sample without a verdict. Returns whether the
     /// triple counts.
     #[inline]

@@ -5,7 +5,7 @@
 //! mean over all samples is the probability of instability. The sums are [whole numbers](super::fixed_point).
 
 use crate::estimate::conditional::{around, binomial, effective_number};
-use crate::estimate::fixed_point::{add_words, number};
+use crate::estimate::fixed_point::{add_words, can_be_sum, number};
 use crate::estimate::interval::Estimate;
 use crate::estimate::randomisations::student;
 use crate::special_functions::{beta, normal};
@@ -139,6 +139,25 @@ impl WeightedSums {
     #[must_use]
     pub fn sums(&self) -> [i64; Self::COUNT] {
         self.0
+    }
+
+    /// Whether these can be the sums of so many samples, or of so many `populations`, each of which has tried any number.
+    #[must_use]
+    pub fn can_be(sums: &[i64], samples: u64, populations: bool) -> bool {
+        let Ok(mut sums) = <[i64; Self::COUNT]>::try_from(sums) else { return false };
+        let numbers: [i64; COUNTS] = std::array::from_fn(|i| sums[STARTS[4] + i]);
+        if numbers.iter().any(|number| *number < 0) {
+            return false;
+        }
+        let [of_inputs, _, contributing, of_stability] = numbers.map(i64::cast_unsigned);
+        let part = WeightedPart::from_sums(samples, &sums.map(i128::from));
+        let [contributions, squares, without, of_inputs_sums, _] = split(&mut sums);
+        (populations || of_inputs <= samples)
+            && contributing.max(of_stability) <= samples
+            && can_be_sum(contributions, samples as f64)
+            && can_be_sum(squares, part.contributions / MOST_WEIGHT)
+            && can_be_sum(without, samples as f64)
+            && can_be_sum(of_inputs_sums, of_inputs as f64)
     }
 }
 

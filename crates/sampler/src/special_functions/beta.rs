@@ -29,6 +29,9 @@ use crate::special_functions::normal;
 /// Where both parameters are at least this, the density is narrow enough for quadrature.
 const LARGE: f64 = 1000.0;
 
+/// Largest sum of the parameters: beyond any count of 64 bits, and far from overflow.
+const LARGEST: f64 = 1e20;
+
 /// The quadrature ends where the density is the exponential of minus this times that at `x`.
 const DEPTH: f64 = 45.0;
 
@@ -121,6 +124,9 @@ pub(crate) fn student_quantile(confidence: f64, degrees_of_freedom: u32) -> f64 
 /// concave logarithm, and so has its integral: from any start the first step ends below the quantile, and the others
 /// rise to it without passing it.
 fn lower_odds(a: f64, b: f64, p: f64) -> f64 {
+    if !are_in_range(a, b) || p.is_nan() {
+        return f64::NAN;
+    }
     if p <= 0.0 {
         return 0.0;
     }
@@ -150,6 +156,11 @@ fn lower_odds(a: f64, b: f64, p: f64) -> f64 {
     odds
 }
 
+/// Whether there is a beta distribution with these parameters, as far as it can be computed.
+fn are_in_range(a: f64, b: f64) -> bool {
+    a > 0.0 && b > 0.0 && a + b <= LARGEST
+}
+
 /// A first guess of the odds: by the normal quantile (Abramowitz and Stegun, 26.5.22), or for parameters below 1 by the
 /// leading term of the lower tail.
 fn first_odds(a: f64, b: f64, p: f64) -> f64 {
@@ -172,6 +183,9 @@ fn first_odds(a: f64, b: f64, p: f64) -> f64 {
 /// `(I_x(a, b), 1 - I_x(a, b))`: one of them is computed, the other is its complement.
 fn tails(a: f64, b: f64, point: Point) -> (f64, f64) {
     let Point { x, y } = point;
+    if !are_in_range(a, b) || x.is_nan() {
+        return (f64::NAN, f64::NAN);
+    }
     if x <= 0.0 {
         return (0.0, 1.0);
     }
@@ -264,7 +278,8 @@ fn log_minus_linear(v: f64) -> f64 {
     let r = v / (2.0 + v);
     let square = r * r;
     let (mut sum, mut term, mut odd) = (0.0, 2.0 * square, 3.0);
-    while term > 1e-17 * v.abs() {
+    // The first condition ends it where v is out of range or no number.
+    while odd < 100.0 && term > 1e-17 * v.abs() {
         sum += term / odd;
         term *= square;
         odd += 2.0;

@@ -207,3 +207,45 @@ fn rare_points_that_failed_widen_either_side_by_their_share() {
         assert!((low - 0.01).abs() < 1e-12 && (0.0..1e-3).contains(&high), "{low} {high}");
     }
 }
+
+#[test]
+fn any_numbers_have_an_interval() {
+    let numbers = [f64::NAN, f64::INFINITY, -1e300, -1.0, 0.0, 1e-300, 0.5, 1.0, 1000.0, 9e15, 9.3e18, 1e300];
+    for at_least in numbers {
+        for trials in numbers {
+            for at_most in [at_least, 2.0 * at_least, 0.0] {
+                let (low, high) = binomial(at_least, at_most, trials, 0.95);
+                assert!((0.0..=1.0).contains(&low) && (0.0..=1.0).contains(&high), "{at_least} {trials}: {low} {high}");
+            }
+        }
+    }
+    // As of a piece whose sums are not those of its points.
+    let part = |probabilities| ConditionalPart { points: 1000, failed: 0, probabilities, squares: probabilities };
+    for probabilities in numbers {
+        for parts in [vec![part(probabilities)], vec![part(probabilities); 16]] {
+            let Estimate { low, high, .. } = estimate(&parts, 0.999);
+            assert!(!(0.0..=1.0).contains(&high) || !(low > 1.0), "{probabilities}: {low} {high}");
+        }
+    }
+}
+
+#[test]
+fn sums_are_those_of_probabilities() {
+    let sums = |probabilities: &[f64]| {
+        let mut sums = ProbabilitySums::default();
+        probabilities.iter().for_each(|&probability| sums.add(probability));
+        sums.sums()
+    };
+    for probabilities in [&[0.0; 3][..], &[1.0; 3], &[1e-30, 1.0 - 1e-16, 0.3]] {
+        assert!(ProbabilitySums::can_be(&sums(probabilities), 3), "{probabilities:?}");
+    }
+    assert!(!ProbabilitySums::can_be(&sums(&[0.5, 0.6]), 1), "a mean above 1");
+    let sound = sums(&[0.25, 0.5]);
+    for (place, value) in [(0, 1 << 53), (0, -1), (0, i64::MIN), (WORDS, 1 << 53), (WORDS, i64::MAX), (WORDS, -1 << 20)]
+    {
+        let mut forged = sound;
+        forged[place] = value;
+        assert!(!ProbabilitySums::can_be(&forged, 2), "{forged:?}");
+    }
+    assert!(!ProbabilitySums::can_be(&sound[..3], 2));
+}

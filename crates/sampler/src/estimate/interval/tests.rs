@@ -230,3 +230,24 @@ fn simultaneous_intervals_all_cover_together() {
     }
     assert_eq!(simultaneous_confidence(0.95, 1), 0.95);
 }
+
+#[test]
+fn any_counts_have_an_interval() {
+    let counts = [0, 1, 2, 1000, 1 << 32, 1 << 53, (1 << 53) + 1, 1 << 63, u64::MAX - 1, u64::MAX];
+    for kind in [IntervalKind::Wilson, IntervalKind::ClopperPearson] {
+        for confidence in [0.5, 0.95, 1.0 - 1e-12] {
+            let interval = BinomialInterval::new(kind, confidence);
+            for successes in counts {
+                for trials in counts {
+                    let (low, high) = interval.bounds(successes, trials);
+                    // Counts from 2^53 up have more digits than the numbers that stand for them.
+                    let are_ends = 0.0 <= low && low <= high + 1e-15 && high <= 1.0;
+                    assert!(are_ends, "{kind:?} {successes} {trials}: {low} {high}");
+                    if successes >= trials {
+                        assert_eq!(high, 1.0);
+                    }
+                }
+            }
+        }
+    }
+}

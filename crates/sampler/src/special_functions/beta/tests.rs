@@ -195,3 +195,42 @@ fn students_quantiles_agree_with_closed_forms_and_high_precision() {
         assert!((value / t - 1.0).abs() < 3e-15, "{confidence} {freedom}: {value}");
     }
 }
+
+/// Numbers that forged counts may lead to.
+const ODD: [f64; 16] = [
+    f64::NAN,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    f64::MAX,
+    f64::MIN_POSITIVE,
+    -1.0,
+    -1e300,
+    0.0,
+    1e-10,
+    1.0,
+    999.5,
+    1e6,
+    9_007_199_254_740_992.0,
+    9.3e18,
+    1e30,
+    1e300,
+];
+
+#[test]
+fn whatever_is_asked_is_answered_soon() {
+    let started = std::time::Instant::now();
+    let mut asked = 0;
+    for a in ODD {
+        for b in ODD {
+            for p in [f64::NAN, -1.0, 0.0, 1e-300, 1e-12, 0.025, 0.5, 0.975, 1.0, 2.0] {
+                let values = [quantile(a, b, p), upper_quantile(a, b, p), lower_tail(a, b, p), upper_tail(a, b, p)];
+                asked += values.len() as u32;
+                let is_known = [a, b].iter().all(|of| (1.0..=1e10).contains(of)) && (0.0..=1.0).contains(&p);
+                let are_shares = values.iter().all(|value| (0.0..=1.0).contains(value));
+                assert!(are_shares || !is_known, "{a} {b} {p}: {values:?}");
+            }
+        }
+    }
+    let each = started.elapsed().as_secs_f64() / f64::from(asked);
+    assert!(each < 1e-3, "{each} s");
+}
