@@ -39,7 +39,7 @@ impl RunState {
 /// # Errors
 /// A directory that belongs to another job, or to the same one with more samples or unfinished with fewer.
 pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(Job, RunState), Failure> {
-    if directory.is_damaged_copy_of(source, &job)? {
+    if directory.takes_place_of_damaged(&job) {
         directory.freeze(source, &job)?;
         note(format_args!("{} was damaged; it is written again", directory.path().join(JOB).display()));
     }

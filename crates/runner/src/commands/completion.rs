@@ -9,6 +9,8 @@ use super::adoption::adopt;
 use super::limit::publish_limits;
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::integral::IntegratedCell;
+use crate::evaluate::maps::Maps;
+use crate::evaluate::parts::Parts;
 use crate::failure::{Advice, Failure};
 use crate::files::folder::Folder;
 use crate::interrupt::Interrupt;
@@ -205,7 +207,7 @@ fn prepare_maps(
     let started = Instant::now();
     let is_incomplete = || Plan::new(tally, evaluator.parts(), job.unit_samples(), work.shard).units() > 0;
     // The audit of a cell begins with its first sample, so a run that began without a map cannot be audited later.
-    if job.sampling.is_audited && was_counted_without_map(job, tally) {
+    if job.sampling.is_audited && Surface::new(job, tally).was_counted_without_map() {
         if is_incomplete() {
             note(format_args!(
                 "{}: the samples counted so far were simulated, as a verdict map would have cost more, and so are the others; for a map, submit the job into another directory with --out",
@@ -217,7 +219,7 @@ fn prepare_maps(
     }
     match job.map_use() {
         MapUse::Integrate => {}
-        MapUse::LookUp if is_incomplete() => {}
+        MapUse::LookUp if is_incomplete() || lost_tiles(directory, job, tally)?.0 > 0 => {}
         MapUse::Nothing | MapUse::LookUp => return Ok(Outcome::Finished),
     }
     let completed = complete_maps(engine, evaluator, directory, work, interrupt)?;
@@ -282,7 +284,7 @@ pub fn map_only(
         true => format!("`stickslip resume {path}`, or shard by shard with `{submit} --shard I/N`"),
         false => format!("`stickslip resume {path}`"),
     };
-    if job.sampling.is_audited && was_counted_without_map(job, tally) {
+    if job.sampling.is_audited && Surface::new(job, tally).was_counted_without_map() {
         note(format_args!(
             "{path}: its samples are simulated, as a verdict map would have cost more; go on with {next}"
         ));
@@ -315,11 +317,16 @@ pub fn map_only(
     Ok(())
 }
 
-/// Whether every sample that is counted was simulated because the verdict map was given up.
-fn was_counted_without_map(job: &Job, tally: &Tally) -> bool {
-    let surface = Surface::new(job, tally);
-    let simulated = surface.lookups().simulated;
-    simulated > 0 && u128::from(simulated) == tally.counted()
+/// The tiles of its verdict map that a run with all its samples has lost, and how many it needs; none of a map that was
+/// given up.
+pub fn lost_tiles(directory: &RunDirectory, job: &Job, tally: &Tally) -> Result<(usize, usize), Failure> {
+    let is_whole = Parts::new(job).are_complete(tally);
+    if job.map_use() != MapUse::LookUp || !is_whole || Surface::new(job, tally).was_counted_without_map() {
+        return Ok((0, 0));
+    }
+    let mut maps = Maps::new(job);
+    directory.maps()?.map(|folder| map_pieces::load(&mut maps, &folder)).transpose()?;
+    Ok((maps.missing().len(), maps.needed()))
 }
 
 /// What evaluates samples of a cell of a run once more, with the verdict maps that the run used.
@@ -336,7 +343,7 @@ pub fn evaluator_again<'a>(
         return Err(Failure::Usage(why));
     }
     let mut evaluator = Evaluator::new(job)?;
-    if job.uses_maps() && was_counted_without_map(job, tally) {
+    if job.uses_maps() && Surface::new(job, tally).was_counted_without_map() {
         evaluator.maps_mut().give_up();
     } else {
         directory.maps()?.map(|maps| map_pieces::load(evaluator.maps_mut(), &maps)).transpose()?;

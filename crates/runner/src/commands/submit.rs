@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::adoption::{RunState, adopt, adopt_as_shard};
 use super::closing::report;
-use super::completion::{Work, compute, kept_and_continued, map_only};
+use super::completion::{Work, compute, kept_and_continued, lost_tiles, map_only};
 use super::limit::{publish_limits, with_limits_of};
 use super::shard_progress::how_to_submit_missing;
 use super::sharing::require_samples_to_share;
@@ -114,7 +114,7 @@ pub fn resume(arguments: &ResumeArguments, interrupt: &Interrupt) -> Result<(), 
     let directory = RunDirectory::open(&arguments.run, Access::Alone, AN_INSTANT)?;
     let job = directory.job()?;
     let tally = directory.tally(&job)?;
-    if Parts::new(&job).are_complete(&tally) {
+    if Parts::new(&job).are_complete(&tally) && lost_tiles(&directory, &job, &tally)?.0 == 0 {
         announce(
             Code::RunFinished,
             format_args!("{} has all its samples; nothing to compute", arguments.run.display()),

@@ -5,21 +5,24 @@ use std::ffi::{OsStr, OsString};
 use indicatif::HumanCount;
 use serde_json::json;
 
+use super::completion::lost_tiles;
 use super::limit::check_limits;
 use crate::cli::VerifyArguments;
+use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
 use crate::failure::{Advice, Failure};
 use crate::files::folder::Folder;
-use crate::job::Job;
+use crate::job::{Job, MapUse};
 use crate::messages::{Code, Place};
 use crate::output::{counted, quoted, result, warn_of};
-use crate::store::digests::{DIGESTS, Digests, Known, digest_of_file};
+use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_file};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
-use crate::store::layout::{AUDITS, JOB, LIMITS, MAPS, SHARDS, SURFACE};
+use crate::store::layout::{AUDITS, JOB, LIMITS, MAPS, RECORD, SHARDS, SURFACE, WITH_DIGESTS};
 use crate::store::lock::Access;
+use crate::store::map_pieces;
 use crate::store::piece::{Defect, is_piece_name, read_checked};
-use crate::store::provenance::{RECORD, is_record};
+use crate::store::provenance::is_record;
 use crate::tables::surface::Surface;
 
 /// `stickslip verify`.
@@ -109,6 +112,14 @@ impl Check<'_> {
         }
         let known = Known::read(directory.root())?;
         match &known {
+            Known::Digests(_) if self.are_of_another_run(&known) => {
+                let again = if self.can_repair { ", and written again" } else { "" };
+                let remark = format!("of another run{again}; the other files were checked without it");
+                self.find(DIGESTS, self.repaired(), remark);
+                if self.can_repair {
+                    directory.publish_digests(&Digests::default())?;
+                }
+            }
             Known::Digests(_) => self.find(DIGESTS, State::Sound, "sound"),
             Known::Nothing => self.find(DIGESTS, State::Sound, "none; it was removed"),
             Known::Damaged => {
@@ -126,6 +137,7 @@ impl Check<'_> {
             folder.iter().for_each(|folder| self.pieces(name, folder));
         }
         self.surface(&job)?;
+        self.lost(&job)?;
         self.limits(&job)?;
         self.record();
         if self.can_repair {
@@ -136,6 +148,18 @@ impl Check<'_> {
         } else {
             Advice::action("nothing can be written in this directory; verify a copy of it")
         })
+    }
+
+    /// Whether the digests are those of other files than the ones that lie beside them: of several that are there, none
+    /// fits. Damage to all of them at once is no likelier than a file that was copied to the wrong place.
+    fn are_of_another_run(&self, known: &Known) -> bool {
+        let root = self.directory.root();
+        let fit = |name: &&str| {
+            let digest = root.open_file(name).and_then(digest_of_file).ok()?;
+            Some(known.fit(name, &digest)).filter(|fit| *fit != Fit::Unknown)
+        };
+        let fits: Vec<Fit> = WITH_DIGESTS.iter().filter_map(fit).collect();
+        fits.len() > 1 && fits.iter().all(|fit| *fit == Fit::Differs)
     }
 
     /// The frozen job, written again from the surface if it is damaged or lost.
@@ -190,6 +214,38 @@ impl Check<'_> {
             damaged => {
                 self.find(&name, State::Broken, format!("{count}, {} of them damaged", HumanCount(damaged as u64)));
             }
+        }
+    }
+
+    /// What a run with all its samples, or with its integrals, has lost of its verdict map and of its audits.
+    fn lost(&mut self, job: &Job) -> Result<(), Failure> {
+        let directory = self.directory;
+        let (mut tiles, mut needed) = lost_tiles(directory, job, &directory.tally(job)?)?;
+        if job.map_use() == MapUse::Integrate && directory.has_surface_of(job)? {
+            let mut maps = Maps::new(job);
+            directory.maps()?.map(|folder| map_pieces::load(&mut maps, &folder)).transpose()?;
+            (tiles, needed) = (maps.missing().len(), maps.needed());
+            let audits = Parts::of_audits(job);
+            if audits.all_units() > 0 && !audits.are_complete(&directory.audits_done(job)?) {
+                self.add(AUDITS, "some of the audited samples are lost");
+            }
+        }
+        if tiles > 0 {
+            let [tiles, needed] = [tiles, needed].map(|tiles| HumanCount(tiles as u64));
+            self.add(MAPS, &format!("{tiles} of the {needed} tiles of the verdict map are lost"));
+        }
+        Ok(())
+    }
+
+    /// Adds to what was found of a folder that something of it is lost.
+    fn add(&mut self, folder: &str, remark: &str) {
+        let file = format!("{folder}/");
+        match self.findings.iter_mut().find(|finding| finding.file == file) {
+            Some(finding) => {
+                finding.state = State::Broken;
+                finding.remark += &format!("; {remark}");
+            }
+            None => self.find(&file, State::Broken, remark),
         }
     }
 
@@ -280,7 +336,7 @@ impl Check<'_> {
     fn write_digests(&self) -> Result<(), Failure> {
         let root = self.directory.root();
         let mut digests = Digests::default();
-        for name in [JOB, SURFACE, LIMITS, RECORD] {
+        for name in WITH_DIGESTS {
             let file = root.open_if_there(name).map_err(|error| Failure::reading(&root.path().join(name), error))?;
             let digest = file.map(digest_of_file).transpose();
             digests.set(name, digest.map_err(|error| Failure::reading(&root.path().join(name), error))?);

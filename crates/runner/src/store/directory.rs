@@ -240,7 +240,7 @@ impl RunDirectory {
             let why = "was damaged or edited: it does not have the digest that it was written with";
             return Err(self.job_damaged(why));
         }
-        let text = String::from_utf8(bytes).map_err(|error| Failure::reading(&path, error))?;
+        let text = String::from_utf8(bytes).map_err(|error| self.job_damaged(&format!("is damaged: {error}")))?;
         Ok(Some(JobSource { path, text }))
     }
 
@@ -249,24 +249,30 @@ impl RunDirectory {
         let run = quoted(self.path());
         let (words, remedy) = if self.root.open_file(SURFACE).is_ok() {
             let verify = format!("stickslip verify {run}");
+        let path = self.path().join(JOB);
+        let (how, remedy) = self.how_to_write_job();
+        let text = format!("{} {why}. {how}; a job with other settings needs another directory", path.display());
+        Failure::InputOutput(text).coded(Code::Damaged).at(Place::file(&path)).remedied(remedy)
+    }
+
+    /// How a damaged job is written again, as a sentence, and the remedy that it names first.
+    fn how_to_write_job(&self) -> (String, String) {
             (format!("Write it again from the surface with `{verify}`, or submit"), verify)
         } else {
             ("Submit".to_owned(), format!("--out {run}"))
         };
-        let path = self.path().join(JOB);
-        Failure::InputOutput(format!(
-            "{} {why}. {words} the same job again with `--out {run}`; a job with other settings needs another directory",
-            path.display()
-        ))
-        .coded(Code::Damaged)
-        .at(Place::file(&path))
-        .remedied(remedy)
+        (format!("{words} the same job again with `--out {run}`"), remedy)
     }
 
     /// The frozen job of an existing run.
     pub fn job(&self) -> Result<Job, Failure> {
         match self.job_source()? {
-            Some(source) => source.job(),
+            Some(source) => source.job().map_err(|refused| {
+                let message = refused.message();
+                let (how, remedy) = self.how_to_write_job();
+                let text = format!("{}\nIf this file of the run was damaged or edited: {how}", message.text);
+                Failure::Job(text).coded(message.code).at(message.place.unwrap_or_default()).remedied(remedy)
+            }),
             None => Err(Failure::InputOutput(format!("{} has no job.toml", self.path().display()))),
         }
     }
@@ -286,10 +292,16 @@ impl RunDirectory {
         (is_whole && self.tally(&job).is_ok()).then_some((source, job))
     }
 
-    /// Whether the frozen job is damaged, and was this one.
-    pub fn is_damaged_copy_of(&self, source: &JobSource, job: &Job) -> Result<bool, Failure> {
-        let digest = digest_of_bytes(source.frozen(job).as_bytes());
-        Ok(self.job_source().is_err() && Known::read(&self.root)?.fit(JOB, &digest) == Fit::Fits)
+    /// Whether the frozen job is damaged, and this one can take its place as where it is lost: all pieces belong to it, and
+    /// the surface if there is one.
+    pub fn takes_place_of_damaged(&self, job: &Job) -> bool {
+        let is_of_damage = |failure: Failure| matches!(failure.message().code, Code::Damaged | Code::JobSpec);
+        if !self.job().is_err_and(is_of_damage) {
+            return false;
+        }
+        let surface = self.root.open_file(SURFACE).ok().and_then(|file| text_of_key(&file, JOB_KEY));
+        let of_surface = surface.and_then(|text| JobSource { path: self.surface(), text }.job().ok());
+        of_surface.is_none_or(|other| other.experiment_hash() == job.experiment_hash()) && self.tally(job).is_ok()
     }
 
     /// Freezes the job, in place of the one before if there is one. This process must work alone.
@@ -390,7 +402,8 @@ impl RunDirectory {
                 let of =
                     if parts.of_a_cell() > 1 { format!("part {place} of cell {cell}") } else { format!("cell {cell}") };
                 Failure::InputOutput(format!(
-                    "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move {}/ elsewhere and compute again",
+                let resume = format!("stickslip resume {}", quoted(self.path()));
+                    "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move {}/ elsewhere, make an empty one in its place, and compute again with `{resume}`",
                     self.path().display(),
                     samples.start,
                     samples.end - 1,
@@ -401,6 +414,7 @@ impl RunDirectory {
             }
         })?;
         for Complaint { name, defect } in complaints.into_iter().flatten() {
+                .remedied(resume)
             match defect {
                 Defect::Damaged(why) if self.is_alone() => self.set_aside(pieces, &name, &why),
                 Defect::Damaged(why) | Defect::Unread(why) => {

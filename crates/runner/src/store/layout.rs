@@ -10,16 +10,20 @@ use crate::output::quoted;
 use crate::store::digests::DIGESTS;
 use crate::store::lock::LOCK;
 
-/// The names of the frozen job, of the result, of the limits found from it, and of the directories of pieces, tiles and
+/// The names of the frozen job, of the result, of the limits found from it, of the record of sessions, and of the directories of pieces, tiles and
 /// audits.
 pub const JOB: &str = "job.toml";
 pub const SURFACE: &str = "surface.parquet";
 pub const LIMITS: &str = "limits.parquet";
 pub const SHARDS: &str = "shards";
+pub const RECORD: &str = "run.json";
 pub const MAPS: &str = "map";
 pub const AUDITS: &str = "audit";
 
 /// The runs that lie in the folder `path`, sorted by name; none if it is no folder.
+/// The files that have digests.
+pub const WITH_DIGESTS: [&str; 4] = [JOB, SURFACE, LIMITS, RECORD];
+
 pub fn runs_in(path: &Path) -> Result<Vec<PathBuf>, Failure> {
     if !path.is_dir() {
         return Ok(Vec::new());
@@ -35,27 +39,33 @@ pub fn runs_in(path: &Path) -> Result<Vec<PathBuf>, Failure> {
 pub fn require_run(path: &Path) -> Result<(), Failure> {
     let has_job = path.join(JOB).symlink_metadata().is_ok();
     let has_shards = path.join(SHARDS).is_dir();
-    let why = if !path.exists() {
-        "it does not exist".to_owned()
+    let verify = format!("stickslip verify {}", quoted(path));
+    let out = format!("--out {}", quoted(path));
+    let (why, remedy) = if !path.exists() {
+        ("it does not exist".to_owned(), None)
     } else if !path.is_dir() {
-        "it is a file".to_owned()
+        ("it is a file".to_owned(), None)
     } else if has_job && has_shards {
         return Ok(());
     } else if has_shards && path.join(SURFACE).is_file() {
-        format!("its job.toml is lost; `stickslip verify {}` writes it again from the surface", quoted(path))
+        (format!("its job.toml is lost; `{verify}` writes it again from the surface"), Some(verify))
     } else if has_shards {
-        format!("its job.toml is lost; submit the job again with `--out {}`, its pieces are kept", quoted(path))
+        (format!("its job.toml is lost; submit the job again with `{out}`, its pieces are kept"), Some(out))
     } else if path.join(SHARDS).symlink_metadata().is_ok() {
-        "its shards is not a directory of its own; move it elsewhere".to_owned()
+        ("its shards is not a directory of its own; move it elsewhere".to_owned(), None)
     } else if has_job && path.join(DIGESTS).is_file() {
-        format!("its shards/ is lost; `stickslip verify {}` makes an empty one", quoted(path))
+        (format!("its shards/ is lost; `{verify}` makes an empty one"), Some(verify))
     } else if has_job {
-        format!("it has no shards/; to compute the job there, submit it with `--out {}`", quoted(path))
+        (format!("it has no shards/; to compute the job there, submit it with `{out}`"), Some(out))
     } else {
-        "it has neither job.toml nor shards/".to_owned()
+        ("it has neither job.toml nor shards/".to_owned(), None)
     };
     let text = format!("{} is not a run directory: {why}", path.display());
-    Err(Failure::InputOutput(text).coded(Code::NoRun).at(Place::file(path)))
+    let failure = Failure::InputOutput(text).coded(Code::NoRun).at(Place::file(path));
+    Err(match remedy {
+        Some(remedy) => failure.remedied(remedy),
+        None => failure,
+    })
 }
 
 /// An error if a directory holds nothing that a run leaves. A job alone may be that of the user, who has not submitted

@@ -8,6 +8,7 @@ use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::store::clock::in_words;
 use crate::store::directory::RunDirectory;
+use crate::store::layout::RECORD;
 use crate::version;
 
 /// One session of work on a run.
@@ -118,9 +119,6 @@ pub fn programs(directory: &RunDirectory) -> Vec<String> {
     }
     programs
 }
-
-/// The name of the file.
-pub const RECORD: &str = "run.json";
 
 /// Whether bytes are those of such a file.
 pub fn is_record(bytes: &[u8]) -> bool {

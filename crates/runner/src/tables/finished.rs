@@ -127,13 +127,14 @@ impl FinishedSurface {
     /// The failure of a file that is not what its run should have.
     pub fn broken(&self, why: impl fmt::Display) -> Failure {
         let surface = self.directory.surface();
+        let resume = format!("stickslip resume {}", quoted(self.directory.path()));
         Failure::InputOutput(format!(
-            "{}: not the surface of a run: {why}; `stickslip merge` writes it again from the run's pieces",
+            "{}: not the surface of a run: {why}; `{resume}` writes it again",
             surface.display()
         ))
         .coded(Code::Damaged)
         .at(Place::file(&surface))
-        .remedied("stickslip merge")
+        .remedied(resume)
     }
 }
 

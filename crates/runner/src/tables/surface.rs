@@ -134,6 +134,12 @@ impl<'a> Surface<'a> {
         lookups
     }
 
+    /// Whether every sample that is counted was simulated because the verdict map was given up.
+    pub fn was_counted_without_map(&self) -> bool {
+        let simulated = self.lookups().simulated;
+        simulated > 0 && u128::from(simulated) == self.tally.counted()
+    }
+
     /// All rows, in order.
     pub fn rows(&self) -> impl Iterator<Item = SurfaceRow> + '_ {
         (0..self.job.cells()).map(|cell| self.row(cell))

@@ -5,12 +5,13 @@ use crate::failure::{Advice, Failure};
 use crate::files::table::encoded_table;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, JobSource, LimitAxis, LimitMethod};
-use crate::output::quoted;
+use crate::output::{quoted, shown};
 use crate::picture::view::rounded;
 use crate::schedule::engine::Engine;
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::{FileState, state_of};
 use crate::store::layout::{LIMITS, MAPS};
+use crate::tables::limits::FinishedLimits;
 
 /// Writes the limits that the job of a finished run asks for, unless they are there. A line on them, if there are any.
 pub fn publish_limits(
@@ -36,7 +37,7 @@ pub fn publish_limits(
         directory.publish(LIMITS, &bytes.map_err(|error| Failure::writing(&path, error))?)?;
     }
     let targets: Vec<String> = request.targets.iter().map(|&target| rounded(target)).collect();
-    Ok(Some(format!("{}: limits of {} at P = {}\n", path.display(), request.of, targets.join(", "))))
+    Ok(Some(format!("{}: limits of {} at P = {}\n", shown(&path), request.of, targets.join(", "))))
 }
 
 /// The state of the limits that a job asks for, if it does.
@@ -44,7 +45,10 @@ pub fn check_limits(directory: &RunDirectory, job: &Job) -> Result<Option<FileSt
     let Some(request) = &job.limit else { return Ok(None) };
     let (axis, method) = checked(job, &request.of)?;
     let wanted = Wanted { job, axis: &axis, method, targets: &request.targets };
-    state_of(directory.root(), LIMITS, &wanted.nothing_found().footer()).map(Some)
+    let state = state_of(directory.root(), LIMITS, &wanted.nothing_found().footer())?;
+    // Without its digest, damage shows where it is read.
+    let is_unreadable = state == FileState::Sound && FinishedLimits::read(directory.path(), job).is_err();
+    Ok(Some(if is_unreadable { FileState::Damaged("it cannot be read".to_owned()) } else { state }))
 }
 
 /// The axis of a request and how its limits are found. Both were checked with the job.
