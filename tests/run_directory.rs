@@ -85,6 +85,77 @@ fn a_damaged_surface_is_noticed_wherever_it_is_read_and_written_again() {
 }
 
 #[test]
+fn sparse_pieces_are_not_read_to_their_end() {
+    let place = finished();
+    for number in 0..8 {
+        let name = format!("run/shards/{number}123456789abcdef0123456789abcdef.jsonl");
+        File::create(place.path(&name)).unwrap().set_len(1 << 30).unwrap();
+    }
+    let started = Instant::now();
+    let status = place.run("status run").done();
+    assert!(started.elapsed() < Duration::from_secs(1), "{:?}", started.elapsed());
+    assert!(status.stdout.contains("finished") && status.stderr.contains("bytes that no such file has"), "{status:?}");
+    place.run("resume run").done();
+    assert!(place.run("verify run").done().stdout.contains("shards/: 1 piece, all sound"));
+}
+
+#[test]
+fn a_run_that_another_process_is_making_is_not_called_lost() {
+    let place = finished();
+    fs::remove_file(place.path("run/job.toml")).unwrap();
+    fs::remove_file(place.path("run/surface.parquet")).unwrap();
+    let lock = File::options().write(true).open(place.path("run/run.lock")).unwrap();
+    lock.lock().unwrap();
+    for words in ["status run", "resume run", "plot run --out p.svg"] {
+        place.run(words).refused(75, &["run is being made by ", "; wait until it ends, or stop it"]);
+    }
+    drop(lock);
+    place.run("status run").refused(74, &["its job.toml is lost; submit the job again with `--out run`"]);
+}
+
+#[test]
+fn what_is_not_seen_is_shown_in_paths_and_descriptions() {
+    let place = finished();
+    let name = "\x1b[31mred\u{202e}\u{9b}2J";
+    fs::rename(place.path("run"), place.path(name)).unwrap();
+    let is_seen = |text: &str| text.chars().all(|c| c == '\n' || c == '\t' || !(c.is_control() || c == '\u{202e}'));
+    for words in [
+        "plot",
+        "report",
+        "export --format csv",
+        "samples --cell 0",
+        "status",
+        "status --json",
+        "resume",
+        "verify --json",
+    ] {
+        let output = place.command(words).arg(name).output().unwrap();
+        let stdout = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success() && is_seen(&stdout), "{words}: {stdout:?}");
+        if !["plot", "report", "export --format csv"].contains(&words) {
+            continue;
+        }
+        // A shell takes what is printed for the path.
+        for line in stdout.lines() {
+            let script = format!("test -f {line}");
+            let found = Command::new("bash").args(["-c", &script]).current_dir(place.path("")).status().unwrap();
+            assert!(found.success(), "{line:?}");
+        }
+    }
+    let text = surface_job("described", 3, 2000, 7);
+    let described = text.replacen('\n', "\ndescription = \"a\u{202e}b\"\n", 1);
+    place.write("described.toml", &described);
+    let checked = place.run("check described.toml").done().stdout;
+    assert!(checked.contains("description = \"a\\u202eb\"") && is_seen(&checked), "{checked}");
+    place.write("again.toml", &checked);
+    place.run("check again.toml").done();
+    place.run("submit described.toml --out described").done();
+    place.run("report described").done();
+    let page = fs::read_to_string(place.path("described/report.html")).unwrap();
+    assert!(page.contains("a\\u202eb") && !page.contains('\u{202e}'));
+}
+
+#[test]
 fn every_damaged_byte_of_a_frozen_job_is_noticed_and_the_surface_holds_what_it_was() {
     let place = finished();
     let path = place.path("run/job.toml");

@@ -61,16 +61,19 @@ impl RunDirectory {
 
     fn within(root: Folder, access: Access, patience: Duration) -> Result<Self, Failure> {
         let shards_path = root.path().join(SHARDS);
+        if access != Access::Reading {
+            root.require_writable().map_err(|error| Failure::creating(root.path(), error))?;
+        }
+        // Others see by the lock that a run without a job is being made.
+        let lock = Lock::acquire(&root, access, patience)?;
         let shards = match access {
             Access::Reading => root.within(SHARDS).map_err(|error| Failure::reading(&shards_path, error))?,
             Access::Alone | Access::Shared => {
-                root.require_writable().map_err(|error| Failure::creating(root.path(), error))?;
                 let shards = root.create_within(SHARDS).map_err(|error| Failure::creating(&shards_path, error))?;
                 shards.require_writable().map_err(|error| Failure::creating(&shards_path, error))?;
                 shards
             }
         };
-        let lock = Lock::acquire(&root, access, patience)?;
         Ok(Self { root, shards, lock })
     }
 
@@ -246,9 +249,6 @@ impl RunDirectory {
 
     /// That the frozen job is damaged, with the remedy.
     fn job_damaged(&self, why: &str) -> Failure {
-        let run = quoted(self.path());
-        let (words, remedy) = if self.root.open_file(SURFACE).is_ok() {
-            let verify = format!("stickslip verify {run}");
         let path = self.path().join(JOB);
         let (how, remedy) = self.how_to_write_job();
         let text = format!("{} {why}. {how}; a job with other settings needs another directory", path.display());
@@ -257,6 +257,9 @@ impl RunDirectory {
 
     /// How a damaged job is written again, as a sentence, and the remedy that it names first.
     fn how_to_write_job(&self) -> (String, String) {
+        let run = quoted(self.path());
+        let (words, remedy) = if self.root.open_file(SURFACE).is_ok() {
+            let verify = format!("stickslip verify {run}");
             (format!("Write it again from the surface with `{verify}`, or submit"), verify)
         } else {
             ("Submit".to_owned(), format!("--out {run}"))
@@ -399,10 +402,10 @@ impl RunDirectory {
             Refusal::Unread(failure) => failure,
             Refusal::Disagreement(part, samples) => {
                 let (cell, place) = parts.place(part);
+                let resume = format!("stickslip resume {}", quoted(self.path()));
                 let of =
                     if parts.of_a_cell() > 1 { format!("part {place} of cell {cell}") } else { format!("cell {cell}") };
                 Failure::InputOutput(format!(
-                let resume = format!("stickslip resume {}", quoted(self.path()));
                     "{}: two pieces disagree on samples {} to {} of {of}, so one of them is wrong. Move {}/ elsewhere, make an empty one in its place, and compute again with `{resume}`",
                     self.path().display(),
                     samples.start,
@@ -411,10 +414,10 @@ impl RunDirectory {
                 ))
                 .coded(Code::Damaged)
                 .at(Place::file(pieces.path()))
+                .remedied(resume)
             }
         })?;
         for Complaint { name, defect } in complaints.into_iter().flatten() {
-                .remedied(resume)
             match defect {
                 Defect::Damaged(why) if self.is_alone() => self.set_aside(pieces, &name, &why),
                 Defect::Damaged(why) | Defect::Unread(why) => {

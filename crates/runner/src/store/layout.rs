@@ -4,26 +4,27 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
+use crate::files::folder::Folder;
 use crate::files::publish::{files, is_temporary};
 use crate::messages::{Code, Place};
 use crate::output::quoted;
 use crate::store::digests::DIGESTS;
-use crate::store::lock::LOCK;
+use crate::store::lock::{LOCK, in_use, is_held};
 
 /// The names of the frozen job, of the result, of the limits found from it, of the record of sessions, and of the directories of pieces, tiles and
 /// audits.
 pub const JOB: &str = "job.toml";
 pub const SURFACE: &str = "surface.parquet";
 pub const LIMITS: &str = "limits.parquet";
-pub const SHARDS: &str = "shards";
 pub const RECORD: &str = "run.json";
+pub const SHARDS: &str = "shards";
 pub const MAPS: &str = "map";
 pub const AUDITS: &str = "audit";
 
-/// The runs that lie in the folder `path`, sorted by name; none if it is no folder.
 /// The files that have digests.
 pub const WITH_DIGESTS: [&str; 4] = [JOB, SURFACE, LIMITS, RECORD];
 
+/// The runs that lie in the folder `path`, sorted by name; none if it is no folder.
 pub fn runs_in(path: &Path) -> Result<Vec<PathBuf>, Failure> {
     if !path.is_dir() {
         return Ok(Vec::new());
@@ -47,6 +48,10 @@ pub fn require_run(path: &Path) -> Result<(), Failure> {
         ("it is a file".to_owned(), None)
     } else if has_job && has_shards {
         return Ok(());
+    } else if let Some(busy) = Folder::open(path).ok().filter(is_held).map(|run| in_use(&run, "is being made")) {
+        // What is missing may be there by now.
+        let is_made = path.join(JOB).symlink_metadata().is_ok() && path.join(SHARDS).is_dir();
+        return if is_made { Ok(()) } else { Err(busy) };
     } else if has_shards && path.join(SURFACE).is_file() {
         (format!("its job.toml is lost; `{verify}` writes it again from the surface"), Some(verify))
     } else if has_shards {

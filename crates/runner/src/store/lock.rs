@@ -29,6 +29,10 @@ pub const AN_INSTANT: Duration = Duration::from_millis(200);
 /// Time between two tries.
 const PAUSE: Duration = Duration::from_millis(20);
 
+/// Looks whether the lock is held, and the time by which each gap between two is longer than the one before.
+const LOOKS: u32 = 6;
+const GAP: Duration = Duration::from_millis(2);
+
 /// Waiting longer than this is announced.
 const SILENCE: Duration = Duration::from_secs(1);
 
@@ -79,10 +83,7 @@ impl Lock {
                 // The file was removed meanwhile: the lock is that of a new one.
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) if started.elapsed() >= patience => {
-                    let remedy = "wait until it ends, or stop it";
-                    let place = folder.path().display();
-                    let text = format!("{place} is in use by {}; {remedy}", holders(folder));
-                    return Err(Failure::Busy(text).remedied(remedy));
+                    return Err(in_use(folder, "is in use"));
                 }
                 Err(TryLockError::WouldBlock) => {
                     if !is_announced && started.elapsed() >= SILENCE {
@@ -134,10 +135,15 @@ impl Lock {
     }
 }
 
-/// Whether a process works in a run directory.
+/// Whether a process works in a run directory. Another one that looks holds the lock for an instant, too; what is held at
+/// every one of several looks is held for work.
 pub fn is_held(folder: &Folder) -> bool {
-    let file = folder.open_if_there(LOCK).ok().flatten();
-    file.is_some_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+    let Some(file) = folder.open_if_there(LOCK).ok().flatten() else { return false };
+    let mut looks = (0..LOOKS).map(|look| {
+        thread::sleep(GAP * look);
+        matches!(file.try_lock(), Err(TryLockError::WouldBlock))
+    });
+    looks.all(|is_held| is_held)
 }
 
 /// Opens the file of the lock, and creates it if it is not there. `None` if it need not be there for reading.
@@ -204,6 +210,13 @@ fn is_certain(folder: &Folder) -> bool {
 #[cfg(not(target_os = "linux"))]
 fn is_certain(_: &Folder) -> bool {
     true
+}
+
+/// That a run directory cannot be used while another process works in it.
+pub fn in_use(folder: &Folder, how: &str) -> Failure {
+    let remedy = "wait until it ends, or stop it";
+    let text = format!("{} {how} by {}; {remedy}", folder.path().display(), holders(folder));
+    Failure::Busy(text).remedied(remedy)
 }
 
 /// Who holds the lock, as far as the file says.
@@ -285,6 +298,20 @@ mod tests {
         assert!(Lock::acquire(&folder, Access::Alone, AN_INSTANT).is_err());
         drop((shared, second));
         assert!(!is_held(&folder));
+    }
+
+    #[test]
+    fn looks_do_not_take_each_other_for_work() {
+        let (directory, folder) = folder();
+        drop(Lock::acquire(&folder, Access::Alone, AN_INSTANT).unwrap());
+        let look = |path: std::path::PathBuf| {
+            let folder = Folder::open(&path).unwrap();
+            (0..2000).filter(|_| is_held(&folder)).count()
+        };
+        let threads: Vec<_> =
+            (0..4).map(|_| directory.path().to_owned()).map(|path| thread::spawn(move || look(path))).collect();
+        let taken: usize = threads.into_iter().map(|thread| thread.join().unwrap()).sum();
+        assert_eq!(taken, 0);
     }
 
     #[test]
