@@ -3,18 +3,22 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use indicatif::HumanCount;
+
 use super::compare::{CONFIDENCE, Row, Run, differences_of, interval_name};
 use super::modes::{lines, squeal};
 use crate::cli::{PlotArguments, PlotQuantity};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::job::Job;
-use crate::output::{note, result};
+use crate::output::{note, result, shown};
 use crate::picture::view::{GridView, MOST_PANELS, rounded};
+use crate::plot::area::step_of;
 use crate::plot::canvas::Canvas;
 use crate::plot::cells;
 use crate::plot::difference::Difference;
 use crate::plot::drawing::{WIDTHS, write};
+use crate::plot::form::Form;
 use crate::plot::motion;
 use crate::plot::sobol::Sobol;
 use crate::plot::surface;
@@ -40,7 +44,7 @@ pub fn plot(arguments: &PlotArguments, interrupt: &Interrupt) -> Result<(), Fail
     for file in files {
         write(&canvas, &file)?;
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{}", file.display());
+        let _ = writeln!(text, "{}", shown(&file));
     }
     result(&text)
 }
@@ -107,7 +111,11 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
     match arguments.of {
         PlotQuantity::Probability => {
             let values = Values::read(run)?;
-            note_panels(GridView::new(&values.job).slices());
+            let view = GridView::new(&values.job);
+            note_panels(view.slices());
+            if !values.is_certain() {
+                note_steps(&view);
+            }
             let canvas =
                 if values.is_certain() { cells::figure(&values, width) } else { surface::figure(&values, width) };
             let canvas = canvas.ok_or_else(|| {
@@ -138,6 +146,21 @@ fn note_panels(slices: usize) {
     }
 }
 
+/// Says which axes of an area have more values than a figure shows.
+fn note_steps(view: &GridView) {
+    let Some(Form::Area { vertical, horizontal }) = Form::for_grid(view) else { return };
+    for axis in [vertical, horizontal] {
+        let step = step_of(axis.values.len());
+        if step > 1 {
+            note(format_args!(
+                "the {} values of {} are finer than a figure can show; one of {step} is drawn",
+                HumanCount(axis.values.len() as u64),
+                axis.name_in_job
+            ));
+        }
+    }
+}
+
 /// The failure of a run that has nothing to draw: a number with the ends of its interval.
 fn single_cell(run: &Path, job: &Job, what: &str, value: [Option<f64>; 3]) -> Failure {
     let [value, low, high] = value.map(|value| value.map(rounded));
@@ -158,7 +181,9 @@ fn difference(run: &Path, against: &Path, threads: usize, interrupt: &Interrupt)
     let [job, other] = jobs;
     let (job, other) = (job?, other?);
     require_same_axes([run, against], [&job, &other])?;
-    note_panels(GridView::new(&job).slices());
+    let view = GridView::new(&job);
+    note_panels(view.slices());
+    note_steps(&view);
     let engine = Engine::new(threads)?;
     let runs = [Run::open(against)?, Run::open(run)?];
     let compared = differences_of(&runs, CONFIDENCE, false, &engine, interrupt)?;

@@ -13,6 +13,9 @@ const BAR: f64 = 74.0;
 /// Height of a panel over its width.
 const ASPECT: f64 = 0.78;
 
+/// Most values of an axis of a panel that are drawn: they lie closer than four dots of a print.
+const MOST_VALUES: usize = 500;
+
 /// Width of contour lines.
 pub const LINE: f64 = 1.0;
 const HATCH: Pen = Pen::new(GREY, 0.5);
@@ -82,11 +85,14 @@ impl Area<'_> {
         lines: &impl Fn(&mut Canvas, &AreaPanel<'_>),
     ) {
         let (horizontal, vertical) = (axis(self.horizontal), axis(self.vertical));
-        let columns: Vec<f64> =
-            self.horizontal.values.iter().map(|&value| panel.place(horizontal.scale.at(value), 0.0).0).collect();
+        let [across, along] = [self.horizontal, self.vertical].map(|axis| drawn_values(axis.values.len()));
+        let columns: Vec<f64> = across
+            .iter()
+            .map(|&right| panel.place(horizontal.scale.at(self.horizontal.values[right]), 0.0).0)
+            .collect();
         let rows: Vec<f64> =
-            self.vertical.values.iter().map(|&value| panel.place(0.0, vertical.scale.at(value)).1).collect();
-        let cells = (0..rows.len()).flat_map(|up| (0..columns.len()).map(move |right| (up, right)));
+            along.iter().map(|&up| panel.place(0.0, vertical.scale.at(self.vertical.values[up])).1).collect();
+        let cells = along.iter().flat_map(|&up| across.iter().map(move |&right| (up, right)));
         let cells: Vec<usize> = cells.map(|(up, right)| slice.cell(up, right) as usize).collect();
         let values: Vec<Option<f64>> = cells.iter().map(|&cell| self.values[cell]).collect();
         let field = Field { columns: &columns, rows: &rows, values: &values };
@@ -138,6 +144,17 @@ impl Area<'_> {
         let beside = (bar.right() + if longest > 4 { 49.0 } else { 42.0 }, bar.top + 0.5 * bar.height);
         canvas.text(beside, self.title, SMALL, Side::Middle, -90.0, BLACK);
     }
+}
+
+/// Of how many neighbouring ones of so many values of an axis one is drawn.
+pub fn step_of(values: usize) -> usize {
+    values.div_ceil(MOST_VALUES)
+}
+
+/// Which of so many values of an axis are drawn: both ends, and those between them in steps.
+fn drawn_values(values: usize) -> Vec<usize> {
+    let last = values.saturating_sub(1);
+    (0..last).step_by(step_of(values).max(1)).chain([last]).collect()
 }
 
 /// The middles between a place and its neighbours; the place itself where it has none.
@@ -216,6 +233,15 @@ pub fn labelled_line(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fine_axes_are_drawn_in_steps_from_end_to_end() {
+        assert_eq!(drawn_values(1), [0]);
+        assert_eq!(drawn_values(500), (0..500).collect::<Vec<_>>());
+        let thinned = drawn_values(1200);
+        assert_eq!((thinned.len(), step_of(1200), thinned[1], thinned.last()), (401, 3, 3, Some(&1199)));
+        assert!(drawn_values(1_000_000).len() <= 501);
+    }
 
     #[test]
     fn a_dense_line_keeps_its_corners_and_has_no_long_parts() {

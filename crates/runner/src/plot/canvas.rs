@@ -79,8 +79,12 @@ impl Canvas {
     fn svg_with(&self, attributes: &str) -> String {
         // With its own coordinates a browser can scale the plot.
         let Scene { width, height, .. } = self.scene;
-        let opening = format!("<svg {attributes}viewBox=\"0 0 {width} {height}\" ");
-        SvgBackend::default().render_scene(&self.scene).replacen("<svg ", &opening, 1)
+        let mut text = SvgBackend::default().render_scene(&self.scene);
+        if let Some(element) = text.find("<svg ") {
+            // In place: it may be long.
+            text.insert_str(element + "<svg ".len(), &format!("{attributes}viewBox=\"0 0 {width} {height}\" "));
+        }
+        text
     }
 
     /// The plot as PNG.
