@@ -69,4 +69,11 @@ class Report:
 
 def written(output: str) -> list[Path]:
     """The files that the program says it wrote, one on each line."""
-    return [Path(os.path.abspath(line)) for line in output.splitlines()]
+    return [Path(os.path.abspath(_path(line))) for line in output.split("\n") if line]
+
+
+def _path(line: str) -> str:
+    """A path, which stands as a shell takes it, ``$'...'``, where it holds what is not seen."""
+    if not line.startswith("$'"):
+        return line
+    return os.fsdecode(line[2:-1].encode().decode("unicode_escape").encode("latin-1"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import multiprocessing
+import os
 import pickle
 import subprocess
 import sys
@@ -242,3 +243,11 @@ def test_warnings_that_are_errors_do_not_hide_what_ended_the_program(stub: Any) 
         warnings.simplefilter("error")
         with pytest.raises(stickslip.JobError, match="^wrong$"):
             stickslip.check({"name": "any"})
+
+
+@pytest.mark.parametrize("name", ["red \x1b[31m \u202eturned", "it's\\n", os.fsdecode(b"no text \xff\n")])
+def test_files_are_found_whatever_the_directory_is_called(small: dict[str, Any], name: str) -> None:
+    run = stickslip.run(small, name, progress=False)
+    plot = run.plot()
+    assert plot.svg == run.path / "surface.svg" and plot.svg.is_file()
+    assert run.report().path.is_file() and run.export("csv").is_file()

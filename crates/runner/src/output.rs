@@ -12,17 +12,18 @@ use indicatif::HumanCount;
 
 use crate::failure::Failure;
 use crate::messages::{Code, Message, Place};
-pub use crate::shell::{quoted, shown};
+pub use crate::shell::{printable, quoted, shown};
 
-/// Writes a result to standard output. Its colours are left out where that is no terminal, and at one that has none or
+/// Writes a result to standard output. What is not seen in it is shown as text. Its colours are left out where that is no terminal, and at one that has none or
 /// is asked to show none (`NO_COLOR`, `TERM=dumb`). A terminal that cannot show the characters of drawings gets others.
 ///
 /// # Errors
 /// Any output error, including a closed pipe and a full disk.
 pub fn result(text: &str) -> Result<(), Failure> {
-    let plain = (io::stdout().is_terminal() && !is_utf8(|name| env::var(name).ok())).then(|| in_ascii(text));
+    let text = printable(text);
+    let plain = (io::stdout().is_terminal() && !is_utf8(|name| env::var(name).ok())).then(|| in_ascii(&text));
     let mut out = AutoStream::auto(io::stdout().lock());
-    let text = plain.as_deref().unwrap_or(text);
+    let text = plain.as_deref().unwrap_or(&text);
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Failure::output(&error))
 }
 

@@ -1,5 +1,6 @@
 //! Paths in messages, and quoted for shells. A name may hold any byte but `/` and zero.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -38,6 +39,30 @@ pub fn without_controls(text: &str) -> String {
         }
         shown
     })
+}
+
+/// A text for standard output or a page, in which characters that are not seen stand as JSON and TOML write them, `\u202e`.
+/// Ends of lines, tabs, and the codes by which this program colours its output and moves the cursor stay.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_hidden = |c: char| is_hidden(c) && !['\n', '\t'].contains(&c);
+    let Some(first) = text.find(is_hidden) else { return Cow::Borrowed(text) };
+    let mut shown = text[..first].to_owned();
+    for (at, c) in text.char_indices().skip_while(|(at, _)| *at < first) {
+        if !is_hidden(c) || (c == '\x1b' && is_own_code(&text[at + 1..])) {
+            shown.push(c);
+        } else {
+            // Writing to a string cannot fail, and these characters have four digits.
+            let _ = write!(shown, "\\u{:04x}", c as u32);
+        }
+    }
+    Cow::Owned(shown)
+}
+
+/// Whether this follows the escape character in a code of colours, or in one that moves the cursor up or erases.
+fn is_own_code(text: &str) -> bool {
+    let parameters =
+        text.strip_prefix('[').map(|rest| rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == ';'));
+    parameters.is_some_and(|rest| rest.starts_with(['m', 'A', 'J']))
 }
 
 /// Whether a character is not seen, or changes how others are: control characters, ends of lines of any kind, and marks
@@ -119,5 +144,11 @@ mod tests {
         assert_eq!(shown(path(b"runs/it's")), "runs/it's");
         assert_eq!(shown(path(b"a\xffb\n")), "$'a\\377b\\012'");
         assert_eq!(without_controls("one\ntwo\x1b[2J\r"), "one\ntwo\\u{1b}[2J\\r");
+        let coloured = "\x1b[36;1m\u{2807}\x1b[0m\tä\n\x1b[3A\x1b[J";
+        assert_eq!(printable(coloured), coloured);
+        assert_eq!(printable("a\u{202e}b\x1b]0;x\x07\u{9b}\x1b[2K"), "a\\u202eb\\u001b]0;x\\u0007\\u009b\\u001b[2K");
+        let text = "\u{202e}\x1b\u{85}";
+        let written = serde_json::Value::from(text).to_string();
+        assert_eq!(serde_json::from_str::<String>(&printable(&written)).unwrap(), text);
     }
 }

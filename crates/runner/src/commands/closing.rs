@@ -9,7 +9,7 @@ use stickslip_sampler::estimate::weighted::Distrust;
 use crate::evaluate::sums::Lookups;
 use crate::failure::Failure;
 use crate::job::{Computed, Job, MapUse, OutsidePhysics};
-use crate::output::{counted, result, wrapped};
+use crate::output::{counted, result, shown, wrapped};
 use crate::picture::answer::answer;
 use crate::picture::picture;
 use crate::store::directory::RunDirectory;
@@ -197,5 +197,5 @@ fn count_of_samples(count: u128) -> String {
 
 fn closing_line(path: &Path, job: &Job, summary: &Summary) -> String {
     let cells = counted(job.cells().into(), "cell", "cells");
-    format!("{}: {cells}, {}\n", path.display(), job.sampling.method.closing(&job.sampling, &summary.computed))
+    format!("{}: {cells}, {}\n", shown(path), job.sampling.method.closing(&job.sampling, &summary.computed))
 }

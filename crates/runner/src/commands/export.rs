@@ -6,7 +6,7 @@ use crate::cli::ExportArguments;
 use crate::export::columns::ExportedSurface;
 use crate::failure::Failure;
 use crate::files::publish::publish_with;
-use crate::output::{output_file, result};
+use crate::output::{output_file, result, shown};
 
 /// `stickslip export`.
 pub fn export(arguments: &ExportArguments) -> Result<(), Failure> {
@@ -22,5 +22,5 @@ pub fn export(arguments: &ExportArguments) -> Result<(), Failure> {
         out.flush()
     })
     .map_err(|error: io::Error| Failure::writing(&file, error))?;
-    result(&format!("{}\n", file.display()))
+    result(&format!("{}\n", shown(&file)))
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::cli::InitArguments;
 use crate::failure::Failure;
 use crate::files::publish::publish_first;
-use crate::output::{output_file, quoted, result};
+use crate::output::{output_file, quoted, result, shown};
 
 /// A job that runs as it is, and shows the keys that it leaves out as comments.
 const EXAMPLE: &str = include_str!("example.toml");
@@ -26,6 +26,6 @@ pub fn init(arguments: &InitArguments) -> Result<(), Failure> {
     result(&format!(
         "Wrote {}. Its comments say what it computes and what you can change. Next:\n  \
          stickslip check {quoted}\n  stickslip submit {quoted}\n",
-        file.display()
+        shown(file)
     ))
 }

@@ -10,7 +10,7 @@ use stickslip_core::models::pad_on_disc::trajectory::settled::SettledMotion;
 use crate::cli::MotionArguments;
 use crate::failure::Failure;
 use crate::files::table::{DescribedColumn, write_columns};
-use crate::output::{output_file, result};
+use crate::output::{output_file, result, shown};
 use crate::picture::chart::{Chart, ChartAxis, Series};
 use crate::picture::scale::Scale;
 use crate::picture::terminal::drawn;
@@ -117,7 +117,7 @@ pub fn report(
     };
     text += &format!("\n{}", drawn(&last_cycles(scales, trajectory)));
     if let Some(out) = out {
-        text += &format!("{}: {} moments\n", out.display(), trajectory.moments.len());
+        text += &format!("{}: {} moments\n", shown(out), trajectory.moments.len());
     }
     result(&text)
 }

@@ -26,7 +26,7 @@ use crate::failure::Failure;
 use crate::files::publish::{publish, publish_first};
 use crate::job::reduction::Reduction;
 use crate::job::{Job, JobSource, with_full_matrices, with_reduced_matrices};
-use crate::output::{counted, note, output_file, result, warn};
+use crate::output::{counted, note, output_file, result, shown, warn};
 use crate::version::VERSION;
 
 /// Standard deviations from the expected value at which eigenvectors are taken of random inputs.
@@ -99,7 +99,7 @@ pub fn reduce(arguments: &ReduceArguments) -> Result<(), Failure> {
         return Err(Failure::Usage(format!("{} appeared meanwhile; name another file", named.display())));
     }
     warn(found.warnings());
-    result(&format!("{text}{}\n{}\n", named.display(), named.with_file_name(&mat_name).display()))
+    result(&format!("{text}{}\n{}\n", shown(&named), shown(&named.with_file_name(&mat_name))))
 }
 
 /// The values of the parameters at which eigenvectors are taken: the expected ones, and each parameter that an axis or its

@@ -5,7 +5,7 @@ use crate::commands::compare::{CONFIDENCE, Differences, Run, differences_of, int
 use crate::failure::Failure;
 use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
-use crate::output::{note, output_file, result};
+use crate::output::{note, output_file, result, shown};
 use crate::report::{ComparedCell, Comparison, ReportedRun, page};
 use crate::schedule::engine::Engine;
 
@@ -21,7 +21,7 @@ pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), 
     let comparisons = if runs.len() > 1 { comparisons(arguments, interrupt)? } else { Vec::new() };
     let page = page(&runs, &comparisons)?;
     publish(&directory, &name, page.as_bytes())?;
-    result(&format!("{}\n", out.display()))
+    result(&format!("{}\n", shown(&out)))
 }
 
 /// The runs after the first, compared with it as `stickslip compare` does.

@@ -20,7 +20,7 @@ use crate::files::table::{TableColumn, TableValues, write_table};
 use crate::interrupt::Interrupt;
 use crate::job::Job;
 use crate::messages::Code;
-use crate::output::{counted, output_file, quoted, result};
+use crate::output::{counted, output_file, quoted, result, shown};
 use crate::schedule::engine::{Engine, Outcome};
 use crate::schedule::progress::Progress;
 use crate::store::directory::RunDirectory;
@@ -58,7 +58,7 @@ pub fn samples(arguments: &SamplesArguments, interrupt: &Interrupt) -> Result<()
     pairs.push(("stickslip:cell", arguments.cell.to_string()));
     write_table(&out, &file_name, &drawn.columns(&job), &pairs)?;
     let total = counted(counts.total().into(), "sample", "samples");
-    result(&format!("{}: {total} of cell {}, {}\n", file.display(), arguments.cell, in_words(&counts)))
+    result(&format!("{}: {total} of cell {}, {}\n", shown(&file), arguments.cell, in_words(&counts)))
 }
 
 fn in_words(counts: &VerdictCounts) -> String {

@@ -11,7 +11,7 @@ use crate::cli::{ListFormat, StatusArguments};
 use crate::cluster::task_list::ranges;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::output::{result, warn};
+use crate::output::{result, shown, warn};
 use crate::store::directory::RunDirectory;
 use crate::store::layout::runs_in;
 use crate::store::sharing::Sharing;
@@ -84,7 +84,7 @@ fn status_of_all(runs: &[PathBuf], as_json: bool) -> Result<(), Failure> {
     }
     warn(all.iter().filter_map(|(_, progress)| progress.as_ref().err().map(ToString::to_string)));
     // Directories have the names that other commands take; several may hold jobs of one name.
-    let name = |path: &Path| path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let name = |path: &Path| path.file_name().map_or_else(String::new, |name| shown(Path::new(name)));
     let state =
         |progress: &Result<RunProgress, Failure>| progress.as_ref().map_or(UNREADABLE, |progress| progress.state);
     let longest = |lengths: &mut dyn Iterator<Item = usize>| lengths.max().unwrap_or(0);

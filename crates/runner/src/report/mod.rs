@@ -21,7 +21,7 @@ pub use self::comparison::{ComparedCell, Comparison};
 pub use self::run::ReportedRun;
 use crate::failure::Failure;
 use crate::job::reduction::Reduction;
-use crate::output::quoted;
+use crate::output::{printable, quoted};
 use crate::picture::answer::answer;
 use crate::version::VERSION;
 
@@ -186,5 +186,5 @@ fn element(name: &str, attributes: &str, text: &str) -> String {
 
 /// Text for HTML.
 pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

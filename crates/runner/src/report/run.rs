@@ -9,7 +9,7 @@ use stickslip_core::model::recorded::RecordedResult;
 use super::expected::expected_behaviours;
 use crate::failure::Failure;
 use crate::job::{Answer, Job};
-use crate::output::note;
+use crate::output::{note, shown};
 use crate::picture::title::title;
 use crate::picture::view::{GridView, Slice, round};
 use crate::plot::axes::axis;
@@ -64,7 +64,7 @@ impl ReportedRun {
             None => None,
         };
         let programs = programs(&RunDirectory::view(path)?);
-        Ok(Self { path: path.display().to_string(), values, further, verdict_map, programs })
+        Ok(Self { path: shown(path), values, further, verdict_map, programs })
     }
 
     /// The run for the script: axes slowest first, and one number for each cell in every column.
