@@ -39,7 +39,10 @@ impl RunState {
 /// # Errors
 /// A directory that belongs to another job, or to the same one with more samples or unfinished with fewer.
 pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(Job, RunState), Failure> {
-    if directory.takes_place_of_damaged(&job) {
+    let frozen = directory.job();
+    if let Err(refused) = &frozen
+        && directory.takes_place_of_damaged(refused, &job)
+    {
         directory.freeze(source, &job)?;
         note(format_args!("{} was damaged; it is written again", directory.path().join(JOB).display()));
     }
@@ -54,7 +57,7 @@ pub fn adopt(directory: &RunDirectory, source: &JobSource, job: Job) -> Result<(
             }
         }
     }
-    let existing = directory.job()?;
+    let existing = frozen.or_else(|_| directory.job())?;
     let path = quoted(directory.path());
     if existing.experiment_hash() != job.experiment_hash() {
         return Err(Failure::Job(format!(

@@ -225,6 +225,15 @@ mod tests {
     }
 
     #[test]
+    fn the_reference_names_every_option() {
+        let page = include_str!("../../../../docs/reference/job-spec.md").replace('\n', " ");
+        for (long, short, _) in OF_JOBS {
+            let short = short.map_or(String::new(), |short| format!(" (`-{short}`)"));
+            assert!(page.contains(&format!("`--{long}`{short}")), "{long}");
+        }
+    }
+
+    #[test]
     fn what_is_said_of_an_option_names_it_and_what_is_allowed() {
         let options: Vec<SbatchOption> =
             ["--output=it's", "--qos=low"].iter().map(|text| text.parse().unwrap()).collect();

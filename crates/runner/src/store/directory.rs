@@ -295,11 +295,10 @@ impl RunDirectory {
         (is_whole && self.tally(&job).is_ok()).then_some((source, job))
     }
 
-    /// Whether the frozen job is damaged, and this one can take its place as where it is lost: all pieces belong to it, and
-    /// the surface if there is one.
-    pub fn takes_place_of_damaged(&self, job: &Job) -> bool {
-        let is_of_damage = |failure: Failure| matches!(failure.message().code, Code::Damaged | Code::JobSpec);
-        if !self.job().is_err_and(is_of_damage) {
+    /// Whether the frozen job is `refused` as damaged, and this one can take its place as where it is lost: all pieces belong
+    /// to it, and the surface if there is one.
+    pub fn takes_place_of_damaged(&self, refused: &Failure, job: &Job) -> bool {
+        if !matches!(refused.message().code, Code::Damaged | Code::JobSpec) {
             return false;
         }
         let surface = self.root.open_file(SURFACE).ok().and_then(|file| text_of_key(&file, JOB_KEY));

@@ -31,29 +31,36 @@ pub enum FileState {
 
 /// The state of a Parquet file in a run directory whose footer should have these values.
 pub fn state_of(root: &Folder, name: &str, footer: &[(&str, String)]) -> Result<FileState, Failure> {
-    let opened = || -> io::Result<Option<(String, File)>> {
+    let opened = || -> io::Result<Option<[File; 2]>> {
         let Some(file) = root.open_if_there(name)? else { return Ok(None) };
         if file.metadata()?.len() > MOST_BYTES {
             let why = format!("it has more than {MOST_BYTES} bytes, the most that such a file may have");
             return Err(io::Error::other(why));
         }
-        Ok(Some((digest_of_file(file)?, root.open_file(name)?)))
+        // Reading the footer of one moves its place in it.
+        Ok(Some([file, root.open_file(name)?]))
     };
-    let (digest, file) = match opened() {
+    let [file, described] = match opened() {
         Ok(Some(opened)) => opened,
         Ok(None) => return Ok(FileState::Absent),
         Err(error) => return Ok(FileState::Damaged(error.to_string())),
     };
-    if Known::read(root)?.fit(name, &digest) == Fit::Differs {
-        return Ok(FileState::Damaged(NOT_AS_WRITTEN.to_owned()));
-    }
+    let known = Known::read(root)?;
     let mut state = FileState::Sound;
     for (key, value) in footer {
-        match text_of_key(&file, key) {
-            None => return Ok(FileState::Damaged("it is not a result of a run".to_owned())),
+        match text_of_key(&described, key) {
+            // Without a footer it is not read, whatever its size.
+            None if known.fit(name, "") == Fit::Unknown => {
+                return Ok(FileState::Damaged("it is not a result of a run".to_owned()));
+            }
+            None => return Ok(FileState::Damaged(NOT_AS_WRITTEN.to_owned())),
             Some(text) if text == *value => {}
             Some(_) => state = FileState::OfAnotherJob,
         }
     }
-    Ok(state)
+    match digest_of_file(file) {
+        Ok(digest) if known.fit(name, &digest) == Fit::Differs => Ok(FileState::Damaged(NOT_AS_WRITTEN.to_owned())),
+        Ok(_) => Ok(state),
+        Err(error) => Ok(FileState::Damaged(error.to_string())),
+    }
 }

@@ -79,8 +79,13 @@ pub fn require_traces(path: &Path) -> Result<(), Failure> {
     if [SHARDS, DIGESTS].iter().any(|name| path.join(name).symlink_metadata().is_ok()) {
         return Ok(());
     }
-    let message = format!("{} is not a run directory: there is neither {SHARDS}/ nor {DIGESTS} in it", path.display());
-    Err(Failure::InputOutput(message).coded(Code::NoRun).at(Place::file(path)))
+    let why = format!("{} is not a run directory: there is neither {SHARDS}/ nor {DIGESTS} in it", path.display());
+    let failure = |text: String| Failure::InputOutput(text).coded(Code::NoRun).at(Place::file(path));
+    if path.join(JOB).symlink_metadata().is_err() {
+        return Err(failure(why));
+    }
+    let out = format!("--out {}", quoted(path));
+    Err(failure(format!("{why}; to compute the job there, submit it with `{out}`")).remedied(out))
 }
 
 /// An error if there is something else than a run under a path.

@@ -60,9 +60,11 @@ impl FinishedSurface {
             FileState::Sound => Ok(Self { job, directory, is_of_another_version: false }),
             FileState::OfAnotherVersion => Ok(Self { job, directory, is_of_another_version: true }),
             FileState::Damaged(why) => {
-                let (surface, verify) = (directory.surface(), format!("stickslip verify {}", quoted(run)));
-                let text = format!("{} is damaged: {why}; `{verify}` writes it again", surface.display());
-                Err(Failure::InputOutput(text).coded(Code::Damaged).at(Place::file(&surface)).remedied(verify))
+                // Integrals have no pieces to write it from.
+                let command = if job.draws_samples() { "verify" } else { "resume" };
+                let (surface, remedy) = (directory.surface(), format!("stickslip {command} {}", quoted(run)));
+                let text = format!("{} is damaged: {why}; `{remedy}` writes it again", surface.display());
+                Err(Failure::InputOutput(text).coded(Code::Damaged).at(Place::file(&surface)).remedied(remedy))
             }
             FileState::Absent | FileState::OfAnotherJob => {
                 let resume = format!("stickslip resume {}", quoted(run));
