@@ -6,6 +6,7 @@ mod common;
 
 use common::{EIGENVALUE, Place, Table, submitted};
 use serde_json::Value;
+use stickslip_sampler::special_functions::normal;
 
 const EXACT: &str = "method = \"exact\"";
 const INPUTS: &str = "inputs = [\"preload\", \"static_friction\"]";
@@ -301,4 +302,62 @@ fn what_is_no_imprecise_value_is_refused_with_its_line_and_a_remedy() {
     place
         .run("bounds job.toml")
         .refused(65, &["model.damping.tangential: this cannot be imprecise", "axes.\"section.name\""]);
+}
+
+/// Hoffmann's two masses with damping: a pair grows from the friction 1 + 2 (0.02 d)^2 on.
+fn masses(damping: &str, friction: &str, random: &str) -> String {
+    format!(
+        r#"name = "masses"
+[model]
+kind = "matrices"
+mass = {{ matrix = [[1, 0], [0, 1]] }}
+damping = {{ matrix = [[0.02, 0], [0, 0.02]], factor = "damping" }}
+stiffness = [{{ matrix = [[2, 1], [1, 2]] }}, {{ matrix = [[0, 1], [0, 0]], factor = "-friction" }}]
+[model.parameters]
+friction = {friction}
+damping = {damping}
+[random]
+inputs = ["friction"]
+{random}
+[criterion]
+kind = "complex-eigenvalue"
+[sampling]
+method = "exact"
+"#
+    )
+}
+
+/// The probability that the friction is beyond its critical value, in standard deviations from the expected one.
+fn beyond(damping: f64, friction: f64, std: f64) -> f64 {
+    let critical = 2.0 * (0.02 * damping).mul_add(0.02 * damping, 0.5);
+    normal::upper_tail((critical - friction) / (std * friction))
+}
+
+#[test]
+fn every_parameter_of_matrices_may_be_imprecise() {
+    let place = Place::new();
+    let between = |low: f64, high: f64| format!("{{ between = [{low}, {high}] }}");
+    let (precise, scatter) = ("relative_std = 0.1", format!("relative_std = {}", between(0.05, 0.15)));
+    // The lower and the upper end: damping, friction, relative standard deviation.
+    let cases = [
+        (masses(&between(0.5, 8.0), "0.9", precise), [(8.0, 0.9, 0.1), (0.5, 0.9, 0.1)]),
+        (masses("2.0", &between(0.8, 1.1), precise), [(2.0, 0.8, 0.1), (2.0, 1.1, 0.1)]),
+        (masses("2.0", "0.9", &scatter), [(2.0, 0.9, 0.05), (2.0, 0.9, 0.15)]),
+        (masses(&between(0.5, 8.0), &between(0.8, 0.9), &scatter), [(8.0, 0.8, 0.05), (0.5, 0.9, 0.15)]),
+        // More scatter is less squeal where the expected brake squeals.
+        (masses("2.0", "1.1", &scatter), [(2.0, 1.1, 0.15), (2.0, 1.1, 0.05)]),
+    ];
+    for (text, ends) in cases {
+        let rows = bounds(&place, &text);
+        for ((damping, friction, std), key) in ends.into_iter().zip(["p_lower", "p_upper"]) {
+            let (expected, found) = (beyond(damping, friction, std), number(&rows[0], key));
+            assert!((found / expected - 1.0).abs() < 1e-6, "{key} {found} {expected}\n{text}");
+            assert_eq!(rows[0][format!("{key}_evidence")], "checked");
+        }
+    }
+    let alternatives = "relative_std = 0.1\ndistribution = { friction = { one_of = [\"normal\", \"uniform\"] } }";
+    let rows = bounds(&place, &masses("2.0", "0.8", alternatives));
+    // Uniform friction ends at 0.8 (1 + 0.1 sqrt(3)), below the critical value.
+    assert_eq!((number(&rows[0], "p_lower"), rows[0]["distribution_friction_at_lower"].as_str()), (0.0, Some("uniform")));
+    assert!((number(&rows[0], "p_upper") / beyond(2.0, 0.8, 0.1) - 1.0).abs() < 1e-6);
 }

@@ -157,6 +157,11 @@ pub trait Model: fmt::Debug + Send + Sync {
         &[]
     }
 
+    /// Whether a sample takes so long, from about 100 microseconds on, that few of them make a unit of work.
+    fn has_slow_samples(&self) -> bool {
+        false
+    }
+
     /// Whether its configurations have [`ClosedForm`].
     fn has_closed_form(&self) -> bool {
         false

@@ -8,6 +8,7 @@ use stickslip_sampler::integrate::NormalPair;
 use stickslip_sampler::integrate::closed_form::ExactProbability;
 
 use crate::evaluate::open_cell::{Open, OpenCell};
+use crate::evaluate::open_input::OpenInput;
 use crate::job::{ImpreciseQuantity, Job, Values, What};
 
 /// Why there is no probability.
@@ -17,17 +18,25 @@ pub enum Ended {
     Stopped,
     /// There is no such configuration.
     NoSuchConfiguration(ModelError),
+    /// The critical values of the quantity at this place cannot be found.
+    NoCriticalValues(usize),
 }
 
 /// A cell of a job with some quantities known as intervals.
 pub struct ImpreciseCell<'a> {
-    cell: OpenCell<'a>,
+    integral: Integral<'a>,
+    open: Vec<Open>,
     /// The ends of the intervals, each with its place among all that is imprecise.
     intervals: Vec<(usize, [f64; 2])>,
-    /// Whether more of the second quantity is never stable where less is unstable.
-    is_unstable_above: bool,
-    pair: Option<[usize; 2]>,
     is_stopped: IsStopped<'a>,
+}
+
+/// What the probability is an integral over.
+enum Integral<'a> {
+    /// The pair of the model. More of the second of it is never stable where less is unstable, if `is_unstable_above`.
+    Pair { cell: OpenCell<'a>, pair: Option<[usize; 2]>, is_unstable_above: bool },
+    /// The one random input.
+    Input(OpenInput<'a>),
 }
 
 impl<'a> ImpreciseCell<'a> {
@@ -41,25 +50,35 @@ impl<'a> ImpreciseCell<'a> {
         quantities: &'a [ImpreciseQuantity],
         is_stopped: IsStopped<'a>,
     ) -> Result<Self, Ended> {
+        let integrated = job.integrated();
         let pair = job.model().pair();
-        let which = |place: Option<usize>| pair.and_then(|pair| pair.iter().position(|own| Some(*own) == place));
-        let open = |what: &What| match what {
+        let which = |place: Option<usize>| match (integrated, pair) {
+            (Some(_), _) => Some(0),
+            (None, pair) => pair.and_then(|pair| pair.iter().position(|own| Some(*own) == place)),
+        };
+        let opened = |what: &What| match what {
             What::Expected(name) => job.model().place(name).map_or(Open::Nothing, Open::Expected),
             What::RelativeStd(name) => which(job.model().place(name)).map_or(Open::Nothing, Open::RelativeStd),
             What::Correlation => Open::Correlation,
             What::Distribution(_) => Open::Nothing,
         };
-        let (mut opened, mut intervals) = (Vec::new(), Vec::new());
+        let (mut open, mut intervals) = (Vec::new(), Vec::new());
         for (place, quantity) in quantities.iter().enumerate() {
             if let Values::Between(ends) = quantity.values {
-                opened.push(open(&quantity.what));
+                open.push(opened(&quantity.what));
                 intervals.push((place, ends));
             }
         }
-        let lower: Vec<f64> = intervals.iter().map(|(_, ends)| ends[0]).collect();
-        let cell = OpenCell::new(job, cell, opened, &lower).map_err(Ended::NoSuchConfiguration)?;
-        let is_unstable_above = cell.is_unstable_above(&lower).map_err(Ended::NoSuchConfiguration)?;
-        Ok(Self { cell, intervals, is_unstable_above, pair, is_stopped })
+        let integral = if let Some(input) = integrated {
+            let ends: Vec<[f64; 2]> = intervals.iter().map(|(_, ends)| *ends).collect();
+            Integral::Input(OpenInput::new(job, cell, input, &open, &ends))
+        } else {
+            let lower: Vec<f64> = intervals.iter().map(|(_, ends)| ends[0]).collect();
+            let cell = OpenCell::new(job, cell, open.clone(), &lower).map_err(Ended::NoSuchConfiguration)?;
+            let is_unstable_above = cell.is_unstable_above(&lower).map_err(Ended::NoSuchConfiguration)?;
+            Integral::Pair { cell, pair, is_unstable_above }
+        };
+        Ok(Self { integral, open, intervals, is_stopped })
     }
 
     /// The places of the intervals among all imprecise quantities.
@@ -69,18 +88,17 @@ impl<'a> ImpreciseCell<'a> {
 
     /// What is known of the quantities that are intervals.
     pub fn quantities(&self) -> Vec<Quantity> {
-        let role = |open: &Open| match *open {
-            Open::Expected(place) => match self.pair {
-                Some([first, _]) if place == first => Role::Rising,
-                Some([_, second]) if place == second && self.is_unstable_above => Role::Rising,
-                _ => Role::Unknown,
-            },
-            Open::RelativeStd(which) => Role::RelativeStd(which),
-            Open::Correlation | Open::Nothing => Role::Unknown,
+        let role = |open: &Open| match (*open, &self.integral) {
+            (Open::Expected(place), Integral::Pair { pair: Some([first, second]), is_unstable_above, .. }) => {
+                let rises = place == *first || place == *second && *is_unstable_above;
+                if rises { Role::Rising } else { Role::Unknown }
+            }
+            (Open::RelativeStd(which), Integral::Pair { .. }) => Role::RelativeStd(which),
+            _ => Role::Unknown,
         };
         let quantity =
             |(open, (_, interval)): (&Open, &(usize, [f64; 2]))| Quantity { role: role(open), interval: *interval };
-        self.cell.open().iter().zip(&self.intervals).map(quantity).collect()
+        self.open.iter().zip(&self.intervals).map(quantity).collect()
     }
 
     fn go_on(&self) -> Result<(), Ended> {
@@ -93,12 +111,16 @@ impl Family for ImpreciseCell<'_> {
 
     fn probability(&self, at: &[f64]) -> Result<ExactProbability, Ended> {
         self.go_on()?;
-        self.cell.probability(at).map_err(Ended::NoSuchConfiguration)
+        match &self.integral {
+            Integral::Pair { cell, .. } => cell.probability(at).map_err(Ended::NoSuchConfiguration),
+            Integral::Input(input) => input.probability(&self.open, at).ok_or(Ended::NoCriticalValues(input.place())),
+        }
     }
 
     fn normal_pair(&self, at: &[f64]) -> Result<Option<(PairBoundary, NormalPair)>, Ended> {
         self.go_on()?;
-        let precise = self.cell.at(at).map_err(Ended::NoSuchConfiguration)?;
+        let Integral::Pair { cell, .. } = &self.integral else { return Ok(None) };
+        let precise = cell.at(at).map_err(Ended::NoSuchConfiguration)?;
         Ok(precise.correlation.is_none().then_some((precise.boundary, precise.pair)))
     }
 }

@@ -35,6 +35,8 @@ pub mod weighted_limits;
 
 pub mod limits;
 
+pub mod open_input;
+
 pub mod bounds;
 
 mod stream;

@@ -15,7 +15,7 @@ use crate::job::Job;
 pub enum Open {
     /// The expected value of a quantity.
     Expected(usize),
-    /// The relative standard deviation of a quantity of the pair: the first or the second.
+    /// The relative standard deviation of a quantity of the pair: the first or the second; or of the one random input.
     RelativeStd(usize),
     /// The correlation of the pair.
     Correlation,
@@ -57,11 +57,6 @@ impl<'a> OpenCell<'a> {
             own.boundary = Some(own.at(values)?.boundary);
         }
         Ok(own)
-    }
-
-    /// What is open.
-    pub fn open(&self) -> &[Open] {
-        &self.open
     }
 
     /// The law of the pair with these values of what is open.

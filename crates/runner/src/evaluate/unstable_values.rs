@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use stickslip_core::model::critical_values::UnstableValues;
 use stickslip_sampler::estimate::interval::Estimate;
 use stickslip_sampler::grid::Cell;
-use stickslip_sampler::inputs::DeviateLaw;
+use stickslip_sampler::inputs::{DeviateLaw, InputDistribution};
 use stickslip_sampler::integrate::closed_form::ExactProbability;
 use stickslip_sampler::integrate::one_input;
 
@@ -40,15 +40,27 @@ impl UnstableValuesOfInput {
 
     fn probability(&self, job: &Job, cell: &Cell, place: usize) -> Option<ExactProbability> {
         let position = job.random.position(place)?;
+        self.with_distribution(job, cell, place, &job.distribution(position, cell), || reach(job, position))
+    }
+
+    /// The probability over the input with this distribution. All distributions that are asked for lie within the reach.
+    pub fn with_distribution(
+        &self,
+        job: &Job,
+        cell: &Cell,
+        place: usize,
+        distribution: &InputDistribution,
+        reach: impl FnOnce() -> [f64; 2],
+    ) -> Option<ExactProbability> {
         let mut expected = cell.expected.clone();
         expected[place] = 0.0;
         let key = expected.iter().map(|value| value.to_bits()).collect();
         let found = self.found.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default().clone();
         let unstable = found.get_or_init(|| {
             let configuration = job.model().configure(&cell.expected, &[place], None).ok()?;
-            configuration.critical_values()?.unstable(&[cell.expected[place]], 0, reach(job, position))
+            configuration.critical_values()?.unstable(&[cell.expected[place]], 0, reach())
         });
-        Some(one_input::probability(&job.distribution(position, cell), DeviateLaw::INDEPENDENT, unstable.as_ref()?))
+        Some(one_input::probability(distribution, DeviateLaw::INDEPENDENT, unstable.as_ref()?))
     }
 }
 

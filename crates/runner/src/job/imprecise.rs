@@ -140,7 +140,7 @@ pub fn refuse<'a>(document: &mut Spanned<DeTable<'a>>, text: &str, complaints: &
         // One that is given for all inputs stands for each of them.
         if seen.insert(value.span.start) {
             let message = format!(
-                "{} is imprecise; `stickslip bounds` finds the lower and upper probability over its values (with sampling.method = \"exact\" and criterion.kind = \"eigenvalue\"). Everything else takes one value",
+                "{} is imprecise; `stickslip bounds` finds the lower and upper probability over its values (with sampling.method = \"exact\", and criterion.kind = \"eigenvalue\" or \"complex-eigenvalue\"). Everything else takes one value",
                 value.key
             );
             complaints.push(Complaint::at(value.span.clone(), message));
@@ -221,9 +221,9 @@ impl Family<'_, '_> {
                 self.complaints.push(Complaint::at(span, message));
             }
         }
-        if draft.boundary().is_some_and(|boundary| boundary != Boundary::ClosedForm) {
+        if draft.boundary().is_some_and(|boundary| boundary == Boundary::Verdicts) {
             let message =
-                format!("{because} need criterion.kind = \"eigenvalue\", whose boundary is known in closed form");
+                format!("{because} need criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or a model given by matrices");
             let span = draft.criterion_span().unwrap_or_else(|| first.span.clone());
             self.complaints.push(Complaint::at(span, message));
         }

@@ -208,6 +208,7 @@ fn what_at(path: &[Step]) -> Result<What, String> {
             let name = names[1..].iter().flatten().copied().collect::<Vec<&str>>().join(".");
             Ok(What::Expected(name))
         }
+        ([Some("model"), Some("parameters"), Some(name)], _) => Ok(What::Expected((*name).to_owned())),
         ([Some("random"), Some("relative_std"), Some(input)], _) => Ok(What::RelativeStd((*input).to_owned())),
         ([Some("random"), Some("distribution"), Some(input)], _) => Ok(What::Distribution((*input).to_owned())),
         ([Some("random"), Some("correlation"), None, None], [.., Step::Index(2)]) => {
@@ -220,7 +221,7 @@ fn what_at(path: &[Step]) -> Result<What, String> {
     }
 }
 
-const PLACES: &str = "imprecise may be axes (also of parameters, axes.\"section.name\"), random.relative_std, random.distribution and the coefficients of random.correlation";
+const PLACES: &str = "imprecise may be axes (also of parameters, axes.\"section.name\"), the model.parameters of matrices, random.relative_std, random.distribution and the coefficients of random.correlation";
 
 /// The elements of the list of an imprecise value.
 fn choices_of<'a>(table: &DeTable<'a>) -> Option<Vec<DeValue<'a>>> {

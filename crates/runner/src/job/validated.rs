@@ -277,9 +277,14 @@ impl Job {
 
     /// The distribution of the random input at `position` in a cell.
     pub fn distribution(&self, position: usize, cell: &Cell) -> InputDistribution {
+        self.distribution_with(position, cell, self.std(position, cell))
+    }
+
+    /// The distribution of the random input at `position` in a cell, with another standard deviation.
+    pub fn distribution_with(&self, position: usize, cell: &Cell, std: f64) -> InputDistribution {
         let is_absolute = self.quantity_of(position).scatters_absolutely;
         let of = if is_absolute { InputDistribution::absolute } else { InputDistribution::relative };
-        of(&self.random.marginals[position], self.expected(position, cell), self.std(position, cell))
+        of(&self.random.marginals[position], self.expected(position, cell), std)
     }
 
     /// The pair of the model in a cell, as if it were normal and independent; of a model without, two constants.
@@ -310,6 +315,7 @@ impl Job {
             true => 20 * BLOCK_SAMPLES,
             // Most of them are looked up.
             false if self.uses_maps() => 100 * BLOCK_SAMPLES,
+            false if self.model().has_slow_samples() => BLOCK_SAMPLES / 25,
             false => BLOCK_SAMPLES,
         }
     }

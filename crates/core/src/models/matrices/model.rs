@@ -39,6 +39,9 @@ impl ComplexEigenvalue {
 /// The name of the quantity that says which band counts, where there are several: 0 for any, or the number of the band.
 pub const BAND: &str = "band";
 
+/// Coordinates from which on a sample takes long.
+const SLOW: usize = 40;
+
 /// A model given by matrices, with its criterion.
 #[derive(Debug, Clone)]
 pub struct MatrixModel {
@@ -166,6 +169,10 @@ impl Model for MatrixModel {
         }
         let regions = self.criterion.regions(band as usize);
         Ok(Samples::boxed(&self.matrices, &self.problem, regions, &self.recorded, expected, varying, like))
+    }
+
+    fn has_slow_samples(&self) -> bool {
+        self.matrices.size() >= SLOW
     }
 
     /// That of friction, as far as it can be told.

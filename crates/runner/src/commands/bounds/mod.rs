@@ -79,6 +79,10 @@ fn all_rows(engine: &Engine, interrupt: &Interrupt, job: &ImpreciseJob) -> Resul
             Err(Ended::NoSuchConfiguration(error)) => Err(Failure::Job(format!(
                 "there is no configuration with some of the imprecise values in cell {cell}: {error}; choose intervals between which there is one everywhere"
             ))),
+            Err(Ended::NoCriticalValues(place)) => Err(Failure::Job(format!(
+                "the critical values of {} cannot be found with some of the imprecise values in cell {cell}; choose narrower intervals",
+                job.first().quantity(place).name
+            ))),
         }
     })
 }
