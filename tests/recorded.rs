@@ -221,3 +221,76 @@ fn what_cannot_record_says_so() {
     let [a, b] = ["[\"frequency\", \"growth_rate\"]", "[\"growth_rate\", \"frequency\", \"growth_rate\"]"].map(hash);
     assert_eq!(a, b);
 }
+
+/// An oscillator with the damping ratio c / (2 sqrt(k m)), which is lognormal if c and k are.
+const OSCILLATOR: &str = r#"
+name = "oscillator"
+[model]
+kind = "matrices"
+mass = { matrix = [[4.0]] }
+damping = { matrix = [[1.0]], factor = "c" }
+stiffness = { matrix = [[1.0]], factor = "k" }
+[model.parameters]
+c = 0.4
+k = 100.0
+unused = 1.0
+[random]
+inputs = ["c", "k", "unused"]
+relative_std = { c = 0.2, k = 0.5, unused = 0.1 }
+distribution = "lognormal"
+[criterion]
+kind = "complex-eigenvalue"
+record = ["damping_ratio", "frequency"]
+[sampling]
+samples = 40_000
+sensitivity = true
+seed = 3
+"#;
+
+#[test]
+fn sobol_indices_of_recorded_results_are_those_of_a_product() {
+    let place = Place::new();
+    let table = submitted(&place, "oscillator", OSCILLATOR);
+    let index = |result: &str, kind: &str| {
+        let name = format!("{result}_{kind}");
+        [table.column(&name)[0], table.column(&format!("{name}_error"))[0]]
+    };
+    // The logarithms have the variances ln(1 + std^2), and the product of a power of each its own.
+    let variance = |std: f64, power: f64| power * power * (std * std).ln_1p();
+    let [of_c, of_k] = [variance(0.2, 1.0).exp_m1(), variance(0.5, 0.5).exp_m1()];
+    let whole = (1.0 + of_c) * (1.0 + of_k) - 1.0;
+    for (input, own, other) in [("c", of_c, of_k), ("k", of_k, of_c)] {
+        for (kind, expected) in [("first_order", own / whole), ("total", 1.0 - other / whole)] {
+            let [value, error] = index("damping_ratio", &format!("{kind}_{input}"));
+            assert!((value - expected).abs() < 4.0 * error && error < 0.02, "{kind} {input}: {value} {error} {expected}");
+        }
+    }
+    // The undamped frequency is that of k alone, up to the square of the damping ratio.
+    let [of_k, _] = index("frequency", "first_order_k");
+    assert!((of_k - 1.0).abs() < 1e-3, "{of_k}");
+    for result in ["damping_ratio", "frequency"] {
+        assert_eq!(index(result, "first_order_unused"), [0.0, 0.0]);
+        assert_eq!(index(result, "total_unused"), [0.0, 0.0]);
+        assert_eq!(table.column(&format!("{result}_n_left_out_c")), [0.0]);
+    }
+    // No sample is unstable, so that the verdict has none; those of the result are drawn.
+    place
+        .run("plot oscillator --of sobol")
+        .refused(65, &["in each all samples agree", "see --result damping_ratio and --result frequency"]);
+    let files = place.run("plot oscillator --of sobol --result damping_ratio").done().stdout;
+    assert_eq!(files, "oscillator/sobol-damping_ratio.svg\noscillator/sobol-damping_ratio.png\n");
+    let picture = std::fs::read_to_string(place.path("oscillator/sobol-damping_ratio.svg")).unwrap();
+    assert!(picture.contains("Share of the variance of the damping ratio"), "{picture}");
+    place.run("plot oscillator --of sobol --result damping").refused(64, &["there are damping_ratio, frequency"]);
+}
+
+#[test]
+fn a_report_has_indices_and_modes_of_matrices() {
+    let place = Place::new();
+    submitted(&place, "oscillator", &OSCILLATOR.replace("40_000", "200"));
+    place.run("report oscillator").done();
+    let page = std::fs::read_to_string(place.path("oscillator/report.html")).unwrap();
+    for part in ["id=\"modes\"", "id=\"squeal-frequencies\"", "\"of\":\"damping ratio\"", "\"of\":\"frequency\""] {
+        assert!(page.contains(part), "{part}");
+    }
+}

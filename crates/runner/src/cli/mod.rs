@@ -267,6 +267,9 @@ pub struct PlotArguments {
     /// modes and squeal-frequencies [default: the middle of the axes]
     #[arg(long, value_name = "N")]
     pub cell: Option<u64>,
+    /// With --of sobol: the recorded result whose variance is shared out, for example damping_ratio [default: the verdict]
+    #[arg(long, value_name = "NAME")]
+    pub result: Option<String>,
     /// With --of modes: the parameter over which to draw them [default: the longest axis of the job]
     #[arg(long, value_name = "NAME")]
     pub along: Option<String>,

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use stickslip_core::friction::law::LawKind;
+use stickslip_core::models::matrices::model::BAND;
 use stickslip_core::models::pad_on_disc::criterion::settings::TimeDomainSettings;
 use stickslip_core::models::pad_on_disc::criterion::time_domain::DiscModel;
 use stickslip_core::models::pad_on_disc::model::{Criterion, PadModel};
@@ -55,7 +56,7 @@ pub fn chosen_cell(arguments: &BrakeArguments) -> Result<Option<(Job, Cell)>, Fa
     arguments.job.as_deref().map(|path| cell_of(path, arguments.cell)).transpose()
 }
 
-/// The job in a file or of a run, with a cell of it, or that in the middle of its axes.
+/// The job in a file or of a run, with a cell of it, or that in the middle of its axes, with any band.
 pub fn cell_of(path: &Path, cell: Option<u64>) -> Result<(Job, Cell), Failure> {
     let job = if path.is_dir() { RunDirectory::view(path)?.job()? } else { JobSource::read(path)?.job()? };
     let last = job.cells() - 1;
@@ -102,9 +103,12 @@ impl LookedAt {
     }
 }
 
-/// The cell in the middle of every axis, of two the one before.
-fn middle(job: &Job) -> u64 {
-    job.grid.lengths().iter().fold(0, |index, length| index * length + (length - 1) / 2)
+/// The cell in the middle of every axis, of two the one before; on that of bands, which have no middle, the first.
+pub fn middle(job: &Job) -> u64 {
+    let bands = job.grid.axes.iter().position(|axis| *job.quantity(axis.quantity).name == *BAND);
+    let place = |(axis, length): (usize, &u64)| if Some(axis) == bands { 0 } else { (length - 1) / 2 };
+    let lengths = job.grid.lengths();
+    lengths.iter().enumerate().fold(0, |index, (axis, length)| index * length + place((axis, length)))
 }
 
 /// The preset with `KEY=VALUE` changes; warns of values that are not plausible.

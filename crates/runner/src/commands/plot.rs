@@ -7,6 +7,7 @@ use indicatif::HumanCount;
 
 use super::compare::{CONFIDENCE, Row, Run, differences_of, interval_name};
 use super::modes::{lines, squeal};
+use super::one_brake::cell_of;
 use crate::cli::{PlotArguments, PlotQuantity};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -57,11 +58,13 @@ fn is_of_modes(of: PlotQuantity) -> bool {
 /// The figure of the modes of a job, and where it is written if no file is given, without an extension.
 fn of_modes(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Result<(Canvas, PathBuf), Failure> {
     let (path, threads) = (arguments.run.as_path(), arguments.threads.count());
+    let (job, cell) = cell_of(path, arguments.cell)?;
     let (canvas, name) = if arguments.of == PlotQuantity::Modes {
-        let plot = lines::along(path, arguments.cell, arguments.along.as_deref(), threads, interrupt)?;
+        let plot = lines::along(&job, &cell, arguments.along.as_deref(), threads, interrupt)?;
         (plot.figure(width), "modes")
     } else {
-        (squeal::frequencies(path, arguments.cell, threads, interrupt)?.figure(width), "squeal-frequencies")
+        let plot = squeal::frequencies(&job, &cell, squeal::SAMPLES, threads, interrupt)?;
+        (plot.figure(width), "squeal-frequencies")
     };
     let beside = if path.is_dir() {
         path.join(name)
@@ -90,6 +93,9 @@ fn check(arguments: &PlotArguments) -> Result<(), Failure> {
             "--cell chooses the cell of --of sobol, modes and squeal-frequencies; other plots show all cells"
                 .to_owned(),
         ));
+    }
+    if arguments.result.is_some() && arguments.of != PlotQuantity::Sobol {
+        return Err(Failure::Usage("--result chooses the result of --of sobol; leave it out".to_owned()));
     }
     if arguments.along.is_some() && arguments.of != PlotQuantity::Modes {
         return Err(Failure::Usage("--along chooses the parameter of --of modes; leave it out".to_owned()));
@@ -126,9 +132,10 @@ fn of_run(arguments: &PlotArguments, width: f64, interrupt: &Interrupt) -> Resul
             Ok((canvas, run.join("surface")))
         }
         PlotQuantity::Sobol => {
-            let sobol = Sobol::read(run)?;
+            let sobol = Sobol::read(run, arguments.result.as_deref())?;
             let cells = sobol.cells(run, arguments.cell)?;
-            Ok((sobol.figure(&cells, width), run.join("sobol")))
+            let name = arguments.result.as_ref().map_or_else(|| "sobol".to_owned(), |of| format!("sobol-{of}"));
+            Ok((sobol.figure(&cells, width), run.join(name)))
         }
         PlotQuantity::Verdicts => {
             let maps = VerdictMaps::read(run)?;

@@ -2,12 +2,18 @@
 
 use crate::cli::ReportArguments;
 use crate::commands::compare::{CONFIDENCE, Differences, Run, differences_of, interval_name};
+use crate::commands::modes::{lines, squeal};
+use crate::commands::one_brake::middle;
 use crate::failure::Failure;
 use crate::files::publish::publish;
 use crate::interrupt::Interrupt;
+use crate::job::Job;
 use crate::output::{note, output_file, result, shown};
-use crate::report::{ComparedCell, Comparison, ReportedRun, page};
+use crate::report::{ComparedCell, Comparison, PICTURE_WIDTH, Picture, PictureKind, ReportedRun, page};
 use crate::schedule::engine::Engine;
+
+/// Samples whose frequencies are shown.
+const SAMPLES: u64 = 2000;
 
 /// `stickslip report`.
 pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -16,12 +22,39 @@ pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), 
         (None, [run]) => run.join("report.html"),
         (None, _) => "report.html".into(),
     };
-    let runs: Vec<ReportedRun> = arguments.runs.iter().map(|run| ReportedRun::read(run)).collect::<Result<_, _>>()?;
+    let mut runs: Vec<ReportedRun> = arguments.runs.iter().map(|run| ReportedRun::read(run)).collect::<Result<_, _>>()?;
     let (directory, name) = output_file(&out)?;
+    for run in &mut runs {
+        let pictures = pictures_of_modes(&run.values.job, arguments.threads.count(), interrupt)?;
+        run.pictures.extend(pictures);
+    }
     let comparisons = if runs.len() > 1 { comparisons(arguments, interrupt)? } else { Vec::new() };
     let page = page(&runs, &comparisons)?;
     publish(&directory, &name, page.as_bytes())?;
     result(&format!("{}\n", shown(&out)))
+}
+
+/// The pictures of the modes of a run whose model is given by matrices, in the middle of its axes.
+fn pictures_of_modes(job: &Job, threads: usize, interrupt: &Interrupt) -> Result<Vec<Picture>, Failure> {
+    if job.model.as_matrices().is_none() {
+        return Ok(Vec::new());
+    }
+    let cell = job.grid.cell(middle(job));
+    if job.model().has_slow_samples() {
+        note(format_args!("finding the modes of cell {} for the pictures", cell.index));
+    }
+    let modes = lines::along(job, &cell, None, threads, interrupt).map(|plot| plot.figure(PICTURE_WIDTH));
+    let frequencies = squeal::frequencies(job, &cell, SAMPLES, threads, interrupt);
+    let frequencies = frequencies.map(|plot| plot.figure(PICTURE_WIDTH));
+    let mut pictures = Vec::new();
+    for (kind, figure) in [(PictureKind::Modes, modes), (PictureKind::SquealFrequencies, frequencies)] {
+        match figure {
+            Ok(canvas) => pictures.push(Picture { kind, canvas }),
+            Err(why) if why.is_of_job() => note(format_args!("the report leaves a picture of modes out: {why}")),
+            Err(why) => return Err(why),
+        }
+    }
+    Ok(pictures)
 }
 
 /// The runs after the first, compared with it as `stickslip compare` does.

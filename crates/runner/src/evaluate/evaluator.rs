@@ -207,9 +207,8 @@ impl<'a> Evaluator<'a> {
             }
         }
         self.layout.add_sources(&mut unit.sums, decisions);
-        let verdicts: Vec<Vec<Verdict>> = sets.iter().map(|decisions| verdicts_of(decisions)).collect();
-        self.layout.add_scores(&mut unit.sums, &self.job.normal_pair(cell), samples, &verdicts[0]);
-        if let [first, second, mixed @ ..] = &verdicts[..] {
+        self.layout.add_scores(&mut unit.sums, &self.job.normal_pair(cell), samples, &verdicts_of(decisions));
+        if let [first, second, mixed @ ..] = sets {
             self.layout.add_sensitivity(&mut unit.sums, first, second, mixed);
         }
     }

@@ -3,10 +3,12 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip_core::model::decision::Decision;
+use stickslip_core::model::recorded::{MOST_RECORDED, RecordedOf};
 use stickslip_core::model::verdict::{Verdict, VerdictCounts};
 use stickslip_sampler::estimate::conditional::{ConditionalPart, ProbabilitySums};
 use stickslip_sampler::estimate::score::{ScoreSums, ScoreTotals};
 use stickslip_sampler::estimate::sobol_indices::{IndexCounts, SobolIndices, indices};
+use stickslip_sampler::estimate::value_indices::{self, ValueSums};
 use stickslip_sampler::estimate::weighted::{WeightedPart, WeightedSums};
 use stickslip_sampler::inputs::PairParameter;
 use stickslip_sampler::integrate::NormalPair;
@@ -26,6 +28,8 @@ pub struct SumLayout {
     derivatives: bool,
     /// Number of random inputs if the job computes Sobol indices, else 0.
     sensitivity: usize,
+    /// How many recorded results have Sobol indices as well: those of all samples, which come first.
+    results: usize,
     /// Whether samples have probabilities.
     probabilities: bool,
     /// Whether samples have weights, and whether they are populations.
@@ -79,11 +83,14 @@ pub const LOOKUPS: usize = 3;
 const DERIVATIVES: usize = ScoreSums::COUNT;
 /// Sums for each input: the counts behind its Sobol indices, and the samples that they leave out.
 const PER_INPUT: usize = 7;
+/// Sums for each input and recorded result.
+const PER_RESULT: usize = ValueSums::COUNT;
 
 impl SumLayout {
     /// The sums of a job.
     pub fn for_job(job: &Job) -> Self {
         let has_verdicts = job.answer() == Answer::Verdict;
+        let of_all = job.model().recorded().iter().take_while(|result| result.of == RecordedOf::All);
         Self {
             samples: has_verdicts,
             lookups: job.map_use() == MapUse::LookUp,
@@ -91,6 +98,7 @@ impl SumLayout {
             sources: if has_verdicts { job.model().sources().len().saturating_sub(1) } else { 0 },
             derivatives: job.sampling.derivatives,
             sensitivity: if job.sampling.sensitivity { job.random.inputs.len() } else { 0 },
+            results: if job.sampling.sensitivity { of_all.count() } else { 0 },
             probabilities: job.answer() == Answer::Probability,
             weights: job.answer().is_of_rare_events(),
             populations: job.answer() == Answer::Population,
@@ -110,6 +118,11 @@ impl SumLayout {
     /// The number of inputs with Sobol indices; 0 if the job computes none.
     pub fn sensitivity(&self) -> usize {
         self.sensitivity
+    }
+
+    /// The number of recorded results with Sobol indices.
+    pub fn results(&self) -> usize {
+        self.results
     }
 
     /// Whether samples are looked up in a map.
@@ -138,8 +151,12 @@ impl SumLayout {
         self.derivatives_at() + if self.derivatives { DERIVATIVES } else { 0 }
     }
 
-    fn probabilities_at(self) -> usize {
+    fn results_at(self) -> usize {
         self.sensitivity_at() + PER_INPUT * self.sensitivity
+    }
+
+    fn probabilities_at(self) -> usize {
+        self.results_at() + PER_RESULT * self.results * self.sensitivity
     }
 
     /// The number of sums.
@@ -236,23 +253,30 @@ impl SumLayout {
         }
     }
 
-    /// Adds verdicts for Sobol indices: on samples `first`, on as many others `second` and, for each input, on the
+    /// Adds decisions for Sobol indices: on samples `first`, on as many others `second` and, for each input, on the
     /// first ones with that input taken from the second (`mixed`).
-    pub fn add_sensitivity(self, sums: &mut [i64], first: &[Verdict], second: &[Verdict], mixed: &[Vec<Verdict>]) {
-        let is_unstable = |verdict: Verdict| match verdict {
+    pub fn add_sensitivity(self, sums: &mut [i64], first: &[Decision], second: &[Decision], mixed: &[Vec<Decision>]) {
+        let is_unstable = |decision: &Decision| match decision.verdict {
             Verdict::Unstable => Some(true),
             Verdict::Stable => Some(false),
             Verdict::Undecided | Verdict::Failed => None,
         };
-        for (verdicts, sums) in mixed.iter().zip(sums[self.sensitivity_at()..].chunks_exact_mut(PER_INPUT)) {
+        for (input, mixed) in mixed.iter().enumerate() {
             let mut counts = IndexCounts::default();
             let mut left_out = 0;
-            for ((&a, &b), &ab) in first.iter().zip(second).zip(verdicts) {
+            let mut values = [ValueSums::default(); MOST_RECORDED];
+            for ((a, b), ab) in first.iter().zip(second).zip(mixed) {
                 left_out += u64::from(!counts.add(is_unstable(a), is_unstable(b), is_unstable(ab)));
+                for (result, values) in values[..self.results].iter_mut().enumerate() {
+                    values.add(a.recorded[result], b.recorded[result], ab.recorded[result]);
+                }
             }
             let IndexCounts { samples, first_unstable, second_unstable, up, down, turned } = counts;
             let counts = [samples, first_unstable, second_unstable, up, down, turned, left_out];
-            sums.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count.cast_signed());
+            let own = sums[self.sensitivity_at() + PER_INPUT * input..].iter_mut();
+            own.zip(counts).for_each(|(sum, count)| *sum += count.cast_signed());
+            let own = sums[self.results_at() + PER_RESULT * self.results * input..].iter_mut();
+            own.zip(values[..self.results].iter().flat_map(ValueSums::sums)).for_each(|(sum, more)| *sum += more);
         }
     }
 
@@ -330,5 +354,18 @@ impl SumLayout {
     /// The number of samples that the Sobol indices of an input leave out.
     pub fn read_left_out(self, sums: &[i128], input: usize) -> u64 {
         self.index_counts(sums, input).map_or(0, |(_, left_out)| left_out)
+    }
+
+    /// The Sobol indices of a recorded result by an input, if not all values are the same, and the number of samples that
+    /// they leave out because they, or their partners, have no value.
+    pub fn read_result_sensitivity(
+        self,
+        sums: &[i128],
+        result: usize,
+        input: usize,
+    ) -> Option<(Option<SobolIndices>, u64)> {
+        let part = sums.get(self.results_at() + PER_RESULT * (self.results * input + result)..)?.get(..PER_RESULT)?;
+        let totals: &[i128; PER_RESULT] = part.try_into().ok()?;
+        Some((value_indices::indices(totals), value_indices::left_out(totals)))
     }
 }

@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use stickslip_core::model::quantity::Quantity;
+use stickslip_core::model::recorded::RecordedOf;
 use stickslip_sampler::special_functions::normal;
 
 use crate::failure::Failure;
+use crate::job::Job;
 use crate::picture::scale::Scale;
 use crate::picture::title::title;
 use crate::picture::view::{GridView, rounded};
@@ -14,6 +16,9 @@ use crate::plot::legend::Legend;
 use crate::plot::panel::{ABOVE, Axis, BELOW, Panel, RIGHT, SMALL, two_lines, wrapped};
 use crate::plot::values::Values;
 use crate::tables::finished::{FinishedSurface, FinishedValues};
+
+/// What indices are of if no result is named.
+const VERDICT: &str = "verdict";
 
 /// Most cells that have a panel each when no cell is chosen.
 const MOST_CELLS: usize = 6;
@@ -51,6 +56,8 @@ type Pair = [Option<Index>; 2];
 /// The Sobol indices of a run.
 pub struct Sobol {
     values: Values,
+    /// Whose variance they share out.
+    of: &'static str,
     /// The titles of the inputs.
     inputs: Vec<String>,
     /// For each cell, for each input.
@@ -58,14 +65,19 @@ pub struct Sobol {
 }
 
 impl Sobol {
-    /// Reads the indices of a run.
+    /// Reads the indices of a run: those of the verdict, or of a recorded result.
     ///
     /// # Errors
-    /// As [`Values::read`], and a run without indices.
-    pub fn read(run: &Path) -> Result<Self, Failure> {
+    /// As [`Values::read`], and a run without these indices.
+    pub fn read(run: &Path, result: Option<&str>) -> Result<Self, Failure> {
         let values = Values::read(run)?;
-        let columns = FinishedSurface::open(run)?
-            .columns(|name| name.starts_with("first_order_") || name.starts_with("total_"))?;
+        let of = described(&values.job, result)?;
+        let prefix = result.map_or_else(String::new, |name| format!("{name}_"));
+        let is_index = |name: &str| {
+            let kind = name.strip_prefix(&prefix).unwrap_or_default();
+            kind.starts_with("first_order_") || kind.starts_with("total_")
+        };
+        let columns = FinishedSurface::open(run)?.columns(is_index)?;
         if columns.is_empty() {
             return Err(Failure::Job(format!(
                 "{} has no Sobol indices. Give its job two or more [random] inputs, and sensitivity = true in [sampling], with method = \"monte-carlo\" and a number of samples; then submit it to another directory",
@@ -82,14 +94,14 @@ impl Sobol {
         let quantities: Vec<&Quantity> = job.random.inputs.iter().map(|&place| job.quantity(place)).collect();
         let pair = |cell: usize, input: &str| -> Pair {
             ["first_order", "total"].map(|kind| {
-                let name = format!("{kind}_{input}");
+                let name = format!("{prefix}{kind}_{input}");
                 number(&name, cell).zip(number(&format!("{name}_error"), cell))
             })
         };
         let cells = 0..values.probability.len();
         let indices = cells.map(|cell| quantities.iter().map(|input| pair(cell, &input.name)).collect()).collect();
         let inputs = quantities.into_iter().map(title).collect();
-        Ok(Self { values, inputs, indices })
+        Ok(Self { values, of, inputs, indices })
     }
 
     /// The cells to draw: the one that is asked for, all with indices if they are few, else the one whose probability
@@ -106,8 +118,9 @@ impl Sobol {
             })?;
             if !has_indices(&cell) {
                 return Err(Failure::Job(format!(
-                    "cell {cell} of {} has no Sobol indices: its samples agree, P is {}. Choose a cell with a probability between 0 and 1, or leave --cell out",
+                    "cell {cell} of {} has no Sobol indices of the {}: its samples agree, P is {}. Choose a cell with a probability between 0 and 1, or leave --cell out",
                     run.display(),
+                    self.of,
                     self.values.probability[cell].map_or_else(|| "not known".to_owned(), rounded)
                 )));
             }
@@ -120,9 +133,17 @@ impl Sobol {
         let distance = |cell: &usize| self.values.probability[*cell].map_or(f64::INFINITY, |p| (p - MIDDLE).abs());
         let nearest = known.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         nearest.map(|cell| vec![cell]).ok_or_else(|| {
+            let results = self.values.job.model().recorded().iter().filter(|result| result.of == RecordedOf::All);
+            let results: Vec<String> = results.map(|result| format!("--result {}", result.name)).collect();
+            let or = if self.of == VERDICT && !results.is_empty() {
+                format!(", or see {}", results.join(" and "))
+            } else {
+                String::new()
+            };
             Failure::Job(format!(
-                "no cell of {} has Sobol indices: in each all samples agree. Choose [axes] nearer the boundary of stability, or more samples",
-                run.display()
+                "no cell of {} has Sobol indices of the {}: in each all samples agree. Choose [axes] nearer the boundary of stability, or more samples{or}",
+                run.display(),
+                self.of
             ))
         })
     }
@@ -170,7 +191,7 @@ impl Sobol {
         let highest = known().map(|index| self.ends(*index)[1]).fold(1.0, f64::max);
         let beyond = |end: f64, limit: f64| if end == limit { 0.0 } else { AROUND };
         let ends = [(lowest - beyond(lowest, 0.0)).max(ENDS.0), (highest + beyond(highest, 1.0)).min(ENDS.1)];
-        let title = "Share of the variance".to_owned();
+        let title = format!("Share of the variance of the {}", self.of);
         (Axis { scale: Scale::linear(ends[0], ends[1]), title, unit: String::new() }, ends)
     }
 
@@ -210,6 +231,20 @@ impl Sobol {
         let fits = |size: &u32| width_of(&first, *size).max(width_of(&second, *size)) <= panel.width + 0.8 * BETWEEN;
         two_lines(canvas, panel, [&first, &second], (6..SMALL).rev().find(fits).unwrap_or(6));
     }
+}
+
+/// What a recorded result of a job with Sobol indices is called, or the verdict.
+fn described(job: &Job, result: Option<&str>) -> Result<&'static str, Failure> {
+    let Some(name) = result else { return Ok(VERDICT) };
+    let known = || job.model().recorded().iter().filter(|known| known.of == RecordedOf::All);
+    known().find(|known| known.name == name).map(|known| known.noun).ok_or_else(|| {
+        let names: Vec<&str> = known().map(|known| known.name).collect();
+        let there_are = match names[..] {
+            [] => "the job records no result of all samples, see criterion.record".to_owned(),
+            _ => format!("there are {}", names.join(", ")),
+        };
+        Failure::Usage(format!("--result {name}: there are no Sobol indices of it ({there_are})"))
+    })
 }
 
 /// The names of the inputs at the left of a panel.

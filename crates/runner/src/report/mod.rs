@@ -18,7 +18,7 @@ use stickslip_sampler::draw::identity::RESULTS_VERSION;
 use stickslip_sampler::estimate::interval::Estimate;
 
 pub use self::comparison::{ComparedCell, Comparison};
-pub use self::run::ReportedRun;
+pub use self::run::{PICTURE_WIDTH, Picture, PictureKind, ReportedRun};
 use crate::failure::Failure;
 use crate::job::reduction::Reduction;
 use crate::output::{printable, quoted};
@@ -62,7 +62,7 @@ pub fn page(runs: &[ReportedRun], comparisons: &[Comparison]) -> Result<String, 
         ("differences", differences.collect()),
         ("computed", all(computed)),
         ("reconstructed", if has_pad { reconstructed() } else { String::new() }),
-        ("verdicts", verdicts(runs)),
+        ("pictures", PictureKind::ALL.iter().map(|kind| pictures(runs, *kind)).collect()),
         ("version", VERSION.to_owned()),
         ("plotly", LIBRARY_VERSION.to_owned()),
         ("data", in_script(&data)),
@@ -116,23 +116,62 @@ fn warned(warning: &str) -> String {
     element("p", "class=\"warning\"", &format!("Warning: {warning}{end}"))
 }
 
-/// The pictures of the verdict maps.
-fn verdicts(runs: &[ReportedRun]) -> String {
-    let picture = |run: &ReportedRun| {
-        let map = run.verdict_map.as_ref()?;
-        let map = map.element(&format!("Map of the verdicts over {}", nouns_of_pair(run.values.job.model())));
-        Some(format!("{}<div class=\"picture\">{map}</div>", heading(run, runs.len() > 1)))
-    };
-    let pictures: String = runs.iter().filter_map(picture).collect();
-    if pictures.is_empty() {
-        return pictures;
+/// The section of the pictures of a kind; nothing if no run has one.
+fn pictures(runs: &[ReportedRun], kind: PictureKind) -> String {
+    let (id, title) = kind.heading();
+    let mut note = String::new();
+    let mut shown = String::new();
+    for run in runs {
+        let model = run.values.job.model();
+        for Picture { canvas, .. } in run.pictures.iter().filter(|picture| picture.kind == kind) {
+            let element = canvas.element(&kind.alternative(model));
+            shown += &format!("{}<div class=\"picture\">{element}</div>", heading(run, runs.len() > 1));
+            note = kind.note(model);
+        }
     }
-    let pair = runs.first().map(|run| nouns_of_pair(run.values.job.model())).unwrap_or_default();
-    let note = format!("Every sample whose {pair} lie in a region has its verdict.");
+    if shown.is_empty() {
+        return shown;
+    }
     format!(
-        "<section aria-labelledby=\"verdicts-heading\" id=\"verdicts\"><h2 id=\"verdicts-heading\">Verdict map</h2>{pictures}{}</section>",
+        "<section aria-labelledby=\"{id}-heading\" id=\"{id}\"><h2 id=\"{id}-heading\">{title}</h2>{shown}{}</section>",
         element("p", "class=\"note\"", &note)
     )
+}
+
+impl PictureKind {
+    /// All of them, in their order on the page.
+    const ALL: [Self; 3] = [Self::Verdicts, Self::Modes, Self::SquealFrequencies];
+
+    /// What its section is called, in links and above it.
+    fn heading(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Verdicts => ("verdicts", "Verdict map"),
+            Self::Modes => ("modes", "Modes"),
+            Self::SquealFrequencies => ("squeal-frequencies", "Frequencies of squeal"),
+        }
+    }
+
+    /// For readers who do not see it.
+    fn alternative(self, model: &dyn Model) -> String {
+        match self {
+            Self::Verdicts => format!("Map of the verdicts over {}", nouns_of_pair(model)),
+            Self::Modes => "Frequencies and damping ratios of modes over a parameter".to_owned(),
+            Self::SquealFrequencies => "Histogram of the frequencies of unstable samples".to_owned(),
+        }
+    }
+
+    fn note(self, model: &dyn Model) -> String {
+        match self {
+            Self::Verdicts => format!("Every sample whose {} lie in a region has its verdict.", nouns_of_pair(model)),
+            Self::Modes => {
+                "Where the lines of two frequencies meet and their damping ratios part, friction couples the modes."
+                    .to_owned()
+            }
+            Self::SquealFrequencies => {
+                "The bars add up to the probability of instability of these samples, the first of the cell.".to_owned()
+            }
+        }
+    }
 }
 
 /// What the pair of a model is.

@@ -30,14 +30,28 @@ pub struct ReportedRun {
     pub values: Values,
     /// Its recorded results and Sobol indices, with their names.
     further: Vec<FinishedColumn>,
-    /// The picture of its verdict map, if it has a map that is complete.
-    pub verdict_map: Option<Canvas>,
+    /// Pictures beside those that the script draws.
+    pub pictures: Vec<Picture>,
     /// The programs that computed it, as far as it is known.
     pub programs: Vec<String>,
 }
 
-/// Width of the picture of a verdict map, in pixels.
-const MAP_WIDTH: f64 = 700.0;
+/// A picture of a run.
+pub struct Picture {
+    pub kind: PictureKind,
+    pub canvas: Canvas,
+}
+
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PictureKind {
+    Verdicts,
+    Modes,
+    SquealFrequencies,
+}
+
+/// Width of a picture, in pixels.
+pub const PICTURE_WIDTH: f64 = 700.0;
 
 /// How the columns of a recorded result end that are shown.
 const SHOWN: [&str; 3] = ["_mean", "_p05", "_p95"];
@@ -52,19 +66,21 @@ impl ReportedRun {
         let is_index = |name: &str| name.starts_with("first_order_") || name.starts_with("total_");
         let recorded = values.job.model().recorded();
         let is_recorded = |name: &str| {
-            recorded.iter().any(|result| name.strip_prefix(result.name).is_some_and(|rest| SHOWN.contains(&rest)))
+            let of_result = |result: &RecordedResult| name.strip_prefix(result.name);
+            let mut kinds = recorded.iter().filter_map(of_result);
+            kinds.any(|kind| SHOWN.contains(&kind) || kind.strip_prefix('_').is_some_and(is_index))
         };
         let further = FinishedSurface::open(path)?.columns(|name| is_recorded(name) || is_index(name))?;
-        let verdict_map = match values.job.uses_maps().then(|| VerdictMaps::read(path)) {
-            Some(Ok(maps)) => Some(maps.figure(MAP_WIDTH)),
-            Some(Err(why)) => {
-                note(format_args!("the report shows no verdict map of {}: {why}", path.display()));
-                None
+        let mut pictures = Vec::new();
+        match values.job.uses_maps().then(|| VerdictMaps::read(path)) {
+            Some(Ok(maps)) => {
+                pictures.push(Picture { kind: PictureKind::Verdicts, canvas: maps.figure(PICTURE_WIDTH) });
             }
-            None => None,
-        };
+            Some(Err(why)) => note(format_args!("the report shows no verdict map of {}: {why}", path.display())),
+            None => {}
+        }
         let programs = programs(&RunDirectory::view(path)?);
-        Ok(Self { path: shown(path), values, further, verdict_map, programs })
+        Ok(Self { path: shown(path), values, further, pictures, programs })
     }
 
     /// The run for the script: axes slowest first, and one number for each cell in every column.
@@ -154,22 +170,27 @@ impl ReportedRun {
         job.model().recorded().iter().filter_map(of_result).collect()
     }
 
-    /// The Sobol indices of every input, null without any.
-    fn sensitivity(&self) -> Value {
-        let of = |quantity: &Quantity| {
-            let name = &quantity.name;
-            let column = |kind: &str| self.further(&format!("{kind}_{name}"));
-            Some(json!({
-                "input": title(quantity),
-                "first_order": column("first_order")?,
-                "first_order_error": self.further(&format!("first_order_{name}_error"))?,
-                "total": column("total")?,
-                "total_error": self.further(&format!("total_{name}_error"))?,
-            }))
-        };
+    /// The Sobol indices of the verdict and of recorded results, of each those of every input.
+    fn sensitivity(&self) -> Vec<Value> {
         let job = &self.values.job;
-        let inputs: Vec<Value> = job.random.inputs.iter().filter_map(|&place| of(job.quantity(place))).collect();
-        if inputs.is_empty() { Value::Null } else { inputs.into() }
+        let of = |prefix: &str, name: &str| {
+            let of_input = |quantity: &Quantity| {
+                let column = |kind: &str| self.further(&format!("{prefix}{kind}_{}", quantity.name));
+                let error = |kind: &str| self.further(&format!("{prefix}{kind}_{}_error", quantity.name));
+                Some(json!({
+                    "input": title(quantity),
+                    "first_order": column("first_order")?,
+                    "first_order_error": error("first_order")?,
+                    "total": column("total")?,
+                    "total_error": error("total")?,
+                }))
+            };
+            let inputs = job.random.inputs.iter().filter_map(|&place| of_input(job.quantity(place)));
+            json!({ "of": name, "inputs": inputs.collect::<Vec<_>>() })
+        };
+        let results = job.model().recorded().iter().map(|result| of(&format!("{}_", result.name), result.noun));
+        let all = std::iter::once(of("", "verdict")).chain(results);
+        all.filter(|indices| indices["inputs"].as_array().is_some_and(|inputs| !inputs.is_empty())).collect()
     }
 
     /// The rounded values of a column of real numbers.

@@ -169,10 +169,11 @@ const tables = {
   horizontal: () => sectionTable(view.run.horizontal),
   vertical: () => sectionTable(view.run.vertical),
   sensitivity() {
-    const cell = cellAt(view.run, place);
-    const rows = view.run.sensitivity.map((of) =>
-      [of.input, ...["first_order", "first_order_error", "total", "total_error"].map((name) => number(of[name][cell]))]);
-    return [["Input", "First order", "standard error", "Total", "standard error"], ...rows];
+    const cell = cellAt(view.run, place), columns = ["first_order", "first_order_error", "total", "total_error"];
+    return view.run.sensitivity.flatMap(({ of, inputs }) => [
+      [`Of the ${of}`, "First order", "standard error", "Total", "standard error"],
+      ...inputs.map((input) => [input.input, ...columns.map((name) => number(input[name][cell]))]),
+    ]);
   },
 };
 
@@ -231,17 +232,24 @@ function drawSection(target, index) {
 }
 
 function drawSensitivity() {
-  const indices = view.run.sensitivity, cell = cellAt(view.run, place);
-  element("sensitivity-section").hidden = !indices || Boolean(view.comparison);
+  const { sensitivity } = view.run, cell = cellAt(view.run, place), target = element("sensitivity");
+  element("sensitivity-section").hidden = !sensitivity.length || Boolean(view.comparison);
   if (element("sensitivity-section").hidden) return;
-  const bars = (name, column, fill) => ({
-    type: "bar", name, x: indices.map((of) => of.input), y: indices.map((of) => of[column][cell]),
-    error_y: { type: "data", array: indices.map((of) => 1.96 * of[`${column}_error`][cell]), color: colour("--text") },
-    marker: { color: fill }, hovertemplate: "%{x}: %{y:.4g}<extra></extra>",
+  if (target.childElementCount !== sensitivity.length) {
+    target.replaceChildren(...sensitivity.map(() => Object.assign(document.createElement("div"), { className: "plot" })));
+  }
+  sensitivity.forEach(({ of, inputs }, i) => {
+    const bars = (name, column, fill) => ({
+      type: "bar", name, x: inputs.map(({ input }) => input), y: inputs.map((input) => input[column][cell]),
+      error_y: { type: "data", array: inputs.map((input) => 1.96 * input[`${column}_error`][cell]), color: colour("--text") },
+      marker: { color: fill }, hovertemplate: "%{x}: %{y:.4g}<extra></extra>",
+    });
+    const sides = layout("", `Sobol index of the ${of}`,
+      { showlegend: true, barmode: "group", legend: { orientation: "h", y: 1.1 } });
+    sides.yaxis.rangemode = "tozero";
+    const shown = [bars("first order", "first_order", LINES[0]), bars("total", "total", LINES[4])];
+    Plotly.react(target.children[i], shown, sides, config);
   });
-  const sides = layout("", "Sobol index", { showlegend: true, barmode: "group", legend: { orientation: "h", y: 1.1 } });
-  sides.yaxis.rangemode = "tozero";
-  Plotly.react("sensitivity", [bars("first order", "first_order", LINES[0]), bars("total", "total", LINES[4])], sides, config);
   if (details("sensitivity").open) fillTable("sensitivity");
 }
 

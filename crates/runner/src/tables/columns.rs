@@ -286,30 +286,54 @@ fn derivative_columns(job: &Job, layout: SumLayout) -> Vec<Column> {
     columns
 }
 
-/// Columns of jobs with Sobol indices.
+/// Columns of jobs with Sobol indices: those of the verdict, then those of every result that is recorded of all samples.
 fn sensitivity_columns(job: &Job, layout: SumLayout) -> Vec<Column> {
+    let names = || job.random.inputs.iter().map(|&place| &*job.quantity(place).name).enumerate();
     let mut columns = Vec::new();
-    for (i, &place) in job.random.inputs.iter().enumerate() {
-        let name = &job.quantity(place).name;
-        let read = move |row: &SurfaceRow| layout.read_sensitivity(&row.sums, i);
-        let alone = format!("share of the verdict's variance that {name} explains alone");
-        let any = format!("share of the verdict's variance in which {name} takes part");
-        let mut add = |kind: &str, meaning: &str, value: fn(SobolIndices) -> f64, error: fn(SobolIndices) -> f64| {
-            let column = format!("{kind}_{name}");
-            let error_meaning = format!("standard error of {column}");
-            let error_name = format!("{column}_error");
-            columns.push(Column::optional(column, format!("Sobol index: {meaning}"), move |row| read(row).map(value)));
-            columns.push(Column::optional(error_name, error_meaning, move |row| read(row).map(error)));
-        };
-        add("first_order", &alone, |indices| indices.first_order, |indices| indices.first_order_error);
-        add("total", &any, |indices| indices.total, |indices| indices.total_error);
+    for (i, input) in names() {
+        columns.extend(index_columns("", "verdict", input, move |row| layout.read_sensitivity(&row.sums, i)));
         columns.push(Column::new(
-            format!("n_left_out_{name}"),
+            format!("n_left_out_{input}"),
             "1",
-            format!("samples that the Sobol indices of {name} leave out, because a verdict on them or their partners is undecided or failed"),
+            format!("samples that the Sobol indices of {input} leave out, because a verdict on them or their partners is undecided or failed"),
             Values::Integer(Box::new(move |row| layout.read_left_out(&row.sums, i))),
         ));
     }
+    for (place, result) in job.model().recorded().iter().enumerate().take(layout.results()) {
+        let RecordedResult { name, noun, .. } = result;
+        for (i, input) in names() {
+            let read = move |row: &SurfaceRow| layout.read_result_sensitivity(&row.sums, place, i);
+            columns.extend(index_columns(&format!("{name}_"), noun, input, move |row| read(row)?.0));
+            columns.push(Column::new(
+                format!("{name}_n_left_out_{input}"),
+                "1",
+                format!("samples that the Sobol indices of the {noun} by {input} leave out, because they or their partners have none"),
+                Values::Integer(Box::new(move |row| read(row).map_or(0, |(_, left_out)| left_out))),
+            ));
+        }
+    }
+    columns
+}
+
+/// The columns of the Sobol indices by an input, of what is called `of` in sentences.
+fn index_columns(
+    prefix: &str,
+    of: &str,
+    input: &str,
+    read: impl Fn(&SurfaceRow) -> Option<SobolIndices> + Copy + 'static,
+) -> Vec<Column> {
+    let mut columns = Vec::new();
+    let mut add = |kind: &str, meaning: &str, value: fn(SobolIndices) -> f64, error: fn(SobolIndices) -> f64| {
+        let column = format!("{prefix}{kind}_{input}");
+        let error_meaning = format!("standard error of {column}");
+        let error_name = format!("{column}_error");
+        let meaning = format!("Sobol index: share of the {of}'s variance {meaning}");
+        columns.push(Column::optional(column, meaning, move |row| read(row).map(value)));
+        columns.push(Column::optional(error_name, error_meaning, move |row| read(row).map(error)));
+    };
+    let (alone, any) = (format!("that {input} explains alone"), format!("in which {input} takes part"));
+    add("first_order", &alone, |indices| indices.first_order, |indices| indices.first_order_error);
+    add("total", &any, |indices| indices.total, |indices| indices.total_error);
     columns
 }
 

@@ -21,3 +21,5 @@ pub mod distribution;
 pub mod score;
 
 pub mod sobol_indices;
+
+pub mod value_indices;

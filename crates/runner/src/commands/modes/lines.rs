@@ -1,7 +1,5 @@
 //! The modes of a job over one parameter: those of the expected values joined to lines, and those of samples.
 
-use std::path::Path;
-
 use stickslip_core::model::IsStopped;
 use stickslip_core::models::matrices::modes::ModesError;
 use stickslip_core::models::matrices::region::{Region, damping_ratio};
@@ -10,7 +8,6 @@ use stickslip_sampler::draw::deviates::Points;
 use stickslip_sampler::grid::Cell;
 
 use super::{JobModes, failed};
-use crate::commands::one_brake::cell_of;
 use crate::evaluate::samples::Drawing;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -56,24 +53,23 @@ struct Along {
     is_logarithmic: bool,
 }
 
-/// The picture of the modes of a job, or of that of a run, over a parameter.
+/// The picture of the modes of a cell of a job over a parameter.
 pub fn along(
-    path: &Path,
-    cell: Option<u64>,
+    job: &Job,
+    cell: &Cell,
     name: Option<&str>,
     threads: usize,
     interrupt: &Interrupt,
 ) -> Result<ModePlot, Failure> {
-    let (job, cell) = cell_of(path, cell)?;
-    let problem = JobModes::new(&job)?;
-    let along = Along::new(&job, &problem, &cell, name)?;
+    let problem = JobModes::new(job)?;
+    let along = Along::new(job, &problem, cell, name)?;
     let regions = problem.regions(&cell.expected);
     let is_large = problem.is_sparse();
     if is_large && !job.random.inputs.is_empty() {
         note(format_args!("modes of so large a model are drawn at the expected values alone, without samples"));
     }
     let engine = Engine::new(threads)?;
-    let find = |points: Vec<Vec<f64>>| found(&job, &problem, &regions, points, &engine, interrupt);
+    let find = |points: Vec<Vec<f64>>| found(job, &problem, &regions, points, &engine, interrupt);
     let nominal = |share: f64| {
         let mut values = cell.expected.clone();
         values[along.place] = along.value(share);
@@ -94,7 +90,7 @@ pub fn along(
     shares.extend(further);
     let mut expected: Vec<(f64, Found)> = shares.into_iter().zip(expected).collect();
     expected.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let cloud = if is_large { Vec::new() } else { find(along.samples(&job, &problem, &cell))? };
+    let cloud = if is_large { Vec::new() } else { find(along.samples(job, &problem, cell))? };
     let point = |at: &Found, value: Eigenvalue| ModePoint {
         value: at.values[along.place],
         frequency: value.im / std::f64::consts::TAU,
@@ -121,9 +117,9 @@ pub fn along(
         )));
     }
     let mut plot = ModePlot {
-        along: along.axis(&job),
-        title: fixed(&job, &cell, along.place),
-        notes: notes(&job, &cell, along.place, drawn),
+        along: along.axis(job),
+        title: fixed(job, cell, along.place),
+        notes: notes(job, cell, along.place, drawn),
         threshold: problem.model.criterion().damping_ratio,
         lines,
         cloud,
@@ -198,7 +194,7 @@ fn notes(job: &Job, cell: &Cell, along: usize, samples: usize) -> Vec<String> {
 }
 
 impl Along {
-    /// The parameter of this name, or the longest axis of a job.
+    /// The parameter of this name, or the longest axis of a job, or that of friction among its random inputs.
     fn new(job: &Job, problem: &JobModes<'_>, cell: &Cell, name: Option<&str>) -> Result<Self, Failure> {
         let parameters = problem.own();
         let place = match name {
@@ -211,10 +207,13 @@ impl Along {
             None => {
                 let axes = job.grid.axes.iter().filter(|axis| axis.quantity < parameters.len());
                 let longest = axes.max_by_key(|axis| axis.axis.values().len());
-                longest.filter(|axis| axis.axis.values().len() > 1).map(|axis| axis.quantity).ok_or_else(|| {
+                let longest = longest.filter(|axis| axis.axis.values().len() > 1).map(|axis| axis.quantity);
+                let inputs = &job.random.inputs;
+                let input = || job.model().integrated(inputs).or_else(|| inputs.first().copied());
+                longest.or_else(input).ok_or_else(|| {
                     let first = parameters.first().map_or("NAME", |own| own.name.as_str());
-                    Failure::Usage(format!(
-                        "the job \"{}\" has no axis with several values; name the parameter to draw modes over, for example --along {first}",
+                    Failure::Job(format!(
+                        "the job \"{}\" has neither an axis with several values nor a random input; name the parameter to draw modes over, for example --along {first}",
                         job.name
                     ))
                 })?

@@ -1,14 +1,11 @@
 //! The frequencies at which the samples of a cell are unstable.
 
-use std::path::Path;
-
 use stickslip_core::model::{Columns, IsStopped};
 use stickslip_sampler::draw::deviates::Points;
 use stickslip_sampler::grid::Cell;
 
 use super::lines::fixed;
 use super::{JobModes, failed};
-use crate::commands::one_brake::cell_of;
 use crate::evaluate::samples::Drawing;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -19,39 +16,39 @@ use crate::plot::frequencies::FrequencyPlot;
 use crate::schedule::engine::{Engine, Outcome};
 
 /// Samples that are drawn, and those of full matrices, of which each takes some second.
-const SAMPLES: u64 = 10_000;
+pub const SAMPLES: u64 = 10_000;
 const FEW_SAMPLES: u64 = 200;
 
 /// Units of work.
 const UNITS: u64 = 40;
 
-/// The picture of a cell of a job, or of that of a run.
+/// The picture of a cell of a job, from the first samples, of full matrices from few of them.
 pub fn frequencies(
-    path: &Path,
-    cell: Option<u64>,
+    job: &Job,
+    cell: &Cell,
+    samples: u64,
     threads: usize,
     interrupt: &Interrupt,
 ) -> Result<FrequencyPlot, Failure> {
-    let (job, cell) = cell_of(path, cell)?;
-    let problem = JobModes::new(&job)?;
-    let samples = if problem.is_sparse() { FEW_SAMPLES } else { SAMPLES };
-    let found = found(&job, &cell, samples, threads, interrupt)?;
+    let problem = JobModes::new(job)?;
+    let samples = if problem.is_sparse() { samples.min(FEW_SAMPLES) } else { samples };
+    let found = found(job, cell, samples, threads, interrupt)?;
     let frequencies: Vec<f64> = found.into_iter().filter(|frequency| !frequency.is_nan()).collect();
     let (parameters, regions) = (problem.parameters(&cell.expected), problem.regions(&cell.expected));
-    let eigenvalues = problem.model.eigenvalues(parameters, &regions).map_err(|error| failed(&job, &error))?;
+    let eigenvalues = problem.model.eigenvalues(parameters, &regions).map_err(|error| failed(job, &error))?;
     let modes = eigenvalues.iter().map(|value| value.im / std::f64::consts::TAU).filter(|frequency| *frequency > 0.0);
     let share = rounded(frequencies.len() as f64 / samples as f64);
     Ok(FrequencyPlot {
         samples,
         modes: modes.collect(),
-        title: fixed(&job, &cell, usize::MAX),
+        title: fixed(job, cell, usize::MAX),
         notes: vec![
             format!(
                 "cell {}: {} of {} unstable, P = {share}; {}",
                 cell.index,
                 frequencies.len(),
                 counted(samples.into(), "sample", "samples"),
-                scatter(&job, cell.index)
+                scatter(job, cell.index)
             ),
             "each at the frequency of its least damped mode; marks above: the modes of the expected values".to_owned(),
         ],
