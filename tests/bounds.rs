@@ -358,6 +358,9 @@ fn every_parameter_of_matrices_may_be_imprecise() {
     let alternatives = "relative_std = 0.1\ndistribution = { friction = { one_of = [\"normal\", \"uniform\"] } }";
     let rows = bounds(&place, &masses("2.0", "0.8", alternatives));
     // Uniform friction ends at 0.8 (1 + 0.1 sqrt(3)), below the critical value.
-    assert_eq!((number(&rows[0], "p_lower"), rows[0]["distribution_friction_at_lower"].as_str()), (0.0, Some("uniform")));
+    assert_eq!(
+        (number(&rows[0], "p_lower"), rows[0]["distribution_friction_at_lower"].as_str()),
+        (0.0, Some("uniform"))
+    );
     assert!((number(&rows[0], "p_upper") / beyond(2.0, 0.8, 0.1) - 1.0).abs() < 1e-6);
 }

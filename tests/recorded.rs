@@ -262,7 +262,10 @@ fn sobol_indices_of_recorded_results_are_those_of_a_product() {
     for (input, own, other) in [("c", of_c, of_k), ("k", of_k, of_c)] {
         for (kind, expected) in [("first_order", own / whole), ("total", 1.0 - other / whole)] {
             let [value, error] = index("damping_ratio", &format!("{kind}_{input}"));
-            assert!((value - expected).abs() < 4.0 * error && error < 0.02, "{kind} {input}: {value} {error} {expected}");
+            assert!(
+                (value - expected).abs() < 4.0 * error && error < 0.02,
+                "{kind} {input}: {value} {error} {expected}"
+            );
         }
     }
     // The undamped frequency is that of k alone, up to the square of the damping ratio.

@@ -3,6 +3,7 @@
 //! This is the oracle that closed forms are tested against, and the way to eigenvalues where no closed form
 //! exists.
 
+use faer::MatRef;
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 use thiserror::Error;
@@ -56,6 +57,33 @@ pub enum EigenvalueError {
 /// # Ok::<(), stickslip_core::numerics::eigenvalues::EigenvalueError>(())
 /// ```
 pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Eigenvalue>, EigenvalueError> {
+    let Some((scaled, scale)) = balanced(matrix)? else {
+        return Ok(vec![Eigenvalue::new(0.0, 0.0); matrix.nrows()]);
+    };
+    let sweeps = SWEEPS_PER_ROW * matrix.nrows();
+    let schur = (0..ATTEMPTS)
+        .find_map(|attempt| Schur::try_new(reflected(&scaled, attempt), f64::EPSILON, sweeps))
+        .ok_or(EigenvalueError::NotConverged { sweeps })?;
+    let mut values: Vec<Eigenvalue> = schur.complex_eigenvalues().iter().map(|value| value * scale).collect();
+    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    Ok(values)
+}
+
+/// The eigenvalues of a square matrix in any order, three times faster than [`eigenvalues`] for large ones, but with last bits
+/// that depend on the processor: for what does not rest on these. With them the size of the balanced matrix, in the unit of
+/// the eigenvalues, to which their errors are relative. `None` where they cannot be computed.
+#[must_use]
+pub fn fast_eigenvalues(matrix: &DMatrix<f64>) -> Option<(Vec<Eigenvalue>, f64)> {
+    let (scaled, scale) = balanced(matrix).ok()??;
+    let entries = MatRef::from_column_major_slice(scaled.as_slice(), scaled.nrows(), scaled.ncols());
+    let values = entries.eigenvalues().ok()?;
+    let is_finite = values.iter().all(|value| value.re.is_finite() && value.im.is_finite());
+    let values = values.into_iter().map(|value| Eigenvalue::new(value.re, value.im) * scale).collect();
+    is_finite.then(|| (values, scaled.norm() * scale))
+}
+
+/// A matrix that is scaled by a power of two and balanced, and the power; nothing for one of zeros.
+fn balanced(matrix: &DMatrix<f64>) -> Result<Option<(DMatrix<f64>, f64)>, EigenvalueError> {
     for column in 0..matrix.ncols() {
         for row in 0..matrix.nrows() {
             if !matrix[(row, column)].is_finite() {
@@ -65,18 +93,12 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Eigenvalue>, EigenvalueE
     }
     let largest = matrix.amax();
     if largest == 0.0 {
-        return Ok(vec![Eigenvalue::new(0.0, 0.0); matrix.nrows()]);
+        return Ok(None);
     }
     let scale = power_of_two_near(largest);
     let mut scaled = matrix / scale;
     balance_parlett_reinsch(&mut scaled);
-    let sweeps = SWEEPS_PER_ROW * matrix.nrows();
-    let schur = (0..ATTEMPTS)
-        .find_map(|attempt| Schur::try_new(reflected(&scaled, attempt), f64::EPSILON, sweeps))
-        .ok_or(EigenvalueError::NotConverged { sweeps })?;
-    let mut values: Vec<Eigenvalue> = schur.complex_eigenvalues().iter().map(|value| value * scale).collect();
-    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
-    Ok(values)
+    Ok(Some((scaled, scale)))
 }
 
 /// The matrix as it is, or, for further attempts, in coordinates that are reflected at a plane: `H A H` with
@@ -119,6 +141,26 @@ mod tests {
             assert!((value.re.abs() - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12, "{value}");
             assert!((value.im.abs() - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12, "{value}");
         }
+    }
+
+    #[test]
+    fn fast_eigenvalues_are_the_same_up_to_rounding() {
+        for size in [2, 3, 17, 80, 150] {
+            let mut state = size as u64;
+            let matrix = DMatrix::from_fn(size, size, |row, column| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                let number = (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
+                number * 10_f64.powi((row % 5) as i32 - (column % 5) as i32)
+            });
+            let exact = eigenvalues(&matrix).unwrap();
+            let (fast, norm) = fast_eigenvalues(&matrix).unwrap();
+            assert_eq!(fast.len(), size);
+            for value in exact {
+                let nearest = fast.iter().map(|other| (other - value).norm()).fold(f64::INFINITY, f64::min);
+                assert!(nearest < 1e-11 * norm, "{size}: {value} {nearest} {norm}");
+            }
+        }
+        assert_eq!(fast_eigenvalues(&DMatrix::from_element(2, 2, f64::NAN)), None);
     }
 
     #[test]

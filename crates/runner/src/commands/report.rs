@@ -22,7 +22,8 @@ pub fn report(arguments: &ReportArguments, interrupt: &Interrupt) -> Result<(), 
         (None, [run]) => run.join("report.html"),
         (None, _) => "report.html".into(),
     };
-    let mut runs: Vec<ReportedRun> = arguments.runs.iter().map(|run| ReportedRun::read(run)).collect::<Result<_, _>>()?;
+    let mut runs: Vec<ReportedRun> =
+        arguments.runs.iter().map(|run| ReportedRun::read(run)).collect::<Result<_, _>>()?;
     let (directory, name) = output_file(&out)?;
     for run in &mut runs {
         let pictures = pictures_of_modes(&run.values.job, arguments.threads.count(), interrupt)?;

@@ -222,8 +222,9 @@ impl Family<'_, '_> {
             }
         }
         if draft.boundary().is_some_and(|boundary| boundary == Boundary::Verdicts) {
-            let message =
-                format!("{because} need criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or a model given by matrices");
+            let message = format!(
+                "{because} need criterion.kind = \"eigenvalue\", whose boundary is known in closed form, or a model given by matrices"
+            );
             let span = draft.criterion_span().unwrap_or_else(|| first.span.clone());
             self.complaints.push(Complaint::at(span, message));
         }

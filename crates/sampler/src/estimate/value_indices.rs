@@ -157,7 +157,11 @@ mod tests {
         let totals = sums.map(|sums| totals(&sums));
         let found = totals.map(|totals| indices(&totals).unwrap());
         assert_eq!([found[0].first_order, found[0].total, found[2].total], [1.0, 1.0, 0.0]);
-        assert!(totals.iter().all(|totals| (380..500).contains(&left_out(totals))), "{:?}", totals.map(|t| left_out(&t)));
+        assert!(
+            totals.iter().all(|totals| (380..500).contains(&left_out(totals))),
+            "{:?}",
+            totals.map(|t| left_out(&t))
+        );
     }
 
     #[test]

@@ -8,10 +8,19 @@ use super::quadratic::{DenseQuadratic, Quadratic};
 use super::region::{Region, damping_ratio, excess, magnitude};
 use super::series::{FOLLOWED, ModeSeries};
 use super::two_coordinates;
-use crate::numerics::eigenvalues::Eigenvalue;
+use crate::numerics::eigenvalues::{Eigenvalue, fast_eigenvalues};
 
 /// Relative rounding of eigenvalues of the series, in parts of the unit of frequency.
 const ROUNDING: f64 = 1e-11;
+
+/// Coordinates from which on eigenvalues by vector instructions save time.
+const LARGE: usize = 24;
+
+/// How far from the edge of a region eigenvalues count with any last bits, in parts of themselves and of the norm of the
+/// matrix: some thousand times the change of a pair that is about to couple with another, whose eigenvalues move by the root of
+/// the rounding.
+const CLEAR: f64 = 1e-4;
+const CLEAR_OF_NORM: f64 = 1e-9;
 
 /// Decides samples of a problem about an origin.
 pub struct Decider<'a> {
@@ -79,8 +88,24 @@ impl<'a> Decider<'a> {
                 }
             }
         }
-        let all = self.problem.at(coefficients).eigenvalues().ok()?;
+        let problem = self.problem.at(coefficients);
+        if let Some(told) = self.clear(&problem) {
+            return Some((told, Way::All));
+        }
+        let all = problem.eigenvalues().ok()?;
         Some((all.iter().any(|value| self.contains(*value)), Way::All))
+    }
+
+    /// Whether a sample is unstable by eigenvalues whose last bits depend on the processor; `None` for small problems, for
+    /// which they save no time, and where one of them is so near to the edge of a region that more than last bits matter.
+    fn clear(&self, problem: &Quadratic) -> Option<bool> {
+        if problem.stiffness.nrows() < LARGE {
+            return None;
+        }
+        let (all, norm) = fast_eigenvalues(&problem.companion())?;
+        let told = all.into_iter().map(|value| self.sure(value, CLEAR * magnitude(value) + CLEAR_OF_NORM * norm));
+        let told: Vec<Option<bool>> = told.collect();
+        if told.contains(&Some(true)) { Some(true) } else { told.iter().all(Option::is_some).then_some(false) }
     }
 
     fn contains(&self, eigenvalue: Eigenvalue) -> bool {
@@ -329,6 +354,43 @@ mod tests {
                 assert_eq!(found, Some((expected, Way::ClosedForm)), "{friction}");
             }
         }
+    }
+
+    /// A chain of masses with friction between neighbours: eigenvalues by vector instructions tell what all eigenvalues tell, and
+    /// nothing where the threshold is at one of them.
+    #[test]
+    fn large_problems_are_decided_by_fast_eigenvalues_where_these_are_clear() {
+        let size = LARGE + 6;
+        let (mut clear, mut unstable) = (0, 0);
+        for seed in 0..60 {
+            let mut numbers = Numbers(seed);
+            let frequency: Vec<f64> = (0..size).map(|_| 1.0 + 0.4 * numbers.next()).collect();
+            let diagonal = DMatrix::from_diagonal(
+                &frequency.iter().map(|frequency| frequency * frequency).collect::<Vec<_>>().into(),
+            );
+            let friction = DMatrix::from_fn(size, size, |i, j| if i == j { 0.0 } else { 0.01 * numbers.normal() });
+            let damping = DMatrix::identity(size, size) * 0.01;
+            let problem =
+                DenseQuadratic::new(&DMatrix::identity(size, size), &[damping], &[diagonal, friction], &[1.0; 3])
+                    .unwrap();
+            let region = Region { lowest: 0.1, highest: 10.0, damping_ratio: 0.0 }.in_unit(problem.unit());
+            for friction in [0.1, 0.3, 0.5, 1.0] {
+                let quadratic = problem.at(&[1.0, 1.0, friction]);
+                let all = quadratic.eigenvalues().unwrap();
+                let expected = all.iter().any(|value| region.contains(*value));
+                let decider = Decider::new(&problem, std::slice::from_ref(&region), None);
+                let told = decider.clear(&quadratic);
+                assert!(told.is_none_or(|told| told == expected), "{seed} {friction}");
+                assert_eq!(decider.is_unstable(&[1.0, 1.0, friction]), Some((expected, Way::All)));
+                (clear, unstable) = (clear + usize::from(told.is_some()), unstable + usize::from(expected));
+                let oscillating = all.iter().filter(|value| value.im > 0.0);
+                let least = oscillating.map(|value| damping_ratio(*value)).fold(f64::INFINITY, f64::min);
+                let at_the_threshold = Region { damping_ratio: least, ..region };
+                let decider = Decider::new(&problem, std::slice::from_ref(&at_the_threshold), None);
+                assert_eq!(decider.clear(&quadratic), None, "{seed} {friction}");
+            }
+        }
+        assert!(clear > 200 && (40..200).contains(&unstable), "{clear} {unstable}");
     }
 
     /// Two close modes that friction alone couples, and a third far off: nothing but their coupling changes, so that vectors of
