@@ -38,7 +38,9 @@ impl Place for DensePlace {
             let upper = (0..basis.eigenvalues.len()).filter(|&place| basis.eigenvalues[place].im >= 0.0);
             let pair = |place: usize| {
                 let (right, left) = (basis.right.column(place), basis.left.row(place));
-                self.problem.pair(basis.eigenvalues[place], right, &left)
+                let eigenvalue = basis.eigenvalues[place];
+                let slope = left.dot(&self.problem.derivative_times(eigenvalue, &right));
+                self.problem.pair(eigenvalue, slope, right, &left)
             };
             return Ok(upper.map(pair).collect());
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
-use super::quadratic::{DenseQuadratic, Quadratic, product, transposed_product};
+use super::quadratic::{DenseQuadratic, Quadratic, transposed_product};
 use super::region::{magnitude, square_root};
 use crate::numerics::eigenvalues::Eigenvalue;
 
@@ -87,7 +87,12 @@ impl Split {
 
     /// The product with a vector from the right.
     pub(super) fn times_vector(&self, vector: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        product(&self.re, vector) + product(&self.im, vector) * Complex::i()
+        let mut sum = DVector::zeros(self.re.nrows());
+        for ((re, im), x) in self.re.column_iter().zip(self.im.column_iter()).zip(vector.iter()) {
+            let entries = re.as_slice().iter().zip(im.as_slice());
+            sum.iter_mut().zip(entries).for_each(|(sum, (re, im))| *sum += x * Complex::new(*re, *im));
+        }
+        sum
     }
 
     /// The transpose times a vector.

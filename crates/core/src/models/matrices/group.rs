@@ -139,7 +139,7 @@ impl Group {
     /// The right and the left vector of an eigenvalue, in the basis of the origin, with an error of third order.
     pub(super) fn vectors(
         &self,
-        orders: &Orders<'_>,
+        orders: impl FnOnce() -> [Vec<Complex<f64>>; 4],
         eigenvalue: Eigenvalue,
         monomials: &Monomials,
     ) -> Option<[DVector<Complex<f64>>; 2]> {
@@ -150,21 +150,30 @@ impl Group {
             side[0].add_to(&mut columns, all.clone(), &monomials.first);
             side[1].add_to(&mut columns, all, &monomials.second);
             let count = columns.len() / self.modes.len();
-            let mut vector = ComplexMatrix::from_vec(count, self.modes.len(), columns) * own;
+            let mut vector = match self.modes.len() {
+                1 => DVector::from_vec(columns),
+                own_modes => ComplexMatrix::from_vec(count, own_modes, columns) * own,
+            };
             self.modes.iter().zip(own.iter()).for_each(|(&mode, value)| vector[mode] += value);
             vector
         };
         Some([vector(&self.sides[0], &right), vector(&self.sides[1], &left)])
     }
 
-    /// The vectors of an eigenvalue of the pencil `P - lambda N` from both sides, by inverse iteration.
-    fn own_vectors(&self, orders: &Orders<'_>, eigenvalue: Eigenvalue) -> Option<[DVector<Complex<f64>>; 2]> {
+    /// The vectors of an eigenvalue of the pencil `P - lambda N` from both sides, by inverse iteration; 1 of a single mode.
+    fn own_vectors(
+        &self,
+        orders: impl FnOnce() -> [Vec<Complex<f64>>; 4],
+        eigenvalue: Eigenvalue,
+    ) -> Option<[DVector<Complex<f64>>; 2]> {
         let own = self.modes.len();
         let start = DVector::from_element(own, Complex::from(1.0));
         if own == 1 {
             return Some([start.clone(), start]);
         }
-        let [p, n] = self.pencil(orders);
+        let orders = orders();
+        let [p @ .., n] = orders.each_ref().map(Vec::as_slice);
+        let [p, n] = self.pencil(&Orders { p, n });
         // Not exactly at the eigenvalue, where the matrix is singular.
         let shifted = p - n * (eigenvalue * (1.0 + ROUNDING));
         let iterate = |matrix: ComplexMatrix| {

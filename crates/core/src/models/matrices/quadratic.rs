@@ -201,8 +201,11 @@ impl Quadratic {
 
 /// A real matrix times a complex vector.
 pub(super) fn product(matrix: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    let (re, im) = (matrix * x.map(|value| value.re), matrix * x.map(|value| value.im));
-    re.zip_map(&im, Complex::new)
+    let mut sum = DVector::zeros(matrix.nrows());
+    for (column, x) in matrix.as_slice().chunks_exact(matrix.nrows().max(1)).zip(x.iter()) {
+        sum.iter_mut().zip(column).for_each(|(sum, entry)| *sum += x * *entry);
+    }
+    sum
 }
 
 /// The transpose of a real matrix times a complex vector.

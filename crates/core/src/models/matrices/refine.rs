@@ -34,10 +34,11 @@ impl Quadratic {
                 right = unit(solver.solve(self.derivative_times(shift, &right))?)?;
                 left = unit(solver.solve_transposed(self.transposed_derivative_times(shift, &left))?)?;
                 let before = eigenvalue;
-                (eigenvalue, _) = root_near(eigenvalue, self.forms(&left, &right))?;
+                let slope;
+                (eigenvalue, slope) = root_near(eigenvalue, self.forms(&left, &right))?;
                 let (change, size) = (magnitude(eigenvalue - before), magnitude(eigenvalue));
                 if change <= MOST_ROUNDING * size {
-                    let pair = self.pair(eigenvalue, right.clone(), &left);
+                    let pair = self.pair(eigenvalue, slope, right.clone(), &left);
                     if change <= (CONVERGED * size).max(pair.error) {
                         return (pair.error <= MOST_ROUNDING * size).then_some(pair);
                     }
@@ -47,15 +48,16 @@ impl Quadratic {
         None
     }
 
-    /// A pair of these vectors, scaled as those of pairs are.
+    /// A pair of these vectors, scaled as those of pairs are; `slope` is `y^T Q'(lambda) x`.
     pub(super) fn pair(
         &self,
         eigenvalue: Eigenvalue,
+        slope: Complex<f64>,
         mut right: DVector<Complex<f64>>,
         left: &DVector<Complex<f64>>,
     ) -> Pair {
+        let scale = slope / norm(right.as_slice());
         normalise(right.as_mut_slice());
-        let scale = left.dot(&self.derivative_times(eigenvalue, &right));
         let size = magnitude(eigenvalue);
         let entries = size * size + size * self.damping.amax() + self.stiffness.amax();
         let left: Vec<Complex<f64>> = left.iter().map(|value| value / scale).collect();

@@ -192,12 +192,11 @@ impl ModeSeries {
     /// The pair of a followed eigenvalue of the problem with these coefficients, from its vectors of second order.
     pub(super) fn pair(&self, problem: &Quadratic, monomials: &Monomials, followed: &Followed) -> Option<Pair> {
         let group = &self.groups[followed.group];
-        let orders = self.orders(monomials, group.entries.clone());
-        let [p @ .., n] = orders.each_ref().map(Vec::as_slice);
-        let [right, left] = group.vectors(&Orders { p, n }, followed.eigenvalue, monomials)?;
+        let orders = || self.orders(monomials, group.entries.clone());
+        let [right, left] = group.vectors(orders, followed.eigenvalue, monomials)?;
         let [right, left] = [self.basis.right.times_vector(&right), self.basis.left.transposed_times_vector(&left)];
-        let (eigenvalue, _) = root_near(followed.eigenvalue, problem.forms(&left, &right))?;
-        let mut pair = problem.pair(eigenvalue, right, &left);
+        let (eigenvalue, slope) = root_near(followed.eigenvalue, problem.forms(&left, &right))?;
+        let mut pair = problem.pair(eigenvalue, slope, right, &left);
         // The distance from what the series has is of a lower order than the error that is left.
         let distance = magnitude(eigenvalue - followed.eigenvalue);
         pair.error += followed.radius_of_vectors.max(SAFETY_OF_VECTORS * distance);
