@@ -1,5 +1,7 @@
 //! `check`: validates a job and estimates its cost.
 
+use std::time::Instant;
+
 use indicatif::HumanCount;
 use serde_json::{Value, json};
 use stickslip_core::model::quantity::{Quantity, Role};
@@ -31,6 +33,7 @@ struct Cost {
 
 /// `stickslip check`.
 pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
+    let begun = Instant::now();
     let source = JobSource::read(&arguments.job)?;
     if source.is_imprecise() {
         return bounds::check(&source, arguments.json);
@@ -44,13 +47,17 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let engine = Engine::new(if arguments.nodes.is_some() { threads.min(here) } else { threads })?;
     let mut evaluator = Evaluator::new(&job)?;
     let cost = match (job.uses_maps(), job.draws_samples()) {
-        (true, _) => cost_of_maps(&mut evaluator, &engine, threads)?,
+        (true, _) => cost_of_maps(&mut evaluator, &engine, threads, begun)?,
         (false, false) => {
-            let text = "# no samples: the boundary is known in closed form\n".to_owned();
+            let how = match job.integrated() {
+                Some(place) => format!("critical values of {} are found instead", job.quantity(place).name),
+                None => "the boundary is known in closed form".to_owned(),
+            };
+            let text = format!("# no samples: {how}\n");
             Cost { text, sample: 0.0, error: 0.0, load: None }
         }
         (false, true) => {
-            let trial = engine.try_samples(&evaluator)?;
+            let trial = engine.try_samples(&evaluator, begun)?;
             let load = load_of(&job, evaluator.parts(), &trial);
             Cost {
                 text: cost_of_samples(&job, &trial, threads),
@@ -151,7 +158,13 @@ fn short_name(quantity: &Quantity) -> &str {
 fn cost_of_samples(job: &Job, trial: &SampleTrial, threads: usize) -> String {
     let on = counted(threads as u128, "thread", "threads");
     let rate = rate(1.0 / trial.cost.max(1e-12));
-    let measured = format!("on {on} ({rate} samples/s on one, measured now)");
+    let measured = match trial.unfinished {
+        None => format!("on {on} ({rate} samples/s on one, measured now)"),
+        Some(after) => {
+            let what = if job.answer().is_of_rare_events() { "population" } else { "sample" };
+            format!("on {on}, and much more: no {what} was finished in {:.1} seconds of measuring", after.as_secs_f64())
+        }
+    };
     let unit = job.unit_samples().min(job.sampling.samples);
     let total = counted(job.total_samples(), "sample", "samples");
     let time = |samples: f64, error: f64| SampleTrial { error, ..*trial }.time(samples, unit, threads);
@@ -169,11 +182,16 @@ fn cost_of_samples(job: &Job, trial: &SampleTrial, threads: usize) -> String {
 }
 
 /// The cost of verdict maps, estimated from some of their tiles, and whether a run will use them.
-fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine, threads: usize) -> Result<Cost, Failure> {
+fn cost_of_maps(
+    evaluator: &mut Evaluator<'_>,
+    engine: &Engine,
+    threads: usize,
+    begun: Instant,
+) -> Result<Cost, Failure> {
     let job = evaluator.job();
     engine.limit_maps(evaluator)?;
     let tiles = evaluator.maps().needed() as u64;
-    let trial = engine.try_maps(evaluator)?;
+    let trial = engine.try_maps(evaluator, begun)?;
     let share = tiles as f64 / trial.tiles.max(1) as f64;
     let [simulations, cost] = [trial.simulations, trial.cost].map(|count| (count as f64 * share) as u64);
     let seconds = trial.seconds * share / threads as f64;
@@ -182,7 +200,10 @@ fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine, threads: usize) 
     let (map_time, about, unfinished) = match trial.unfinished {
         0 => (map_time, "about", String::new()),
         unfinished => {
-            (map_time.at_least(), "at least", format!(", {} of which took too long to finish", HumanCount(unfinished)))
+            let more =
+                if 2 * unfinished > trial.tiles { ", so that the whole may take many times as long" } else { "" };
+            let unfinished = HumanCount(unfinished);
+            (map_time.at_least(), "at least", format!(", {unfinished} of which took too long to finish{more}"))
         }
     };
     let map = format!(
@@ -192,7 +213,7 @@ fn cost_of_maps(evaluator: &mut Evaluator<'_>, engine: &Engine, threads: usize) 
         HumanCount(trial.tiles),
         counted(threads as u128, "thread", "threads"),
     );
-    let samples = engine.try_samples(&Evaluator::new(job)?)?;
+    let samples = engine.try_samples(&Evaluator::new(job)?, begun)?;
     let audit_samples = job.audited_samples();
     let audit_time = samples.time(audit_samples as f64, BLOCK_SAMPLES, threads);
     let audit = format!("{} for its audit, {audit_time}", counted(audit_samples, "simulation", "simulations"));

@@ -1,5 +1,7 @@
 //! Among how many processes a job is shared, by what it costs.
 
+use std::time::Instant;
+
 use crate::evaluate::evaluator::Evaluator;
 use crate::evaluate::parts::Parts;
 use crate::failure::Failure;
@@ -46,7 +48,7 @@ pub fn units_of_work(job: &Job, tally: &Tally) -> u64 {
 
 /// What the missing samples of a job cost, measured on some of them.
 pub fn cost_of_samples(job: &Job, tally: &Tally, engine: &Engine) -> Result<WorkToShare, Failure> {
-    let trial = engine.try_samples(&Evaluator::new(job)?)?;
+    let trial = engine.try_samples(&Evaluator::new(job)?, Instant::now())?;
     let missing = (job.total_samples() - tally.counted()) as f64;
     let simulated = seconds_of(&trial, job, missing);
     let seconds = match job.uses_maps() {
@@ -69,7 +71,7 @@ fn seconds_of(trial: &SampleTrial, job: &Job, missing: f64) -> f64 {
 pub fn cost_of_maps(job: &Job, engine: &Engine) -> Result<WorkToShare, Failure> {
     let mut evaluator = Evaluator::new(job)?;
     engine.limit_maps(&mut evaluator)?;
-    let trial = engine.try_maps(&evaluator)?;
+    let trial = engine.try_maps(&evaluator, Instant::now())?;
     let tiles = evaluator.maps().needed() as u64;
     Ok(WorkToShare { seconds: trial.seconds * tiles as f64 / trial.tiles.max(1) as f64, units: tiles })
 }

@@ -39,6 +39,15 @@ pub fn populations(job: &Job) -> usize {
     }
 }
 
+/// How many searches for populations a job makes for each sample: each sample is one, or samples are drawn where few have led;
+/// 1 in jobs without populations.
+pub fn searches_per_sample(job: &Job) -> f64 {
+    match job.answer() {
+        Answer::Weight => job.cells() as f64 * populations(job) as f64 / job.total_samples() as f64,
+        _ => 1.0,
+    }
+}
+
 /// Where the samples of a job are drawn.
 #[derive(Debug)]
 pub struct RareEvents {

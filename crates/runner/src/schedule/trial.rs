@@ -12,16 +12,22 @@ use stickslip_core::model::IsStopped;
 
 use crate::evaluate::control::Control;
 use crate::evaluate::evaluator::Evaluator;
+use crate::evaluate::rare_events::searches_per_sample;
 use crate::evaluate::tiles::{MapTrial, cost_of};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::job::Answer;
 use crate::schedule::engine::{Engine, Event, Link};
 use crate::schedule::spread::Spread;
 use crate::schedule::time_left::{Mean, Prediction, RateMeter};
 
-/// Shortest and longest time of a trial.
+/// Shortest and longest time of a trial, and when the last one ends after a command began.
 const SHORTEST: Duration = Duration::from_millis(600);
-const LONGEST: Duration = Duration::from_secs(3);
+const LONGEST: Duration = Duration::from_millis(2500);
+const LAST: Duration = Duration::from_millis(3800);
+
+/// Samples of rare events that are tried where they are placed.
+const PLACED_SAMPLES: u64 = 200;
 
 /// A trial ends when the relative standard error of the mean cost is this small.
 const ENOUGH: f64 = 0.07;
@@ -57,6 +63,8 @@ pub struct SampleTrial {
     pub error: f64,
     /// What is expected of the cells of a job with looks.
     pub until_stop: Option<UntilStop>,
+    /// After which time no sample was finished, if none was: then the cost is the least that it can be.
+    pub unfinished: Option<Duration>,
 }
 
 /// What is expected of the cells of a job with looks.
@@ -77,35 +85,50 @@ struct Batch {
 }
 
 impl Engine {
-    /// Measures the cost of samples from all over a job.
-    pub fn try_samples(&self, evaluator: &Evaluator<'_>) -> Result<SampleTrial, Failure> {
+    /// Measures the cost of samples from all over a job, for a command that began then.
+    pub fn try_samples(&self, evaluator: &Evaluator<'_>, begun: Instant) -> Result<SampleTrial, Failure> {
         let places = Places::new(evaluator);
+        let until = end_of_trial(begun);
+        if evaluator.job().answer() == Answer::Weight {
+            return Ok(places.try_placed(evaluator, until));
+        }
         // Some criteria compute tables when they are first used, which a whole run does once.
-        let begun = Instant::now();
-        places.count(evaluator, 0, 1, &|| begun.elapsed() >= LONGEST);
+        let started = Instant::now();
+        let first = places.count(evaluator, 0, 1, &|| Instant::now() >= until);
+        let took = started.elapsed();
+        if first.is_none() {
+            return Ok(SampleTrial { cost: took.as_secs_f64(), unfinished: Some(took), ..SampleTrial::default() });
+        }
+        if Instant::now() >= until {
+            return Ok(SampleTrial { cost: took.as_secs_f64(), error: FROM_FEW, ..SampleTrial::default() });
+        }
         let is_simulated = evaluator.job().model().simulation().is_some();
         let mut trial = SampleTrial::default();
         if !is_simulated || evaluator.parts().looks().is_some() {
-            trial = self.try_batches(evaluator, &places)?;
+            trial = self.try_batches(evaluator, &places, until)?;
+            if trial.cost == 0.0 {
+                trial.cost = took.as_secs_f64();
+            }
         }
         if is_simulated {
             // Simulations of different cells share the lanes, so that batches by themselves take longer.
-            (trial.cost, trial.error) = self.try_stream(evaluator, &places)?;
+            (trial.cost, trial.error) = self.try_stream(evaluator, &places, until)?;
         }
         Ok(trial)
     }
 
     /// The cost of samples in batches, each evaluated by itself.
-    fn try_batches(&self, evaluator: &Evaluator<'_>, places: &Places) -> Result<SampleTrial, Failure> {
+    fn try_batches(&self, evaluator: &Evaluator<'_>, places: &Places, until: Instant) -> Result<SampleTrial, Failure> {
         let looks = evaluator.parts().looks();
         let least = if looks.is_some() { LEAST_FOR_STOP.min(places.most) } else { 1 };
-        let samples = places.samples_of_a_batch(evaluator).max(least);
+        let is_late = || Instant::now() >= until;
+        let samples = places.samples_of_a_batch(evaluator, &is_late).max(least);
         let started = Instant::now();
         let is_enough = AtomicBool::new(false);
         let turn = AtomicU64::new(0);
         let work = |link: &Link<'_, Batch>| {
-            while !is_enough.load(Ordering::Relaxed) && started.elapsed() < LONGEST {
-                let batch = places.count(evaluator, turn.fetch_add(1, Ordering::Relaxed), samples, &|| false);
+            while !is_enough.load(Ordering::Relaxed) && !is_late() {
+                let batch = places.count(evaluator, turn.fetch_add(1, Ordering::Relaxed), samples, &is_late);
                 batch.into_iter().for_each(|batch| link.send(batch));
             }
         };
@@ -128,19 +151,19 @@ impl Engine {
         let error = |costs: &Mean| if costs.count() < LEAST_BATCHES { FROM_FEW } else { costs.relative_error() };
         let mean = |costs: &Mean| costs.sum() / costs.count().max(1) as f64;
         let cost = mean(&costs) / samples as f64;
-        let until_stop = looks.map(|_| UntilStop {
+        let until_stop = looks.filter(|_| cost > 0.0).map(|_| UntilStop {
             samples: mean(&ends),
             samples_by_cost: mean(&costs_to_stop) / cost,
             error: error(&costs_to_stop),
         });
-        Ok(SampleTrial { cost, error: error(&costs), until_stop })
+        Ok(SampleTrial { cost, error: error(&costs), until_stop, unfinished: None })
     }
 
     /// The cost of a sample in a stream of samples from all over the job, and its relative standard error.
-    fn try_stream(&self, evaluator: &Evaluator<'_>, places: &Places) -> Result<(f64, f64), Failure> {
+    fn try_stream(&self, evaluator: &Evaluator<'_>, places: &Places, until: Instant) -> Result<(f64, f64), Failure> {
         let started = Instant::now();
         let is_enough = AtomicBool::new(false);
-        let is_over = || is_enough.load(Ordering::Relaxed) || started.elapsed() >= LONGEST;
+        let is_over = || is_enough.load(Ordering::Relaxed) || Instant::now() >= until;
         let turn = AtomicU64::new(0);
         let samples = places.most.min(STREAM_SAMPLES);
         let work = |link: &Link<'_, u64>| {
@@ -174,11 +197,13 @@ impl Engine {
 
     /// Resolves some of the missing tiles, evenly spread, to estimate the cost of all. Tiles that take too long are
     /// dropped.
-    pub fn try_maps(&self, evaluator: &Evaluator<'_>) -> Result<MapTrial, Failure> {
+    pub fn try_maps(&self, evaluator: &Evaluator<'_>, begun: Instant) -> Result<MapTrial, Failure> {
         let missing = evaluator.maps().missing();
+        // Samples are tried after them.
+        let until = end_of_trial(begun) - SHORTEST;
         let started = Instant::now();
         let is_enough = AtomicBool::new(false);
-        let is_over = || started.elapsed() >= LONGEST;
+        let is_over = || Instant::now() >= until;
         let work = |turn: u64, _: IsStopped<'_>| {
             if is_enough.load(Ordering::Relaxed) || is_over() {
                 return None;
@@ -217,6 +242,12 @@ impl Engine {
     }
 }
 
+/// When a trial ends that starts now.
+fn end_of_trial(begun: Instant) -> Instant {
+    let now = Instant::now();
+    (now + LONGEST).min(begun + LAST).max(now + SHORTEST)
+}
+
 /// The samples of a trial: some of each of many parts, from all over the job.
 struct Places {
     order: Spread,
@@ -253,18 +284,49 @@ impl Places {
         Some(Batch { seconds: begun.elapsed().as_secs_f64(), counts: unit.counts })
     }
 
+    /// The cost of samples of rare events with that of the searches for their places, which is that of a search for a
+    /// population of a cell.
+    fn try_placed(&self, evaluator: &Evaluator<'_>, until: Instant) -> SampleTrial {
+        let started = Instant::now();
+        let is_late = || Instant::now() >= until;
+        let parts = evaluator.parts();
+        let timed = |part: u64, samples: Range<u64>| {
+            let begun = Instant::now();
+            evaluator.count(part, samples, &is_late).map(|_| begun.elapsed().as_secs_f64())
+        };
+        let cells = Spread::over(parts.cells());
+        let (mut searches, mut samples) = (Mean::default(), Mean::default());
+        let more = PLACED_SAMPLES.min(self.most - 1);
+        for cell in (0..parts.cells()).map_while(|turn| cells.at(turn)).take_while(|_| !is_late()) {
+            let part = parts.in_cell(cell).start;
+            let Some(search) = timed(part, 0..1) else { break };
+            searches.add(search);
+            let Some(seconds) = timed(part, 1..1 + more) else { break };
+            samples.add(seconds / more.max(1) as f64);
+        }
+        let mean = |costs: &Mean| costs.sum() / costs.count().max(1) as f64;
+        let per_sample = searches_per_sample(evaluator.job());
+        if searches.count() == 0 {
+            let cost = started.elapsed().as_secs_f64() * per_sample;
+            return SampleTrial { cost, unfinished: Some(started.elapsed()), ..SampleTrial::default() };
+        }
+        let error = if searches.count() < LEAST_BATCHES { FROM_FEW } else { searches.relative_error() };
+        let cost = mean(&searches) * per_sample + mean(&samples);
+        SampleTrial { cost, error, until_stop: None, unfinished: None }
+    }
+
     /// How many samples take the time of a batch.
-    fn samples_of_a_batch(&self, evaluator: &Evaluator<'_>) -> u64 {
+    fn samples_of_a_batch(&self, evaluator: &Evaluator<'_>, is_late: IsStopped<'_>) -> u64 {
         let mut samples = 1;
         let started = Instant::now();
         for turn in 0.. {
             // A single sample may cost far more than most.
-            let tried = (0..3).filter_map(|i| self.count(evaluator, 3 * turn + i, samples, &|| false));
+            let tried = (0..3).filter_map(|i| self.count(evaluator, 3 * turn + i, samples, is_late));
             let tried = tried.map(|batch| batch.seconds);
             let seconds = tried.fold(f64::INFINITY, f64::min);
             let affordable = samples as f64 * BATCH.as_secs_f64() / seconds.max(1e-9);
             let next = self.most.min(affordable.min(4.0 * samples as f64) as u64).max(1);
-            if next <= samples || started.elapsed() >= SHORTEST {
+            if next <= samples || started.elapsed() >= SHORTEST || is_late() {
                 break;
             }
             samples = next;
@@ -278,6 +340,9 @@ impl SampleTrial {
     /// How long samples take on all threads, if a thread computes up to `unit` of them one after the other.
     pub fn time(&self, samples: f64, unit: u64, threads: usize) -> Prediction {
         let seconds = samples * self.cost / threads as f64;
+        if self.unfinished.is_some() {
+            return Prediction::AtLeast(seconds);
+        }
         Prediction::from_rate(seconds.max(samples.min(unit as f64) * self.cost), self.error)
     }
 }
