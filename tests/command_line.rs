@@ -335,7 +335,7 @@ fn check_shows_a_job_that_can_itself_be_submitted() {
         let checked = place.run(&format!("check {job}")).done();
         assert!(!checked.stderr.contains("warning"), "{}", checked.stderr);
         let normalised = checked.stdout;
-        let costs = ["samples/s on one, measured now", "no samples: the boundary is known in closed form"];
+        let costs = ["samples/s on one, measured now", "# no samples: "];
         assert!(costs.iter().any(|cost| normalised.contains(cost)), "{normalised}");
         place.write("normalised.toml", &normalised);
         let again = place.run("check normalised.toml").done().stdout;

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use serde::Deserialize;
 use stickslip_core::model::Model;
-use stickslip_core::model::quantity::{Limits, Quantity};
+use stickslip_core::model::quantity::Quantity;
 use stickslip_core::models::matrices::model::{BAND, ComplexEigenvalue, MatrixModel, quantities};
 use stickslip_core::models::matrices::problem::{Problem, Solver};
 use stickslip_core::models::matrices::recorded::PairResult;
@@ -17,9 +17,8 @@ use toml_edit::DocumentMut;
 
 use self::assemble::ReadModel;
 use self::checks::Mode;
-use self::spec::{
-    DescribedParameter, MatrixCriterionSpec, MatrixKind, MatrixModelSpec, PairRecord, ParameterSpec, SolvedMatrices,
-};
+use self::parameters::{parameter, written_parameter};
+use self::spec::{MatrixCriterionSpec, MatrixKind, MatrixModelSpec, PairRecord, SolvedMatrices};
 use self::terms::{FileTerm, TermSpec, TermsSpec};
 use crate::job::axes::values;
 use crate::job::axes_spec::{AxesSpec, AxisEntry};
@@ -34,6 +33,8 @@ use crate::job::reduction::Reduction;
 pub mod terms;
 
 mod spec;
+
+mod parameters;
 
 mod checks;
 
@@ -99,45 +100,6 @@ impl MatrixDraft {
     fn spec(&self) -> Option<&MatrixCriterionSpec> {
         self.tables.criterion.as_ref().map(Spanned::get_ref)
     }
-}
-
-/// A parameter of a job.
-fn parameter(name: &Spanned<String>, spec: &Spanned<ParameterSpec>) -> Result<Parameter, Complaint> {
-    let text = name.get_ref();
-    let is_name = text.starts_with(|c: char| c.is_alphabetic() || c == '_')
-        && text.chars().all(|c| c.is_alphanumeric() || c == '_');
-    if !is_name || text == BAND {
-        let message = if is_name {
-            format!("model.parameters.{text}: this name is that of the bands of frequencies; choose another")
-        } else {
-            format!(
-                "model.parameters: `{text}` is no name: it must have letters, digits and _ only, and begin with a letter"
-            )
-        };
-        return Err(Complaint::at(name.span(), message));
-    }
-    let described = match spec.get_ref() {
-        ParameterSpec::Value(value) => DescribedParameter { value: *value, unit: None, label: None, range: None },
-        ParameterSpec::Described(described) => described.clone(),
-    };
-    let complain = |message: String| Complaint::at(spec.span(), format!("model.parameters.{text}{message}"));
-    let range = match described.range {
-        None => Limits::ANY,
-        Some([least, largest]) if least < largest => Limits::from(least, largest),
-        Some([least, largest]) => {
-            return Err(complain(format!(".range = [{least}, {largest}]: the first must be less than the second")));
-        }
-    };
-    if !described.value.is_finite() || !range.contain(described.value) {
-        return Err(complain(format!(" = {} is out of range: it must be {range}", described.value)));
-    }
-    Ok(Parameter {
-        name: text.clone(),
-        value: described.value,
-        unit: described.unit.unwrap_or_else(|| "1".to_owned()),
-        label: described.label.unwrap_or_else(|| text.replace('_', " ")),
-        range,
-    })
 }
 
 /// The bands of frequencies of a criterion, Hz.
@@ -368,19 +330,9 @@ impl JobModel for MatrixJob {
             TermsSpec(specs.0.iter().map(|spec| written(self.written_term(spec.get_ref()))).collect())
         };
         let of_parameter = |(place, parameter): (usize, &Parameter)| {
-            let range = (parameter.range != Limits::ANY).then_some([parameter.range.minimum, parameter.range.maximum]);
             // An axis replaces the value, which the factors need all the same.
             let value = if grid.axis_of(place).is_some() { grid.expected[place] } else { parameter.value };
-            let described = DescribedParameter {
-                value,
-                unit: (parameter.unit != "1").then(|| parameter.unit.clone()),
-                label: (parameter.label != parameter.name.replace('_', " ")).then(|| parameter.label.clone()),
-                range,
-            };
-            let spec = match &described {
-                DescribedParameter { unit: None, label: None, range: None, .. } => ParameterSpec::Value(value),
-                _ => ParameterSpec::Described(described),
-            };
+            let spec = written_parameter(parameter, value);
             (written(parameter.name.clone()), written(spec))
         };
         let mut model = table_of(&MatrixModelSpec {
