@@ -1,6 +1,7 @@
 //! Completing a run: computing what is missing of a job.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 use indicatif::HumanCount;
@@ -22,10 +23,11 @@ use crate::schedule::mapping::{CompletedMaps, Mapping};
 use crate::schedule::plan::{Plan, Shard};
 use crate::schedule::progress::{Progress, Total};
 use crate::store::directory::RunDirectory;
-use crate::store::layout::{AUDITS, MAPS};
+use crate::store::layout::{AUDITS, MAPS, SEARCHES};
 use crate::store::lock::{AN_INSTANT, Access};
 use crate::store::map_pieces;
 use crate::store::provenance::Session;
+use crate::store::searches::Searches;
 use crate::store::tally::Tally;
 use crate::tables::cell_columns::names_of_pair;
 use crate::tables::surface::Surface;
@@ -141,6 +143,10 @@ pub fn compute(
             (outcome, integrated) = engine.integrate(&evaluator, &audits, interrupt)?;
         }
     } else if outcome == Outcome::Finished {
+        if job.answer().is_of_rare_events() {
+            let searches = Searches::read(directory.create_folder(SEARCHES)?, job.experiment_hash())?;
+            evaluator.keep_searches_by(Arc::new(searches));
+        }
         outcome = count(&engine, &evaluator, &directory, &mut tally, shard, interrupt)
             .map_err(|failure| kept(failure, &directory))?;
     }

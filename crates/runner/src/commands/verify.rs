@@ -18,7 +18,7 @@ use crate::output::{counted, quoted, result, warn_of};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_file};
 use crate::store::directory::RunDirectory;
 use crate::store::file_state::FileState;
-use crate::store::layout::{AUDITS, JOB, LIMITS, MAPS, RECORD, SHARDS, SURFACE, WITH_DIGESTS};
+use crate::store::layout::{AUDITS, JOB, LIMITS, MAPS, RECORD, SEARCHES, SHARDS, SURFACE, WITH_DIGESTS};
 use crate::store::lock::Access;
 use crate::store::map_pieces;
 use crate::store::piece::{Defect, is_piece_name, read_checked};
@@ -133,7 +133,8 @@ impl Check<'_> {
             return Ok(Advice::action(&again));
         };
         self.pieces(SHARDS, directory.shards());
-        for (name, folder) in [(MAPS, directory.maps()?), (AUDITS, directory.audits()?)] {
+        let folders = [(MAPS, directory.maps()?), (AUDITS, directory.audits()?), (SEARCHES, directory.searches()?)];
+        for (name, folder) in folders {
             folder.iter().for_each(|folder| self.pieces(name, folder));
         }
         self.surface(&job)?;

@@ -6,6 +6,7 @@
 
 use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 
 use stickslip_core::model::Columns;
 use stickslip_core::model::decision::Decision;
@@ -23,6 +24,7 @@ use crate::evaluate::criteria::Criteria;
 use crate::evaluate::maps::Maps;
 use crate::evaluate::parts::Parts;
 use crate::evaluate::rare_events::RareEvents;
+use crate::evaluate::remembering::Keeper;
 use crate::evaluate::samples::{Drawing, Samples};
 use crate::evaluate::sums::{Lookups, SumLayout};
 use crate::evaluate::unit::{FinishedUnit, Recorded};
@@ -89,6 +91,13 @@ impl<'a> Evaluator<'a> {
         self.job
     }
 
+    /// Keeps the answers of searches for rare events, in jobs that make some.
+    pub fn keep_searches_by(&mut self, keeper: Arc<dyn Keeper>) {
+        if let Some(rare_events) = &mut self.rare_events {
+            rare_events.keep_by(keeper);
+        }
+    }
+
     /// Draws samples with weights where another evaluator draws them, which has evaluated the same cells.
     pub fn place_samples_as(&self, other: &Evaluator<'_>) {
         if let (Some(own), Some(other)) = (&self.rare_events, &other.rare_events) {
@@ -123,7 +132,7 @@ impl<'a> Evaluator<'a> {
                 Some(conditional) => Box::new(conditional::integrand(conditional, self.job, &cell, is_stopped)),
                 None => Box::new(DecidedIntegrand::new(self, &cell, is_stopped)),
             };
-            let sums = rare_events.evaluate(self.job, &cell, place, samples, &mut *integrand, &mut unit)?;
+            let sums = rare_events.evaluate(self.job, &cell, place, samples, &mut *integrand, &mut unit, is_stopped)?;
             self.layout.add_weighted(&mut unit.sums, &sums);
             return Some(unit);
         }

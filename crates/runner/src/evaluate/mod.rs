@@ -19,6 +19,8 @@ pub mod conditional;
 
 pub mod unstable_values;
 
+pub mod remembering;
+
 pub mod rare_events;
 
 pub mod evaluator;

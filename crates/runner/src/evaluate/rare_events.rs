@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use stickslip_core::model::IsStopped;
 use stickslip_core::model::verdict::Verdict;
 use stickslip_sampler::draw::deviates::Points as Source;
 use stickslip_sampler::draw::identity::{Generator, Purpose, block_generator};
@@ -13,6 +14,7 @@ use stickslip_sampler::rare::exploration::{Effort, Search};
 use stickslip_sampler::rare::points::{Integrand, Points};
 use stickslip_sampler::rare::proposal::Proposal;
 
+use crate::evaluate::remembering::{Keeper, Key, Remembering};
 use crate::evaluate::unit::FinishedUnit;
 use crate::job::{self, Answer, Job, Sampling};
 
@@ -55,10 +57,9 @@ pub struct RareEvents {
     effort: Effort,
     /// Densities found last. A population is looked for by one thread, while others that want it wait.
     kept: Mutex<VecDeque<(Key, Place)>>,
+    /// Where the answers of searches that take long are kept.
+    keeper: Option<Arc<dyn Keeper>>,
 }
-
-/// A cell and a population.
-type Key = (u64, u64);
 
 /// A density, once it is found.
 type Place = Arc<Mutex<Option<Found>>>;
@@ -75,7 +76,30 @@ impl RareEvents {
     pub fn new(job: &Job, dimensions: usize) -> Option<Self> {
         let Sampling { particles, method, .. } = &job.sampling;
         let effort = Effort { particles: (*particles)? as usize, moves: method.moves() };
-        Some(Self { dimensions, effort, kept: Mutex::default() })
+        Some(Self { dimensions, effort, kept: Mutex::default(), keeper: None })
+    }
+
+    /// Keeps the answers of searches that take long.
+    pub fn keep_by(&mut self, keeper: Arc<dyn Keeper>) {
+        self.keeper = Some(keeper);
+    }
+
+    /// What a search finds, with the answers that are known; `None` if it is stopped before.
+    fn searched<T>(
+        &self,
+        job: &Job,
+        key: Key,
+        integrand: &mut dyn Integrand,
+        is_stopped: IsStopped<'_>,
+        find: impl FnOnce(&mut Search<'_>) -> Option<T>,
+    ) -> Option<T> {
+        let mut generator = generator(job, key);
+        let Some(keeper) = &self.keeper else {
+            return find(&mut Search::new(self.dimensions, self.effort, &mut generator, integrand));
+        };
+        let mut remembering = Remembering::new(integrand, &**keeper, key, is_stopped);
+        let found = find(&mut Search::new(self.dimensions, self.effort, &mut generator, &mut remembering));
+        remembering.finish(found)
     }
 
     /// Draws the samples of cells where another job with as many deviates draws them, which has evaluated these cells.
@@ -93,23 +117,25 @@ impl RareEvents {
         samples: Range<u64>,
         integrand: &mut dyn Integrand,
         unit: &mut FinishedUnit,
+        is_stopped: IsStopped<'_>,
     ) -> Option<WeightedSums> {
         let mut sums = WeightedSums::default();
         if job.answer() == Answer::Population {
             for _ in samples {
-                let mut generator = generator(job, cell, randomisation as u64);
-                let mut search = Search::new(self.dimensions, self.effort, &mut generator, integrand);
-                let (explored, population) = search.population()?;
+                let key = (cell.index, randomisation as u64);
+                let population = |search: &mut Search<'_>| Some((search.population()?, search.evaluations()));
+                let found = self.searched(job, key, integrand, is_stopped, population)?;
+                let ((explored, population), evaluations) = found;
                 let (without, event) = (explored.without_verdict, explored.event);
                 sums.add_population(population.probability, without, explored.of_inputs(), event);
-                sums.add_evaluations(search.evaluations());
+                sums.add_evaluations(evaluations);
                 let is_unstable = event == Event::Stability || population.probability > 0.0;
                 unit.counts += if is_unstable { Verdict::Unstable } else { Verdict::Stable }.into();
             }
             return Some(sums);
         }
         let number = randomisation % populations(job);
-        let Found { proposal, evaluations } = self.found(job, cell, number as u64, integrand)?;
+        let Found { proposal, evaluations } = self.found(job, (cell.index, number as u64), integrand, is_stopped)?;
         // Each population is counted once, with the first sample of the first randomisation that uses it.
         if samples.start == 0 && randomisation == number {
             sums.add_evaluations(evaluations);
@@ -145,14 +171,14 @@ impl RareEvents {
     }
 
     /// The density of a population of a cell; `None` if it is stopped before.
-    fn found(&self, job: &Job, cell: &Cell, number: u64, integrand: &mut dyn Integrand) -> Option<Found> {
-        let place = self.place((cell.index, number));
+    fn found(&self, job: &Job, key: Key, integrand: &mut dyn Integrand, is_stopped: IsStopped<'_>) -> Option<Found> {
+        let place = self.place(key);
         let mut found = locked(&place);
         if found.is_none() {
-            let mut generator = generator(job, cell, number);
-            let mut search = Search::new(self.dimensions, self.effort, &mut generator, integrand);
-            let proposal = Arc::new(Proposal::find(&mut search)?);
-            *found = Some(Found { proposal, evaluations: search.evaluations() });
+            *found = Some(self.searched(job, key, integrand, is_stopped, |search| {
+                let proposal = Arc::new(Proposal::find(search)?);
+                Some(Found { proposal, evaluations: search.evaluations() })
+            })?);
         }
         found.clone()
     }
@@ -173,10 +199,10 @@ impl RareEvents {
 }
 
 /// The random numbers of a population of a cell.
-fn generator(job: &Job, cell: &Cell, number: u64) -> Generator {
+fn generator(job: &Job, (cell, number): Key) -> Generator {
     let (purpose, cell) = match job.sampling.common_random_numbers {
         true => (Purpose::CommonPopulation, 0),
-        false => (Purpose::Population, cell.index),
+        false => (Purpose::Population, cell),
     };
     block_generator(job.sampling.seed, purpose, cell, number)
 }

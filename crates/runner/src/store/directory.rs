@@ -17,7 +17,7 @@ use crate::output::{quoted, warn_of};
 use crate::store::digests::{DIGESTS, Digests, Fit, Known, digest_of_bytes, digest_of_file};
 use crate::store::file_state::{FileState, NOT_AS_WRITTEN, state_of};
 use crate::store::joining::{self, Refusal};
-use crate::store::layout::{AUDITS, JOB, MAPS, SHARDS, SURFACE, require_free, require_run, require_traces};
+use crate::store::layout::{AUDITS, JOB, MAPS, SEARCHES, SHARDS, SURFACE, require_free, require_run, require_traces};
 use crate::store::lock::{AN_INSTANT, Access, Lock, is_held};
 use crate::store::piece::{self, Complaint, Defect, REMEDY_OF_VERSIONS};
 use crate::store::tally::Tally;
@@ -125,6 +125,11 @@ impl RunDirectory {
     /// The directory of the audits of integrals, if there is one.
     pub fn audits(&self) -> Result<Option<Folder>, Failure> {
         self.folder(AUDITS)
+    }
+
+    /// The directory of searches for rare events, if there is one.
+    pub fn searches(&self) -> Result<Option<Folder>, Failure> {
+        self.folder(SEARCHES)
     }
 
     /// A directory in this one, created if it is not there.

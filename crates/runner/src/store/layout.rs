@@ -11,8 +11,8 @@ use crate::output::quoted;
 use crate::store::digests::DIGESTS;
 use crate::store::lock::{LOCK, in_use, is_held};
 
-/// The names of the frozen job, of the result, of the limits found from it, of the record of sessions, and of the directories of pieces, tiles and
-/// audits.
+/// The names of the frozen job, of the result, of the limits found from it, of the record of sessions, and of the directories of pieces, tiles,
+/// audits and searches for rare events.
 pub const JOB: &str = "job.toml";
 pub const SURFACE: &str = "surface.parquet";
 pub const LIMITS: &str = "limits.parquet";
@@ -20,6 +20,7 @@ pub const RECORD: &str = "run.json";
 pub const SHARDS: &str = "shards";
 pub const MAPS: &str = "map";
 pub const AUDITS: &str = "audit";
+pub const SEARCHES: &str = "searches";
 
 /// The files that have digests.
 pub const WITH_DIGESTS: [&str; 4] = [JOB, SURFACE, LIMITS, RECORD];

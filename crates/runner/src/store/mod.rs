@@ -24,6 +24,8 @@ pub mod piece;
 
 pub mod map_pieces;
 
+pub mod searches;
+
 pub mod directory;
 
 pub mod provenance;

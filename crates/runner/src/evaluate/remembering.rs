@@ -1,0 +1,243 @@
+//! Searches for rare events that go on where they were interrupted.
+//!
+//! A search is determined by its random numbers and by the answers of its integrand, which take nearly all of its time. So
+//! the answers are kept in the order in which they are asked for. A search that begins anew is given those that are known,
+//! and comes to where it was at once; its result has the same bits.
+
+use std::fmt;
+use std::time::{Duration, Instant};
+
+use stickslip_core::model::IsStopped;
+use stickslip_sampler::rare::points::{Integrand, Points};
+
+/// A cell, and the number of a search in it.
+pub type Key = (u64, u64);
+
+/// Where the answers of searches are kept.
+pub trait Keeper: fmt::Debug + Send + Sync {
+    /// The first answers of a search, as far as they are known.
+    fn known(&self, key: Key) -> Vec<f64>;
+
+    /// Keeps further answers, of which `first` is the number of the first.
+    fn keep(&self, key: Key, first: usize, answers: &[f64]);
+}
+
+/// Time between two writings of answers: a search that takes less writes none.
+const INTERVAL: Duration = Duration::from_secs(4);
+
+/// How long answers are computed at once, and of how many points at least: enough for vector lanes.
+const AT_ONCE: Duration = Duration::from_secs(1);
+const LEAST: usize = 16;
+
+/// An integrand whose answers are kept.
+pub struct Remembering<'a> {
+    integrand: &'a mut dyn Integrand,
+    keeper: &'a dyn Keeper,
+    key: Key,
+    is_stopped: IsStopped<'a>,
+    known: Vec<f64>,
+    /// Answers that were given.
+    given: usize,
+    /// The last of these, which are not kept yet.
+    fresh: Vec<f64>,
+    kept: Instant,
+    has_kept: bool,
+    /// Seconds for an answer.
+    cost: f64,
+    was_stopped: bool,
+}
+
+impl<'a> Remembering<'a> {
+    /// Of a search.
+    pub fn new(integrand: &'a mut dyn Integrand, keeper: &'a dyn Keeper, key: Key, is_stopped: IsStopped<'a>) -> Self {
+        Self {
+            integrand,
+            keeper,
+            key,
+            is_stopped,
+            known: keeper.known(key),
+            given: 0,
+            fresh: Vec::new(),
+            kept: Instant::now(),
+            has_kept: false,
+            cost: 0.0,
+            was_stopped: false,
+        }
+    }
+
+    /// Ends a search: keeps its last answers if others are kept, and returns its result unless an answer was missing because
+    /// it was stopped.
+    pub fn finish<T>(mut self, result: Option<T>) -> Option<T> {
+        if self.has_kept || self.was_stopped {
+            self.keep();
+        }
+        result.filter(|_| !self.was_stopped)
+    }
+
+    fn keep(&mut self) {
+        if !self.fresh.is_empty() {
+            self.keeper.keep(self.key, self.given - self.fresh.len(), &self.fresh);
+            self.fresh.clear();
+            self.has_kept = true;
+        }
+        self.kept = Instant::now();
+    }
+
+    /// The next answer, if it is known.
+    fn recalled(&mut self) -> Option<f64> {
+        let answer = self.known.get(self.given).copied()?;
+        self.given += 1;
+        Some(answer)
+    }
+
+    /// Answers at points, from the first that is not known on, a few points at once: `answer` is given the integrand and the
+    /// places of these. False if it is stopped before, or where there is no answer.
+    fn answers(
+        &mut self,
+        points: &Points,
+        answers: &mut Vec<f64>,
+        mut answer: impl FnMut(&mut dyn Integrand, &Points, usize) -> Option<Vec<f64>>,
+    ) -> bool {
+        while answers.len() < points.len() {
+            if let Some(known) = self.recalled() {
+                answers.push(known);
+                continue;
+            }
+            if (self.is_stopped)() {
+                self.was_stopped = true;
+                return false;
+            }
+            let affordable = (AT_ONCE.as_secs_f64() / self.cost.max(1e-9)) as usize;
+            let count = if self.cost > 0.0 { affordable.max(LEAST) } else { LEAST };
+            let next = part(points, answers.len(), count);
+            let begun = Instant::now();
+            let Some(found) = answer(self.integrand, &next, answers.len()) else { return false };
+            self.cost = begun.elapsed().as_secs_f64() / next.len() as f64;
+            self.given += found.len();
+            self.fresh.extend_from_slice(&found);
+            answers.extend(found);
+            if self.kept.elapsed() >= INTERVAL {
+                self.keep();
+            }
+        }
+        true
+    }
+}
+
+impl Integrand for Remembering<'_> {
+    fn values(&mut self, points: &Points) -> Option<Vec<Option<f64>>> {
+        let mut answers = Vec::with_capacity(points.len());
+        let without = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let is_whole = self.answers(points, &mut answers, |integrand, points, _| {
+            Some(integrand.values(points)?.into_iter().map(without).collect())
+        });
+        if !is_whole {
+            self.was_stopped = true;
+            return None;
+        }
+        Some(answers.into_iter().map(|value| (!value.is_nan()).then_some(value)).collect())
+    }
+
+    fn limit_states(&mut self, points: &Points, values: &[Option<f64>]) -> Option<Vec<f64>> {
+        // The first answer is whether there are any.
+        let answer = |integrand: &mut dyn Integrand, points: &Points, first: usize| {
+            integrand.limit_states(points, &values[first..first + points.len()])
+        };
+        let mut answers = Vec::with_capacity(points.len());
+        let has_states = match self.recalled() {
+            Some(known) => known != 0.0,
+            None if (self.is_stopped)() => {
+                self.was_stopped = true;
+                return None;
+            }
+            None => {
+                let states = answer(self.integrand, &part(points, 0, LEAST), 0);
+                self.fresh.push(f64::from(u8::from(states.is_some())));
+                answers.extend(states.iter().flatten());
+                self.fresh.extend_from_slice(&answers);
+                self.given += 1 + answers.len();
+                states.is_some()
+            }
+        };
+        (has_states && self.answers(points, &mut answers, answer)).then_some(answers)
+    }
+}
+
+/// So many points, or those that are left, from a place on.
+fn part(points: &Points, first: usize, count: usize) -> Points {
+    let mut part = Points::new(points.dimensions());
+    points.iter().skip(first).take(count).for_each(|point| part.push(point.iter().copied()));
+    part
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+    use std::sync::Mutex;
+
+    use stickslip_sampler::draw::identity::{Purpose, block_generator};
+    use stickslip_sampler::rare::exploration::{Effort, Search};
+    use stickslip_sampler::rare::points::LimitState;
+    use stickslip_sampler::rare::proposal::Proposal;
+
+    use super::*;
+
+    #[derive(Debug, Default)]
+    struct InMemory(Mutex<Vec<f64>>);
+
+    impl Keeper for InMemory {
+        fn known(&self, _: Key) -> Vec<f64> {
+            self.0.lock().unwrap().clone()
+        }
+
+        fn keep(&self, _: Key, first: usize, answers: &[f64]) {
+            let mut known = self.0.lock().unwrap();
+            assert_eq!(known.len(), first);
+            known.extend_from_slice(answers);
+        }
+    }
+
+    const EFFORT: Effort = Effort { particles: 40, moves: 4 };
+
+    /// What a search finds, and how many answers it asks for; with what is kept, until it has asked for so many.
+    fn found(keeper: Option<&InMemory>, most: usize) -> (Option<String>, usize) {
+        let asked = Cell::new(0);
+        let mut integrand = LimitState(|point: &[f64]| {
+            asked.set(asked.get() + 1);
+            3.0 - point[0] - 0.3 * point[1] * point[1]
+        });
+        let mut generator = block_generator(5, Purpose::Population, 0, 0);
+        let is_stopped = || asked.get() >= most;
+        let result = match keeper {
+            None => Proposal::find(&mut Search::new(2, EFFORT, &mut generator, &mut integrand)),
+            Some(keeper) => {
+                let mut remembering = Remembering::new(&mut integrand, keeper, (0, 0), &is_stopped);
+                let result = Proposal::find(&mut Search::new(2, EFFORT, &mut generator, &mut remembering));
+                remembering.finish(result)
+            }
+        };
+        (result.map(|proposal| format!("{proposal:?}")), asked.get())
+    }
+
+    #[test]
+    fn a_search_that_is_stopped_again_and_again_finds_the_same_with_no_answer_lost() {
+        let (expected, all) = found(None, usize::MAX);
+        assert!(expected.is_some() && all > 500, "{all}");
+        let keeper = InMemory::default();
+        let (mut asked, mut sessions) = (0, 0);
+        let result = loop {
+            let (result, more) = found(Some(&keeper), 100);
+            asked += more;
+            sessions += 1;
+            assert!(result.is_some() || more >= 100, "a session without progress");
+            if result.is_some() {
+                break result;
+            }
+        };
+        assert_eq!(result, expected);
+        assert!(sessions > 4, "{sessions}");
+        assert_eq!(asked, all, "an answer was asked for twice");
+        // What was found once is found again without an answer, but for the last ones, which no session kept.
+        assert_eq!(found(Some(&keeper), usize::MAX).0, expected);
+    }
+}
