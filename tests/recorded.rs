@@ -256,8 +256,8 @@ fn sobol_indices_of_recorded_results_are_those_of_a_product() {
         [table.column(&name)[0], table.column(&format!("{name}_error"))[0]]
     };
     // The logarithms have the variances ln(1 + std^2), and the product of a power of each its own.
-    let variance = |std: f64, power: f64| power * power * (std * std).ln_1p();
-    let [of_c, of_k] = [variance(0.2, 1.0).exp_m1(), variance(0.5, 0.5).exp_m1()];
+    let variance = |std: f64, power: f64| power * power * libm::log1p(std * std);
+    let [of_c, of_k] = [variance(0.2, 1.0), variance(0.5, 0.5)].map(libm::expm1);
     let whole = (1.0 + of_c) * (1.0 + of_k) - 1.0;
     for (input, own, other) in [("c", of_c, of_k), ("k", of_k, of_c)] {
         for (kind, expected) in [("first_order", own / whole), ("total", 1.0 - other / whole)] {
@@ -285,6 +285,19 @@ fn sobol_indices_of_recorded_results_are_those_of_a_product() {
     let picture = std::fs::read_to_string(place.path("oscillator/sobol-damping_ratio.svg")).unwrap();
     assert!(picture.contains("Share of the variance of the damping ratio"), "{picture}");
     place.run("plot oscillator --of sobol --result damping").refused(64, &["there are damping_ratio, frequency"]);
+}
+
+#[test]
+fn sobol_indices_of_recorded_results_are_those_of_any_pieces() {
+    let place = Place::new();
+    submitted(&place, "whole", OSCILLATOR);
+    place.write("job.toml", OSCILLATOR);
+    for shard in 1..4 {
+        place.run(&format!("submit job.toml --out shards --shard {shard}/3")).done();
+    }
+    place.run("merge shards").done();
+    assert!(place.surface("whole") == place.surface("shards"));
+    place.run("verify whole").done();
 }
 
 #[test]

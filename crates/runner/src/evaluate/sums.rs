@@ -178,12 +178,14 @@ impl SumLayout {
         let of = |from: usize, to: usize| &sums[from..to];
         let plain = of(0, self.derivatives_at());
         let lookups = of(self.lookups_at(), self.sources_at());
-        let inputs = || of(self.sensitivity_at(), self.probabilities_at()).chunks_exact(PER_INPUT);
+        let inputs = of(self.sensitivity_at(), self.results_at());
+        let mut results = of(self.results_at(), self.probabilities_at()).chunks_exact(PER_RESULT);
         plain.iter().all(|sum| within.contains(sum))
             && Lookups::can_be(lookups, samples)
             && (!self.derivatives
                 || ScoreSums::can_be(of(self.derivatives_at(), self.sensitivity_at()), counts.unstable, counts.stable))
-            && inputs().all(|sums| sums.iter().all(|sum| within.contains(sum)))
+            && inputs.iter().all(|sum| within.contains(sum))
+            && results.all(|sums| ValueSums::can_be(sums, samples))
             && (0..self.sensitivity).all(|input| {
                 let sums: Vec<i128> = sums.iter().map(|&sum| sum.into()).collect();
                 self.index_counts(&sums, input).is_some_and(|(counts, left_out)| counts.can_be(samples - left_out))

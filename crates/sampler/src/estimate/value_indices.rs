@@ -1,6 +1,6 @@
 //! Sobol indices of a continuous result: the shares of its variance that are due to an input.
 
-use super::fixed_point::{add_words, number};
+use super::fixed_point::{add_words, can_be_sum, number};
 use super::sobol_indices::SobolIndices;
 
 /// Words of each sum, and what a sum's largest word counts: 2^120. With seven words the smallest counts 2^-90, so that
@@ -45,6 +45,16 @@ impl ValueSums {
         for (sum, moment) in self.words.chunks_exact_mut(WORDS).zip(moments) {
             add_words(sum, moment / LARGEST);
         }
+    }
+
+    /// Whether these can be the sums of so many triples, each of which adds at most 1 to the largest word.
+    #[must_use]
+    pub fn can_be(sums: &[i64], triples: u64) -> bool {
+        let Some((&left_out, words)) = sums.split_last() else { return false };
+        let Some(counted) = triples.checked_sub(left_out.cast_unsigned()) else { return false };
+        sums.len() == Self::COUNT
+            && words.iter().all(|word| *word >= 0)
+            && words.chunks_exact(WORDS).all(|sum| can_be_sum(sum, counted as f64))
     }
 
     /// The sums, as they are kept.
@@ -142,6 +152,19 @@ mod tests {
                 assert!((0.75..1.35).contains(&mean), "{offset} {scale}: {squares:?}");
             }
         }
+    }
+
+    #[test]
+    fn sums_that_no_triples_have_are_told() {
+        let [[sums, _], ..] = sums(3, 200, |z| (z[2] > -0.6745).then_some(1e9 * z[0]));
+        let sound: Vec<i64> = sums.sums().collect();
+        assert!(ValueSums::can_be(&sound, 100) && !ValueSums::can_be(&sound, sound[ValueSums::COUNT - 1] as u64 - 1));
+        for (place, forged) in [(0, -1), (0, 1 << 40), (WORDS, 1 << 53), (ValueSums::COUNT - 1, -1), (9, -7)] {
+            let mut sums = sound.clone();
+            sums[place] = forged;
+            assert!(!ValueSums::can_be(&sums, 100), "{place} {forged}");
+        }
+        assert!(!ValueSums::can_be(&sound[1..], 100) && !ValueSums::can_be(&[], 100));
     }
 
     #[test]
