@@ -15,9 +15,14 @@ pub fn quoted(path: &Path) -> String {
         Some(text) if !text.is_empty() && !text.starts_with('=') && text.chars().all(is_plain) => {
             format!("{dot}{text}")
         }
-        Some(text) if !text.contains(is_hidden) => format!("'{dot}{}'", text.replace('\'', "'\\''")),
+        Some(text) if !text.contains(is_hidden) => in_quotes(&format!("{dot}{text}")),
         _ => format!("$'{dot}{}'", escaped(bytes)),
     }
+}
+
+/// A text in quotes, which every shell reads as one word.
+pub fn in_quotes(text: &str) -> String {
+    format!("'{}'", text.replace('\'', "'\\''"))
 }
 
 /// A path for messages: as it is, or as a shell would take it if it holds what cannot be shown.

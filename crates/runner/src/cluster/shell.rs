@@ -3,6 +3,7 @@
 use std::path::{Path, absolute};
 
 use crate::failure::Failure;
+use crate::shell::in_quotes;
 
 /// A word that a POSIX shell reads as this text, whatever is in it.
 pub fn quoted(text: &str) -> String {
@@ -10,7 +11,7 @@ pub fn quoted(text: &str) -> String {
     if !text.is_empty() && !text.starts_with(['-', '=']) && text.chars().all(is_plain) {
         text.to_owned()
     } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
+        in_quotes(text)
     }
 }
 

@@ -132,7 +132,8 @@ impl<'a> Evaluator<'a> {
                 Some(conditional) => Box::new(conditional::integrand(conditional, self.job, &cell, is_stopped)),
                 None => Box::new(DecidedIntegrand::new(self, &cell, is_stopped)),
             };
-            let sums = rare_events.evaluate(self.job, &cell, place, samples, &mut *integrand, &mut unit, is_stopped)?;
+            let key = (cell.index, place as u64);
+            let sums = rare_events.evaluate(self.job, key, samples, &mut *integrand, &mut unit, is_stopped)?;
             self.layout.add_weighted(&mut unit.sums, &sums);
             return Some(unit);
         }

@@ -9,7 +9,6 @@ use stickslip_core::model::verdict::Verdict;
 use stickslip_sampler::draw::deviates::Points as Source;
 use stickslip_sampler::draw::identity::{Generator, Purpose, block_generator};
 use stickslip_sampler::estimate::weighted::{Event, WeightedSums};
-use stickslip_sampler::grid::Cell;
 use stickslip_sampler::rare::exploration::{Effort, Search};
 use stickslip_sampler::rare::points::{Integrand, Points};
 use stickslip_sampler::rare::proposal::Proposal;
@@ -112,8 +111,7 @@ impl RareEvents {
     pub fn evaluate(
         &self,
         job: &Job,
-        cell: &Cell,
-        randomisation: usize,
+        (cell, randomisation): Key,
         samples: Range<u64>,
         integrand: &mut dyn Integrand,
         unit: &mut FinishedUnit,
@@ -122,9 +120,8 @@ impl RareEvents {
         let mut sums = WeightedSums::default();
         if job.answer() == Answer::Population {
             for _ in samples {
-                let key = (cell.index, randomisation as u64);
                 let population = |search: &mut Search<'_>| Some((search.population()?, search.evaluations()));
-                let found = self.searched(job, key, integrand, is_stopped, population)?;
+                let found = self.searched(job, (cell, randomisation), integrand, is_stopped, population)?;
                 let ((explored, population), evaluations) = found;
                 let (without, event) = (explored.without_verdict, explored.event);
                 sums.add_population(population.probability, without, explored.of_inputs(), event);
@@ -134,14 +131,14 @@ impl RareEvents {
             }
             return Some(sums);
         }
-        let number = randomisation % populations(job);
-        let Found { proposal, evaluations } = self.found(job, (cell.index, number as u64), integrand, is_stopped)?;
+        let number = randomisation % populations(job) as u64;
+        let Found { proposal, evaluations } = self.found(job, (cell, number), integrand, is_stopped)?;
         // Each population is counted once, with the first sample of the first randomisation that uses it.
         if samples.start == 0 && randomisation == number {
             sums.add_evaluations(evaluations);
         }
         let stream = job.deviates(self.dimensions + 1, Source::Sobol);
-        let mut deviates = stream.start(cell.index, randomisation as u64, samples.start);
+        let mut deviates = stream.start(cell, randomisation, samples.start);
         let mut columns = vec![Vec::new(); self.dimensions + 1];
         let mut scratch = vec![0.0; self.dimensions];
         let mut first = samples.start;

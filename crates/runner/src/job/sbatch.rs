@@ -5,6 +5,8 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
+use crate::shell::in_quotes;
+
 /// The options that a job may have: the name, the short form, and whether it needs a value.
 const OF_JOBS: [(&str, Option<char>, bool); 35] = [
     ("account", Some('A'), true),
@@ -83,15 +85,10 @@ pub fn not_for_jobs(options: &[SbatchOption]) -> impl Iterator<Item = (Option<Ra
         let message = format!(
             "engine.sbatch: {text:?} is not for a job, which may come from somebody else. There it may be one of {}; with one value, --qos=long or -q long, without spaces, quotes, \\ and #, or in double quotes without \\ and #. Take it out of the job, and give it on the command line: --sbatch={}",
             allowed(),
-            quoted(text)
+            in_quotes(text)
         );
         (place.clone(), message)
     })
-}
-
-/// A word in quotes for a shell.
-fn quoted(text: &str) -> String {
-    format!("'{}'", text.replace('\'', "'\\''"))
 }
 
 /// The options of jobs in words.

@@ -6,7 +6,7 @@
 //! Conditional probabilities and their squares are added as [whole numbers](super::fixed_point), so that a sum has the
 //! same bits in any order.
 
-use crate::estimate::fixed_point::{add_words, can_be_sum, number};
+use crate::estimate::fixed_point::{add_words, can_be_sum, number, number_of_unit};
 use crate::estimate::interval::{Estimate, MOST_WILSON_CONFIDENCE};
 use crate::estimate::randomisations::student;
 use crate::special_functions::{beta, normal};
@@ -55,8 +55,7 @@ impl ProbabilitySums {
     #[must_use]
     pub fn can_be(sums: &[i64], decided: u64) -> bool {
         let Some((probabilities, squares)) = sums.split_at_checked(WORDS) else { return false };
-        let words: Vec<i128> = probabilities.iter().map(|&word| word.into()).collect();
-        can_be_sum(probabilities, decided as f64) && can_be_sum(squares, number(&words))
+        can_be_sum(probabilities, decided as f64) && can_be_sum(squares, number_of_unit(probabilities))
     }
 }
 

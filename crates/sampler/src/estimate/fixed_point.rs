@@ -26,12 +26,17 @@ pub fn number(words: &[i128]) -> f64 {
     words.iter().rev().fold(0.0, |sum, &word| (sum + word as f64) * unit)
 }
 
+/// The number that words of a unit add up to.
+#[must_use]
+pub fn number_of_unit(words: &[i64]) -> f64 {
+    number(&words.iter().map(|&word| word.into()).collect::<Vec<i128>>())
+}
+
 /// Rounding of the numbers that are added, and of their sum.
 const SLACK: f64 = 1e-6;
 
 /// Whether words can be those of a sum of numbers from 0 to 1 that is at most this. Sums that are read may be forged.
 #[must_use]
 pub fn can_be_sum(words: &[i64], most: f64) -> bool {
-    let words: Vec<i128> = words.iter().map(|&word| word.into()).collect();
-    (-SLACK..=most + SLACK * most.max(1.0)).contains(&number(&words))
+    (-SLACK..=most + SLACK * most.max(1.0)).contains(&number_of_unit(words))
 }

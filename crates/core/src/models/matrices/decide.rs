@@ -54,11 +54,10 @@ impl<'a> Decider<'a> {
     /// Whether a sample with these coefficients is unstable, and how that was found; `None` if eigenvalues do not converge.
     #[must_use]
     pub fn is_unstable(&self, coefficients: &[f64]) -> Option<(bool, Way)> {
-        if let Some(values) = two_coordinates::eigenvalues(self.problem, coefficients) {
-            let told = values.map(|(value, radius)| self.sure(value, radius));
-            if told.contains(&Some(true)) || told.iter().all(Option::is_some) {
-                return Some((told.contains(&Some(true)), Way::ClosedForm));
-            }
+        if let Some(values) = two_coordinates::eigenvalues(self.problem, coefficients)
+            && let Some(told) = told(values.map(|(value, radius)| self.sure(value, radius)))
+        {
+            return Some((told, Way::ClosedForm));
         }
         let followed = self.series.and_then(|series| Some((series, series.follow(coefficients)?)));
         if let Some((series, (monomials, followed))) = followed {
@@ -103,9 +102,7 @@ impl<'a> Decider<'a> {
             return None;
         }
         let (all, norm) = fast_eigenvalues(&problem.companion())?;
-        let told = all.into_iter().map(|value| self.sure(value, CLEAR * magnitude(value) + CLEAR_OF_NORM * norm));
-        let told: Vec<Option<bool>> = told.collect();
-        if told.contains(&Some(true)) { Some(true) } else { told.iter().all(Option::is_some).then_some(false) }
+        told(all.into_iter().map(|value| self.sure(value, CLEAR * magnitude(value) + CLEAR_OF_NORM * norm)))
     }
 
     fn contains(&self, eigenvalue: Eigenvalue) -> bool {
@@ -114,15 +111,7 @@ impl<'a> Decider<'a> {
 
     /// Whether an eigenvalue that is known within a radius surely is in one of the regions, or surely in none.
     fn sure(&self, eigenvalue: Eigenvalue, radius: f64) -> Option<bool> {
-        let mut outside = true;
-        for region in self.regions {
-            match region.sure(eigenvalue, radius + ROUNDING) {
-                Some(true) => return Some(true),
-                Some(false) => {}
-                None => outside = false,
-            }
-        }
-        outside.then_some(false)
+        told(self.regions.iter().map(|region| region.sure(eigenvalue, radius + ROUNDING)))
     }
 
     /// The eigenvalue in the bands whose damping ratio is least above its threshold, in rad/s; `None` if there is none in a
@@ -187,6 +176,19 @@ impl<'a> Decider<'a> {
         };
         Some(values.into_iter().map(|value| excess(self.regions, value)).fold(1.0, f64::min))
     }
+}
+
+/// Whether one of these is surely so, or all surely are not; `None` if that is not known.
+fn told(sure: impl IntoIterator<Item = Option<bool>>) -> Option<bool> {
+    let mut all_are_known = true;
+    for sure in sure {
+        match sure {
+            Some(true) => return Some(true),
+            Some(false) => {}
+            None => all_are_known = false,
+        }
+    }
+    all_are_known.then_some(false)
 }
 
 /// The pairs of followed eigenvalues by their vectors.
