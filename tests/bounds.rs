@@ -329,7 +329,7 @@ method = "exact"
 
 /// The probability that the friction is beyond its critical value, in standard deviations from the expected one.
 fn beyond(damping: f64, friction: f64, std: f64) -> f64 {
-    let critical = 2.0 * (0.02 * damping).mul_add(0.02 * damping, 0.5);
+    let critical = 1.0 + 2.0 * (0.02 * damping) * (0.02 * damping);
     normal::upper_tail((critical - friction) / (std * friction))
 }
 

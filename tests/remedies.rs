@@ -1,6 +1,7 @@
 //! Messages that name a remedy: it is taken, by its field `remedy` as a program would, and helps.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on should say so and stop")]
+#![allow(clippy::print_stdout, reason = "a test that fails shows what was damaged")]
 
 mod common;
 

@@ -270,7 +270,7 @@ pub struct PlotArguments {
     /// With --of sobol: the recorded result whose variance is shared out, for example damping_ratio [default: the verdict]
     #[arg(long, value_name = "NAME")]
     pub result: Option<String>,
-    /// With --of modes: the parameter over which to draw them [default: the longest axis of the job]
+    /// With --of modes: the parameter over which to draw them [default: the longest axis of the job, else that of friction]
     #[arg(long, value_name = "NAME")]
     pub along: Option<String>,
     /// Draw the difference of the probabilities: those of the run minus those of this one, which has the same axes

@@ -336,7 +336,7 @@ mod tests {
     fn holes_are_not_read_to_their_end() {
         let directory = tempfile::tempdir().unwrap();
         let piece = directory.path().join(name_of(b"hole"));
-        fs::write(&piece, encode(&Owner::new("experiment"), &some_units()).unwrap()).unwrap();
+        fs::write(&piece, encode(&Owner::new("experiment"), some_units()).unwrap()).unwrap();
         fs::File::options().write(true).open(&piece).unwrap().set_len(MOST_BYTES).unwrap();
         let folder = folder(&directory);
         let started = std::time::Instant::now();
